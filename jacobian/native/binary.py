@@ -18,12 +18,12 @@ from jacobian.numbers import binary, two_words, words
 CONTEXTS: dict[type, Any] = {
     kind: record(kind, *[LONG] * 4, INT) for kind in (binary.BinaryWord, binary.BinaryTwoWords)
 }
-"""The kinds of both contexts."""
+"""The kind of each context class."""
 PAIR = "<2 x i64>"
 
 
 def plus(b: Operators, *terms: str) -> str:
-    """The exclusive or of all terms."""
+    """The sum of polynomials over GF(2): the exclusive or of all terms."""
     found = terms[0]
     for x in terms[1:]:
         found = b.write(f"xor i128 {found}, {x}")
@@ -31,14 +31,14 @@ def plus(b: Operators, *terms: str) -> str:
 
 
 def in_one_instruction(b: Operators, x: Value, y: Value) -> Value:
-    """The product of two words by the processor."""
+    """The carry-less product of two words, by the processor's instruction."""
     parts = [b.write(f"bitcast i128 {z.parts[0]} to {PAIR}") for z in (x, y)]
     found = b.write(f"call {PAIR} @llvm.x86.pclmulqdq({PAIR} {parts[0]}, {PAIR} {parts[1]}, i8 0)")
     return Value(LONG, (b.write(f"bitcast {PAIR} {found} to i128"),))
 
 
 def times(b: Any, x: str, y: str) -> str:
-    """The product of the low words of two longs, the high ones being 0."""
+    """The carry-less product of two longs whose high words are 0."""
     return str(b.call(binary.product_of_words, [Value(LONG, (x,)), Value(LONG, (y,))]).parts[0])
 
 
@@ -74,7 +74,7 @@ def dot(b: Any, K: Value, *terms: Value) -> Value:
 
 
 def add(b: Operators, K: Value, x: Value, y: Value) -> Value:
-    """x + y, which is x − y."""
+    """x + y; in characteristic 2 this is also x − y."""
     return Value(LONG, (plus(b, x.parts[0], y.parts[0]),))
 
 
@@ -87,11 +87,11 @@ PORTABLE: dict[Any, Callable[..., Value]] = {
     words.decode: lambda b, K, x: dot(b, K, x, Value(INT, ("1",))),
     two_words.long: lambda b, x: b.cast(x, LONG),
 }
-"""What compiled loops over these contexts call, on any processor."""
+"""Functions of this package, and the instructions that replace them on any processor."""
 
 
 def binary_functions() -> dict[Any, Callable[..., Value]]:
-    """These functions for this processor."""
+    """The functions with instructions of their own, with the processor's carry-less product if it has one."""
     if "+pclmul" in features().split(","):
         return PORTABLE | {binary.product_of_words: in_one_instruction}
     return PORTABLE

@@ -8,13 +8,13 @@ from typing import NamedTuple
 from jacobian.numbers.double_double_steps import FUNCTIONS
 
 ONE, ZERO = "1.0", "0.0"
-# rounds of a loop done at once (:func:`jacobian.numbers.abreast.abreast`), and numbers of an array processed together
+# SIMD lanes: rounds of a loop run together (:func:`jacobian.numbers.abreast.abreast`); numbers of a twin array's item
 # (:data:`jacobian.native.kinds.TWIN_WIDES`)
 LANES, TWO = 8, 2
 
 
 class Types(NamedTuple):
-    """LLVM's names for a float, an integer and a bit, or vectors of ``lanes`` of them, and the suffixes of function
+    """LLVM's types for a float, an integer and a bit, or for vectors with ``lanes`` of each, and suffixes of function
     names.
     """
 
@@ -30,7 +30,7 @@ SINGLE = Types("double", "i64", "i1", "f64", "", 1)
 
 
 def types_in(n: int) -> Types:
-    """The Types of n lanes."""
+    """The types for n lanes."""
     if n == 1:
         return SINGLE
     double, word, bit = (f"<{n} x {leaf}>" for leaf in SINGLE[:3])
@@ -41,17 +41,17 @@ TYPES = {1: SINGLE, TWO: types_in(TWO), LANES: types_in(LANES)}
 
 
 def repeated(leaf: str, literal: str, lanes: int) -> str:
-    """A constant in all lanes."""
+    """A vector constant with the same literal in every lane."""
     return f"<{', '.join([f'{leaf} {literal}'] * lanes)}>"
 
 
 def constant(x: float) -> str:
-    """A float as LLVM reads it, to the last bit."""
+    """The text of a float in LLVM's hexadecimal notation, which is exact."""
     return "0x" + struct.pack(">d", x).hex().upper()
 
 
 class Code:
-    """Instructions of one function: ``lines``, in the order in which they are written, and ``slots`` before them.
+    """The instructions of one function. ``slots`` allocate its stack memory and come before ``lines``.
 
     ``types`` are the current LLVM types of floats, integers and bits.
     """
@@ -74,7 +74,7 @@ class Code:
         return name
 
     def literal(self, leaf: str, text: str) -> str:
-        """A constant of a scalar type, or in all lanes."""
+        """A constant of the current type: a scalar, or a vector with the same value in every lane."""
         return text if self.types is SINGLE else repeated(leaf, text, self.types.lanes)
 
     @property
@@ -109,21 +109,21 @@ class Code:
         return self.intrinsic("sqrt", x)
 
     def intrinsic(self, name: str, *arguments: str) -> str:
-        """One of LLVM's functions of floats."""
+        """Calls one of LLVM's functions of floats; returns the result's name."""
         double = self.types.double
         given = ", ".join(f"{double} {x}" for x in arguments)
         return self.write(f"call {double} @llvm.{name}.{self.types.suffix}({given})")
 
     def unless_zero(self, x: str, y: str) -> str:
-        """y, but x where x = 0."""
+        """y if x ≠ 0, and x itself if x = 0."""
         double, bit = self.types.double, self.types.bit
         zero = self.write(f"fcmp oeq {double} {x}, {self.literal('double', ZERO)}")
         return self.write(f"select {bit} {zero}, {double} {x}, {double} {y}")
 
 
 def wide_functions() -> str:
-    """The :data:`~jacobian.numbers.double_double_steps.FUNCTIONS` of double-doubles, single and abreast, as a module
-    has them.
+    """The text of the :data:`~jacobian.numbers.double_double_steps.FUNCTIONS` of double-doubles, for scalars and for
+    SIMD lanes.
     """
     texts = []
     for types in TYPES.values():

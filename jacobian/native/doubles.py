@@ -1,6 +1,6 @@
 """The arithmetic of :class:`jacobian.numbers.words.Double` for compiled loops: residues modulo p < 2^49 as floats.
 
-No instruction may be contracted with another: h + l = ab is exact as it is written.
+No instruction may be contracted with another, since the exactness of h + l = ab depends on each rounding.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from jacobian.numbers import words
 
 
 def mul(b: Operators, K: Value, x: Value, y: Value) -> Value:
-    """xy − qp for the integer q next to the rounded xy/p."""
+    """xy modulo p, as xy − qp, where q is the integer nearest to the rounded xy/p."""
     p, reciprocal = K.parts[0], K.parts[1]
     first, second = (b.cast(z, FLOAT).parts[0] for z in (x, y))
     high = b.fmul(first, second)
@@ -24,7 +24,7 @@ def mul(b: Operators, K: Value, x: Value, y: Value) -> Value:
 
 
 def canonical(b: Operators, K: Value, x: Value) -> Value:
-    """Within p/2, for |x| ≤ 4.5·p."""
+    """The residue of x in [−p/2, p/2], for |x| ≤ 4.5·p."""
     p, half, found = K.parts[0], K.parts[3], x.parts[0]
     far = b.fadd(p, half)
     for bound, step in ((far, b.fmul("3.0", p)), (half, p)):

@@ -29,7 +29,7 @@ from jacobian.native.operators import BUILTINS, Operators, integer, real
 
 
 class Expressions(Operators):
-    """Values of expressions of one function. ``variables`` are the kinds of its names and where their scalars are."""
+    """Compiles the expressions of one function. ``variables`` maps each name to its kind and its stack slots."""
 
     def __init__(self, program: Any, function: Any, contract: str) -> None:
         super().__init__(contract)
@@ -40,12 +40,12 @@ class Expressions(Operators):
     # --- blocks
 
     def begin(self, label: str) -> None:
-        """Start a block: the next instructions belong to it."""
+        """Start a basic block: the next instructions belong to it."""
         self.lines.append(f"{label}:")
         self.label = label
 
     def labels(self, *names: str) -> list[str]:
-        """New names of blocks."""
+        """New labels for basic blocks, one for each name."""
         return [f"{name}{self.fresh()[2:]}" for name in names]
 
     def go(self, label: str) -> None:
@@ -113,7 +113,7 @@ class Expressions(Operators):
         return found(self, node)
 
     def place(self, node: ast.expr) -> tuple[Any, list[str]] | None:
-        """The kind and the slots of a variable, or of a part of one known at compile time; None otherwise."""
+        """(kind, slots) of a variable, or of a part of it whose index is known at compile time; None otherwise."""
         if isinstance(node, ast.Name):
             return self.variables.get(node.id)
         if isinstance(node, ast.Attribute) and (place := self.place(node.value)) is not None:
@@ -243,7 +243,7 @@ class Expressions(Operators):
         return found
 
     def address(self, row: Value, index: ast.expr) -> Value:
-        """The pointer to an item of an array, of the index's kind; abreast if the index is."""
+        """The pointer to an item of an array; a vector of pointers if the index is a vector."""
         indices = [self.value(x) for x in (index.elts if isinstance(index, ast.Tuple) else [index])]
         if len(indices) != row.kind.ndim or any(single(x.kind) is not INT for x in indices):
             raise CompileError(f"{len(indices)} indices of an array of {row.kind.ndim} axes, integers are needed")
@@ -280,7 +280,7 @@ class Expressions(Operators):
         return Value(single(value.kind), tuple(parts))
 
     def gathered(self, lanes: list[Value]) -> Value:
-        """Values of one kind abreast."""
+        """One vector value, made from the values of its lanes."""
         parts = []
         for n, leaf in enumerate(lanes[0].kind.leaves):
             row = "poison"
@@ -307,7 +307,7 @@ class Expressions(Operators):
             self.lines.append(f"  store {leaf} {part}, ptr {there}, align 8")
 
     def slice_of(self, row: Value, part: ast.Slice) -> Value:
-        """A part of a flat array: the same memory."""
+        """A slice of a flat array, as a view of the same memory."""
         if not isinstance(row.kind, ArrayKind) or row.kind.ndim != 1 or part.step is not None:
             raise CompileError("slices are those of flat arrays, without a step")
         size = Value(INT, (row.parts[1],))

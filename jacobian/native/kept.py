@@ -1,4 +1,4 @@
-"""Objects kept on disk. An object is valid as long as the sources that it was built from are unchanged."""
+"""Compiled objects on disk. An object is valid as long as the sources that it was built from are unchanged."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ HERE = Path(__file__).parent
 
 
 def place() -> Path | None:
-    """The folder for objects, or None if no candidate can be written to: NUMBA_CACHE_DIR, beside the source, the user's
-    cache.
+    """The folder for compiled objects; None if no candidate is writable.
 
-    numba uses the same folders.
+    It is NUMBA_CACHE_DIR if that is set. Otherwise the candidates are ``__pycache__`` in this folder, then the user's
+    cache. numba uses the same folders.
     """
     named = os.environ.get("NUMBA_CACHE_DIR")
     base = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
@@ -37,8 +37,8 @@ def place() -> Path | None:
 class Object(NamedTuple):
     """Compiled code as it is stored.
 
-    The fields: the machine code, the ``struct`` letters of its entries' results (in brackets for tuples), the source
-    modules, the module constants compiled in by their full names, and its text.
+    The fields: the machine code; the ``struct`` letters of each entry's result, in brackets for tuples; the source
+    modules; the module constants that were compiled in, by full name; the LLVM text.
     """
 
     results: dict[str, str]
@@ -64,7 +64,7 @@ def find(folder: Path, name: str, made_for: str) -> Object | None:
 
 
 def keep(folder: Path, name: str, made_for: str, made: Object) -> None:
-    """Store an object built for a machine, with the stamps of this compiler."""
+    """Store an object with the machine it was built for and the hashes of this compiler's sources."""
     sources = stamps(sorted({*made.modules, *compiler()}))
     known = {
         "made for": made_for, "size": len(made.code), "sources": sources, "numbers": made.numbers,
@@ -87,7 +87,7 @@ def _file(folder: Path, name: str) -> Path:
 
 @cache
 def compiler() -> frozenset[str]:
-    """The modules of the compiler and of what it imports, except the numerical algorithms that it writes out."""
+    """The names of the compiler's modules and of those they import, without the numerical algorithms they compile."""
     found: set[str] = set()
     left = {f"{__package__}.{path.stem}" for path in HERE.glob("*.py") if path.stem != "__init__"}
     while left:

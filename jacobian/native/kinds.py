@@ -1,4 +1,4 @@
-"""The kinds of values in compiled loops and their LLVM representation: every value is a row of scalars.
+"""The kinds of values in compiled loops and their LLVM representation: every value is a sequence of scalars.
 
 Kinds are equal if their fields are. A value of compiled code is a :class:`Value`: its kind and the LLVM
 operands of its scalars; an integer known at compile time is written as a literal.
@@ -21,14 +21,14 @@ class CompileError(TypeError):
 
 @dataclass(frozen=True)
 class Kind:
-    """A scalar, or two of them for a double-double: ``leaves`` are LLVM's types."""
+    """The kind of a number: ``leaves`` are the LLVM types of its scalars, one, or two for a double-double."""
 
     name: str
     leaves: tuple[str, ...]
     rank: int = -1
-    """Kinds of numbers meet in the one of higher rank."""
+    """The result of an operation on two kinds of numbers has the kind of higher rank."""
     single: Any = None
-    """What every lane holds, of a kind of values abreast."""
+    """The kind of one lane, for a vector kind; None for a scalar kind."""
     lanes: int = 1
 
 
@@ -47,7 +47,7 @@ _ABREAST = {
 
 
 def abreast(kind: Any, lanes: int = LANES) -> Any:
-    """The kind of a vector of ``lanes`` such values; for a tuple, of all its items."""
+    """The kind of a vector of ``lanes`` such values; for a tuple, the tuple of its items' vector kinds."""
     if isinstance(kind, TupleKind):
         return TupleKind(tuple(abreast(item, lanes) for item in kind.items), kind.named)
     if is_abreast(kind) and kind.lanes == lanes:
@@ -58,18 +58,19 @@ def abreast(kind: Any, lanes: int = LANES) -> Any:
 
 
 def is_abreast(kind: Any) -> bool:
-    """Whether it is a kind of values abreast."""
+    """Whether it is a vector kind, with a value in each SIMD lane."""
     return getattr(kind, "single", None) is not None
 
 
 def single(kind: Any) -> Any:
-    """The kind of one lane, or the kind itself."""
+    """The kind of one lane of a vector kind; a scalar kind itself."""
     return kind.single if is_abreast(kind) else kind
 
 
 @dataclass(frozen=True)
 class ArrayKind:
-    """A C-contiguous array of ``item``, floats, integers, longs or double-doubles; ``parts`` words to an item."""
+    """A C-contiguous array. ``item`` is the kind of its items: floats, integers, longs or double-doubles. Each item
+    takes ``parts`` words."""
 
     item: Kind
     ndim: int = 1
@@ -101,11 +102,11 @@ HIGHS = ArrayKind(FLOAT, parts=2)
 LONGS = ArrayKind(LONG, parts=2)
 TWIN_FLOATS = ArrayKind(_ABREAST[FLOAT, TWO], parts=TWO)
 TWIN_WIDES = ArrayKind(_ABREAST[WIDE, TWO], parts=2 * TWO)
-"""Items of two numbers each, on which the same is done at once: of floats (x, y), of double-doubles (x_hi, y_hi, x_lo,
-y_lo).
+"""Items of two numbers that run through the same instructions in two lanes: (x, y) of floats, (x_hi, y_hi, x_lo, y_lo)
+of double-doubles.
 """
 EIGHTS = ArrayKind(_ABREAST[FLOAT, LANES], parts=LANES)
-"""Items of as many floats as there are lanes."""
+"""Items of LANES floats each, one for each SIMD lane."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,7 @@ class TupleKind:
         return None if self.plain else tuple(map(form_of, self.items))
 
     def place(self, index: int) -> tuple[Any, int, int]:
-        """(kind, first scalar, the one after the last) of an item."""
+        """(kind, begin, end) of an item; its scalars are parts[begin:end] of the tuple's."""
         if not -len(self.items) <= index < len(self.items):
             raise CompileError(f"index {index} of a tuple of {len(self.items)}")
         index %= len(self.items)
@@ -145,8 +146,8 @@ class TupleKind:
 
 
 def form_of(kind: Any) -> tuple[Any, ...]:
-    """What a call inspects, computed once for many calls: (kind, type and axes of an array or None and 0, forms of a
-    tuple).
+    """(kind, dtype, axes, forms), which every call inspects, computed once: dtype and number of axes of an array, forms
+    of a tuple's items. They are None, 0 and None for other kinds.
     """
     if isinstance(kind, ArrayKind):
         return kind, kind.dtype, kind.axes, None
@@ -177,7 +178,7 @@ def record(named: Any, *items: Any) -> TupleKind:
 
 
 class Value(NamedTuple):
-    """A kind, and the LLVM operands of its scalars; of :data:`OBJECT` the thing itself."""
+    """A kind and the LLVM operands of its scalars; for :data:`OBJECT`, the Python object itself."""
 
     kind: Any
     parts: tuple[Any, ...]
@@ -210,7 +211,7 @@ def is_number(kind: Any) -> bool:
 
 
 def together_in(*kinds: Any) -> int:
-    """The number of lanes of numbers of these kinds; 1 if none is abreast."""
+    """The number of lanes in an operation on numbers of these kinds; 1 if no kind is a vector."""
     found = {kind.lanes for kind in kinds if is_abreast(kind)}
     if len(found) > 1:
         raise CompileError("numbers in different lanes")

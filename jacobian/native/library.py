@@ -23,10 +23,10 @@ from_buffer = c_char.from_buffer
 
 
 class Library:
-    """Functions that are compiled together, when one of them is first called.
+    """Functions that are compiled together, at the first call of any of them.
 
-    ``functions`` are the entries by name: the function and the kinds of its arguments. ``library.name(…)`` calls one:
-    arrays are given as NumPy's (of double-doubles with a last axis (hi, lo)), tuples as tuples or :class:`Packed`.
+    ``functions`` maps each entry's name to the function and the kinds of its arguments. ``library.name(…)`` calls it.
+    Arrays are NumPy arrays; double-doubles have a last axis (hi, lo). Tuples are tuples or :class:`Packed`.
     Calls release Python's lock. The logger of this module reports when a library is not on disk and has to be compiled.
     """
 
@@ -57,7 +57,7 @@ class Library:
         return folder is not None and kept.find(folder, self.name, self._made_for()) is not None
 
     def _made_for(self) -> str:
-        """The key of its object: this machine, and the entries with their kinds."""
+        """The key of its object on disk, which depends on this machine and on the entries with their kinds."""
         entries = {name: (f.__module__, f.__name__, *map(said, kinds)) for name, (f, kinds) in self._functions.items()}
         called = f"{entries} {[f.__name__ for f in self._fast]}"
         return f"{machine.name()} {sha256(called.encode()).hexdigest()}"
@@ -88,7 +88,7 @@ class Library:
 
 
 def said(kind: Any) -> str:
-    """A kind in full as text, with the fields of a NamedTuple."""
+    """The full text of a kind, with the field names of a NamedTuple."""
     if not isinstance(kind, TupleKind):
         return str(kind)
     return f"{getattr(kind.named, '_fields', '')}({', '.join(map(said, kind.items))})"
@@ -109,7 +109,7 @@ class Packed:
 
 
 class Call:
-    """An entry of a library."""
+    """A compiled entry of a library, callable from Python."""
 
     def __init__(self, entry: machine.Entry, kinds: tuple[Any, ...], result: str) -> None:
         self.entry, self._kinds, self._forms, back = entry, kinds, tuple(map(form_of, kinds)), result.strip("()")
@@ -130,14 +130,14 @@ class Call:
         return found if self._tuple else found[0] if found else None
 
     def _read(self, memory: bytearray) -> tuple[Any, ...]:
-        """The result of a call."""
+        """The scalars of a call's result, unpacked from its memory."""
         found = self._out.unpack_from(memory, self._in.size)
         if self._longs:
             return tuple([int.from_bytes(x, "little") if type(x) is bytes else x for x in found])
         return found
 
     def of_longs(self, *given: Any) -> Callable[..., tuple[Any, ...]]:
-        """The entry with its first arguments fixed; the remaining ones are longs."""
+        """A function of the remaining arguments, which are longs; the first ones are fixed."""
         words: list[Any] = []
         flatten(given, self._forms[: len(given)], words)
         letters = "".join(LETTERS[leaf] for kind in self._kinds[: len(given)] for leaf in kind.leaves)
@@ -162,7 +162,7 @@ def flatten(values: Any, forms: tuple[tuple[Any, ...], ...], words: list[Any]) -
         if type(value) is Packed:
             words += value.words
         elif dtype is not None:
-            # the most common kinds: a call for a few panels takes not much longer than this
+            # arrays are the most common arguments, and this check takes much of the time of a call for a few panels
             if (value.dtype is not dtype and value.dtype != dtype) or value.ndim != axes:
                 raise _unfit(value, kind)
             try:
@@ -185,7 +185,7 @@ def flatten(values: Any, forms: tuple[tuple[Any, ...], ...], words: list[Any]) -
 
 
 def _unwritten(array: np.ndarray, kind: Any) -> int:
-    """The address of an array that is empty or read-only."""
+    """The address of an array that is empty or read-only, which ``from_buffer`` rejects."""
     if not array.flags.c_contiguous:
         raise _unfit(array, kind)
     return int(array.ctypes.data)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 WORDS = np.dtype([("low", np.uint64), ("high", np.uint64)])
-"""A number of two words."""
+"""The NumPy dtype of a number below 2^128 as two 64-bit words."""
 
 
 def words_of(numbers: Any) -> Any:
@@ -17,10 +17,10 @@ def words_of(numbers: Any) -> Any:
 
 
 def numbers_of(words: Any) -> Any:
-    """The ints of an array of WORDS."""
+    """The Python ints of an array of WORDS."""
     return words["low"].astype(object) | words["high"].astype(object) << 64
 
 
 def pairs(words: Any) -> Any:
-    """The same memory in the form that compiled loops take, with a last axis of two words."""
+    """A view of the same memory as int64 with a last axis (low, high), the form that compiled loops take."""
     return words.view(np.int64).reshape(*words.shape, 2)

@@ -11,7 +11,7 @@ import llvmlite.binding as llvm
 
 
 def _target(effort: int = 2) -> Any:
-    """A new target machine: an engine takes ownership and frees it."""
+    """A new target machine for each engine, because an engine owns it and frees it."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(llvm.get_process_triple())
@@ -22,20 +22,20 @@ def _target(effort: int = 2) -> Any:
 
 @cache
 def features() -> str:
-    """The features of this processor, separated by commas: +avx2 if present, -avx2 if not."""
+    """The processor's features as a comma-separated list: +avx2 if AVX2 is present, -avx2 if not."""
     return str(llvm.get_host_cpu_features().flatten())
 
 
 @cache
 def name() -> str:
-    """The key of an object: the compiler, the processor and its features."""
+    """The key of this machine for stored objects: LLVM's version, the processor and its features."""
     version = ".".join(map(str, llvm.llvm_version_info))
     return f"{version} {llvm.get_process_triple()} {llvm.get_host_cpu_name()} {features()}"
 
 
 def object_of(text: str, as_written: bool = False) -> bytes:
-    """The module, optimized, as an object file; ``as_written``: for long straight-line code, which gains little from
-    optimization.
+    """The optimized module as an object file. With ``as_written`` optimization is skipped: long straight-line code
+    gains little from it.
     """
     machine = _target(1 if as_written else 2)
     module = llvm.parse_assembly(text)

@@ -1,6 +1,6 @@
-"""The arithmetic of :mod:`jacobian.numbers.two_words` for compiled loops: long numbers modulo p.
+"""The arithmetic of :mod:`jacobian.numbers.two_words` for compiled loops: residues of two words modulo p.
 
-Each function takes the context as its first argument, and writes instructions without branches.
+Each function of the arithmetic takes the context as its first argument and writes instructions without branches.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from jacobian.native.operators import Operators, integer
 from jacobian.numbers import two_words, words
 
 CONTEXT = record(two_words.TwoWords, *[LONG] * 5)
-"""The kind of a context."""
+"""The kind of a two-word context: six longs."""
 LOW = str((1 << 64) - 1)
 
 
@@ -89,7 +89,7 @@ def least(b: Operators, K: Value, x: Value) -> Value:
 
 
 def trailing_zeros(b: Operators, x: Value) -> Value:
-    """:func:`jacobian.numbers.two_words.trailing_zeros`."""
+    """The exponent of 2 in x > 0, in one instruction."""
     count = b.write(f"call i128 @llvm.cttz.i128(i128 {x.parts[0]}, i1 true)")
     return Value(INT, (b.write(f"trunc i128 {count} to i64"),))
 
@@ -106,4 +106,4 @@ MODULAR: dict[Any, Callable[..., Value]] = {
     two_words.trailing_zeros: trailing_zeros,
     two_words.long: lambda b, x: b.cast(x, LONG),
 }
-"""What compiled loops over a context of two words call."""
+"""Functions of this package, and the instructions that replace them on a two-word context."""

@@ -47,7 +47,7 @@ def real(x: float) -> Value:
 
 
 def in_lanes(method: Callable[..., Value]) -> Callable[..., Value]:
-    """The method, extended to values that may be abreast: the same instructions act on all lanes."""
+    """The method, extended to vector operands: the same instructions act on all lanes."""
 
     @wraps(method)
     def done(self: Operators, *given: Any) -> Value:
@@ -71,14 +71,14 @@ def in_lanes(method: Callable[..., Value]) -> Callable[..., Value]:
 
 
 class Operators(Code):
-    """Instructions on typed values; ``contract`` is the fast-math flag of floats, as LLVM writes it."""
+    """Instructions on typed values. ``contract`` is the text of LLVM's fast-math flag for float operations."""
 
     def __init__(self, contract: str) -> None:
         super().__init__()
         self.contract = contract
 
     def cast(self, value: Value, kind: Any) -> Value:
-        """The value converted to a kind that its own widens to."""
+        """The value converted to a kind of the same or higher rank."""
         if value.kind == kind:
             return value
         if is_abreast(kind):
@@ -109,7 +109,7 @@ class Operators(Code):
         return Value(LONG, (value.parts[0] if value.is_known else self.write(f"zext i64 {value.parts[0]} to i128"),))
 
     def cast_lanes(self, value: Value, kind: Any) -> Value:
-        """The value in a kind of values abreast."""
+        """The value converted to a vector kind."""
         if not is_abreast(value.kind):
             value = self.cast(value, kind.single)
             given = zip(kind.single.leaves, value.parts, strict=True)
@@ -128,7 +128,7 @@ class Operators(Code):
         return Value(single(value.kind), self.cast(value, abreast(single(value.kind), lanes)).parts)
 
     def repeat(self, leaf: str, part: str, lanes: int = LANES) -> str:
-        """A scalar in all lanes."""
+        """A vector that holds the scalar in every lane."""
         if not part.startswith("%"):
             return repeated(leaf, {"0": "false", "1": "true"}[part] if leaf == "i1" else part, lanes)
         many = f"<{lanes} x {leaf}>"
@@ -150,14 +150,14 @@ class Operators(Code):
 
     @in_lanes
     def logical(self, name: str, *truths: Value) -> Value:
-        """Whether all hold (``and``), any (``or``) or an odd number (``xor``)."""
+        """Whether all of the truths hold (``and``), at least one (``or``), or an odd number of them (``xor``)."""
         found, *others = (x.parts[0] for x in truths)
         for other in others:
             found = self.write(f"{name} {self.types.bit} {found}, {other}")
         return Value(BOOL, (found,))
 
     def wide(self, name: str, parts: tuple[Any, ...]) -> Value:
-        """A call of one of :data:`jacobian.numbers.double_double_steps.FUNCTIONS`."""
+        """The double-double result of one of :data:`jacobian.numbers.double_double_steps.FUNCTIONS`."""
         double, pairs = self.types.double, f"{{{self.types.double}, {self.types.double}}}"
         arguments = ", ".join(f"{double} {part}" for part in parts)
         pair = self.write(f"call {pairs} @wide.{name}{self.types.mark}({arguments})")
@@ -176,7 +176,7 @@ class Operators(Code):
 
     @in_lanes
     def binary(self, name: str, x: Value, y: Value) -> Value:
-        """x and y under the operator of that class of ``ast``."""
+        """The result of a binary operator on x and y; ``name`` is its class in ``ast``."""
         if isinstance(x.kind, TupleKind) and isinstance(y.kind, TupleKind) and name == "Add":
             return Value(TupleKind(x.kind.items + y.kind.items), x.parts + y.parts)
         if not (is_number(x.kind) and is_number(y.kind)):
@@ -192,7 +192,7 @@ class Operators(Code):
         return Value(INT, (self.int_binary(name, self.cast(x, INT).parts[0], self.cast(y, INT).parts[0]),))
 
     def wide_binary(self, name: str, x: Value, y: Value) -> Value:
-        """The same where one is a double-double; integers count as floats, exact up to 2^53."""
+        """:meth:`binary` if one operand is a double-double. Integers are converted to floats, exactly up to 2^53."""
         if name == "Sub":
             name, y = "Add", self.negative(y)
         if name in ("Add", "Mult"):
@@ -211,14 +211,14 @@ class Operators(Code):
         return self.wide("quotient", x.parts + y.parts)
 
     def long_binary(self, name: str, x: str, y: str) -> str:
-        """The same for longs, if the result is a long: in [0, 2^128)."""
+        """:meth:`binary` for longs; the result must lie in [0, 2^128)."""
         operation = {**ARITHMETIC, **BITS, "RShift": "lshr"}.get(name)
         if operation is None:
             raise CompileError(f"{name} of longs")
         return self.write(f"{operation} i128 {x}, {y}")
 
     def float_binary(self, name: str, x: str, y: str) -> str:
-        """The same for floats."""
+        """:meth:`binary` for floats."""
         if name == "Pow":
             return self.intrinsic("pow", x, y)
         operation = {"Add": "fadd", "Sub": "fsub", "Mult": "fmul", "Div": "fdiv"}.get(name)
@@ -227,7 +227,7 @@ class Operators(Code):
         return self.write(f"{operation} {self.contract} {self.types.double} {x}, {y}")
 
     def int_binary(self, name: str, x: str, y: str) -> str:
-        """The same for integers; quotients are rounded down."""
+        """:meth:`binary` for integers; quotients are rounded down, as in Python."""
         word, bit = self.types.word, self.types.bit
         if name in ARITHMETIC:
             # nsw: overflow never occurs in an index, and LLVM then vectorises loops over indices
@@ -275,7 +275,7 @@ class Operators(Code):
         return Value(BOOL, (self.write(f"or {bit} {first}, {both}"),))
 
     def chosen(self, condition: str, x: Value, y: Value) -> Value:
-        """x where the condition holds, else y: both are computed."""
+        """x if the condition holds, else y; both have been computed before."""
         if self.types is not SINGLE:
             return self.blended(condition, x, y)
         parts = tuple(
@@ -285,7 +285,7 @@ class Operators(Code):
         return Value(x.kind, parts)
 
     def blended(self, condition: str, x: Value, y: Value) -> Value:
-        """The same in every lane, for a condition given by lane."""
+        """In each lane x if the condition holds there, else y."""
         types = self.types if self.types is not SINGLE else TYPES[LANES]
         kind = abreast(x.kind, types.lanes)
         parts = tuple(
@@ -298,7 +298,7 @@ class Operators(Code):
 
     @in_lanes
     def extremum(self, relation: str, values: list[Value]) -> Value:
-        """The first of the smallest or largest values."""
+        """The smallest or largest value, by the relation; of equal values, the first."""
         kind = values[0].kind
         for value in values:
             kind = meeting(kind, value.kind)

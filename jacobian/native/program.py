@@ -31,7 +31,8 @@ class Instance(NamedTuple):
 
 
 class Program:
-    """A module. ``special`` functions have instructions of their own; sums in ``fast`` functions may be reordered.
+    """An LLVM module. For ``special`` functions the compiler has its own instructions. Sums in ``fast`` functions may
+    be reordered.
 
     Float operations may be contracted, but not in functions that take double-doubles.
     """
@@ -43,10 +44,10 @@ class Program:
         self.modules: set[str] = set()
         """The names of the modules that have been read."""
         self.numbers: dict[str, str] = {}
-        """The numbers of modules that are in it, by their whole names, as text."""
+        """The module constants that were compiled in: the ``repr`` of each by its full name."""
 
     def instance(self, function: Any, kinds: tuple[Any, ...]) -> Instance:
-        """The function for these argument kinds, compiled now if it is not yet."""
+        """The function compiled for these argument kinds; the first request compiles it."""
         key = function, kinds
         if key not in self._instances:
             if not inspect.isfunction(function):
@@ -63,8 +64,10 @@ class Program:
         return found
 
     def entry(self, name: str, function: Any, kinds: tuple[Any, ...]) -> Any:
-        """An entry that C can call. Its only argument is an array of 64-bit words: those of the arguments in a row,
-        then space for the result, whose kind is returned. A long takes two words.
+        """Adds an entry that C can call and returns the kind of its result.
+
+        The entry's only argument is an array of 64-bit words: the words of all arguments, then space for the result.
+        A long takes two words.
         """
         instance = self.instance(function, kinds)
         body = Statements(self, function, "")
@@ -95,7 +98,7 @@ class Program:
         return result
 
     def text(self) -> str:
-        """The module."""
+        """The LLVM text of the module."""
         return "\n".join([DECLARED, wide_functions(), *self._texts])
 
     def looked_up(self, module: Any, name: str) -> Any:

@@ -15,7 +15,7 @@ from jacobian.numbers.sums import joined, plus_product
 
 
 def adds_nothing(b: Operators, small: Value, large: Value) -> Value:
-    """:func:`jacobian.numbers.roots.negligible`."""
+    """Instructions for :func:`jacobian.numbers.roots.negligible`."""
     if single(large.kind) is WIDE:
         # compare with the whole number: lo may hold digits far below those of hi
         return b.compare("LtE", b.absolute(small), b.binary("Mult", real(EPS), b.absolute(large)))
@@ -24,7 +24,8 @@ def adds_nothing(b: Operators, small: Value, large: Value) -> Value:
 
 @in_lanes
 def one_more(b: Operators, total: Value, x: Value, y: Value) -> Value:
-    """:func:`jacobian.numbers.sums.plus_product`, as instructions if all are double-doubles."""
+    """Instructions for :func:`jacobian.numbers.sums.plus_product`, in the form for overlapping parts if all arguments
+    are double-doubles."""
     if any(v.kind is not WIDE for v in (total, x, y)):
         return b.binary("Add", total, b.binary("Mult", x, y))
     return Value(WIDE, step_of_sum(b, *total.parts, *x.parts, *y.parts))
@@ -32,7 +33,7 @@ def one_more(b: Operators, total: Value, x: Value, y: Value) -> Value:
 
 @in_lanes
 def both(b: Operators, x: Value, y: Value) -> Value:
-    """:func:`jacobian.numbers.sums.joined`, likewise."""
+    """Instructions for :func:`jacobian.numbers.sums.joined`, likewise."""
     if any(v.kind is not WIDE for v in (x, y)):
         return b.binary("Add", x, y)
     return Value(WIDE, joined_steps(b, *x.parts, *y.parts))

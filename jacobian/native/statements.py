@@ -26,17 +26,17 @@ from jacobian.numbers.abreast import abreast as rounds_abreast
 
 
 class _Wider(Exception):
-    """Raised when a name has to hold a wider kind than that of its first value."""
+    """Raised when a name must hold a wider kind than its first value has."""
 
 
 class Statements(Expressions):
-    """One function for arguments of some kinds: ``result`` is the kind that it returns, ``text`` the function in LLVM.
+    """Compiles one function for given argument kinds: ``result`` is the kind of its result, ``text`` its LLVM text.
 
     A name has one kind that holds all its values. If a later value needs a wider kind than the first, compilation
     starts again.
 
-    If a condition is abreast, each branch runs for all lanes if any lane needs it, and changes only those lanes:
-    ``mask``, None for all, marks the active lanes.
+    A condition may differ between SIMD lanes. Then a branch runs if any lane takes it, and changes only the lanes that
+    do. ``mask`` marks these active lanes; None means all.
     """
 
     def __init__(self, program: Any, function: Any, contract: str) -> None:
@@ -44,15 +44,15 @@ class Statements(Expressions):
         self.kinds: dict[str, Any] = {}
         self.result: Any = None
         self.loops: list[list[str]] = []
-        """Where continue and break lead, and a third entry where a break has been seen."""
+        """For each open loop the labels that continue and break jump to; a third entry once a break has been seen."""
         self.open = True
         self.mask: str | None = None
         self.branches = 0
         self.results: list[str] = []
-        """Where lanes that have returned keep what they return."""
+        """The stack slots for the results of the lanes that have returned."""
 
     def compiled(self, name: str, tree: ast.FunctionDef, kinds: tuple[Any, ...], attributes: str) -> str:
-        """The function in LLVM."""
+        """The function's LLVM text."""
         names = [x.arg for x in tree.args.args]
         if len(names) != len(kinds):
             raise CompileError(f"{len(kinds)} arguments, {len(names)} are needed")
@@ -226,7 +226,8 @@ class Statements(Expressions):
             self.begin(end)
 
     def if_in_lanes(self, node: ast.If, condition: str) -> None:
-        """Both branches, each run if any lane takes it and applied to the lanes that do; lanes that return drop out."""
+        """An if whose condition differs between lanes. Each branch runs if any lane takes it and changes only those
+        lanes; lanes that return drop out."""
         bits, outer = abreast(BOOL).leaves[0], self.mask
         other = self.write(f"xor {bits} {condition}, {self.repeat('i1', '1')}")
         left = []
@@ -261,12 +262,12 @@ class Statements(Expressions):
         self.open = False
 
     def stored_by_all(self) -> None:
-        """CompileError if only some lanes are active: the values of the others would be stored too."""
+        """Raises CompileError if only some lanes are active, because a store would write the other lanes too."""
         if self.mask is not None:
             raise CompileError("some lanes only store to an array")
 
     def all_lanes(self) -> None:
-        """CompileError if only some lanes are active."""
+        """Raises CompileError if only some lanes are active."""
         if self.mask is not None:
             raise CompileError("some lanes leave a round of a loop")
 
@@ -329,7 +330,7 @@ class Statements(Expressions):
         self.begin(end)
 
     def lanes_from(self, first: Value, stop: Value) -> Value:
-        """first, first + 1, …, clipped to the last one before ``stop``."""
+        """A vector first, first + 1, …, one for each lane; entries beyond ``stop`` − 1 are ``stop`` − 1."""
         numbers = ", ".join(f"i64 {k}" for k in range(LANES))
         places = self.binary("Add", first, Value(abreast(INT), (f"<{numbers}>",)))
         return self.extremum("Lt", [places, self.binary("Sub", stop, integer(1))])
