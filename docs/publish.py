@@ -1,38 +1,58 @@
 """Publish a report: ``python docs/publish.py [FOLDER]``, the folder of ``integrable report`` (default: runs/report).
 
-Copies its page, JSON and figures here, writes its first table into peers.md, and draws the picture of the README.
+Copies its JSON and figures here, writes their page, puts the first table of it into peers.md, and draws the picture of
+the README. ``python docs/publish.py --again`` writes the page anew from the JSON that is here, after a change of words.
 """
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import sys
 from pathlib import Path
+from typing import Any
+
+from integrable import load_scene
+from integrable.study.findings import study_from
+from integrable.study.page import page
 
 DOCS = Path(__file__).parent
+FIGURES = "figures/report"
 TABLE = r"(<!-- the first table of error_against_run_time\.md[^\n]*\n)(?:\|[^\n]*\n)+"
 
 
-def publish(folder: Path, docs: Path = DOCS) -> None:
-    """Replace what is published in ``docs`` by the report in ``folder``."""
-    page = (folder / "report.md").read_text(encoding="utf-8")
-    (docs / "error_against_run_time.md").write_text(page, encoding="utf-8")
-    shutil.copyfile(folder / "report.json", docs / "error_against_run_time.json")
-    figures = docs / "figures" / "report"
-    shutil.rmtree(figures, ignore_errors=True)
-    shutil.copytree(folder / "figures" / "report", figures)
+def page_of(data: dict[str, Any], docs: Path = DOCS) -> str:
+    """The page of a report.json whose figures are in ``docs``."""
+    study = study_from(data, [load_scene(name) for name in data["scenes"]])
+    drawn = {path.stem: f"{FIGURES}/{path.name}" for path in sorted((docs / FIGURES).glob("*.svg"))}
+    study.figures.update(drawn)
+    return page(study)
+
+
+def publish(folder: Path | None, docs: Path = DOCS) -> None:
+    """Replace what is published in ``docs`` by the report in ``folder``; None: its page and table alone."""
+    published = docs / "error_against_run_time.json"
+    if folder is not None:
+        shutil.copyfile(folder / "report.json", published)
+        shutil.rmtree(docs / FIGURES, ignore_errors=True)
+        shutil.copytree(folder / FIGURES, docs / FIGURES)
+    text = page_of(json.loads(published.read_text(encoding="utf-8")), docs)
+    published.with_suffix(".md").write_text(text, encoding="utf-8")
     peers = docs / "peers.md"
-    table = re.search(r"(?:^\|.*\n)+", page, flags=re.M)
+    table = re.search(r"(?:^\|.*\n)+", text, flags=re.M)
     assert table is not None, "a report begins with a table"
-    text, count = re.subn(TABLE, lambda found: found[1] + table[0], peers.read_text(encoding="utf-8"))
+    words, count = re.subn(TABLE, lambda found: found[1] + table[0], peers.read_text(encoding="utf-8"))
     assert count == 1, "peers.md has one place for the table"
-    peers.write_text(text, encoding="utf-8")
+    peers.write_text(words, encoding="utf-8")
 
 
 if __name__ == "__main__":
-    publish(Path(sys.argv[1] if len(sys.argv) > 1 else "runs/report"))
-    sys.path.insert(0, str(DOCS / "site"))
-    import front
+    if sys.argv[1:] == ["--again"]:
+        publish(None)
+    else:
+        publish(Path(sys.argv[1] if len(sys.argv) > 1 else "runs/report"))
+        sys.path.insert(0, str(DOCS / "site"))
+        import front
 
-    front.main()
+        front.main()
