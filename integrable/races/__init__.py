@@ -1,4 +1,4 @@
-"""Races: anyone's integrator beside those of :mod:`integrable.oracles` on problems whose solution is known.
+"""Races: a user's integrator against those of :mod:`integrable.oracles`, on problems whose solution is known.
 
     from integrable.races.race import race
     race(["t_handle"], {"mine": solve})        # solve(problem, times, tolerance): states, shape (len(times), n)

@@ -33,7 +33,7 @@ RIVALS = (
 
 
 class Entrant(NamedTuple):
-    """A method: its settings from loose to tight, and a timed run of one on a problem at times."""
+    """A method of a race: its settings from loose to tight, and a function for a timed run at one of them."""
 
     name: str
     settings: tuple[float, ...]
@@ -42,7 +42,7 @@ class Entrant(NamedTuple):
 
 
 def entrants(problem: Problem, own: dict[str, Solve], rivals: Sequence[str]) -> list[Entrant]:
-    """The entrants on a problem: methods that are not installed, or refuse its system, are left out."""
+    """The entrants on a problem. Methods that are not installed, or that refuse its system, are left out."""
     system, _ = _given(problem)
     known = [METHODS[name] for name in rivals if METHODS[name].takes(system)]
     found = [Entrant(name, TOLERANCES, _own(solve)) for name, solve in own.items()]
@@ -52,7 +52,7 @@ def entrants(problem: Problem, own: dict[str, Solve], rivals: Sequence[str]) -> 
 
 
 def loaded(word: str) -> tuple[str, Solve]:
-    """The function that ``module:function`` or ``file.py:function`` names, with its name; ArgumentError."""
+    """The name and the function that ``module:function`` or ``file.py:function`` refers to; else ArgumentError."""
     module, found, function = word.rpartition(":")
     if not (found and module and function.isidentifier()):
         raise ArgumentError(f"{shown(word)}: give module:function or file.py:function, such as mymodule:solve")
@@ -84,7 +84,7 @@ def _file(path: Path) -> Any:
 
 
 def _given(problem: Problem) -> tuple[Any, State]:
-    """The system in floats, and the start, which is in doubles already."""
+    """A problem's system in floats, and its start, which is already in doubles."""
     q, p = np.split(problem.y0, 2)
     return problem.system, State(tuple(q.tolist()), tuple(p.tolist()), tilted=True)
 

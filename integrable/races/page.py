@@ -49,18 +49,18 @@ class Axis(NamedTuple):
     end: float
 
     def at(self, value: float) -> float:
-        """The pixel of a value; values beyond the ends go to the ends."""
+        """The pixel of a value; values outside the axis are drawn at its ends."""
         part = (log10(max(value, 1e-300)) - self.low) / (self.high - self.low)
         return self.start + min(max(part, 0.0), 1.0) * (self.end - self.start)
 
     def ticks(self, most: int) -> list[int]:
-        """Decades, at most about that many."""
+        """The decades to label, about ``most`` at most."""
         stride = next(n for n in (1, 2, 3, 5, 10, 20) if (self.high - self.low) / n <= most)
         return list(range(self.low, self.high + 1, stride))
 
 
 def page(race: Results) -> str:
-    """The page."""
+    """The HTML of the page."""
     where = ", ".join(f"{name} {version}" for name, version in race.versions.items() if version)
     machine = f"{race.machine.get('processor') or race.machine['system']}, {race.machine['cores']} cores"
     return (
@@ -112,7 +112,7 @@ def diagram(course: Course) -> str:
 
 
 def _look(course: Course, name: str) -> tuple[str, str, bool]:
-    """The look of a method, or of a user's own, in the order of the race."""
+    """Colour and marker of a method. A user's own methods receive theirs in the order of the race."""
     own = [method for method in dict.fromkeys(run.method for run in course.runs) if method not in LOOKS]
     return (OWN[own.index(name) % len(OWN)], "p", True) if name in own else look(name)
 
@@ -122,8 +122,9 @@ def _words(run: Run) -> str:
 
 
 def _bands(course: Course, across: Axis) -> tuple[list[str], list[str]]:
-    """The ranges where errors are meaningless, within the truth's radius and below the effect of rounding the inputs;
-    and their names.
+    """The bands of errors that mean nothing, and their labels.
+
+    One band lies within the truth's radius, the other below the effect of rounding the inputs.
     """
     boxes, names = [], []
     for end, colour, words, height in (

@@ -1,8 +1,9 @@
-"""A race: methods at a ladder of settings on problems, error against run time, with the uncertainty of the truth.
+"""A race measures error against run time, for several methods at several settings each, on a set of problems.
 
-Each setting is first tried over a hundredth and four hundredths of the time span; where these predict a run beyond the
-limit, the method stops. Then all methods run at their settings of one rung in turn, so a slow second of the machine
-affects all alike. A run counts a start with its evaluation (:class:`integrable.oracles.method.Spent`).
+The settings of a method form a ladder, and one of them is a rung. Each is first tried over 1 % and 4 % of the time
+span. If these trials predict a run beyond the limit, the method stops there. Then all methods run in turn at one rung,
+so a slow second of the machine affects all alike. The time of a run is that of a start and its evaluation
+(:class:`integrable.oracles.method.Spent`). Results include the uncertainty of the truth.
 """
 
 from __future__ import annotations
@@ -59,11 +60,11 @@ def race(
     limit: float = LIMIT,
     tick: Tick = silent,
 ) -> Race:
-    """Run ``own`` functions solve(problem, times, tolerance), by name, and ``rivals`` on the problems.
+    """The results of a race between the functions ``own`` and the methods ``rivals`` on the problems.
 
-    ``times`` is an array, ascending from 0 on; a function returns the states there, shape (len(times), n). ``limit``:
-    seconds that a run may take. ``tick(label)`` is called before each piece of work. ArgumentError for an unknown
-    problem or rival.
+    ``own`` maps names to functions solve(problem, times, tolerance). Their ``times`` are an ascending array of times
+    ≥ 0, and they return the states there, of shape (len(times), n). A run may take ``limit`` seconds. ``tick(label)``
+    is called before each piece of work. Raises ArgumentError for an unknown problem or rival.
     """
     for name in rivals:
         one_of(name, "rivals", tuple(METHODS), f"give some of {', '.join(METHODS)}")
@@ -76,7 +77,7 @@ def race(
 
 
 def pieces_of_race(problems: Sequence[Any], rivals: Sequence[str]) -> int:
-    """The number of calls of ``tick`` by :func:`race`: for each problem one for the truth and one for each rung."""
+    """The number of calls of ``tick`` by :func:`race`: per problem, one for the truth and one for each rung."""
     return len(problems) * (1 + _rungs(rivals))
 
 
@@ -116,7 +117,7 @@ def _course(one: Problem, own: dict[str, Solve], rivals: Sequence[str], limit: f
 
 
 def _chosen(times: Sequence[float]) -> np.ndarray:
-    """At most that many of the times after 0, including the last, ascending."""
+    """At most MOST_TIMES of the positive times, ascending, including the last."""
     later = np.unique([t for t in times if t > 0])
     return later[np.unique(np.linspace(0, len(later) - 1, min(MOST_TIMES, len(later))).round().astype(int))]
 
@@ -124,7 +125,7 @@ def _chosen(times: Sequence[float]) -> np.ndarray:
 def _rung(
     one: Problem, times: np.ndarray, truth: Truth, left: list[Entrant], rung: int, limit: float
 ) -> list[tuple[Entrant, Run]]:
-    """All methods at their settings of one rung, first each alone, then the fast ones in turn."""
+    """The runs of all methods at one rung. Each method first runs alone, then the fast ones run in turn."""
     found: dict[str, Run] = {}
     for entrant in left:
         found[entrant.name] = _tried(one, times, truth, entrant, rung, limit)
@@ -146,7 +147,7 @@ def _once(one: Problem, times: np.ndarray, entrant: Entrant, rung: int) -> Any:
 
 
 def _tried(one: Problem, times: np.ndarray, truth: Truth, entrant: Entrant, rung: int, limit: float) -> Run:
-    """A run of a method, or the reason why there is none; the trial absorbs imports and compilation."""
+    """A run of a method, or the reason why there is none. A trial before it absorbs imports and compilation."""
     setting = entrant.settings[rung]
     run = Run(entrant.name, setting, entrant.word)
     try:
@@ -157,7 +158,7 @@ def _tried(one: Problem, times: np.ndarray, truth: Truth, entrant: Entrant, rung
             return run._replace(note=f"not run: it would take about {duration(whole)}")
         with at_most(2 * limit):
             spent, y = entrant.run(one, times, setting)
-    except Exception as why:  # of a user's function: the others continue
+    except Exception as why:  # a user's function failed; the other methods continue
         return run._replace(note=f"{type(why).__name__}: {' '.join(str(why).split())}")
     error = float(one.error(y, truth).max())
     if not np.isfinite(error):

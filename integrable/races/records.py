@@ -1,4 +1,4 @@
-"""The results of a race: its runs, their courses, and all of them as text and plain data."""
+"""The results of a race: its runs grouped into courses, one per problem, with conversions to text and plain data."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ __all__ = ["Course", "Results", "Run"]
 
 
 class Run(NamedTuple):
-    """A method at one setting: its error (:meth:`Problem.error`), and the median seconds of a start with its
-    evaluation.
+    """The result of a method at one setting.
 
-    ``first``: seconds spent once before that. ``note``: the reason for missing figures.
+    It has the error (:meth:`Problem.error`) and the median seconds of a start with its evaluation. ``first`` is the
+    seconds spent once before that, and ``note`` the reason for missing figures.
     """
 
     method: str
@@ -70,7 +70,7 @@ class Course:
 
 @dataclass(frozen=True)
 class Results:
-    """Courses, and the machine and date of their runs."""
+    """The courses of a race, and the machine and date of their runs."""
 
     courses: tuple[Course, ...]
     date: str
