@@ -56,7 +56,7 @@ A scene of your own is a file of ten lines: docs/scenes.md. In Python: import in
 
 
 def _folded(text: str) -> str:
-    """The lines of a text; lines longer than the terminal are folded below their explanation."""
+    """A text with lines longer than the terminal folded; continuations start below the explanation."""
     lines, width = [], get_terminal_size((120, 24)).columns
     for line in text.splitlines():
         hang = len(match[0]) if (match := re.match(r" *\S+(?: \S+)* {2,}", line)) else 4
@@ -315,7 +315,7 @@ def _run(arguments: argparse.Namespace) -> None:
 
     scene = load_scene(arguments.scene)
     out = _place(arguments.out, None if arguments.json else Path("runs") / portable(scene.name))
-    # a name that the file system refuses is no result either; Path.exists raises there, and writing gives the reason
+    # not Path.exists, which raises for a name that the file system refuses; writing gives the reason later
     if out is not None and not arguments.force and os.path.exists(out / "result.json"):
         _ask(out)
     trajectory = run(
@@ -341,7 +341,9 @@ def _run(arguments: argparse.Namespace) -> None:
 
 
 def _ask(out: Path) -> None:
-    """Whether to overwrite a result: a user at a terminal is asked, otherwise ArgumentError."""
+    """Asks a user at a terminal whether to overwrite a result. Raises ArgumentError if the answer is no, or if there is
+    no terminal.
+    """
     if sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty():
         print(f"{out} has a result; write over it? [y/N] ", end="", file=sys.stderr, flush=True)
         if sys.stdin.readline().strip().lower() in ("y", "yes"):
@@ -350,7 +352,7 @@ def _ask(out: Path) -> None:
 
 
 def _line(text: str) -> None:
-    """A line on stdout, above the progress bar if any."""
+    """Prints a line on stdout, above the progress bar if there is one."""
     bar = sys.modules.get("tqdm")
     if bar is None:
         print(text, flush=True)
@@ -411,7 +413,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; the exit code is 0, 2 for an argument or scene that is wrong, 130 when interrupted."""
     write_anything()
     parser = _parser()
-    if "_ARGCOMPLETE" in os.environ:  # a shell asks what could be written here
+    if "_ARGCOMPLETE" in os.environ:  # a shell asks for completions
         import argcomplete
 
         argcomplete.autocomplete(parser)
@@ -456,7 +458,7 @@ def _obey(arguments: argparse.Namespace) -> int:
         _write_no_more()
         return 141
     except OSError as error:
-        if error.filename is not None:  # of a file, an error that the writer should have explained
+        if error.filename is not None:  # an error about a file, which the writer should have explained
             raise
         _write_no_more()
         from integrable.files.whole import reason
@@ -470,5 +472,5 @@ def _obey(arguments: argparse.Namespace) -> int:
 
 
 def _write_no_more() -> None:
-    """Otherwise Python would try to write the rest of the output at its end, and complain."""
+    """Discards further output. Otherwise Python would try to write the rest on exit, and print an error."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

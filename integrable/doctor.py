@@ -1,4 +1,4 @@
-"""``integrable doctor``: what is installed, compiled and cached, how fast it is here, and any problems."""
+"""``integrable doctor``: what is installed, compiled and cached, the speed of this machine, and any problems."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LEAST = 0.2
 
 
 class Findings(NamedTuple):
-    """Facts, each a pair of words, and one line for each problem."""
+    """The facts, as pairs (name, value), and one line for each problem."""
 
     facts: list[tuple[str, str]]
     wrong: list[str]
@@ -99,7 +99,7 @@ def _speeds() -> list[tuple[str, str]]:
 
 
 def _seconds(act: Callable[[], object]) -> float:
-    """The time of one of many calls."""
+    """Seconds per call, from many calls."""
     act()
     count, begun = 0, perf_counter()
     while (spent := perf_counter() - begun) < LEAST:

@@ -15,11 +15,11 @@ APP = ("scipy", "matplotlib", "tqdm")
 
 
 class MissingExtraWarning(UserWarning):
-    """A library is not installed, and its part of the work is left out."""
+    """Warns that a library is not installed, and that the work which needs it is left out."""
 
 
 def installed(module: str) -> bool:
-    """Whether a library is installed; it is not imported."""
+    """Whether a library is installed. The check does not import it."""
     return find_spec(module) is not None
 
 
@@ -29,15 +29,15 @@ def command(extra: str = "app") -> str:
 
 
 def needed(module: str, what: str, extra: str = "app") -> None:
-    """ArgumentError where a library of an extra that ``what`` needs is not installed."""
+    """Raises ArgumentError if ``what`` needs a library that is not installed."""
     if not installed(module):
         raise ArgumentError(f"{what} needs {module}, which is not installed: {command(extra)}")
 
 
 def without(uses: Mapping[str, str]) -> set[str]:
-    """The missing libraries of the extra ``app``, named in one warning: call it before the work.
+    """The missing libraries of the extra ``app``. One warning names them all, so call this before the work.
 
-    ``uses`` describes what is left out without each.
+    ``uses`` maps each library to what is left out without it.
     """
     missing = [module for module in uses if not installed(module)]
     if missing:

@@ -1,4 +1,4 @@
-"""The oracles by the name they are documented under: :mod:`integrable.oracles.reference`."""
+"""The oracles under their documented name; the code is in :mod:`integrable.oracles.reference`."""
 
 from integrable.oracles.reference import *  # noqa: F403
 from integrable.oracles.reference import __all__ as __all__
