@@ -1,1 +1,1 @@
-"""What compiled code and long numbers are made of: words, tables of small fields, double-doubles, long reals."""
+"""The number types under compiled code: words, tables of small fields, double-doubles, long reals."""

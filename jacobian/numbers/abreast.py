@@ -4,9 +4,9 @@ from __future__ import annotations
 
 
 def abreast(begin: int, end: int) -> range:
-    """``range(begin, end)`` for a loop whose rounds may be done in any order, and more than once.
+    """``range(begin, end)``, for a loop whose rounds may run in any order, and more than once.
 
-    Compiled code (:mod:`jacobian.native`) does eight rounds at once, in the lanes of the processor's vectors; if fewer
-    are left, the last one is repeated.
+    Compiled code (:mod:`jacobian.native`) runs eight rounds at once in SIMD lanes. If fewer than eight are left, the
+    last one is repeated.
     """
     return range(begin, end)

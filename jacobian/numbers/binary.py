@@ -4,8 +4,8 @@ An element a is represented by a·x^w modulo the modulus M, w = 64 for n < 64 an
 q = T/M modulo x^w the low halves of T and qM are equal. The high half of T + qM is T/x^w modulo M, of degree below n
 without a comparison, for any M. Sums are exclusive ors; sums of products are reduced once.
 
-The names are those of :mod:`jacobian.numbers.words`, whose functions take these contexts too, in Python as they stand
-and compiled by :mod:`jacobian.native.binary`.
+The functions of :mod:`jacobian.numbers.words` accept these contexts too: in Python unchanged, and compiled by
+:mod:`jacobian.native.binary`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _Constants = namedtuple("_Constants", "modulus reciprocal one square degree")
 
 
 class BinaryContext(_Constants):
-    """What both contexts share."""
+    """The methods that both contexts share."""
 
     __slots__ = ()
     bits: int
@@ -63,21 +63,21 @@ class BinaryContext(_Constants):
 
 
 class BinaryWord(BinaryContext):
-    """n < 64."""
+    """The context of GF(2^n) on one word: n < 64."""
 
     __slots__ = ()
     bits = 64
 
 
 class BinaryTwoWords(BinaryContext):
-    """n < 128."""
+    """The context of GF(2^n) on two words: n < 128."""
 
     __slots__ = ()
     bits = 128
 
 
 def binary_context(modulus: int) -> BinaryContext:
-    """The context of GF(2)[x]/M, for an irreducible M of degree 2 to 127 as bits."""
+    """The context of GF(2)[x]/M. The bits of ``modulus`` are the coefficients of M, irreducible of degree 2 to 127."""
     degree = modulus.bit_length() - 1
     if not 2 <= degree <= MOST_DEGREE or modulus % 2 == 0:
         raise ArgumentError(
@@ -109,8 +109,10 @@ def carryless_product(x: int, y: int) -> int:
 
 
 def product_of_words(x: Any, y: Any) -> Any:
-    """The same for x, y < 2^64, by products of ints whose bits are five apart: at most 13 of them meet in one place,
-    and do not reach the next (Pornin 2017).
+    """The carry-less product of x, y < 2^64, from integer products of x and y restricted to every fifth bit.
+
+    At most 13 terms fall on one bit position, so their sum fits into five bits and no carry reaches the next (Pornin
+    2017).
     """
     found = long(0)
     for i in range(5):

@@ -1,8 +1,8 @@
 """numba's ``njit`` as this package uses it: compiled code is cached on disk if any folder is writable.
 
-numba keeps it in the folder that NUMBA_CACHE_DIR names, in ``__pycache__`` beside the source, or in the user's cache
-folder. Where it can write to none of them (a read-only installation and no home) every process compiles anew, and says
-so once. Importing this module does not import numba.
+numba's cache is the folder that NUMBA_CACHE_DIR names, ``__pycache__`` next to the source, or the user's cache folder.
+If none is writable (a read-only installation and no home), every process compiles anew, with one warning. Importing
+this module does not import numba.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ __all__ = ["NoCacheWarning", "interpreted", "look_for_a_place", "njit"]
 
 
 class NoCacheWarning(UserWarning):
-    """Compiled code cannot be kept on disk."""
+    """The warning that compiled code cannot be cached on disk."""
 
 
 def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """A decorator: ``numba.njit`` with its cache on disk, or without one if numba finds no folder for it."""
+    """The decorator ``numba.njit`` with its cache on disk, or without a cache if no folder is writable."""
     import numba
 
     def decorate(function: Callable[..., Any]) -> Any:
@@ -37,7 +37,7 @@ def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
 
 def _kept(function: Callable[..., Any], options: dict[str, Any]) -> Any:
-    """The function compiled by numba with a cache, None if there is no folder for one."""
+    """The function compiled by numba with a cache on disk; None if no folder is writable."""
     import numba
 
     try:
@@ -59,7 +59,7 @@ def say_once() -> None:
 
 
 def look_for_a_place(*, needed: bool = False) -> None:
-    """Warn now if there is no folder for compiled code; ArgumentError if one is needed."""
+    """Warns if no folder for compiled code is writable; raises ArgumentError instead if one is ``needed``."""
     if _kept(look_for_a_place, {}) is None:
         if needed:
             raise ArgumentError(f"{NO_PLACE}; {REMEDY}")
@@ -67,7 +67,7 @@ def look_for_a_place(*, needed: bool = False) -> None:
 
 
 def interpreted() -> bool:
-    """Whether numba is told not to compile (NUMBA_DISABLE_JIT=1): the readable loops are used then."""
+    """Whether numba's compilation is switched off (NUMBA_DISABLE_JIT=1). The loops then run in Python."""
     if "numba" in sys.modules:
         return bool(sys.modules["numba"].config.DISABLE_JIT)
     return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")

@@ -24,14 +24,14 @@ CONTEXTS = tuple(double_context(q) for q in PRIMES)
 class Convolutions:
     """Cyclic convolutions modulo p; their lengths are powers of 2 from LEAST to ``longest`` ≤ LONGEST.
 
-    At least half of the entries of one factor must be 0. ``loops`` has the functions of
-    :mod:`jacobian.numbers.transform_kernels`, compiled.
+    At least half of the entries of one factor must be 0. ``loops`` holds the compiled functions of
+    :mod:`jacobian.numbers.transform_kernels`.
     """
 
     def __init__(self, p: int, longest: int, loops: Any) -> None:
         self.p, self.P, self.loops = p, double_context(p), loops
         primes = list(PRIMES)
-        # a number of the product is a sum of longest/2 products of size (p/2)² at most
+        # an entry of the convolution is a sum of at most longest/2 products, each of size at most (p/2)²
         count = 2 if longest * p * p < 4 * primes[0] * primes[1] else 3
         self.used = list(PRIMES.items())[:count]
         # a shorter transform uses the first of these factors
@@ -39,7 +39,7 @@ class Convolutions:
         self.up = [_factors(loops, q, pow(g, -1, q), longest) for q, g in self.used]
 
     def transform(self, values: Any, length: int) -> Any:
-        """The transforms (2 or 3, length) of an array, filled up with zeros."""
+        """The transforms of an array, padded with zeros, modulo each prime in use; shape (2 or 3, length)."""
         found = np.zeros((len(self.used), length))
         for Q, W, row in zip(CONTEXTS, self.down, found, strict=False):
             row[: len(values)] = values
@@ -47,7 +47,7 @@ class Convolutions:
         return found
 
     def product(self, a: Any, b: Any, begin: int, scale: Any, out: Any) -> None:
-        """out[i] = scale[i]·(a ∗ b)[begin + i] modulo p, of two transforms."""
+        """Sets out[i] = scale[i]·(a ∗ b)[begin + i] modulo p; ``a`` and ``b`` are transforms."""
         residues = np.empty_like(a)
         for Q, W, x, y, row in zip(CONTEXTS, self.up, a, b, residues, strict=False):
             self.loops.multiply(Q, x, y, row)
@@ -56,8 +56,8 @@ class Convolutions:
         self.loops.combined(self.P, CONTEXTS, constants, residues, begin, scale, out)
 
     def _constants(self, length: int) -> Any:
-        """The constants of :func:`jacobian.numbers.transform_kernels.combined`; a transform followed by its inverse
-        multiplies by the length.
+        """The constants of :func:`jacobian.numbers.transform_kernels.combined`, with 1/length for each prime, because a
+        transform followed by its inverse multiplies by the length.
         """
         a, b, c = PRIMES
         pairs = [(pow(length, -1, q), q) for q in PRIMES]

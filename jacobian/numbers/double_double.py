@@ -16,8 +16,8 @@ import numpy as np
 
 from jacobian.errors import ArgumentError
 
-# numbers with this many bits and these exponents are far inside the range of floats, and so is the remainder after
-# their high part
+# numbers with at most this many bits, and with exponents likewise bounded, lie well inside the range of floats, and so
+# does the remainder after their high part
 MOST_BITS = 440
 # integers below it are exact as floats
 EXACT = 1 << 53
@@ -78,7 +78,7 @@ def _split_mpfr(x: Any) -> tuple[float, float]:
 
 @lru_cache(16)
 def _context(precision: int) -> Any:
-    """One in which a number of that precision and a float near it have an exact difference."""
+    """A gmpy2 context in which the difference of a number of that precision and a float near it is exact."""
     import gmpy2
 
     return gmpy2.context(precision=max(precision, 53) + 1)
@@ -114,9 +114,10 @@ def pack(numbers: Any) -> np.ndarray:
 
 
 def unpack(array: np.ndarray, convert: Any = Fraction) -> Any:
-    """The numbers of an array (…, 2) as nested lists (one number for shape (2,)): ``convert(hi) + convert(lo)``.
+    """The numbers ``convert(hi) + convert(lo)`` of an array (…, 2), as nested lists; for shape (2,) one number.
 
-    Exact as Fraction, and as the mpf of a context of 33 digits or more unless lo is far below hi.
+    The result is exact with Fraction. With the mpf of a context of 33 digits or more it is exact unless lo is far below
+    hi.
     """
     rows = np.asarray(array)
     if rows.shape[-1:] != (2,):
@@ -127,7 +128,7 @@ def unpack(array: np.ndarray, convert: Any = Fraction) -> Any:
 
 
 def exact_product(x: Any, y: Any) -> tuple[Any, Any]:
-    """x·y of floats, or of float64 arrays, and its rounding error, exactly unless floats over- or underflow."""
+    """(product, error) with x·y = product + error exactly, unless floats over- or underflow; x, y floats or arrays."""
     product = x * y
     (a, b), (c, d) = _halves(x), _halves(y)
     return product, ((a * c - product) + a * d + b * c) + b * d

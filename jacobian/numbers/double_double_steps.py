@@ -17,7 +17,7 @@ Pair = tuple[Float, Float]
 
 
 class Instructions(Protocol):
-    """What writes instructions on floats, one after the other, and returns their results."""
+    """The interface of a writer of float instructions; each method appends one and returns its result."""
 
     @property
     def one(self) -> Float: ...
@@ -29,7 +29,7 @@ class Instructions(Protocol):
     def fma(self, x: Float, y: Float, z: Float) -> Float: ...
     def fsqrt(self, x: Float) -> Float: ...
     def unless_zero(self, x: Float, y: Float) -> Float:
-        """y, but x where x = 0."""
+        """y if x ≠ 0, and x itself if x = 0."""
 
 
 def two_sum(b: Instructions, x: Float, y: Float) -> Pair:
@@ -40,7 +40,7 @@ def two_sum(b: Instructions, x: Float, y: Float) -> Pair:
 
 
 def fast_two_sum(b: Instructions, x: Float, y: Float) -> Pair:
-    """The same for |x| ≥ |y| or x = 0."""
+    """x + y and its error, exactly, if |x| ≥ |y| or x = 0."""
     s = b.fadd(x, y)
     return s, b.fsub(y, b.fsub(s, x))
 
@@ -60,7 +60,7 @@ def total(b: Instructions, xh: Float, xl: Float, yh: Float, yl: Float) -> Pair:
 
 
 def total_float(b: Instructions, xh: Float, xl: Float, y: Float) -> Pair:
-    """x + y of a float y."""
+    """x + y for a float y."""
     sh, sl = two_sum(b, xh, y)
     return fast_two_sum(b, sh, b.fadd(xl, sl))
 
@@ -73,13 +73,13 @@ def product(b: Instructions, xh: Float, xl: Float, yh: Float, yl: Float) -> Pair
 
 
 def product_float(b: Instructions, xh: Float, xl: Float, y: Float) -> Pair:
-    """x·y of a float y."""
+    """x·y for a float y."""
     ch, cl = two_product(b, xh, y)
     return fast_two_sum(b, ch, b.fma(xl, y, cl))
 
 
 def plus_product(b: Instructions, th: Float, tl: Float, xh: Float, xl: Float, yh: Float, yl: Float) -> Pair:
-    """t + x·y, a step of a sum whose parts may overlap until it is done."""
+    """t + x·y, one step of a long sum. The two parts may overlap until :func:`joined` ends the sum."""
     ph, pl = two_product(b, xh, yh)
     sh, sl = two_sum(b, th, ph)
     return sh, b.fadd(tl, b.fadd(sl, b.fma(xl, yh, b.fma(xh, yl, pl))))
@@ -106,12 +106,12 @@ def quotient(b: Instructions, xh: Float, xl: Float, yh: Float, yl: Float) -> Pai
 
 
 def quotient_of_float(b: Instructions, yh: Float, yl: Float, x: Float) -> Pair:
-    """x/y of a float x."""
+    """x/y for a float x."""
     return product_float(b, *reciprocal(b, yh, yl), x)
 
 
 def quotient_by_float(b: Instructions, xh: Float, xl: Float, y: Float) -> Pair:
-    """x/y of a float y."""
+    """x/y for a float y."""
     th = b.fdiv(xh, y)
     ph, pl = two_product(b, th, y)
     rest = b.fadd(b.fsub(b.fsub(xh, ph), pl), xl)
@@ -135,8 +135,8 @@ FUNCTIONS: dict[str, tuple[Callable[..., Pair], int]] = {
     "quotient_by_float": (quotient_by_float, 3),
     "root": (square_root, 2),
 }
-"""How they are called in a module, and how many floats they take.
+"""The functions by their names in a compiled module, each with its number of float arguments.
 
-Not inlined there: an addition of divisors calls some 600 of them, and compiling it would take twice as long for a few
-per cent of its time.
+They are not inlined. An addition of divisors calls some 600 of them; inlining would double the compilation time and
+save a few per cent of the run time.
 """

@@ -18,11 +18,11 @@ BITS = 160
 
 
 def half_spectrum(samples: Row, grid: tuple[int, int], circle: Row, room: Row, other: Row, out: Row) -> None:
-    """The coefficients of e^{2πi(kx + my)} for k = 0, …, rows/2 and all m in the order of a discrete transform, one row
-    after the other, real and imaginary parts in turn, into ``out``.
+    """Writes the coefficients of e^{2πi(kx + my)} into ``out``, for k = 0, …, rows/2 and all m.
 
-    ``samples`` are those at x = i/rows, y = j/columns, row by row; ``circle`` is :func:`circle_of` the longer side, or
-    of a multiple; ``room`` and ``other`` have room for (rows + 2)·columns numbers, which may be left in either.
+    Row k follows row k − 1, with m in the order of a discrete transform; real and imaginary parts alternate.
+    ``samples`` are the values at x = i/rows, y = j/columns, row by row. ``circle`` is :func:`circle_of` of the longer
+    side or of a multiple of it. ``room`` and ``other`` are scratch for (rows + 2)·columns numbers each.
     """
     rows, columns = grid
     for n in range(rows * columns):
@@ -35,7 +35,8 @@ def half_spectrum(samples: Row, grid: tuple[int, int], circle: Row, room: Row, o
 
 
 def across(values: Row, grid: tuple[int, int], circle: Row, other: Row, out: Row) -> None:
-    """:func:`half_spectrum` of the transforms down the columns, two of them in ``values`` in one."""
+    """The second half of :func:`half_spectrum`. ``values`` holds the transforms along the columns, where one complex
+    transform stands for two real columns."""
     rows, columns = grid
     height, half, scale = rows // 2 + 1, columns // 2, 0.5 / (rows * columns)
     for j in range(half):
@@ -53,7 +54,7 @@ def across(values: Row, grid: tuple[int, int], circle: Row, other: Row, out: Row
 
 
 def put_rows(values: Row, grid: tuple[int, int], out: Row) -> None:
-    """Columns of complex numbers as rows."""
+    """Transposes the complex numbers ``values``, stored by columns, into ``out``, stored by rows."""
     height, columns = grid[0] // 2 + 1, grid[1]
     for k in range(height):
         for j in range(columns):
@@ -62,8 +63,10 @@ def put_rows(values: Row, grid: tuple[int, int], out: Row) -> None:
 
 
 def transformed(values: Row, rows: int, width: int, circle: Row, other: Row) -> bool:
-    """Σ_j x_j·e^{−2πijk/rows} for ``rows`` rows x_j of ``width`` complex numbers each, real and imaginary parts
-    alternating, into ``values`` or, if true is returned, ``other`` (Stockham's order; Swarztrauber 1982).
+    """Computes Σ_j x_j·e^{−2πijk/rows} for the rows x_j of ``values``; returns whether the result is in ``other``.
+
+    Otherwise it is in ``values``. Each of the ``rows`` rows has ``width`` complex numbers, whose real and imaginary
+    parts alternate. The order is Stockham's (Swarztrauber 1982).
     """
     size, stride, turned = rows, width, False
     while size > 1:

@@ -16,8 +16,8 @@ from typing import Any
 class BareReals:
     """Numbers of ``bits`` bits: gmpy2's mpfr.
 
-    ``with reals:`` sets the precision, ``with reals.at(bits):`` another one, for the thread it is in, and puts it back
-    afterwards. Numbers made by :meth:`number` do not depend on it; results of operations do.
+    ``with reals:`` sets this precision for the current thread and restores the old one afterwards; ``with
+    reals.at(bits):`` does so for another precision. Results of operations depend on it; :meth:`number` does not.
     """
 
     def __init__(self, bits: int) -> None:
@@ -46,7 +46,8 @@ class BareReals:
         return result
 
     def number(self, x: Any) -> Any:
-        """An int, a float, an mpf of any context or a number of this kind; numbers with more digits may be rounded."""
+        """x as a number of this kind. x is an int, a float, an mpf of any context or a number of this kind; if it has
+        more digits, it may be rounded."""
         if isinstance(x, self._type):
             return x
         if isinstance(x, int):
@@ -58,19 +59,19 @@ class BareReals:
         return self._made(-mantissa if sign else mantissa, exponent)
 
     def row(self, values: Iterable[Any]) -> tuple[Any, ...]:
-        """:meth:`number` of each."""
+        """The tuple of :meth:`number` of each value."""
         return tuple(map(self.number, values))
 
     def element(self, field: Any, x: Any) -> Any:
-        """x as an mpf of ``field``, MP(digits); nan where a division by 0 or nearly 0 left no number."""
+        """x as an mpf of ``field``, MP(digits); nan if x is not finite, as after a division by 0 or nearly 0."""
         return field.binary(*self._parts(x)) if self._finite(x) else field.context.nan
 
     def elements(self, field: Any, values: Iterable[Any]) -> tuple[Any, ...]:
-        """:meth:`element` of each."""
+        """The tuple of :meth:`element` of each value."""
         return tuple(self.element(field, x) for x in values)
 
     def nearest(self, x: Any) -> int:
-        """The integer nearest to x, the upper of two."""
+        """The integer nearest to x; half-integers are rounded up."""
         mantissa, exponent = self._parts(x)
         if exponent >= 0:
             return int(mantissa) << exponent
@@ -81,7 +82,7 @@ class BareReals:
         return x
 
     def plain_row(self, values: Iterable[Any]) -> tuple[Any, ...]:
-        """:meth:`plain` of each."""
+        """The tuple of :meth:`plain` of each value."""
         return tuple(map(self.plain, values))
 
     def _finite(self, x: Any) -> bool:
@@ -104,8 +105,9 @@ class _Open(local):
 
 
 class BallReals(BareReals):
-    """Balls around numbers of ``bits`` bits: python-flint's arb (Johansson 2017). Inside ``with`` other threads wait
-    for theirs: flint has one precision for the process.
+    """Balls whose midpoints have ``bits`` bits: python-flint's arb (Johansson 2017).
+
+    flint has one precision for the whole process, so ``with`` holds a lock and other threads wait for theirs.
     """
 
     _turn = RLock()
@@ -133,7 +135,7 @@ class BallReals(BareReals):
         return x.mid()
 
     def rounded(self, balls: Iterable[Any], reals: BareReals) -> list[Any]:
-        """The middles of balls as numbers of ``reals``."""
+        """The midpoints of balls as numbers of ``reals``."""
         return [reals._made(*self._parts(x)) for x in balls]
 
     def _finite(self, x: Any) -> bool:

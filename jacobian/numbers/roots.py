@@ -30,5 +30,5 @@ def _root_of(numbers: Any) -> Callable[[Any], Any]:
 
 
 def negligible(small: Real, large: Real) -> bool:
-    """Whether ``small`` adds nothing to ``large``, to rounding."""
+    """Whether ``large`` + ``small`` rounds to ``large``."""
     return bool(large + small == large)

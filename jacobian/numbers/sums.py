@@ -11,14 +11,15 @@ Real = Any  # float, a long real, a double-double
 
 
 def plus_product(total: Real, x: Real, y: Real) -> Real:
-    """total + x·y, one step of a long sum; the sum must be added to a number before it is used.
+    """total + x·y, one step of a long sum. The finished sum must be added to a number before it is used.
 
-    Compiled for double-doubles, the two parts of ``total`` may overlap until then: n terms have a rounding error of at
-    most about n² units of 2⁻¹⁰⁶ of Σ|x·y| (Ogita, Rump & Oishi 2005, algorithm 5.3, of which this is a step).
+    In compiled double-double code the two parts of ``total`` may overlap until then. The rounding error of n terms is
+    at most about n²·2⁻¹⁰⁶·Σ|x·y|. This is one step of algorithm 5.3 of Ogita, Rump & Oishi 2005.
     """
     return total + x * y
 
 
 def joined(first: Real, second: Real) -> Real:
-    """The sum of two such sums, a number whose parts do not overlap: with an error of 2⁻¹⁰⁴ of the larger one."""
+    """first + second, for sums built by :func:`plus_product`. The parts of the result do not overlap. Its error is at
+    most 2⁻¹⁰⁴ times the larger summand."""
     return first + second

@@ -20,7 +20,7 @@ logarithm of −1; 1.
 
 
 class TableContext(_Tables):
-    """What both contexts share: an element is its own word."""
+    """The conversions that both contexts share: an element is its own word."""
 
     __slots__ = ()
 
@@ -34,13 +34,13 @@ class TableContext(_Tables):
 
 
 class BinaryTable(TableContext):
-    """A field of characteristic 2; ``zech`` is empty."""
+    """The context of a field of characteristic 2; ``zech`` is empty."""
 
     __slots__ = ()
 
 
 class OddTable(TableContext):
-    """A field of odd characteristic."""
+    """The context of a field of odd characteristic."""
 
     __slots__ = ()
 

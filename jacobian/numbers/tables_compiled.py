@@ -16,7 +16,7 @@ from jacobian.numbers.tables import BinaryTable, OddTable
 
 
 def _tables(K: Any) -> Any:
-    """The class of a context of tables from its numba type; None for another type."""
+    """The context class that belongs to a numba type; None if it is no context of tables."""
     found = getattr(K, "instance_class", None)
     return found if found in (BinaryTable, OddTable) else None
 

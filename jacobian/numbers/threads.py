@@ -1,4 +1,4 @@
-"""The threads that batches and long products run on: ranges of rows, in kernels that release Python's lock."""
+"""Threads for batches and long products. Each takes a range of rows, in kernels that release Python's lock."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ _pools: dict[tuple[int, int], ThreadPoolExecutor] = {}
 
 
 def threads() -> int:
-    """The number of threads that large batches are spread over: the processors this process may use, or what
-    :func:`set_threads` said.
+    """The number of threads for large batches: the argument of :func:`set_threads`, or by default the number of
+    processors that this process may use.
     """
     if _count is not None:
         return _count
@@ -31,10 +31,10 @@ def set_threads(count: int | None) -> None:
 
 
 def in_ranges(total: int, size: int, work: Callable[[int, int], Any], most: int | None = None) -> list[Any]:
-    """work(begin, end) for ranges of at most ``size`` rows that make up ``total``, in order, on all threads, or on
-    ``most``.
+    """The results of work(begin, end) for consecutive ranges that cover ``total`` rows, in order.
 
-    If there is more than one range, all threads get the same number of ranges, of equal length.
+    A range has at most ``size`` rows. The ranges run on all threads, or on at most ``most``. If there is more than one
+    range, every thread gets the same number of ranges, of equal length.
     """
     pieces = -(-total // size)
     count = min(threads() if most is None else most, pieces)

@@ -3,11 +3,11 @@
 A block x of length 2m represents a polynomial modulo X^(2m) − W² and is mapped to its residues modulo X^m − W and X^m +
 W. One factor W serves a whole block, so loops over its numbers are vector instructions (Harvey 2014 on the arithmetic).
 The factors of block b are the same on each level, in the order of reversed bits. Blocks that fit into the processor's
-cache are finished one after the other. The last four levels are done side by side in SIDE blocks of 16, in whose order
-the values stay: pointwise products, and the transform back, ask for no other.
+cache are finished one after the other. The last four levels run on SIDE blocks of 16 at once and leave the values in an
+interleaved order. Pointwise products and the inverse transform work in that order too.
 
-Numbers are of any size below 4.5·q on entry, of size below 2·q from :func:`forward`, below 4.5·q from :func:`backward`.
-Whoever calls the functions has them compiled (:mod:`jacobian.native`).
+Numbers may be of size below 4.5·q on entry. :func:`forward` returns sizes below 2·q, :func:`backward` below 4.5·q. The
+caller compiles the functions (:mod:`jacobian.native`).
 """
 
 from __future__ import annotations
@@ -18,34 +18,34 @@ from jacobian.numbers.words import canonical, mul
 
 SIDE = 64
 LEAST = 16 * SIDE
-"""The shortest transform."""
+"""The length of the shortest transform."""
 CACHED = 1 << 16
-"""Blocks of so many numbers stay in the cache."""
+"""The number of values of a block that stays in the processor's cache."""
 
 
 def _split(Q: Any, a0: Any, a1: Any, a2: Any, a3: Any, outer: Any, inner: Any, other: Any) -> Any:
-    """Two levels down: residues modulo X^(4m) − W² to those modulo X^m ∓ W' and X^m ∓ W''."""
+    """The residues modulo X^m ∓ W' and X^m ∓ W'' from those modulo X^(4m) − W²: two levels of :func:`forward`."""
     a0, a2, a3 = mul(Q, a0, 1.0), mul(Q, a2, outer), mul(Q, a3, outer)
     b1, b3 = mul(Q, a1 + a3, inner), mul(Q, a1 - a3, other)
     return a0 + a2 + b1, a0 + a2 - b1, a0 - a2 + b3, a0 - a2 - b3
 
 
 def _join(Q: Any, c0: Any, c1: Any, c2: Any, c3: Any, outer: Any, inner: Any, other: Any) -> Any:
-    """The inverse of :func:`_split`, times four, with the inverse factors."""
+    """Four times the inverse of :func:`_split`; the factors are the inverse ones."""
     b0, b2 = mul(Q, c0 + c1, 1.0), mul(Q, c2 + c3, 1.0)
     b1, b3 = mul(Q, c0 - c1, inner), mul(Q, c2 - c3, other)
     return b0 + b2, b1 + b3, mul(Q, b0 - b2, outer), mul(Q, b1 - b3, outer)
 
 
 def _halves(Q: Any, x: Any, m: Any) -> None:
-    """The level modulo X^(2m) − 1, one down or, times two, one up."""
+    """One level between X^(2m) − 1 and X^m ∓ 1, in place: forward, or, by the same formula, twice the inverse."""
     for j in range(m):
         low, high = mul(Q, x[j], 1.0), mul(Q, x[m + j], 1.0)
         x[j], x[m + j] = low + high, low - high
 
 
 def _quarters(turn: Any, Q: Any, W: Any, x: Any, begin: Any, m: Any, b: Any) -> None:
-    """Two levels of block b, of length 4m: ``turn`` is :func:`_split` or :func:`_join`."""
+    """Two levels of block b, of length 4m, in place; ``turn`` is :func:`_split` or :func:`_join`."""
     outer, inner, other = W[b], W[2 * b], W[2 * b + 1]
     x0, x1 = x[begin : begin + m], x[begin + m : begin + 2 * m]
     x2, x3 = x[begin + 2 * m : begin + 3 * m], x[begin + 3 * m : begin + 4 * m]
@@ -54,8 +54,8 @@ def _quarters(turn: Any, Q: Any, W: Any, x: Any, begin: Any, m: Any, b: Any) -> 
 
 
 def _beside(turn: Any, Q: Any, W: Any, S: Any, m: Any, b: Any) -> None:
-    """The same for SIDE blocks from b on, of which number i of block b + k is S[i·SIDE + k]; m = 1 or 4, and for
-    1 each is four blocks, from 4b on."""
+    """As :func:`_quarters`, for SIDE blocks from b on, interleaved: number i of block b + k is S[i·SIDE + k]. For m = 4
+    a block has 16 numbers; for m = 1 each of them consists of four blocks of 4, numbered from 4b on."""
     for i in range(4):
         first = (i if m == 4 else 4 * i) * SIDE
         for k in range(SIDE):
@@ -73,7 +73,7 @@ def _beside(turn: Any, Q: Any, W: Any, S: Any, m: Any, b: Any) -> None:
 
 
 def _last_down(Q: Any, W: Any, x: Any, begin: Any, b: Any, S: Any) -> None:
-    """Four levels of the SIDE blocks of 16 from number b on."""
+    """The last four levels of SIDE blocks of 16 numbers, from block b on."""
     for k in range(SIDE):
         for i in range(16):
             S[i * SIDE + k] = x[begin + 16 * k + i]
@@ -95,8 +95,8 @@ def _first_up(Q: Any, W: Any, x: Any, begin: Any, b: Any, S: Any) -> None:
 
 
 def forward(Q: Any, W: Any, x: Any, S: Any) -> None:
-    """Transforms x, of length 2^k ≥ LEAST, in place. ``W``: the factors, half as many as x has numbers; ``S``:
-    room for LEAST numbers.
+    """Transforms x, of length 2^k ≥ LEAST, in place. ``W`` holds the factors, half as many as x has numbers. ``S`` is
+    scratch for LEAST numbers.
     """
     whole, size = len(x), _even(len(x))
     if size < whole:
@@ -116,7 +116,7 @@ def forward(Q: Any, W: Any, x: Any, S: Any) -> None:
 
 
 def backward(Q: Any, W: Any, x: Any, S: Any) -> None:
-    """The inverse of :func:`forward`, times the length, with the inverse factors."""
+    """Replaces x by the inverse transform times its length; ``W`` holds the inverse factors."""
     whole, top = len(x), _even(len(x))
     size = top
     while size > CACHED:
@@ -138,7 +138,7 @@ def backward(Q: Any, W: Any, x: Any, S: Any) -> None:
 
 
 def _even(length: Any) -> int:
-    """The power of 4 that is the length, or half of it."""
+    """The length, or half of it: the one that is LEAST times a power of 4."""
     size = LEAST
     while 4 * size <= length:
         size *= 4
@@ -146,7 +146,7 @@ def _even(length: Any) -> int:
 
 
 def factors(Q: Any, roots: Any, W: Any) -> None:
-    """W[b] = Π roots[i] over the bits i of b; roots[i]: of order 2^(i+2)."""
+    """Sets W[b] = Π roots[i] over the bits i that are set in b; roots[i] has order 2^(i+2)."""
     W[0] = 1.0
     filled, i = 1, 0
     while filled < len(W):
@@ -156,13 +156,14 @@ def factors(Q: Any, roots: Any, W: Any) -> None:
 
 
 def multiply(Q: Any, x: Any, y: Any, out: Any) -> None:
-    """out = x·y, number by number."""
+    """Sets out to the pointwise product of x and y."""
     for j in range(len(out)):
         out[j] = mul(Q, x[j], y[j])
 
 
 def combined(P: Any, Q: Any, c: Any, residues: Any, begin: Any, scale: Any, out: Any) -> None:
-    """out = scale·N modulo p, canonical, N the least number with residues[i]·c[i] for its residues (Garner 1959).
+    """Sets out = scale·N modulo p, canonical. N is the integer of least size with the residues residues[i]·c[i]
+    (Garner 1959).
 
     ``Q``: the contexts of three primes, of which two or three are used: ``residues`` (2 or 3, size), those from
     ``begin`` on. ``c``: a factor for each, 1/q₁ modulo q₂, q₁ modulo p, 1/q₁ and 1/q₂ modulo q₃, q₁q₂ modulo p.

@@ -1,12 +1,12 @@
 """Arithmetic modulo an odd prime below 2^128 on two words: Montgomery's representation, always the least residue.
 
-An element a is represented by a·2^128 modulo p, an int from 0 on and below p. Least residues need no room above p, so
-that one context serves every prime of two words: a sum is a difference, x − (p − y), and a negative one takes p more.
+An element a is represented by a·2^128 modulo p, an int in [0, p). Least residues need no spare bits, so one context
+serves every prime of two words. A sum is computed as the difference x − (p − y), and p is added if it is negative.
 Montgomery's reduction (1985) subtracts: with m = T/p modulo 2^128 the low halves of T and mp are equal, and the
 difference of the high ones lies between −p and p. Sums of products add up modulo 2^128·p before they are reduced.
 
-The names are those of :mod:`jacobian.numbers.words`, whose functions take a :class:`TwoWords` too, in Python as they
-stand and compiled by :mod:`jacobian.native.modular`; so what is written with them runs on one word and on two.
+The functions of :mod:`jacobian.numbers.words` accept a :class:`TwoWords` too: in Python unchanged, and compiled by
+:mod:`jacobian.native.modular`. Formulas written with them therefore run on one word and on two.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def two_words(p: int) -> TwoWords:
 
 
 def long(n: Any) -> Any:
-    """n ≥ 0 as a number of two words."""
+    """n ≥ 0 as a number of two words; in Python this is n itself."""
     return n
 
 
@@ -75,7 +75,8 @@ def trailing_zeros(x: Any) -> Any:
 
 
 def inverse(K: Any, x: Any) -> Any:
-    """1/x for a word x ≠ 0: the binary greatest common divisor, halvings made up for at the end (Kaliski 1995).
+    """1/x for a word x ≠ 0, by the binary extended Euclidean algorithm. The k halvings are corrected at the end
+    (Kaliski 1995).
 
     ``us + vr = p`` throughout, so that neither r nor s outgrows p; ``sx = 2^k·v`` and ``rx = −2^k·u`` modulo p.
     """

@@ -1,12 +1,12 @@
-"""Arithmetic modulo an odd prime of word size: Montgomery's representation on signed words, hardly ever reduced.
+"""Arithmetic modulo an odd prime of word size: Montgomery's representation on signed words, reduced only where needed.
 
 An element a is represented by a·2^w modulo p with w = 32 (p < 2^31) or 64 (p < 2^63), as a signed int that need not be
 the least residue: Montgomery's reduction (1985) with a signed quotient maps a T with |T| < 2^(2w−1) to T/2^w modulo p
 of size at most |T|/2^w + p/2, without a comparison. So sums stay as they are, sums of products are reduced once, and
 only what is stored or compared is made *canonical*, −p/2 < x < p/2.
 
-A *context* K holds p and its constants; its class says how much room the word leaves, and compiled code is specialised
-by it::
+A *context* K holds p and its constants. Its class says how many spare bits a word has above p, and compiled code is
+specialised by that class::
 
     K = word_context(p)              # Lazy32, Wide32, Lazy64 or Wide64
     x = K.to_word(a)                 # canonical, for 0 ≤ a < p; K.from_word(x) goes back for any x
@@ -22,9 +22,9 @@ most 2·p² on Wide and 32·p² on Lazy. The result is a word only if they add u
 Running a formula on intervals proves that it keeps these bounds (``tests/jacobian/numbers/word_bounds.py``).
 
 For p < 2^49 a fifth context, :class:`Double`, keeps least residues as floats: the remainder of a product is computed
-exactly from two fused multiplications and a rounded quotient. Processors do that for eight products at a time, which
-they cannot for products of 64 bits. Its products are reduced one by one; those of one dot may add up to any number of
-units, a product to less than 16·p², a sum to less than 16·p; ``settled`` and ``canonical`` take |x| ≤ 4.5·p.
+exactly from two fused multiplications and a rounded quotient. SIMD instructions do this for eight products at once; for
+products of 64-bit words there are none. Each product of a dot is reduced on its own. A product must be below 16·p² and
+a sum below 16·p; ``settled`` and ``canonical`` take |x| ≤ 4.5·p.
 
 The functions also run on Python ints, exactly; :mod:`jacobian.numbers.words_compiled` registers their compiled
 versions. Importing this module imports neither numba nor numpy.
@@ -42,7 +42,7 @@ _Constants = namedtuple("_Constants", "p reciprocal one square cube half")
 
 
 class WordContext(_Constants):
-    """What the four contexts share: conversion, and the operations on Python ints."""
+    """The conversions and the operations on Python ints that the four contexts share."""
 
     __slots__ = ()
     bits: int
@@ -87,35 +87,35 @@ class WordContext(_Constants):
 
 
 class Lazy32(WordContext):
-    """p < 2^29 on words of 32 bits."""
+    """The context of p < 2^29 on words of 32 bits."""
 
     __slots__ = ()
     bits, wide = 32, False
 
 
 class Wide32(WordContext):
-    """p < 2^31 on words of 32 bits."""
+    """The context of p < 2^31 on words of 32 bits."""
 
     __slots__ = ()
     bits, wide = 32, True
 
 
 class Lazy64(WordContext):
-    """p < 2^61 on words of 64 bits."""
+    """The context of p < 2^61 on words of 64 bits."""
 
     __slots__ = ()
     bits, wide = 64, False
 
 
 class Wide64(WordContext):
-    """p < 2^63 on words of 64 bits."""
+    """The context of p < 2^63 on words of 64 bits."""
 
     __slots__ = ()
     bits, wide = 64, True
 
 
 class Double(namedtuple("Double", "p reciprocal one half")):
-    """p < 2^49 on floats; reciprocal is 1/p, rounded."""
+    """The context of p < 2^49 on floats; ``reciprocal`` is 1/p, rounded."""
 
     __slots__ = ()
 
@@ -147,7 +147,7 @@ def word_context(p: int, bits: int | None = None) -> WordContext:
 
 
 def _signed(x: int, bits: int) -> int:
-    """x modulo 2^bits, from −2^(bits−1) on."""
+    """The residue of x modulo 2^bits in [−2^(bits−1), 2^(bits−1))."""
     half = 1 << (bits - 1)
     return ((x + half) & (2 * half - 1)) - half
 
@@ -188,17 +188,17 @@ def neg(K: Any, x: Any) -> Any:
 
 
 def fit(K: Any, x: Any) -> Any:
-    """x, within p/2 on a wide context."""
+    """x on a lazy context; on a wide one the residue of x within p/2, for |x| ≤ p."""
     return K.fit(x)
 
 
 def canonical(K: Any, x: Any) -> Any:
-    """The x of its class modulo p with −p/2 < x < p/2, for |x| ≤ 1.5·p (p on a wide context)."""
+    """The residue of x in (−p/2, p/2), for |x| ≤ 1.5·p (on a wide context |x| ≤ p)."""
     return K.canonical(x)
 
 
 def settled(K: Any, x: Any) -> Any:
-    """The x of its class modulo p with −p/2 < x < p/2, for any word."""
+    """The residue of x in (−p/2, p/2), for any word x."""
     return K.settled(x)
 
 

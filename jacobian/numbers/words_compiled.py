@@ -70,7 +70,7 @@ _DOTS = {bits: _montgomery(bits) for bits in (32, 64)}
 
 @intrinsic
 def _rest(typing, a, b, p, reciprocal):  # type: ignore[no-untyped-def]
-    """ab modulo p on floats: ab − qp for the integer q next to the rounded ab/p.
+    """ab modulo p on floats, as ab − qp, where q is the integer nearest to the rounded ab/p.
 
     h + l = ab and h − qp are exact, the first by the fused product, the second because it is a small integer.
     """
@@ -88,7 +88,7 @@ def _rest(typing, a, b, p, reciprocal):  # type: ignore[no-untyped-def]
 
 
 def _kind(K: Any) -> Any:
-    """The class of a context from its numba type; None for another type."""
+    """The context class that belongs to a numba type; None if it is no context of words."""
     found = getattr(K, "instance_class", None)
     return found if isinstance(found, type) and issubclass(found, words.WordContext | words.Double) else None
 
@@ -161,7 +161,7 @@ def _canonical(K, x):  # type: ignore[no-untyped-def]
         return lambda K, x: words.settled(K, x)
 
     def masked(K, x):  # type: ignore[no-untyped-def]
-        # first up, then down, so that nothing overflows for |x| ≤ p < 2^63
+        # add p to negative x first, then subtract: nothing overflows for |x| ≤ p < 2^63
         x = x + (K.p & (x >> 63))
         return x - (K.p & _sign(K.half - x))
 
@@ -203,9 +203,10 @@ def _settled(K, x):  # type: ignore[no-untyped-def]
 
 @register_jitable(error_model="numpy")
 def modular_inverse(x, p):  # type: ignore[no-untyped-def]
-    """1/x modulo p, of size below p, for x ≠ 0 of size below p < 2^63: Euclid's algorithm.
+    """1/x modulo p, of size below p, for x ≠ 0 with |x| < p < 2^63, by Euclid's algorithm.
 
-    On unsigned words the division needs no correction of sign; the cofactors wrap, and end within p as signed ones.
+    Unsigned words spare the division a sign correction. The cofactors wrap around; read as a signed word, the last one
+    is within p.
     """
     a, b = np.uint64(p), np.uint64(abs(x))
     s, t = np.uint64(0), np.uint64(1)
@@ -227,7 +228,7 @@ def _inverse(K, x):  # type: ignore[no-untyped-def]
 
 @overload(words.number, jit_options=INLINED)
 def _number(K, x):  # type: ignore[no-untyped-def]
-    # the tables' contexts too: their words are stored in 16 bits
+    # also for table contexts, whose words are stored in 16 bits
     return (lambda K, x: x) if _kind(K) is words.Double else (lambda K, x: np.int64(x))
 
 
