@@ -1,4 +1,4 @@
-"""numpy's arrays as the numbers of a system's formulas: one call for many states."""
+"""numpy arrays as the number type of a system's formulas, so that one call serves many states."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Arrays:
 
     @staticmethod
     def coerce(x: Any) -> Any:
-        """A constant as a float, an array as it is."""
+        """A constant as a float; an array unchanged."""
         return x if isinstance(x, (np.ndarray, np.generic)) else float(x)
 
     @staticmethod

@@ -17,9 +17,9 @@ MORE = 20
 
 
 def enclosed(motion: UnitMotion, times: Sequence[float], digits: int) -> tuple[Rows, Rows]:
-    """Rows of midpoints, mpmath numbers, and of radii; q and p each to that many digits of their size.
+    """Rows of midpoints and rows of radii, as mpmath numbers; ``digits`` are relative to the sizes of q and p.
 
-    ArgumentError where |q| ≠ 1 and p or t scale with it: that scale has no finite expansion.
+    Raises ArgumentError where |q| ≠ 1 and p or t scale with |q|: that factor has no finite expansion.
     """
     scene, square = motion.scene, motion.square
     system = motion.system(digits + MORE)
@@ -50,6 +50,6 @@ def _middle(context: Any, x: Any) -> Any:
 
 
 def _radius(context: Any, ball: Any, middle: Any) -> Any:
-    """An upper bound of the distance between a number of the ball and its rounded midpoint."""
+    """An upper bound of the distance between any number in the ball and the ball's rounded midpoint."""
     mantissa, exponent = ball.rad().man_exp()
     return context.ldexp(context.mpf(int(mantissa)), int(exponent)) + 4 * abs(middle) * context.eps

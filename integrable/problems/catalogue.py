@@ -1,4 +1,4 @@
-"""The problems by name: scenes, read as initial value problems."""
+"""The problems by name. They are scenes, read as initial value problems."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ def problem_names() -> list[str]:
 
 
 def problem(name: str | Path | Scene) -> Problem:
-    """The problem of that name.
+    """The problem with that name.
 
-    One of :func:`problem_names`; any scene, or path of one, that is a motion of a ball, a top or a system of
-    :mod:`integrable.classical`; or a ball or top of :func:`certified_names`. ArgumentError for another scene, or one
-    whose start in doubles does not meet the system's constraints exactly.
+    ``name`` is one of :func:`problem_names`, a ball or top of :func:`certified_names`, or any scene or scene file that
+    moves a ball, a top or a system of :mod:`integrable.classical`. Raises ArgumentError for other scenes, and where
+    the start in doubles does not satisfy the system's constraints exactly.
     """
     if isinstance(name, Scene):
         return Problem(name)

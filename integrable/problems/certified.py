@@ -1,7 +1,8 @@
 """Certified trajectories: motions with proven bounds at 50 times, for testing integrators.
 
-The data are balls of the flow in ball arithmetic (:mod:`integrable.motion.enclosure`), of deformations balls of Taylor
-series (:mod:`integrable.deformations.enclosed`); ``python -m benchmarks.make_certified`` makes them.
+The data come from the flow in ball arithmetic (:mod:`integrable.motion.enclosure`); those of deformations come from
+Taylor series in ball arithmetic (:mod:`integrable.deformations.enclosed`). ``python -m benchmarks.make_certified``
+makes them.
 """
 
 from __future__ import annotations
@@ -23,9 +24,10 @@ _FOLDER = "certified"
 class Certified(NamedTuple):
     """A motion with known states: ``gamma[k]`` and ``M[k]`` at ``times[k]``, as decimal strings.
 
-    The true motion differs from the strings by at most ``bound[k]``, M relative to |M|; it starts at ``gamma[0]``,
-    ``M[0]``. ``inertia``, ``d``, ``times``, and ``potential`` and ``c`` of deformations that have them, are doubles and
-    exact. The unit of time is that of the moments over M; for deformations that of their equations.
+    The true motion starts at ``gamma[0]``, ``M[0]`` and differs from the strings by at most ``bound[k]``, M relative to
+    |M|. ``inertia``, ``d``, ``times`` and, for deformations that have them, ``potential`` and ``c`` are doubles and
+    exact. The unit of time is the unit of the moments divided by that of M; for deformations it is that of their
+    equations.
     """
 
     name: str
@@ -42,7 +44,7 @@ class Certified(NamedTuple):
     c: float | None = None
 
     def scene(self) -> Scene:
-        """The motion of a ball or top, from its first row in doubles at its times."""
+        """The motion of a ball or top as a scene: it starts from the first row in doubles, at the same times."""
         if self.system not in ("chaplygin_ball", "euler_top"):
             raise ArgumentError(f"system: {self.system}; a ball or a top is needed")
         gamma, M = (tuple(Fraction(float(x)) for x in rows[0]) for rows in (self.gamma, self.M))
@@ -62,7 +64,7 @@ class Certified(NamedTuple):
         )
 
     def start(self) -> tuple[Any, Any]:
-        """(system, state) of the first row in floats."""
+        """The pair (system, state) of the first row, in floats."""
         given = {"d": self.d or None, "potential": self.potential, "c": self.c}
         system = system_class(self.system)(self.inertia, **{key: x for key, x in given.items() if x is not None})
         gamma, M = (tuple(map(float, rows[0])) for rows in (self.gamma, self.M))

@@ -1,4 +1,4 @@
-"""The motion of unit length behind a problem, to any digits."""
+"""The motion with |q| = 1 that a problem is a multiple of, to any number of digits."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MOST_ATTEMPTS = 6
 
 
 class Scales(NamedTuple):
-    """The factors of q, p and (as a divisor) of times of unit length."""
+    """The factors that scale a motion of unit length to a problem's: of q, of p, and of times (which are divided)."""
 
     q: Any
     p: Any
@@ -32,8 +32,9 @@ class Scales(NamedTuple):
 
 
 class UnitMotion:
-    """A scene in doubles: its system and start over any field, and the states at times, with the length that the
-    doubles have (:mod:`integrable.problems.units`).
+    """A scene in doubles, with its system, start and states in any number type.
+
+    The states have the length of the start's doubles (:mod:`integrable.problems.units`).
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -51,12 +52,12 @@ class UnitMotion:
 
     @cached_property
     def square(self) -> Fraction:
-        """The square of the length."""
+        """The square of the length of q, exactly."""
         return Fraction(self.unit.square(self.weights, self.scene.gamma)) if self.unit is not None else Fraction(1)
 
     @cached_property
     def along(self) -> Fraction:
-        """(γ, M), or another product that is 0 where p is orthogonal to q; exactly."""
+        """(γ, M), or the scalar product that vanishes where p is orthogonal to q, exactly."""
         unit = self.unit
         return Fraction(unit.along(self.weights, self.scene.gamma, self.scene.M)) if unit is not None else Fraction(0)
 
@@ -70,7 +71,7 @@ class UnitMotion:
         return self.scene.body(digits)
 
     def scales(self, system: Any) -> Scales:
-        """In the numbers of a system."""
+        """The scales in the number type of a system."""
         if self.unit is None:
             return Scales(1, 1, 1)
         context = getattr(system.field, "context", None)
@@ -90,7 +91,7 @@ class UnitMotion:
         return system, system.state(q, p, **({"tilted": True} if self.tilted else {}))
 
     def rows(self, times: Sequence[float], digits: int) -> Rows:
-        """The states at times by the motion of the package at that many digits, as mpmath numbers."""
+        """The states at times as mpmath numbers, computed by this package at ``digits`` digits."""
         system, state = self.start(digits)
         scales = self.scales(system)
         found = system.motion_through(state).at([system.field.coerce(t) * scales.time for t in times])
@@ -98,10 +99,10 @@ class UnitMotion:
         return [[*(x * scales.q for x in q), *(x * scales.p for x in p)] for q, p in pairs]
 
     def settled(self, times: Sequence[float], digits: int) -> tuple[Rows, Rows]:
-        """Rows of the second of two runs that agree to that many digits, and their radii.
+        """The rows of the second of two runs that agree to ``digits`` digits, and their radii.
 
-        A radius is twice the largest difference in q, or in p, plus the rounding of the first run, by which two may
-        agree by chance.
+        A radius is twice the largest difference in q, or in p, plus the rounding of the first run. The rounding is
+        added because two runs may agree by chance.
         """
         first = max(digits + GUARD, LEAST)
         for _ in range(MOST_ATTEMPTS):
@@ -127,6 +128,6 @@ def _gaps(coarse: list[Any], fine: list[Any], rounding: float) -> list[Any]:
 
 
 def _by_half(gaps: list[Any], row: list[Any]) -> list[tuple[Any, Any]]:
-    """The gap and the size of q, and of p."""
+    """The pairs (gap, size) of q and of p."""
     half = len(row) // 2
     return [(gaps[i], max(map(abs, row[i : i + half])) or 1) for i in (0, half)]

@@ -1,4 +1,4 @@
-"""Random starts in doubles that meet the constraints of a system exactly."""
+"""Random starts in doubles that satisfy the constraints of a system exactly."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LARGEST = 64
 
 
 def another(motion: UnitMotion, rng: np.random.Generator) -> list[float]:
-    """q and p of about the size of a motion's start."""
+    """A random start: q and p of about the size of a motion's start."""
     q, p = ([float(x) for x in part] for part in (motion.scene.gamma, motion.scene.M))
     unit = motion.unit
     if unit is None:
@@ -34,7 +34,7 @@ def another(motion: UnitMotion, rng: np.random.Generator) -> list[float]:
 
 
 def _scaled(values: Sequence[int], factor: float) -> list[float]:
-    """Whole numbers times the power of two closest to the factor."""
+    """The integers ``values``, times the power of two closest to ``factor``."""
     return [x * 2.0 ** round(np.log2(factor)) for x in values]
 
 
@@ -43,7 +43,7 @@ def _size(values: Sequence[float]) -> float:
 
 
 def _whole(values: Sequence[Fraction]) -> list[int]:
-    """The least whole numbers in the proportion of fractions."""
+    """The smallest integers proportional to the given fractions."""
     factor = lcm(*(x.denominator for x in values))
     found = [int(x * factor) for x in values]
     return [x // gcd(*found) for x in found]

@@ -30,10 +30,11 @@ UNIT_ROUNDING = 2.0**-52
 
 
 class Truth(NamedTuple):
-    """The solution: ``y`` differs from it by at most ``radius`` in every component, both of shape (…, n).
+    """The solution at some times: ``y`` differs from it by at most ``radius`` in every component.
 
-    ``proven``: by ball arithmetic. Otherwise the radius is an estimate: twice the difference of two runs, the second
-    with 12 more digits, plus the rounding of ``y``. ``y`` has doubles up to 16 digits, mpmath numbers above.
+    Both have shape (…, n). If ``proven``, the radius comes from ball arithmetic. Otherwise it is an estimate: twice the
+    difference of two runs, the second with 12 more digits, plus the rounding of ``y``. ``y`` holds doubles up to 16
+    digits, mpmath numbers above.
     """
 
     y: np.ndarray
@@ -42,10 +43,10 @@ class Truth(NamedTuple):
 
 
 class Problem:
-    """y' = f(y), y(0) = ``y0``: doubles, exact by definition, as are the constants of f. ``problem(name)`` makes one.
+    """The initial value problem y' = f(y), y(0) = ``y0``. ``problem(name)`` makes one.
 
-    The first half of y is γ, or q, the second M, or p (``letters``). ``times`` are those of the scene, ``reference``
-    says where the motion is described.
+    ``y0`` and the constants of f are doubles, which are exact by definition. The first half of y is γ or q, the second
+    half M or p (``letters``). ``times`` are those of the scene; ``reference`` cites a description of the motion.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -104,7 +105,7 @@ class Problem:
 
     @cached_property
     def invariant_names(self) -> tuple[str, ...]:
-        """The names of :meth:`invariants`, in their order."""
+        """The names of the integrals that :meth:`invariants` returns, in the same order."""
         return tuple(self._invariants(columns(self.y0)))
 
     def _invariants(self, y: list[Any]) -> dict[str, Any]:
@@ -139,10 +140,10 @@ class Problem:
         return time_scale(*self.motion.start(FLOAT_DIGITS))
 
     def condition(self, t: Any) -> np.ndarray:
-        """The condition of the state at times t: Σ|x ∂y/∂x| over all constants and components x of the start, each by a
-        relative change.
+        """The condition number of the state at times t, with respect to relative changes of the inputs.
 
-        q and p each count relative to their size. Times 2⁻⁵² it is the effect of rounding the inputs to doubles.
+        It is Σ|x ∂y/∂x| over all constants and components x of the start, with q and p relative to their sizes.
+        Multiplied by 2⁻⁵² it is the effect of rounding the inputs to doubles.
         """
         given = _times(t)
         return np.array([self._condition(time) for time in given.ravel().tolist()]).reshape(given.shape)
@@ -162,7 +163,7 @@ class Problem:
         return max(found.gamma, found.M)
 
     def error(self, y: Any, truth: Truth) -> np.ndarray:
-        """The largest error of a component at each of the times of ``truth``, infinite where y is not finite.
+        """The largest error over the components at each time of ``truth``; infinite where y is not finite.
 
         Errors of γ are absolute, those of M relative to |M|; those of q and p are relative to the largest component at
         the start or at that time.
@@ -171,7 +172,7 @@ class Problem:
         return np.where(np.isfinite(given).all(axis=-1), self.relative(given - truth.y, truth), np.inf)
 
     def relative(self, differences: Any, truth: Truth) -> np.ndarray:
-        """Differences from a truth, such as its radius, in the measure of :meth:`error`."""
+        """Differences from a truth (for example its radius), scaled as :meth:`error` scales errors."""
         gaps, sizes = (np.abs(np.asarray(x).astype(float)) for x in (differences, truth.y))
         half, found = len(self.y0) // 2, []
         for part, length in ((slice(0, half), 1.0), (slice(half, None), float(np.linalg.norm(self.y0[half:])))):
@@ -184,11 +185,11 @@ class Problem:
     # --- the solution
 
     def truth(self, t: Any, digits: int = 16, proven: bool = False) -> Truth:
-        """The solution at times t of any order, sign and shape, exact doubles: see :class:`Truth`.
+        """The solution at times t, as a :class:`Truth`. The times are doubles, taken as exact, in any order and shape.
 
-        ``digits`` count relative to the largest component of q, and of p. ``proven`` asks for ball arithmetic, which
-        takes more time, in proportion to t where a body rolls or leans. PrecisionLoss where that many digits were not
-        reached.
+        ``digits`` are relative to the largest component of q, and of p. ``proven`` asks for ball arithmetic, which is
+        slower; its time grows in proportion to t where a body rolls or is tilted. Raises PrecisionLoss where that many
+        digits were not reached.
         """
         digits = whole(digits, "digits", "give an int ≥ 1, a number of decimal digits (16: doubles)", 1)
         given = _times(t)
@@ -207,7 +208,7 @@ class Problem:
     # --- other starts
 
     def starting(self, y0: Any) -> Problem:
-        """The same equations from another start: doubles that meet the constraints exactly, or ArgumentError."""
+        """The same equations with another start. Its doubles must satisfy the constraints exactly, or ArgumentError."""
         given = np.asarray(y0, dtype=float)
         if given.shape != self.y0.shape or not np.isfinite(given).all():
             raise ArgumentError(f"y0 = {shown(y0)}: {len(self.y0)} finite numbers are needed")
@@ -215,7 +216,7 @@ class Problem:
         return Problem(replaced(self.scene, gamma=q, M=p))
 
     def another(self, rng: np.random.Generator) -> Problem:
-        """The same equations from a random start of about the same size, which meets the constraints exactly."""
+        """The same equations with a random start of about the same size, which satisfies the constraints exactly."""
         return self.starting(another(self.motion, rng))
 
 

@@ -1,8 +1,8 @@
-"""Starts off the unit sphere: the equations of each system for a state whose vector q is not of unit length.
+"""Starts whose vector q does not have unit length, and how each system's equations scale with that length.
 
-A system of this package has |q| = 1, or Σq²/a = 1. Apart from the axes, no vector of doubles has exactly unit length.
-The equations of motion, as the systems write them, hold for any length s: q = s^a·Q, p = s^b·P, t = T/s^c, where (Q, P)
-moves in T with unit length. So a start in doubles needs no rounding.
+The systems of this package require |q| = 1, or Σq²/a = 1. Apart from the axes, no vector of doubles has exactly unit
+length. But the equations of motion hold for any length s: q = s^a·Q, p = s^b·P, t = T/s^c, where (Q, P) is the motion
+of unit length in the time T. So a start in doubles needs no rounding.
 """
 
 from __future__ import annotations
@@ -14,8 +14,9 @@ __all__ = ["UNITS", "Unit"]
 
 
 class Unit(NamedTuple):
-    """``q``, ``p`` and ``time`` are the powers a, b and c of a length. ``weighted``: the length is √Σq²/a. ``normal``:
-    p is orthogonal to q (if weighted, to q/a)."""
+    """How a system scales with the length s of q: ``q``, ``p`` and ``time`` are the exponents a, b and c of s.
+
+    ``weighted`` means that the length is √Σq²/a. ``normal`` means that p is orthogonal to q, or if weighted to q/a."""
 
     q: float
     p: float
@@ -24,15 +25,15 @@ class Unit(NamedTuple):
     normal: bool = True
 
     def square(self, constants: Sequence[Any], q: Sequence[Any]) -> Any:
-        """s², in the numbers given."""
+        """s², in the number type of ``q``."""
         return sum(x * y for x, y in zip(self.dual(constants, q), q, strict=True))
 
     def along(self, constants: Sequence[Any], q: Sequence[Any], p: Sequence[Any]) -> Any:
-        """The product that is 0 where ``normal``."""
+        """The scalar product that must be 0 if ``normal``: of p with q, or if weighted with q/a."""
         return sum(x * y for x, y in zip(self.dual(constants, q), p, strict=True))
 
     def dual(self, constants: Sequence[Any], q: Sequence[Any]) -> list[Any]:
-        """q, or q/a."""
+        """q, or if weighted q/a."""
         return [x / a for x, a in zip(q, constants, strict=True)] if self.weighted else list(q)
 
 
