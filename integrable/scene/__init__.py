@@ -1,1 +1,1 @@
-"""Runs described as TOML: reading them, their motions and orbits, and the files, tables and bars of a run."""
+"""Runs described in TOML files: readers, motions and orbits, and the files, tables and progress bars of a run."""

@@ -1,5 +1,6 @@
-"""Systems of :mod:`integrable.classical` in the interface of scenes, studies and integrators: q takes the place of γ, p
-that of M.
+"""Systems of :mod:`integrable.classical` with the interface of bodies, for scenes, studies and integrators.
+
+The names ``gamma`` and ``M`` then stand for q and p.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ class ClassicalSystem:
 
     @property
     def discretized(self) -> bool:
-        """Whether the system has a discretization of its own."""
+        """Whether an exact discretization of the system is implemented."""
         return hasattr(self.system, "discrete")
 
     def state(self, q: Any, p: Any) -> State:
@@ -58,22 +59,22 @@ class ClassicalSystem:
         return ClassicalMotion(self, state)
 
     def integrals(self, state: State) -> Any:
-        """The integrals by name, numbers or tuples of them."""
+        """The integrals by name. Each is a number or a tuple of numbers."""
         found = self.system.integrals(_point(state))
         return namedtuple("Integrals", [name.replace(" ", "_") for name in found])(*found.values())
 
     def rates_in(self, numbers: Any, y: Sequence[Any]) -> list[Any]:
-        """(q', p') at y = (q, p), of any type that overloads the operators, such as another library's expressions."""
+        """(q', p') at y = (q, p). Components may have any type with operators, such as symbolic expressions."""
         size = len(y) // 2
         rate = self.system._vector_field(numbers, Point(tuple(y[:size]), tuple(y[size:])))
         return [*rate.q, *rate.p]
 
     def step(self, state: State, time: Any) -> State:
-        """A step of about ``time`` of the system's own discretization."""
+        """The state after one step of the system's discretization; the step advances time by about ``time``."""
         return _state(self.system.discrete(_point(state), time))  # type: ignore[attr-defined]
 
     def onto_constraints(self, state: State) -> State:
-        """The state with its constraints met to all digits of the field."""
+        """The state, corrected so that it satisfies its constraints to all digits of the field."""
         return _state(self.system._constrained(self.field, self.system._inside(self.field, _point(state))))
 
     def inputs(self, state: State) -> dict[str, Any]:
@@ -83,7 +84,7 @@ class ClassicalSystem:
         return {f"{name}{i + 1}": x for name, values in parts for i, x in enumerate(values)}
 
     def problem(self, inputs: dict[str, Any]) -> tuple[ClassicalSystem, State]:
-        """The system and the state of these numbers, with the constraints met."""
+        """The system and the state with these input numbers, corrected to satisfy the constraints."""
         values, system = iter(inputs.values()), self.system
         constants, parameters, q, p = (
             tuple(islice(values, size))
@@ -109,7 +110,7 @@ class ClassicalMotion:
         return ClassicalRun(found.times, found.q, found.p, found.way)
 
     def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
-        """Proven bounds of the states at times, as those of the system's own flow."""
+        """Proven bounds of the states at times, from the system's flow."""
         return self._flow.enclosure(times, digits)
 
 

@@ -1,4 +1,4 @@
-"""A scene: a system, a start, times or steps, and the requested output. Frozen, with numbers as exact fractions."""
+"""A scene: a system, a start, times or steps, and the requested output. It is immutable, with exact fractions."""
 
 from __future__ import annotations
 
@@ -22,8 +22,9 @@ MOST_STEPS = 10_000_000
 
 
 class Kind(NamedTuple):
-    """A system of scenes: its room, its class there, the keys of ``[body]``, its arguments, and its module in the room
-    if that has another name.
+    """Where a scene's system is defined: its folder, its class there, the keys of ``[body]`` and its arguments.
+
+    The name of its module is included if it differs from that of the system.
     """
 
     room: str
@@ -60,9 +61,9 @@ def system_class(system: str) -> Any:
 
 @dataclass(frozen=True)
 class Times:
-    """Physical times: a list as given, or ``count`` times spaced from ``first`` to ``until``.
+    """Physical times: either a given list, or ``count`` times from ``first`` to ``until``.
 
-    Listed times are exact at any number of digits; spaced times are floats, the same floats at any number of digits.
+    Listed times are exact at any number of digits. Spaced times are the same floats at any number of digits.
     """
 
     given: tuple[Fraction, ...] = ()
@@ -104,13 +105,13 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Map:
-    """One map of ``[steps]``: its kind, and the arguments of the method of that name, without those left out."""
+    """One map of ``[steps]``: its kind, which is the name of a method, and the arguments given for it."""
 
     kind: str
     arguments: tuple[tuple[str, Any], ...] = ()
 
     def of(self, system: Any, number: Callable[[Fraction], Any]) -> Any:
-        """The map on a system whose numbers ``number`` makes."""
+        """The map on a system; ``number`` converts fractions to the system's numbers."""
         method = getattr(system, self.kind, None)
         if method is None:
             raise ArgumentError(f'kind: "{self.kind}" given, which {type(system).__name__} has not')
@@ -127,9 +128,7 @@ class Map:
 
 @dataclass(frozen=True)
 class Steps:
-    """An orbit: the composition of ``maps``, the first applied first, ``count`` times; and the settings of its
-    report.
-    """
+    """An orbit, and the settings of its report. A step applies ``maps`` in their order; there are ``count`` steps."""
 
     maps: tuple[Map, ...]
     count: int
@@ -191,9 +190,9 @@ class Scene:
         return ("q", "p") if self.classical else ("γ", "M")
 
     def body(self, digits: int) -> Any:
-        """The system, in floats up to 15 digits, in multiprecision above; for any digits over a finite field.
+        """The system: in floats up to 15 digits, in multiprecision above. Over a finite field digits do not matter.
 
-        ArgumentError if there is no such body.
+        Raises ArgumentError if no such body exists.
         """
         number = self._numbers(digits)
         given = {"d": self.d, "mass": self.mass, "radius": self.radius, "c": self.c}
@@ -269,8 +268,9 @@ def finite_field(name: str) -> Any:
 
 
 def _elements(K: Any) -> Callable[[Fraction], Any]:
-    """The elements of a finite field as it reads fractions: the ints 0 … q − 1 are its elements, others lie in the
-    prime field.
+    """A function from fractions to elements of a finite field.
+
+    The integers 0 … q − 1 number its elements; other fractions are elements of the prime field.
     """
     from jacobian import poly
 
@@ -292,7 +292,7 @@ def _as_numbers(value: Any, number: Callable[[Fraction], Any]) -> Any:
 
 
 def _argument(value: Any, number: Callable[[Fraction], Any]) -> Any:
-    """An argument of a system of ``classical``; a whole number by itself is an int, such as a number of particles."""
+    """An argument of a system of ``classical``. A single integer, such as a number of particles, becomes an int."""
     if isinstance(value, Fraction) and value.denominator == 1:
         return int(value)
     return _as_numbers(value, number)

@@ -1,9 +1,9 @@
 """The inputs of a study: a scene with all numbers rounded to doubles, so that every method computes the same motion.
 
-A scene of decimal fractions is one problem for a method that keeps 40 digits and another for one that rounds them. The
-difference would count as an error of the second, so all numbers are rounded to doubles first. Doubles satisfy |γ| = 1
-and (γ, M) = 0 only to rounding. In more digits both constraints are restored, as the flow restores them for doubles.
-Methods in doubles receive the doubles themselves.
+A method with 40 digits and a method in doubles read the same decimal fractions as slightly different numbers. That
+difference would count as an error of the method in doubles, so all numbers are rounded to doubles first. The rounded
+numbers satisfy |γ| = 1 and (γ, M) = 0 only to rounding. For runs with more digits both constraints are restored, as
+the flow restores them. Methods in doubles receive the doubles themselves.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class SceneInDoubles(Scene):
     """A scene whose numbers are all doubles, as exact fractions; made by :func:`in_doubles`."""
 
     def start(self, digits: int) -> tuple[Any, Any]:
-        """The system and its state at time 0: the doubles, above 15 digits with |γ| = 1 and (γ, M) = 0 restored."""
+        """The system and its state at time 0. Above 15 digits |γ| = 1 and (γ, M) = 0 are restored."""
         if digits <= FLOAT_DIGITS:
             return super().start(digits)
         system, number = self.body(digits), self._numbers(digits)
@@ -37,7 +37,7 @@ class SceneInDoubles(Scene):
 def in_doubles(scene: Scene) -> Scene:
     """The scene with body, start, times and the arguments of its maps rounded to doubles.
 
-    An orbit over a finite field is exact and stays as it is.
+    An orbit over a finite field is exact and stays unchanged.
     """
     if scene.finite_field or isinstance(scene, SceneInDoubles):
         return scene
@@ -55,7 +55,7 @@ def in_doubles(scene: Scene) -> Scene:
 
 
 def _rounded(value: Any) -> Any:
-    """Fractions as those of the nearest doubles, also inside of tuples; anything else as it is."""
+    """A fraction rounded to the nearest double, still as a fraction, also inside tuples. Other values are unchanged."""
     if isinstance(value, Fraction):
         return Fraction(float(value))
     return tuple(map(_rounded, value)) if isinstance(value, tuple) else value

@@ -25,7 +25,7 @@ _PICTURES = ("work_precision", "sphere", "residual_growth")
 _OF_THE_REPORT = ("work_precision", "residual_growth")
 _ORBIT_PICTURES = ("sphere", "orbit_error")
 _CLASSICAL_PICTURES = ("work_precision", "coordinates")
-_SMALLEST_TOLERANCE = Fraction("2.3e-14")  # SciPy raises anything below 100 eps to that, with a warning
+_SMALLEST_TOLERANCE = Fraction("2.3e-14")  # SciPy increases smaller tolerances to 100 eps, with a warning
 
 
 def scene_names() -> list[str]:
@@ -35,9 +35,9 @@ def scene_names() -> list[str]:
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
-    """The scene of that name among :func:`scene_names`, or of that TOML file.
+    """The scene with that name among :func:`scene_names`, or the scene in that TOML file.
 
-    ArgumentError, one line, names file, table, key, value and what is accepted.
+    Raises ArgumentError; its message of one line names the file, table, key and value, and what is accepted.
     """
     if not isinstance(name_or_path, (str, os.PathLike)):
         raise ArgumentError(
@@ -64,7 +64,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
 
 
 def _readable(name: str) -> str:
-    """The name of a file as text of one line: bytes that are not UTF-8 (lone surrogates) have no character."""
+    """A file name as one line of printable text: control characters and bytes that are not UTF-8 become "_"."""
     return "".join("_" if category(c) in ("Cc", "Cs", "Zl", "Zp") else c for c in name)
 
 
@@ -76,7 +76,7 @@ def _read(name: str, place: str, text: str) -> Scene:
     except RecursionError:
         raise ArgumentError(f"{place}: not a scene: brackets in brackets, too deep to be read") from None
     except (ValueError, ArithmeticError):
-        # from Python's int and Decimal, which tomllib passes on
+        # raised by Python's int or Decimal, and passed on by tomllib
         raise ArgumentError(f"{place}: not a scene: a number is too long to be read") from None
     tables = ("body", "start", "run", "steps", "report", "output")
     top = Table(f"{place}:", content, (*_WORDS, "system", "field", *tables))
@@ -107,7 +107,7 @@ def _read_words(name: str, top: Table, system: str) -> dict[str, Any]:
 
 
 def _read_classical(name: str, place: str, top: Table, system: str, body: Table) -> Scene:
-    """A scene of a system of :mod:`integrable.classical`, a motion."""
+    """The scene of a motion of a system of :mod:`integrable.classical`."""
     if "steps" in top:
         top.fail("[steps]", f'given; system = "{system}" has scenes of motions, with [run]')
     start = _section(top, place, "start", ("q", "p"))
@@ -126,7 +126,10 @@ def _read_classical(name: str, place: str, top: Table, system: str, body: Table)
 
 
 def _read_motion(top: Table, place: str, plain: bool, pictures: tuple[str, ...] = _PICTURES) -> dict[str, Any]:
-    """``[run]``, ``[report]`` and ``[output]`` of a motion; the second of the ``pictures`` shows its curve."""
+    """The contents of ``[run]``, ``[report]`` and ``[output]`` of a motion.
+
+    The second of the ``pictures`` shows the motion's curve.
+    """
     if "field" in top:
         top.fail("field", "given, but a motion runs over real numbers; a finite field needs [steps] instead of [run]")
     runs = _section(top, place, "run", ("times", "digits"))
@@ -140,7 +143,7 @@ def _read_motion(top: Table, place: str, plain: bool, pictures: tuple[str, ...] 
 
 
 def _read_orbit(top: Table, place: str, plain: bool) -> dict[str, Any]:
-    """``[steps]`` and ``[output]`` of an orbit."""
+    """The contents of ``[steps]`` and ``[output]`` of an orbit."""
     for key in ("run", "report"):
         if key in top:
             top.fail(f"[{key}]", "given beside [steps]; a scene has either [run], a motion, or [steps], an orbit")
@@ -182,7 +185,7 @@ _EVERY_ARGUMENT = tuple(dict.fromkeys(key for keys in _MAPS.values() for key in 
 
 
 def _read_map(table: Table, kinds: dict[str, tuple[str, ...]]) -> Map:
-    """One map, of a kind for the ball and the top or of one for the deformations."""
+    """One map of ``[steps]``. ``kinds`` lists the maps of the scene's system, with their arguments."""
     kind = table.choice("kind", kinds)
     for key in table.content:
         if key not in ("kind", *kinds[kind]):
@@ -209,7 +212,7 @@ def _read_argument(table: Table, key: str) -> Any:
 
 
 def _section(top: Table, place: str, key: str, known: tuple[str, ...]) -> Table:
-    """A top-level table; messages show it as in the file, ``[key]``."""
+    """A top-level table. Messages show it as ``[key]``, as in the file."""
     needed = key in ("body", "start", "run", "steps")
     if needed and key not in top:
         wanted = f"a table with {', '.join(known)}" if known else "an empty table"
@@ -274,7 +277,7 @@ def _read_comparison(table: Table) -> Comparison:
 
 
 def _read_costs(table: Table, least: int = 0) -> tuple[tuple[int, ...], int]:
-    """Digits of the measured runs, at least that many of them, and those of their truth."""
+    """The digits of the measured runs, at least ``least`` of them, and the digits of their truth."""
     digits = table.integers("digits", 1, (FLOAT_DIGITS,))
     if len(set(digits)) < len(digits) or sum(n <= FLOAT_DIGITS for n in digits) > 1 or len(digits) < least:
         table.fail("digits", f"{list(digits)} given; different costs are needed, at most one of them up to 15 (floats)")

@@ -1,5 +1,5 @@
-"""Colours and markers of the methods in all figures; no two share both. The most used ones are from Okabe & Ito (2008),
-distinguishable with any colour vision.
+"""Colours and markers of the methods in all figures. No two methods share both. The most used colours are those of
+Okabe & Ito (2008), distinguishable with any colour vision.
 """
 
 from __future__ import annotations
@@ -36,5 +36,5 @@ OTHER = ("#666666", "p", False)
 
 
 def look(method: str) -> tuple[str, str, bool]:
-    """The look of a method by name, or the default look."""
+    """The colour and marker of a method, and whether the marker is filled. Unknown methods have a default."""
     return LOOKS.get(method, OTHER)

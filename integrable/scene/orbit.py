@@ -22,7 +22,7 @@ __all__ = ["Orbit", "orbit"]
 class Orbit(Trajectory):
     """The ``states`` after 0, 1, …, N steps of a map, ``gamma`` and ``M`` of shape (N + 1, 3), of float64 or objects.
 
-    ``times`` are the numbers of the steps; ``report`` is that of a scene's run
+    ``times`` are the step numbers; ``report`` is that of a scene's run
     (:class:`integrable.study.orbits.OrbitReport`), or None.
     """
 
@@ -33,7 +33,7 @@ class Orbit(Trajectory):
         self.states = states
 
     def concatenated(self, *others: Trajectory) -> Trajectory:
-        """NotRepresentable: orbits cannot be concatenated, as each step starts from the last."""
+        """Raises NotRepresentable: orbits cannot be concatenated, because each step starts from the previous one."""
         raise NotRepresentable(f"concatenated: {self!r} is an orbit, whose steps follow one another")
 
     def _state(self, row: int) -> State:
@@ -44,17 +44,17 @@ class Orbit(Trajectory):
 
     @property
     def steps(self) -> Times:
-        """The numbers of the steps, shape (N + 1,)."""
+        """The step numbers, shape (N + 1,)."""
         return self.times
 
     @property
     def tau(self) -> Times:
-        """NotRepresentable: a map has no time of a flow."""
+        """Raises NotRepresentable: a map has no flow time τ."""
         raise NotRepresentable(f"tau: {self.flow!r} is a map, whose steps have no time")
 
     @property
     def contact(self) -> Vectors:
-        """NotRepresentable: there is no rolling between the states."""
+        """Raises NotRepresentable: the body does not roll between the states of a map."""
         raise NotRepresentable(f"contact: {self.flow!r} is a map, between whose states nothing rolls")
 
     @cached_property
@@ -71,8 +71,8 @@ def _kind(system: Any) -> Any:
 def orbit(step: Step, state: State, count: int) -> Orbit:
     """The states after 0, 1, …, ``count`` steps.
 
-    Where the map loses digits (:meth:`Step.condition`) the orbit runs in wider numbers and its states are rounded to
-    the field of the map one by one, so rounding does not feed back into the map.
+    Where the map loses digits (:meth:`Step.condition`), the orbit is computed at a higher precision. Each state is then
+    rounded to the map's field, so that rounding does not feed back into the map.
     """
     if not isinstance(step, Step):
         raise ArgumentError(f"step = {shown(step)}: give a Step, such as system.translation(points)")

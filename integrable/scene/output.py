@@ -1,4 +1,6 @@
-"""The output folder of a run, tested before the run and never left with a partial file; and the JSON of a result."""
+"""The output folder of a run, and the JSON of a result. The folder is tested before the run, and never holds a partial
+file.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +23,10 @@ SCHEMA = 1
 
 
 class OutputFolder:
-    """A folder that files are written to, each one complete or not at all.
+    """A context manager for an output folder, to which each file is written completely or not at all.
 
-    Entering makes the folder and tries to write in it: ArgumentError if that fails. If an exception leaves the block,
-    the folders it made are removed, unless something was written there.
+    On entry it makes the folder and tries to write in it; ArgumentError if that fails. If an exception leaves the
+    block, the folders it made are removed, unless something was written there.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -56,7 +58,7 @@ class OutputFolder:
                 return
 
     def write_text(self, name: str, text: str) -> Path:
-        """Write a text file, UTF-8, in one move."""
+        """Write a UTF-8 text file, which appears complete."""
         # a file name outside the terminal's encoding holds its bytes as surrogates
         return self.write_bytes(name, text.encode(errors="surrogateescape").decode(errors="replace").encode())
 
@@ -71,8 +73,9 @@ class OutputFolder:
 
 
 def portable(name: str) -> str:
-    """A name of a file or folder that every operating system accepts, unchanged if it is one (Windows is the
-    strictest).
+    """A file or folder name that every operating system accepts. A name that already is one stays unchanged.
+
+    Windows has the strictest rules.
     """
     safe = "".join("_" if c in '<>:"/\\|?*' or ord(c) < 32 else c for c in name).rstrip(". ")
     return f"_{safe}" if safe.partition(".")[0].strip().lower() in _RESERVED else safe

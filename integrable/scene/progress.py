@@ -17,7 +17,7 @@ TERMINAL, FILE = 0.5, 10.0
 
 @contextmanager
 def bar_of_pieces(name: str, total: int) -> Iterator[Callable[[str], None]]:
-    """A bar for that many pieces of work: a function to call with the name of each piece before it starts."""
+    """A bar for ``total`` pieces of work. Yields a function to call with each piece's name before the piece starts."""
     from tqdm import tqdm
 
     begun = False

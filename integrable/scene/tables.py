@@ -10,7 +10,7 @@ DOP853 = "SciPy DOP853"
 
 
 def aligned(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:
-    """Rows of cells as lines with aligned columns: the first ``left`` columns to the left, the others to the right."""
+    """Rows of cells as lines of text. The first ``left`` columns are aligned left, the others right."""
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     lines = []
     for row in rows:
@@ -22,7 +22,7 @@ def aligned(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:
 
 
 def duration(seconds: float | None) -> str:
-    """A time with three digits and a unit."""
+    """Seconds as text, with three digits and a unit."""
     if seconds is None:
         return "–"
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
@@ -32,12 +32,12 @@ def duration(seconds: float | None) -> str:
 
 
 def figure(value: float | None, digits: int = 2) -> str:
-    """A small number with that many digits."""
+    """A number as text in exponential notation, with ``digits`` digits."""
     return "–" if value is None else "0" if value == 0 else f"{value:.{digits - 1}e}"
 
 
 def plain_power(value: float) -> str:
-    """A power of ten in words: 10¹² instead of 1e+12."""
+    """A power of ten as text: 10¹² instead of 1e+12."""
     text = f"{value:g}"
     mantissa, found, exponent = text.partition("e")
     if not found:

@@ -1,7 +1,7 @@
-"""One table of a TOML file, read strictly: keys are declared, values have types, and anything else is an error.
+"""One table of a TOML file, read strictly: an undeclared key or a value of another type is an error.
 
-Each message is one line of the form ``scene ball.toml: [body] d: -1 given; …`` with the place, the key, the value and
-what is accepted.
+Each message is one line of the form ``scene ball.toml: [body] d: -1 given; …``. It names the place, the key, the value
+and what is accepted.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ __all__ = ["Table", "exact_number", "suggestion"]
 
 _MISSING: Any = object()
 LARGEST_INTEGER = 10**300
-# an exponent of more than three digits is refused: the exact fraction would have as many digits
+# exponents of more than three digits are refused, since the exact fraction would have that many digits
 _NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?)")
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:
-    """``did you mean "x"? `` if a known word is close, and the list of known words."""
+    """A hint for a misspelt word: ``did you mean "x"? `` if a known word is close, then the list of known words."""
     known = list(known)
     close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
     meant = f'did you mean "{close[0]}"? ' if close else ""
@@ -33,7 +33,7 @@ def suggestion(word: str, known: Iterable[str]) -> str:
 
 
 class Table:
-    """A TOML table with its place in the file, for messages. A key not in ``known`` is an error at once.
+    """A TOML table and its place in the file, for messages. A key that is not in ``known`` raises at once.
 
     ``place`` is the file and the table, such as ``scene ball.toml: [body]``. Numbers are returned as exact fractions,
     whether written as 0.7, "0.7" or "1/3" (parse floats with ``parse_float=Decimal``).
@@ -142,7 +142,7 @@ class Table:
         return Table(f"{self.place} {key}:", self._get(key, _MISSING, "a table"), known)
 
     def tables(self, key: str, known: Iterable[str]) -> list[Table]:
-        """The tables of the list under ``key``, at least one."""
+        """The list of tables under ``key``; it must not be empty."""
         known = list(known)
         content = self._list(key, self._get(key, _MISSING, "a list of tables"))
         if not content:
