@@ -19,8 +19,8 @@ class Exported(Record):
     """Base of results that are arrays with names and units.
 
     ``quantities`` are names of :data:`integrable.files.quantities.QUANTITIES`: "gamma", "M", "omega", "quaternion",
-    "contact" (in the laboratory :data:`integrable.laboratory.in_files.QUANTITIES`), by default the usual ones.
-    Libraries are those of the extra ``io``; ArgumentError names one that is not installed.
+    "contact". In the laboratory they are those of :data:`integrable.laboratory.in_files.QUANTITIES`. By default the
+    usual ones are written. Libraries are those of the extra ``io``; ArgumentError names a missing one.
     """
 
     @property
@@ -48,8 +48,9 @@ class Exported(Record):
         return dataframe(self._asked(quantities))
 
     def save(self, path: str | os.PathLike[str], quantities: Any = None) -> None:
-        """Write a .nc, .h5, .zarr, .parquet, .csv or .mat file, complete or not at all; MP(digits) to .csv only
-        (:func:`integrable.files.writing.save`).
+        """Write a .nc, .h5, .zarr, .parquet, .csv or .mat file, completely or not at all.
+
+        Numbers of MP(digits) can only be written to .csv. See :func:`integrable.files.writing.save`.
         """
         from integrable.files.writing import save
 

@@ -15,8 +15,9 @@ __all__ = ["Column", "Frame", "dataframe", "dataset", "version"]
 
 @dataclass(frozen=True)
 class Column:
-    """One array: its dimensions, its unit and its description. ``parts`` names the entries along the last dimension,
-    where that is no dimension of the frame: "gamma" has the parts 1, 2, 3.
+    """One array with its dimensions, unit and description.
+
+    If the array has one more dimension than the frame, ``parts`` names the entries along it: 1, 2, 3 for "gamma".
     """
 
     dims: tuple[str, ...]
@@ -28,7 +29,7 @@ class Column:
     """What the numbers 0, 1, … mean, where they are no quantities."""
 
     def attributes(self) -> dict[str, Any]:
-        """Attributes by the conventions of netCDF."""
+        """The array's attributes, by the conventions of netCDF."""
         said: dict[str, Any] = {"units": self.units, "long_name": self.long_name}
         if self.flags:
             said["flag_meanings"] = "; ".join(self.flags)
@@ -39,8 +40,10 @@ class Column:
 
 @dataclass(frozen=True)
 class Frame:
-    """``dims`` are the rows' dimensions, ("time",) or ("member", "time"). ``coordinates`` and ``variables`` lie along
-    them; ``attributes`` describe the whole, in numbers, strings and lists of numbers.
+    """A set of arrays along common dimensions, the content of one file.
+
+    ``dims`` are the dimensions, ("time",) or ("member", "time"), of ``coordinates`` and ``variables``. ``attributes``
+    describe the whole by numbers, strings and lists of numbers.
     """
 
     dims: tuple[str, ...]
@@ -55,7 +58,7 @@ class Frame:
 
     @property
     def exact(self) -> bool:
-        """Whether numbers have more digits than floats, as those of MP do."""
+        """Whether the numbers have more digits than floats, as those of MP(digits) do."""
         return any(column.values.dtype == object for column in self.columns.values())
 
 
@@ -68,7 +71,7 @@ def version() -> str:
 
 
 def dataset(frame: Frame) -> Any:
-    """An ``xarray.Dataset``: names, dimensions and units; numbers of MP(digits) as objects."""
+    """A frame as an ``xarray.Dataset`` with names, dimensions and units. Numbers of MP(digits) become objects."""
     needed("xarray", "to_xarray()", "io")
     import xarray
 
@@ -83,8 +86,10 @@ def dataset(frame: Frame) -> Any:
 
 
 def dataframe(frame: Frame) -> Any:
-    """A ``pandas.DataFrame``, a row for each state, indexed by the dimensions of the frame; vectors are columns of
-    their own, ``gamma_1``. ``attrs`` has the attributes, and the ``units`` of the columns.
+    """A frame as a ``pandas.DataFrame`` with one row per state, indexed by the dimensions of the frame.
+
+    Each component of a vector is a column, such as ``gamma_1``. ``attrs`` has the attributes and the columns'
+    ``units``.
     """
     needed("pandas", "to_dataframe()", "io")
     import pandas
@@ -93,7 +98,7 @@ def dataframe(frame: Frame) -> Any:
     shape = shape[: len(frame.dims)]
     found, units = {}, {}
     for name, column in frame.columns.items():
-        # arrays along some of the dimensions are repeated along the others
+        # an array that lacks some of the dimensions is repeated along them
         had = [dim in column.dims for dim in frame.dims]
         tail = column.values.shape[sum(had) :]
         rows = column.values.reshape(*(n if there else 1 for n, there in zip(shape, had, strict=True)), *tail)

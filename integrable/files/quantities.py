@@ -1,4 +1,4 @@
-"""The content of files about states: quantities with their parts and units, and a description of their motion."""
+"""The content of files of states: quantities with their components and units, and a description of the motion."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ __all__ = [
 
 
 class Quantity(NamedTuple):
-    """The last dimension, the labels along it, the unit and the long name."""
+    """A quantity's last dimension, the labels along it, its unit and its long name."""
 
     dim: str
     parts: tuple[str, ...]
@@ -49,7 +49,7 @@ UNITS = "those of SI, or of the consistent set that the body and M were given in
 
 
 def checked(quantities: Any, among: Mapping[str, Quantity] = QUANTITIES) -> tuple[str, ...]:
-    """Names ``among`` quantities, or an ArgumentError."""
+    """The names ``quantities`` as a tuple. Raises ArgumentError unless all are ``among`` the known ones."""
     known = ", ".join(among)
     asked = [quantities] if isinstance(quantities, str) else entries(quantities, "quantities", f"a list of {known}")
     for name in asked:
@@ -68,7 +68,7 @@ def about(system: Any, **more: Any) -> dict[str, Any]:
 
 
 def made_of(system: Any, parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """The description of a system or a body: its ``parameters``, its numbers, and the software that computed it."""
+    """The description of a system or body: its ``parameters``, its number type, and the software that computed it."""
     return {
         "title": f"motion of {system!r}",
         "system": type(system).__name__,
@@ -81,14 +81,14 @@ def made_of(system: Any, parameters: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def stamp(system: Any) -> str:
-    """The identity of a system: by value, with the version of this package."""
+    """The identity of a system as JSON: the values of its parameters, and the version of this package."""
     return json.dumps({**system.identity, "version": version()}, ensure_ascii=False)
 
 
 def columns(
     dims: tuple[str, ...], arrays: Mapping[str, np.ndarray], among: Mapping[str, Quantity] = QUANTITIES
 ) -> dict[str, Column]:
-    """Quantities along ``dims``."""
+    """The columns of quantities along ``dims``."""
     found = {}
     for name, values in arrays.items():
         dim, parts, units, long_name = among[name]
@@ -97,7 +97,7 @@ def columns(
 
 
 def status_column(dims: tuple[str, ...], status: np.ndarray, reasons: Sequence[str]) -> Column:
-    """0 where a state was computed."""
+    """The column of status numbers: 0 where a state was computed, otherwise the number of a reason."""
     flags = ("had", *reasons[1:])
     return Column(dims, status.astype(np.int32), "1", "0: state was had, else the number of a reason", (), flags)
 
@@ -108,7 +108,7 @@ def reasons_text(reasons: Sequence[str]) -> str:
 
 
 def trajectory_frame(run: Any, quantities: Any) -> Frame:
-    """The rows of a run, along "time", of an orbit along "step"."""
+    """The frame of a run along "time", or of an orbit along "step"."""
     names, dims = checked(quantities), ("time",)
     orbit = run.way == "steps"
     if run.system.field.exact:
@@ -135,5 +135,5 @@ def _values(run: Any, name: str) -> np.ndarray:
 
 
 def number(x: Any) -> Any:
-    """A float, or the digits of a number with more."""
+    """A float unchanged, and a multiprecision number as a string of its digits."""
     return float(x) if isinstance(x, float) or not hasattr(x, "context") else str(x)

@@ -1,4 +1,4 @@
-"""Files that are complete or absent: written under another name in the same folder, then moved."""
+"""Files that are either complete or absent. They are written under another name in the same folder, then renamed."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ FULL = {
 
 
 def target_of(path: Any, wanted: str, argument: str = "path") -> Path:
-    """``path`` as a Path of a file in a folder that exists; ArgumentError says what is ``wanted``."""
+    """``path`` as a Path. Its folder must exist; otherwise ArgumentError says what is ``wanted``."""
     if not isinstance(path, (str, os.PathLike)) or not _is_a_name(path) or not Path(path).name:
         raise ArgumentError(f"{argument} = {shown(path)}: give {wanted}")
     target = Path(path)
     with said(target, argument):
-        # called for its error: the name may be too long for the file system
+        # called only for the error it raises if the name is too long for the file system
         target.exists()
         there = target.parent.is_dir()
     if not there:
@@ -66,7 +66,7 @@ def replacing(target: Path, folder: Path | None = None) -> Iterator[Path]:
 
 @contextmanager
 def whole_file(path: Any, wanted: str) -> Iterator[Path]:
-    """:func:`replacing` for a file named by the user; errors of the system become an ArgumentError of one line."""
+    """:func:`replacing` for a file named by the user. System errors become an ArgumentError of one line."""
     target = target_of(path, wanted)
     if target.is_dir():
         raise ArgumentError(f"path = {shown(path)}: give {wanted}")
@@ -76,7 +76,7 @@ def whole_file(path: Any, wanted: str) -> Iterator[Path]:
 
 @contextmanager
 def said(target: Path, argument: str = "path") -> Iterator[None]:
-    """The system's refusal (a full disk, a folder that cannot be written to), as one line."""
+    """Turns an OSError in the block (full disk, read-only folder) into an ArgumentError of one line."""
     try:
         yield
     except OSError as error:
@@ -90,9 +90,9 @@ def reason(error: OSError) -> str:
 
 
 class Patient(io.FileIO):
-    """A file that accepts everything, for libraries that crash where they cannot write (HDF5's).
+    """A file whose ``write`` never fails, for libraries such as HDF5 that crash when a write fails.
 
-    The first error of the system is stored in ``error``; from then on nothing is written.
+    The first system error is stored in ``error``; from then on nothing is written.
     """
 
     def __init__(self, path: Path) -> None:

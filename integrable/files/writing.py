@@ -1,6 +1,6 @@
-"""Writes a frame to a file, in the format given by its suffix, with the library that its readers use.
+"""Writes a frame to a file, in the format given by its suffix, with the format's usual library.
 
-HDF5 files are made in memory, because the library aborts the process when the disk is full.
+HDF5 files are made in memory, because the HDF5 library aborts the process when the disk is full.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ __all__ = ["FORMATS", "save", "scaled"]
 
 
 def save(frame: Callable[[], Frame], path: Any) -> None:
-    """Write a frame, which is made only after all checks: .nc (netCDF 4), .h5 (HDF5), .zarr, .parquet, .csv or .mat.
+    """Write a frame as .nc (netCDF 4), .h5 (HDF5), .zarr, .parquet, .csv or .mat. It is made only after all checks.
 
-    The file, for .zarr the folder, appears when it is complete, and replaces an older one. ArgumentError for another
-    suffix, a library that is not installed, a full disk, and numbers of MP(digits) in formats other than .csv.
+    The file (for .zarr the folder) appears when it is complete, and replaces an older one. Raises ArgumentError for
+    another suffix, a library that is not installed, a full disk, and numbers of MP(digits) unless the file is .csv.
     """
     known = ", ".join(FORMATS)
     target = target_of(path, f"the path of a file that ends with one of {known}")
@@ -74,7 +74,7 @@ def _hdf5(frame: Frame, path: Path) -> None:
 
 
 def scaled(file: Any, columns: dict[str, Column]) -> None:
-    """Gives every dimension of an HDF5 file its scale: the array of its name along it, or the numbers from 1 on."""
+    """Gives every dimension of an HDF5 file its scale: the array with the dimension's name, or else 1, 2, 3, …"""
     for name, column in columns.items():
         for i, dim in enumerate(column.dims):
             if dim not in file:
