@@ -1,7 +1,7 @@
-"""Common formulas of Lagrange's top and the spherical pendulum: an axis of height z, y² = f(z) of genus 1, and the
-horizontal part of the axis, carried as lifts at z = ±1.
+"""Common formulas of Lagrange's top and the spherical pendulum, on a curve y² = f(z) of genus 1.
 
-With U = x − z, V = z', f cubic of leading coefficient 2, f(1) = −m₁², f(−1) = −m₂², the horizontal part of the axis is
+z is the height of the axis. Its horizontal part is carried as lifts at z = ±1. With U = x − z, V = z', f cubic of
+leading coefficient 2, f(1) = −m₁², f(−1) = −m₂², the horizontal part is
 
     g = Ce^{iwt}σ₁σ₂,   σ_k the lift at the point (±1, −im_k),   σ_k'/σ_k = (z' − im_k)/(2(z ∓ 1))
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class Axis(NamedTuple):
-    """z, z', the horizontal part (g₁, g₂) and its rate, (m₁, m₂), w."""
+    """An axis: z, z', the horizontal part (g₁, g₂) and its rate, (m₁, m₂), and w."""
 
     z: Any
     rate: Any
@@ -49,7 +49,7 @@ class AxialSystem(MumfordSystem):
         raise NotImplementedError
 
     def _curve(self, N: Any, state: Point) -> tuple[Any, ...]:
-        """Table: f."""
+        """Table: the coefficients of f."""
         raise NotImplementedError
 
     def _from_axis(self, N: Any, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
@@ -57,13 +57,16 @@ class AxialSystem(MumfordSystem):
         raise NotImplementedError
 
     def _top(self, N: Any, state: Point) -> tuple[Any, Any, Any] | None:
-        """Table: (jc, L, c) if the state of the system has the angular momentum of a top; None if it has a velocity."""
+        """Table: (jc, L, c) if the p of a state is the angular momentum of a top; None if it is a velocity."""
         return None
 
     # --- derived from these
 
     def flow(self, state: Point, tolerance: float | None = None) -> AxialFlow:
-        """The motion of a state over RR or MP(digits), any time at once; ``tolerance`` as for other systems."""
+        """The motion of a state over RR or MP(digits), at any times.
+
+        ``tolerance`` is that of :meth:`integrable.mumford.system.MumfordSystem.flow`.
+        """
         from integrable.classical.axial_torus import AxialFlow
 
         self._check_range(state)
@@ -89,12 +92,12 @@ class AxialSystem(MumfordSystem):
         return (N.one,)
 
     def _ends(self, N: Any, axis: Axis) -> list[tuple[Any, Any]]:
-        """((1, −im₁), (−1, −im₂))."""
+        """The points of the two lifts: ((1, −im₁), (−1, −im₂))."""
         i = N.coerce(1j)
         return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
 
     def _carrier(self, axis: Axis) -> int | None:
-        """The end whose lift at the start is g itself: the nearer one, if that is a branch point."""
+        """The index of the end nearer to the start if it is a branch point, else None; its lift then starts as g."""
         near = 0 if axis.z.real > 0 else 1
         return near if branches(axis.m[near]) else None
 
@@ -114,7 +117,7 @@ class AxialSystem(MumfordSystem):
             else:
                 g, g_rate = (a + i * b for a, b in (axis.g, axis.g_rate))
                 other, y = ends[1 - k]
-                # g' = (iw + σ'/σ of the other)g − ½ν
+                # g' = (iw + σ'/σ of the other end)g − ½ν
                 nu = -2 * (g_rate - g * (i * axis.w + (axis.rate + y) / (2 * (axis.z - other))))
                 kinds.append(Lift(e))
                 data.append((self._unit(N, f, e, axis, g, nu), g, nu))
@@ -145,13 +148,13 @@ class AxialSystem(MumfordSystem):
 
 
 def branches(m: Any) -> bool:
-    """Whether an end is a branch point, m = 0; PrecisionLoss if a ball does not decide it."""
+    """Whether an end is a branch point, m = 0; PrecisionLoss if m is a ball that contains 0 and other numbers."""
     if m == 0 or m != 0:
         return bool(m == 0)
     raise PrecisionLoss("whether the axis passes through the vertical is not seen: use more digits")
 
 
 def heavy(N: Any, h: Any, along: poly.Poly) -> poly.Poly:
-    """f of a heavy axis: 2(1 − x²)(h − x) less the square of ``along``, which is ±m at x = ±1."""
+    """The f of a heavy axis: 2(1 − x²)(h − x) minus the square of ``along``, which is ±m at x = ±1."""
     height = poly.mul(N, (2 * N.one, N.zero, -2 * N.one), (h, -N.one))
     return poly.sub(N, height, poly.mul(N, along, along))

@@ -1,4 +1,4 @@
-"""States of a heavy axis by theta functions of genus 1, on bare reals, compiled unchanged.
+"""States of a heavy axis by theta functions of genus 1: loops over bare reals, compiled without change.
 
 Let v = πu/2K, u the argument of sn, and q the nome. The axis z = x₁ + (x₂ − x₁)sn²u is a quotient of θ₁(v) and θ₄(v).
 Its horizontal part is g = Ce^{iRt}θ₂(v − iα)θ₁(v − iβ)/θ₄(v)². The zeros of θ₂ and θ₁ are the points of the curve at z
@@ -23,10 +23,12 @@ SERIES = 8
 
 
 class AxialThetas(NamedTuple):
-    """A motion: ``numbers`` are half turns of v and turns of Rt in a unit of time, v at the start in half turns, C,
-    dv/dt, R, x₁, the factors of (θ₁/θ₄)² in z − x₁ and of θ₁θ₂θ₃/θ₄³ in z', and jc, L and c of a top; ``table`` are the
-    coefficients of harmonics 2n + 1 of θ₂(v − iα) and θ₁(v − iβ), two each, of θ₁ and θ₂, and of harmonics 2n of θ₃ and
-    θ₄; ``inverse`` are 2π, then 1/n! in pairs. ``top``: whether a state ends with M, else with the velocity.
+    """The numbers of a motion.
+
+    ``numbers`` are half turns of v and turns of Rt per unit time, v at the start in half turns, C (two numbers),
+    dv/dt, R, and x₁. Then follow the factors of (θ₁/θ₄)² in z − x₁ and of θ₁θ₂θ₃/θ₄³ in z', and jc, L and c of a top.
+    A row of ``table`` has the coefficients of harmonic 2n + 1 of θ₂(v − iα) and θ₁(v − iβ), two each, and of θ₁ and θ₂,
+    then those of harmonic 2n of θ₃ and θ₄. ``inverse`` holds 2π and 1/n!. ``top`` tells whether p is M or the velocity.
     """
 
     numbers: Row
@@ -36,12 +38,12 @@ class AxialThetas(NamedTuple):
 
 
 def axial_states(motion: AxialThetas, times: Row, out: Row) -> None:
-    """q and p at times, six floats each."""
+    """Writes q and p at the given times, six floats per time."""
     numbers, table = motion.numbers, motion.table
     zero = 0 * numbers[0]
     for i in abreast(0, len(times)):
         cv, sv = circle((numbers[0] * times[i] + numbers[2]) / 2, motion.inverse)
-        # cos and sin of the even harmonic, then of the next odd one; harmonics advance by 2v
+        # ce, se: cos and sin of the even harmonic; c2, s2: those of 2v, by which harmonics advance
         ce, se, c2, s2 = 1 + zero, zero, cv * cv - sv * sv, 2 * cv * sv
         upr, upi, dupr, dupi = zero, zero, zero, zero
         low, lowi, dlow, dlowi = zero, zero, zero, zero
@@ -56,7 +58,7 @@ def axial_states(motion: AxialThetas, times: Row, out: Row) -> None:
             t1, t2 = t1 + table[k + 4] * s, t2 + table[k + 5] * c
             t3, t4, dt4 = t3 + table[k + 6] * ce, t4 + table[k + 7] * ce, dt4 - (2 * n) * (table[k + 7] * se)
             ce, se = ce * c2 - se * s2, ce * s2 + se * c2
-        # G and its derivative by v, over θ₄²
+        # G = θ₂(v − iα)θ₁(v − iβ)/θ₄² and its derivative with respect to v
         over = 1 / t4
         square = over * over
         real, imaginary = (upr * low - upi * lowi) * square, (upr * lowi + upi * low) * square
@@ -72,7 +74,7 @@ def axial_states(motion: AxialThetas, times: Row, out: Row) -> None:
 
 
 def put_axis(motion: AxialThetas, axis: Row, rate: Row, out: Row, place: int) -> None:
-    """The state with this axis and its rate into out[place … place + 5]."""
+    """Writes the state with this axis and rate to out[place … place + 5]."""
     (x, y, z), (dx, dy, dz), numbers = axis, rate, motion.numbers
     if motion.top:
         if abs(z) > 0.5:

@@ -1,9 +1,11 @@
-"""Far states of a heavy axis in closed form: what :mod:`integrable.classical.axial_loops` reads, made once in long
-numbers, and the flow that takes it.
+"""Far states of a heavy axis in closed form: the set-up of :mod:`integrable.classical.axial_loops`, and the flow.
+
+The set-up is computed once, in long numbers.
 
 With the roots x₁ ≤ z ≤ x₂ ≤ 1 ≤ x₃ of f the moduli are m = (x₂ − x₁)/(x₃ − x₁) and m' = 1 − m. The zeros of g are at K
 + is₁ and is₂, where z = ±1: sn²(s₁|m') = (1 − x₂)(x₃ − x₁)/((1 − x₁)(x₃ − x₂)), sc²(s₂|m') = (1 + x₁)/(x₂ − x₁). The
-rate R of the turn about the vertical is fixed by g'/g where z rests, at x₁ in one case and at x₂ in the other.
+rate R of rotation about the vertical follows from g'/g at the turning points of z, at x₁ for one zero and at x₂ for the
+other.
 """
 
 from __future__ import annotations
@@ -32,17 +34,18 @@ from integrable.torus.witness import TURNS
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 
-# bits of the roots, half of which are lost if two roots nearly coincide, and of later quantities
+# bits of the roots, half of which are lost if two roots nearly coincide; bits of later quantities
 BITS, FEWER_BITS = 400, 180
 # Newton steps from a root in floats
 NEWTON_STEPS = 8
-# a quantity below the first fraction of its surroundings has no digits left; one below the second has no effect
+# a gap below the first fraction of its neighbours has no digits left; one below the second has no effect
 LOST, NOTHING = 2.0**-130, 2.0**-90
 
 
 class Turns(NamedTuple):
-    """Coefficients e^{±ikv} of θ(v − ia), k = 2n + 1, over the largest of them: ``ahead`` those of +k, ``back`` of −k;
-    ``pace`` is iθ₂'/θ₂ at −ia, with the sign changed.
+    """The coefficients of e^{±ikv} in θ(v − ia), k = 2n + 1, divided by the largest.
+
+    ``ahead`` are those of +k, ``back`` those of −k. ``pace`` is −iθ₂'/θ₂ at −ia.
     """
 
     ahead: list[Any]
@@ -53,7 +56,7 @@ class Turns(NamedTuple):
 class AxialTorus:
     """States of a motion of :class:`~integrable.classical.axial.AxialSystem` in floats at any times.
 
-    PrecisionLoss on a separatrix and so near it, or so near to a place of rest, that double-double numbers do not tell.
+    PrecisionLoss on a separatrix, or if double-doubles cannot distinguish the motion from a separatrix or from rest.
     """
 
     def __init__(self, system: Any, state: Any) -> None:
@@ -70,19 +73,21 @@ class AxialTorus:
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times a round and more away, in both directions, and those of the lowest and the highest place next to the
-        start, as tops are read in one way near the vertical and in another far from it.
+        """Times at which the torus is compared with another method.
+
+        They lie a period and more from the start, in both directions, and at the lowest and the highest point next to
+        it. Tops need the last two, because their formulas near the vertical differ from those far from it.
         """
         if not self._nods:
             return np.array(TURNS) / (self._turns or 1.0)
         return np.array([*TURNS, -self._place, copysign(0.5, -self._place) - self._place]) / self._nods
 
     def reaches(self, times: np.ndarray) -> bool:
-        """Whether double-double numbers hold the fractions of all turns."""
+        """Whether double-doubles resolve the fraction of a turn at all of these times."""
         return float(np.abs(times).max(initial=0)) * self._pace <= MOST_TURNS
 
     def at(self, times: np.ndarray) -> np.ndarray:
-        """q and p at times, shape (N, 6)."""
+        """q and p at the given times, shape (N, 6)."""
         out = np.empty(6 * len(times))
         LIBRARY.axial_states(self._motion, np.ascontiguousarray(times, dtype=np.float64), out)
         return out.reshape(-1, 6)
@@ -104,8 +109,10 @@ class AxialFlow(MumfordFlow):
 
 
 class Gaps(NamedTuple):
-    """The roots x₁, x₂, x₃ of f by what they are apart: ``first`` x₁, ``swing`` x₂ − x₁, ``above`` x₃ − x₂, ``down``
-    1 − x₁ and 1 − x₂, ``beyond`` x₃ − 1, ``up`` 1 + x₁ and 1 + x₂; ``steady`` where the axis does not nod.
+    """The gaps between the roots x₁, x₂, x₃ of f and ±1.
+
+    ``first`` is x₁, ``swing`` x₂ − x₁, ``above`` x₃ − x₂, ``down`` (1 − x₁, 1 − x₂), ``beyond`` x₃ − 1, ``up``
+    (1 + x₁, 1 + x₂). ``steady`` is true if the axis does not nod.
     """
 
     first: Any
@@ -136,7 +143,7 @@ class Gaps(NamedTuple):
         middle = (3 * mean - x) / 2
         spread = N.sqrt(max(middle * middle - (slope - 2 * x * middle), N.zero))
         x1, x2, x3 = (middle - spread, middle + spread, x) if side > 0 else (x, middle - spread, middle + spread)
-        # f at ±1 is known to all digits, and so are roots close to ±1
+        # f(±1) is known to all digits, so roots close to ±1 are too
         down1, down2, beyond = 1 - x1, abs(1 - x2), abs(x3 - 1)
         if down2 > beyond:
             beyond = m1 * m1 / (2 * down1 * down2)
@@ -155,7 +162,7 @@ class Gaps(NamedTuple):
 
 
 def _steady(N: LongField, gaps: Gaps, axis: Any) -> tuple[Any, Any]:
-    """The numbers and the table of an axis that turns about the vertical at one height."""
+    """The numbers and the table of an axis that rotates about the vertical at constant height."""
     pace, (m1, m2) = axis.w, axis.m
     down, up = gaps.down[0] - gaps.swing / 2, gaps.up[1] - gaps.swing / 2
     pace = pace + (m1 / (2 * down) if m1 else 0) - (m2 / (2 * up) if m2 else 0)
@@ -166,7 +173,7 @@ def _steady(N: LongField, gaps: Gaps, axis: Any) -> tuple[Any, Any]:
 
 
 def _turning(N: LongField, gaps: Gaps, axis: Any) -> tuple[Any, Any]:
-    """The same for an axis that nods between x₁ and x₂."""
+    """The numbers and the table of an axis that nods between x₁ and x₂."""
     (down1, down2), (up1, up2), swing = gaps.down, gaps.up, gaps.swing
     wide = swing + gaps.above
     k, k1 = N.sqrt(swing / wide), N.sqrt(gaps.above / wide)
@@ -201,7 +208,7 @@ def _turning(N: LongField, gaps: Gaps, axis: Any) -> tuple[Any, Any]:
 
 
 def _turns(nome: Any, angle: Any, count: int) -> Turns:
-    """The coefficients of θ(v − i·angle)."""
+    """The :class:`Turns` of θ(v − i·angle)."""
     import gmpy2
 
     grown, size = gmpy2.exp(2 * abs(angle)), [nome ** (n * n + n) for n in range(count)]
@@ -214,9 +221,9 @@ def _turns(nome: Any, angle: Any, count: int) -> Turns:
 
 
 def _start(N: LongField, levels: list[tuple[Any, Any]], gaps: Gaps, axis: Any) -> Any:
-    """v of the start."""
+    """The phase v at the start."""
     low, high = max(axis.z - gaps.first, N.zero), max(gaps.first + gaps.swing - axis.z, N.zero)
-    # z'² = 2(z − x₁)(x₂ − z)(x₃ − z): the smaller of two by the larger
+    # z'² = 2(z − x₁)(x₂ − z)(x₃ − z) gives the smaller of the first two gaps from the larger
     square, far = axis.rate * axis.rate / 2, gaps.swing + gaps.above
     if low < high:
         low = square / (high * (far - low))
@@ -227,7 +234,7 @@ def _start(N: LongField, levels: list[tuple[Any, Any]], gaps: Gaps, axis: Any) -
 
 
 def _placed(N: LongField, table: Any, v: Any, pace: Any, about: Any) -> tuple[Any, Any]:
-    """g and its rate at the phase v, C = 1: pairs of numbers."""
+    """g and its rate at the phase v for C = 1, each as a pair (real part, imaginary part)."""
     import gmpy2
 
     first, second, bottom, slopes = (N.zero,) * 4, (N.zero,) * 4, N.zero, N.zero
@@ -252,7 +259,7 @@ def _placed(N: LongField, table: Any, v: Any, pace: Any, about: Any) -> tuple[An
 
 
 def _over(first: Any, second: Any) -> tuple[Any, Any]:
-    """A quotient of complex numbers."""
+    """The quotient of two complex numbers given as pairs."""
     (a, b), (c, d) = first, second
     size = c * c + d * d
     return (a * c + b * d) / size, (b * c - a * d) / size

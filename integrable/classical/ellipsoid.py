@@ -5,12 +5,12 @@ F_i = v_i² + Σ_j (x_iv_j − x_jv_i)²/(a_i − a_j):
 
     U = f₁Σ(x_i²/a_i)/(x − a_i),   V = f₁Σx_iv_i/(x − a_i) − λU,   f₁ΣF_i/(x − a_i) = xR(x),   f = −x·f₁·R
 
-The roots of U are the elliptic coordinates, those of R the caustics; genus n. The motion is ±2e_0 in τ with
-dt = |U(0)|dτ, and Σu^g du/y = −2dt, so that t = −½Ω with the second-kind datum Ω, which the additions carry: no
-quadrature. At a branch point a_i the lift is (x_i, a_iv_i − λx_i).
+The roots of U are the elliptic coordinates, those of R the caustics; the genus is n. The direction is ±2e_0 in τ with
+dt = |U(0)|dτ. Since Σu^g du/y = −2dt, t = −½Ω for the second-kind datum Ω. The additions carry Ω, so that no quadrature
+is needed. At a branch point a_i the lift is (x_i, a_iv_i − λx_i).
 
-Its discretization is D + (l, m) − (0, 0): the tangent is followed to x + hv on Σy_i²/(a_i − l) = 1, and from there
-Ivory's affinity y_i ↦ √(a_i/(a_i − l))·y_i leads back; the same from the new point backwards, with the same h.
+Its discretization is D + (l, m) − (0, 0). The tangent leads to x + hv on Σy_i²/(a_i − l) = 1, and Ivory's affinity
+y_i ↦ √(a_i/(a_i − l))·y_i leads back. The tangent backwards from the new point reaches that quadric with the same h.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ MOST_STEPS = 100
 
 
 class Ellipsoid(MumfordSystem):
-    """Geodesics on Σx_i²/a_i = 1, len(a) ≥ 2, the a_i different and over real fields positive.
+    """Geodesics on Σx_i²/a_i = 1, len(a) ≥ 2; the a_i are different, and positive over real fields.
 
-    A state is a point q and a velocity p tangent there; time is length over |p|, so that with |p| = 1 the states of
+    A state is a point q and a tangent vector p there. Time is length divided by |p|. With |p| = 1,
     ``flow(state).at(lengths)`` are the ends of geodesics of these lengths, in the unit of √a: the direct problem.
     """
 
@@ -70,7 +70,7 @@ class Ellipsoid(MumfordSystem):
         slope = N.dot(q, p)
         mixed = self._sums(N, [x * y for x, y in zip(q, p, strict=True)])
         v = tuple(x - slope * y for x, y in zip(mixed[:-1], u, strict=False))
-        # xR, whose constant coefficient is that of the constraint, 0
+        # the sums are xR; its constant coefficient is 0 by the constraints and is omitted
         rest = self._sums(N, self._momenta(N, state))[1:]
         f = poly.mul(N, poly.mul(N, (N.zero, -N.one), poly.from_roots(N, a)), rest)
         return all_of(N, (f, u, v), self.size - 1)
@@ -110,8 +110,9 @@ class Ellipsoid(MumfordSystem):
         }
 
     def discrete(self, state: Point, h: Any) -> Point:
-        """A step of ``h`` in time to second order, which keeps the integrals: that of the λ < 0 whose ellipsoid the
-        tangent meets at q + hp; h < 0 is a step back.
+        """The state after a step that agrees with time ``h`` to second order and preserves the integrals.
+
+        It is the :meth:`step` of the λ < 0 whose ellipsoid the tangent meets at q + hp; h < 0 is a step back.
         """
         h = self._time_step(h)
 
@@ -120,7 +121,7 @@ class Ellipsoid(MumfordSystem):
             reached = [x + length * v for x, v in zip(*inner, strict=True)]
             squares, a, x = [y * y for y in reached], self._constants_in(L), L.zero
             for _ in range(MOST_STEPS):
-                # 1/Σ is concave in −λ: from λ = 0 Newton's steps are all to the left
+                # 1/Σ is concave in −λ, so Newton's method from λ = 0 decreases λ monotonically
                 parts = [y / (e - x) for y, e in zip(squares, a, strict=True)]
                 total = sum(parts, L.zero)
                 slope = sum((part / (e - x) for part, e in zip(parts, a, strict=True)), L.zero)
@@ -133,9 +134,10 @@ class Ellipsoid(MumfordSystem):
         return self._settled(read)
 
     def step(self, state: Point, point: Sequence[Any]) -> Point:
-        """The state of D + (λ, μ) − (0, 0), of any h that leads to the quadric of λ; real for λ < 0. ArgumentError for
-        a point that is not on the curve, NotASquare where a_i/(a_i − λ) has no root, NotRepresentable or PrecisionLoss
-        where there is no such state, as for λ = a_i.
+        """The state of D + (λ, μ) − (0, 0), where ``point`` is (λ, μ); its tangent meets the quadric of λ.
+
+        It is real for λ < 0. ArgumentError if the point is not on the curve; NotASquare if a_i/(a_i − λ) has no square
+        root; NotRepresentable or PrecisionLoss if there is no such state, as for λ = a_i.
         """
 
         def formula(N: Any, here: Point, x: Any, y: Any) -> Point:
@@ -150,7 +152,7 @@ class Ellipsoid(MumfordSystem):
         a, slope = self._constants_in(N), x / h
         roots = [N.sqrt(e / (e - x)) for e in a]
         q = tuple(r * (y + h * v) for r, y, v in zip(roots, *state, strict=True))
-        # (q̃ - q/r)/h, in which small steps would cancel
+        # equals (q̃ - q/r)/h, but without cancellation for small steps
         return Point(q, tuple(r * (v + slope * y / e) for r, e, y, v in zip(roots, a, *state, strict=True)))
 
     def _start(self, N: Any, state: Point) -> Start:

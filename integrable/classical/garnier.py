@@ -5,7 +5,7 @@ frequencies and an isotropic quartic term. In the terms of :mod:`integrable.mumf
 
     u₀ = 1,   w₀ = αx + β − α|q|²
 
-of genus n, the number of axes. For α > 0 all motions are bounded.
+the genus is n, the number of axes. For α > 0 all motions are bounded.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ from jacobian.errors import ArgumentError, shown
 
 
 class Garnier(QuadricSystem):
-    """n = len(a) ≥ 1 axes, the a_i different, α ≠ 0: ``Garnier((0, 1, 3)).flow(system.state(q, p)).at(times)``.
+    """Garnier's system with n = len(a) ≥ 1 axes, different a_i and α ≠ 0.
+
+    ``Garnier((0, 1, 3)).flow(system.state(q, p)).at(times)``
 
     The squared frequencies at rest are −αa_i − β.
     """

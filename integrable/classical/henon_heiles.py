@@ -1,13 +1,13 @@
-"""The system of Hénon and Heiles with the ratio 1:6, any frequencies, any number of axes and inverse-square terms
-(Fordy 1991; Eilbeck, Enolskii, Kuznetsov & Tsiganov 1994).
+"""The Hénon–Heiles system of ratio 1:6, with any frequencies, any number of axes and inverse-square terms.
+
+(Fordy 1991; Eilbeck, Enolskii, Kuznetsov & Tsiganov 1994.)
 
     H = ½(p_0² + |p|²) − 4αq_0³ − 2αq_0|q|² − β(2q_0² + ½|q|²) − ½αΣa_i q_i² − γq_0 + ½Σl_i²/q_i²
     q_0'' = 12αq_0² + 2α|q|² + 4βq_0 + γ,   q_i'' = (4αq_0 + β + αa_i)q_i + l_i²/q_i³
 
-With α = −½ and one axis it has the potential 2q_0³ + q_0q_1² beside any quadratic one. In the terms of
+With α = −½ and one axis the potential is 2q_0³ + q_0q_1² plus any quadratic one. In the terms of
 :mod:`integrable.mumford.quadrics` u₀ = x − 2q_0, ε = −1, w₀ = αx² + bx + c, b = β + 2αq_0, c = γ + 2βq_0 + 4αq_0² +
-α|q|²; genus n + 1. If q_0 escapes to infinity in finite time, the formulas continue the motion through infinity and
-back.
+α|q|²; the genus is n + 1. If q_0 escapes to infinity in finite time, the formulas continue the motion through infinity.
 """
 
 from __future__ import annotations
@@ -23,7 +23,10 @@ from jacobian.fields.protocol import check_field
 
 
 class HenonHeiles(QuadricSystem):
-    """q = (q_0, q_1 … q_n), n = len(a) ≥ 1, the a_i different, α ≠ 0; ``barriers``: the l_i, all 0 unless given."""
+    """The Hénon–Heiles system of q = (q_0, q_1 … q_n), n = len(a) ≥ 1, with different a_i and α ≠ 0.
+
+    ``barriers`` are the l_i, by default all 0.
+    """
 
     sign = -1
     before = 1
@@ -53,7 +56,7 @@ class HenonHeiles(QuadricSystem):
 
     @classmethod
     def with_frequencies(cls, first: Any, second: Any, field: Any = RR) -> HenonHeiles:
-        """H = ½(p_0² + p_1² + ω_0²q_0² + ω_1²q_1²) + 2q_0³ + q_0q_1² for the frequencies ω_0, ω_1."""
+        """The system with H = ½(p_0² + p_1² + ω_0²q_0² + ω_1²q_1²) + 2q_0³ + q_0q_1², for frequencies ω_0, ω_1."""
         K = check_field(field, "field")
         A, B = (K.mul(x, x) for x in (K.coerce(first, "first"), K.coerce(second, "second")))
         quarter = K.div(A, poly.integer(K, 4))

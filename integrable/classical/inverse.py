@@ -1,5 +1,6 @@
-"""The inverse problem of geodesics on an ellipsoid of any dimension: from one point to another, by Newton's method from
-the direct problem of :class:`~integrable.classical.ellipsoid.Ellipsoid`.
+"""The inverse problem of geodesics on an ellipsoid of any dimension: the geodesic from one point to another.
+
+It is solved by a quasi-Newton method on the direct problem of :class:`~integrable.classical.ellipsoid.Ellipsoid`.
 """
 
 from __future__ import annotations
@@ -13,19 +14,18 @@ from integrable.mumford.flow import Point, long_digits
 from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
 from jacobian.linear import pivoted
 
-# the search ends at this many units of rounding; largest number of evaluations, and of halvings of a step that does not
-# improve
+# the search ends at a residual of LAST rounding units; MOST iterations; HALVINGS of a step that does not improve
 LAST, MOST, HALVINGS = 64, 60, 8
 # allowed relative distance of a point from the ellipsoid
 OFF = 1e-6
 
 
 def joining(ellipsoid: Ellipsoid, first: Any, last: Any) -> Point:
-    """The state at the point ``first`` that reaches ``last`` at time 1, over RR or MP(digits): |p| is the length.
+    """The state at the point ``first`` that reaches ``last`` at time 1, over RR or MP(digits); |p| is the length.
 
-    Newton's method starts from the direction of the chord and finds the shortest geodesic, unless the points are nearly
-    opposite. Points are projected onto the ellipsoid along their rays. PrecisionLoss if no geodesic is found;
-    ArgumentError for a point off the ellipsoid, or the same point twice.
+    The search starts in the direction of the chord and finds the shortest geodesic, unless the points are nearly
+    opposite. Points are projected radially onto the ellipsoid. PrecisionLoss if no geodesic is found; ArgumentError
+    for a point off the ellipsoid, or for the same point twice.
     """
     if not isinstance(ellipsoid, Ellipsoid):
         raise ArgumentError(f"ellipsoid = {shown(ellipsoid)}: an Ellipsoid is needed")
@@ -37,7 +37,7 @@ def joining(ellipsoid: Ellipsoid, first: Any, last: Any) -> Point:
         raise ArgumentError(f"last = {shown(last)}: another point than first is needed")
     basis, landing = (_tangents(ellipsoid, x, chord) for x in (q, target))
 
-    # two points of the ellipsoid are seen in one place along the normal there, one on this side
+    # a line along the normal at the target meets the ellipsoid in two points; only one is on the target's side
     facing = [x / e / e for x, e in zip(target, ellipsoid.constants, strict=True)]
 
     def velocity(w: Sequence[Any]) -> tuple[Any, ...]:
@@ -69,7 +69,7 @@ def _on(ellipsoid: Ellipsoid, x: Any, name: str) -> tuple[Any, ...]:
 
 
 def _tangents(ellipsoid: Ellipsoid, q: Sequence[Any], chord: Sequence[Any]) -> list[list[Any]]:
-    """An orthonormal basis of the tangent space at a point; the chord is in the span of its first and the normal."""
+    """An orthonormal basis of the tangent space at q; the chord lies in the span of its first vector and the normal."""
     K, size = ellipsoid.field, ellipsoid.size
     units = [[K.one if i == j else K.zero for j in range(size)] for i in range(size)]
     basis: list[list[Any]] = []
@@ -87,7 +87,7 @@ def _tangents(ellipsoid: Ellipsoid, q: Sequence[Any], chord: Sequence[Any]) -> l
 
 
 def _root(K: Any, f: Callable[[Sequence[Any]], list[Any]], x: list[Any], size: Any) -> list[Any]:
-    """A zero of n functions of n variables by Broyden's method (1965), the first slopes by differences."""
+    """A zero of n functions of n variables by Broyden's method (1965); the first Jacobian is by finite differences."""
     norm, y = lambda v: K.sqrt(K.dot(v, v)), f(x)
     step = K.sqrt(K.eps) * norm(x)
     moved = [f([*x[:j], x[j] + step, *x[j + 1 :]]) for j in range(len(x))]

@@ -1,13 +1,13 @@
-"""Real g-gap solutions of the Korteweg–de Vries equation u_t = 6uu_x − u_xxx, and their soliton limits, without theta
-functions (Dubrovin, Novikov & Matveev 1976; Mumford, Tata Lectures on Theta II, ch. IIIa §10).
+"""Real g-gap solutions of the Korteweg–de Vries equation u_t = 6uu_x − u_xxx, and their soliton limits.
 
-The Schrödinger operator −ψ'' + u(x, t)ψ has the bands [e_1, e_2], [e_3, e_4], … [e_{2g+1}, ∞) at every t, and with the
-condition ψ(x) = 0 one eigenvalue γ_j in each gap [e_{2j}, e_{2j+1}]:
+No theta functions are used (Dubrovin, Novikov & Matveev 1976; Mumford, Tata Lectures on Theta II, ch. IIIa §10). The
+Schrödinger operator −ψ'' + u(x, t)ψ has the bands [e_1, e_2], [e_3, e_4], … [e_{2g+1}, ∞) at every t. With the
+condition ψ(x) = 0 it has one eigenvalue γ_j in each gap [e_{2j}, e_{2j+1}]:
 
     f = −Π(x − e_i),   U = Π(x − γ_j),   V = ½∂U/∂x,   u = Σe_i − 2Σγ_j
 
-On the Jacobian of y² = f both x and t are straight lines, of directions −2e_{g−1} and −4Σe_i·e_{g−1} − 8e_{g−2}. A band
-that has shrunk to a point, e_{2j−1} = e_{2j}, is the eigenvalue of a soliton; a gap that has shrunk has no effect.
+On the Jacobian of y² = f both x and t are linear, with directions −2e_{g−1} and −4Σe_i·e_{g−1} − 8e_{g−2}. A band
+that shrinks to a point, e_{2j−1} = e_{2j}, is the eigenvalue of a soliton. A gap that shrinks to a point has no effect.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ if TYPE_CHECKING:
     from integrable.classical.kdv_profile import Profile
     from integrable.mumford.balls import EnclosedPlace
 
-# of the pair that a profile starts from, and bits that a narrow band may take from its double-double numbers
+# digits of the pair at which a profile starts; bits that its double-doubles may lose because of a narrow band
 PROFILE_DIGITS, MOST_LOST = 60, 24
-# x of one t from which a profile pays
+# number of x at one t from which a profile pays off
 MANY = 24
 
 
 class Eigenvalues(NamedTuple):
-    """γ_1 … γ_g at x = t = 0, and the signs of y there: of U'(γ_j)·∂γ_j/∂x, up to a factor −1."""
+    """γ_1 … γ_g at x = t = 0, and the signs of y at them, which are those of −U'(γ_j)·∂γ_j/∂x."""
 
     gamma: tuple[Any, ...]
     signs: tuple[int, ...]
@@ -70,8 +70,9 @@ class KdV(Made):
         return {"edges": self.edges}
 
     def state(self, gamma: Any, signs: Any = None) -> Eigenvalues:
-        """The eigenvalues γ_j of the gaps at x = t = 0, and signs ±1 of their y, all 1 unless given; over an exact
-        field, where f(γ_j) must have a root, +1 is the one that the field's ``sqrt`` returns.
+        """The state with the eigenvalues γ_j in the gaps at x = t = 0, and the signs ±1 of their y, by default all 1.
+
+        Over an exact field f(γ_j) must be a square; +1 then stands for the root that the field's ``sqrt`` returns.
         """
         K, wanted = self.field, f"a sequence of {self.gaps} numbers, one in each gap [edges[2j − 1], edges[2j]]"
         values = entries(gamma, "gamma", wanted)
@@ -90,7 +91,7 @@ class KdV(Made):
         return Eigenvalues(found, tuple(int(s) for s in turns))
 
     def spectral(self, state: Eigenvalues) -> Spectral:
-        """f, u and v of a state, ascending; double edges that are eigenvalues of the state are left out."""
+        """f, u and v of a state, coefficients ascending, without double edges that are eigenvalues of the state."""
         return self._spectral(self.field, self._checked(state))
 
     def _checked(self, state: Any) -> Eigenvalues:
@@ -110,7 +111,7 @@ class KdV(Made):
         return Spectral(poly.neg(K, poly.from_roots(K, edges)), *through(K, [x for x, _ in points], ys))
 
     def _moving(self, K: Any, state: Eigenvalues) -> tuple[list[Any], list[tuple[Any, int]]]:
-        """The edges and (γ_j, sign) but for double edges at a γ_j, which stays there for ever: u is without them."""
+        """The edges and the pairs (γ_j, sign), without double edges at a γ_j: such a γ_j never moves."""
         edges, points = [*map(K.coerce, self.edges)], []
         for x, sign in zip(map(K.coerce, state.gamma), state.signs, strict=True):
             if edges.count(x) > 1:
@@ -126,7 +127,7 @@ class KdV(Made):
 
 
 class Wave:
-    """A solution: ``at(x, t)``. Get it from ``kdv.wave(state)``."""
+    """A solution u; ``at(x, t)`` evaluates it. It is returned by ``kdv.wave(state)``."""
 
     def __init__(self, kdv: KdV, state: Eigenvalues) -> None:
         self.digits = long_digits(kdv.field)
@@ -144,11 +145,11 @@ class Wave:
         return Start(f, u, v, of_x, further=(of_t,))
 
     def at(self, x: Any, t: Any = 0) -> Any:
-        """u(x, t), an array of the shape that x and t have together (numpy's rules): ``at(x, t[:, None])`` is a table.
+        """u(x, t), an array of the shape to which x and t broadcast; ``at(x, t[:, None])`` is a table.
 
-        Right to the digits of floats, or of MP(digits), of the span of the edges, at any x and t of a g-gap solution.
-        In floats many x of one t are fast: from 24 on with two gaps, from 200 on with three to six.
-        With a double edge it takes bits in proportion to x and t: PrecisionLoss some 500 widths of a soliton away.
+        For a g-gap solution the error is below the last digit of floats, or of MP(digits), times the span of the edges,
+        at any x and t. In floats many x at one t are fast: from 24 with two gaps, from 200 with three to six.
+        A double edge needs bits in proportion to x and t: PrecisionLoss about 500 widths of a soliton away.
         """
         import numpy as np
 
@@ -163,11 +164,10 @@ class Wave:
         return found
 
     def enclosure(self, x: Any, t: Any = 0, digits: int | None = None) -> Any:
-        """Proven bounds of u(x, t): balls (``flint.arb``) of radius at most 10^(−digits) of the span of the edges that
-        contain it, an array as :meth:`at` returns.
+        """Enclosures of u(x, t): balls (``flint.arb``) that provably contain it, in an array as :meth:`at` returns.
 
-        The edges, γ_j, x and t count as exact; ``digits`` are by default those of the field, 15 for RR. PrecisionLoss
-        where no such balls were found.
+        Their radius is at most 10^(−digits) times the span of the edges. The edges, γ_j, x and t count as exact.
+        ``digits`` defaults to those of the field, 15 for RR. PrecisionLoss if no such balls are found.
         """
         from integrable.mumford.enclosure import Precisions
 
@@ -182,7 +182,7 @@ class Wave:
         return self._filled(*self._given(x, t), value, object)
 
     def _ball(self, place: EnclosedPlace, x: Any, t: Any) -> tuple[Any, Any]:
-        """u and its radius relative to the span of the edges."""
+        """A ball around u, and its radius relative to the span of the edges."""
         K = place.field
         D = place.at(K.coerce(x), (K.coerce(t),))
         ((value, span),) = self._read(K, D)
@@ -208,7 +208,7 @@ class Wave:
 
     @staticmethod
     def _filled(xs: Any, ts: Any, value: Callable[[Any, Any], Any], kind: Any) -> Any:
-        """An array of the values at xs and ts."""
+        """The array of ``value(x, t)`` for the elements of xs and ts."""
         import numpy as np
 
         found = np.empty(xs.shape, dtype=kind)
@@ -218,7 +218,7 @@ class Wave:
 
     @property
     def _profiles_pay(self) -> bool:
-        """Whether compiled loops in floats may take many x of one t."""
+        """Whether compiled loops in floats are available for many x at one t."""
         tabled = self._genus in (1, 2) or self._genus in GENERA_TABLED
         return bool(tabled and self.kdv.field == RR and not interpreted())
 
@@ -237,7 +237,7 @@ class Wave:
         return [self._value(x, t) for x in xs.tolist()] if found is None else found
 
     def _profile(self, t: float) -> Profile:
-        """The last one is kept."""
+        """The profile at time t; only the last one is cached."""
         from integrable.classical.kdv_profile import Profile
 
         found = self._profiles.get(t)
@@ -265,11 +265,11 @@ class Wave:
         return self._motion.row(x, read, digits, further=(t,), lost=self._lost(x, t))
 
     def _lost(self, x: Any, t: Any) -> int:
-        """Bits that a narrow band or double edge n takes on the way to t and x, U(n) = ψ² having its size there.
+        """A bound on the bits lost between (0, 0) and (x, t) because of a narrow band or double edge n.
 
-        From −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ: log ψ has at most the rates κ and about max|2u + 4n|κ,
-        κ² = max|u − n|. Rounding keeps U(n) at the root of its unit, in all precisions alike, so that comparing two of
-        them does not tell; a band of some width keeps it about there.
+        On the way U(n) = ψ² may shrink. From −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at rates of at most κ
+        in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) at the square root of its unit. That
+        holds at every precision, so comparing two precisions does not show it. The width of a band bounds the loss.
         """
         edges, needed = self._edges, 0.0
         bounds = [float(sum(edges) - 2 * sum(edges[k::2])) for k in (1, 2)]
@@ -282,12 +282,12 @@ class Wave:
 
     def _read(self, N: Any, D: Extended) -> list[list[Any]]:
         f = poly.neg(N, poly.from_roots(N, [*map(N.coerce, self._edges)]))
-        # the span of the edges decides how many digits of u count
+        # digits of u are relative to the span of the edges
         return [[potential(N, f, D.u), N.coerce(self._edges[-1]) - N.coerce(self._edges[0])]]
 
 
 def directions_of_waves(K: Any, f: poly.Poly) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """(c, c'): Σ_j γ_j^k dγ_j/y_j = c_k dx + c'_k dt."""
+    """The directions (c, c') of x and t: Σ_j γ_j^k dγ_j/y_j = c_k dx + c'_k dt."""
     gaps = len(f) // 2 - 1
     of_x, of_t = [K.zero] * gaps, [K.zero] * gaps
     of_x[-1] = poly.integer(K, -2)
@@ -298,5 +298,5 @@ def directions_of_waves(K: Any, f: poly.Poly) -> tuple[tuple[Any, ...], tuple[An
 
 
 def potential(K: Any, f: poly.Poly, u: poly.Poly) -> Any:
-    """Σe_i − 2Σγ_j."""
+    """The solution at a pair: u = Σe_i − 2Σγ_j."""
     return K.add(f[-2], K.mul(poly.integer(K, 2), u[-2]))

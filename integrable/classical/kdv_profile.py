@@ -1,6 +1,6 @@
-"""Many x of a KdV solution at one time t: from the compiled torus in genus 1 and 2, from tables in genus 3 to 6.
+"""A KdV solution at many x and one time t: from the compiled torus in genus 1 and 2, from tables in genus 3 to 6.
 
-u(x, t) at a fixed t is a motion in x from the pair at (0, t)
+At a fixed t, u(x, t) is a motion in x that starts from the pair at (0, t)
 (:mod:`integrable.mumford.real_torus`, :mod:`integrable.mumford.tabled`).
 """
 
@@ -23,8 +23,9 @@ from jacobian.relatives.extended import Extended
 
 
 class Profile:
-    """u at many x in floats of the motion in x that ``place`` starts; ``read(N, D)`` is ((u, the span of the edges),)
-    at a divisor, ``by_additions(x)`` the same in floats at one x.
+    """u in floats at many x, along the motion in x whose start ``place`` returns.
+
+    ``read(N, D)`` returns ((u, span of the edges),) at a divisor, ``by_additions(x)`` the same in floats at one x.
     """
 
     def __init__(
@@ -38,7 +39,7 @@ class Profile:
         self._place, self._by_additions, self._read_one = place, by_additions, read
 
     def from_torus(self, xs: np.ndarray) -> np.ndarray | None:
-        """u at xs in genus 1 and 2, None where there is no torus or it does not reach them."""
+        """u at xs in genus 1 and 2; None if there is no torus, or if it does not reach them."""
         torus = self._torus
         return None if torus is None or not torus.reaches(xs) else self._on(torus, xs)
 

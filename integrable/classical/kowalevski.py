@@ -1,7 +1,7 @@
-"""Kowalevski's top, forward: from a state to its divisor, which runs along a straight line (Kowalevski 1889).
+"""Kowalevski's top, forward: from a state to its divisor, whose class moves linearly (Kowalevski 1889).
 
-With ω = (p, q, r), in units where the moments are 2, 2, 1 and the weight times the distance of the centre, on the first
-axis, is 1: 2p' = qr, 2q' = −pr − γ_3, r' = γ_2, γ' = γ×ω, and the integrals, with |γ| = 1,
+ω = (p, q, r). In the units used the moments are 2, 2, 1, and the weight times the distance of the centre of mass, which
+is on the first axis, is 1. Then 2p' = qr, 2q' = −pr − γ_3, r' = γ_2, γ' = γ×ω, and with |γ| = 1 the integrals are
 
     6l_1 = 2(p² + q²) + r² − 2γ_1,   2l = 2(pγ_1 + qγ_2) + rγ_3,   k² = |(p + iq)² + γ_1 + iγ_2|²
 
@@ -10,7 +10,7 @@ With X = p² + q², e = 1 − k², R = −X² + 6l_1X + 4lp + e, R_1 = −6l_1X�
     U = x² + Rx/(2q²) + R_1/(4q²),   V = ½U',   f = −(4s³ − g_2s − g_3)(x² − k²),   s = ½(x + l_1)
     g_2 = k² − 1 + 3l_1²,   g_3 = l_1(k² − 1 − l_1²) + l²
 
-of genus 2 and direction −2e_1. The inverse map, from a divisor to the state, is not rational and is not implemented.
+the genus is 2 and the direction −2e_1. The inverse map from divisors to states is not rational and not implemented.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from jacobian.fields.protocol import check_field
 
 
 class KowalevskiTop(MumfordSystem):
-    """A state has q = γ, the vertical, and p = ω, the angular velocity, both in the body."""
+    """Kowalevski's top; a state has q = γ, the vertical, and p = ω, the angular velocity, both in the body frame."""
 
     size = 3
     constants = ()
@@ -87,13 +87,13 @@ class KowalevskiTop(MumfordSystem):
         return N.zero, N.coerce(poly.integer(N, -2))
 
     def flow(self, state: Point, tolerance: float | None = None) -> Any:
-        """NotRepresentable: the way from a divisor to a state is not here; ``line`` has the divisors."""
+        """Raises NotRepresentable: states cannot be recovered from divisors; ``line`` returns the divisors."""
         raise NotRepresentable(
             f"{self!r} has no way back from divisors to states: line(state, times) gives the divisors"
         )
 
     def line(self, state: Point, times: Any) -> list[Spectral]:
-        """f, u and v at times over RR or MP(digits): the pairs of the states then, without the states themselves."""
+        """f, u and v at the given times over RR or MP(digits): the pairs of the states, not the states themselves."""
         self._check(state)
         K, digits = self.field, long_digits(self.field)
 

@@ -1,7 +1,7 @@
 """Lagrange's top: a heavy symmetric body with its centre of mass on its axis (Lagrange 1788).
 
 M' = M×Ω + γ×e_3, γ' = γ×Ω, Ω = (M_1, M_2, jM_3), in units where the moments are 1, 1, 1/j and the weight times the
-distance of the centre is 1. c = M_3, L = (M, γ), h = ½(M_1² + M_2²) + γ_3; with z = γ_3
+distance of the centre of mass is 1. c = M_3, L = (M, γ), h = ½(M_1² + M_2²) + γ_3; with z = γ_3
 
     f = 2(1 − x²)(h − x) − (L − cx)²,   U = x − z,   V = z' = γ_1M_2 − γ_2M_1,   m = (L − c, L + c),   w = (1 − j)c
 
@@ -19,7 +19,10 @@ from jacobian.fields.protocol import check_field
 
 
 class LagrangeTop(AxialSystem):
-    """A state has q = γ, the vertical, and p = M, the angular momentum, both in the body; ``j``: I_1/I_3."""
+    """Lagrange's top with ``j`` = I_1/I_3; a state has q = γ, the vertical, and p = M, the angular momentum.
+
+    Both are in the body frame.
+    """
 
     _constraint_names = ("|γ| = 1",)
 
@@ -45,7 +48,7 @@ class LagrangeTop(AxialSystem):
 
     @staticmethod
     def _at_ends(N: Any, state: Point) -> tuple[Any, Any]:
-        """(M, q ∓ e_3). Near the vertical this avoids the difference 1 − |q_3|, which would round to 0."""
+        """((M, q − e_3), (M, q + e_3)); near the vertical without the difference 1 − |q_3|, which would round to 0."""
         (x, y, z), (a, b, c) = state
         along = x * a + y * b
         below, above = z - N.one, z + N.one

@@ -4,8 +4,8 @@ q, p ∈ R^(n+1), |q| = 1, (q, p) = 0, q' = p, p' = −a_i q_i + m q_i, m = Σa_
 
     U = f₁Σ q_i²/(x − a_i),   V = f₁Σ q_i p_i/(x − a_i),   W = −f₁(1 + Σ p_i²/(x − a_i)),   f = V² + UW = −f₁f₂
 
-of genus n, direction −2e_{n−1}; the roots of f₂ are constants. (q_i, p_i) is the lift at the branch point a_i, up to
-f₁'(a_i). So signs are determined, also where the motion crosses a coordinate plane.
+the genus is n and the direction −2e_{n−1}; the roots of f₂ are constants of motion. (q_i, p_i) is the lift at the
+branch point a_i, with κ = f₁'(a_i). So signs are determined, also where the motion crosses a coordinate plane.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from jacobian import RR
 
 
 class Neumann(QuadricSystem):
-    """The motion on S^n in the potential ½Σa_i q_i², n + 1 = len(a) ≥ 2, the a_i different.
+    """The motion on S^n in the potential ½Σa_i q_i², n + 1 = len(a) ≥ 2, with different a_i.
 
-    ``Neumann((1, 2, 4)).flow(system.state(q, p)).at(times)``; time is physical, in units where a is 1/time².
-    ``step`` is the discretization of Moser and Veselov (1991), a step of about 1/√−λ for λ → −∞.
+    ``Neumann((1, 2, 4)).flow(system.state(q, p)).at(times)``; time is physical, and the a_i are in 1/time².
+    ``step`` is the discretization of Moser and Veselov (1991); for λ → −∞ its time step is about 1/√−λ.
     """
 
     _constraint_names = ("|q| = 1", "(q, p) = 0")
@@ -49,7 +49,7 @@ class Neumann(QuadricSystem):
     def _vector_field(self, N: Any, state: Point) -> Point:
         q, p = state
         a = self._constants_in(N)
-        # divided by |q|², which is 1 at a state, so that an integrator that leaves the sphere by rounding is not driven
+        # dividing by |q|², which is 1 at a state, keeps an integrator that leaves the sphere by rounding from drifting
         # farther away
         m = (N.dot(a, [x * x for x in q]) - N.dot(p, p)) / N.dot(q, q)
         return Point(p, tuple((m - e) * x for e, x in zip(a, q, strict=True)))
@@ -60,7 +60,7 @@ class Neumann(QuadricSystem):
         return {"F": uhlenbeck(a, state, squares), "H": (N.dot(state.p, state.p) + N.dot(a, squares)) / 2}
 
     def discrete(self, state: Point, h: Any) -> Point:
-        """A :meth:`step` of ``h`` in time to second order, by the point λ = −1/h²; h < 0 is a step back."""
+        """The state after the :meth:`step` of λ = −1/h², time ``h`` to second order; h < 0 is a step back."""
         genus = self.size - 1
         h = self._time_step(h)
         sign = 1 if (h > 0) == (genus % 2 == 0) else -1

@@ -21,7 +21,7 @@ from jacobian.fields.protocol import check_field
 
 
 class SphericalPendulum(AxialSystem):
-    """A state has q, a point of the unit sphere with e_3 upwards, and p = q'."""
+    """The spherical pendulum; a state has q, a point of the unit sphere with e_3 upwards, and p = q'."""
 
     _constraint_names = ("|q| = 1", "(q, p) = 0")
 
@@ -36,7 +36,7 @@ class SphericalPendulum(AxialSystem):
 
     def _vector_field(self, N: Any, state: Point) -> Point:
         q, p = state
-        # divided by |q|², which is 1 at a state, as in Neumann's system
+        # dividing by |q|², which is 1 at a state, avoids drift off the sphere, as in Neumann's system
         tension = (q[2] - N.dot(p, p)) / N.dot(q, q)
         return Point(p, (tension * q[0], tension * q[1], tension * q[2] - 1))
 

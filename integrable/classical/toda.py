@@ -4,8 +4,8 @@ H = ½Σp_k² + Σe^{q_{k+1} − q_k}, indices modulo n: q' = p, p_k' = e^{q_{k+
 
     L_k = [[x + p_k, e^{q_k}], [−e^{−q_k}, 0]],   L_n⋯L_1 = [[A, B], [C, D]],   Δ = A + D
 
-the curve is y² = Δ² − 4, of genus n − 1, U = B over its leading coefficient, V = (A − D) mod U, and the direction is
-−e_{g−1}. Back: A = ½(Δ + V + (x + β)U), β = Δ_{n−1} − u_{n−2}, and Euclid's algorithm on (A, U) has the quotients
+the curve is y² = Δ² − 4 of genus n − 1. U is B divided by its leading coefficient, V = (A − D) mod U, and the direction
+is −e_{g−1}. Conversely A = ½(Δ + V + (x + β)U), β = Δ_{n−1} − u_{n−2}. Euclid's algorithm on (A, U) has the quotients
 x + p_1, x + p_2, … and the remainders −e^{q_{k+1} − q_k} times the next monic polynomial. The centre of mass moves
 uniformly.
 """
@@ -26,7 +26,7 @@ from jacobian.relatives.extended import Extended
 
 
 class TodaLattice(MumfordSystem):
-    """n ≥ 2 particles on a ring, of mass 1, coupled by e^{q_{k+1} − q_k}.
+    """The periodic Toda lattice: n ≥ 2 particles of mass 1 on a ring, with the potential Σe^{q_{k+1} − q_k}.
 
     Over an exact field, which has no exponentials, the q of a state are e^{q_k}.
     """
@@ -41,7 +41,7 @@ class TodaLattice(MumfordSystem):
         return {"n": self.size}
 
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
-        # over an exact field 0 cannot be an exponential
+        # over an exact field the q are exponentials, which cannot be 0
         return (N.one if N.exact and N.zero in state.q else N.zero,)
 
     _constraint_names = ("e^q ≠ 0",)
@@ -58,13 +58,13 @@ class TodaLattice(MumfordSystem):
         return [w[(k + 1) % self.size] / w[k] for k in range(self.size)]
 
     def _transfer(self, N: Any, state: Point) -> tuple[tuple[poly.Poly, poly.Poly], tuple[poly.Poly, poly.Poly]]:
-        """((A, B), (C, D))."""
+        """The transfer matrix ((A, B), (C, D)) = L_n⋯L_1."""
         one: poly.Poly = (N.one,)
         rows: Any = ((one, ()), ((), one))
         for w, p in zip(self._exponentials(N, state), state.p, strict=True):
             (a, b), (c, d) = rows
             factor = (p, N.one)
-            # from the left: (x + p, w; −1/w, 0)
+            # multiply from the left by [[x + p, w], [−1/w, 0]]
             rows = (
                 tuple(poly.add(N, poly.mul(N, factor, x), poly.scale(N, w, y)) for x, y in ((a, c), (b, d))),
                 tuple(poly.scale(N, -1 / w, x) for x in (a, b)),
@@ -80,7 +80,7 @@ class TodaLattice(MumfordSystem):
 
     @property
     def _ordinary_size(self) -> float:  # type: ignore[override]
-        # exponentials of sums over the ring
+        # f contains exponentials of sums over the ring
         return 100 / self.size
 
     def _genus(self) -> int:
@@ -90,15 +90,15 @@ class TodaLattice(MumfordSystem):
         return (*[N.zero] * (genus - 1), N.coerce(poly.integer(N, -1)))
 
     def _vector_field(self, N: Any, state: Point) -> Point:
-        if N.exact:  # q are exponentials
+        if N.exact:  # the q are exponentials
             links, rates = self._links(N, state), tuple(x * y for x, y in zip(state.q, state.p, strict=True))
-        else:  # no quotients: each exponential is of a difference
+        else:  # exponentials of differences rather than quotients
             q, rates = state.q, state.p
             links = [exponential(N, q[(k + 1) % self.size] - q[k]) for k in range(self.size)]
         return Point(rates, tuple(links[k] - links[k - 1] for k in range(self.size)))
 
     def _auxiliary(self, N: Any, state: Point) -> tuple[Any, ...]:
-        """The links less 1, which are small if all q nearly coincide."""
+        """The links minus 1, computed without cancellation if all q nearly coincide."""
         q = state.q
         return tuple(exponential_less_one(N, q[(k + 1) % self.size] - q[k]) for k in range(self.size))
 
@@ -109,14 +109,14 @@ class TodaLattice(MumfordSystem):
         return (*p, *pulls, *(push + x * push for x, push in zip(auxiliary, pushes, strict=True)))
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
-        """The coefficients of Δ, ascending, and H, which is among their polynomials."""
+        """The coefficients of Δ, ascending, and H, which is a polynomial in them."""
         energy = N.dot(state.p, state.p) / 2
         for link in self._links(N, state):
             energy = energy + link
         return {"trace": self._trace(N, state), "H": energy}
 
     def _trace(self, N: Any, state: Point) -> poly.Poly:
-        """Δ."""
+        """The trace Δ = A + D."""
         (a, _), (_, d) = self._transfer(N, state)
         return poly.add(N, a, d)
 
@@ -131,7 +131,7 @@ class TodaLattice(MumfordSystem):
         return Point(tuple(x + shift for x in q), tuple(p))
 
     def _chain(self, N: Any, start: Point, pair: tuple[poly.Poly, poly.Poly]) -> tuple[list[Any], list[Any]]:
-        """p_1 … p_n and e^{q_{k+1} − q_k}, k < n, of a pair on the curve of ``start``."""
+        """p_1 … p_n and e^{q_{k+1} − q_k}, k < n, from a pair on the curve of ``start``."""
         u, v = pair
         size = self.size
         trace = self._trace(N, start)
@@ -145,23 +145,23 @@ class TodaLattice(MumfordSystem):
             p.append(quotient[0])
             if k < size - 1:
                 links.append(-rest[size - 2 - k])
-                # written with operators only, so that columns of numbers work too
+                # uses operators only, so that columns of numbers work too
                 above, below = below, (*[c / rest[size - 2 - k] for c in rest[: size - 2 - k]], N.one)
         return p, links
 
     def discrete(self, state: Point, h: Any) -> Point:
-        """A :meth:`step` of ``h`` in time to first order, by the point λ = 1/h, with the centre where time takes it."""
+        """The state after the :meth:`step` of λ = 1/h, time ``h`` to first order; its centre of mass is exact."""
         h = self._time_step(h)
         new = self.step(state, self.curve_point(state, 1 / h))
         shift = (sum(state.q) + h * sum(state.p) - sum(new.q)) / self.size
         return Point(tuple(x + shift for x in new.q), new.p)
 
     def step(self, state: Point, point: Sequence[Any], sheet: int = 1) -> Point:
-        """The state of D + P − ∞₊, with ``sheet`` −1 of D + P − ∞₋, P = (λ, μ): discrete time (Suris 2003).
+        """The state of D + P − ∞₊, or with ``sheet`` −1 of D + P − ∞₋, P = (λ, μ): discrete time (Suris 2003).
 
         p_k + λ = e^{q̃_k − q_k} + e^{q_k − q̃_{k−1}}, p̃_k + λ = e^{q̃_k − q_k} + e^{q_{k+1} − q̃_k}; with ``sheet`` −1
-        p_k + λ = e^{q̃_{k+1} − q_k} + e^{q_k − q̃_k}, p̃_k + λ = e^{q̃_k − q_{k−1}} + e^{q_k − q̃_k}. Real where
-        μ² = f(λ) ≥ 0.
+        p_k + λ = e^{q̃_{k+1} − q_k} + e^{q_k − q̃_k}, p̃_k + λ = e^{q̃_k − q_{k−1}} + e^{q_k − q̃_k}. The state is real
+        if μ² = f(λ) ≥ 0.
         """
         sheet = one_of(sheet, "sheet", (1, -1), "give 1 or -1")
 
@@ -179,7 +179,7 @@ class TodaLattice(MumfordSystem):
         return self._mapped(state, point, formula)
 
     def _first(self, N: Any, here: Point, new: list[Any], x: Any, sheet: int) -> Any:
-        """X = e^{q̃_1 − q_1}, from the equations of p_1 and p_2, which are linear in X and 1/X."""
+        """X = e^{q̃_1 − q_1}, from the equations for p_1 and p_2, which are linear in X and 1/X."""
         old, around = self._links(N, here), N.one
         for link in new:
             around = around * link

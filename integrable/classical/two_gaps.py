@@ -1,14 +1,14 @@
-"""A wave of the Korteweg–de Vries equation u_t = 6uu_x − u_xxx with two gaps, as it passes one place (Novikov 1974;
-Dubrovin, Novikov & Matveev 1976).
+"""A two-gap solution of the Korteweg–de Vries equation u_t = 6uu_x − u_xxx as a function of t at one fixed x.
 
-A potential of two gaps meets an ordinary differential equation of order four in x. With it (u, u_x, u_xx, u_xxx) at one
-place determines its own rate in t, by polynomials: the partial differential equation without a grid. In the terms of
+(Novikov 1974; Dubrovin, Novikov & Matveev 1976.) A two-gap potential satisfies an ordinary differential equation of
+order four in x. So the t-derivative of (u, u_x, u_xx, u_xxx) at a fixed x is a polynomial in these four numbers: the
+partial differential equation is solved without a grid. In the terms of
 :mod:`integrable.classical.kdv`, s_k the elementary symmetric functions of the five edges,
 
     U = x² + Fx + G,   V = ½∂U/∂x,   F = (u − s_1)/2,   G = 3u²/8 − s_1u/4 − u_xx/8 + s_2/2 − s_1²/8
     ½G_xx = −s_3 − 2FG + u(F² + 2G) − ½FF_xx + ¼F_x²
 
-The equation of order four is the second line. s_1, s_2, s_3 are its constants and s_4, s_5 integrals of it.
+The second line is the equation of order four. s_1, s_2, s_3 are its constants, s_4 and s_5 are integrals of it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,9 @@ class _Jets(NamedTuple):
 
 
 class TwoGaps(MumfordSystem):
-    """A state has q = (u, u_xx) and p = (u_x, u_xxx); ``sums``: s_1, s_2, s_3 of the edges.
+    """Two-gap solutions at a fixed x; a state has q = (u, u_xx) and p = (u_x, u_xxx).
+
+    ``sums`` are the elementary symmetric functions s_1, s_2, s_3 of the edges.
 
     ``TwoGaps((0, -5, 0)).flow(system.state((-4, 28), (0, 0))).at(times)`` has the edges −2, −1, 0, 1, 2.
     """

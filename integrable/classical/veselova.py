@@ -1,13 +1,14 @@
-"""Veselova's system: a rigid body whose angular velocity has no part along a direction fixed in space
-(Veselov & Veselova 1986; Fedorov & Jovanović 2004).
+"""Veselova's system: a rigid body whose angular velocity stays orthogonal to a direction fixed in space.
+
+(Veselov & Veselova 1986; Fedorov & Jovanović 2004.)
 
 Iω' + ω×Iω = μγ, γ' = γ×ω, (γ, ω) = 0. With M = Iω − (Iω, γ)γ and A = I⁻¹: γ' = γ×ω, M' = M×ω, (γ, M) = 0,
 ω = A(M − (γ, AM)γ/(γ, Aγ)), in the terms of :mod:`integrable.mumford.bodies` l(x) = x and a_i = 1/I_i,
 
     f = 4xΠ(a_i − x)(xH₂ − H₁),   dt = √(γ, Aγ) dτ
 
-The point Aγ/√(γ, Aγ) runs along a geodesic of Σx_i²/a_i = 1, and γ, its normal, moves in τ√(H₁ det A) as Neumann's
-point with the constants I_i.
+The point Aγ/√(γ, Aγ) moves along a geodesic of Σx_i²/a_i = 1. Its normal γ moves in the time τ√(H₁ det A) as the point
+of Neumann's system with the constants I_i.
 """
 
 from __future__ import annotations
