@@ -1,7 +1,8 @@
-"""Walks of kinds of systems: their formulas recorded once with the constants as symbols, compiled once for a machine.
+"""Walks of kinds of systems: formulas are recorded once with symbolic constants, and compiled once per machine.
 
-A kind is a class of systems, a size and what its formulas branch on; the constants of a system are arguments of the
-compiled code. Objects lie beside those of :mod:`jacobian.native`, good as long as the formulas recorded are the same.
+A kind is a class of systems together with its size and the values on which its formulas branch. The constants of a
+system are arguments of the compiled code. Compiled objects are stored with those of :mod:`jacobian.native`. They stay
+valid until the recorded formulas change.
 """
 
 from __future__ import annotations
@@ -30,15 +31,17 @@ from jacobian.numbers.compiler import interpreted
 LOG = logging.getLogger(__name__)
 MODULES = [f"integrable.series.{name}" for name in ("room", "steps_text", "symbols", "tape", "text", "walk_text")]
 ENTRIES = ("start", "series", "advance", "dense")
-# rooms begin at multiples of this many bytes, a cache line
+# alignment of a room in bytes: a cache line
 LINE = 64
-# compile time of a term of a node, in seconds (integrable.series.steps.terms)
+# compile time of one term of one node, in seconds (integrable.series.steps.terms)
 COMPILING = 2e-5
 
 
 class Formulas(NamedTuple):
-    """The formulas of a kind: ``rates``(N, y) gives the derivatives of all variables y, ``start``(N, y) all variables
-    from the first ``shown``, which are given. These are q, p and further parts, each of ``half`` numbers.
+    """The formulas of a kind over a field N: ``rates``(N, y) returns the derivatives of all variables y.
+
+    ``start``(N, y) returns all variables from the first ``shown`` ones. These are q, p and further parts, each of
+    ``half`` numbers.
     """
 
     rates: Callable[[Any, Sequence[Any]], Sequence[Any]]
@@ -49,7 +52,7 @@ class Formulas(NamedTuple):
 
 
 class Recorder(InexactField):
-    """The numbers of formulas of a kind, whose constants are symbols."""
+    """The field over which the formulas of a kind are recorded; its constants are symbols."""
 
     name = "recorded numbers of a kind"
 
@@ -59,7 +62,7 @@ class Recorder(InexactField):
         self.context = Functions
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
-        """A recorded number as it is, others as constants."""
+        """``value`` itself if it is a recorded number; otherwise it as a constant."""
         return value if isinstance(value, Recorded) else self.field.coerce(value)
 
     def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
@@ -72,7 +75,7 @@ class Recorder(InexactField):
 
 
 class Kind:
-    """The walks of a kind of systems: compiled ones, and the one along its tape."""
+    """The walks of a kind of systems: the compiled ones, and one that interprets the tape."""
 
     def __init__(self, name: str, formulas: Formulas) -> None:
         numbers = Recorder()
@@ -90,7 +93,7 @@ class Kind:
     def walk(self, orders: Orders, compiles: bool = False) -> Compiled | None:
         """The compiled walk, or None if it is neither in memory nor on disk.
 
-        It is compiled where walks on the tape have taken longer than compiling would, or with ``compiles``.
+        It is compiled with ``compiles``, or once walks on the tape have taken longer than compiling would.
         """
         found = self._walks.get(orders)
         if found is None and (orders not in self._walks or compiles or self._paid > self.cost(orders)):
@@ -99,11 +102,11 @@ class Kind:
         return found
 
     def cost(self, orders: Orders) -> float:
-        """About how long compiling takes, in seconds."""
+        """The approximate compile time in seconds."""
         return COMPILING * len(self.rates.kinds) * terms(orders)
 
     def pay(self, seconds: float) -> None:
-        """Adds the time that walks have taken on the interpreted tape."""
+        """Adds the run time of a walk on the interpreted tape, in seconds, to the total that justifies compiling."""
         self._paid += seconds
 
     def _loaded(self, orders: Orders, compiles: bool) -> Compiled | None:
@@ -123,15 +126,15 @@ class Kind:
         return Compiled(room, self.count, self.half, machine.loaded(found.code, ENTRIES))
 
 
-# the words of a call: codes, bounds, constants, state, half, order, highs, wide, spare, apart, then room, units, times,
-# rows and found, each with its length
+# the 64-bit words of a call: codes, bounds, constants and state with their lengths, half, parts, order, highs, wide,
+# spare, apart; then room, units, times, rows and found, each with its length
 WORDS = struct.Struct("=4q11dQqQq7q" + "Qq" * 5)
 BACK = struct.Struct("=qqdq")
 from_buffer: Any = c_char.from_buffer
 
 
 class Compiled:
-    """The straight lines of a kind in memory, and what their loop is called with."""
+    """The straight-line code of a kind, loaded into memory, and the arguments of the loop that calls it."""
 
     def __init__(self, room: Room, count: int, half: int, entries: dict[str, machine.Entry]) -> None:
         from integrable.series.walk_compiled import LIBRARY
@@ -150,7 +153,7 @@ class Compiled:
     def __call__(
         self, constants: np.ndarray, state: Sequence[float], times: np.ndarray, steps: Steps, most: float
     ) -> Reached:
-        """The states at times of one sign that ascend in size; −1 are reached where they are not like that."""
+        """The states at times of one sign in ascending size; the number reached is −1 if they are not so ordered."""
         count = len(times)
         bounds = self._bounds.get((steps, most)) or self._bounds.setdefault((steps, most), bounds_of(steps, most))
         found = np.empty((count, *self._shape))
@@ -177,7 +180,7 @@ _KINDS: dict[Hashable, Kind | None] = {}
 
 
 def kind_of(key: Hashable, made: Callable[[], Kind | None]) -> Kind | None:
-    """The kind of that key, made if there is none yet."""
+    """The kind stored under ``key``; the first call creates it by ``made``."""
     if key not in _KINDS:
         _KINDS[key] = made()
     return _KINDS[key]

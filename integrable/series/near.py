@@ -1,4 +1,4 @@
-"""States near the start in floats: by the compiled walk of the kind of system, or by its tape until there is one."""
+"""States near the start in floats: by the compiled walk of the kind of system, by its tape until that is compiled."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from integrable.series.kinds import Compiled, Kind
 from integrable.series.steps import FINE, FINEST, SPARE, Reached, Steps, steps_for, weight
 from jacobian.numbers.compiler import interpreted
 
-# number of compiled steps that take as long as one on an interpreted tape
+# number of compiled steps that take as long as one step on an interpreted tape
 FASTER = 4
 
 
 class State(Protocol):
-    """q and p."""
+    """A state (q, p)."""
 
     @property
     def q(self) -> tuple[Any, ...]: ...
@@ -37,8 +37,9 @@ class Walked(Protocol):
 
 
 class Near(NamedTuple):
-    """The places of the times that were reached, q and p there, shape (N, 2, n), and an estimate of the largest error
-    relative to the largest q, or p.
+    """The indices of the times that were reached, the states (q, p) there, of shape (N, 2, n), and an error estimate.
+
+    The estimate is of the largest error, relative to the largest component of q, or of p.
     """
 
     places: np.ndarray
@@ -53,10 +54,10 @@ def compiled_walk(system: Walked, steps: Steps) -> Compiled | None:
 
 
 def walked(system: Walked, state: State, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
-    """The states at those times that are reached in the time of about ``most`` standard steps on an interpreted tape.
+    """The states at those times that are reached at the cost of about ``most`` standard steps on an interpreted tape.
 
     :func:`integrable.series.steps.weight` defines a standard step. The compiled walk is used where it is available.
-    States are accurate to their last bits where coarser steps do not keep the tolerance.
+    Where coarser steps miss the tolerance, the steps used are accurate to the last bits of a float.
     """
     found = Near(np.empty(0, dtype=np.int64), np.empty((0, 2, system.size)), 0.0)
     for steps in steps_for(tolerance):
@@ -66,12 +67,15 @@ def walked(system: Walked, state: State, times: np.ndarray, most: float, toleran
 
 
 def finished(system: Walked, state: State, times: np.ndarray, near: Near, most: float) -> Near:
-    """``near`` with the remaining times added, by finer steps that keep more digits."""
+    """``near`` with the remaining times added; they are computed by finer steps with more guard digits."""
     return _completed(near, system, state, times, FINEST, most)
 
 
 def quickly(system: Walked, state: State, times: np.ndarray, most: float, tolerance: float | None) -> Reached | None:
-    """The states at times that ascend or descend from 0; None without a compiled walk, or if any is wrong."""
+    """The states at times that ascend or descend from 0; None without a compiled walk, or if any state is not right.
+
+    A state is right if both walks agree on it.
+    """
     given = (*state.q, *state.p)
     for steps in steps_for(tolerance):
         walk = compiled_walk(system, steps)
@@ -83,7 +87,7 @@ def quickly(system: Walked, state: State, times: np.ndarray, most: float, tolera
 
 
 def _completed(near: Near, system: Walked, state: State, times: np.ndarray, steps: Steps, most: float) -> Near:
-    """``near`` with the remaining times added, by other steps."""
+    """``near`` with the remaining times added; they are computed by ``steps``."""
     left = np.setdiff1d(np.arange(len(times)), near.places)
     if not len(left):
         return near
@@ -93,7 +97,7 @@ def _completed(near: Near, system: Walked, state: State, times: np.ndarray, step
 
 
 def _walked(system: Walked, state: State, times: np.ndarray, steps: Steps, most: float) -> Near:
-    """The states by the compiled walk, or by the tape until it has paid for one."""
+    """The states by the compiled walk, or on the tape until its run time justifies compiling."""
     kind, walk = system._kind, compiled_walk(system, steps)
     if kind is None or interpreted():
         return _nowhere(system)
@@ -107,7 +111,7 @@ def _walked(system: Walked, state: State, times: np.ndarray, steps: Steps, most:
 
 
 def both_ways(shape: tuple[int, int], times: np.ndarray, steps: Steps, walk: Callable[[np.ndarray], Reached]) -> Near:
-    """The states that a walk reaches at times of either sign, in any order; ``shape`` is the shape of a state."""
+    """The states that a walk reaches at times of either sign in any order; ``shape`` is the shape of one state."""
     places, rows, error = [np.empty(0, dtype=np.int64)], [np.empty((0, *shape))], 0.0
     for ahead in (times >= 0, times < 0):
         order = np.flatnonzero(ahead)

@@ -1,5 +1,6 @@
-"""The recurrences of the Taylor coefficients of what a :class:`integrable.series.tape.Tape` does (Moore 1966), for
-numbers of any kind.
+"""The recurrences for the Taylor coefficients of a :class:`integrable.series.tape.Tape`, for numbers of any kind.
+
+They are those of Moore 1966.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from jacobian.numbers.sums import joined, plus_product
 
 
 def convolved(series: Any, p: int, q: int, begin: int, end: int, k: int) -> Any:
-    """Σ of products p_j q_{k−j}, begin ≤ j < end, of the series that begin at p and q: two sums, neither waits."""
+    """Σ p_j q_{k−j} over begin ≤ j < end, for the series that begin at p and q; two partial sums run in parallel."""
     nothing = 0 * series[p]
     a, b = nothing, nothing
     for j in range(begin, end - 1, 2):
@@ -24,7 +25,7 @@ def convolved(series: Any, p: int, q: int, begin: int, end: int, k: int) -> Any:
 
 
 def squared(series: Any, p: int, begin: int, k: int) -> Any:
-    """The same with p = q from j = ``begin`` to k − ``begin``, which are equal from both ends."""
+    """Σ p_j p_{k−j} over begin ≤ j ≤ k − begin; the terms j and k − j are equal and computed once."""
     half = convolved(series, p, p, begin, (k + 1) // 2, k)
     if k % 2 == 1:
         return half + half
@@ -33,9 +34,10 @@ def squared(series: Any, p: int, begin: int, k: int) -> Any:
 
 
 def coefficients(kinds: Any, left: Any, right: Any, rates: Any, first: int, order: int, unit: Any, series: Any) -> None:
-    """The Taylor coefficients of all nodes, those of node n from ``series[n·(order + 1)]`` on: from the order ``first``
-    to ``order`` − 1, of the variables to ``order``; those before are there already, of the variables that of ``first``
-    too, and those of the order 0 of constants. Time is counted in ``unit``.
+    """Writes the Taylor coefficients of all nodes into ``series``; those of node n begin at ``series[n·(order + 1)]``.
+
+    The orders written are ``first`` to ``order`` − 1, for variables ``first`` + 1 to ``order``. Lower orders must be
+    there already, and so must the order 0 of constants. ``unit`` is the unit of time.
     """
     width, begin = order + 1, len(rates)
     while begin < len(kinds) and kinds[begin] == CONSTANT:
@@ -64,7 +66,7 @@ def coefficients(kinds: Any, left: Any, right: Any, rates: Any, first: int, orde
 
 
 def values_at(x: Any, order: int, series: Any, count: int, out: Any, place: int) -> None:
-    """The first ``count`` variables at a distance ``x`` from the middle of their series, from ``out[place]`` on."""
+    """Writes the first ``count`` variables at distance ``x`` from their expansion point to ``out[place]`` onward."""
     for i in range(count):
         start = i * (order + 1)
         total = series[start + order]

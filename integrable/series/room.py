@@ -14,23 +14,24 @@ from jacobian.native.machine import features
 
 # number of floats in a vector register
 WIDEST = 8 if "+avx512f" in features() else 4
-# largest number of variables side by side
+# largest number of variables in one vector
 ABREAST = 4
-# the vectors of a room: terms that the step is read off, whether the motion is bent, the steps, and unit/(k + 1)
+# indices of vectors in a room: the coefficient ratios that determine the step, the size of the coefficients of orders
+# 2 and 3, the steps, and unit/(k + 1)
 RATIOS, BENT, STEP, UNITS = 0, 4, 5, 8
-# coefficients that the size of a variable is read off
+# number of leading coefficients whose largest is taken as the size of a variable
 FIRST = 4
 
 
 class Orders(NamedTuple):
-    """Coefficients up to the order ``wide`` are double-doubles, −1 for none, those up to ``order`` floats."""
+    """The orders of a series: its coefficients are double-doubles up to ``wide`` (−1: none), floats up to ``order``."""
 
     wide: int
     order: int
 
 
 class Room:
-    """Where the coefficients of a tape are, counted in vectors of ``lanes`` floats."""
+    """The positions of a tape's coefficients in memory, in units of vectors of ``lanes`` floats."""
 
     def __init__(self, tape: Tape, count: int, orders: Orders, lanes: int) -> None:
         self.tape, self.count, self.orders, self.lanes = tape, count, orders, lanes
@@ -43,11 +44,11 @@ class Room:
         self.packs = _packs([n for n in self.factors if n not in squares], WIDEST // lanes)
         self.packs |= {nodes: len(nodes) for nodes, square in self.groups if square}
         packed = {n for nodes in self.packs for n in nodes}
-        # nodes whose earlier coefficients are read again: of all others that of the order 0, or none
+        # nodes whose coefficients of all orders are read again and kept; other nodes keep order 0 at most
         self.kept = {n for n, kind in enumerate(tape.kinds) if kind in (VARIABLE, CONSTANT)}
         for n in self.factors.keys() - squares - packed:
             self.kept |= set(self.factors[n])
-        # variables side by side, as all of them are moved at once
+        # the variables are contiguous, because a step advances all of them at once
         self.begin = begin + -begin % ABREAST
         self.apart = count + -count % ABREAST
         begin = self.begin + (order + max(wide, 0) + 2) * self.apart
@@ -63,19 +64,19 @@ class Room:
         self.pack_of = {n: nodes for nodes in self.packs for n in nodes}
 
     def high(self, n: int, k: int) -> int:
-        """Where the coefficient k of a node is, or its high part."""
+        """The position of coefficient k of node n, or of its high part."""
         return self._highs[n] + k if n >= self.count else self.begin + k * self.apart + n
 
     def low(self, n: int, k: int) -> int:
-        """Where its low part is."""
+        """The position of the low part of coefficient k of node n."""
         return self.high(n, self.orders.order + 1 + k)
 
     def has(self, n: int, k: int) -> bool:
-        """Whether there is a place for it."""
+        """Whether coefficient k of node n is stored."""
         return n in self.kept or (k == 0 and n in self._highs)
 
     def _placed(self, nodes: tuple[int, ...], width: int, square: bool) -> tuple[tuple[tuple[int, ...], int], ...]:
-        """For each side of the products of a vector: their factors, and where copies of these are side by side."""
+        """For each side of a vector of products: the factors, and the position of their contiguous copies."""
         wide, order = self.orders
         found = []
         for side in range(1 if square else 2):
@@ -89,7 +90,7 @@ class Room:
 
 
 def _factors(tape: Tape) -> dict[int, tuple[int, int]]:
-    """Whose earlier coefficients products, quotients and roots are made of."""
+    """For each product, quotient and root: the two nodes whose earlier coefficients its recurrence multiplies."""
     found = {}
     for n, (kind, p, q) in enumerate(zip(tape.kinds, tape.left, tape.right, strict=True)):
         if kind in (PRODUCT, ROOT) or (kind == QUOTIENT and tape.kinds[q] != CONSTANT):
@@ -126,7 +127,7 @@ def _abreast(tape: Tape, most: int) -> list[tuple[tuple[int, ...], bool]]:
 
 
 def chunks(count: int) -> list[tuple[int, int]]:
-    """Variables side by side that are done at once: from which on, and how many."""
+    """The variables in groups that fit one vector: the first index and the number of each group."""
     found = [(first, ABREAST) for first in range(0, count - ABREAST + 1, ABREAST)]
     for width in (2, 1):
         if count & width:

@@ -18,9 +18,11 @@ WIDE_TERM = 20
 
 
 class Steps(NamedTuple):
-    """The orders of a walk's series, and bounds relative to q and to p: ``left_out`` of the last terms, ``rounded`` of
-    the first ones in floats. In the second walk they are ``coarser`` and ``rougher`` times as large. Rows that agree to
-    ``agreed`` are right. Times more than ``farthest`` first steps away are not tried.
+    """The orders of a walk's series, and bounds on its terms relative to q and to p.
+
+    ``left_out`` bounds the last terms, ``rounded`` the first terms in floats. In the second walk these bounds are
+    ``coarser`` and ``rougher`` times as large. Rows on which both walks agree to ``agreed`` are right. Times more than
+    ``farthest`` first steps away are not tried.
     """
 
     orders: Orders
@@ -36,12 +38,12 @@ class Steps(NamedTuple):
 # cause nearly as large an error in the finer walk
 WIDE, WIDEST = Orders(8, 30), Orders(18, 44)
 FINE, FINEST = Steps(WIDE, 1e-25, 1e-7, 1e1, 1e1, 2.0**-56), Steps(WIDEST, 1e-29, 1e-11, 1e3, 1e3, 2.0**-56)
-# where few steps suffice, errors cannot grow: three quarters of the time of FINE (python -m benchmarks near)
+# over few steps errors cannot grow; takes three quarters of the time of FINE (python -m benchmarks near)
 ROUGH = Steps(Orders(6, 26), 1e-21, 1e-5, 1e1, 1e1, 2.0**-56, 128.0)
 PLAIN, MIDDLE = Orders(-1, 20), Orders(3, 24)
-# relative to a tolerance: the truncation of steps in floats, and of those whose first terms are double-doubles. Then
-# the bound of their first term in floats, the factor of the second walk's truncation, and the largest ratio of the
-# error to the difference of the walks
+# SHARE and SHARE_OF_MIDDLE are truncation bounds relative to a tolerance: of steps in floats, and of steps whose first
+# terms are double-doubles. Then come the bound on the first float term of the latter, the factor of the second walk's
+# truncation, and the largest ratio of the error to the difference of the walks
 SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 1e-4, 1e-6, 3e-3, 3.0, 4.0
 
 
@@ -51,13 +53,14 @@ def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
         return ROUGH, FINE
     agreed = tolerance / SPARE
     plain = Steps(PLAIN, tolerance * SHARE, 1.0, COARSER, 1.0, agreed)
-    # in a walk of some thousand steps floats lose four digits more
+    # a walk of some thousand steps in floats loses four more digits
     return plain, Steps(MIDDLE, tolerance * SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, COARSER, agreed), FINE
 
 
 class Reached(NamedTuple):
-    """How many of the times were reached (−1 where they are not in order), q and p there, which rows are wrong (None if
-    none is), the largest difference of the two walks relative to q or p, and the number of steps.
+    """The number of times reached (−1 if they are not in order), the states there, and which rows are wrong, or None.
+
+    ``gap`` is the largest difference of the two walks relative to q or p, ``steps`` the number of steps.
     """
 
     reached: int
@@ -82,7 +85,7 @@ def weight(tape: Tape, orders: Orders) -> float:
 def bounds_of(steps: Steps, most: float) -> tuple[float, ...]:
     """The numbers of :class:`integrable.series.walk.Bounds`."""
     wide, order = steps.orders
-    # where all terms are floats none of them is a limit
+    # if all terms are floats, the first float terms do not limit the step
     orders = 1 / (order - 1), 1 / order, 1 / max(1, wide + 1), 1 / max(1, wide + 2)
     rounded = log2(steps.rounded) if wide >= 0 else 1e3
     return (
@@ -98,6 +101,6 @@ def bounds_of(steps: Steps, most: float) -> tuple[float, ...]:
 
 
 def inverses(order: int) -> np.ndarray:
-    """1/(k + 1) below an order, (hi, lo) each, in a row."""
+    """1/(k + 1) for k below ``order`` as one flat array of pairs (hi, lo)."""
     exact = [Fraction(1, k + 1) for k in range(order)]
     return np.array([[float(x), float(x - Fraction(float(x)))] for x in exact]).reshape(-1)

@@ -1,8 +1,8 @@
 """A Taylor step of a tape as straight-line code: the coefficients of all orders, one after the other.
 
-Coefficients up to the order ``wide`` are double-doubles, those beyond floats; both walks go in lanes of each number.
-Recent values stay in registers, because a wide load waits for narrow stores just made. They are added last, because the
-earlier coefficients of a product are known one order before.
+Coefficients up to the order ``wide`` are double-doubles, higher ones floats. The two walks are lanes of one vector.
+Recent values stay in registers, because a wide load waits for narrow stores just made. Their products are added last,
+because all other terms of the sum are known one order earlier.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from integrable.series.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, ROOT
 from integrable.series.text import Text, Wide, joined_lanes
 from jacobian.numbers.double_double_steps import fast_two_sum, quotient, reciprocal, square_root, two_product, two_sum
 
-# lines after which a block ends: the time that LLVM takes for a block grows with the square of its length
+# number of lines in a block: LLVM's compile time for a block grows with the square of its length
 BLOCK = 150
 Term = tuple[int, int, int]
-"""(factor, j, k − j)."""
+"""(factor, j, k − j), for the term factor·p_j q_{k−j}."""
 
 
 class Series:
-    """The text of the coefficients of a room."""
+    """The LLVM text that computes the coefficients of a room."""
 
     def __init__(self, room: Room, count: int) -> None:
         self.room, self.tape, self._shown = room, room.tape, count
@@ -34,7 +34,7 @@ class Series:
         self._blocks = 0
 
     def function(self) -> str:
-        """LLVM's function of a room, whose constants, units and coefficients of the order 0 are there already."""
+        """The LLVM function; the room must hold its constants, units and coefficients of order 0 before the call."""
         text, tape = self.text, self.tape
         begin = next((n for n, kind in enumerate(tape.kinds) if kind not in (VARIABLE, CONSTANT)), len(tape.kinds))
         for n in sorted(set(self.room.copies) & set(range(begin))):
@@ -57,7 +57,7 @@ class Series:
                 self._put(i, k + 1, self._integrated(self._value(tape.results[i], k), k))
         self._put_ratios()
         head = "define void @series(ptr noalias %s) nounwind {\nentry:\n  %word = load i64, ptr %s\n"
-        # no room begins like this: a block that may end here is not joined to the next one
+        # no room begins with this word; the branch that is never taken keeps LLVM from joining the blocks
         head += "  %never = icmp eq i64 %word, -1\n"
         return "\n".join([head, *text.lines, "  ret void", "out:", "  ret void", "}"])
 
@@ -77,13 +77,14 @@ class Series:
         return self._recent.get((n, k, 1)) or self.text.load(self.room.low(n, k))
 
     def _value(self, n: int, k: int) -> Wide:
-        """(hi, lo) up to the last wide one, then (float, "")."""
+        """Coefficient k of node n: (hi, lo) up to the order ``wide``, then (float, "")."""
         return self._hi(n, k), self._lo(n, k) if k <= self.wide else ""
 
     def _put(self, n: int, k: int, x: Wide) -> None:
         room, text, newest = self.room, self.text, x
         if x[1]:
-            # floats of higher orders are made of the high parts, off by what a sum has cancelled else
+            # float coefficients of higher orders use high parts only; renormalize, or cancellation would leave them
+            # inaccurate
             x = fast_two_sum(text, *x)
         if k == 0:
             newest = x
@@ -91,7 +92,7 @@ class Series:
             text.store(x[0], room.high(n, k))
             if x[1] and k <= self.wide:
                 text.store(x[1], room.low(n, k))
-        # what is made of it next does not wait for that
+        # the next operations use the value before it is renormalized, and so do not wait
         self._recent[n, k, 0] = newest[0]
         if x[1]:
             self._recent[n, k, 1] = newest[1]
@@ -124,7 +125,7 @@ class Series:
         if rest is not None:
             minus = (self.text.fneg(rest[0]), self.text.fneg(rest[1]) if rest[1] else "")
             top = minus if top is None else self._plus(top, minus)
-        # of constants all further coefficients are 0
+        # the coefficients of a constant beyond order 0 are 0
         nothing = self.text.real(0.0)
         return self._times(top or (nothing, nothing), self._divisor(n, k), k)
 
@@ -146,7 +147,7 @@ class Series:
         return self.text.wide_product(x, y) if k <= self.wide else (self.text.fmul(x[0], y[0]), "")
 
     def _divisor(self, n: int, k: int) -> Wide:
-        """1 over the first coefficient of what is divided by, over twice that of a root."""
+        """The reciprocal of the divisor's coefficient of order 0; for a root, of twice the root's."""
         if n not in self._divisors:
             place = self.room.inverses[n]
             self._divisors[n] = self.text.load(place), self.text.load(place + 1) if k <= self.wide else ""
@@ -162,20 +163,20 @@ class Series:
                 text.store(text.fmul(text.real(0.5), part) if root else part, self.room.inverses[n] + i)
 
     def _integrated(self, rate: Wide, k: int) -> Wide:
-        """The coefficient k + 1 of a variable."""
+        """Coefficient k + 1 of a variable, from coefficient k of its derivative."""
         room = self.room
         unit = self.text.load(UNITS + k)
         if k + 1 > self.wide:
             return self.text.fmul(rate[0], unit), ""
         if (k + 1) & k == 0:
-            # powers of two
+            # k + 1 is a power of two, so that unit/(k + 1) has no low part
             return self.text.fmul(rate[0], unit), self.text.fmul(rate[1], unit)
         return self.text.wide_product(rate, (unit, self.text.load(room.lows_of_units + k)))
 
     # --- sums of products
 
     def _convolved(self, n: int, begin: int, end: int, k: int) -> Wide | None:
-        """Σ p_j q_{k−j}, begin ≤ j < end, of the factors of a node; None of nothing."""
+        """Σ p_j q_{k−j} over begin ≤ j < end, for the factors p, q of a node; None for an empty sum."""
         p, q = self.room.factors[n]
         terms, before = _terms(p == q, begin, end, k), None
         if n in self.room.pack_of:
@@ -183,12 +184,12 @@ class Series:
             terms = [term for term in terms if not all(term[1:])]
         pairs = [(f, self._value(p, i), self._value(q, j)) for f, i, j in terms]
         if before and not before[1]:
-            # the newest one waits for no other
+            # doubling a factor keeps all terms in one sum; the newest term waits for no other
             pairs = [(1, (self.text.fadd(x[0], x[0]), "") if f == 2 else x, y) for f, x, y in pairs]
         return _summed(self.text, pairs, k <= self.wide, before) if pairs or before else None
 
     def _sum_of_earlier(self, n: int, k: int) -> Wide | None:
-        """Σ p_j q_{k−j}, 0 < j < k, of the factors of a node, done with others."""
+        """Σ p_j q_{k−j} over 0 < j < k, for the factors of a node, computed in one vector with those of other nodes."""
         if k > 1 and n not in self._sums:
             nodes = self.room.pack_of[n]
             text = Text(self.room.lanes * self.room.packs[nodes], self.text)
@@ -222,7 +223,7 @@ class Series:
         return joined_lanes(text, parts, self.room.lanes)
 
     def _products(self, text: Text, nodes: tuple[int, ...], terms: Sequence[Term], k: int) -> Wide:
-        """Sums of several products in one vector, whose factors lie side by side."""
+        """The sums of several products in one vector; their factors are contiguous in memory."""
         sides, wide = self.room.sides[nodes], k <= self.wide
         pairs = []
         for f, i, j in terms:
@@ -237,7 +238,7 @@ class Series:
         return {n: (self._part(text, x[0], i), self._part(text, x[1], i)) for i, n in enumerate(nodes)}
 
     def _part(self, text: Text, x: str, slot: int) -> str:
-        """One number of a vector of several."""
+        """The number in slot ``slot`` of a vector of several numbers."""
         if not x:
             return ""
         kind, lanes = text.types.double, self.room.lanes
@@ -247,7 +248,7 @@ class Series:
         return text.write(f"shufflevector {kind} {x}, {kind} undef, <{lanes} x i32> <{places}>")
 
     def _fetched(self, text: Text, side: tuple[tuple[int, ...], int], k: int, low: int) -> str:
-        """The coefficients k of one side of a group."""
+        """Coefficients k of the factors on one side of a group, as one vector."""
         factors, base = side
         count = text.lanes // self.room.lanes
         if all((n, k, low) in self._recent for n in factors):
@@ -260,7 +261,7 @@ class Series:
         return text.load(place // count)
 
     def _put_ratios(self) -> None:
-        """The largest of the last coefficients, and of the first two in floats, each beside its variable."""
+        """Stores the largest ratio of the last two, and of the first two float, coefficients to the variable's size."""
         last, several = self.order, chunks(self._shown)
         orders = [last - 1, last, self.wide + 1, self.wide + 2]
         for first, width in several:
@@ -286,7 +287,7 @@ class Series:
 
 
 def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:
-    """Those of Σ p_j q_{k−j}, begin ≤ j < end; what is newest comes last."""
+    """The terms of Σ p_j q_{k−j} over begin ≤ j < end; the one with the newest coefficients comes last."""
     if not square:
         found = [(1, j, k - j) for j in range(begin, end)]
     else:
@@ -297,7 +298,7 @@ def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:
 
 
 def _summed(text: Text, pairs: Sequence[tuple[int, Wide, Wide]], wide: bool, before: Wide | None) -> Wide:
-    """Σ of factor·x·y: twice those with the factor 2, and the others, and what is there before."""
+    """``before`` + Σ factor·x·y; terms of factor 2 are summed apart and doubled once."""
     twice = [(x, y) for f, x, y in pairs if f == 2]
     once = [(x, y) for f, x, y in pairs if f == 1]
     if wide:
@@ -327,7 +328,7 @@ def _wide_total(text: Text, pairs: Sequence[tuple[Wide, Wide]], total: Wide | No
 
 
 def _total(text: Text, pairs: Sequence[tuple[Wide, Wide]], before: str) -> str:
-    """In two sums, which do not wait for each other."""
+    """``before`` + Σ x·y in floats, as two partial sums that run in parallel."""
     sums: list[str] = [before] if before else []
     for i, ((x, _), (y, _)) in enumerate(pairs):
         if len(sums) < min(2, max(1, len(pairs) // 2)):

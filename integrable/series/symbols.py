@@ -1,4 +1,4 @@
-"""Constants of a kind of system as symbols: formulas recorded with them hold for all systems of the kind."""
+"""Symbolic constants of a kind of systems: formulas recorded with them hold for all systems of the kind."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from integrable.series.tape import GROWTH, Recorded
 from jacobian.fields.inexact import InexactField
 
 Key = tuple[Any, ...]
-"""('constant', i), ('number', x) or (operator, key, key)."""
+"""The key of a symbol: ('constant', i), ('number', x) or (operator, key, key)."""
 
 
 class Symbol:
@@ -21,7 +21,7 @@ class Symbol:
         self.key: Key = key
 
     def __repr__(self) -> str:
-        # the same in every process: objects on disk are named by it
+        # the same in every process, because names of objects on disk derive from it
         return repr(self.key)
 
     def __hash__(self) -> int:
@@ -58,7 +58,7 @@ class Symbol:
 
 
 def key_of(x: Any) -> Key:
-    """That of a symbol, or of a number."""
+    """The key of a symbol or of a number."""
     return x.key if isinstance(x, Symbol) else ("number", float(x))
 
 
@@ -79,7 +79,10 @@ class SymbolField(InexactField):
     zero, one, eps = 0.0, 1.0, 2.0**-53
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
-        """A symbol as it is, floats whose inverse is one, and others as symbols: 1/3 in floats is off."""
+        """``value`` itself if it is a symbol; 0 and powers of two as floats; other numbers as symbols.
+
+        Only the reciprocal of a power of two is exact in floats. Others, such as 1/3, are computed to more digits.
+        """
         if isinstance(value, Symbol):
             return value
         x = float(value)

@@ -1,8 +1,8 @@
-"""A vector field as a list of operations: what a formula does to its variables, recorded once.
+"""A vector field as a list of operations: those that a formula performs on its variables, recorded once.
 
-A formula written with operators is called on :class:`Recorded` numbers; what it adds, multiplies, divides and takes the
-square root of becomes a :class:`Tape`, on which Taylor series run (:mod:`integrable.series.recurrences`). Equal
-operations are recorded once, what is done to constants is done at once. (Griewank & Walther 2008, *Evaluating
+A formula written with operators is called on :class:`Recorded` numbers. Its sums, products, quotients and square roots
+become a :class:`Tape`, from which Taylor series are computed (:mod:`integrable.series.recurrences`). Equal operations
+are recorded once, and operations on constants are evaluated while recording. (Griewank & Walther 2008, *Evaluating
 Derivatives*, chapters 2 and 13.)
 """
 
@@ -15,11 +15,12 @@ VARIABLE, CONSTANT, SUM, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, GROWTH =
 
 
 class Tape(NamedTuple):
-    """Node n is ``kinds[n]`` of the nodes ``left[n]`` and ``right[n]``. First come the variables, then the constants,
-    then operations, those together by kind that may be done in any order. A MULTIPLE has a constant on the left, a ROOT
-    what it is the root of on both sides, a GROWTH,
-    e^x − 1, which no series is for, the x. ``constants`` are the values of the constant nodes, elsewhere 0; ``results``
-    the nodes of what the formula returned.
+    """The nodes of a formula: node n is the operation ``kinds[n]`` on the nodes ``left[n]`` and ``right[n]``.
+
+    Variables come first, then constants, then operations; independent operations are grouped by kind. A MULTIPLE has a
+    constant on the left. A ROOT has its radicand on both sides, and a GROWTH, e^x − 1, its argument x. No series is
+    available for a GROWTH. ``constants`` are the values of the constant nodes and 0 elsewhere. ``results`` are the
+    nodes of the values that the formula returned.
     """
 
     kinds: list[int]
@@ -30,7 +31,7 @@ class Tape(NamedTuple):
 
 
 def recorded(formula: Callable[[Sequence[Any]], Sequence[Any]], variables: int) -> Tape:
-    """The tape of a formula of so many variables, whose constants are numbers with operators."""
+    """The tape of a formula of ``variables`` variables; its constants may be numbers of any kind with operators."""
     recorder = _Recorder()
     given = [recorder.node(VARIABLE, -1 - i, -1) for i in range(variables)]
     results = [recorder.lifted(x).index for x in formula(given)]
@@ -64,7 +65,7 @@ class _Recorder:
     def operation(self, kind: int, x: Any, y: Any) -> Recorded:
         x, y = self.lifted(x), self.lifted(y)
         p, q = x.constant, y.constant
-        # a quotient of integers is no float
+        # 1/q with an integer q would become a float
         folded = kind != QUOTIENT or not isinstance(q, int)
         if p is not None and q is not None and folded:
             return self.lifted(_OPERATIONS[kind](p, q))
@@ -85,7 +86,7 @@ class _Recorder:
 
 
 def _known_by(constant: Any) -> Any:
-    """Equal constants are one, but for balls: those of one name may be different numbers."""
+    """The key of a constant. Equal constants share one, except balls: equal balls may stand for different numbers."""
     try:
         hash(constant)
     except ValueError:
@@ -102,7 +103,7 @@ _OPERATIONS: dict[int, Callable[[Any, Any], Any]] = {
 
 
 class Recorded:
-    """A number that remembers what is done to it."""
+    """A number that records the operations performed on it."""
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -111,7 +112,7 @@ class Recorded:
 
     @property
     def constant(self) -> Any:
-        """The value of a constant, None of anything else."""
+        """The value if this is a constant, otherwise None."""
         recorder = self._recorder
         return recorder.constants[self.index] if recorder.nodes[self.index][0] == CONSTANT else None
 
@@ -149,7 +150,7 @@ class Recorded:
         return self.function(ROOT)
 
     def function(self, kind: int) -> Recorded:
-        """A function of one number."""
+        """The node of a function of this number: ROOT or GROWTH."""
         return self._recorder.node(kind, self.index, self.index)
 
     def __neg__(self) -> Recorded:

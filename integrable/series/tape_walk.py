@@ -1,4 +1,4 @@
-"""The walk of a kind of systems along its tape, called as a compiled one: for kinds that have not paid for one."""
+"""The walk of a kind of systems along its tape, with the interface of a compiled one, until compiling pays off."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from integrable.series.walk_text import MOVED, TIMES
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.double_double import split
 
-# of constants and of starts
+# precision in bits of constants and of start values
 BITS = 128
 OPERATIONS: dict[Any, Callable[[Any, Any], Any]] = {
     SUM: lambda x, y: x + y,
@@ -41,7 +41,7 @@ OF_CONSTANTS = {"+": SUM, "-": DIFFERENCE, "*": PRODUCT, "/": QUOTIENT}
 
 
 class TapeWalk:
-    """What :class:`integrable.series.kinds.Compiled` is, of the formulas of a kind as they are recorded."""
+    """The counterpart of :class:`integrable.series.kinds.Compiled` that interprets the recorded formulas of a kind."""
 
     def __init__(self, rates: Tape, start: Tape, half: int) -> None:
         self._rates, self._start, self._half = rates, start, half
@@ -50,7 +50,7 @@ class TapeWalk:
     def __call__(
         self, constants: np.ndarray, state: Sequence[float], times: np.ndarray, steps: Steps, most: float
     ) -> Reached:
-        """The states at times of one sign that ascend in size; −1 are reached where they are not like that."""
+        """The states at times of one sign in ascending size; the number reached is −1 if they are not so ordered."""
         from integrable.series.walk_compiled import ON_TAPES
 
         half, (wide, order), parts = self._half, steps.orders, len(state) // self._half
@@ -72,19 +72,19 @@ class TapeWalk:
         return Reached(reached, found, off, gap, done)
 
     def _begun(self, constants: np.ndarray, state: Sequence[float]) -> np.ndarray:
-        """The values of all nodes that are variables or constants, in both walks."""
+        """The values of all variable and constant nodes at the start, for both walks."""
         with LongField(BITS) as N:
             variables = _results(N, self._start, constants, [N.coerce(x) for x in state])
             further = _constants(N, self._rates, constants)
             middles = np.array([split(x) for x in variables + further[len(variables) :]])
         moved = middles.copy()
-        # by different parts, as else it would be a change of units
+        # relative changes differ between nodes, because equal ones could amount to a mere change of units
         moved[:, 1] += MOVED * (np.arange(len(middles)) % 5 - 2.5) * middles[:, 0]
         return np.stack([middles, moved], axis=-1).reshape(-1, 2 * LANES)
 
 
 def _constants(N: LongField, tape: Tape, constants: np.ndarray) -> list[Any]:
-    """The values of the nodes of a tape that are constants, 0 for others."""
+    """The values of the constant nodes of a tape, and 0 for the others."""
     return [
         _number(N, key_of(x), constants) if kind == CONSTANT else N.zero
         for kind, x in zip(tape.kinds, tape.constants, strict=True)
@@ -101,7 +101,7 @@ def _number(N: LongField, key: Key, constants: np.ndarray) -> Any:
 
 
 def _results(N: LongField, tape: Tape, constants: np.ndarray, given: Sequence[Any]) -> list[Any]:
-    """What a tape makes of its variables."""
+    """The results of a tape for the given variables."""
     import gmpy2
 
     found = _constants(N, tape, constants)

@@ -1,7 +1,7 @@
-"""What a walk (:mod:`integrable.series.walk`) does at each step, as a tape says it: for kinds without compiled lines.
+"""The steps of a walk (:mod:`integrable.series.walk`) interpreted from a tape, for kinds without compiled code.
 
-Coefficients up to the order ``wide`` are double-doubles, those beyond floats. Those of both walks are the numbers of an
-item of two (:data:`jacobian.native.kinds.TWIN_WIDES`), on which one instruction does the same.
+Coefficients up to the order ``wide`` are double-doubles, higher ones floats. The coefficients of both walks form one
+pair (:data:`jacobian.native.kinds.TWIN_WIDES`), so that one instruction computes both.
 """
 
 from __future__ import annotations
@@ -18,10 +18,12 @@ __all__ = ["Lines", "OnTape"]
 
 
 class Lines(NamedTuple):
-    """A tape (kinds, left, right, rates), ``begin``, the values of its nodes that are variables or constants, and what
-    they are expanded in: values at the middle, series, wide and in floats, and two more numbers. Rows of floats are the
-    same memory, in which the numbers of one walk are read and written. ``wide``, ``order`` and ``highs`` as
-    :class:`integrable.series.walk.Given` has them; ``shown`` variables are read.
+    """A tape (kinds, left, right, rates) with the memory for its Taylor series.
+
+    ``begin`` are the start values of variable and constant nodes, ``middles`` their values at the expansion point.
+    ``series`` are the coefficients in double-doubles, ``floats`` those in floats, ``values`` two more numbers. The
+    ``rows_of_…`` are views of the same memory, through which the numbers of one walk are accessed. ``wide``, ``order``
+    and ``highs`` are those of :class:`integrable.series.walk.Given`. The first ``shown`` variables are returned.
     """
 
     tape: Any
@@ -39,7 +41,7 @@ class Lines(NamedTuple):
 
 
 class OnTape(NamedTuple):
-    """The same lines, as a walk takes them for its :class:`integrable.series.walk.Codes`."""
+    """The same lines four times, in the place of a walk's :class:`integrable.series.walk.Codes`."""
 
     start: Lines
     series: Lines
@@ -48,10 +50,10 @@ class OnTape(NamedTuple):
 
 
 def start(lines: Lines) -> None:
-    """The values of the start into the lines."""
+    """Writes the start values into the lines."""
     for n in range(len(lines.begin)):
         lines.middles[n] = lines.begin[n]
-    # constants have no further coefficients
+    # the coefficients of constants beyond order 0 are 0
     for n in range(len(lines.begin) * (lines.wide + 1)):
         lines.series[n] = 0 * lines.begin[0]
     for n in range(LANES * len(lines.begin) * (lines.order + 1)):
@@ -59,7 +61,7 @@ def start(lines: Lines) -> None:
 
 
 def series(lines: Lines, room: Any) -> None:
-    """The coefficients about the middle, and in the room of the walk what its steps are read off."""
+    """Computes the coefficients about the expansion point, and the ratios in the room that determine the step."""
     (kinds, left, right, rates), wide, order = lines.tape, lines.wide, lines.order
     unit = room[LANES * UNITS]
     for n in range(len(kinds)):
@@ -74,7 +76,7 @@ def series(lines: Lines, room: Any) -> None:
 
 
 def put_ratios(lines: Lines, room: Any, lane: int) -> None:
-    """The largest of the last coefficients of a walk, and of the first two in floats, each beside its variable."""
+    """Stores the largest ratio of the last two, and of the first two float, coefficients to the variable's size."""
     order, rows, bent = lines.order, lines.rows_of_floats, 0.0
     for m in range(4):
         room[LANES * m + lane] = 0.0
@@ -90,14 +92,14 @@ def put_ratios(lines: Lines, room: Any, lane: int) -> None:
         for m in range(4):
             k = order - 1 + m if m < 2 else lines.wide - 1 + m
             x = abs(rows[first + LANES * k]) / size
-            # what is no number is no limit
+            # a NaN becomes FARTHEST, at which reach() returns 0
             x = x if x < FARTHEST else FARTHEST
             room[LANES * m + lane] = max(x, room[LANES * m + lane])
     room[LANES * BENT + lane] = bent
 
 
 def advance(lines: Lines, room: Any) -> None:
-    """The middles of both walks their steps further."""
+    """Advances the expansion points of both walks by their steps."""
     for lane in range(LANES):
         put_ahead(lines, lane, room[LANES * STEP + lane], 0.0)
     for i in range(len(lines.tape[3])):
@@ -105,7 +107,7 @@ def advance(lines: Lines, room: Any) -> None:
 
 
 def dense(lines: Lines, lane: int, ahead: Any, rows: Any, place: int) -> None:
-    """The variables of a walk at some distances, (hi, lo) each, from ``rows[place]`` on."""
+    """Writes the variables of a walk at the distances ``ahead`` as pairs (hi, lo) to ``rows[place]`` onward."""
     count = lines.shown
     for row in range(TIMES):
         put_ahead(lines, lane, ahead[row], ahead[TIMES + row])
@@ -117,13 +119,13 @@ def dense(lines: Lines, lane: int, ahead: Any, rows: Any, place: int) -> None:
 
 
 def put_ahead(lines: Lines, lane: int, high: float, low: float) -> None:
-    """A distance of one walk into the first of the values."""
+    """Stores a distance of one walk, high + low, in ``values[0]``."""
     lines.rows_of_values[lane] = high
     lines.rows_of_values[LANES + lane] = low
 
 
 def value(lines: Lines, i: int) -> Any:
-    """Variable i at the distance that is the first of the values."""
+    """Variable i at the distance ``values[0]``."""
     ahead, begin = lines.values[0], i * (lines.order + 1)
     near = float(ahead)
     rest = lines.floats[begin + lines.order]

@@ -1,4 +1,4 @@
-"""LLVM's instructions for straight lines: memory, numbers side by side, and double-doubles whose parts may overlap."""
+"""LLVM instructions for straight-line code: memory access, vectors, and double-doubles whose parts may overlap."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ Wide = tuple[str, str]
 
 
 class Text(Code):
-    """Instructions on ``lanes`` floats at once, in memory behind the pointer %s, counted in such vectors."""
+    """Instructions on vectors of ``lanes`` floats; positions in memory count such vectors from the pointer %s."""
 
     def __init__(self, lanes: int, before: Text | None = None) -> None:
         super().__init__(types_in(lanes))
         self.lanes = lanes
-        # another number of lanes in the same lines
+        # with ``before``, instructions of another vector width continue the same text
         self._numbers: Iterator[int] = count() if before is None else before._numbers
         self.lines = self.lines if before is None else before.lines
 
@@ -38,7 +38,7 @@ class Text(Code):
         self.lines.append(f"  store {self.types.double} {x}, ptr {there}, align 8")
 
     def larger(self, x: str, y: str) -> str:
-        """The larger one; y where one is no number."""
+        """The larger of x and y; y if either is NaN."""
         over = self.write(f"fcmp ogt {self.types.double} {x}, {y}")
         return self.write(f"select {self.types.bit} {over}, {self.types.double} {x}, {self.types.double} {y}")
 
@@ -46,11 +46,11 @@ class Text(Code):
         return self.intrinsic("fabs", x)
 
     def spread(self, x: str) -> str:
-        """A float in all lanes."""
+        """The float x copied to all lanes."""
         return x if self.lanes == 1 else self.gathered([x] * self.lanes)
 
     def gathered(self, parts: Sequence[str]) -> str:
-        """Floats side by side, one in each lane."""
+        """A vector of the given floats, one per lane."""
         found = "undef"
         for lane, part in enumerate(parts):
             found = self.write(f"insertelement {self.types.double} {found}, double {part}, i32 {lane}")
@@ -68,7 +68,7 @@ class Text(Code):
 
 
 def joined_lanes(text: Text, parts: Sequence[str], lanes: int) -> str:
-    """Vectors of ``lanes`` floats end to end; a power of two of them."""
+    """The concatenation of vectors of ``lanes`` floats; their number must be a power of two."""
     found = list(parts)
     while len(found) > 1:
         order = ", ".join(f"i32 {i}" for i in range(2 * lanes))

@@ -1,8 +1,8 @@
-"""A walk along Taylor series whose straight lines are compiled for the kind of system (:mod:`integrable.series.kinds`).
+"""A walk along Taylor series, with straight-line code compiled for the kind of system (:mod:`integrable.series.kinds`).
 
-The loop is compiled once for all kinds (:mod:`integrable.series.walk_compiled`). Two walks go together, in the lanes of
-each number. The second takes coarser steps of its own, the first of them a short one backwards, from a start changed by
-about a rounding unit. The difference of the walks estimates the error of a row.
+The loop is compiled once for all kinds (:mod:`integrable.series.walk_compiled`). Two walks run together as lanes of one
+vector. The second takes coarser steps of its own from a start changed by about a rounding unit; its first step is short
+and backwards. The difference of the walks estimates the error of a row.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ __all__ = ["Bounds", "Codes", "Given", "walked"]
 
 LANES = 2
 FARTHEST = 1e300
-# the part of its first step that the second walk goes back: about the same start both would have the same terms in
-# floats, with the same errors
+# fraction of its first step that the second walk goes back: with the same expansion point both walks would have the
+# same terms in floats, with the same errors
 BACK = 0.25
-# steps are multiples of this, in the unit of time, so that sums of steps below 2^53 times this are exact
+# steps are multiples of this, in units of time, so that sums of steps are exact up to 2^53 multiples
 GRAIN = 2.0**-36
 MOST_UNITS = 2.0**16
 # a walk goes on if ``most`` steps, UNEVEN times as long as the present one, would reach the last time; after KNOWN
@@ -33,7 +33,7 @@ MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
 
 
 class Codes(NamedTuple):
-    """Where the straight lines of a kind are (:mod:`integrable.series.walk_text`)."""
+    """The addresses of the straight-line code of a kind (:mod:`integrable.series.walk_text`)."""
 
     start: int
     series: int
@@ -42,9 +42,12 @@ class Codes(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """Logarithms to base 2 of what a step may leave out: of the last two terms, and of the first two in floats; by how
-    much more in the second walk. Then 1 over the orders of the four terms and the difference up to which rows agree;
-    the largest number of steps, judged by those taken, and the farthest time, in first steps.
+    """The bounds that determine the steps of a walk.
+
+    Base-2 logarithms: the bound on the last two terms (``left_out``), that on the first two terms in floats
+    (``rounded``), and their increments in the second walk. Then come the reciprocals of the orders of these four terms,
+    and the difference up to which rows agree. ``most`` is the largest number of steps, estimated from those taken, and
+    ``farthest`` the farthest time in first steps.
     """
 
     left_out: float
@@ -61,9 +64,10 @@ class Bounds(NamedTuple):
 
 
 class Given(NamedTuple):
-    """Constants, a state in floats, and the layout of the room. Its variables are ``parts`` (q, p and any others) of
-    ``half`` numbers each. Coefficients begin at ``highs``, those of the next order ``apart`` further on. A spare row of
-    eight floats is at ``spare``.
+    """Constants, a state in floats, and the layout of the room.
+
+    The variables are ``parts`` parts (q, p and any others) of ``half`` numbers each. Coefficients begin at ``highs``;
+    consecutive orders are ``apart`` vectors apart. A spare row of 2·TIMES floats is at ``spare``.
     """
 
     constants: Any
@@ -78,8 +82,10 @@ class Given(NamedTuple):
 
 
 class Compared(NamedTuple):
-    """The comparison of the first ``rows`` rows of both walks: how many are ``wrong``, how many are wrong or predict
-    that the last one is (``lost``), and the largest difference.
+    """The comparison of the first ``rows`` rows of both walks.
+
+    ``wrong`` counts the rows that disagree, ``lost`` those that disagree or predict that the last row will. ``gap`` is
+    the largest difference.
     """
 
     rows: int
@@ -89,7 +95,7 @@ class Compared(NamedTuple):
 
 
 class Place(NamedTuple):
-    """The number of a walk, its time, how far its series reach, and its next row."""
+    """The lane of a walk, its time, the step that its series allow, and its next row."""
 
     lane: int
     now: float
@@ -98,11 +104,11 @@ class Place(NamedTuple):
 
 
 def walked(codes: Codes, bounds: Bounds, given: Given, room: Any, units: Any, times: Any, rows: Any, found: Any) -> Any:
-    """(How many of ``times`` were reached, how many of these are wrong, the largest difference of the walks relative to
-    the largest q, or p, the number of steps). q and p go into ``found``.
+    """The number of ``times`` reached, how many of them are wrong, the largest difference, and the number of steps.
 
-    ``times`` must be of one sign and ascend in size; otherwise the first number is −1. The row of a wrong one in
-    ``rows`` begins with a nonzero number.
+    The difference is that of the two walks, relative to the largest component of q, or of p. States go into ``found``.
+    ``times`` must be of one sign and ascend in size; otherwise the first number is −1. In ``rows``, the row of a wrong
+    state begins with a nonzero number.
     """
     if not in_order(times):
         return -1, 0, 0.0, 0
@@ -152,8 +158,10 @@ def in_order(times: Any) -> bool:
 
 
 def begun(codes: Codes, given: Given, room: Any, units: Any) -> float:
-    """The series at the start, and the unit of their time: a power of two near the shortest time in which q or p
-    change, so that coefficients stay among the floats, and a motion in other units has the same steps.
+    """Computes the series at the start, and returns their unit of time.
+
+    The unit is a power of two near the shortest time scale of q or p. It keeps coefficients within the range of floats,
+    and a motion given in other units takes the same steps.
     """
     put_unit(given, room, units, 1.0)
     series(codes.series, room)
@@ -169,7 +177,7 @@ def begun(codes: Codes, given: Given, room: Any, units: Any) -> float:
 
 
 def put_unit(given: Given, room: Any, units: Any, unit: float) -> None:
-    """``unit``/(k + 1) into the room."""
+    """Writes ``unit``/(k + 1) into the room."""
     high, low = LANES * UNITS, LANES * (UNITS + given.order)
     for k in range(given.order):
         for lane in range(LANES):
@@ -179,11 +187,11 @@ def put_unit(given: Given, room: Any, units: Any, unit: float) -> None:
 
 
 def shortest_time(given: Given, room: Any) -> float:
-    """The shortest time in which q or p change, by their first coefficients, 1 being the unit."""
+    """The shortest time scale of q or p, estimated from their first coefficients in the unit 1."""
     shortest = FARTHEST
     for begin in (0, given.half):
         for j in range(FIRST):
-            # coefficients two orders apart: from rest, or nearly, every other one is small
+            # compares coefficients two orders apart: near rest every other coefficient is small
             before, after = largest(given, room, begin, j), largest(given, room, begin, j + 2)
             if 0 < before < FARTHEST and 0 < after < FARTHEST:
                 shortest = min(shortest, exp((log(before) - log(after)) / 2))
@@ -191,7 +199,7 @@ def shortest_time(given: Given, room: Any) -> float:
 
 
 def largest(given: Given, room: Any, begin: int, k: int) -> float:
-    """The largest coefficient k of q, or of p, which begin at ``begin``."""
+    """The largest coefficient of order k of the part (q or p) that begins at ``begin``."""
     found = 0.0
     for i in range(begin, begin + given.half):
         found = max(found, abs(room[LANES * (given.highs + i + k * given.apart)]))
@@ -199,7 +207,10 @@ def largest(given: Given, room: Any, begin: int, k: int) -> float:
 
 
 def reach(bounds: Bounds, room: Any, lane: int) -> float:
-    """How far the series of a walk reach; 0 where they are no numbers, or where the last are below the range."""
+    """The step that the series of a walk allow; 0 if a ratio is not finite, or if all ratios underflow to 0.
+
+    FARTHEST if the motion is exactly linear in time.
+    """
     left_out, rounded = bounds.left_out, bounds.rounded
     if lane > 0:
         left_out, rounded = left_out + bounds.coarser, rounded + bounds.rougher
@@ -215,7 +226,7 @@ def reach(bounds: Bounds, room: Any, lane: int) -> float:
 
 
 def put_rows(codes: Codes, given: Given, room: Any, at: Place, times: Any, limit: int, unit: float, rows: Any) -> int:
-    """The first row that the series of one walk do not reach; the rows from its next one up to there are written."""
+    """Writes the rows of one walk that its series reach, from its next one on; returns the first it does not reach."""
     width, ahead = 2 * given.parts * given.half, room[given.spare : given.spare + 2 * TIMES]
     lane, now, step, row = at
     fitting = TIMES
@@ -241,7 +252,7 @@ def put_rows(codes: Codes, given: Given, room: Any, at: Place, times: Any, limit
 
 
 def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bool:
-    """Whether the last time can be reached in about ``most`` steps, judged by the present or by the mean step."""
+    """Whether about ``most`` steps suffice for the last time, estimated from the present step or the mean step."""
     left, gone = abs(last - now), abs(now)
     if not (step > 0 and gone < MOST_UNITS):
         return False
@@ -249,7 +260,7 @@ def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bo
 
 
 def compared(given: Given, agreed: float, seen: Compared, limit: int, times: Any, rows: Any, found: Any) -> Compared:
-    """The comparison of both walks up to row ``limit``; the rows of the first, rounded, go into ``found``."""
+    """The comparison of both walks up to row ``limit``; the rows of the first walk are rounded into ``found``."""
     half, width, count = given.half, given.parts * given.half, len(times)
     wrong, lost, worst = seen.wrong, seen.lost, seen.gap
     for row in range(seen.rows, limit):
@@ -277,26 +288,26 @@ def compared(given: Given, agreed: float, seen: Compared, limit: int, times: Any
     return Compared(limit, wrong, lost, worst)
 
 
-# --- the straight lines of a kind, and logarithms off the bits: instructions where it is compiled
+# --- the straight-line code of a kind, and logarithms from the bits of a float: single instructions when compiled
 
 
 def start(code: int, constants: Any, state: Any, room: Any) -> None:
-    """The constants and the state into a room."""
+    """Writes the constants and the state into a room."""
     _called(code, constants, state, room)
 
 
 def series(code: int, room: Any) -> None:
-    """The coefficients about the state in a room."""
+    """Computes the coefficients about the state in a room."""
     _called(code, room)
 
 
 def advance(code: int, room: Any) -> None:
-    """The state a step further."""
+    """Advances the state in a room by a step."""
     _called(code, room)
 
 
 def dense(code: int, room: Any, lane: int, ahead: Any, rows: Any, place: int) -> None:
-    """States of a walk at some distances, from ``rows[place]`` on."""
+    """Writes the states of a walk at the distances ``ahead`` to ``rows[place]`` onward."""
     _called(code, room[lane:], ahead, rows[place:])
 
 
@@ -305,10 +316,10 @@ def _called(code: int, *arrays: Any) -> None:
 
 
 def logarithm(x: float) -> float:
-    """About log₂ x, to 0.1; some −1000 of 0."""
+    """log₂ x to within 0.1; about −1000 for x = 0."""
     return log2(x) if x > 0 else -1023.0
 
 
 def power(x: float) -> float:
-    """About 2^x, to 1 %."""
+    """2^x to within 1 %."""
     return float(2.0**x)

@@ -44,14 +44,14 @@ def _dense(b: Operators, code: Value, room: Value, lane: Value, ahead: Value, ro
 
 
 def _logarithm(b: Operators, x: Value) -> Value:
-    # the exponent, and the digits as if they were its logarithm
+    # the exponent, plus the mantissa as a linear approximation of its logarithm
     word = b.write(f"bitcast double {b.float_of(x)} to i64")
     found = Value(FLOAT, (b.write(f"sitofp i64 {word} to double"),))
     return b.binary("Sub", b.binary("Mult", found, real(2.0**-52)), real(1023.0))
 
 
 def _power(b: Operators, x: Value) -> Value:
-    # as a parabola between powers of two
+    # a parabola between powers of two
     floor = b.function("floor", x)
     part = b.binary("Sub", x, floor)
     bent = b.binary("Add", b.binary("Mult", part, real(0.3371894346)), real(0.657636276))

@@ -1,4 +1,4 @@
-"""The other straight lines of a walk: from a state in floats to its room, from a step to the next, to times between."""
+"""The rest of a walk's straight-line code: filling a room from a state in floats, a step, and states between steps."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from jacobian.numbers.double_double_steps import (
     two_sum,
 )
 
-# relative change of the numbers of the second walk, some rounding units: of double-doubles, of floats
+# relative change of the start of the second walk, about a rounding unit: of double-doubles, of floats
 MOVED, MOVED_IN_FLOATS = 2.0**-104, 2.0**-52
-# between steps one in this many of the double-double terms is summed in double-doubles; the others sum to a hundredth
-# of a number
+# between steps only one in this many of the double-double terms is summed in double-doubles, the lowest orders; the
+# others sum to a hundredth of the value
 FIRST_TERMS = 2
-# number of times computed in one vector
+# number of times that one vector holds
 TIMES = WIDEST
-# e^x − 1, |x| < 2^9 or so, is computed by TERMS terms at x/2^HALVED and then doubled in its argument HALVED times
+# e^x − 1 for |x| below about 2^9: TERMS terms of the series at x/2^HALVED, then HALVED doublings of the argument
 HALVED, TERMS = 11, 18
 
 
 def module(room: Room, start: Tape, count: int) -> str:
-    """The module of a kind, the first ``count`` variables of which are q and p; ``start``: all of them from floats."""
+    """The LLVM module of a kind whose first ``count`` variables are its state; ``start`` computes all from these."""
     texts = [_declared(), _growth(), Series(room, count).function(), _advance(room), _dense(room, count)]
     return "\n".join([*texts, _start(room, start)])
 
@@ -48,19 +48,19 @@ def _declared() -> str:
 
 
 def _advance(room: Room) -> str:
-    """Variables a step further, where the coefficients of the order 0 are."""
+    """The function that advances the variables by a step, in the place of the coefficients of order 0."""
     single = Text(room.lanes)
     step = single.load(STEP)
     parts = [(first, width, Text(room.lanes * width, single)) for first, width in chunks(room.count)]
     steps = {width: joined_lanes(text, [step] * width, room.lanes) for _, width, text in parts}
-    # the variables are interleaved, so that none waits for another
+    # the variables are interleaved, so that the latency of one is hidden by the others
     for _ in zip(*[_further(room, text, steps[width], first, width) for first, width, text in parts], strict=True):
         pass
     return _function("advance", "ptr noalias %s", single)
 
 
 def _further(room: Room, text: Text, step: str, first: int, width: int) -> Iterator[bool]:
-    """Some variables a step further, an order at a time."""
+    """Writes the instructions that advance a group of variables by a step; each yield ends an order."""
     wide, order = room.orders
 
     def high(k: int) -> str:
@@ -86,7 +86,7 @@ def _further(room: Room, text: Text, step: str, first: int, width: int) -> Itera
 
 
 def _onward(text: Text, x: Wide, step: Wide, coefficient: Wide) -> Wide:
-    """x·step + coefficient, where the parts of a number may be one only."""
+    """x·step + coefficient, where x and step may lack a low part."""
     p, e = two_product(text, x[0], step[0])
     if x[1]:
         e = text.fma(x[1], step[0], e)
@@ -97,8 +97,10 @@ def _onward(text: Text, x: Wide, step: Wide, coefficient: Wide) -> Wide:
 
 
 def _dense(room: Room, count: int) -> str:
-    """The first variables of one walk, which begins at %s, at some distances %x, given as their high parts and then
-    their low ones: (hi, lo) of each in a row of %o.
+    """The function that evaluates the first ``count`` variables of one walk at the distances %x.
+
+    The walk begins at %s. %x holds the high parts of the distances, then the low parts. Each row of %o receives the
+    pairs (hi, lo) of one distance.
     """
     text, (wide, order), lanes = Text(TIMES), room.orders, room.lanes
     ahead = text.load(0, "%x"), text.load(1, "%x")
@@ -108,7 +110,7 @@ def _dense(room: Room, count: int) -> str:
         return text.spread(text.write(f"load double, ptr {there}, align 8"))
 
     first, variables = (wide + 1) // FIRST_TERMS, range(count)
-    # the variables are interleaved, so that none waits for another
+    # the variables are interleaved, so that the latency of one is hidden by the others
     rest = [spread(room.high(i, order)) for i in variables]
     for k in range(order - 1, max(first, 1) - 1, -1):
         rest = [text.fma(x, ahead[0], spread(room.high(i, k))) for i, x in enumerate(rest)]
@@ -129,7 +131,9 @@ def _dense(room: Room, count: int) -> str:
 
 
 def _start(room: Room, start: Tape) -> str:
-    """Constants and variables of both walks into a room, from the constants and from q and p in floats."""
+    """The function that fills a room with the constants and variables of both walks, from a system's constants and
+    state.
+    """
     text, wide, rates = Text(room.lanes), room.orders.wide, room.tape
     single = Text(1, text)
     known: dict[Key, Wide] = {}
@@ -140,7 +144,7 @@ def _start(room: Room, start: Tape) -> str:
             continue
         high, low = results[n] if kind == VARIABLE else _constant(single, key_of(rates.constants[n]), known)
         again = single.fma(high, single.real(moved * (n % 5 - 2.5)), low)
-        # of constants in floats there is no low part
+        # constants of a walk in floats have no low part, so that their change must show in the high part
         both = kind == CONSTANT and wide < 0
         highs = [single.fadd(high, low), single.fadd(high, again)] if both else [high]
         text.store(_gathered(text, highs), room.high(n, 0))
@@ -149,15 +153,15 @@ def _start(room: Room, start: Tape) -> str:
 
 
 def _gathered(text: Text, parts: list[str]) -> str:
-    """Numbers of the walks, the last one for all that are left."""
+    """A vector of the given numbers; the last one fills all remaining lanes."""
     if text.lanes == 1:
         return parts[0]
-    # each of many motions in one vector has its own start: see the ensembles
+    # in a vector of many motions each has a start of its own (see the ensembles)
     return text.gathered((parts + [parts[-1]] * text.lanes)[: text.lanes])
 
 
 def _values(text: Text, tape: Tape, known: dict[Key, Wide]) -> list[Wide]:
-    """What a tape makes of the floats in %state."""
+    """The results of a tape for the floats in %state."""
     found: list[Wide] = []
     for n, (kind, p, q) in enumerate(zip(tape.kinds, tape.left, tape.right, strict=True)):
         if kind == VARIABLE:
@@ -184,7 +188,7 @@ def _parts(text: Text, pair: str) -> Wide:
 
 
 def _constant(text: Text, key: Key, known: dict[Key, Wide]) -> Wide:
-    """A constant of the system, in double-doubles."""
+    """The constant with this key, as a double-double."""
     if key not in known:
         sign, *rest = key
         if sign == "constant":
