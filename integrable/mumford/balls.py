@@ -1,13 +1,13 @@
-"""Motions on Jacobians of any genus in balls: the additions of :mod:`integrable.mumford.translations`, every truncation
-bounded.
+"""Motions on Jacobians of any genus in balls: the additions of :mod:`integrable.mumford.translations`, with bounds on
+every truncation error.
 
-A composition and a reduction step are identities between exact divisors, so they map balls around divisors to balls
-around results. Where a resultant or a leading coefficient is a ball around 0 the result has no bound.
+A composition and a reduction step are identities between exact divisors. So they map balls around divisors to balls
+around results. If a resultant or a leading coefficient is a ball that contains 0, the result has no bound.
 
-E(τ) comes from the g integrals Σ∫x^k dx/y from the points of E, power series in one variable each, by the interval
-Newton method (Moore 1966). Cauchy's estimate on a disc where f does not vanish bounds the remainder of the series.
-Lifts and integrals of the second and third kind are single-valued on C^g, where all paths from 0 to cτ are equivalent,
-so they may be continued along the path of the points.
+E(τ) solves g equations for the sums Σ∫x^k dx/y over the points of E by the interval Newton method (Moore 1966). Each
+integral is a power series in one variable. Cauchy's estimate on a disc where f does not vanish bounds its remainder.
+Lifts and integrals of the second and third kind are single-valued on C^g, where all paths from 0 to cτ are equivalent.
+So they may be continued along the paths of the points.
 """
 
 from __future__ import annotations
@@ -27,11 +27,12 @@ from jacobian.linear import pivoted
 from jacobian.numbers.long_reals import BallReals
 from jacobian.relatives.extended import Extended
 
-# h is about 2^−PART of the time to the boundary of a disc; T(2^k h) is in general position from about k = FRACTION on
+# h is about 2^−PART of the time in which a point reaches the boundary of its disc; T(2^k h) is in general position from
+# about k = FRACTION on
 PART, FRACTION = 4, 12
-# most halvings of the disc around a point, and most steps of Newton's method
+# largest number of halvings of the disc around a point, and of Newton steps
 MOST_HALVES, MOST_STEPS = 256, 60
-# imaginary parts, relative to the largest root of f, that floats may leave of real roots
+# largest imaginary part that rounding may leave of a real root, relative to the largest root of f
 REAL = 1e-9
 
 
@@ -50,7 +51,7 @@ class _Elementary:
 
 
 class Balls(BallField):
-    """Balls of ``bits`` bits, real or complex, in the place of long numbers; to be entered with ``with``."""
+    """The field of balls of ``bits`` bits, real or complex, in place of long numbers; enter it with ``with``."""
 
     context = _Elementary()
 
@@ -72,7 +73,7 @@ class Balls(BallField):
         self._reals.__exit__(*error)
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
-        """The ball of radius 0 around a number; a ball itself."""
+        """The ball of radius 0 around a number; a ball is returned unchanged."""
         if not self.complex:
             return super().coerce(value)
         if isinstance(value, self._acb):
@@ -80,7 +81,7 @@ class Balls(BallField):
         return self._acb(self._reals.number(value.real), self._reals.number(value.imag))
 
     def nearest(self, x: Any) -> int:
-        """The integer nearest to the real part of the middle of x."""
+        """The integer nearest to the real part of the midpoint of x."""
         return self._reals.nearest(x.real)
 
     def balls(self, values: Sequence[Any]) -> list[Any]:
@@ -93,7 +94,9 @@ class Balls(BallField):
 
 
 class PointIntegrals:
-    """∫x^k dx/y, k = 0 … g, and ∫dx/(y(x − e)) for other points e, from a point of y² = f(x) to points near it."""
+    """The integrals ∫x^k dx/y, k = 0 … g, and ∫dx/(y(x − e)), e in ``others``, from a point of y² = f(x) to nearby
+    points.
+    """
 
     def __init__(self, K: Balls, f: poly.Poly, point: tuple[Any, Any], others: Sequence[Any], order: int) -> None:
         from flint import ctx
@@ -115,14 +118,14 @@ class PointIntegrals:
             self._rows = [polynomial([K.zero, *(c / (m + 1) for m, c in enumerate(row.coeffs()))]) for row in rows]
         finally:
             ctx.cap = cap
-        # |f| is at least half of |f(x)| on the disc, and the x − e are at least half of theirs
+        # on the disc |f| is at least half of |f(x)|, and the distance to each e at least half of |x − e|
         most = (2**0.5 / abs(y)).abs_upper()
         sizes = [(abs(x) + self.radius) ** k for k in range(genus + 1)] + [2 / abs(x - e) for e in others]
         self._bounds = [(most * size * self.radius).abs_upper() for size in sizes]
         self._order = order
 
     def _disc(self, apart: Sequence[Any]) -> Any:
-        """A radius within which f changes by less than half of it, and no other point comes nearer than half way."""
+        """A radius within which f changes by less than half its value, at most half the distance to any other point."""
         arb = type(abs(self._field.one))
         radius = arb(2) ** 64
         while not (
@@ -135,7 +138,7 @@ class PointIntegrals:
         return radius
 
     def at(self, move: Any) -> list[Any]:
-        """The integrals to x + ``move``, |move| < ``radius``."""
+        """The integrals from x to x + ``move``, |move| < ``radius``."""
         part = (abs(move) / self.radius).abs_upper()
         rest = part ** (self._order + 1) / (1 - part)
         if not rest >= 0:
@@ -143,7 +146,7 @@ class PointIntegrals:
         return [ball_around(row(move), rest * bound) for row, bound in zip(self._rows, self._bounds, strict=True)]
 
     def reached(self, move: Any) -> tuple[Any, Any]:
-        """The point at x + ``move``, |move| < ``radius``: there √(f/f(x)) is the principal root."""
+        """The point of the curve at x + ``move``, |move| < ``radius``; there √(f/f(x)) is the principal root."""
         if not abs(move) < self.radius:
             raise PrecisionLoss("a time is not known well enough to enclose the motion there: use more digits")
         x, y = self._point
@@ -151,7 +154,7 @@ class PointIntegrals:
 
 
 class EnclosedReference:
-    """E(τ): the points whose integrals from those of E have the sums c_kτ, enclosed by the interval Newton method."""
+    """E(τ), the points whose integrals from those of E sum to c_kτ, enclosed by the interval Newton method."""
 
     def __init__(self, field: Balls, points: Sequence[PointIntegrals], pair: Any, direction: Sequence[Any]) -> None:
         self._field, self._points, self._direction = field, points, direction
@@ -160,7 +163,7 @@ class EnclosedReference:
         starts = [point.reached(field.zero) for point in points]
         self._rates = [-poly.evaluate(field, n, x) * y / poly.evaluate(field, slope, x) for x, y in starts]
         self.reach = min(float((p.radius / abs(rate)).lower()) for p, rate in zip(points, self._rates, strict=True))
-        """About the time in which a point runs to the end of its disc."""
+        """The approximate time in which a point reaches the boundary of its disc."""
 
     def at(self, time: Any) -> tuple[poly.Poly, poly.Poly, Any, list[Any]]:
         """(U, V, Ω, the third-kind integrals) of E(τ)."""
@@ -188,7 +191,7 @@ class EnclosedReference:
         return any(2 * abs(x).abs_upper() < abs(y).abs_upper() for x, y in zip(step, before, strict=True))
 
     def _newton(self, time: Any, middle: Sequence[Any], box: Sequence[Any]) -> list[Any]:
-        """−J(box)⁻¹F(middle), F_k = Σ_i∫x^k dx/y − c_kτ."""
+        """The Newton step −J(box)⁻¹F(middle), F_k = Σ_i∫x^k dx/y − c_kτ."""
         K, count = self._field, len(self._points)
         sums = zip(*(p.at(x) for p, x in zip(self._points, middle, strict=True)), strict=True)
         rest = [c * time - sum(row, K.zero) for c, row in zip(self._direction, sums, strict=False)]
@@ -200,14 +203,14 @@ class EnclosedReference:
 
 
 def ball_around(x: Any, radius: Any) -> Any:
-    """A real or complex ball with all numbers within an upper bound of ``radius`` of those in x."""
+    """A real or complex ball that contains all numbers within an upper bound of ``radius`` of a number in x."""
     from flint import acb
 
     return acb(around(x.real, radius), around(x.imag, radius)) if isinstance(x, acb) else around(x, radius)
 
 
 def flint_kinds(complex: bool) -> tuple[Any, Any]:
-    """(series, polynomials) of flint."""
+    """flint's classes of (power series, polynomials) over real or complex balls."""
     import flint
 
     return (flint.acb_series, flint.acb_poly) if complex else (flint.arb_series, flint.arb_poly)
@@ -219,7 +222,7 @@ class EnclosedTranslations(GroupTranslations):
     _fraction = FRACTION
 
     def _reference(self) -> tuple[list[Any], list[Any]]:
-        # points in different ovals: far from all branch points balls lose more
+        # points in different ovals, because balls widen more for points far from all branch points
         K, group = self.field, self.group
         xs: list[Any] = [] if K.complex else list(map(K.coerce, middles_of_ovals(group.f)))[: group.genus + 1]
         ys = [K.sqrt(poly.evaluate(K, group.f, x)) for x in xs]
@@ -242,7 +245,7 @@ class EnclosedTranslations(GroupTranslations):
 
 
 def middles_of_ovals(f: poly.Poly) -> list[float]:
-    """The midpoints of the bounded intervals where f > 0, between the real roots found in floats."""
+    """The midpoints of the bounded intervals where f > 0, between real roots computed in floats."""
     import numpy as np
 
     size = max(abs(c) for c in f)

@@ -1,14 +1,14 @@
-"""Common formulas of the Chaplygin ball, the Euler top and Veselova's body: γ' = γ×ω, M' = M×ω at (γ, M) = 0, on one
-curve.
+"""Common formulas of the Chaplygin ball, the Euler top and Veselova's body: γ' = γ×ω, M' = M×ω at (γ, M) = 0.
 
-With a_i three constants, A = diag a_i, and a linear function l(x) = p + qx, c_i = l(a_i): p = 1, q = −d for the ball
-and the top, p = 0, q = 1 for Veselova's body, the ball's limit d → ∞ at fixed a_i,
+Let a_i be three constants, A = diag a_i, l(x) = p + qx a linear function and c_i = l(a_i). The ball and the top have
+p = 1, q = −d. Veselova's body has p = 0, q = 1; it is the ball's limit d → ∞ at fixed a_i. With
 
     ω = A(M − q(γ, AM)γ/s),   s = Σc_iγ_i²,   f = 4l(x)Π(a_i − x)(xH₂ − H₁),   H₁ = (ω, M), H₂ = (M, M)
     U = Σc_iσ_i²(x − a_j)(x − a_k),   V = Σc_iσ_iν_i(x − a_j)(x − a_k),   σ = γ/√s,   ν = 2w − 2(Σc_iγ_iw_i)γ/s
 
-with w = γ×M; (σ_i, ν_i) is the lift at a_i. The direction is e_0 in τ, and dt = √s dτ, s = Πc_i/(l(x_1)l(x_2)): time is
-a mean rate and a function on the torus (Tsiganov's coordinates of the ball; Veselov & Veselova 1986 for p = 0).
+and w = γ×M, (σ_i, ν_i) is the lift at a_i. The direction is e_0 in τ, and dt = √s dτ, s = Πc_i/(l(x_1)l(x_2)). So t is
+a mean rate times τ plus a function on the torus (Tsiganov's coordinates of the ball; Veselov & Veselova 1986 for
+p = 0).
 """
 
 from __future__ import annotations
@@ -32,39 +32,39 @@ from jacobian.relatives.extended import Extended, Lift
 if TYPE_CHECKING:
     from integrable.phase.enclosure import EnclosedPath
 
-# digits of τ beyond those of a state; for far times digits are raised in steps, so that few series are made
+# guard digits of τ; digits are raised for far times in steps of DIGITS_APART, so that few series are computed
 GUARD, DIGITS_APART = 6, 4
-# radians up to which a clock is set up
+# largest rotation, in radians, for which a clock is set up
 FARTHEST = 1e100
-# digits of the numbers with which a torus is set up
+# digits with which a torus is set up
 DIGITS = 50
-# digits that periods lose per common digit of two branch points
+# number of digits that periods lose per leading digit shared by two branch points
 DIGITS_A_GAP = 3
-# largest number of common digits
+# largest number of shared digits
 MOST_SHARED = 100
-# length of a panel of the clock on a separatrix, in radians, about
+# approximate length of a panel of the clock on a separatrix, in radians
 STEP = 0.5
 
 
 class BodySystem(MumfordSystem):
-    """Base of the ball, the top and Veselova's body: a state has q = γ and p = M, both in the body frame."""
+    """Base class of the ball, the top and Veselova's body; a state has q = γ and p = M, both in the body frame."""
 
     size = 3
     clocked = True
     _constraint_names = ("|γ| = 1", "(γ, M) = 0", "M ≠ 0")
 
     def _light(self, N: Any) -> tuple[Any, Any]:
-        """Table: (p, q)."""
+        """Table: the coefficients (p, q) of l."""
         raise NotImplementedError
 
     def _weights(self, N: Any) -> tuple[Any, ...]:
-        """Table: the c_i = l(a_i), without loss of digits."""
+        """Table: the c_i = l(a_i), computed without cancellation."""
         raise NotImplementedError
 
     # --- derived from these
 
     def _set_up_moments(self, field: Any, inertia: Any) -> None:
-        """Sets ``field``, and ``constants`` to three different numbers that are not 0."""
+        """Sets ``field`` and ``constants``; these must be three different nonzero numbers."""
         self._set_up(field, inertia, "inertia", 3)
         if self.size != 3 or self.field.zero in self.constants:
             raise ArgumentError(f"inertia = {shown(inertia)}: three different numbers other than 0 are needed")
@@ -86,7 +86,7 @@ class BodySystem(MumfordSystem):
         return tuple(x - pull * e * y for x, e, y in zip(turned, a, gamma, strict=True))
 
     def _stretch(self, N: Any, gamma: Sequence[Any]) -> Any:
-        """s."""
+        """s = Σc_iγ_i²."""
         return N.dot(self._weights(N), [x * x for x in gamma])
 
     def _vector_field(self, N: Any, state: Point) -> Point:
@@ -94,7 +94,7 @@ class BodySystem(MumfordSystem):
         return Point(*(cross(N, part, omega) for part in state))
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
-        """H1 = (ω, M), H2 = (M, M)."""
+        """The integrals H1 = (ω, M) and H2 = (M, M)."""
         return {"H1": N.dot(self._omega(N, state), state.p), "H2": N.dot(state.p, state.p)}
 
     def _pairs(self, N: Any, state: Point) -> tuple[tuple[Any, Any], ...]:
@@ -113,7 +113,7 @@ class BodySystem(MumfordSystem):
         f: poly.Poly = (-4 * h1, 4 * h2)
         for e in self._constants_in(N):
             f = poly.mul(N, f, (e, -N.one))
-        # at q = 0 of degree 4
+        # without the factor l if q = 0: f then has degree 4
         light = self._light(N)
         f = poly.mul(N, f, light if light[1] != N.zero else light[:1])
         return all_of(N, (f, (*u[:2], N.one), v[:2]), 2)
@@ -146,15 +146,18 @@ class BodySystem(MumfordSystem):
         return Point(gamma, cross(N, w, gamma))
 
     def flow(self, state: Point, tolerance: float | None = None) -> Any:
-        """The motion of a state over RR or MP(digits), any time at once; on a separatrix times near the start;
-        ``tolerance`` as for other systems.
+        """The motion of a state over RR or MP(digits), at any times; on a separatrix only at times near the start.
+
+        ``tolerance`` is that of :meth:`integrable.mumford.system.MumfordSystem.flow`.
         """
         self._check_range(state)
         return BodyFlow(self, state, self._tolerance(tolerance))
 
     def close_digits(self, N: Any) -> int:
-        """Digits beyond SPARE that periods lose where the c_i are close together, as those of a light ball are, or one
-        close to 0, as of a long body; 0 where the numbers of N do not tell them apart.
+        """The number of digits beyond SPARE that periods lose because branch points are close.
+
+        The c_i are close together for a light ball, and one is close to 0 for a long body. Returns 0 if two of them
+        coincide in the numbers of N.
         """
         # the curve has a branch point where l vanishes
         weights = [N.zero, *sorted(self._weights(N))]
@@ -184,7 +187,7 @@ class BodySystem(MumfordSystem):
 
 
 class BodyFlow(MumfordFlow):
-    """The motion of a state; its τ is found first, by a Fourier series on the torus."""
+    """The motion of a state; τ is computed first, from a Fourier series on the torus."""
 
     _setting_up = 10000
 
@@ -196,7 +199,7 @@ class BodyFlow(MumfordFlow):
         self._clocks = dict[int, SeriesClock | WalkedClock]()
 
     def _places(self, times: list[Any]) -> list[Any]:
-        """τ, with the digits that the states are to have at the farthest of the times."""
+        """τ at the given times, with the digits that states at the farthest of them need."""
         last = max([abs(float(t)) for t in times], default=0.0)
         far = last * self._pace
         if not far < FARTHEST:
@@ -211,7 +214,7 @@ class BodyFlow(MumfordFlow):
         return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
 
     def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
-        """ArgumentError: the series of this clock have no proven bounds; :meth:`enclosure_at_tau` has."""
+        """Raises ArgumentError: the series of this clock have no proven bounds; use :meth:`enclosure_at_tau`."""
         raise ArgumentError(
             f"times = {shown(times)}: the clock of {self.system!r} has no proven bounds; enclosure_at_tau has them, at "
             "values of τ, dt = √s dτ"
@@ -223,7 +226,7 @@ class BodyFlow(MumfordFlow):
             wide = MP(digits + SPARE + self._body.close_digits(MP(digits + MOST_SHARED)))
             return SeriesClock(wide, self._body._unit(wide, self._inner(wide)), digits)
         except PrecisionLoss:
-            # the ovals have met, or nearly so
+            # the ovals meet, or nearly so
             reals = BareReals(K.context.prec)
             fastest = float(max(self._body._weights(RR))) ** 0.5
             length = STEP / (self._pace * fastest)
@@ -240,11 +243,11 @@ class BodyFlow(MumfordFlow):
 
     @cached_property
     def _pace(self) -> float:
-        """About the rate at which the body turns, in radians per unit time."""
+        """The approximate angular velocity of the body, in radians per unit time."""
         return float(max(self._body._constants_in(RR)) * hypot(*map(float, self._inner(RR).p)))
 
 
 def _rate(N: Any, D: Extended) -> tuple[tuple[Any]]:
-    """dt/dτ."""
+    """dt/dτ at a divisor, from its lifts."""
     sigma = [datum[1] for datum in D.data]
     return ((1 / N.sqrt(N.dot(sigma, sigma)),),)

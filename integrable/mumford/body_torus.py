@@ -1,9 +1,9 @@
-"""Motions of :mod:`integrable.mumford.bodies` on a compact real torus, compiled with the loops of the ball: its
-corners, clock and states along another direction. Also their clocks to any number of digits.
+"""Motions of :mod:`integrable.mumford.bodies` on a compact real torus, and their clocks to any number of digits.
 
-dt/dτ of such a body is a constant over √((1 − X₁)(1 − X₂)), X = 1 a branch point beyond both ovals. Its mean is a
-determinant of elliptic integrals, t a mean rate times τ and a Fourier series (:mod:`integrable.torus.long_clock`);
-where the ovals have met, it is computed by quadrature along the motion.
+Corners, clock and states are computed by the compiled loops of the ball, along another direction. dt/dτ of such a body
+is a constant divided by √((1 − X₁)(1 − X₂)), where X = 1 is a branch point beyond both ovals. Its mean is a determinant
+of elliptic integrals, and t is the mean times τ plus a Fourier series (:mod:`integrable.torus.long_clock`). If the
+ovals meet, t is computed by quadrature along the motion.
 """
 
 from __future__ import annotations
@@ -24,17 +24,19 @@ from integrable.torus.witness import left_open
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BareReals
 
-# digits of the field beyond the accuracy of a clock
+# guard digits of the field in which a clock is computed
 SPARE = 20
-# largest number of panels of a quadrature, and nodes of a panel per digit
+# largest number of panels of a quadrature in each direction of time; number of nodes of a panel per digit
 MOST_PANELS, NODES_A_DIGIT = 64, 2
 MOST_STEPS = 100
 
 
 class Unit(NamedTuple):
-    """A body's curve as Y² = (X − ζ)Π(α_i − X)(1 − X): the α_i with the κ_i of their lifts, ζ, the start U_0, U_1, V_0,
-    V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where 1/√Σσ² is dt/dτ, (ΣdX/Y, ΣXdX/Y) in a unit of τ, and |M| over that of the
-    pairs (:func:`integrable.phase.coordinates.directions_of`).
+    """A body's motion on Y² = (X − ζ)Π(α_i − X)(1 − X).
+
+    ``kappas`` are the κ_i of the lifts at the α_i. ``start`` is U_0, U_1, V_0, V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where
+    1/√Σσ² is dt/dτ. ``direction`` is (ΣdX/Y, ΣXdX/Y) per unit of τ. ``momentum`` is |M| divided by that of the pairs
+    (:func:`integrable.phase.coordinates.directions_of`).
     """
 
     alphas: tuple[Any, ...]
@@ -57,9 +59,9 @@ class Timed(NamedTuple):
 
 
 class BodyTorus(TorusFlow):
-    """γ and M at any times of a motion given in its :class:`Unit` over ``wide``.
+    """γ and M at any times of a motion, given as a :class:`Unit` over the field ``wide``.
 
-    PrecisionLoss where there is no such torus.
+    PrecisionLoss if there is no compact real torus.
     """
 
     _aslant = True
@@ -90,7 +92,7 @@ class BodyTorus(TorusFlow):
         return left_open([*map(float, self.frequencies)], self.departs) * float(self.mean)
 
     def reaches(self, times: np.ndarray) -> bool:
-        """Whether double-double numbers hold the fractions of all turns."""
+        """Whether double-doubles resolve the fraction of a turn at all of these times."""
         turns: float = np.abs(times).max(initial=0) * max(map(abs, self._of_rates(4, 6)))
         return turns <= MOST_TURNS
 
@@ -100,7 +102,7 @@ class BodyTorus(TorusFlow):
 
 
 class RateCurve(NamedTuple):
-    """The part of a :class:`integrable.moving_point.problem.MotionProblem` that the series uses."""
+    """The attributes of a :class:`integrable.moving_point.problem.MotionProblem` that the series uses."""
 
     axes: tuple[Any, ...]
     ratio: Any
@@ -120,9 +122,9 @@ class RateSource(NamedTuple):
 
 
 class SeriesClock:
-    """τ(t) of a motion over ``wide`` to ``digits``.
+    """τ(t) of a motion over the field ``wide``, to ``digits`` digits.
 
-    PrecisionLoss where the torus is not compact: the ovals have met.
+    PrecisionLoss if the torus is not compact because the ovals meet.
     """
 
     def __init__(self, wide: Any, unit: Unit, digits: int) -> None:
@@ -130,22 +132,23 @@ class SeriesClock:
         axes = (*unit.alphas, one, one, one, one, zero)
         problem = RateCurve(axes, unit.zeta, one, unit.start, zero)
         source = RateSource(problem, wide, BareReals(wide.context.prec), digits)
-        # Newton's method takes 1 for a time in which little turns, so t and τ are counted in such
+        # Newton's method assumes that phases change little per unit time; so t and τ are in units of 1/|direction[0]|
         first, second = unit.direction
         self._unit = 1 / abs(first)
         direction = first * self._unit, second * self._unit
         self._clock = MultiprecisionTorusClock(source, direction=direction)
 
     def tau(self, times: list[Any]) -> list[Any]:
-        """τ at every t, wide."""
+        """τ at each of the times, in the clock's field."""
         coerce = self._clock.wide.coerce
         return [tau * self._unit for tau in self._clock.tau([coerce(t) / self._unit for t in times])]
 
 
 class WalkedClock:
-    """τ(t) by Legendre series of dt/dτ on panels of a ``length``: ``rate(τ)`` and the result are numbers of ``reals``,
-    good to ``digits``, and nowhere above ``fastest``. PrecisionLoss for times beyond 64 panels, and where a panel is
-    not resolved.
+    """τ(t) from Legendre series of dt/dτ on panels of ``length`` in τ.
+
+    ``rate(τ)`` returns dt/dτ, at most ``fastest``; it and the results are numbers of ``reals``, accurate to ``digits``
+    digits. PrecisionLoss for times beyond 64 panels, and if a panel is not resolved.
     """
 
     def __init__(
@@ -158,7 +161,7 @@ class WalkedClock:
         self._panels: dict[int, tuple[list[Any], Any]] = {}
 
     def tau(self, times: list[Any]) -> list[Any]:
-        """τ at every t."""
+        """τ at each of the times."""
         with self._reals:
             return [self._at(self._reals.number(t)) for t in times]
 
@@ -166,7 +169,7 @@ class WalkedClock:
         step = 1 if t >= 0 else -1
         if abs(t) > MOST_PANELS * self._longest:
             raise self._too_far(t)
-        # the clock's reading at the near end of the panel
+        # shown: the time t at the near end of the panel
         panel, shown = min(step, 0), 0 * t
         while abs(t - shown) > self._panel(panel)[1]:
             shown += step * self._panel(panel)[1]
@@ -191,7 +194,7 @@ class WalkedClock:
         )
 
     def _panel(self, n: int) -> tuple[list[Any], Any]:
-        """The series of dt/dτ from n to n + 1 lengths, and how long that takes."""
+        """The series of dt/dτ on panel n, τ from n to n + 1 lengths, and the time t that the panel takes."""
         if n not in self._panels:
             values = [self._rate(self._half * (2 * n + 1 + x)) for x in self._rule.nodes]
             series = self._rule.coefficients(values)

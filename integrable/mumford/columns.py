@@ -1,4 +1,4 @@
-"""Columns of double-double numbers with operators: formulas of many states of a motion at once."""
+"""Columns of double-doubles with operators: they evaluate a formula for many states of a motion at once."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from jacobian.numbers.double_double import exact_product, split
 
 Floats = Any
 
-# bits of the exponential of one number
+# precision in bits of the exponential of a single number
 EXP_BITS = 140
 
 
 class Column:
-    """hi + lo, floats or arrays of them of one shape (Dekker 1971)."""
+    """A double-double number hi + lo; both parts are floats, or arrays of one shape (Dekker 1971)."""
 
     # makes an array on the left defer to this class
     __array_ufunc__ = None
@@ -28,7 +28,7 @@ class Column:
 
     @staticmethod
     def of(x: Any) -> Column:
-        """A number of any kind."""
+        """The column of a number of any kind; a column is returned unchanged."""
         return x if isinstance(x, Column) else Column(*split(x))
 
     def __add__(self, other: Any) -> Column:
@@ -64,7 +64,7 @@ class Column:
         return Column.of(other) / self
 
     def sqrt(self) -> Column:
-        """The root."""
+        """The square root."""
         first = np.sqrt(self.hi)
         rest = self - Column(first) * Column(first)
         return _settled(first, rest.hi / (2 * first))
@@ -83,7 +83,7 @@ def _settled(high: Floats, low: Floats) -> Column:
 
 
 class _Elementary:
-    """exp of numbers, exp and log of columns to a float's digits."""
+    """exp of single numbers to full precision; exp and log of columns, accurate to the digits of floats."""
 
     @staticmethod
     def exp(x: Column) -> Column:
@@ -103,13 +103,13 @@ class _Elementary:
 
 
 class Columns(InexactField):
-    """Columns as the numbers of a system's formulas."""
+    """The field of columns, over which a system's formulas are evaluated."""
 
     name, context = "columns of double-double numbers", _Elementary()
     zero, one = Column(0.0), Column(1.0)
 
     def coerce(self, value: Any, argument: str = "value") -> Column:
-        """A number, broadcast to all rows."""
+        """A number as a column that broadcasts to all rows."""
         return Column.of(value)
 
     def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Column:
@@ -117,5 +117,5 @@ class Columns(InexactField):
         return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
 
     def sqrt(self, x: Column) -> Column:
-        """The root of x."""
+        """The square root of x."""
         return x.sqrt()

@@ -1,8 +1,8 @@
 """Far times of motions of genus 1 with real data: sn, cn and dn of a phase linear in time, by theta functions.
 
 On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the point moves between x₁ and x₂. There x = x₁ + (x₂ − x₁)sn², x₂ − x = (x₂ −
-x₁)cn² and x₃ − x = (x₃ − x₁)dn², so lifts at branch points are multiples of sn, cn and dn, signs included. Models with
-ℓ < 0 are transformed by −x, those of degree 4 by 1/(E − x) with their largest root E.
+x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are multiples of sn, cn and dn, signs included. Models with
+ℓ < 0 are first transformed by x ↦ −x, those of degree 4 by x ↦ 1/(E − x), where E is the largest root.
 """
 
 from __future__ import annotations
@@ -31,19 +31,21 @@ from jacobian.relatives.extended import Extended, Lift
 Real = Any
 Row = Any
 
-# pairs of terms of the sine and cosine series up to an eighth of a turn
+# number of terms of the sine series, and of the cosine series, for angles up to an eighth of a turn
 PAIRS = 15
-# series end at a term below this, with at most this many terms: beyond, double-double numbers cannot tell the motion
-# from one on a separatrix
+# series end at a term below LAST; beyond MOST_TERMS terms double-doubles cannot distinguish the motion from one on a
+# separatrix
 LAST, MOST_TERMS = 2.0**-113, 26
-# sn or cn below which a point counts as at its branch point
+# |sn| or |cn| below which a point counts as being at its branch point
 NEAR = 1e-8
 
 
 def elliptic_points(numbers: Row, table: Row, inverse: Row, times: Row, out: Row) -> None:
-    """sn, cn and dn at times, three numbers each, compiled as it stands: ``numbers`` are half turns of the phase in a
-    unit of time, those at the start, and the factors of θ₁/θ₄, θ₂/θ₄ and θ₃/θ₄; ``table`` are coefficients of harmonics
-    2n + 1 of θ₁ and θ₂ and 2n of θ₃ and θ₄; ``inverse`` :func:`inverse_factorials`.
+    """Writes sn, cn and dn at the given times, three numbers per time; it is compiled without change.
+
+    ``numbers`` are the half turns of the phase per unit time, those at the start, and the factors of θ₁/θ₄, θ₂/θ₄ and
+    θ₃/θ₄. ``table`` are the coefficients of harmonics 2n + 1 of θ₁ and θ₂, and 2n of θ₃ and θ₄. ``inverse`` is
+    :func:`inverse_factorials`.
     """
     for i in abreast(0, len(times)):
         c, s = circle((numbers[0] * times[i] + numbers[1]) / 2, inverse)
@@ -53,8 +55,9 @@ def elliptic_points(numbers: Row, table: Row, inverse: Row, times: Row, out: Row
 
 
 def theta_quotients(table: Row, cv: Real, sv: Real) -> tuple[Real, Real, Real]:
-    """θ₁/θ₄, θ₂/θ₄ and θ₃/θ₄ at v, from cos v and sin v: multiples of sn, cn and dn. ``table`` as for
-    :func:`elliptic_points`.
+    """θ₁/θ₄, θ₂/θ₄ and θ₃/θ₄ at v, which are multiples of sn, cn and dn, from cos v and sin v.
+
+    ``table`` is that of :func:`elliptic_points`.
     """
     zero = 0 * cv
     ce, se, c2, s2 = 1 + zero, zero, cv * cv - sv * sv, 2 * cv * sv
@@ -69,7 +72,7 @@ def theta_quotients(table: Row, cv: Real, sv: Real) -> tuple[Real, Real, Real]:
 
 
 def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:
-    """(cos, sin) of this many turns."""
+    """(cos, sin) of an angle given in turns."""
     whole = turns - float(floor(float(turns) + 0.5))
     quarters = floor(4 * float(whole) + 0.5)
     y = (whole - quarters / 4) * inverse[0]
@@ -90,8 +93,11 @@ LIBRARY = Library("elliptic", {"elliptic_points": (elliptic_points, (WIDES, WIDE
 
 
 class CubicModel(NamedTuple):
-    """A cubic with ℓ > 0 by x₁, x₂ − x₁ and x₃ − x₂, the point and its y, and ``pace``: dx/y in a unit of time;
-    ``side`` is −1 where x has been turned, ``pole`` the root that has been sent to infinity.
+    """A cubic with leading coefficient ``lead`` = ℓ > 0, and the start of a motion on it.
+
+    ``first``, ``swing`` and ``above`` are x₁, x₂ − x₁ and x₃ − x₂; ``place`` and ``height`` are x and y of the point;
+    ``pace`` is dx/y per unit time. ``side`` is −1 if the sign of x was reversed. ``pole`` is the root that was moved to
+    infinity.
     """
 
     lead: Any
@@ -106,10 +112,10 @@ class CubicModel(NamedTuple):
 
 
 class EllipticTorus:
-    """D of a :class:`Start` of genus 1 in double-double numbers, at any times at once.
+    """D of a :class:`Start` of genus 1 in double-doubles, at any times.
 
-    ``place(K)`` makes the start in the numbers of K. PrecisionLoss if branch points are not real or too close, on an
-    unbounded branch, at rest, and for data other than lifts on a model of odd degree.
+    ``place(K)`` returns the start in the numbers of K. PrecisionLoss if branch points are not real or too close, if the
+    point is on an unbounded branch or at rest, and for data other than lifts on a model of odd degree.
     """
 
     def __init__(self, place: Callable[[Any], Start]) -> None:
@@ -134,7 +140,7 @@ class EllipticTorus:
             self._pace, self._side = float(numbers[0]), model.side
             self._first, self._swing = Column.of(model.first), Column.of(model.swing)
             self._pole = None if model.pole is None else Column.of(model.pole)
-            # y is that times sn·cn·dn
+            # y = slope·sn·cn·dn
             slope = 2 * model.swing * pace / model.pace
             self._slope = Column.of(slope)
             at_start = [*self._points(np.zeros(1))]
@@ -148,11 +154,11 @@ class EllipticTorus:
         return np.array([2 * turns / self._pace for turns in TURNS])
 
     def reaches(self, times: np.ndarray) -> bool:
-        """Whether double-double numbers hold the fractions of all turns."""
+        """Whether double-doubles resolve the fraction of a turn at all of these times."""
         return float(np.abs(times).max(initial=0)) * self._pace <= MOST_TURNS
 
     def at(self, times: np.ndarray) -> Extended:
-        """The pairs with their data, of columns of N numbers."""
+        """The pairs with their data at N times, as columns of N numbers."""
         parts = self._points(times)
         sn, cn, dn = parts
         x, y = self._side * (self._first + self._swing * sn * sn), self._slope * sn * cn * dn
@@ -164,7 +170,7 @@ class EllipticTorus:
         return Extended((-x, Column(1.0)), (y,), tuple(data))
 
     def _points(self, times: np.ndarray) -> tuple[Column, Column, Column]:
-        """sn, cn and dn."""
+        """sn, cn and dn at the given times."""
         out = np.empty((3 * len(times), 2))
         given = np.ascontiguousarray(times, dtype=np.float64)
         LIBRARY.elliptic_points(self._numbers, self._table, self._inverse, given, out)
@@ -173,7 +179,7 @@ class EllipticTorus:
 
 
 def _model(N: LongField, start: Start, roots: Sequence[Any]) -> CubicModel:
-    """That of a start; ``roots`` ascend."""
+    """The cubic model of a start; ``roots`` are the roots of f in ascending order."""
     lead, x, y, pace, pole = start.f[-1], -start.u[0], start.v[0], start.direction[0], None
     if len(roots) == 4:
         *roots, pole = roots
@@ -191,7 +197,7 @@ def _model(N: LongField, start: Start, roots: Sequence[Any]) -> CubicModel:
 
 
 def _lift(N: LongField, model: CubicModel, slope: Any, at_start: Sequence[Column], given: Any) -> tuple[Any, ...]:
-    """(κ, the factors of the lift and of its ν, which of sn, cn and dn it is) at a branch point e of (e, datum)."""
+    """(κ, the factor of σ, the factor of ν, the index of σ among sn, cn, dn) for a lift given as (e, datum)."""
     e, (kappa, sigma, nu) = given
     x, swing = model.side * e, model.swing
     gaps = [abs(x - root) for root in (model.first, model.first + swing, model.first + swing + model.above)]
@@ -201,14 +207,14 @@ def _lift(N: LongField, model: CubicModel, slope: Any, at_start: Sequence[Column
         raise PrecisionLoss(APART)
     size = N.sqrt(square)
     own, one, other = (float(at_start[k].hi[0]) for k in (which, which - 1, which - 2))
-    # at a point over e the sign is carried by ν
+    # if the point is at e, ν carries the sign
     if (own * sigma if which == 2 or abs(own) > NEAR else one * other * slope / kappa * nu) < 0:
         size = -size
     return Column.of(kappa), Column.of(size), Column.of(slope / (kappa * size)), which
 
 
 def means(N: LongField, b: Any) -> list[tuple[Any, Any]]:
-    """The arithmetic-geometric means of 1 and b."""
+    """The steps (a, b) of the arithmetic-geometric mean of 1 and b; the last pair is the mean."""
     a, found = N.one, []
     while True:
         found.append((a, b))
@@ -218,11 +224,11 @@ def means(N: LongField, b: Any) -> list[tuple[Any, Any]]:
 
 
 def part_of_round(N: LongField, levels: list[tuple[Any, Any]], sine: Any, cosine: Any) -> Any:
-    """F(φ)·π/2K of the angle φ with this sine and cosine, ± a right angle at most, or parts of both (Landen)."""
+    """F(φ)·π/2K for the angle φ, |φ| ≤ π/2, whose sine and cosine are proportional to the given ones (Landen)."""
     import gmpy2
 
     size = N.sqrt(sine * sine + cosine * cosine)
-    # the point on the circle, and its angle in floats, which counts the turns
+    # (s, c) is a point on the circle; ``rough`` is its angle in floats, from which full turns are counted
     s, c = sine / size, cosine / size
     rough = atan2(s, c)
     for a, b in levels[:-1]:
@@ -237,25 +243,25 @@ def part_of_round(N: LongField, levels: list[tuple[Any, Any]], sine: Any, cosine
 
 
 def first_kind(N: LongField, levels: list[tuple[Any, Any]], sine: Any, cosine: Any) -> Any:
-    """F(φ)."""
+    """F(φ), the elliptic integral of the first kind; arguments as for :func:`part_of_round`."""
     return part_of_round(N, levels, sine, cosine) / levels[-1][0]
 
 
 @cache
 def long_numbers(bits: int) -> LongField:
-    """A field of long numbers, cached."""
+    """The field of long numbers of ``bits`` bits, cached."""
     return LongField(bits)
 
 
 def half_turn() -> Any:
-    """π in the numbers currently entered."""
+    """π at the precision of the field currently entered."""
     import gmpy2
 
     return gmpy2.const_pi()
 
 
 def nome_of(N: LongField, levels: list[tuple[Any, Any]], others: list[tuple[Any, Any]]) -> Any:
-    """e^(−πK'/K) of the means of 1 and k', and of 1 and k."""
+    """The nome e^(−πK'/K), from the means of 1 and k', and those of 1 and k."""
     import gmpy2
 
     return gmpy2.exp(-half_turn() * levels[-1][0] / others[-1][0])
@@ -270,15 +276,20 @@ def terms_of(nome: Any) -> int:
 
 
 def thetas(N: LongField, nome: Any, count: int) -> tuple[list[Any], list[Any], tuple[Any, Any, Any]]:
-    """Coefficients of harmonics 2n + 1 of θ₂, over that of the first, and 2n of θ₃, and θ₂, θ₃ and θ₄ at 0."""
+    """Coefficients of harmonics 2n + 1 of θ₂, of harmonics 2n of θ₃, and the values of θ₂, θ₃ and θ₄ at 0.
+
+    Coefficients and value of θ₂ are divided by its first coefficient.
+    """
     odd, even = [nome ** (n * n + n) for n in range(count)], [2 * nome ** (n * n) for n in range(count)]
     even[0] = N.one
     return odd, even, (sum(odd), sum(even), sum(even[::2]) - sum(even[1::2]))
 
 
 class ThetaTable(NamedTuple):
-    """What one modulus takes: the ``levels`` of :func:`part_of_round`, a ``table`` of :func:`theta_quotients` in long
-    numbers, and θ₂, θ₃ and θ₄ at 0.
+    """The set-up of one modulus, in long numbers.
+
+    ``levels`` are those of :func:`part_of_round`, ``table`` that of :func:`theta_quotients`; ``at_zero`` are θ₂, θ₃ and
+    θ₄ at 0.
     """
 
     levels: list[tuple[Any, Any]]
@@ -300,11 +311,11 @@ def theta_table(N: LongField, k: Any, k1: Any) -> ThetaTable:
 
 @cache
 def inverse_factorials() -> np.ndarray:
-    """2π and 1/n!, as :func:`circle` takes them."""
+    """2π, then 1/n! for n = 0, 1, …: the ``inverse`` of :func:`circle`."""
     with long_numbers(BITS) as N:
         return double_double_row((2 * half_turn(), *(N.one / factorial(n) for n in range(2 * PAIRS))))
 
 
 def double_double_row(values: Sequence[Any]) -> np.ndarray:
-    """Long numbers as double-doubles."""
+    """Long numbers as an array of double-doubles."""
     return np.array([split(x) for x in values])

@@ -1,8 +1,8 @@
 """States of motions of any genus with proven bounds, by additions in balls (:mod:`integrable.mumford.balls`).
 
-The constants of a system, a start and the times count as exact; a start is moved onto its constraints. A state at any
-time takes a few additions, so a far time costs little but bits. If the motion carries its clock, as a geodesic carries
-its length, a time is inverted by the interval Newton method.
+The constants of a system, a start and the times count as exact; a start is projected onto its constraints. A state at
+any time takes a few additions, so a far time costs little more than bits. If the motion carries its clock, as a
+geodesic carries its length, the interval Newton method finds τ at a time.
 """
 
 from __future__ import annotations
@@ -19,20 +19,21 @@ from integrable.phase.enclosure import EnclosedPath, Row, ball_digits, exact_tim
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 
-# initial allowance of lost bits per genus, and per genus in each doubling
+# initial allowance for lost bits: per genus, and per genus and doubling
 OF_GENUS, OF_DOUBLING = 160, 20
 SPARE = 64
 MOST_BITS, MOST_ATTEMPTS = 2**15, 8
-# digits of the first guess of τ beyond those of a state
+# guard digits of the first guess of τ
 GUARD = 6
 
 Found = tuple[Any, Any]
-"""What was read off a place, and the radius that it counts as."""
+"""A result computed in balls, and its radius."""
 
 
 class Precisions:
-    """A motion in balls with as many bits as results need: ``place`` as for
-    :class:`integrable.mumford.motion.Placed`.
+    """A motion in balls, with as many bits as results need.
+
+    ``place`` is that of :class:`integrable.mumford.motion.Placed`.
     """
 
     def __init__(self, place: Callable[[Any], Start], genus: int, digits: int, complex: bool = False) -> None:
@@ -41,8 +42,9 @@ class Precisions:
         self._kept: tuple[int, EnclosedPlace | None] = (0, None)
 
     def narrow(self, read: Callable[[EnclosedPlace], Found], farthest: float) -> tuple[Any, float]:
-        """The result of ``read`` with a radius of at most 10^(−digits), and that radius; ``farthest`` is the size of
-        the largest requested time. PrecisionLoss if no precision suffices.
+        """The result of ``read`` with a radius of at most 10^(−digits), and that radius.
+
+        ``farthest`` is the absolute value of the largest requested time. PrecisionLoss if no precision suffices.
         """
         doublings = OF_DOUBLING * max(0, frexp(farthest)[1])
         bits = max(self._kept[0], self._needed + SPARE + self._genus * (OF_GENUS + doublings))
@@ -61,7 +63,7 @@ class Precisions:
         )
 
     def _read(self, K: Balls, read: Callable[[EnclosedPlace], Found]) -> Found:
-        """The result of ``read``, with NaN for a radius if no bounds were found."""
+        """The result of ``read``; its radius is NaN if no bounds were found."""
         try:
             bits, place = self._kept
             if bits != K.bits or place is None:
@@ -73,7 +75,7 @@ class Precisions:
 
     @staticmethod
     def _lost(bits: int, radius: Any) -> int:
-        """How many of these bits balls have lost, 0 if they have no bounds."""
+        """The number of bits that the balls have lost; 0 if they have no bounds."""
         if not radius.is_finite():
             return 0
         mantissa, exponent = radius.mid().man_exp()
@@ -81,7 +83,10 @@ class Precisions:
 
 
 def enclosed_path(flow: Any, times: Sequence[Any], digits: int | None, in_tau: bool = False) -> EnclosedPath:
-    """The states of a ``MumfordFlow`` at times, or values of τ, elements of its field."""
+    """Enclosures of the states of a ``MumfordFlow`` at times, or with ``in_tau`` at values of τ.
+
+    ``times`` are elements of its field.
+    """
     system = flow.system
     wanted = ball_digits(system.field, digits)
     precisions = Precisions(flow._place, flow._genus, wanted, system.complex_data)
@@ -97,7 +102,7 @@ def enclosed_path(flow: Any, times: Sequence[Any], digits: int | None, in_tau: b
 
 
 def _state(flow: Any, time: Any, guess: Any, place: EnclosedPlace) -> Found:
-    """(τ, q, p) and its radius."""
+    """The enclosure (τ, q, p) of a state, and its radius."""
     K, system = place.field, flow.system
     when, start = K.coerce(time), flow._inner(K)
     tau = when if guess is None else _tau(flow, place, when, guess)
@@ -107,13 +112,13 @@ def _state(flow: Any, time: Any, guess: Any, place: EnclosedPlace) -> Found:
 
 
 def _size(before: Sequence[Any], now: Sequence[Any]) -> Any:
-    """A lower bound of the largest entry of a vector at the start or now; 1 if all are exactly 0."""
+    """A lower bound of the largest entry of a vector at the start and now; 1 if all entries are exactly 0."""
     size = max(abs(x).abs_lower() for x in (*before, *now))
     return size if size > 0 else 1
 
 
 def _tau(flow: Any, place: EnclosedPlace, time: Any, guess: Any) -> Any:
-    """τ at a time of a motion that carries its clock."""
+    """An enclosure of τ at a time of a motion that carries its clock."""
     K, clock = place.field, flow.system._clock
     if time == 0:
         return time

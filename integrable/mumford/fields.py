@@ -1,9 +1,9 @@
-"""The g commuting fields on pairs (U, V) of y² = f(x), their Lax form and brackets (Mumford, Tata Lectures on Theta II,
-ch. IIIa; Vanhaecke 1996).
+"""The g commuting vector fields on pairs (U, V) of y² = f(x), their Lax form and Poisson brackets (Mumford, Tata
+Lectures on Theta II, ch. IIIa; Vanhaecke 1996).
 
-U is monic of degree g, deg V < g, U | f − V², deg f = 2g + 1 or 2g + 2 with any leading coefficient. Polynomials are
-ascending; U and V are given and returned with all their coefficients, zeros at the top included. Every function takes
-its field as the first argument and works over finite fields, jets and balls alike; none takes a square root.
+U is monic of degree g, deg V < g, U | f − V², deg f = 2g + 1 or 2g + 2 with any leading coefficient. Coefficients are
+in ascending order. U and V are given and returned with all their coefficients, leading zeros included. The first
+argument of every function is its field: a finite field, jets or balls alike. No function takes a square root.
 
 A *direction* c = (c_0 … c_{g−1}) is the motion with Σ_i x_i^k dx_i/y_i = c_k dτ for the points (x_i, y_i) of the pair.
 """
@@ -19,17 +19,17 @@ Poly = tuple[Any, ...]
 
 
 def padded(K: Any, a: Sequence[Any], size: int) -> Poly:
-    """``size`` coefficients of a, zeros after those it has."""
+    """The first ``size`` coefficients of a, padded with zeros."""
     return (*a[:size], *[K.zero] * (size - len(a)))
 
 
 def cofactor(K: Any, f: Poly, u: Poly, v: Poly) -> Poly:
-    """W = (f − V²)/U."""
+    """The cofactor W = (f − V²)/U."""
     return poly.quotient(K, poly.sub(K, f, poly.mul(K, v, v)), u)
 
 
 def multiplier(K: Any, u: Poly, direction: Sequence[Any]) -> Poly:
-    """n(x) = −Σ_j c_j (U div x^{j+1})."""
+    """The multiplier n(x) = −Σ_j c_j (U div x^{j+1}) of a direction c."""
     size = len(u) - 1
     n = [K.zero] * size
     for j, c in enumerate(direction):
@@ -44,7 +44,7 @@ def rates(K: Any, f: Poly, u: Poly, v: Poly, direction: Sequence[Any]) -> tuple[
 
 
 def rates_and_quotients(K: Any, f: Poly, u: Poly, v: Poly, n: Poly) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
-    """((U', V'), (m, w)) along the direction that n(x) is the multiplier of: U' = nV − mU, V' = −½(nW − wU)."""
+    """((U', V'), (m, w)) along the direction with the multiplier n: U' = nV − mU, V' = −½(nW − wU)."""
     size = len(u) - 1
     m, of_u = poly.divide(K, poly.mul(K, n, v), u)
     w, twice = poly.divide(K, poly.mul(K, n, cofactor(K, f, u, v)), u)
@@ -54,7 +54,7 @@ def rates_and_quotients(K: Any, f: Poly, u: Poly, v: Poly, n: Poly) -> tuple[tup
 
 
 def generating_rates(K: Any, f: Poly, u: Poly, v: Poly, a: Any) -> tuple[Poly, Poly]:
-    """(U', V') for c_k = a^k: U' = [U(a)V − V(a)U]/(x − a), V' = [r(a)U − U(a)r]/(2(x − a)), r = W mod U."""
+    """(U', V') along c_k = a^k: U' = [U(a)V − V(a)U]/(x − a), V' = [r(a)U − U(a)r]/(2(x − a)), r = W mod U."""
     size = len(u) - 1
     rest = poly.mod(K, cofactor(K, f, u, v), u)
     values = [poly.evaluate(K, b, a) for b in (u, v, rest)]
@@ -72,7 +72,7 @@ def generating_rates(K: Any, f: Poly, u: Poly, v: Poly, a: Any) -> tuple[Poly, P
 
 
 def lax_matrix(K: Any, f: Poly, u: Poly, v: Poly) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
-    """L(x) = [[V, U], [W, −V]] with −det L = f."""
+    """The Lax matrix L(x) = [[V, U], [W, −V]]; −det L = f."""
     return (v, u), (cofactor(K, f, u, v), poly.neg(K, v))
 
 
@@ -88,7 +88,7 @@ def lax_partner(K: Any, f: Poly, u: Poly, v: Poly, a: Any) -> tuple[tuple[Poly, 
 
 
 def brackets(K: Any, u: Poly, v: Poly, phi: Poly) -> tuple[tuple[Any, ...], ...]:
-    """{u_i, v_j}, shape (g, g), for canonical x_i, p_j with y = φ(x)p; those of two u or two v vanish.
+    """The brackets {u_i, v_j}, shape (g, g), for canonical x_i, p_j with y = φ(x)p; {u_i, u_j} = {v_i, v_j} = 0.
 
     {U(x), V(z)} = −[U(x)φ̂(z) − U(z)φ̂(x)]/(x − z), φ̂ = φ mod U.
     """

@@ -1,7 +1,7 @@
 """The motion of one state of a system on a Jacobian of any genus, by the fastest method for the given times.
 
-Near times in floats come from Taylor series (:mod:`integrable.series.near`), others from the compiled torus, many times
-from tables, and the rest from additions in long numbers (:mod:`integrable.mumford.motion`).
+In floats, near times are computed by Taylor series (:mod:`integrable.series.near`), others by the compiled torus, and
+many times by tables. The rest is computed by additions in long numbers (:mod:`integrable.mumford.motion`).
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ if TYPE_CHECKING:
 
 # a torus is rejected if its states differ by more than this from those of the equations of motion
 RIGHT = 1e-12
-# numbers of standard steps of series (integrable.series.steps.weight): those that take as long as a point by additions;
-# those for a point on a torus; the most worth trying; those that take as long as setting up a torus, by its genus
+# costs in standard steps of series (integrable.series.steps.weight): of a point by additions; of a point on a torus;
+# the largest number of steps worth trying; of the set-up of a torus, by its genus
 STEPS_BY_ADDITIONS, STEPS_ON_TORUS, MOST_STEPS, STEPS_TO_TORUS = 500, 1, 50000, {1: 100, 2: 1000}
-# number of times whose additions take as long as setting up theta functions of genus 2 (python -m benchmarks
+# number of times whose additions take as long as the set-up of theta functions of genus 2 (python -m benchmarks
 # real_torus)
 TIMES_TO_THETA = 12
-# rounding error of floats that are right to the last bit
+# rounding error of correctly rounded floats
 ROUNDED = 2.0**-53
 # the values of Path.way
 SERIES, TORUS, ADDITIONS = "series", "torus", "additions"
@@ -46,16 +46,17 @@ GENERA_TABLED = range(3, 7)
 
 
 class Point(NamedTuple):
-    """A state: positions ``q`` and momenta or velocities ``p``."""
+    """A state: positions ``q``, and momenta or velocities ``p``."""
 
     q: tuple[Any, ...]
     p: tuple[Any, ...]
 
 
 class Path(Record):
-    """States at ``times``: ``q`` and ``p`` of shape (N, n), floats, or objects over MP(digits). ``way`` says what has
-    computed them: "series", "torus", "additions", or several of them; ``estimate`` is an estimate of the largest error
-    beside the largest q, or p, of a time, with a tolerance.
+    """States at ``times``: ``q`` and ``p`` are arrays of shape (N, n), of floats, or of objects over MP(digits).
+
+    ``way`` is the method that computed them: "series", "torus", "additions", or several of these. ``estimate`` is an
+    estimate of the largest error relative to the largest component of q, or of p, at the same time.
     """
 
     times: Any
@@ -73,10 +74,10 @@ class Path(Record):
 
 
 class MumfordFlow:
-    """The motion of one state: ``at(times)``. Get it from ``system.flow(state)``."""
+    """The motion of one state; ``at(times)`` evaluates it. It is returned by ``system.flow(state)``."""
 
     _setting_up = 2000
-    """Standard steps of series that take as long as setting up additions."""
+    """The cost of setting up additions, in standard steps of series."""
 
     def __init__(self, system: Any, state: Point, tolerance: float | None = None) -> None:
         self.digits = long_digits(system.field)
@@ -103,14 +104,14 @@ class MumfordFlow:
         return self.system._start(N, self._inner(N))
 
     def at(self, times: Any) -> Path:
-        """The states at times (a number or a sequence of them, in any order, of any sign and size).
+        """The states at the given times: one number or a sequence of numbers, in any order, of any sign and size.
 
-        Floats are right to their last bits, numbers of MP(digits) to their digits; see
-        :meth:`integrable.mumford.motion.MumfordMotion.row`. Floats near the start come from Taylor series
-        (:mod:`integrable.series.near`). Others of a motion of genus 1 and 2 in floats are read off its real torus;
-        many of one of genus 3 to 6 come from tables. The same times have the same states, to the last bit, whatever was
-        asked before; only when the walk of a kind of systems is compiled, once on a machine, may last bits change.
-        ArgumentError for times that are no numbers.
+        Floats are accurate to their last bits, numbers of MP(digits) to their digits; see
+        :meth:`integrable.mumford.motion.MumfordMotion.row`. In floats, states near the start are computed by Taylor
+        series (:mod:`integrable.series.near`). Farther ones are computed on the real torus in genus 1 and 2, and if
+        there are many, from tables in genus 3 to 6. Repeated calls return the same bits, whatever was requested before.
+        Last bits may change only when the walk of a kind of systems is compiled, once per machine. ArgumentError for
+        times that are not numbers.
         """
         import numpy as np
 
@@ -131,8 +132,9 @@ class MumfordFlow:
         return Path(np.array(given), states[:, 0], states[:, 1], way, max(near.error, ROUNDED))
 
     def _quickly(self, times: Any) -> Path | None:
-        """The states if a compiled walk reaches all times, which are sorted: the same as by any other path, with the
-        least overhead.
+        """The states with the least overhead, if the times are sorted and a compiled walk reaches all of them.
+
+        They equal those of :meth:`at` without this shortcut. None otherwise.
         """
         import numpy as np
 
@@ -154,7 +156,7 @@ class MumfordFlow:
         return min(self._setting_up + count * STEPS_BY_ADDITIONS, MOST_STEPS)
 
     def _near(self, times: np.ndarray) -> Near:
-        """The states that series reach in no more time than the next method."""
+        """The states that series reach in no more time than the next method would take."""
         from integrable.series.near import finished, walked
 
         near = walked(self.system, self.start, times, self._budget(len(times)), self.tolerance)
@@ -164,7 +166,7 @@ class MumfordFlow:
         return finished(self.system, self.start, times, near, most)
 
     def _far(self, given: list[Any]) -> Path:
-        """The states at times by additions, in whichever way."""
+        """The states at times by a method for far times: torus, tables or additions in long numbers."""
         import numpy as np
 
         K = self.system.field
@@ -209,11 +211,11 @@ class MumfordFlow:
         return [self.system.field.coerce(t, f"{name}[{i}]") for i, t in enumerate(one_or_more(times, name))]
 
     def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
-        """Proven bounds of the states at times: balls of radius at most 10^(−digits) that contain them, q and p beside
-        their size at the start or then, whichever is larger.
+        """Enclosures of the states at times: balls that provably contain them, of relative radius at most 10^(−digits).
 
-        The inputs count as exact, but that q and p are moved onto their constraints; ``digits`` are by default those of
-        the field, 15 for RR. A far time costs bits only. PrecisionLoss where no such balls were found.
+        The radius is relative to the largest component of q, or of p, at the start or at that time. The inputs count as
+        exact, except that q and p are projected onto their constraints. ``digits`` defaults to those of the field, 15
+        for RR. A far time only costs bits. PrecisionLoss if no such balls are found.
         (:mod:`integrable.mumford.enclosure`)
         """
         from integrable.mumford.enclosure import enclosed_path
@@ -221,19 +223,20 @@ class MumfordFlow:
         return enclosed_path(self, self._given(times), digits)
 
     def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> EnclosedPath:
-        """:meth:`enclosure` at values of τ, in which the motion is that of ``system.direction``; its ``times`` are None
-        where time is not linear.
+        """:meth:`enclosure` at values of τ, in which the motion has the direction ``system.direction``.
+
+        ``times`` of the result is None if t is not linear in τ.
         """
         from integrable.mumford.enclosure import enclosed_path
 
         return enclosed_path(self, self._given(tau, "tau"), digits, in_tau=True)
 
     def tau_near(self, time: Any, digits: int) -> Any:
-        """τ at a time of a motion that carries its clock, a long number."""
+        """τ, as a long number, at a time of a motion that carries its clock."""
         return self._motion.tau_at(time, digits, self._clock)
 
     def _places(self, times: list[Any]) -> list[Any]:
-        """The arguments of the motion at these times: the times themselves, or τ."""
+        """The parameter of the motion at these times: the times themselves, or τ."""
         return times
 
     @property
@@ -247,7 +250,7 @@ class MumfordFlow:
 
     @cached_property
     def _takes_theta(self) -> bool:
-        """Whether a torus would be one of theta functions of genus 2, whose set-up takes as long as some additions."""
+        """Whether the torus needs theta functions of genus 2; their set-up takes as long as several additions."""
         if self._genus != 2 or not self._may_have_torus:
             return False
         from integrable.mumford.real_torus import BITS, OtherOvals, real_roots
@@ -264,7 +267,7 @@ class MumfordFlow:
 
     @cached_property
     def _torus(self) -> RealTorus | BodyTorus | EllipticTorus | ThetaTorus | None:
-        """The compiled torus of a motion of genus 1 or 2 in floats, where there is one."""
+        """The compiled torus of a motion of genus 1 or 2 in floats; None if there is none or it is not confirmed."""
         if not self._may_have_torus:
             return None
         try:
@@ -287,8 +290,9 @@ class MumfordFlow:
             return ThetaTorus(self._place)
 
     def _confirmed(self, torus: Any) -> bool:
-        """Whether the states of a torus agree with those of the equations of motion, signs included; if series do not
-        reach them or lose digits, with those of additions in long numbers.
+        """Whether the states of a torus agree with those by Taylor series of the equations of motion, signs included.
+
+        Where series do not reach or lose digits, the comparison is with additions in long numbers.
         """
         import numpy as np
 
@@ -315,7 +319,7 @@ class MumfordFlow:
         return Path(times, q, p, TORUS)
 
     def _read_columns(self, times: Any, D: Extended) -> Point:
-        """The states of pairs at times, all in columns."""
+        """The states of the pairs D at times, as columns."""
         from integrable.mumford.columns import Column, Columns
 
         N = Columns()

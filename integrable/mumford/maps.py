@@ -1,8 +1,8 @@
 """Bäcklund maps of pairs as additions of points: D + P − ∞, D + P − ∞±, D + P − Q, in any genus and over any field.
 
-P = (λ, μ) on y² = f(x). The maps commute with all fields of :mod:`integrable.mumford.fields` and with each other, and
-for a fixed λ they are canonical for the brackets there (Kuznetsov & Vanhaecke 2002). One division by U(λ) each, no
-root; a pair with a point at λ is refused (ZeroDivisionError over exact fields and jets).
+P = (λ, μ) is a point of y² = f(x). The maps commute with all vector fields of :mod:`integrable.mumford.fields` and with
+each other. For a fixed λ they are canonical for the brackets there (Kuznetsov & Vanhaecke 2002). They divide by U(λ)
+and take no root. A pair with a point at λ raises ZeroDivisionError over exact fields and jets.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def plus_point(K: Any, f: Poly, pair: Pair, point: Any) -> Pair:
 
 
 def plus_point_minus_infinity(K: Any, f: Poly, pair: Pair, point: Any, root: Any) -> Pair:
-    """D + P − ∞ on a model of even degree, ∞ the one with y ~ root·x^{g+1}: R = V + (−root·x + c)U, R(λ) = μ."""
+    """D + P − ∞ on a model of even degree, where y ~ root·x^{g+1} at ∞: R = V + (−root·x + c)U, R(λ) = μ."""
     (u, v), (x, y) = pair, point
     c = K.add(K.div(K.sub(y, poly.evaluate(K, v, x)), poly.evaluate(K, u, x)), K.mul(root, x))
     r = poly.add(K, v, poly.mul(K, u, (c, K.neg(root))))
@@ -32,8 +32,9 @@ def plus_point_minus_infinity(K: Any, f: Poly, pair: Pair, point: Any, root: Any
 
 
 def shifted(K: Any, f: Poly, pair: Pair, root: Any) -> Pair:
-    """D + ∞₋ − ∞₊ on a model of even degree, y ~ root·x^{g+1} at ∞₊: R = V + (−root·x + c)U without x^{2g+1} in
-    f − R².
+    """D + ∞₋ − ∞₊ on a model of even degree, where y ~ root·x^{g+1} at ∞₊.
+
+    R = V + (−root·x + c)U, with c such that f − R² has no term x^{2g+1}.
     """
     u, v = pair
     g = len(u) - 1
@@ -45,7 +46,7 @@ def shifted(K: Any, f: Poly, pair: Pair, root: Any) -> Pair:
 
 
 def plus_difference(K: Any, f: Poly, pair: Pair, point: Any, other: Any) -> Pair:
-    """D + P − Q: R = V + LU, L linear, R(λ) = μ at P and R(λ') = −μ' at Q, whose λ differ."""
+    """D + P − Q for P = (λ, μ), Q = (λ', μ'), λ ≠ λ': R = V + LU, L linear, R(λ) = μ and R(λ') = −μ'."""
     u, v = pair
     (x, y), (z, w) = point, other
     slopes = [
@@ -58,7 +59,7 @@ def plus_difference(K: Any, f: Poly, pair: Pair, point: Any, other: Any) -> Pair
 
 
 def _residual(K: Any, f: Poly, u: Poly, r: Poly, known: Poly) -> Pair:
-    """(Ũ, −R mod Ũ) for the zeros Ũ of f − R² beside those of U and ``known``."""
+    """(Ũ, −R mod Ũ), where Ũ has the zeros of f − R² other than those of U and ``known``."""
     g = len(u) - 1
     difference = poly.sub(K, f, poly.mul(K, r, r))[: 2 * g + len(known)]
     rest = poly.quotient(K, difference, poly.mul(K, u, known))[: g + 1]
@@ -68,10 +69,13 @@ def _residual(K: Any, f: Poly, u: Poly, r: Poly, known: Poly) -> Pair:
 
 
 def generating_function(K: Any, f_fixed: Poly, x: Any, u: Poly, new: Poly, c: Any) -> Any:
-    """F with dF = Σp dx − Σp̃ dx̃ for D + P − ∞ on a model of odd degree, y = p, f = f_fixed + Σh_j x^j.
+    """The generating function F of D + P − ∞ on a model of odd degree: dF = Σp dx − Σp̃ dx̃, y = p.
+
+    f = f_fixed + Σh_j x^j.
 
     F = 2[x⁻¹]Σ_{m=1}^{g+1} Q^{m+1/2}/((2m + 1)f_fixed^m), Q = f_fixed − ℓ(x − λ)UŨ, expanded at ∞ with √Q = c·x^g + …;
-    ``x`` is λ, ``u`` and ``new`` are U and Ũ, c as in :func:`plus_point`. Q has degree 2g, leading coefficient c².
+    ``x`` is λ, ``u`` and ``new`` are U and Ũ, and c is that of :func:`plus_point`. Q has degree 2g and leading
+    coefficient c².
     """
     g, lead = len(u) - 1, f_fixed[-1]
     product = poly.mul(K, poly.mul(K, u, new), (K.neg(K.mul(lead, x)), lead))

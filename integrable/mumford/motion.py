@@ -1,8 +1,8 @@
-"""Any time of a motion on a Jacobian of any genus, to the requested digits.
+"""States of a motion on a Jacobian of any genus at any time, to the requested digits.
 
 Every row is computed in long numbers at two precisions 64 bits apart. It is returned if both agree in every requested
-digit; otherwise the precision is raised. So the loss in additions (about a bit per doubling, and some tens per genus)
-is measured, not assumed.
+digit; otherwise the precision is raised. So the loss in additions, about a bit per doubling and some tens of bits per
+genus, is measured rather than assumed.
 """
 
 from __future__ import annotations
@@ -22,16 +22,17 @@ from jacobian.relatives.extended import Extended, ExtendedGroup, Kind, Lift, Poi
 # bits between the two precisions, and the initial allowances: per genus, per doubling, and at the start
 APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
 MOST_BITS = 4000
-# the rates that rounding may leave of a pair at rest, in units of the last bit
+# largest rates that rounding may leave for a pair at rest, in units of the last bit
 STILL = 2.0**16
-# largest number of steps to a time of a clock; a step below the first fraction of the (small) unit of translations may
-# be rounding, and if it is below the square root of the last bit of that, the next one is negligible
+# MOST_STEPS: largest number of steps to invert a clock. The inversion ends at a step below unit·√eps/SMALL, where unit
+# is that of translations: the next step would be negligible
 MOST_STEPS, SMALL = 200, 256
 
 
 class Start(NamedTuple):
-    """A motion: f, the pair (u, v) at τ = 0 with the ``data`` of its ``kinds``, the direction, and ``further`` ones,
-    those of other times of the same pair.
+    """The start of a motion: f, the pair (u, v) at τ = 0, the ``data`` of its ``kinds``, and the direction of τ.
+
+    ``further`` are the directions of other times of the same pair.
     """
 
     f: poly.Poly
@@ -59,29 +60,29 @@ class Placed:
         self.group = ExtendedGroup(field, start.f, start.kinds)
         self._directions = (start.direction, *start.further)
         self._translations: dict[int, GroupTranslations] = {}
-        # often many τ have the same further times
+        # the pair at the last further times, since many τ often share them
         self._carried: tuple[tuple[Any, ...], Extended] = ((), self.start)
 
     @property
     def direction(self) -> Sequence[Any]:
-        """That of τ."""
+        """The direction of τ."""
         return self._directions[0]
 
     def translations(self, which: int = 0) -> GroupTranslations:
-        """The translations along one direction, made when its first nonzero time is requested."""
+        """The translations along one direction, set up at the first request for a nonzero time."""
         if which not in self._translations:
             self._translations[which] = self._kind(self.group, self._directions[which], self._ends)
         return self._translations[which]
 
     @cached_property
     def _ends(self) -> list[Any]:
-        """The lifts at which the pair stays in a double point of the curve."""
+        """The branch points of lifts that are double points of the curve at which a point of the pair stays."""
         K, (u, v, _) = self.field, self.start
         lifts = (kind.e for kind in self.group.kinds if isinstance(kind, Lift))
         return [e for e in lifts if max(part_at(K, u, e), part_at(K, v, e)) <= STILL * K.eps**0.5]
 
     def at(self, tau: Any, further: tuple[Any, ...] = ()) -> Extended:
-        """D at τ, and at the times along the further directions."""
+        """D at τ and at the times ``further`` along the further directions."""
         if self.rests:
             return self._resting(tau)
         kept, D = self._carried
@@ -93,11 +94,11 @@ class Placed:
         return D if tau == 0 else self.translations().carried(D, tau)
 
     def after(self, D: Extended, tau: Any, step: Any) -> Extended:
-        """What comes a step after D = D(τ)."""
+        """D(τ + step), from D = D(τ)."""
         return self._resting(tau + step) if self.rests else self.translations().carried(D, step)
 
     def _resting(self, tau: Any) -> Extended:
-        """The pair as it is; lifts at points turn, σ'/σ = ½n(x)y/U(x)."""
+        """D(τ) of a pair at rest: only lifts at points change, by σ'/σ = ½n(x)y/U(x)."""
         K, (u, _, data) = self.field, self.start
         n, turned = multiplier(K, u, self.direction), []
         for kind, datum in zip(self.group.kinds, data, strict=True):
@@ -110,25 +111,26 @@ class Placed:
 
     @cached_property
     def rests(self) -> bool:
-        """Whether the pair does not move: every point on a double point of the curve, where no addition is regular.
-        PrecisionLoss where it is so near to that, that it takes more bits to tell, or to follow it.
+        """Whether the pair is at rest: each point is at a double point of the curve, where no addition is regular.
+
+        PrecisionLoss if the pair is so close to rest that more bits are needed to decide this, or to follow it.
         """
         K, moved = self.field, self._moved
-        # balls of radius 0 decide it exactly
+        # eps = 0 for balls, which decide it exactly
         if K.eps == 0:
             return moved <= 0
         still = moved <= STILL * K.eps
         if still:
             with LongField(MOST_BITS, K.complex) as L:
                 still = Placed(L, self._place)._moved <= STILL * L.eps
-        # near a double point sums lose small quantities below the square root of the last bit, in all precisions alike
+        # near a double point sums lose quantities below √eps, at every precision
         if not still and moved * moved <= STILL * K.eps:
             raise PrecisionLoss("the state is too near to one at rest: use more digits")
         return still
 
     @cached_property
     def _moved(self) -> Any:
-        """The size of the rates of the pair, relative to the terms that they are sums of."""
+        """The size of the rates of the pair, relative to the size of their terms."""
         K, (u, v, _) = self.field, self.start
         w = cofactor(K, self.group.f, u, v)
         direction = self.direction
@@ -138,26 +140,26 @@ class Placed:
 
 
 class MumfordMotion:
-    """A motion given by ``place``, a function that makes its :class:`Start` in the numbers of a field."""
+    """A motion given by ``place``, a function that returns its :class:`Start` in the numbers of a field."""
 
     def __init__(self, place: Callable[[LongField], Start], genus: int, complex: bool = False) -> None:
         self._place = place
         self._complex = complex
         self._genus = genus
         self._placed: dict[int, Placed] = {}
-        # where the clock showed the time of the last row
+        # (t, τ) of the last row
         self._reached: tuple[Any, Any] = (None, None)
-        # bits beyond those wanted that were enough so far
+        # number of bits beyond those requested that has sufficed so far
         self._extra = OF_START + OF_GENUS * genus
 
     def row(
         self, time: Any, read: Read, digits: int, clock: Any = None, further: tuple[Any, ...] = (), lost: int = 0
     ) -> Vectors:
-        """``read(field, D)`` at a time, as long numbers with ``digits`` digits of each vector's size.
+        """``read(field, D)`` at a time, as long numbers with ``digits`` correct digits relative to each vector's size.
 
-        ``clock(field, D) = (time, rate)`` tells what time it is at D; without one τ is the time. ``further`` are the
-        times along further directions, ``lost`` the bits that the way there is known to lose. PrecisionLoss where no
-        precision does.
+        ``clock(field, D)`` returns (t, dt/dτ) at D; without it τ is the time. ``further`` are the times along further
+        directions. ``lost`` is the number of bits that the motion is known to lose. PrecisionLoss if no precision
+        suffices.
         """
         times = (time, *further)
         wanted, size = _bits(digits), max(0, *(math.frexp(float(abs(t)))[1] for t in times))
@@ -178,11 +180,11 @@ class MumfordMotion:
         )
 
     def tau_at(self, time: Any, digits: int, clock: Any) -> Any:
-        """τ where the clock shows a time, as :meth:`row` finds it."""
+        """τ at the time that the clock shows, as :meth:`row` finds it."""
         return self.row(time, lambda K, D: ((self._reached[1],),), digits, clock)[0][0]
 
     def _read(self, bits: int, times: tuple[Any, ...], read: Read, clock: Any) -> Vectors:
-        # precision is raised in steps, so that few are set up
+        # precisions are multiples of APART, so that few are set up
         bits = -(-bits // APART) * APART
         with LongField(bits, self._complex) as K:
             if bits not in self._placed:
@@ -192,7 +194,7 @@ class MumfordMotion:
             if clock is None:
                 return read(K, placed.at(target, tuple(further)))
             time, tau = self._reached
-            # where that shows this time too, or by its mean rate
+            # guess: the last τ scaled to this time by its mean rate
             near = K.coerce(tau) * (target / K.coerce(time)) if time else None
             tau, D = _at_clock(placed, target, clock, near)
             self._reached = times[0], tau
@@ -200,8 +202,9 @@ class MumfordMotion:
 
 
 def settled_digits(read: Callable[[LongField], Vectors], digits: int) -> Vectors:
-    """What ``read`` makes in long numbers, with ``digits`` digits of each vector's size, at the first of the precisions
-    that agrees with one 64 bits higher; PrecisionLoss where none does.
+    """The result of ``read`` in long numbers, with ``digits`` correct digits relative to each vector's size.
+
+    It is that of the first precision whose result agrees with one 64 bits higher. PrecisionLoss if none does.
     """
     wanted, extra = _bits(digits), OF_START
     while extra < MOST_BITS:
@@ -215,7 +218,7 @@ def settled_digits(read: Callable[[LongField], Vectors], digits: int) -> Vectors
 
 
 def _bits(digits: int) -> int:
-    """The bits that hold this many digits."""
+    """The number of bits that hold this many decimal digits."""
     return math.ceil(digits * math.log2(10)) + 2
 
 
@@ -225,23 +228,25 @@ def _in_bits(read: Callable[[LongField], Vectors], bits: int) -> Vectors:
 
 
 def _agree(rough: Vectors, fine: Vectors, wanted: int) -> bool:
-    """Whether each vector agrees in its first bits in both."""
+    """Whether each vector agrees in its first ``wanted`` bits."""
     for a, b in zip(rough, fine, strict=True):
         scale = max([abs(x) for x in b], default=0)
-        # ∞ agrees with anything
+        # reject infinities, which would agree with anything
         if not scale < math.inf or not all(abs(x - y) * 2**wanted <= scale for x, y in zip(a, b, strict=True)):
             return False
     return True
 
 
 def _at_clock(placed: Placed, target: Any, clock: Any, near: Any) -> tuple[Any, Extended]:
-    """(τ, D) where the clock shows ``target``: from a τ ``near`` it, else from 0 by the mean rate, then by Newton's
-    method, and on the cubic through the nearest points on either side.
+    """(τ, D) at which the clock shows ``target``.
+
+    The search starts at the guess ``near``, or at 0 with the mean rate. It continues by Newton's method, and once the
+    target is bracketed, on the cubic through the nearest points on either side.
     """
     K, unit, D = placed.field, placed.translations().unit, placed.start
     start, rate = clock(K, D)
     tau, now, low, high, flat = K.zero, start, None, None, K.one / 4
-    # of the points before
+    # the distances |target − t| of earlier points
     rests = [math.inf, math.inf]
     for n in range(MOST_STEPS):
         rest = target - now
@@ -255,15 +260,15 @@ def _at_clock(placed: Placed, target: Any, clock: Any, near: Any) -> tuple[Any, 
         elif n < 2:
             step = rest / mean
         elif low and high:
-            # if convergence is slow, bisect: the cubic may alternate between the sides for ever
+            # bisect if convergence is slow, because the cubic may alternate between the sides forever
             step = (low[0] + high[0]) / 2 - tau if slow else _between(low, high, target) - tau
         else:
-            # places flatter than that are stepped over, but for those that the target may be in
+            # a lower bound on the rate steps over flat places; it is lowered if the target may lie in one
             flat = flat / 16 if slow else flat
             step = rest / max(rate, mean * flat)
         if low and high and not low[0] < tau + step < high[0]:
             step = (low[0] + high[0]) / 2 - tau
-        # only the first step is long; the later ones lose little
+        # only the first step is long; later ones lose few bits
         D = placed.after(D, tau, step) if n else placed.at(step)
         tau += step
         if abs(step) < unit * K.eps**0.5 / SMALL:
@@ -274,7 +279,7 @@ def _at_clock(placed: Placed, target: Any, clock: Any, near: Any) -> tuple[Any, 
 
 
 def _between(low: tuple[Any, ...], high: tuple[Any, ...], target: Any) -> Any:
-    """τ at a time between two of (τ, time, rate), on Hermite's cubic."""
+    """τ at the time ``target`` between two points (τ, t, dt/dτ), on Hermite's cubic."""
     (first, begin, rate), (last, end, other) = low, high
     length = end - begin
     s = (target - begin) / length

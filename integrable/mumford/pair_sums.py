@@ -1,10 +1,10 @@
 """Sums of pairs with their lifts in any genus, in the form of compiled loops (:mod:`integrable.mumford.pair_tables`).
 
-The curve is y² = f(x), f of odd degree 2g + 1, or of even degree 2g + 2 with g even and no lifts, leading with ±1. A
-row is u_0 … u_{g−1}, v_0 … v_{g−1} and σ, ν for each end in ``ends``; rows that are added have κ = ``kappa`` in all
-their lifts, so that a sum has the κ of its first summand. The formulas are those of
-:class:`jacobian.relatives.extended.ExtendedGroup`, except for the step back onto the curve. Its matrix is in floats,
-which does not limit the accuracy, since the remaining error is of second order.
+The curve is y² = f(x) with leading coefficient ±1. f has odd degree 2g + 1, or even degree 2g + 2 with g even and no
+lifts. A row is u_0 … u_{g−1}, v_0 … v_{g−1}, then σ, ν for each branch point in ``ends``. The lifts of added rows have
+κ = ``kappa``, so that a sum has the κ of its first summand. The formulas are those of
+:class:`jacobian.relatives.extended.ExtendedGroup`, except for the projection onto the curve. Its matrix is in floats;
+this does not limit the accuracy, because the remaining error is of second order.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ Rows = Any
 
 
 class TabledCurve(NamedTuple):
-    """f ascending, the roots of f where there are lifts, the κ of what is added, and A, B, h of x = A + Bξ, y = hη, the
-    numbers that results are in.
+    """The curve of a table: f ascending, the roots of f that carry lifts, and the κ of added rows.
+
+    ``affine`` are the A, B, h of x = A + Bξ, y = hη, which transform results to the original x and y.
     """
 
     f: Row
@@ -29,7 +30,10 @@ class TabledCurve(NamedTuple):
 
 
 class Space(NamedTuple):
-    """Memory: a matrix of g rows and g + 1 columns, rows of 2g + 3 numbers; g rows of 2g + 1 floats, and one more."""
+    """Working memory: ``matrix`` is g × (g + 1); u, v, other and quotient are rows of 2g + 3 numbers.
+
+    ``turned`` is g × (2g + 1) in floats, ``weights`` a row of 2g + 1 floats.
+    """
 
     matrix: Rows
     u: Row
@@ -43,7 +47,7 @@ class Space(NamedTuple):
 def tabled_pairs(
     problem: TabledCurve, terms: Rows, near: Row, table: Rows, which: Rows, space: Space, out: Rows
 ) -> None:
-    """Writes to each row of ``out`` a power series' value at ``near``, added to the rows ``which`` of a table."""
+    """Writes to each row of ``out`` the sum of a power series at ``near`` and the rows ``which`` of a table."""
     for i in range(near.shape[0]):
         row = out[i]
         place(terms, near[i], row)
@@ -54,7 +58,7 @@ def tabled_pairs(
 
 
 def place(terms: Rows, time: Real, row: Row) -> None:
-    """Σ terms_k·time^k, by Horner's rule."""
+    """Writes Σ terms_k·time^k to ``row``, by Horner's rule."""
     last = terms.shape[0] - 1
     for j in range(row.shape[0]):
         total = terms[last, j]
@@ -64,7 +68,7 @@ def place(terms: Rows, time: Real, row: Row) -> None:
 
 
 def add(problem: TabledCurve, row: Row, other: Row, space: Space) -> None:
-    """``row`` becomes the reduced sum of both."""
+    """Replaces ``row`` by the reduced sum of ``row`` and ``other``."""
     f, ends, u, v = problem.f, problem.ends, space.u, space.v
     genus = (f.shape[0] - 2) // 2
     factor = space.quotient
@@ -84,7 +88,7 @@ def add(problem: TabledCurve, row: Row, other: Row, space: Space) -> None:
 
 
 def interpolate(genus: int, row: Row, other: Row, factor: Row, matrix: Rows) -> None:
-    """The k, deg k < g, with k·u ≡ v' − v modulo u', of the pairs (u, v) and (u', v')."""
+    """Writes to ``factor`` the k, deg k < g, with k·u ≡ v' − v modulo u', for the pairs (u, v) and (u', v')."""
     for i in range(genus):
         matrix[i, 0] = row[i] - other[i]
         matrix[i, genus] = other[genus + i] - row[genus + i]
@@ -107,7 +111,7 @@ def interpolate(genus: int, row: Row, other: Row, factor: Row, matrix: Rows) -> 
 
 
 def exchange(matrix: Rows, genus: int, i: int) -> None:
-    """The row with the largest entry in column i, of those from the i-th on, to the i-th."""
+    """Swaps row i with the row from i on that has the largest entry in column i (partial pivoting)."""
     best = i
     for k in range(i + 1, genus):
         if abs(matrix[k, i]) > abs(matrix[best, i]):
@@ -120,7 +124,7 @@ def exchange(matrix: Rows, genus: int, i: int) -> None:
 
 
 def multiply(genus: int, row: Row, other: Row, factor: Row, u: Row, v: Row) -> None:
-    """uu' and v + uk of monic u, u' of degree g."""
+    """Writes uu' and v + uk, for monic u, u' of degree g, without the leading coefficient of uu'."""
     for i in range(2 * genus):
         u[i] = 0.0
         v[i] = 0.0
@@ -134,7 +138,7 @@ def multiply(genus: int, row: Row, other: Row, factor: Row, u: Row, v: Row) -> N
 
 
 def reduce(problem: TabledCurve, degree: int, row: Row, space: Space) -> int:
-    """One step from (u, v), deg u = ``degree``, in place, with the lifts of ``row``; the new degree."""
+    """Reduces (u, v), deg u = ``degree``, by one step in place, with the lifts of ``row``; returns the new degree."""
     f, ends, u, v, w = problem.f, problem.ends, space.u, space.v, space.other
     genus = (f.shape[0] - 2) // 2
     low = 2 * degree - 2 < f.shape[0] - 1
@@ -143,7 +147,7 @@ def reduce(problem: TabledCurve, degree: int, row: Row, space: Space) -> int:
     scale, lead = -w[new], v[degree - 1]
     for i in range(new):
         w[i] = w[i] / w[new]
-    # v = k·w + the rest, w monic
+    # divide v by the monic w: v = k·w + remainder
     k = space.quotient
     for i in range(degree - 1 - new, -1, -1):
         k[i] = v[i + new]
@@ -166,7 +170,7 @@ def reduce(problem: TabledCurve, degree: int, row: Row, space: Space) -> int:
 
 
 def put_cofactor(f: Row, u: Row, v: Row, degree: int, size: int, w: Row) -> None:
-    """To w the quotient (f − v²)/u of degree ``size``, u monic, all ``degree`` coefficients of v."""
+    """Writes to w the quotient (f − v²)/u of degree ``size``, for monic u of ``degree`` and v of lower degree."""
     for i in range(size, -1, -1):
         total = coefficient(f, v, degree, i + degree)
         for j in range(i + 1, min(size, i + degree) + 1):
@@ -175,7 +179,7 @@ def put_cofactor(f: Row, u: Row, v: Row, degree: int, size: int, w: Row) -> None
 
 
 def coefficient(f: Row, v: Row, count: int, i: int) -> Real:
-    """That of x^i in f − v², v of ``count`` coefficients."""
+    """The coefficient of x^i in f − v², where v has ``count`` coefficients."""
     total = f[0] * 0.0
     if i < f.shape[0]:
         total = f[i]
@@ -185,7 +189,7 @@ def coefficient(f: Row, v: Row, count: int, i: int) -> Real:
 
 
 def value_of(a: Row, count: int, x: Real) -> Real:
-    """a(x) of ``count`` coefficients."""
+    """a(x) for a polynomial a of ``count`` coefficients."""
     total = a[count - 1]
     for i in range(count - 2, -1, -1):
         total = total * x + a[i]
@@ -193,8 +197,9 @@ def value_of(a: Row, count: int, x: Real) -> Real:
 
 
 def retract(problem: TabledCurve, row: Row, space: Space) -> None:
-    """A row, whose pair a sum has left in ``space``, moved onto the curve by the shortest (δu, δv) with
-    wδu + 2vδv ≡ f − v² modulo u.
+    """Moves a row onto the curve by the shortest (δu, δv) with wδu + 2vδv ≡ f − v² modulo u.
+
+    ``space`` must hold the pair of the row, as :func:`add` leaves it.
     """
     f, u, v, w = problem.f, space.u, space.v, space.other
     genus = (f.shape[0] - 2) // 2
@@ -214,7 +219,7 @@ def retract(problem: TabledCurve, row: Row, space: Space) -> None:
 
 
 def columns(genus: int, size: int, u: Row, v: Row, w: Row, turned: Rows, column: Row) -> None:
-    """Column j of the matrix is x^j·2v, column g + j is x^j·w, modulo u, in floats."""
+    """Fills the matrix of :func:`retract` in floats: column j is x^j·2v, column g + j is x^j·w, modulo u."""
     for i in range(genus):
         turned[i, 0] = 2.0 * float(v[i])
     for i in range(size + 1):
@@ -234,7 +239,10 @@ def columns(genus: int, size: int, u: Row, v: Row, w: Row, turned: Rows, column:
 
 
 def shortest(genus: int, turned: Rows, weights: Row) -> None:
-    """The shortest solution of g equations for 2g unknowns, the right side behind them: rows are made orthogonal."""
+    """Writes to ``weights`` the shortest solution of g equations in 2g unknowns, by Gram–Schmidt on the rows.
+
+    The last column of ``turned`` is the right-hand side.
+    """
     count = 2 * genus
     for j in range(count):
         weights[j] = 0.0
@@ -256,7 +264,7 @@ def shortest(genus: int, turned: Rows, weights: Row) -> None:
 
 
 def placed_back(genus: int, affine: Row, row: Row) -> None:
-    """The pair and its lifts in x = A + Bξ, y = hη, of a row in ξ and η; ``affine`` is A, B, h."""
+    """Transforms a row from ξ, η to x = A + Bξ, y = hη; ``affine`` is A, B, h."""
     a, b, height = affine[0], affine[1], affine[2]
     scale = b
     for i in range(genus - 1, -1, -1):

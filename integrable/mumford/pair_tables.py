@@ -1,10 +1,10 @@
-"""Motions of genus 3 and more in floats: many times by sums of tabled translations, in double-double numbers, compiled.
+"""Motions of genus 3 and more in floats at many times: compiled sums of tabled translations, in double-doubles.
 
 D(τ) = D(a + r) + ΣT(w_k + c). Here D(a + r) is a power series in a small r, and w_k is an entry of table k, whose step
 is 16 times that of the previous table. The offsets c keep translations away from 0, where they have points near
-infinity. Of several neighbouring w the one with the smallest coefficients is chosen, which loses the fewest digits. The
-units of x and y place the branch points around 0. Tables are computed in long numbers. There are several starts a, from
-which the same time uses different rows of the tables.
+infinity. Among several neighbouring w the one with the smallest coefficients is chosen; it loses the fewest digits. The
+units of x and y place the branch points around 0. Tables are computed in long numbers. There are several starts a; from
+different ones the same time uses different rows of the tables.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ from jacobian.native.special import SPECIAL
 from jacobian.numbers.double_double import pack
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift
 
-# how many steps of a table are one of the next; a row is at any of the first quarters of a step, at the first of them
-# where coefficients are below SMALL
+# RATIO: steps of a table per step of the next. A row is placed at one of the first QUARTERS quarters of a step: at the
+# first one with coefficients below SMALL, or else at the one with the smallest coefficients
 RATIO, QUARTERS, SMALL = 16, 3, 4.0
-# a step of the first table is the radius of the power series over 2^FRACTION or a little less
+# the step of the first table is 2^−FRACTION of the radius of the power series, or a little less
 TERMS, FRACTION = 32, 3
-# least and largest number of tables, and the number of starts
+# smallest and largest number of tables; number of starts
 FEWEST, MOST, STARTS = 2, 11, 10
-# bits of the numbers that tables are made in, beyond those of the genus, and those of a table
+# bits in which tables are computed, beyond those for the genus; additional bits per table
 BITS, OF_TABLE = 192, 24
 
 _TABLE, _PLACES, _MATRIX = ArrayKind(WIDE, 2, 2), ArrayKind(INT, 2), ArrayKind(FLOAT, 2)
@@ -63,8 +63,9 @@ LIBRARY = Library(
 
 
 class DiscUnits:
-    """The motion that ``place`` starts in ξ and η, x = A + Bξ, y = hη: the roots of f in the unit circle around 0, its
-    leading coefficient ±1.
+    """The motion that ``place`` starts, in ξ and η with x = A + Bξ, y = hη.
+
+    In these units the roots of f lie in the unit disc around 0, and its leading coefficient is ±1.
     """
 
     def __init__(self, place: Callable[[Any], Start]) -> None:
@@ -77,12 +78,12 @@ class DiscUnits:
         self.size = float(np.abs(np.roots(f[::-1]) - self.centre).max())
 
     def affine(self, K: Any) -> tuple[Any, Any, Any]:
-        """A, B, h."""
+        """The numbers A, B, h of the transformation."""
         f, b = self._start(K).f, K.coerce(self.size)
         return K.coerce(self.centre), b, K.sqrt(abs(f[-1])) * K.sqrt(b ** (len(f) - 1))
 
     def start(self, K: Any) -> Start:
-        """The motion in the numbers of K."""
+        """The start of the motion in ξ and η, in the numbers of K."""
         start, (a, b, h) = self._start(K), self.affine(K)
         g = len(start.v)
 
@@ -100,10 +101,10 @@ class DiscUnits:
 
 
 class PairTables:
-    """D of a :class:`Start` in floats, at many times up to ``reach``, in the numbers of Columns.
+    """D of a :class:`Start` in floats at many times up to ``reach``, as columns.
 
-    PrecisionLoss where there are no tables: data other than lifts on a model of odd degree, odd genus or f < 0 near
-    infinity on one of even degree, a state at rest, or a time too far.
+    PrecisionLoss if tables are not possible: for data other than lifts on a model of odd degree, for odd genus or f < 0
+    near infinity on a model of even degree, for a state at rest, and for a time too far.
     """
 
     def __init__(self, place: Callable[[Any], Start], time: float) -> None:
@@ -131,7 +132,7 @@ class PairTables:
             self._fill(Placed(K, units.start), count, affine)
 
     def at(self, times: np.ndarray, begin: int) -> Extended:
-        """The pairs with their data, as columns, from one of the starts."""
+        """The pairs with their data at the given times, as columns, computed from start number ``begin``."""
         which, near = self._split(times, begin)
         genus = self.genus
         out = np.empty((len(times), *self._rows.shape[1:]))
@@ -142,7 +143,7 @@ class PairTables:
         return Extended((*columns[:genus], Column(1.0)), tuple(columns[genus : 2 * genus]), tuple(pairs))
 
     def _split(self, times: np.ndarray, begin: int) -> tuple[np.ndarray, np.ndarray]:
-        """The rows to add at times, shape (N, tables), and the remaining times, as double-doubles."""
+        """The table rows to add at each time, shape (N, tables), and the remaining times r as double-doubles."""
         which = np.empty((len(times), len(self._places)), dtype=np.int64)
         shift = self._shifts[begin]
         # the times of rows are multiples of a quarter of a step, so their subtraction is exact
@@ -157,7 +158,7 @@ class PairTables:
         return which, np.stack([left.hi, left.lo], axis=-1)
 
     def _fill(self, placed: Placed, count: int, affine: np.ndarray) -> None:
-        """The tables, in long numbers."""
+        """Computes the tables in long numbers."""
         K, group, translations = placed.field, placed.group, placed.translations()
         apart = [self._step * (131 + 53 * k) for k in range(count)]
         translations.unit = min(translations.unit, K.coerce(self._step / 4))
@@ -175,7 +176,7 @@ class PairTables:
                 quarter, row, D = self._chosen(translations, D, unit + 4 * k)
                 rows.append(row)
                 times.append((i + quarter / 4) * step)
-        # digits of times from different starts differ in all places
+        # shifts chosen so that the table rows of a time differ between starts in every table
         turn = (RATIO ** (count - 1) - 1) // 3 + RATIO ** (count - 1)
         shifts = [self._step * turn * j for j in range(STARTS)]
         anchors = [self._step / 4 - sum(apart) - shift for shift in shifts]
@@ -191,7 +192,7 @@ class PairTables:
         self._near, self._shifts = series, shifts
 
     def _chosen(self, translations: GroupTranslations, D: Extended, k: int) -> tuple[int, list[Any], Extended]:
-        """The start of a row as a quarter of a step after D, the row, and the whole steps after D."""
+        """(quarter, row, D one step later): the best row of this step and the quarter of the step at which it is."""
         found: list[tuple[float, int, list[Any]]] = []
         for quarter in range(4):
             if quarter < QUARTERS and not (found and min(found)[0] < SMALL):
@@ -203,23 +204,23 @@ class PairTables:
         return quarter, row, D
 
     def _row(self, group: ExtendedGroup, D: Extended) -> list[Any]:
-        """What is added, with the sign of lifts that is the sum's."""
+        """A table row: U, V and lifts, with the sign that sums give to lifts."""
         sign = group.f[-1] if group.odd and self.genus % 2 else 1
         return row_of(D, sign)
 
 
 def motion_of(placed: Placed) -> MotionSeries:
-    """The series of its motion from any pair, with its lifts."""
+    """The power series of the motion from any of its pairs, with the lifts."""
     return MotionSeries(placed.field, placed.group.f, placed.direction, ends_of(placed.group))
 
 
 def row_of(D: Extended, sign: Any = 1) -> list[Any]:
-    """U, V, and the σ and ν of lifts times a ``sign``."""
+    """The row of D: U, V, then σ and ν of each lift multiplied by ``sign``."""
     return [*D.u[:-1], *D.v, *(x * sign for _, *pair in D.data for x in pair)]
 
 
 def ends_of(group: ExtendedGroup) -> list[Any]:
-    """Where the lifts are."""
+    """The branch points that carry lifts."""
     return [kind.e for kind in group.kinds if isinstance(kind, Lift)]
 
 

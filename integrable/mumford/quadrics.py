@@ -1,11 +1,11 @@
-"""Common formulas of Neumann's, Garnier's and Hénon and Heiles's systems: points in elliptic and parabolic coordinates,
-in a potential that separates in them (Eilbeck, Enolskii, Kuznetsov & Tsiganov 1994).
+"""Common formulas of the systems of Neumann, Garnier, and Hénon and Heiles: potentials that separate in elliptic or
+parabolic coordinates (Eilbeck, Enolskii, Kuznetsov & Tsiganov 1994).
 
 With f₁ = Π(x − a_i), a the constants, positions q_i and momenta p_i on the axes, ε = ±1 and polynomials u₀, w₀:
 
     U = f₁(u₀ + εΣ q_i²/(x − a_i)),   V = ½U',   W = f₁(w₀ − εΣ (p_i² + l_i²/q_i²)/(x − a_i)),   f = V² + UW
 
-and the direction is −2e_{g−1}. If l_i = 0, a_i is a branch point and (q_i, p_i) the lift there, so signs are
+and the direction is −2e_{g−1}. If l_i = 0, a_i is a branch point and (q_i, p_i) is the lift there. So signs are
 determined, also where q_i changes sign. If l_i ≠ 0, q_i does not vanish and keeps its sign.
 """
 
@@ -25,7 +25,7 @@ from jacobian.relatives.extended import Extended, Lift
 
 
 class Shape(NamedTuple):
-    """u₀, ½u₀' and w₀ at a state."""
+    """The polynomials u₀, ½u₀' and w₀ at a state."""
 
     u: poly.Poly
     v: poly.Poly
@@ -33,12 +33,12 @@ class Shape(NamedTuple):
 
 
 class QuadricSystem(MumfordSystem):
-    """Base of these systems; ``constants`` are the a_i."""
+    """Base class of these systems; ``constants`` are the a_i."""
 
     sign = 1
     """ε."""
     before = 0
-    """How many q come before those of the axes."""
+    """The number of q that precede those of the axes."""
 
     def _shape(self, N: Any, state: Point) -> Shape:
         """Table: u₀, ½u₀' and w₀ of a state."""
@@ -49,7 +49,7 @@ class QuadricSystem(MumfordSystem):
         raise NotImplementedError
 
     def _first(self, N: Any, u: poly.Poly, v: poly.Poly) -> Point:
-        """Table, where there are q before those of the axes: they and their p, of a pair."""
+        """Table, needed if ``before`` > 0: the q that precede those of the axes, and their p, from a pair."""
         return Point((), ())
 
     def _barriers(self) -> Sequence[Any]:
@@ -82,7 +82,7 @@ class QuadricSystem(MumfordSystem):
         u = with_poles(shape.u, [x * x for x in q])
         v = with_poles(shape.v, [x * y for x, y in zip(q, p, strict=True)])
         w = with_poles(shape.w, [-(y * y + pull) for y, pull in zip(p, self._pull(N, state), strict=True)])
-        # the coefficients that the constraints fix are as these say
+        # coefficients that the constraints fix are set to their exact values
         u, v = (*padded(N, u, self._genus()), N.one), padded(N, v, self._genus())
         f = poly.add(N, poly.mul(N, v, v), poly.mul(N, u, w))
         return all_of(N, (f, u, v), self._genus())
@@ -101,7 +101,7 @@ class QuadricSystem(MumfordSystem):
         return Start(f, u, v, self._direction(N, len(v)), kinds, tuple(data))
 
     def _along_axes(self, N: Any, state: Point) -> Iterator[tuple[Any, ...]]:
-        """(a_i, εd_i, l_i, q_i, p_i)."""
+        """(a_i, εd_i, l_i, q_i, p_i) for each axis."""
         a = self._constants_in(N)
         slopes = poly.derivative(N, poly.from_roots(N, a))
         signed = [self._signed(N, poly.evaluate(N, slopes, e)) for e in a]
@@ -120,12 +120,12 @@ class QuadricSystem(MumfordSystem):
         return Point(q, p)
 
     def step(self, state: Point, point: Sequence[Any], roots: Sequence[Any] | None = None) -> Point:
-        """The state of D + (λ, μ) − ∞, a canonical map that commutes with the motion, where no l_i stands.
+        """The state of D + (λ, μ) − ∞, a canonical map that commutes with the motion; all l_i must be 0.
 
-        ``point`` = (λ, μ) with μ² = f(λ); on the axes q̃ = A⁻¹(p + cq), p̃ = −Aq + cq̃, A = diag√(−ℓ(a_i − λ)), ℓ the
-        leading coefficient of f, ``roots`` over an exact field if other ones are to be taken; c = (μ − V(λ))/U(λ). For
-        λ far away it is a step of about 1/√(ℓλ) in time, or back, by the sign of μ. ArgumentError for a point that is
-        not on the curve, NotASquare for a missing root.
+        ``point`` = (λ, μ) with μ² = f(λ). On the axes q̃ = A⁻¹(p + cq), p̃ = −Aq + cq̃ with A = diag√(−ℓ(a_i − λ)), ℓ
+        the leading coefficient of f, and c = (μ − V(λ))/U(λ). ``roots`` replaces the square roots in A. For large λ the
+        map is a time step of about 1/√(ℓλ), forward or back by the sign of μ. ArgumentError if the point is not on the
+        curve, NotASquare if a square root does not exist.
         """
         if any(map(self._stands, self._barriers())):
             raise ArgumentError(f"{self!r} has no steps: all its barriers would have to be 0")
@@ -147,7 +147,7 @@ class QuadricSystem(MumfordSystem):
         return self._mapped(state, point, formula)
 
     def _differ(self, x: Any, y: Any) -> bool:
-        """Whether two numbers are different, over an inexact field by more than rounding."""
+        """Whether two numbers differ; over an inexact field, by more than rounding."""
         K = self.field
         return bool(x != y if K.exact else abs(x - y) > OFF * K.eps * abs(y))
 

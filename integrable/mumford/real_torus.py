@@ -1,12 +1,12 @@
 """Motions of genus 2 on a compact real torus, compiled with the loops of the ball.
 
-A real curve y² = f(x) with real roots only has two ovals, on which the points of a pair move. The abscissa ξ, x = A +
-Bξ, transforms it to the curve of :mod:`integrable.torus`, (ξ − ζ)Π(α_i − ξ)(1 − ξ), with the ovals before ξ = 1. On
+A curve y² = f(x) whose roots are all real has two bounded ovals, on which the points of a pair move. The substitution
+x = A + Bξ transforms it to the curve of :mod:`integrable.torus`, (ξ − ζ)Π(α_i − ξ)(1 − ξ), with the ovals at ξ < 1. On
 models of even degree 1/(E − x) first moves the largest root E to infinity. Corners, periods and translations are those
-of the ball. The direction differs, and so does the result: the pair and its lifts.
+of the ball. The direction differs, and so does the result, a pair and its lifts.
 
-For geodesics dt/dτ is |U| at the root beyond the ovals; for a body it is 1/√U there. So their clock is computed like
-that of a body, and its mean is a determinant of integrals over the ovals.
+For geodesics dt/dτ is |U| at the root beyond the ovals; for a body it is 1/√U there. So the clock of a geodesic is
+computed like that of a body. Its mean is a determinant of integrals over the ovals.
 """
 
 from __future__ import annotations
@@ -37,25 +37,28 @@ from jacobian.periods.quadrature import working_numbers
 from jacobian.periods.roots import conjugated, simple_roots
 from jacobian.relatives.extended import Extended, Lift, SecondKind
 
-# bits of the numbers from which a torus is made, and digits of those in which its periods are given
+# bits in which a torus is set up; digits of its periods
 BITS, DIGITS = 200, 50
 # size of U at a branch point, relative to x², below which σ is not computed from it
 SMALL = 1e-20
 MOST_CELLS, MOST_SAMPLES = 1 << 12, 1 << 16
-# length of a row: U, V, and σ and ν at three ends of ovals and at the root beyond them
+# length of a row: U, V, and σ and ν at three branch points on the ovals and at the one beyond them
 COLUMNS = 12
 APART = "the points of the pair are not one in each oval"
-# largest number of Newton steps to a root; allowed relative difference of the area of a torus from that of its periods
-# (the largest for 147 random geodesics was 4e-31)
+# largest number of Newton steps to a root; allowed relative difference between the area of a torus and that of its
+# periods (the largest for 147 random geodesics was 4e-31)
 MOST_STEPS, SAME = 20, 1e-27
 
 
 class OtherOvals(PrecisionLoss):
-    """Branch points are not all real, or the pair does not have one point in each bounded oval."""
+    """Not all branch points are real, or the pair does not have one point in each bounded oval."""
 
 
 class OvalModel(NamedTuple):
-    """A curve, its pair u₀, u₁ and v₀, v₁, the direction, and the roots, ascending on even models."""
+    """A curve by its leading coefficient and roots, its pair u₀, u₁ and v₀, v₁, and the direction.
+
+    The roots of a model of even degree ascend.
+    """
 
     lead: Any
     u: Sequence[Any]
@@ -65,11 +68,11 @@ class OvalModel(NamedTuple):
 
 
 class RealTorus(Corners):
-    """D of a :class:`Start` of genus 2 in double-double numbers, at any times at once.
+    """D of a :class:`Start` of genus 2 in double-doubles, at any times.
 
-    ``place(K)`` makes the start in the numbers of K; a datum of the second kind is what the motion carries as its time:
-    there dt/dτ is |U| at the root beyond the ovals. PrecisionLoss where there is no such torus: branch points that are
-    not real or too close, points that are not one in each oval, lifts at other points or on a model of even degree.
+    ``place(K)`` returns the start in the numbers of K. A datum of the second kind must be the time of the motion, with
+    dt/dτ = |U| at the root beyond the ovals. PrecisionLoss if branch points are not real or too close, if the ovals do
+    not have one point each, and for lifts at other points or on a model of even degree.
     """
 
     _aslant = True
@@ -103,7 +106,7 @@ class RealTorus(Corners):
         )
 
     def at(self, times: np.ndarray) -> Extended:
-        """The pairs with their data, of columns of N numbers."""
+        """The pairs with their data at N times, as columns of N numbers."""
         turns = self._turns(times)
         if turns > MOST_TURNS:
             raise PrecisionLoss(f"{turns:.1e} turns of a phase are more than double-double numbers hold")
@@ -116,7 +119,7 @@ class RealTorus(Corners):
         return Extended(u, v, tuple(data))
 
     def reaches(self, times: np.ndarray) -> bool:
-        """Whether double-double numbers hold the fractions of all turns."""
+        """Whether double-doubles resolve the fraction of a turn at all of these times."""
         return self._turns(times) <= MOST_TURNS
 
     def _turns(self, times: np.ndarray) -> float:
@@ -131,7 +134,7 @@ class RealTorus(Corners):
         return np.stack([np.stack([x.hi, x.lo], axis=-1) for x in turned], axis=1).reshape(-1, 2)
 
     def pairs(self, phases: np.ndarray) -> tuple[tuple[Any, ...], tuple[Any, ...], list[tuple[Any, ...]]]:
-        """U, V and the lifts at pairs of phases in turns, shape (2N, 2), as columns."""
+        """U, V and the lifts, as columns, at N pairs of phases in turns; ``phases`` has the shape (2N, 2)."""
         out = self.loops.room(COLUMNS * (len(phases) // 2))
         self.loops.points_at_phases(self.torus, self._row, phases, out)
         rows = np.ascontiguousarray(out.reshape(-1, COLUMNS, 2).T)
@@ -149,7 +152,7 @@ class RealTorus(Corners):
         return (*u, Column(1.0)), tuple(v), lifts
 
     def _make_clock(self, K: LongField, model: OvalModel) -> None:
-        """t of a motion whose dt/dτ is |U| at the root beyond the ovals, where x = 0."""
+        """Sets the clock of a motion with dt/dτ = |U| at the root beyond the ovals, which must be x = 0."""
         first, second, _ = self._affine
         if model.direction[1] != 0 or abs(first + second) > SMALL * abs(second):
             raise PrecisionLoss("a datum of the second kind that is not the time")
@@ -182,18 +185,18 @@ class RealTorus(Corners):
         self.clock = TorusClock(loops, spectrum, loops.row(rates), scale, max(self.closure, loops.noise / 64))
 
     def _given(self, K: LongField, model: OvalModel, lifts: dict[Any, tuple[Any, ...]]) -> GivenSource:
-        """The motion in ξ: x = first + second·ξ, y = height·η; and where and by what factor lifts are read."""
+        """The motion in ξ, η with x = first + second·ξ, y = height·η; also sets how lifts are read from a row."""
         sign = 1 if model.lead > 0 else -1
         e1, e2, e3, e4, far = sorted(model.roots, key=lambda e: sign * e)
         second = 2 * (far - e1)
         first, height = far - second, K.sqrt(abs(model.lead) * abs(second) ** 5)
         self._affine = first, second, height
-        # of the inner ends of the ovals the one without a lift is ζ
+        # ζ is the inner end of an oval that carries no lift
         middle, zeta = (e2, e3) if e2 in lifts else (e3, e2)
         axes, sizes, sigmas, nus = (e1, middle, e4), [], [], []
         alphas = [(e - first) / second for e in axes]
         slopes = poly.derivative(K, poly.from_roots(K, alphas))
-        # with these Σσ² is U(1)/Π(1 − α_i), as it is of a body
+        # with these κ, Σσ² is U(1)/Π(1 − α_i), as for a body
         kappas = [poly.evaluate(K, slopes, e) * (1 - e) for e in alphas]
         self._beyond = (1 - alphas[0]) * (1 - alphas[1]) * (1 - alphas[2])
         for e, sense, own in zip(axes, (1, -1, 1), kappas, strict=True):
@@ -233,8 +236,9 @@ class RealTorus(Corners):
 
 
 def real_roots(K: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
-    """The roots of f, ascending, some of them ``known``; PrecisionLoss where one is not real, or two are not told
-    apart by floats.
+    """The roots of f in ascending order; those in ``known`` are taken as exact.
+
+    PrecisionLoss if a root is not real, or if two roots are too close.
     """
     rest = poly.quotient(K, f, poly.from_roots(K, known))
     numbers, slope = working_numbers(RR), poly.derivative(K, rest)
@@ -259,7 +263,7 @@ def real_roots(K: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
 
 
 def standard(K: Any, model: OvalModel, e: Any, kappa: int) -> tuple[Any, Any, Any]:
-    """(κ, σ, ν) at a branch point e without a carried lift: κσ² = U, κσν = V, κν² = −W with κ = ±1."""
+    """(κ, σ, ν) at a branch point e that carries no lift: κσ² = U, κσν = V, κν² = −W with κ = ±1."""
     whole, v = (*model.u, K.one), tuple(model.v)
     height, slope = kappa * poly.evaluate(K, whole, e), kappa * poly.evaluate(K, v, e)
     if height > SMALL * e**2:
@@ -275,7 +279,7 @@ def standard(K: Any, model: OvalModel, e: Any, kappa: int) -> tuple[Any, Any, An
 
 
 def without_root(even: OvalModel) -> OvalModel:
-    """The motion in X = 1/(E − x), E the largest root of a model of even degree, y = y_X/X³."""
+    """The motion in X = 1/(E − x), y = y_X/X³, where E is the largest root of a model of even degree."""
     (u0, u1), (v0, v1), (*roots, pole) = even.u, even.v, even.roots
     lead = -even.lead
     for e in roots:
@@ -289,10 +293,10 @@ def without_root(even: OvalModel) -> OvalModel:
 
 
 def with_root(pole: Any, u: Sequence[Any], v: Sequence[Any]) -> tuple[Sequence[Any], Sequence[Any]]:
-    """The pairs in x = E − 1/X of pairs in X."""
+    """The pairs in x = E − 1/X, from pairs in X; E is ``pole``."""
     (p, s), (y, slope) = u, v
     for _ in range(3):
-        # over X, 1/X = −(X + s)/p on the pair
+        # divide V by X: 1/X = −(X + s)/p on the pair
         y, slope = slope - s * y / p, -y / p
     a, b = -s / p, 1 / p
     # X = p(x − E) − s there

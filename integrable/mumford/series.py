@@ -1,9 +1,9 @@
 """Power series of a motion on y² = f(x) from one pair.
 
-The equations are polynomial (:mod:`integrable.mumford.fields`), so the coefficients come one after the other by the
-recurrences of :mod:`integrable.series.recurrences`. Where the points of the pair are known, series of one variable do:
-the sums Σ∫x^k dx/y over the points grow as c_kτ; 1/y satisfies a linear equation of first order, so that the
-coefficients of each integral come one after the other; and Newton's method finds where the points are at τ.
+The equations are polynomial (:mod:`integrable.mumford.fields`), so the recurrences of
+:mod:`integrable.series.recurrences` give the coefficients in turn. If the points of the pair are known, series in one
+variable suffice. The sums Σ∫x^k dx/y over the points grow as c_kτ. Since 1/y satisfies a linear equation of first
+order, a recurrence gives the coefficients of each integral. Newton's method then finds the points at τ.
 """
 
 from __future__ import annotations
@@ -24,12 +24,13 @@ from jacobian.linear import pivoted
 LAST = 4
 # largest number of Newton steps; convergence is quadratic
 MOST_STEPS = 60
-# a step is the last one where its square, beside the way to the end of a series, is below the last bit by this factor
+# Newton's method ends when the square of a step, relative to the radius of a series, is below this many units of the
+# last bit
 SMALL = 2.0**-8
 
 
 class _Operators(InexactField):
-    """The numbers of a field, with the operations of a recorded formula."""
+    """The field over which a formula is recorded; its constants are those of ``field``."""
 
     name = "recorded numbers"
 
@@ -37,7 +38,7 @@ class _Operators(InexactField):
         self.zero, self.one = field.zero, field.one
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
-        """A number as it is."""
+        """The number unchanged."""
         return value
 
     def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
@@ -46,7 +47,7 @@ class _Operators(InexactField):
 
 
 class MotionSeries:
-    """Power series of the motions along a direction, with lifts at the branch points ``ends``."""
+    """The power series of motions along a direction, with lifts at the branch points ``ends``."""
 
     def __init__(self, field: LongField, f: Poly, direction: Sequence[Any], ends: Sequence[Any]) -> None:
         K, g = _Operators(field), len(direction)
@@ -60,7 +61,7 @@ class MotionSeries:
         self._zero, self._tape = field.zero, recorded(formula, 2 * (g + len(ends)))
 
     def rows(self, start: Sequence[Any], order: int) -> list[list[Any]]:
-        """``order`` coefficients of U, V and the σ and ν of each lift, ascending in time, from their values."""
+        """The first ``order`` Taylor coefficients of U, V and the σ and ν of each lift, from their start values."""
         tape = self._tape
         series = [self._zero] * (order * len(tape.kinds))
         series[::order] = [*start, *tape.constants[len(start) :]]
@@ -69,23 +70,24 @@ class MotionSeries:
 
 
 def radius_of(rows: Sequence[Sequence[Any]]) -> float:
-    """About that of convergence of power series: the least of (|earlier coefficients|/|last ones|)^(1/terms between).
-    The unit of time does not matter.
+    """An estimate of the radius of convergence of power series, the smallest over all rows.
+
+    It is (|earlier coefficients|/|last ones|)^(1/number of terms between), which does not depend on the unit of time.
     """
     found, order = [], len(rows[0])
     between = order // 2 - LAST
     for row in rows:
         last, earlier = (max(abs(c) for c in row[end - LAST : end]) for end in (order, order - between))
         if last and earlier:
-            # the ratio may be beyond the floats, its root is not
+            # the ratio may exceed the range of floats, but its root does not
             found.append(float((earlier / last) ** (1 / between)))
     return min(found, default=1.0)
 
 
 def lift_rates(K: Any, factors: tuple[Poly, Poly, Poly], ends: Sequence[Any], roots: Sequence[Any]) -> list[Any]:
-    """σ', ν' of each lift: σ' = ½(nν − mσ), ν' = ½(mν + wσ) at its end; ``factors`` are n, m, w.
+    """The rates of each lift: σ' = ½(nν − mσ), ν' = ½(mν + wσ) at its branch point; ``factors`` are n, m, w.
 
-    From κσ² = U(e), κσν = V(e), κν² = −W(e) and U' = nV − mU, V' = −½(nW − wU).
+    They follow from κσ² = U(e), κσν = V(e), κν² = −W(e) and U' = nV − mU, V' = −½(nW − wU).
     """
     found = []
     for e, sigma, nu in zip(ends, roots[::2], roots[1::2], strict=True):
@@ -95,8 +97,10 @@ def lift_rates(K: Any, factors: tuple[Poly, Poly, Poly], ends: Sequence[Any], ro
 
 
 class PointSeries:
-    """∫x^k dx/y, k = 0 … g, and ∫dx/(y(x − e)) for ``others`` e, from a point of y² = f(x), to ``order`` terms over an
-    inexact field: ``count`` integrals, ``radius`` about that of convergence.
+    """Power series of ∫x^k dx/y, k = 0 … g, and ∫dx/(y(x − e)), e in ``others``, from a point of y² = f(x).
+
+    They have ``order`` terms over an inexact field. ``count`` is the number of integrals, ``radius`` an estimate of the
+    radius of convergence.
     """
 
     def __init__(self, K: Any, f: Poly, point: tuple[Any, Any], others: Sequence[Any], order: int) -> None:
@@ -113,20 +117,20 @@ class PointSeries:
         self.count = len(rates)
 
     def integral(self, k: int, move: Any) -> Any:
-        """The k-th to x + ``move``."""
+        """The k-th integral from x to x + ``move``."""
         total = self._field.zero
         for c in self._rows[k]:
             total = (total + c) * move
         return total
 
     def reached(self, move: Any) -> tuple[Any, Any]:
-        """The point at x + ``move``."""
+        """The point of the curve at x + ``move``."""
         x, y = self._point
         return x + move, y * self._field.sqrt(poly.evaluate(self._field, self._f, move) / self._f[0])
 
 
 def _inverse_root(f: Poly, first: Any, order: int) -> list[Any]:
-    """The series of f^(−1/2) = w that begins with ``first``, from 2fw' = −f'w."""
+    """The series of w = f^(−1/2) with the constant term ``first``, from 2fw' = −f'w."""
     row = [first]
     for n in range(1, order):
         total = sum(c * ((2 * n - j) * row[n - j]) for j, c in enumerate(f[1 : n + 1], 1))
@@ -135,7 +139,7 @@ def _inverse_root(f: Poly, first: Any, order: int) -> list[Any]:
 
 
 def _over(start: Any, row: Sequence[Any]) -> list[Any]:
-    """The series of ``row`` over start + m."""
+    """The series of ``row`` divided by start + m, where m is the variable."""
     found: list[Any] = []
     for c in row:
         found.append((c - found[-1]) / start if found else c / start)
@@ -143,8 +147,9 @@ def _over(start: Any, row: Sequence[Any]) -> list[Any]:
 
 
 class PointMotion:
-    """D(τ) from a pair with the ``points`` (xs, ys) along a direction, with the third-kind integrals of ``others``;
-    ``reach``: about the τ in which a point runs to where its series end.
+    """D(τ) along a direction from the pair with ``points`` (xs, ys), with the third-kind integrals for ``others``.
+
+    ``reach`` is the approximate τ at which a point reaches the radius of its series.
     """
 
     def __init__(
@@ -157,7 +162,7 @@ class PointMotion:
         self.reach = min(map(float, reaches))
 
     def at(self, time: Any) -> tuple[Poly, Poly, Any, list[Any]]:
-        """(U, V, Ω, the third-kind integrals) at a time well inside the reach."""
+        """(U, V, Ω, the third-kind integrals) at a time well within ``reach``."""
         K, g = self._field, len(self._points)
         moves = [rate * time for rate in self._rates]
         for _ in range(MOST_STEPS):
@@ -174,7 +179,7 @@ class PointMotion:
         raise PrecisionLoss("a translation was not found at this precision: use more digits")
 
     def _newton(self, time: Any, moves: Sequence[Any]) -> list[Any]:
-        """J⁻¹(cτ − F), F_k = Σ_i∫x^k dx/y."""
+        """The Newton step J⁻¹(cτ − F), F_k = Σ_i∫x^k dx/y."""
         ends = [p.reached(x) for p, x in zip(self._points, moves, strict=True)]
         powers = [1 / y for _, y in ends]
         rows = []
@@ -191,7 +196,7 @@ class PointMotion:
 
 
 def through(K: Any, xs: Sequence[Any], ys: Sequence[Any]) -> tuple[Poly, Poly]:
-    """(U, V) of points with different x, V with all its coefficients (Lagrange's interpolation)."""
+    """(U, V) of points with different x, by Lagrange interpolation; V has all its coefficients."""
     total = [K.zero] * len(xs)
     for j, (x, y) in enumerate(zip(xs, ys, strict=True)):
         others = poly.from_roots(K, [*xs[:j], *xs[j + 1 :]])

@@ -1,9 +1,9 @@
 """A system on a Jacobian of any genus: a table of formulas, and everything derived from them.
 
-A system (a file of :mod:`integrable.classical`) gives the formulas marked "table" below, written with operators for
-numbers of any field; from them :class:`MumfordSystem` makes states, divisors, the vector field, integrals, and over RR
-and MP the flow at any time. Exact fields put their bare elements into jets without directions
-(:mod:`integrable.phase.jets`), which have operators; jets with directions give exact derivatives of every formula.
+A system (a file of :mod:`integrable.classical`) defines the formulas marked "table" below, written with operators for
+numbers of any field. From them :class:`MumfordSystem` derives states, divisors, the vector field and integrals, and
+over RR and MP the flow at any time. Elements of exact fields have no operators, so they are wrapped in jets without
+directions (:mod:`integrable.phase.jets`). Jets with directions give exact derivatives of every formula.
 """
 
 from __future__ import annotations
@@ -44,12 +44,12 @@ if TYPE_CHECKING:
 
 # allowed violation of the constraints of a state, in units of the effect of the last digits of q and p
 OFF = 2.0**24
-# the least tolerance that plain steps in floats can meet
+# smallest tolerance that plain steps in floats can meet
 LEAST = 2.0**-50
 
 
 class Spectral(NamedTuple):
-    """A state on its curve y² = f(x): f and the pair (u, v), all coefficients, ascending."""
+    """A state on its curve y² = f(x): f and the pair (u, v), with all coefficients in ascending order."""
 
     f: poly.Poly
     u: poly.Poly
@@ -57,8 +57,9 @@ class Spectral(NamedTuple):
 
 
 class MumfordSystem(Made):
-    """The base of systems: ``field``, ``constants`` (elements of it), which are different where they are axes, other
-    ``parameters`` and ``size``, how many q there are.
+    """Base class of systems: ``field``, ``constants`` and ``parameters`` (elements of it), and ``size``.
+
+    ``size`` is the number of q. Constants that are axes must be different.
     """
 
     field: Any
@@ -67,7 +68,7 @@ class MumfordSystem(Made):
     size: int
 
     def _set_up(self, field: Any, values: Any, argument: str, least: int) -> None:
-        """Sets ``field`` and ``constants``; they must be different, and at least so many."""
+        """Sets ``field`` and ``constants``; these must be at least ``least`` different numbers."""
         self.field = check_field(field, "field")
         wanted = f"a sequence of at least {least} different numbers"
         given = entries(values, argument, wanted)
@@ -79,11 +80,11 @@ class MumfordSystem(Made):
     # --- the table of a system
 
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
-        """Table: what is 0 at a state, in the numbers of N."""
+        """Table: the values, in the numbers of N, that must be 0 at a state."""
         return ()
 
     def _constrained(self, N: Any, state: Point) -> Point:
-        """Table: the state with its constraints met to all digits of N, an inexact field."""
+        """Table: the state projected onto its constraints to all digits of N, an inexact field."""
         return state
 
     def _spectral(self, N: Any, state: Point) -> Spectral:
@@ -91,7 +92,7 @@ class MumfordSystem(Made):
         raise NotImplementedError
 
     def _genus(self) -> int:
-        """Table: the degree of U; 0 where it depends on the state."""
+        """Table: the degree of U; 0 if it depends on the state."""
         return 0
 
     def _direction(self, N: Any, genus: int) -> Sequence[Any]:
@@ -103,46 +104,46 @@ class MumfordSystem(Made):
         raise NotImplementedError
 
     def _auxiliary(self, N: Any, state: Point) -> tuple[Any, ...]:
-        """Table, where the equations of motion are not rational: functions of a state with which they are."""
+        """Table, if the equations of motion are not rational: functions of a state that make them rational."""
         return ()
 
     def _rational_rates(self, N: Any, state: Point, auxiliary: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Table, likewise: q', p' and the rates of those functions, by the four operations."""
+        """Table, likewise: q', p' and the derivatives of those functions, by the four operations."""
         rate = self._vector_field(N, state)
         return (*rate.q, *rate.p)
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
-        """Table: the integrals by name, numbers or tuples of them."""
+        """Table: the integrals of motion by name, as numbers or tuples of numbers."""
         raise NotImplementedError
 
     def _start(self, N: Any, state: Point) -> Start:
-        """Table: the motion with the data that it carries; here none."""
+        """Table: the start of the motion with the data that it carries; by default none."""
         f, u, v = self._spectral(N, state)
         return Start(f, u, v, self._direction(N, len(v)))
 
     def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
-        """Table: the state of a divisor of the motion that began at ``start``, ``time`` ago."""
+        """Table: the state of a divisor D that the motion from ``start`` reaches after ``time``."""
         raise NotImplementedError
 
     def _time_rate(self, N: Any, u: poly.Poly) -> Any:
-        """Table: dt/dτ at a pair; 1 where time is linear."""
+        """Table: dt/dτ at a pair; 1 if t is linear in τ."""
         return N.one
 
     complex_data = False
-    """Whether what the motion carries is complex; then ``_start`` and ``_back`` get complex numbers."""
+    """Whether the data of the motion are complex; if so, ``_start`` and ``_back`` receive complex numbers."""
 
     clocked = False
-    """Whether time is not linear; then the motion carries it, and ``_clock`` reads it."""
+    """Whether t is not linear in τ; the motion then carries t, and ``_clock`` reads it."""
 
     def _clock(self, N: Any, D: Extended) -> tuple[Any, Any]:
-        """Table, where ``clocked``: (t, dt/dτ) at a divisor of the motion."""
+        """Table, if ``clocked``: (t, dt/dτ) at a divisor of the motion."""
         raise NotImplementedError
 
     # --- what follows
 
     @property
     def numbers(self) -> Any:
-        """The field whose elements have operators: jets without directions over an exact field, else the field."""
+        """A field whose elements have operators: jets without directions over an exact field, otherwise ``field``."""
         K = self.field
         return JetField(K, 0) if K.exact and not isinstance(K, JetField) else K
 
@@ -153,7 +154,7 @@ class MumfordSystem(Made):
         return dict(zip(names, given, strict=True))
 
     def over(self, field: Any) -> Any:
-        """The same system over another field, its constants and parameters as elements of that."""
+        """The same system over another field, to which its constants and parameters are converted."""
         own = {
             name: tuple(map(check_field(field, "field").coerce, getattr(self, name)))
             for name in ("constants", "parameters")
@@ -161,7 +162,7 @@ class MumfordSystem(Made):
         return replaced(self, field=field, **own)
 
     def state(self, q: Any, p: Any) -> Point:
-        """The state with these q and p; ArgumentError where it does not meet the constraints of the system."""
+        """The state with these q and p; ArgumentError if it does not satisfy the constraints of the system."""
         state = self._floats(q, p)
         if state is not None:
             self._check(state)
@@ -178,7 +179,7 @@ class MumfordSystem(Made):
         return state
 
     def _floats(self, q: Any, p: Any) -> Point | None:
-        """The state over RR whose q and p are given as tuples of finite floats."""
+        """The state over RR if q and p are tuples of finite floats, otherwise None."""
         if not (type(q) is type(p) is tuple and len(q) == len(p) == self.size and self.field == RR):
             return None
         for x in q + p:
@@ -205,11 +206,11 @@ class MumfordSystem(Made):
 
     @cached_property
     def _checked(self) -> list[Point]:
-        """The last state that was checked."""
+        """The last state that was checked, in a list; empty before the first check."""
         return []
 
     def _constraint_sizes(self, state: Point) -> list[Any]:
-        """How much each constraint would change if all q changed by the largest of them, and all p likewise."""
+        """The change of each constraint if every q changed by the largest |q|, and every p by the largest |p|."""
         jets, n = JetField(self.field, 2 * self.size), self.size
         both = jets.variables((*state.q, *state.p))
         sizes = [max(map(abs, state.q))] * n + [max(map(abs, state.p))] * n
@@ -219,7 +220,7 @@ class MumfordSystem(Made):
         ]
 
     def _surface_sizes(self, weights: Sequence[Any], state: Point) -> list[Any]:
-        """The same for Σw_iq_i² = 1, Σw_iq_ip_i = 0 and a p other than 0."""
+        """The :meth:`_constraint_sizes` of Σw_iq_i² = 1, Σw_iq_ip_i = 0 and p ≠ 0, in closed form."""
         q, p = ([abs(w * x) for w, x in zip(weights, part, strict=True)] for part in state)
         widest, fastest = (max(map(abs, part)) for part in state)
         return [2 * widest * sum(q), widest * sum(p) + fastest * sum(q), 0]
@@ -227,7 +228,7 @@ class MumfordSystem(Made):
     _constraint_names: tuple[str, ...] = ()
 
     def _formula(self, formula: Callable[[Any, Point], Any], state: Point, finite: bool = True) -> Any:
-        """``formula(N, state)`` in the numbers of the field; PrecisionLoss where floats do not reach what it needs."""
+        """``formula(N, state)`` in the numbers of the field; PrecisionLoss if a value exceeds the range of floats."""
         N = self.numbers
         try:
             found = formula(N, self._inside(N, state))
@@ -245,7 +246,7 @@ class MumfordSystem(Made):
         )
 
     def spectral(self, state: Point) -> Spectral:
-        """f, u and v of a state, all coefficients, ascending."""
+        """f, u and v of a state, with all coefficients in ascending order."""
         return Spectral(*(tuple(map(self._bare, a)) for a in self._formula(self._spectral, state)))
 
     def divisor(self, state: Point) -> Divisor:
@@ -254,38 +255,38 @@ class MumfordSystem(Made):
         return HyperellipticCurve(self.field, f).jacobian().from_mumford(u, v)
 
     def integrals(self, state: Point) -> dict[str, Any]:
-        """The integrals by name."""
+        """The integrals of motion by name."""
         found = self._formula(self._integrals, state)
         return {name: tuple(map(self._bare, x)) if isinstance(x, tuple) else self._bare(x) for name, x in found.items()}
 
     def vector_field(self, state: Point) -> Point:
-        """(q', p')."""
+        """The derivatives (q', p') by the equations of motion."""
         return self._outside(self._formula(self._vector_field, state))
 
     def direction(self, genus: int) -> tuple[Any, ...]:
-        """The c of the motion, Σ_i x_i^k dx_i/y_i = c_k dτ."""
+        """The direction c of the motion, Σ_i x_i^k dx_i/y_i = c_k dτ."""
         wanted = f"the genus of a curve of {self!r} is an int, 1 … {self.size}"
         genus = whole(genus, "genus", wanted, 1, self.size)
         return tuple(map(self._bare, self._direction(self.numbers, genus)))
 
     def _with_symbols(self) -> MumfordSystem:
-        """The system with symbols for its constants, and for its parameters that are not 0."""
+        """The system with symbols in place of its constants and of its nonzero parameters."""
         from integrable.series.symbols import Symbol, SymbolField
 
         count = len(self.constants)
         symbols = tuple(Symbol("constant", i) for i in range(count))
-        # absent terms are omitted rather than set to 0, since they divide by quantities that may vanish
+        # terms with parameter 0 must be omitted, because they may divide by quantities that vanish
         further = tuple(Symbol("constant", count + i) if x else 0.0 for i, x in enumerate(self._standing))
         return replaced(self, field=SymbolField(), constants=symbols, parameters=further)
 
     @property
     def _standing(self) -> tuple[bool, ...]:
-        """Which parameters are not 0."""
+        """For each parameter, whether it is not 0."""
         return tuple(x != self.field.zero for x in self.parameters)
 
     @cached_property
     def _kind(self) -> Kind | None:
-        """The compiled walks of systems like this one; None where their equations are no formula."""
+        """The compiled walks of systems like this one; None if its equations cannot be recorded as a tape."""
         from integrable.series.kinds import Formulas, Kind, kind_of
 
         def made() -> Kind | None:
@@ -306,36 +307,36 @@ class MumfordSystem(Made):
                 count = 2 * n + len(self._auxiliary(RR, rest))
                 return Kind(type(self).__name__, Formulas(rates, start, 2 * n, count, n))
             except (TypeError, ArgumentError):
-                # a function of another library
+                # the equations call a function that cannot be recorded
                 return None
 
         return kind_of((type(self), self.size, len(self.constants), self._standing), made)
 
     @cached_property
     def _walk_constants(self) -> np.ndarray:
-        """The constants and parameters, floats, and one more number."""
+        """The constants and parameters as floats; a final 0 keeps the array from being empty."""
         import numpy as np
 
         return np.array([*map(float, self.constants), *map(float, self.parameters), 0.0])
 
     def flow(self, state: Point, tolerance: float | None = None) -> MumfordFlow:
-        """The motion of a state over RR or MP(digits), any time at once.
+        """The motion of a state over RR or MP(digits), at any times.
 
-        ``tolerance``: what states near the start may be off by, beside the largest q, or p, in RR; they come in half
-        the time, and ``estimate`` of the path says by how much they are. ArgumentError where it is not between 2^−50
-        and 1.
+        ``tolerance`` is the allowed error, over RR, of states near the start, relative to the largest component of q,
+        or of p. With it they take half the time, and ``estimate`` of the path is an estimate of their error.
+        ArgumentError if it is not between 2^−50 and 1.
         """
         self._check_range(state)
         return MumfordFlow(self, state, self._tolerance(tolerance))
 
     def _check_range(self, state: Point) -> None:
-        """:meth:`_check`, and PrecisionLoss where the formulas go beyond the range of floats."""
+        """Checks a state as :meth:`_check` does; also PrecisionLoss if the formulas exceed the range of floats."""
         self._check(state)
         if not self._is_ordinary(state):
             self.spectral(state)
 
     _ordinary_size = 1e9
-    """Formulas of numbers up to it, and of constants down to its inverse, stay among the floats."""
+    """Largest |q|, |p| for which formulas stay in the range of floats, given constants between 1e-9 and 1e9."""
 
     @cached_property
     def _ordinary_constants(self) -> bool:
@@ -355,14 +356,14 @@ class MumfordSystem(Made):
         return float(tolerance)
 
     def curve_point(self, state: Point, x: Any, sign: int = 1) -> tuple[Any, Any]:
-        """(x, ±√f(x)) on the curve of a state, for its steps; NotASquare where f(x) has no root in the field."""
+        """The point (x, ±√f(x)) on the curve of a state, for a step; NotASquare if f(x) has no root in the field."""
         K, sign = self.field, one_of(sign, "sign", (1, -1), "give 1 or -1")
         x = K.coerce(x, "x")
         y = K.sqrt(poly.evaluate(K, self.spectral(state).f, x))
         return x, y if sign > 0 else K.neg(y)
 
     def _time_step(self, h: Any) -> Any:
-        """h as an element of the field, RR or MP(digits), if its square is not 0; else ArgumentError."""
+        """h as an element of the field, RR or MP(digits); ArgumentError if its square is 0."""
         long_digits(self.field)
         step = self.field.coerce(h, "h")
         if self.field.mul(step, step) == self.field.zero:
@@ -370,9 +371,11 @@ class MumfordSystem(Made):
         return step
 
     def _mapped(self, state: Point, point: Any, formula: Callable[[Any, Point, Any, Any], Point]) -> Point:
-        """``formula(N, state, λ, μ)`` of a point (λ, μ) of the curve: over inexact fields in long numbers, where the
-        point is put on the curve of the state; ArgumentError where it is not near it, NotRepresentable where an exact
-        formula divides by 0, PrecisionLoss where no precision settles it.
+        """``formula(N, state, λ, μ)`` at a point (λ, μ) of the curve.
+
+        Over inexact fields it is evaluated in long numbers, and μ is recomputed so that the point is on the curve.
+        ArgumentError if the point is not near the curve, NotRepresentable if an exact formula divides by 0,
+        PrecisionLoss if no precision suffices.
         """
         found = entries(point, "point", "a pair (λ, μ)")
         if len(found) != 2:
@@ -400,7 +403,7 @@ class MumfordSystem(Made):
         return self._settled(read)
 
     def _settled(self, read: Callable[[LongField], Point]) -> Point:
-        """A state that is made in long numbers, to the digits of the field."""
+        """The state that ``read`` computes in long numbers, rounded to the digits of the field."""
         K = self.field
         rows = settled_digits(read, K.dps or ROUNDED_TO_FLOATS)
         return Point(*(tuple(element(K, c) for c in row) for row in rows))
@@ -423,7 +426,7 @@ class MumfordSystem(Made):
         return tuple(map(N.coerce, self.parameters))
 
     def _sums(self, N: Any, weights: Sequence[Any]) -> poly.Poly:
-        """Π(x − a_i)·Σ weight_i/(x − a_i), a the constants, all coefficients."""
+        """The polynomial Π(x − a_i)·Σ weight_i/(x − a_i) with all coefficients, where a are the constants."""
         a = self._constants_in(N)
         total = [N.zero] * len(a)
         for i, weight in enumerate(weights):
@@ -433,7 +436,7 @@ class MumfordSystem(Made):
 
 
 def _in_range(found: Any) -> bool:
-    """Whether there is no infinity and no NaN among numbers, if they are floats, in tuples and dicts."""
+    """Whether all floats in a number, a tuple or a dict of these are finite."""
     if isinstance(found, dict):
         found = tuple(found.values())
     if isinstance(found, tuple):
@@ -448,14 +451,14 @@ def normalized(N: Any, q: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def on_sphere(N: Any, state: Point) -> Point:
-    """q/|q|, and p without its part along it, over an inexact field."""
+    """The state with q/|q|, and p without its component along q, over an inexact field."""
     q = normalized(N, state.q)
     along = N.dot(q, state.p)
     return Point(q, tuple(y - along * x for x, y in zip(q, state.p, strict=True)))
 
 
 def uhlenbeck(a: Sequence[Any], state: Point, first: Sequence[Any]) -> tuple[Any, ...]:
-    """first_i + Σ_j (q_i p_j − q_j p_i)²/(a_i − a_j), the integrals of Uhlenbeck (Moser 1980)."""
+    """Uhlenbeck's integrals first_i + Σ_j (q_i p_j − q_j p_i)²/(a_i − a_j) (Moser 1980)."""
     q, p = state
     found = []
     for i, total in enumerate(first):
@@ -468,6 +471,6 @@ def uhlenbeck(a: Sequence[Any], state: Point, first: Sequence[Any]) -> tuple[Any
 
 
 def all_of(N: Any, spectral: tuple[Any, Any, Any], genus: int) -> Spectral:
-    """f, u, v with all their coefficients over an exact field, which trims them."""
+    """f, u, v with all coefficients of u and v restored; arithmetic over exact fields trims leading zeros."""
     f, u, v = spectral
     return Spectral(f, (*padded(N, u, genus), N.one), padded(N, v, genus))

@@ -1,8 +1,8 @@
 """States of a motion of genus 3 and more at many times in floats: from tables, or from sums in long numbers.
 
 The digits lost in a sum of double-doubles are measured. Every time is computed from two starts, with different rows of
-the tables, and accepted where both agree to more digits than a float has; otherwise from two more. New tables are
-compared with sums in long numbers.
+the tables. The state is accepted if both agree to more digits than a float has; otherwise two more starts are tried.
+New tables are compared with sums in long numbers.
 """
 
 from __future__ import annotations
@@ -18,18 +18,19 @@ from integrable.mumford.pair_tables import STARTS, PairTables
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.relatives.extended import Extended
 
-# number of times from which tables pay off; number of farthest times compared with sums in long numbers
+# number of times from which tables pay off; number of the farthest times that are compared with sums in long numbers
 MANY, WITNESSES = 200, 4
-# allowed difference between two starts, and at the farthest times from sums in long numbers, relative to the largest
-# number
+# allowed differences relative to the largest component: between two starts; from sums in long numbers at the farthest
+# times
 AGREED, RIGHT = 2.0**-57, 2.0**-50
 
 Vectors = Sequence[Sequence[Any]]
 
 
 class TabledStates:
-    """``read(times, D)`` of the motion that ``place`` starts, vectors of columns; ``by_additions(time)`` is the same in
-    floats at one time.
+    """States at many times of the motion that ``place`` starts.
+
+    ``read(times, D)`` returns their vectors as columns; ``by_additions(time)`` returns them in floats at one time.
     """
 
     def __init__(
@@ -45,21 +46,22 @@ class TabledStates:
         self._beyond = 0
 
     def at(self, times: np.ndarray) -> list[np.ndarray]:
-        """The vectors at times, shape (N, …) each, right to the last bits of floats."""
+        """The vectors at N times, each of shape (N, …), accurate to the last bits of floats."""
         reach = self._tables.reach if self._tables else -1.0
         self._beyond += int((np.abs(times) > reach).sum())
         if self._beyond >= MANY and not self._refused:
             self._beyond = 0
             made = self._made_for(times)
-            # keep the tables for nearer times
+            # if none can be made, the previous tables remain for nearer times
             self._tables, self._refused = made or self._tables, made is None
         rows = self._from_tables(self._tables, times) if self._tables else {}
         whole = [rows[i] if i in rows else self._by_additions(t) for i, t in enumerate(times.tolist())]
         return [np.array(part) for part in zip(*whole, strict=True)]
 
     def _made_for(self, times: np.ndarray) -> PairTables | None:
-        """Tables that reach these times; None if they cannot be made, if they lose half of the farthest times, or if
-        one differs from sums in long numbers.
+        """Tables that reach these times; None if they cannot be made, or if a state differs from that by additions.
+
+        Also None if the tables do not settle more than half of the farthest times.
         """
         far = times[np.argsort(-np.abs(times))[:WITNESSES]]
         try:
@@ -75,7 +77,7 @@ class TabledStates:
         return tables if 2 * len(rows) > len(far) else None
 
     def _from_tables(self, tables: PairTables, times: np.ndarray) -> dict[int, Vectors]:
-        """The vectors by the places of times, of those where two starts agree."""
+        """The vectors of those times at which two starts agree, by index of the time."""
         rows: dict[int, Vectors] = {}
         left = np.flatnonzero(np.abs(times) <= tables.reach)
         for begin in range(0, STARTS, 2):
@@ -92,7 +94,7 @@ class TabledStates:
 
 
 def _agree(one: Sequence[Column], two: Sequence[Column]) -> np.ndarray:
-    """Where two vectors of columns agree to all digits of floats."""
+    """For each row, whether two vectors of columns agree to all digits of floats."""
     size = np.max([np.abs(x.hi) for x in one], axis=0)
     found: np.ndarray = np.max([np.abs((x - y).hi) for x, y in zip(one, two, strict=True)], axis=0) <= AGREED * size
     return found

@@ -1,12 +1,12 @@
 """Motions of genus 2 on a real torus whose branch points need not be real, by theta functions.
 
-D = P₁ + P₂ has z = A⁻¹(∫_{r₀}^{P₁} + ∫_{r₀}^{P₂})(dx/y, x dx/y), r₀ a branch point, which runs evenly; on y² = f(x) of
-degree 5
+D = P₁ + P₂ has z = A⁻¹(∫_{r₀}^{P₁} + ∫_{r₀}^{P₂})(dx/y, x dx/y), r₀ a branch point; z is linear in time. On y² = f(x)
+of degree 5
 
     √|U(r_i)| = |f'(r_i)/lead|^¼·|θ[η_i](z)/θ[η_∞](z)|,   V = −∂_{(0,1)}U,
 
-with η_i the odd characteristic of the branch point r_i (Thomae; Mumford 1984). Of 16 η_0 one alone makes all η_0 + 2(q,
-p)_i odd, where ∫_{r₀}^{r_i} = Ap + Bq. A basis of the periods that A spans in the real ones makes all of it real.
+where η_i is the odd characteristic of the branch point r_i (Thomae; Mumford 1984). Exactly one of the 16 η_0 makes all
+η_0 + 2(q, p)_i odd, where ∫_{r₀}^{r_i} = Ap + Bq. All of this is real in a basis whose A spans the real periods.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ from jacobian.relatives.extended import Extended, Lift
 Real = Any
 Row = Any
 
-# bits of the numbers from which a torus is made
+# bits in which a torus is set up
 BITS = 160
 # largest number of harmonics of a series; beyond it, branch points nearly meet
 MOST_HARMONICS = 40
@@ -61,9 +61,11 @@ SMALL = 1e-20
 
 
 class ThetaSums(NamedTuple):
-    """Weights of all classes: ``table`` has ``sizes`` = (classes, rows, columns) entries of four numbers, w₊ + w₋,
-    w₊ − w₋ and the same of the derivative along a direction; a = e₁, e₁ + 2, … and b = e₂, e₂ + 2, …, where ``shifts``
-    are e₁ and e₂ of all classes. ``kinds``: 1 where a class is odd in φ, else 0. ``inverse`` as for
+    """The weights of the theta series of all classes (characteristics).
+
+    ``table`` has the shape ``sizes`` = (classes, rows, columns). An entry is four numbers: w₊ + w₋, w₊ − w₋ and the
+    same for the derivative along a direction. Rows are a = e₁, e₁ + 2, …, columns b = e₂, e₂ + 2, …; ``shifts`` are e₁
+    and e₂ of each class. ``kinds`` is 1 for a class that is odd in φ, else 0. ``inverse`` is that of
     :func:`integrable.mumford.elliptic_torus.circle`.
     """
 
@@ -75,7 +77,7 @@ class ThetaSums(NamedTuple):
 
 
 def theta_lifts(sums: ThetaSums, phases: Row, out: Row) -> None:
-    """θ_∞, then for every other class σ = θ/θ_∞ and ν = −2∂σ, at pairs of phases in turns, one after the other."""
+    """Writes, for each pair of phases in turns, θ_∞ and for every other class σ = θ/θ_∞ and ν = −2∂σ."""
     classes = sums.sizes[0]
     width = 2 * classes - 1
     for i in abreast(0, len(phases) // 2):
@@ -93,11 +95,11 @@ def theta_lifts(sums: ThetaSums, phases: Row, out: Row) -> None:
 
 
 def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real, Real]) -> tuple[Real, Real]:
-    """θ of a class and its derivative, from cosine and sine of πφ₁ and of πφ₂."""
+    """θ of class k and its derivative, from (cosine, sine) of πφ₁ and of πφ₂."""
     (c1, s1), (c2, s2), table = first, second, sums.table
     _, rows, columns = sums.sizes
     zero = 0 * c1
-    # by twice the angles, from none or one of them on
+    # harmonics advance by twice the angles, and begin at 0 or at one angle
     ca, sa, cs, ss = c1 * c1 - s1 * s1, 2 * c1 * s1, c2 * c2 - s2 * s2, 2 * c2 * s2
     a, b, start, other = 1 + zero, zero, 1 + zero, zero
     if sums.shifts[2 * k] > 0:
@@ -126,10 +128,10 @@ LIBRARY = Library("theta", {"theta_lifts": (theta_lifts, (_SUMS, WIDES, WIDES))}
 
 
 class ThetaTorus:
-    """D of a :class:`Start` of genus 2 in double-double numbers, at any times at once.
+    """D of a :class:`Start` of genus 2 in double-doubles, at any times.
 
-    ``place(K)`` makes the start in the numbers of K. PrecisionLoss where branch points nearly meet, fewer than two are
-    real, and for data other than lifts on a model of odd degree.
+    ``place(K)`` returns the start in the numbers of K. PrecisionLoss if branch points nearly meet, if fewer than two
+    are real, and for data other than lifts on a model of odd degree.
     """
 
     def __init__(self, place: Callable[[Any], Start]) -> None:
@@ -148,11 +150,11 @@ class ThetaTorus:
         return witnesses(self._paces)
 
     def reaches(self, times: np.ndarray) -> bool:
-        """Whether double-double numbers hold the fractions of all turns."""
+        """Whether double-doubles resolve the fraction of a turn at all of these times."""
         return float(np.abs(times).max(initial=0)) * max(map(abs, self._paces)) <= MOST_TURNS
 
     def at(self, times: np.ndarray) -> Extended:
-        """The pairs with their data, of columns of N numbers."""
+        """The pairs with their data at N times, as columns of N numbers."""
         phases = [Column(times) * nu + place for nu, place in zip(self._frequencies, self._places, strict=True)]
         out = np.ascontiguousarray(
             self._values(np.stack([np.stack([x.hi, x.lo], axis=-1) for x in phases], axis=1)).transpose(1, 2, 0)
@@ -161,7 +163,7 @@ class ThetaTorus:
             (kappa, size * Column(*out[2 * k + 1]), size * Column(*out[2 * k + 2]))
             for k, (kappa, size) in enumerate(self._sizes)
         ]
-        # U and V from two of their values
+        # interpolate U and V from their values at two branch points
         (e, first), (other, second) = list(zip(self._ends, data, strict=True))[:2]
         u, v = (
             [kappa * sigma * x[n] for kappa, sigma, x in ((d[0], d[1], d) for d in (first, second))] for n in (1, 2)
@@ -173,7 +175,7 @@ class ThetaTorus:
         )
 
     def _values(self, phases: np.ndarray) -> np.ndarray:
-        """The values of :func:`theta_lifts` at phases of shape (N, 2, 2): (N, width, 2)."""
+        """The values of :func:`theta_lifts`, shape (N, width, 2), at phases of shape (N, 2, 2)."""
         width = 2 * self._sums.sizes[0] - 1
         out = np.empty((width * len(phases), 2))
         LIBRARY.theta_lifts(self._sums, np.ascontiguousarray(phases).reshape(-1, 2), out)
@@ -214,14 +216,14 @@ class ThetaTorus:
             size = Z.sqrt(Z.sqrt(abs(poly.evaluate(Z, slope, roots[i])) / abs(lead))).real
             size = size * scales[k] / scales[-1] / Z.sqrt(abs(kappa)).real
             own, rate = (float(x) for x in at_start[2 * k + 1 : 2 * k + 3, 0])
-            # where σ vanishes the sign is carried by ν
+            # if σ vanishes, ν carries the sign
             if own * sigma + rate * nu_e * SMALL < 0:
                 size = -size
             self._sizes.append((Column.of(kappa), Column.of(size)))
 
 
 def lift_of(Z: LongField, start: Start, e: Any) -> tuple[Any, Any, Any]:
-    """(κ, σ, ν) at a real branch point e without a carried lift: κσ² = U, κσν = V, κν² = −W, κ = ±1."""
+    """(κ, σ, ν) at a real branch point e that carries no lift: κσ² = U, κσν = V, κν² = −W, κ = ±1."""
     whole = (*start.u[:2], start.u[0] ** 0)
     height, slope = poly.evaluate(Z, whole, e).real, poly.evaluate(Z, start.v, e).real
     if abs(height) > SMALL * (1 + e**2):
@@ -235,8 +237,9 @@ def lift_of(Z: LongField, start: Start, e: Any) -> tuple[Any, Any, Any]:
 
 
 def complex_roots(N: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
-    """The roots of f, some real ones ``known``: by real part, conjugate ones next to each other. PrecisionLoss where
-    two are not told apart by floats.
+    """The roots of f sorted by real part, with conjugate roots adjacent; ``known`` are some of the real ones.
+
+    PrecisionLoss if floats do not separate two roots.
     """
     rest = poly.quotient(N, f, poly.from_roots(N, known))
     numbers, slope = working_numbers(RR), poly.derivative(N, rest)
@@ -265,7 +268,10 @@ def complex_roots(N: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]
 
 
 class Lattice(NamedTuple):
-    """Im τ and 2Re τ, whole numbers; the numbers of values of both indices of a sum; a direction in z."""
+    """The data of a theta series: ``y`` is Im τ, ``halves`` is 2Re τ, a matrix of integers.
+
+    ``counts`` are the numbers of values of both summation indices; ``along`` is a direction in z.
+    """
 
     y: list[list[Any]]
     halves: list[list[int]]
@@ -276,8 +282,9 @@ class Lattice(NamedTuple):
 def theta_sums(
     tau: Sequence[Sequence[Any]], chars: Sequence[Whole], along: Sequence[Any]
 ) -> tuple[ThetaSums, list[Any]]:
-    """The weights of characteristics (ε + 2q, δ), derivatives ``along`` a direction in z; and what the sums of every
-    class have been divided by.
+    """The weights of the characteristics ``chars``, and for each class the number by which its sums are divided.
+
+    Derivatives are ``along`` a direction in z.
     """
     y = [[x.imag for x in row] for row in tau]
     area = float(y[0][0] * y[1][1] - y[0][1] ** 2)
@@ -294,14 +301,14 @@ def theta_sums(
 
 
 def weights_of(lattice: Lattice, char: Whole) -> tuple[list[Any], Any]:
-    """The weights of one class, and the largest term, by which they have been divided."""
+    """The weights of one class, divided by the largest term, and that term."""
     import gmpy2
 
     (e1, e2, d1, d2), (y, halves, (rows, columns), along), pi = char, lattice, half_turn()
     firsts, seconds = range(e1, e1 + 2 * rows, 2), range(e2, e2 + 2 * columns, 2)
 
     def term(a: int, m: int) -> tuple[Any, int]:
-        # the phase from Re τ, in eighths of a turn
+        # the phase from Re τ, in sixteenths of a turn
         turned = a * a * halves[0][0] + 2 * a * m * halves[0][1] + m * m * halves[1][1]
         return (a * a * y[0][0] + 2 * a * m * y[0][1] + m * m * y[1][1]) / 4, turned
 
@@ -318,7 +325,7 @@ def weights_of(lattice: Lattice, char: Whole) -> tuple[list[Any], Any]:
             size, turned = term(a, m)
             if (turned - phase) % 8:
                 raise PrecisionLoss("theta functions of this motion are not real")
-            # the terms of n and −n together
+            # the terms of n and −n are combined
             w = gmpy2.exp(-pi * (size - least)) * (2 if (a, m) != (0, 0) else 1)
             if ((turned - phase) % 16 != 0) != ((a * d1 + m * d2) % 4 in (1, 2)):
                 w = -w

@@ -1,9 +1,9 @@
-"""Classes T(τ) of a motion with constant direction on a Jacobian of any genus, and adding them.
+"""The translations T(τ) of a motion with constant direction on a Jacobian of any genus, and their addition.
 
-D(τ + δ) = D(τ) + E(δ) − E for every divisor E of the curve. E lies where the curve is real and away from its branch
-points, and E(h) comes from series (:mod:`integrable.mumford.series`). T(2^k h) is stored as E_k − E, E_{k+1} = 2E_k −
-E, while it is small and has points near infinity; later T(2^k h) itself is stored. The remainder r of τ beyond a
-multiple of h contributes E(r) − E.
+D(τ + δ) = D(τ) + E(δ) − E for every divisor E of the curve. E is chosen where the curve is real and away from its
+branch points, and E(h) is computed from series (:mod:`integrable.mumford.series`). While T(2^k h) is small, it has
+points near infinity and is stored as E_k − E, E_{k+1} = 2E_k − E; later T(2^k h) itself is stored. The remainder r of τ
+beyond a multiple of h contributes E(r) − E.
 """
 
 from __future__ import annotations
@@ -18,20 +18,21 @@ from jacobian import poly
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
 
-# h is about 2^−FRACTION of the reach of the series, so each coefficient gains that many bits
+# h is about 2^−FRACTION of the reach of the series, so each term gains at least FRACTION − 1 bits
 FRACTION = 8
-# the points of T count as not far away within this factor of those of E
+# T is in general position if its points are at most this many times as far out as those of E
 NEAR = 4
 
 Pair = tuple[poly.Poly, poly.Poly]
 
 
 class GroupTranslations:
-    """T(τ) along ``direction`` on the curve of ``group``, a group over a :class:`LongField` that has been entered.
+    """The translations T(τ) along ``direction`` on the curve of ``group``.
 
-    On a model of even degree and odd genus two divisors of degree g leave one of degree g + 1, which its class does not
-    determine: there a point P₀ is added with the one, and taken away with the other. ``ends``: of lifts, where the
-    pairs that are moved lie in double points of the curve.
+    The :class:`LongField` of ``group`` must be entered. On a model of even degree and odd genus, the sum of two
+    divisors of degree g reduces to one of degree g + 1, which its class does not determine. There a point P₀ is added
+    with one divisor, and subtracted with the other. ``ends`` are the branch points of lifts that are double points of
+    the curve at which the moved pairs have a point.
     """
 
     _fraction = FRACTION
@@ -46,7 +47,7 @@ class GroupTranslations:
         self._series = self._expanded((xs[:g], ys[:g]), pair, direction, points)
         self._start = pair[0]
         zero = self.field.zero
-        # what is added with every divisor, and what is subtracted
+        # the divisors added with every sum (_with), and those subtracted from it (_back)
         between = [] if group.odd or group.genus % 2 == 0 else [self._placed(*point, zero, point[0])]
         self._with = tuple(between)
         self._back = tuple(map(group.negate, (self._placed(*pair, zero, pair[0]), *between)))
@@ -57,12 +58,13 @@ class GroupTranslations:
         self._unseen = self._fraction
 
     def _reference(self) -> tuple[list[Any], list[Any]]:
-        """The points of E and P₀, which points of a motion on real ovals do not come near to."""
+        """The points of E and P₀, chosen so that points of a motion on real ovals do not come near them."""
         return reference(self.group)
 
     def _expanded(self, points: Any, pair: Pair, direction: Sequence[Any], others: Sequence[Any]) -> Any:
-        """E(τ) near E, given as (xs, ys) and as a pair, with the third-kind integrals of ``others``: what has ``at(τ)``
-        as a :class:`~integrable.mumford.series.PointMotion` has. Sets the ``unit`` h.
+        """An object whose ``at(τ)`` is E(τ) near E, as for :class:`~integrable.mumford.series.PointMotion`.
+
+        E is given as (xs, ys) and as a pair; ``others`` are those of the third-kind integrals. Also sets ``unit``, h.
         """
         order = self.field.bits // (FRACTION - 1) + 8
         found = PointMotion(self.field, self.group.f, points, direction, others, order)
@@ -73,11 +75,11 @@ class GroupTranslations:
         """D + T(τ)."""
         if tau == 0:
             return D
-        # r = τ − count·h in [h/2, 3h/2): E(r) is not too near to E
+        # r = τ − count·h is in [h/2, 3h/2), so that E(r) is not too close to E
         count = self._count(tau)
         place, k = count, 0
         while place:
-            # non-adjacent form (Reitwiesner 1960): a third of the digits are not 0
+            # non-adjacent form (Reitwiesner 1960): only a third of the digits are nonzero
             digit = 2 - place % 4 if place % 2 else 0
             if digit:
                 D = self.added(D, k, digit)
@@ -98,10 +100,10 @@ class GroupTranslations:
         return self._moved(D, self._double(k)) if S is None else self._with_single(D, S)
 
     def _check_growth(self, k: int) -> None:
-        """PrecisionLoss if T(2^k h) may move a pair away from a double point e in which it lies and should stay.
+        """Raises PrecisionLoss if T(2^k h) may move a pair away from a double point e at which it has to stay.
 
-        Sums keep it there to √eps, in all precisions alike. Along a motion that leaves the neighbourhood this grows as
-        1/U(e) of T does, up to 4/3 powers of it for all T together.
+        Sums keep the pair there to √eps, at every precision. Along a motion that leaves the neighbourhood this
+        deviation grows as 1/U(e) of T, in total at most as its power 4/3.
         """
         K = self.field
         for j in range(self._unseen, k + 1):
@@ -116,21 +118,21 @@ class GroupTranslations:
         return self._near(self.field.zero)
 
     def from_reference(self, D: Extended) -> Extended:
-        """D − E, less P₀ where there is one."""
+        """D − E, minus P₀ if there is one."""
         return self.group.add(D, *self._back)
 
     def _moved(self, D: Extended, E: Extended) -> Extended:
-        """D + E minus the reference."""
+        """D + E minus the reference divisor."""
         return self._settled(self._on_curve(self.group.add(self.group.add(D, E, *self._with), *self._back)))
 
     def _with_single(self, D: Extended, S: Extended) -> Extended:
         """D + S, with S from :meth:`_single`."""
         total = self.group.add(D, S, *self._with)
-        # in general position sums on models of odd degree do not drift off the curve
+        # on models of odd degree, sums in general position do not drift off the curve
         return self._settled(total if self.group.odd else self._on_curve(total))
 
     def _settled(self, D: Extended) -> Extended:
-        """D with the original κ of its lifts: two sums in odd genus have divided it by ℓ²."""
+        """D with the original κ of its lifts; two sums in odd genus divide κ by ℓ²."""
         group = self.group
         if not (group.odd and group.genus % 2):
             return D
@@ -146,14 +148,14 @@ class GroupTranslations:
 
     def _double(self, k: int) -> Extended:
         """E_k = E + T(2^k h)."""
-        # indexed, since other threads may append the same
+        # assigned by index, because other threads may compute the same entries
         for j in range(len(self._doubles), k + 1):
             E = self._doubles.get(j - 1)
             self._doubles[j] = self._near(self.unit) if E is None else self._moved(E, E)
         return self._doubles[k]
 
     def _single(self, k: int) -> Extended | None:
-        """T(2^k h), less P₀ where there is one; None while it has points near infinity: doubling loses much there."""
+        """T(2^k h), minus P₀ if there is one; None while it has points near infinity, where doubling loses bits."""
         for j in range(self._fraction + len(self._singles), k + 1):
             S = self._singles.get(j - 1)
             if S is not None:
@@ -172,7 +174,7 @@ class GroupTranslations:
         return self._placed(u, v, omega, self._start, thirds)
 
     def _placed(self, u: poly.Poly, v: poly.Poly, omega: Any, start: poly.Poly, thirds: Sequence[Any] = ()) -> Extended:
-        """A pair with its data, each continued from the pair with the U of ``start``, where lifts are 1."""
+        """A pair with its data, continued from the pair whose U is ``start``, at which lifts are 1."""
         K, data, integrals = self.field, [], iter(thirds)
         for kind in self.group.kinds:
             if isinstance(kind, Lift):
@@ -192,20 +194,22 @@ class GroupTranslations:
 
 
 def part_at(K: Any, a: poly.Poly, e: Any) -> Any:
-    """|a(e)| relative to the terms that it is a sum of; 0 for the polynomial 0."""
+    """|a(e)| relative to the sum of the absolute values of its terms; 0 for the zero polynomial."""
     size = sum(abs(c) * abs(e) ** i for i, c in enumerate(a))
     return abs(poly.evaluate(K, a, e)) / size if size > 0 else abs(K.zero)
 
 
 def reference(group: ExtendedGroup) -> tuple[list[Any], list[Any]]:
-    """The x and the y of g + 1 points apart from each other and from the branch points: real points outside the circle
-    that holds the roots of f, on the side where f > 0, or, over complex numbers, points around that circle.
+    """The x and the y of g + 1 points that are apart from each other and from the branch points.
+
+    They are real points outside the circle that contains the roots of f, on the side where f > 0. Over complex numbers
+    they are points around that circle.
     """
     K, f, g = group.field, group.f, group.genus
     lead, degree = f[-1], len(f) - 1
     centre = -f[-2] / (degree * lead)
     shifted = poly.shift(K, f, centre)
-    # Fujiwara's bound (1916) of the distance of the roots from the centre
+    # Fujiwara's bound (1916) on the distance of the roots from the centre
     sizes = [float(abs(c / lead) ** (K.one.real / (degree - i))) for i, c in enumerate(shifted[:-1])]
     reach = 2.0 ** math.frexp(2 * max(sizes) or 1.0)[1]
     if K.complex:
