@@ -79,7 +79,7 @@ def _chart(study: Study) -> str:
 
 def _line(found: SceneFindings, columns: list[float | None]) -> str:
     name, standings = found.scene.name, {standing.T: standing for standing in found.standings}
-    cells = "".join(_cell(standings.get(T)) for T in columns)
+    cells = "".join("<td>refused</td>" if T in found.refused else _cell(standings.get(T)) for T in columns)
     cells += "".join(f"<td>{cell}</td>" for cell in once_cells(found.standings))
     return f'<tr><td><a href="{name}.html" title="{html.escape(found.scene.title)}">{name}</a></td>{cells}</tr>\n'
 

@@ -112,8 +112,8 @@ def _truth(study: Study) -> Claim:
 def _no_silence(study: Study) -> Claim:
     silent = [f.scene.name for f in study.findings if f.silently_wrong]
     failed = [c for f in study.findings for c in f.failures]
-    stopped = sum(c["stopped"] and c["row"]["kind"] == "flow" for c in failed)
-    refused = sum(c["row"]["kind"] in ("flow", "orbit") for c in failed)
+    stopped = sum(c["stopped"] and c["row"]["kind"] in ("flow", "horizon") for c in failed)
+    refused = sum(c["row"]["kind"] in ("flow", "horizon", "orbit") for c in failed)
     return (
         "No scene crashes, hangs or returns a wrong value without saying so.",
         f"{refused} rows of the flow raised a named error, {stopped} were stopped, {len(silent)} are wrong by more "

@@ -55,7 +55,7 @@ def _none_yet(behind: Behind) -> str:
 
 
 def _how_far(behind: Behind) -> str:
-    """How far a row is ahead of the flow, in errors and in run times."""
+    """The ratios of errors and of run times by which a row is ahead of the flow, as text."""
     row = behind.row["result"]
     if behind.cheaper and behind.first is not None:
         error, time = (row[key] / (behind.first[key] or row[key] or 1) for key in ("error_gamma", "total"))
@@ -72,12 +72,12 @@ def horizon_name(T: float | None) -> str:
 
 def horizon_cells(found: SceneFindings, columns: Sequence[float | None]) -> tuple[str, ...]:
     standings = {standing.T: standing for standing in found.standings}
-    cells = (ratio_cell(standings.get(T)) for T in columns)
+    cells = ("refused" if T in found.refused else ratio_cell(standings.get(T)) for T in columns)
     return (found.scene.name, *cells, *once_cells(found.standings))
 
 
 def once_cells(standings: Sequence[Standing]) -> tuple[str, str, str, str]:
-    """What a system and a machine cost once: the flow and its fastest competitors, each from least to most."""
+    """The ranges of one-time costs, per system and per machine, of the flow and of its fastest competitors."""
     sides = ([s.flow for s in standings], [s.peer for s in standings if s.peer is not None])
     first, second, third, fourth = (
         _span([row[part] for row in side]) for part in ("system", "machine") for side in sides
@@ -93,12 +93,12 @@ def _span(seconds: Sequence[float]) -> str:
 
 
 def taken(row: dict[str, Any]) -> str:
-    """The run time of a row, with a mark where it scatters."""
+    """The run time of a row as text, with a mark if repeated runs scatter."""
     return duration(row["total"]) + (SCATTERS if row.get("mad", 0.0) > SCATTER else "")
 
 
 def ratio_cell(standing: Standing | None) -> str:
-    """A standing as a ratio, or the bound that it exceeds.
+    """A standing as the text of a ratio, or of a lower bound.
 
     "none": no method was accurate enough; "stopped": strong methods could not run; –: no standing.
     """

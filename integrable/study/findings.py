@@ -1,4 +1,4 @@
-"""Evaluation of a study's rows: who is ahead at equal run time, errors relative to the floor, observed orders."""
+"""Evaluation of a study's rows: which method is more accurate in equal run time, errors over the floor, orders."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ COARSE = 0.1
 
 @dataclass(frozen=True)
 class Behind:
-    """A comparator's row that no row of the flow beats in error in the same time or less."""
+    """A comparator's row for which no row of the flow has a smaller error in the same time or less."""
 
     scene: str
     row: dict[str, Any]
@@ -55,7 +55,7 @@ class Behind:
 
 @dataclass(frozen=True)
 class Standing:
-    """The flow in floats beside the fastest other method whose error is at most the flow's or the floor."""
+    """The flow in floats compared with the fastest other method whose error is at most the flow's or the floor."""
 
     T: float | None
     """The time, in time scales of the motion; None: all times of the scene."""
@@ -70,19 +70,21 @@ class Standing:
 
     @property
     def ratio(self) -> float:
-        """The run time of the other over that of the flow."""
+        """The other method's run time divided by the flow's; infinite if there is none."""
         return inf if self.peer is None else float(self.peer["total"] / self.flow["total"])
 
     @property
     def least(self) -> float | None:
-        """Where no other was accurate enough and some were stopped: a lower bound of their times over the flow's."""
+        """A lower bound of the ratio of run times, where no other method was accurate enough and some were stopped."""
         slower = [told["slower"] for told in self.tried.values() if "slower" in told]
         return float(max(slower) / self.flow["total"]) if self.peer is None and slower else None
 
     @property
     def outcome(self) -> str:
-        """ "met": another is as accurate; "slower": it would be, if at all, beyond its time limit; "none": strong
-        methods ran and none was accurate enough; "stopped": they could not run.
+        """The outcome of the comparison in a word.
+
+        "met" means that another method is as accurate. "slower" means that it could be so only beyond its time limit.
+        "none" means that strong methods ran and none was accurate enough, "stopped" that they could not run.
         """
         if self.peer is not None:
             return "met"
@@ -94,7 +96,7 @@ class Standing:
 
 @dataclass
 class SceneFindings:
-    """The rows of a scene by kind, and their evaluation. ``total`` counts a start."""
+    """The rows of a scene by kind, and their evaluation. The time ``total`` includes a start."""
 
     scene: Scene
     flow: list[dict[str, Any]] = field(default_factory=list)
@@ -130,7 +132,7 @@ class SceneFindings:
 
     @property
     def judged(self) -> dict[str, Any] | None:
-        """The row that is compared with the floor: :attr:`best`, or of an orbit over real numbers its row in floats."""
+        """The row that is compared with the floor: :attr:`best`, or the row in floats of an orbit over real numbers."""
         if self.orbit is None:
             return self.best
         rows: list[dict[str, Any]] = self.orbit["rows"]
@@ -138,7 +140,7 @@ class SceneFindings:
 
     @property
     def over_floor(self) -> float | None:
-        """The larger of error/floor for γ and for M, of the flow or the orbit in floats: up to 10 is as promised."""
+        """The larger of error/floor for γ and for M, of the flow or orbit in floats. The package promises at most 10."""
         if self.floor is None or self.judged is None:
             return None
         row, floor = self.judged, self.floor
@@ -146,7 +148,7 @@ class SceneFindings:
 
     @property
     def silently_wrong(self) -> bool:
-        """Whether returned states are wrong beyond use and beyond the effect of rounding the inputs."""
+        """Whether the returned states have errors too large for use, which rounding of the inputs does not explain."""
         row = self.judged
         if row is None or self.over_floor is None:
             return False
@@ -154,7 +156,7 @@ class SceneFindings:
 
     @property
     def cause(self) -> str:
-        """The source of an error above the floor: off the level set of the integrals, or along it, in the phase."""
+        """The direction of an error above the floor: off the level set of the integrals, or along it (in the phase)."""
         row = self.judged
         if row is None:
             return ""
@@ -166,8 +168,10 @@ class SceneFindings:
 
     @property
     def doubtful(self) -> bool:
-        """Whether the truth differs from the independent integrator by more than its digits allow, or is that
-        integrator alone.
+        """Whether the truth is unconfirmed.
+
+        That is so if it differs from the independent integrator by more than its digits allow, or if it was computed
+        by that integrator alone.
         """
         if self.truth is None:
             return False
@@ -179,10 +183,15 @@ class SceneFindings:
 
     @property
     def standings(self) -> list[Standing]:
-        """At single times, the shortest first, and then over the times of the scene."""
+        """The comparisons at single times, the shortest first, then the one over all times of the scene."""
         rows = [(content["row"]["value"], content["result"]) for content in self.horizons]
         rows.sort(key=lambda row: (row[0] is None, row[0]))
         return [Standing(T, *(r[key] for key in ("flow", "peer", "tried", "strong"))) for T, r in rows]
+
+    @property
+    def refused(self) -> list[float | None]:
+        """The times, as in :attr:`Standing.T`, at which the flow raised an error or was stopped."""
+        return [content["row"]["value"] for content in self.failures if content["row"]["kind"] == "horizon"]
 
     def behind(self) -> list[Behind]:
         """The comparators' rows that the flow does not beat."""
@@ -200,7 +209,10 @@ class SceneFindings:
 
     @staticmethod
     def _beside(row: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
-        """A result of the flow, in floats with its run time in turn with a comparator's row."""
+        """A result of the flow for comparison with a row.
+
+        In floats its run time is that measured in turn with the comparator, if there is one.
+        """
         in_turn = own["row"]["setting"] == "floats" and "flow" in row
         result: dict[str, Any] = own["result"]
         return {**result, "total": row["flow"]} if in_turn else result
@@ -220,7 +232,7 @@ class SceneFindings:
 
 @dataclass(frozen=True)
 class Study:
-    """The data of the page."""
+    """The data of a study's page."""
 
     findings: list[SceneFindings]
     mode: str
@@ -241,7 +253,7 @@ class Study:
 
     @property
     def motions(self) -> list[SceneFindings]:
-        """The findings of scenes that move."""
+        """The findings of the scenes that are motions."""
         return [f for f in self.findings if f.scene.steps is None]
 
     @property
@@ -254,7 +266,7 @@ class Study:
 
     @property
     def orbits(self) -> list[SceneFindings]:
-        """The findings of scenes that step, where they have any."""
+        """The findings of the scenes that are orbits and have an orbit's result."""
         return [f for f in self.findings if f.orbit is not None]
 
     @property
@@ -272,7 +284,10 @@ class Study:
 
     @property
     def behind_by_method(self) -> list[tuple[Behind, int]]:
-        """For each scene and method the most accurate of :attr:`behind` and how many there are, in the same order."""
+        """The most accurate row of :attr:`behind` for each scene and method, with the number of such rows.
+
+        The order is that of :attr:`behind`.
+        """
         groups: dict[tuple[str, str], list[Behind]] = {}
         for behind in self.behind:
             groups.setdefault((behind.scene, behind.row["row"]["method"]), []).append(behind)
@@ -301,7 +316,7 @@ def gather(scenes: Sequence[Scene], contents: Iterable[dict[str, Any]]) -> list[
 
 
 def study_from(data: dict[str, Any], scenes: Sequence[Scene]) -> Study:
-    """The study that a report.json holds, ``scenes`` being those that it names."""
+    """The study in the data of a report.json; ``scenes`` are those that it names."""
     taken = ("mode", "command", "versions", "machine", "seconds", "dates", "commits", "load")
     missing = [name for name in scene_names() if name not in {scene.name for scene in scenes}]
     return Study(
@@ -310,10 +325,10 @@ def study_from(data: dict[str, Any], scenes: Sequence[Scene]) -> Study:
 
 
 def fitted_slope(steps: Sequence[float], errors: Sequence[float]) -> float | None:
-    """The least-squares slope of log error against log step, of the points above the plateau of rounding.
+    """The least-squares slope of log error against log step, for the points above the plateau of rounding.
 
-    The plateau is what lies within 30 times the least error, unless that is far above rounding; errors above 0.1 are
-    left out too. None with fewer than three points.
+    The plateau consists of points within 30 times the least error, unless that error is far above rounding. Errors
+    above 0.1 are also left out. The result is None with fewer than three points.
     """
     least = min((e for e in errors if e > 0), default=0.0)
     bound = PLATEAU * least if least < 1e-11 else 0.0

@@ -38,7 +38,7 @@ ORDER_TOLERANCE = 0.5
 
 
 def answer(study: Study) -> str:
-    """The study on the terminal: rows where the flow is not ahead, then a line for each scene."""
+    """The text of a study for the terminal: the rows where the flow is not ahead, then one line per scene."""
     behind = [behind_cells(study, *entry) for entry in study.behind_by_method]
     none = "The divisor flow is ahead of every row." if any(f.comparators for f in study.motions) else NO_OTHERS
     lines = ["Rows where the divisor flow is not ahead:" if behind else none]
@@ -60,7 +60,7 @@ def page(study: Study) -> str:
 
 
 def in_one_minute(study: Study) -> str:
-    """The summary: where the flow is faster and by how much, where others are, where no other is as accurate."""
+    """The summary: where the flow is faster and by how much, where others are faster, and where none is as accurate."""
     rows: list[tuple[str, ...]] = [
         (
             "at",
@@ -69,6 +69,7 @@ def in_one_minute(study: Study) -> str:
             "another faster",
             "no other as accurate",
             "others could not run",
+            "flow refused",
             "time of fastest other ÷ flow: least … median … most",
         )
     ]
@@ -80,9 +81,10 @@ def in_one_minute(study: Study) -> str:
             len(ahead),
             len(met) - sum(r >= 1 for r in met),
             *(sum(s.outcome == name for s in found) for name in ("none", "stopped")),
+            refused := sum(T in f.refused for f in study.motions),
         )
         spread = f"{met[0]:.2g} … {met[len(met) // 2]:.2g} … {met[-1]:.2g}" if met else "–"
-        rows.append((horizon_name(T), str(len(found)), *map(str, counts), spread))
+        rows.append((horizon_name(T), str(len(found) + refused), *map(str, counts), spread))
     text = (
         "States are requested at one time T, in time scales of the motion (a body turns by about a radian in one), or "
         "at all times of the scene. The flow is compared with the fastest other method whose error is at most the "
@@ -105,11 +107,14 @@ def in_one_minute(study: Study) -> str:
         if any(s.outcome == "none" for s in f.standings)
     ]
     nobody = f"**No other method is as accurate** on {'; '.join(alone)}. " if alone else ""
-    return f"{text}\n\n{_markdown(rows)}\n{said}{nobody}The tables below have each case, with times and errors of both."
+    gone = [f"{f.scene.name} ({', '.join(map(horizon_name, f.refused))})" for f in study.motions if f.refused]
+    lost = f"**The flow refused** {'; '.join(gone)}, with the reason below. " if gone else ""
+    tables = "The tables below have each case, with times and errors of both."
+    return f"{text}\n\n{_markdown(rows)}\n{said}{nobody}{lost}{tables}"
 
 
 def introduction(study: Study) -> str:
-    """How and on which machine it was measured, or on which machines if kept rows are from another."""
+    """The text that says how the study was measured and on which machines."""
     return (
         f"Written by `{study.command}`. Every row is one method with one setting on one scene.\n\n"
         "**Run times.** One rule holds for all methods. Costs are counted *once a machine* (compilation that depends "
@@ -165,7 +170,7 @@ def _machine(study: Study) -> str:
 
 
 def _load(study: Study) -> str:
-    """Whether other programs kept the machine busy during the study."""
+    """A sentence about the machine's load during the study."""
     if study.load is None:
         return ""
     busy = ": a busy machine, whose run times are long and scatter" if study.load > BUSY else ""
@@ -173,7 +178,7 @@ def _load(study: Study) -> str:
 
 
 def _section(title: str, text: str, rows: Sequence[Sequence[str]]) -> str:
-    """A heading, an explanation, and the table; nothing for an empty table."""
+    """A heading, an explanation and a table; "" if the table is empty."""
     return f"## {title}\n\n{text}\n\n{_markdown(rows)}" if len(rows) > 1 else ""
 
 
@@ -196,10 +201,11 @@ def _horizons(study: Study) -> str:
         "by that of the flow in floats: above 1 the flow is faster. Sufficiently accurate: with an error at most the "
         "flow's, or at most the effect of rounding the inputs. >x: no competitor finished in x times the flow's time. "
         "none: no method that was run reached that accuracy. stopped: the methods could not run, because of a pole or "
-        "because they gave up. Columns are one time T, in time scales of the motion, or all times of the scene. The "
-        "last four columns have the costs that no ratio includes, of the flow and of these competitors: once a system, "
-        "and once a machine as measured at first use in this process. Systems of one kind share code of the flow; its "
-        "import or compilation is counted for the first of them."
+        "because they gave up. refused: the flow raised an error that names the reason. Columns are one time T, in time "
+        "scales of the motion, or all times of the scene. The last four columns have the costs that no ratio includes, "
+        "of the flow and of these competitors: once a system, and once a machine as measured at first use in this "
+        "process. Systems of one kind share code of the flow; its import or compilation is counted for the first of "
+        "them."
     )
     columns = study.horizons
     once = ("flow, once a system", "competitor, once a system", "flow, once a machine", "competitor, once a machine")
@@ -300,7 +306,7 @@ def _not_measured(study: Study) -> str:
 
 
 def scene_section(study: Study, found: SceneFindings) -> str:
-    """A scene: its figure and its rows."""
+    """The section of one scene: its figure and its rows."""
     scene = found.scene
     lines = [f"## {scene.name}: {scene.title}\n", " ".join(scene.description.split()) + "\n"]
     if scene.name in study.figures:
