@@ -1,1 +1,4 @@
-"""Sweeps: motions over a grid of a scene's numbers, or of an ensemble, in chunks on any executor, to one file."""
+"""Sweeps: many motions, over a grid of a scene's numbers or of an ensemble, written to one file.
+
+They are computed in chunks, on any executor.
+"""

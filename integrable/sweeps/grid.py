@@ -16,7 +16,7 @@ __all__ = ["MASS", "Grid", "from_words"]
 
 MOST_VALUES = 10**7
 MOST_MEMBERS = 10**8
-# columns of a row: moments, d, γ, M as in an ensemble, then c, the potential, mass and radius
+# columns of a row: moments, d, γ and M as in an ensemble, then c, the potential, mass and radius
 MEMBER, C, POTENTIAL, MASS, RADIUS, PLACES = 10, 10, slice(11, 16), 16, 17, 18
 D, INERTIA, M = 3, slice(0, 3), slice(7, 10)
 NAMES = {
@@ -29,7 +29,7 @@ WANTED = "first:last:count, first:last:count:log or values with commas, such as 
 
 
 class Grid:
-    """All combinations of the values, the last name varying fastest. ``axes`` has the values of each name."""
+    """All combinations of the varied numbers; the last name varies fastest. ``axes`` holds the values of each name."""
 
     def __init__(self, scene: Scene, vary: Any) -> None:
         if scene.steps is not None or scene.finite_field:
@@ -53,14 +53,14 @@ class Grid:
         return int(np.prod(self.shape, dtype=np.int64))
 
     def values(self, begin: int, end: int) -> dict[str, np.ndarray]:
-        """The values of the members from ``begin`` to ``end``, by name."""
+        """The varied values of members ``begin`` to ``end`` − 1, by name."""
         if not self.axes:
             return {}
         places = np.unravel_index(np.arange(begin, end), self.shape)
         return {name: values[at] for (name, values), at in zip(self.axes.items(), places, strict=True)}
 
     def rows(self, begin: int, end: int) -> np.ndarray:
-        """The numbers of those members, shape (end − begin, PLACES); NaN where the scene has none."""
+        """All numbers of members ``begin`` … ``end`` − 1, shape (end − begin, PLACES); NaN where there is none."""
         rows, values = np.tile(self._base, (end - begin, 1)), self.values(begin, end)
         for name, given in values.items():
             if name in NAMES:
@@ -90,7 +90,7 @@ def _base(scene: Scene) -> np.ndarray:
 
 
 def from_words(words: Iterable[str]) -> dict[str, str]:
-    """``name=values`` as the command writes them."""
+    """A dictionary of the command's arguments ``name=values``."""
     vary: dict[str, str] = {}
     for word in words:
         name, equals, values = word.partition("=")
@@ -129,7 +129,7 @@ def _parsed(name: str, text: str) -> list[float]:
     steps = max(1, count - 1)
     if log:
         return [*(float(first) * ratio ** (k / steps) for k in range(count - 1)), float(last)]
-    # a quotient of ints, so that it is rounded once
+    # a quotient of two integers, which is rounded only once
     below = first.denominator * last.denominator
     begin, end = int(first * below), int(last * below)
     return [(begin * steps + (end - begin) * k) / (below * steps) for k in range(count)]

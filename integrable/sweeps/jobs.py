@@ -1,4 +1,4 @@
-"""The work of a sweep's worker: the states of the members of one chunk. Everything here can be pickled."""
+"""The work of a sweep's worker: it computes the states of one chunk's members. Everything here can be pickled."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class BodyJob(NamedTuple):
 
 
 class SceneJob(NamedTuple):
-    """Any system: a scene, and the numbers that replace its own for each member
+    """Members of any system: a scene, and for each member the numbers that replace the scene's
     (:meth:`integrable.sweeps.grid.Grid.rows`).
     """
 
@@ -37,7 +37,10 @@ class SceneJob(NamedTuple):
 
 
 class Part(NamedTuple):
-    """γ, M and τ, shape (k, N, 7), the status of each row, shape (k, N), the ways, shape (k,), and the reasons."""
+    """The states of k members at N times: γ, M and τ of shape (k, N, 7), and each row's status of shape (k, N).
+
+    It also has the way of each member, shape (k,), and the reasons for refusals.
+    """
 
     rows: np.ndarray
     status: np.ndarray
@@ -46,7 +49,7 @@ class Part(NamedTuple):
 
 
 def done(job: BodyJob | SceneJob) -> Part:
-    """The states, on one thread: other workers compute the other chunks."""
+    """The states of a job, computed on one thread, since other workers compute other chunks."""
     if isinstance(job, BodyJob):
         out = np.empty((len(job.members), len(job.times), COLUMNS))
         return _part(out, computed(job.system, job.members, job.tilted, job.times[None], out, most=1))
@@ -60,7 +63,7 @@ def _part(out: np.ndarray, found: Outcome) -> Part:
 
 
 def _motion(scene: Scene, row: np.ndarray) -> Motion:
-    """The motion of one member; raises its refusal."""
+    """The motion of one member; raises an error if the member is refused."""
     exact: list[Any] = [None if np.isnan(x) else Fraction(float(x)) for x in row]
     own: Any = dataclasses.replace(
         scene,

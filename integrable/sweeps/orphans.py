@@ -1,7 +1,7 @@
 """Worker processes that end with the process that started them.
 
-A process killed by a signal does not notify its workers: those of a pool would wait for work for ever, others would
-first finish their task.
+A process killed by a signal does not notify its workers. Workers of a pool would wait for work for ever, and others
+would first finish their task.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ __all__ = ["end_with_parent", "processes"]
 
 
 class _Processes(ProcessPoolExecutor):
-    """Processes are started when there is work; an interrupt of this process does not reach them."""
+    """A pool that starts processes when there is work. An interrupt of this process does not reach them."""
 
     def submit(self, *arguments: Any, **options: Any) -> Future[Any]:
         with shielded():
@@ -31,7 +31,7 @@ class _Processes(ProcessPoolExecutor):
 
 @contextmanager
 def processes(count: int) -> Iterator[ProcessPoolExecutor]:
-    """That many worker processes; they are killed if an exception, such as an interrupt, leaves the block."""
+    """A pool of ``count`` processes. They are killed if an exception, such as an interrupt, leaves the block."""
     # spawn, because a fork would copy the locks of this process's threads
     pool = _Processes(count, mp_context=get_context("spawn"), initializer=end_with_parent)
     try:
@@ -45,8 +45,9 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def end_with_parent() -> None:
-    """In a process of :mod:`multiprocessing`: it now ends as soon as its parent does, with its process group if it
-    leads one.
+    """Makes this process end as soon as its parent does, together with its process group if it leads one.
+
+    It has an effect in processes started by :mod:`multiprocessing`.
     """
     parent = parent_process()
     if parent is not None:

@@ -1,6 +1,7 @@
-"""The storage of a sweep: a folder beside its file while it runs, with every finished chunk, then the file itself.
+"""The storage of a sweep. While it runs, a folder next to its file holds every finished chunk; at the end the file is
+made from them.
 
-Only the calling process writes; workers return their parts. A chunk is first written and then noted in the journal,
+Only the calling process writes; workers return their parts. A chunk is first written, then entered in the journal,
 which is replaced as a whole. So every chunk in the journal is complete, however the process ends.
 """
 
@@ -39,8 +40,9 @@ DAMAGED = (OSError, EOFError, KeyError, ValueError, TypeError, BadZipFile, Runti
 
 @dataclass(frozen=True)
 class Layout:
-    """A sweep: the number of members, times and chunk size, the parameters of the members, common attributes, and the
-    ``stamp`` of everything that the states depend on.
+    """The layout of a sweep's file: number of members, times, chunk size, parameters of the members, common attributes.
+
+    ``stamp`` is a hash of everything that the states depend on.
     """
 
     count: int
@@ -61,8 +63,10 @@ class Layout:
 
 
 class Store:
-    """The folder and the file of a sweep. ``done`` are the finished chunks, ``refused`` the number of members with
-    refused rows; ``complete``: the file existed already.
+    """The folder and the file of a sweep.
+
+    ``done`` holds the finished chunks, ``refused`` counts members with refused rows, and ``complete`` says whether the
+    file existed already.
     """
 
     def __init__(self, out: Any, layout: Layout) -> None:
@@ -83,7 +87,7 @@ class Store:
             if found.get("stamp") != layout.stamp:
                 raise ArgumentError(f"out = {shown(str(out))}: another file is there; give another name, or move it")
             self.refused = int(found["refused"])
-            # left by a sweep that was killed at its very end
+            # the folder was left by a sweep killed after it had written its file
             shutil.rmtree(self.folder, ignore_errors=True)
 
     def __enter__(self) -> Store:
@@ -159,7 +163,7 @@ class Store:
         self._note()
 
     def _read(self) -> None:
-        """Resume from the folder; a chunk that is missing or damaged is computed again."""
+        """Resume from the folder; missing and damaged chunks will be computed again."""
         try:
             content = json.loads(self._journal.read_text(encoding="utf-8"))
             stamp, noted, reasons = content["stamp"], set(content["done"]), [str(x) for x in content["reasons"]]
@@ -184,7 +188,7 @@ def refused(status: np.ndarray) -> int:
 
 
 def described(layout: Layout, reasons: list[str]) -> dict[str, Column]:
-    """Every array of the file, those of the states without their values."""
+    """Every array of the file; those of the states have no values yet."""
     dims, none = ("member", "time"), np.empty(0)
     return {
         "member": Column(("member",), np.arange(layout.count), "1", "number of the member"),
@@ -198,7 +202,7 @@ def described(layout: Layout, reasons: list[str]) -> dict[str, Column]:
 
 
 def shapes(layout: Layout, count: int) -> dict[str, tuple[tuple[int, ...], type]]:
-    """Shapes and kinds of the arrays that are written in chunks, for that many members."""
+    """Shapes and types of the arrays that are written in chunks, for ``count`` members."""
     rows = (count, len(layout.times))
     return {
         "gamma": ((*rows, 3), np.float64), "M": ((*rows, 3), np.float64), "tau": (rows, np.float64),
@@ -207,7 +211,7 @@ def shapes(layout: Layout, count: int) -> dict[str, tuple[tuple[int, ...], type]
 
 
 class _Zarr:
-    """Chunks are those of the arrays of a zarr store, which is moved when it is complete."""
+    """Storage as zarr: each part is a chunk of the arrays, and the store is moved into place when it is complete."""
 
     def __init__(self, folder: Path, layout: Layout) -> None:
         self._states, self._layout = folder / STATES, layout
@@ -279,7 +283,7 @@ class _Zarr:
 
 
 class _Hdf5:
-    """Chunks are separate files until all are finished, because a truncated HDF5 file cannot be read."""
+    """Storage as HDF5: chunks are separate files until all are finished, as a truncated HDF5 file cannot be read."""
 
     def __init__(self, folder: Path, layout: Layout) -> None:
         self._folder, self._layout = folder, layout
@@ -288,7 +292,7 @@ class _Hdf5:
         return self._folder / f"{chunk:08d}.npz"
 
     def begin(self) -> None:
-        """Nothing to begin with."""
+        """Does nothing: chunks need no common file."""
 
     def put(self, chunk: int, arrays: dict[str, np.ndarray]) -> None:
         content = io.BytesIO()
@@ -311,7 +315,7 @@ class _Hdf5:
     def finish(self, path: Path, attributes: dict[str, Any], made: dict[str, Column]) -> None:
         import h5py
 
-        # in the folder, which is removed with any remains of a killed process
+        # the temporary file is in the folder, so that remains of a killed process are removed with it
         with replacing(path, self._folder) as temporary:
             with Patient(temporary) as target:
                 try:
@@ -320,7 +324,7 @@ class _Hdf5:
                         self._join(file, made, target)
                         scaled(file, made)
                 except Exception:
-                    # of a file that was not written
+                    # after a failed write the library's own error is only a consequence
                     if target.error is None:
                         raise
             if target.error is not None:

@@ -33,18 +33,18 @@ from jacobian.numbers.threads import threads
 __all__ = ["SweepStopped", "Swept", "sweep"]
 
 CHUNK, CHUNK_STATES = 1024, 1 << 18
-# chunks in progress for each worker, and for an executor that does not tell its number of workers
+# chunks in progress: per worker, and in total where an executor does not tell its number of workers
 AHEAD, UNKNOWN = 3, 32
 KINDS = ("processes", "threads")
 
 
 class SweepStopped(JacobianError):
-    """An executor has died; written chunks stay, and the same call resumes."""
+    """Raised when an executor has died. Written chunks are kept, and the same call resumes the sweep."""
 
 
 @dataclass(frozen=True)
 class Swept:
-    """The result of :func:`sweep`: the file, the number of members, and how many of them have refused rows."""
+    """The result of :func:`sweep`: the file, the number of members, and the number of members with refused rows."""
 
     path: Path
     members: int
@@ -76,20 +76,22 @@ def sweep(
     chunk: int | None = None,
     progress: bool = False,
 ) -> Swept:
-    """The states of many motions in one file, ``out``, .zarr or .h5, which appears when it is complete.
+    """Computes many motions and writes their states to one file ``out`` (.zarr or .h5), which appears when complete.
 
-    They are those of a scene with all combinations of the numbers in ``vary``, at its times, or of an ensemble at
-    ``times``. ``vary`` has a list of numbers or "first:last:count" for each name: "d", "M.scale", "inertia.2", …
-    (docs/many.md). ``executor``: "processes" or "threads", as many as :func:`jacobian.numbers.threads.threads` says, or
-    any ``concurrent.futures.Executor``. Chunks of ``chunk`` members are kept beside ``out`` as they finish; the same
-    call resumes a sweep that was killed. A refused member is a row with its reason. ``progress`` draws a bar on stderr.
-    ArgumentError for wrong arguments, a full disk, and an existing file; SweepStopped where the executor dies.
+    The motions are those of a scene at its times, for all combinations of the numbers in ``vary``, or those of an
+    ensemble at ``times``. ``vary`` maps each name ("d", "M.scale", "inertia.2", … in docs/many.md) to a list of
+    numbers or to "first:last:count". ``executor`` is "processes" or "threads", in the number that
+    :func:`jacobian.numbers.threads.threads` returns, or any ``concurrent.futures.Executor``.
+
+    Each finished chunk of ``chunk`` members is kept in a folder next to ``out``, so the same call resumes a sweep that
+    was killed. A refused member is a row with its reason. ``progress`` draws a bar on stderr. Raises ArgumentError for
+    wrong arguments, a full disk or an existing file, and SweepStopped where the executor dies.
     """
     source = _Source.of(what, vary, times)
     if not isinstance(executor, Executor):
         executor = one_of(executor, "executor", KINDS, "give 'processes', 'threads', or a concurrent.futures.Executor")
     chunk = source.usual_chunk if chunk is None else whole(chunk, "chunk", "an int ≥ 1 is needed", 1)
-    # at most all members, so that the layout is the same for any larger number
+    # a chunk has at most all members, so that all larger values of ``chunk`` give the same layout
     chunk = min(chunk, max(1, len(source)))
     bar = flag(progress, "progress") and not without({"tqdm": "the progress bar"})
     store, count = Store(out, source.layout(chunk)), len(source)
@@ -126,7 +128,7 @@ class _Source:
         return max(1, min(CHUNK, CHUNK_STATES // max(1, len(self.times)), -(-len(self) // 4)))
 
     def layout(self, chunk: int) -> Layout:
-        """The layout for the store."""
+        """The layout of the file, for the store."""
         arrays = {"times": self.times, **{name: column.values for name, column in self.parameters().items()}}
         known = {name: [array.shape, _digest(array.tobytes())] for name, array in arrays.items()}
         whole = _digest(json.dumps([version(), chunk, self.identity(), known]).encode())
@@ -136,7 +138,7 @@ class _Source:
         raise NotImplementedError
 
     def job(self, begin: int, end: int) -> BodyJob | SceneJob:
-        """The job of a range for a worker."""
+        """The job for members ``begin`` to ``end`` − 1."""
         raise NotImplementedError
 
     def identity(self) -> Any:
@@ -245,7 +247,7 @@ def _fill(source: _Source, store: Store, pool: Executor, workers: int, tick: Any
     except Exception as error:
         _keep_finished(store, under_way)
         why = f"{type(error).__name__}: {' '.join(str(error).split())}"
-        # if processes end at once, the message names the usual cause that a user can remedy
+        # if the processes end at once, the message names the usual cause, which the user can remedy
         ended = isinstance(error, BrokenProcessPool) and not store.done
         hint = "; a script starts processes under if __name__ == '__main__'" if ended else ""
         kept = f"{len(store.done)} of {store.layout.chunks} chunks are kept in {str(store.folder)!r}"
@@ -283,7 +285,7 @@ def _pool(executor: Executor | str, chunks: int) -> Iterator[tuple[Executor, int
 
 @contextmanager
 def _bar(progress: bool, name: str, store: Store) -> Iterator[Any]:
-    """A function to call with the number of finished members; it moves a bar that shows the time left."""
+    """Yields a function to call with the number of finished members. It moves a bar that shows the remaining time."""
     if not progress:
         yield lambda _count: None
         return
