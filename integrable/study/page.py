@@ -201,11 +201,11 @@ def _horizons(study: Study) -> str:
         "by that of the flow in floats: above 1 the flow is faster. Sufficiently accurate: with an error at most the "
         "flow's, or at most the effect of rounding the inputs. >x: no competitor finished in x times the flow's time. "
         "none: no method that was run reached that accuracy. stopped: the methods could not run, because of a pole or "
-        "because they gave up. refused: the flow raised an error that names the reason. Columns are one time T, in time "
-        "scales of the motion, or all times of the scene. The last four columns have the costs that no ratio includes, "
-        "of the flow and of these competitors: once a system, and once a machine as measured at first use in this "
-        "process. Systems of one kind share code of the flow; its import or compilation is counted for the first of "
-        "them."
+        "because they gave up. refused: the flow raised an error that names the reason. Columns are one time T, in "
+        "time scales of the motion, or all times of the scene. The last four columns have the costs that no ratio "
+        "includes, of the flow and of these competitors: once a system, and once a machine as measured at first use "
+        "in this process. Systems of one kind share code of the flow; its import or compilation is counted for the "
+        "first of them."
     )
     columns = study.horizons
     once = ("flow, once a system", "competitor, once a system", "flow, once a machine", "competitor, once a machine")
