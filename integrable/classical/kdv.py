@@ -267,9 +267,9 @@ class Wave:
     def _lost(self, x: Any, t: Any) -> int:
         """A bound on the bits lost between (0, 0) and (x, t) because of a narrow band or double edge n.
 
-        On the way U(n) = ψ² may shrink. From −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at rates of at most κ
-        in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) at the square root of its unit. That
-        holds at every precision, so comparing two precisions does not show it. The width of a band bounds the loss.
+        On the way U(n) = ψ² may shrink. By −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at rates of at
+        most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) at the square root of its unit.
+        That holds at every precision, so comparing two does not show it. The width of a band bounds the loss.
         """
         edges, needed = self._edges, 0.0
         bounds = [float(sum(edges) - 2 * sum(edges[k::2])) for k in (1, 2)]
