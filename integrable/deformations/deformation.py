@@ -16,12 +16,14 @@ if TYPE_CHECKING:
 
 
 class Deformation(Hamiltonian):
-    """A deformation. Base of :class:`Tilde`, :class:`Check`, :class:`Hat` and :class:`Gyroscopic`."""
+    """A deformation: the base class of :class:`Tilde`, :class:`Check`, :class:`Hat` and :class:`Gyroscopic`."""
 
     def flow(self, state: State) -> DeformedFlow:
-        """The motion through a state as additions on two elliptic curves: the tilde, check and hat pairs without
-        potential (:mod:`integrable.deformations.separated_flow`), the tilde pair at d = 0 with repelling poles b_i > 0
-        only (:mod:`integrable.deformations.pole_flow`). ArgumentError for all others.
+        """The motion through a state, by additions on two elliptic curves.
+
+        It is available for the tilde, check and hat pairs without potential
+        (:mod:`integrable.deformations.separated_flow`), and for the tilde pair at d = 0 with repelling poles b_i > 0
+        alone (:mod:`integrable.deformations.pole_flow`). ArgumentError for all others.
         """
         raise ArgumentError(
             f"{self!r}: no separated curves are used with this potential or gyroscopic terms; take "
@@ -29,24 +31,26 @@ class Deformation(Hamiltonian):
         )
 
     def motion_through(self, state: State) -> Motion:
-        """The motion of a state, with ``.at(times)`` for physical times: :meth:`flow` where there is one, else the
-        integrated equations of motion (:class:`integrable.deformations.integrated.IntegratedMotion`); ``.method`` says
-        which. RR and MP(digits) only.
+        """The motion of a state over RR or MP(digits); ``.at(times)`` evaluates it at physical times.
+
+        It is :meth:`flow` if available, otherwise the integrated equations of motion
+        (:class:`integrable.deformations.integrated.IntegratedMotion`). ``.method`` names the method.
         """
         state = self._checked(state)
         if self.separates or self.repels:
             try:
                 return self.flow(state)
             except NotRepresentable:
-                # equal moments, K = 0: the equations of motion are regular there
+                # equal moments or K = 0: the equations of motion are regular there
                 pass
         from integrable.deformations.integrated import IntegratedMotion
 
         return IntegratedMotion(self, state)
 
     def divisor(self, state: State) -> TwoPoints:
-        """The two points of a state, one on each elliptic curve (:mod:`integrable.deformations.two_curves`): tilde,
-        check and hat pairs without potential; ArgumentError for the others.
+        """The two points of a state, one on each elliptic curve (:mod:`integrable.deformations.two_curves`).
+
+        It is available for tilde, check and hat pairs without potential; ArgumentError for the others.
         """
         from integrable.deformations import two_curves
 
@@ -54,9 +58,9 @@ class Deformation(Hamiltonian):
         return two_curves.divisors(self, self._checked(state))
 
     def from_divisor(self, D: TwoPoints, like: State | None = None) -> State:
-        """The state of two points, of the eight that share them the one with the signs of ``like``.
+        """The state of two points. Eight states share them; the one with the signs of ``like`` is returned.
 
-        Without ``like`` the signs are those of the field's own roots of w_i², w = γ × M, and of g².
+        Without ``like`` the signs are those of the field's square roots of w_i², w = γ × M, and of g².
         """
         from integrable.deformations import two_curves
 
@@ -66,8 +70,9 @@ class Deformation(Hamiltonian):
     def translation(
         self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1
     ) -> CurveTranslation | IsometricStep:
-        """The map that adds a point of fixed abscissa on each curve
-        (:class:`integrable.deformations.two_curves.CurveTranslation`): Poisson, it preserves H and K.
+        """The map that adds a point of fixed abscissa on each curve; it is a Poisson map and preserves H and K.
+
+        (:class:`integrable.deformations.two_curves.CurveTranslation`)
         """
         from integrable.deformations.two_curves import CurveTranslation
 

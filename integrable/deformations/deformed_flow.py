@@ -1,9 +1,9 @@
 """The common part of the flows of the deformations: how many digits a time needs, and the checks of every state.
 
-For n requested digits a flow uses wider numbers: GUARD_DIGITS more, plus the digits of the number of periods in the
-time. Any further loss is measured on every call: from the integrals of each state, from the farthest state computed
-again with more digits, which also checks the signs, and from the state at τ = 0. If digits are missing, everything is
-repeated with that many more; PrecisionLoss if this does not help.
+For n requested digits a flow computes with GUARD_DIGITS more, plus the digits of the number of periods in the time. Any
+further loss is measured on every call: by the integrals of each state, by the farthest state computed again with more
+digits, which also checks the signs, and by the state at τ = 0. If digits are missing, everything is repeated with that
+many more; PrecisionLoss if this does not help.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ __all__ = ["DeformedFlow"]
 
 GUARD_DIGITS = 18
 ROUNDING = 6
-"""Digits that the additions of one period may cost."""
+"""Number of digits that the additions of one period may lose."""
 
 
 def at_its_precision(method: Any) -> Any:
-    """The method of a carrier, computed with its ``precision``."""
+    """Decorator: the method of a carrier, run inside the context ``precision`` of the carrier."""
 
     @wraps(method)
     def inside(self: Any, *arguments: Any) -> Any:
@@ -50,8 +50,8 @@ def at_its_precision(method: Any) -> Any:
 class CurvesCarrier(Carrier):
     """The motion of a deformation at one precision, used by a :class:`DeformedFlow`. Its points are (γ, M).
 
-    ``system`` and ``start`` are wide, of LongNumbers that were entered when it was made or of MP(digits); ``sizes``
-    those of H and K that their changes are held against, ``momentum`` what an M = 0 is.
+    ``system`` and ``start`` are over wide numbers: LongNumbers, entered when the carrier is created, or MP(digits).
+    Changes of H and K are relative to ``sizes``, the error of M relative to ``momentum`` if M = 0.
     """
 
     system: Any
@@ -61,12 +61,12 @@ class CurvesCarrier(Carrier):
 
     @property
     def field(self) -> Any:
-        """The wide numbers."""
+        """The field of the wide numbers."""
         return self.system.field
 
     @property
     def precision(self) -> Any:
-        """The context of its numbers."""
+        """The context in which the wide numbers are used."""
         return self.field if isinstance(self.field, LongNumbers) else nullcontext()
 
     @property
@@ -78,7 +78,7 @@ class CurvesCarrier(Carrier):
         return self.system.body.rolls
 
     def turns(self, tau: Any) -> Any:
-        """The number of shorter periods in |τ|."""
+        """The number of periods in |τ|, counted in the shorter of the two."""
         raise NotImplementedError
 
     def scaled(self, t: Any) -> Any:
@@ -101,7 +101,7 @@ class CurvesCarrier(Carrier):
 
     @at_its_precision
     def difference(self, row: Any, truth: Any) -> int:
-        """The decimal exponent of the relative difference of (γ, M) and another computation of it."""
+        """The decimal exponent of the relative difference between (γ, M) and another computation of it."""
         worst = -NOTHING
         for found, right, unit in zip(row, truth, (1, self.momentum), strict=True):
             size = max(map(abs, right)) or unit
@@ -111,12 +111,12 @@ class CurvesCarrier(Carrier):
 
 
 class DeformedFlow(EnclosedMotion):
-    """The motion of a deformation through a state as additions on two elliptic curves, at any time, over RR or MP(n).
+    """The motion of a deformation through a state at any time, by additions on two elliptic curves, over RR or MP(n).
 
-    Base of the flows that ``system.flow`` gives. The inputs count as exact: states come rounded once to the field,
-    floats included. The same times give the same states, to the last bit, whatever was computed before. Only when the
-    walk of a kind of systems is compiled, once on a machine, may last bits change
-    (:class:`integrable.series.kinds.Kind`). PrecisionLoss where more than MOST_LOST digits would be lost.
+    It is the base class of the flows that ``system.flow`` returns. The inputs count as exact, and states are rounded
+    once to the field, floats included. Repeated calls return the same bits, whatever was computed before. Last bits may
+    change only when the walk of a kind of systems is compiled, once per machine
+    (:class:`integrable.series.kinds.Kind`). PrecisionLoss if too many digits would be lost.
     """
 
     method = "elliptic curves"
@@ -124,7 +124,7 @@ class DeformedFlow(EnclosedMotion):
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
         if not self._is_ordinary():
-            # computed here so that refusals are raised at once
+            # computed here so that errors are raised at once
             _ = self._curves
 
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
@@ -136,11 +136,11 @@ class DeformedFlow(EnclosedMotion):
         return RoundedRows(self.system.field, OnCurves(self.system, self.state, self._moving), self.method)
 
     def _is_ordinary(self) -> bool:
-        """Whether floats already show that nothing will be refused."""
+        """Whether a check in floats already excludes the errors that the set-up could raise."""
         return False
 
     _steps = STEPS_TO_DIGITS
-    """Steps along series that take as long as :attr:`_any_time` does to begin."""
+    """The cost of setting up :attr:`_any_time`, in standard steps of series."""
 
     @property
     def _any_time(self) -> Way:
@@ -154,7 +154,7 @@ class DeformedFlow(EnclosedMotion):
 
 
 class OnCurves(ManyDigits):
-    """The states of a DeformedFlow; ``moving``(system, state) is the motion over the wide numbers of that system."""
+    """The states of a DeformedFlow; ``moving``(system, state) returns the motion over the numbers of ``system``."""
 
     expected = GUARD_DIGITS - SPARE - ROUNDING
     step = 16
@@ -166,7 +166,7 @@ class OnCurves(ManyDigits):
         super().__init__(asked, self.carrier_of(asked))
 
     def carrier_of(self, digits: int) -> CurvesCarrier:
-        """The motion at that many digits, or at more where it does not start from the state."""
+        """The motion with that many digits, or more if its point at τ = 0 does not reproduce the state."""
         for _ in range(3):
             with LongNumbers(digits + GUARD_DIGITS) as numbers:
                 carrier = self._moving(*widened(self._system, self._state, numbers))
@@ -183,8 +183,9 @@ class OnCurves(ManyDigits):
 def integrals_missing(
     system: Any, before: tuple[Any, Any], sizes: tuple[Any, Any], rows: Sequence[Any], digits: int
 ) -> int:
-    """How many of these digits H and K of rows (γ, M) lack compared with ``before``, relative to ``sizes``; over wide
-    numbers, 0 or less if none.
+    """The number of ``digits`` that H and K of rows (γ, M) lack, compared with ``before`` and relative to ``sizes``.
+
+    It is 0 or less if none is missing. The rows are of wide numbers.
     """
     worst = -NOTHING
     for gamma, M in rows:
@@ -201,6 +202,6 @@ def digits_asked(K: Any) -> int:
 
 
 def widened(system: Hamiltonian, state: State, numbers: Any) -> tuple[Any, State]:
-    """The same system and state over a field of more digits, the constraints made exact."""
+    """The same system and state over a field of more digits, with the state projected onto its constraints."""
     wide = system.over(numbers)
     return wide, onto_constraints(wide, state)

@@ -1,10 +1,10 @@
-"""Motions of deformations with proven bounds: Taylor series of their equations in ball arithmetic, with bounded
+"""Motions of deformations with proven bounds: Taylor series of their equations in ball arithmetic, with bounds on their
 remainders.
 
 From every state Picard's theorem gives a disc of complex times |t| ≤ r on which the motion stays in a box. Cauchy's
-estimate on this disc bounds the truncation error of a step of r/8. Balls grow with every step, so as many extra bits
-are used as they lose. The cost grows with the time, and with the number of digits that the motion loses in it. (Moore
-1966, *Interval Analysis*; Tucker 2011, *Validated Numerics*.)
+estimate on this disc bounds the truncation error of a step of r/8. Balls grow with every step, so the precision is
+raised by the bits that they lose. The cost grows with the time, and with the number of digits that the motion loses in
+it. (Moore 1966, *Interval Analysis*; Tucker 2011, *Validated Numerics*.)
 """
 
 from __future__ import annotations
@@ -29,37 +29,37 @@ from jacobian.progress import Progress
 
 __all__ = ["EnclosedMotion"]
 
-# step relative to the radius of the disc: near the value with the fewest products (e⁻²)
+# step relative to the radius of the disc; close to e⁻², which needs the fewest products
 STEP = 0.125
 MOST_STEPS = 4_000
 KNOWN_FROM = 16
-"""Steps from which on the rest is judged from what is done."""
+"""Number of steps from which the remaining ones are estimated."""
 SPARE_BITS = 64
-"""Bits that the balls of the first attempt may lose."""
+"""Number of bits that the balls of the first attempt may lose."""
 MOST_ATTEMPTS = 8
 MOST_AHEAD = 16.0
-"""How many times as far the next attempt may be expected to go."""
+"""Largest factor by which the next attempt is planned to reach farther."""
 SMALLEST_DISC = 1e-15
-"""Beside the largest: at a pole that repels it is b/M² of that, beside one that attracts it shrinks for ever."""
+"""Smallest disc relative to the largest: at a repelling pole the ratio is b/M², at an attracting one it tends to 0."""
 
 
 class EnclosedMotion(Motion):
-    """A motion whose equations can be enclosed: base of those of deformations."""
+    """A motion whose equations can be enclosed: the base class of the motions of deformations."""
 
     def enclosure(self, times: Any, digits: int | None = None) -> Enclosure:
-        """Proven bounds of the states at physical times: balls of radius at most 10^(−digits) that contain them, M
-        relative to |M| at the start (unless that is 0).
+        """Enclosures of the states at physical times: balls of radius at most 10^(−digits) that provably contain them.
 
-        The inputs count as exact, but for γ/|γ| and M less its part along γ; ``digits`` are by default those of the
-        field, 15 for RR. Infeasible where it would take more than 4,000 steps, PrecisionLoss where no such balls were
-        found, as beyond the end of a motion. (:mod:`integrable.deformations.enclosed`)
+        The radius of M is relative to |M| at the start, unless that is 0. The inputs count as exact, except that γ is
+        normalized and M is made orthogonal to γ. ``digits`` defaults to those of the field, 15 for RR. Infeasible if
+        more than 4,000 steps are needed; PrecisionLoss if no such balls are found, as beyond the end of a motion.
+        (:mod:`integrable.deformations.enclosed`)
         """
         given = self._checked(times, "times")
         return deformed_enclosure(self.system, self.state, list(given), ball_digits(self.system.field, digits))
 
 
 def deformed_enclosure(system: Hamiltonian, state: State, times: list[Any], digits: int) -> Enclosure:
-    """The motion of a system at physical times, in balls."""
+    """The enclosure of a system's motion at physical times, in balls."""
     rows: list[Any] = [None] * len(times)
     for ahead in (True, False):
         order = sorted((i for i in range(len(times)) if (times[i] >= 0) == ahead), key=lambda i: abs(times[i]))
@@ -70,8 +70,8 @@ def deformed_enclosure(system: Hamiltonian, state: State, times: list[Any], digi
 
 
 def _narrow(system: Hamiltonian, state: State, times: list[Any], digits: int) -> list[Any]:
-    """The rows at times of one sign, ascending in size, with as many bits as they need."""
-    # lost bits grow with the time, the bits by which M outgrows its unit do not
+    """The rows at times of one sign in ascending size, computed with as many bits as they need."""
+    # the bits that balls lose grow with time; those by which M outgrows its unit do not
     needed = ceil(3.33 * (digits + 2)) + _March(system, state, BOUND_BITS).outgrown()
     bits = needed + SPARE_BITS
     for _ in range(MOST_ATTEMPTS):
@@ -80,7 +80,7 @@ def _narrow(system: Hamiltonian, state: State, times: list[Any], digits: int) ->
             rows, left = march.rows(times, digits), march.left(times[-1])
         if len(rows) == len(times):
             return rows
-        # the bits lost so far, extrapolated to the whole time, and some more
+        # extrapolate the bits lost so far to the whole time, plus 20 %
         bits = needed + SPARE_BITS + ceil(1.2 * (bits - needed) * min(left, MOST_AHEAD))
     raise PrecisionLoss(
         f"times: no balls of radius 1e-{written(digits)} were reached at t = {written(times[-1])} with {bits} bits; "
@@ -89,7 +89,10 @@ def _narrow(system: Hamiltonian, state: State, times: list[Any], digits: int) ->
 
 
 class _Around(NamedTuple):
-    """The motion around a time: on the disc of ``radius`` it is no farther than ``reach`` from where it is ``now``."""
+    """The motion around the time ``now``: its Taylor series, and a disc of times with the given ``radius``.
+
+    On the disc no coordinate moves by more than its ``reach``.
+    """
 
     now: Any
     series: list[Any]
@@ -98,7 +101,7 @@ class _Around(NamedTuple):
 
 
 class _March:
-    """The motion in balls of ``bits`` bits, step by step; to be used inside ``with march.reals``."""
+    """The motion in balls of ``bits`` bits, step by step; use it inside ``with march.reals``."""
 
     def __init__(self, system: Hamiltonian, state: State, bits: int) -> None:
         import flint
@@ -111,7 +114,7 @@ class _March:
             self._rolls, zero = system.body.rolls, wide.field.zero
             self._point = [*start.gamma, *start.M, *([zero] if self._rolls else [])]
             self._tape = recorded(right_hand_sides(wide), len(self._point))
-            # a start at rest sets no unit for M
+            # a start at rest gives no unit for M
             self._momentum = wide.field.dot(start.M, start.M).sqrt() if any(state.M) else wide.field.one
             self._now = zero
         self._order = ceil(bits * log(2) / -log(STEP))
@@ -119,7 +122,7 @@ class _March:
         self._steps = 0
 
     def rows(self, times: Sequence[Any], digits: int) -> list[tuple[Any, Any, Any, float]]:
-        """(τ, γ, M, radius) at the times up to the first whose balls are not small enough."""
+        """(τ, γ, M, radius) at the times, up to the first time whose balls are too large."""
         found: list[tuple[Any, Any, Any, float]] = []
         least = self._flint.arb(10) ** -digits
         progress = Progress(f"enclosing the motion to t = {written(times[-1])}", abs(float(times[-1])))
@@ -147,7 +150,7 @@ class _March:
         return float(abs(self.reals.number(end)) / (abs(self._now) + 2.0**-1000))
 
     def _check(self, end: Any) -> None:
-        """Infeasible where the last time would take too many steps."""
+        """Counts a step; raises Infeasible if the last time would take too many."""
         self._steps += 1
         expected = self._steps * self.left(end) if self._steps >= KNOWN_FROM else 0
         if expected > MOST_STEPS:
@@ -158,7 +161,7 @@ class _March:
             )
 
     def outgrown(self) -> int:
-        """By how many bits M outgrows |M| at the start, which its balls are measured by."""
+        """The number of bits by which M grows beyond |M| at the start, the unit of its balls."""
         with self.reals:
             size = self._size([float(abs(x).abs_upper()) for x in self._velocity(self._point)])
             # computed in balls, as |M| may be below the range of floats
@@ -168,14 +171,12 @@ class _March:
     # --- one step
 
     def _around(self, radius: float) -> _Around:
-        """What is known of the motion from the present point on; ``radius`` is where to begin with the disc, 0 if
-        nothing is known of it.
-        """
+        """The motion around the present time; ``radius`` is the first guess of the disc, 0 for none."""
         radius, reach = self._disc(radius)
         return _Around(self._now, self._series(self._point, self._order, self._flint.arb), radius, reach)
 
     def _at(self, around: _Around, distance: Any) -> list[Any]:
-        """The point at a distance in time: the series, and its truncation error by Cauchy's estimate."""
+        """The point at a distance in time: the value of the series, widened by Cauchy's bound on the remainder."""
         count = len(self._point)
         found = [self.reals.number(0)] * count
         values_at(distance, self._order, around.series, count, found, 0)
@@ -184,7 +185,7 @@ class _March:
         return [widened(x, tail * size) for x, size in zip(found, around.reach, strict=True)]
 
     def _series(self, point: Sequence[Any], order: int, kind: Any) -> list[Any]:
-        """The Taylor coefficients of all nodes of the tape about a point, in numbers of a ``kind``, arb or acb."""
+        """The Taylor coefficients of all nodes of the tape about a point; ``kind`` is the type, arb or acb."""
         tape, width = self._tape, order + 1
         series = [kind(0)] * (width * len(tape.kinds))
         for n, given in enumerate(tape.kinds):
@@ -206,8 +207,9 @@ class _March:
         return series[1 : 2 * len(point) : 2]
 
     def _size(self, speed: list[float]) -> float:
-        """The unit of M in a disc: |M| at the start or, if a potential moves a body nearly at rest, the |M| it produces
-        while γ turns by a radian.
+        """The unit of M in a disc: |M| at the start, or a larger one if a potential accelerates a body nearly at rest.
+
+        The larger unit is the |M| that the potential produces while γ turns by a radian.
         """
         turning, pull = max(speed[:3]), max(speed[3:6])
         now = max(float(abs(x).abs_upper()) for x in self._point[3:6])
@@ -218,7 +220,7 @@ class _March:
         with self.reals.at(BOUND_BITS):
             speed = [float(abs(x).abs_upper()) for x in self._velocity(self._point)]
             sizes = [*[1.0] * 3, *[self._size(speed)] * 3, 1.0]
-            # nothing depends on τ, whose rate has a unit of its own
+            # τ is excluded: nothing depends on it, and its rate has another unit
             rate = max(x / size for x, size in zip(speed[:6], sizes, strict=False)) or 1.0
             radius = radius or 1 / rate
             least = SMALLEST_DISC * (self._longest or radius)

@@ -1,5 +1,7 @@
-"""The equations of motion of a deformation as a formula, and their walks near the start, compiled for a kind of systems
-(:mod:`integrable.series.kinds`), or along its tape until that has paid.
+"""The equations of motion of a deformation as a formula, and their walks near the start.
+
+Walks are compiled for a kind of systems (:mod:`integrable.series.kinds`); until compiling pays off, they interpret its
+tape.
 """
 
 from __future__ import annotations
@@ -23,16 +25,17 @@ from jacobian.immutable import replaced
 __all__ = ["WalkFirst", "right_hand_sides"]
 
 Found = tuple[np.ndarray, np.ndarray]
-# a state: γ, M, and τ (of a walk in τ: t) with two zeros
+# shape of a state: γ, M, and (τ, 0, 0), or (t, 0, 0) in a walk in τ
 SHAPE = 3, 3
-# standard steps of compiled walks (integrable.series.steps.weight) that take as long as theta functions do to begin,
-# and as a time by them; as many digits of two curves do to begin; the most (python -m benchmarks near)
+# costs in standard steps of compiled walks (integrable.series.steps.weight): of the set-up of theta functions; of one
+# time by them; of the set-up of two curves in many digits; the largest number of steps (python -m benchmarks near)
 STEPS_TO_THETA, STEPS_A_TIME, STEPS_TO_DIGITS, MOST_STEPS = 600, 4, 8000, 200_000
 
 
 def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[Any]]:
-    """The equations of motion y ↦ ẏ from ``system.vector_field``, y = (γ1, γ2, γ3, M1, M2, M3) and at d ≠ 0 τ̇ = g; or,
-    unless ``physical``, the derivatives by τ, and of t.
+    """The equations of motion y ↦ ẏ from ``system.vector_field``, y = (γ1, γ2, γ3, M1, M2, M3, and τ if d ≠ 0).
+
+    Here τ̇ = g. Unless ``physical``, derivatives are with respect to τ, and t replaces τ in y.
     """
     rolls = system.body.rolls
 
@@ -48,7 +51,7 @@ def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[A
 
 
 class WalkFirst:
-    """The :class:`integrable.motion.trajectory.Way` of one call: the walk where it has all times, else ``other``."""
+    """The :class:`integrable.motion.trajectory.Way` of one call: the walk if it reaches all times, else ``other``."""
 
     def __init__(self, system: Hamiltonian, state: State, other: Callable[[], Way], most: int) -> None:
         self._system, self._state, self._other, self._most = system, state, other, most
@@ -75,7 +78,7 @@ class WalkFirst:
         return other
 
     def walked(self, times: np.ndarray, physical: bool) -> Found | None:
-        """The rows and τ, or in τ the times, where the walk has all of them."""
+        """The rows and τ, or unless ``physical`` the rows and t; None if the walk does not reach all times."""
         kind = kind_in(self._system, physical)
         most = self._most + STEPS_A_TIME * len(times)
         given = np.array([*constants_of(self._system), 0.0])
@@ -93,7 +96,7 @@ class WalkFirst:
 def _reached(
     kind: Kind, given: np.ndarray, start: tuple[float, ...], times: np.ndarray, steps: Steps, most: int
 ) -> Near:
-    """By the compiled walk, or by the tape until it has paid for one."""
+    """The states by the compiled walk, or on the tape until its run time justifies compiling."""
     walk, begin = kind.walk(steps.orders), perf_counter()
     along, some = walk or kind.on_tape, most / (walk.weight if walk else weight(kind.rates, steps.orders))
     near = both_ways(SHAPE, times, steps, lambda t: along(given, start, t, steps, some))
@@ -103,13 +106,13 @@ def _reached(
 
 
 def constants_of(system: Hamiltonian) -> tuple[float, ...]:
-    """The numbers that tell systems of a kind apart."""
+    """The numbers that distinguish systems of one kind."""
     terms = () if system.potential is None else (system.potential.a, system.potential.b, *system.potential.poles)
     return (*system.body.inertia, system.d, *terms, *(getattr(system, name) for name in system.further))
 
 
 def of_constants(system: Hamiltonian, field: Any, values: Sequence[Any]) -> Hamiltonian:
-    """The system like this one of these numbers."""
+    """The system like this one with these numbers over ``field``, in the order of :func:`constants_of`."""
     moments, rest = (values[0], values[1], values[2]), list(values[4:])
     changes: dict[str, Any] = {"rigid": replaced(system.rigid, body=Body(moments, values[3], field))}
     if system.potential is not None:
@@ -120,7 +123,7 @@ def of_constants(system: Hamiltonian, field: Any, values: Sequence[Any]) -> Hami
 
 def kind_in(system: Hamiltonian, physical: bool) -> Kind:
     """The walks of systems like this one, in t, or in τ unless ``physical``."""
-    # terms that are not there are no terms of 0: they divide by what may vanish
+    # terms with constant 0 must be omitted, because they may divide by quantities that vanish
     there = tuple(x != 0 for x in constants_of(system))
     symbols = [Symbol("constant", i) if is_there else 0.0 for i, is_there in enumerate(there)]
 

@@ -1,4 +1,4 @@
-"""The gyroscopic deformation, d = 0: terms linear in M from the parabola P = V + cU."""
+"""The gyroscopic deformation at d = 0: the parabola P = V + cU adds terms linear in M."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jacobian.immutable import replaced
 class Gyroscopic(Deformation):
     """H = m1 − s·m2 + cη + c²s/4, K = (m2 + c²/4)(−ξ² + cη^∨ + c²σ/4) + m1(cη + c²(2s − tr A)/4), with a_i = 1/I_i.
 
-    η = (M, γ × Aγ), η^∨ = (M, γ × A^∨γ); ``c`` is any constant, and c = 0 is the tilde pair with K = −K̃.
+    η = (M, γ × Aγ), η^∨ = (M, γ × A^∨γ). ``c`` is any constant; c = 0 gives the tilde pair with K = −K̃.
     """
 
     further = ("c",)
@@ -31,7 +31,7 @@ class Gyroscopic(Deformation):
         return replaced(super().over(field), c=field.coerce(self.c, "c"))
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
-        """(H, K)."""
+        """The integrals (H, K)."""
         c = self._constants(0)(self.c)
         quarter = c * c / 4
         energy = q.m1 - q.s * q.m2 + c * q.eta + quarter * q.s
@@ -39,7 +39,7 @@ class Gyroscopic(Deformation):
         return energy, first + q.m1 * (c * q.eta + quarter * (2 * q.s - q.e1))
 
     def motion(self, q: Scalars) -> tuple[Any, Any]:
-        """Ω = AM − sM + (c/2)γ × Aγ, Ṁ = M × Ω + γ × [−m2·Aγ + (c/2)(Aγ × M + A(M × γ)) + (c²/4)Aγ]."""
+        """(Ω, Ṁ): Ω = AM − sM + (c/2)γ × Aγ, Ṁ = M × Ω + γ × [−m2·Aγ + (c/2)(Aγ × M + A(M × γ)) + (c²/4)Aγ]."""
         c = self._constants(0)(self.c)
         half = c / 2
         omega = combination((1, q.AM), (-q.s, q.M), (half, product(q.gamma, q.Ag)))

@@ -1,10 +1,10 @@
 """The common base of the deformations of the ball and the top: states, integrals, brackets, equations of motion.
 
 A deformation is a Hamiltonian H on the phase space of the ball at (γ, M) = 0, quadratic in M up to a potential, with a
-second integral K, {H, K} = 0. The motion is (γ̇, Ṁ) = g{(γ, M), H/2} with the bracket of the ball, the orientation and
-time of the ball's own (:mod:`integrable.phase.brackets`). Formulas are written with operators and run on floats, mpf,
-and over exact fields on :class:`integrable.phase.jets.Jet`. (Tsiganov, "Integrable discretization and deformation of
-the nonholonomic Chaplygin ball", with the corrections of docs/errata.md.)
+second integral K, {H, K} = 0. The motion is (γ̇, Ṁ) = g{(γ, M), H/2} with the bracket of the ball, in the ball's
+orientation and time (:mod:`integrable.phase.brackets`). Formulas are written with operators and run on floats, mpf, and
+over exact fields on :class:`integrable.phase.jets.Jet`. (Tsiganov, "Integrable discretization and deformation of the
+nonholonomic Chaplygin ball", with the corrections of docs/errata.md.)
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 class DeformedIntegrals(NamedTuple):
-    """C1 = (γ, γ), C2 = (γ, M), and the deformation's H and K."""
+    """The Casimir functions C1 = (γ, γ) and C2 = (γ, M), and the H and K of a deformation."""
 
     C1: Any
     C2: Any
@@ -40,7 +40,7 @@ class DeformedIntegrals(NamedTuple):
 
 
 class Scalars:
-    """The functions of (γ, M) of which the Hamiltonians are composed, each computed on first use."""
+    """The functions of (γ, M) from which the Hamiltonians are composed; each is computed on first use."""
 
     def __init__(self, a: Sequence[Any], d: Any, gamma: Sequence[Any], M: Sequence[Any]) -> None:
         self.a, self.d, self.gamma, self.M = tuple(a), d, tuple(gamma), tuple(M)
@@ -134,12 +134,12 @@ class Scalars:
         return self.m1 + self.d * self.G * self.xi * self.xi
 
     def axes(self) -> list[tuple[Any, Any, Any, Any]]:
-        """(a_i, a_j, a_k, γ_i²) for every axis."""
+        """(a_i, a_j, a_k, γ_i²) for each axis."""
         return [(self.a[i], self.a[i - 2], self.a[i - 1], self.squares[i]) for i in range(3)]
 
 
 class Potential(NamedTuple):
-    """The five parameters of a potential: ``a`` and ``b`` of its polynomial part, ``poles`` of the terms in 1/γ_i²."""
+    """The five parameters of a potential: ``a``, ``b`` of its polynomial part, and ``poles``, those of the 1/γ_i²."""
 
     a: Any
     b: Any
@@ -147,47 +147,48 @@ class Potential(NamedTuple):
 
 
 class Hamiltonian(Made):
-    """A Hamiltonian of the family: its states, integrals and equations of motion. Base of
-    :class:`integrable.deformations.deformation.Deformation`.
+    """A Hamiltonian of the family: its states, integrals and equations of motion.
+
+    It is the base class of :class:`integrable.deformations.deformation.Deformation`.
     """
 
     rigid: ChaplyginBall
     potential: Potential | None = None
     further: ClassVar[tuple[str, ...]] = ()
-    """The names of constants beside those."""
+    """The names of further constants."""
 
     def _build(self, inertia: Sequence[Any], d: Any, potential: Sequence[Any] | None, field: Any = RR) -> None:
-        # its moments are numbers of a Hamiltonian
+        # the moments are parameters of a Hamiltonian, not those of a ball
         with said():
             self.rigid = ChaplyginBall(inertia, d, field=field)
         self.potential = None if potential is None else _potential(field, potential)
 
     @property
     def body(self) -> Body:
-        """The body whose a_i = 1/(I_i + d) enter the Hamiltonian."""
+        """The body; its a_i = 1/(I_i + d) enter the Hamiltonian."""
         return self.rigid.body
 
     @property
     def field(self) -> Field[Any]:
-        """The field in which the coordinates lie."""
+        """The field of the coordinates."""
         return self.rigid.field
 
     @property
     def a(self) -> Vector:
-        """a_i = 1/(I_i + d)."""
+        """The a_i = 1/(I_i + d)."""
         return self.rigid.a
 
     @property
     def d(self) -> Any:
-        """d of the bracket."""
+        """The d of the bracket."""
         return self.rigid.d
 
     def state(self, gamma: Sequence[Any], M: Sequence[Any], g: Any = None) -> State:
-        """The State (γ, M), |γ| = 1 and (γ, M) = 0 checked as by :meth:`System.state`."""
+        """The state (γ, M); |γ| = 1 and (γ, M) = 0 are checked as by :meth:`System.state`."""
         return self.rigid.state(gamma, M, g)
 
     def over(self, field: Any) -> Self:
-        """The same Hamiltonian over another field that takes its numbers."""
+        """The same Hamiltonian over another field, to which its numbers are converted."""
         potential = self.potential
         with said():
             rigid = ChaplyginBall(self.body.inertia, self.d, field=field)
@@ -196,11 +197,11 @@ class Hamiltonian(Made):
         return replaced(self, rigid=rigid, potential=potential)
 
     def poisson(self, state: State) -> tuple[tuple[Any, ...], ...]:
-        """The 6×6 matrix of the Poisson brackets of (γ, M), the same as for the ball."""
+        """The 6×6 matrix of the Poisson brackets of (γ, M), which are those of the ball."""
         return self.rigid.poisson(self._checked(state))
 
     def integrals(self, state: State) -> DeformedIntegrals:
-        """C1, C2, H and K; NotRepresentable where the potential is infinite (γ_i = 0 with a pole there)."""
+        """C1, C2, H and K; NotRepresentable if the potential is infinite (γ_i = 0 with a pole there)."""
         K, state = self.field, self._checked(state)
         wrap = self._constants(0)
         with _Infinite():
@@ -212,7 +213,7 @@ class Hamiltonian(Made):
         return DeformedIntegrals(K.dot(state.gamma, state.gamma), K.dot(state.gamma, state.M), energy, second)
 
     def _integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> DeformedIntegrals:
-        """:meth:`integrals` of many real states, γ and M of shape (N, 3): each of shape (N,)."""
+        """The :meth:`integrals` of N real states, each of shape (N,); γ and M have the shape (N, 3)."""
         import numpy as np
 
         q = self.scalars(self._constants(0), gamma.T, M.T)
@@ -220,22 +221,22 @@ class Hamiltonian(Made):
             return DeformedIntegrals(dot(q.gamma, q.gamma), dot(q.gamma, q.M), *self.pair(q, self._terms(lambda x: x)))
 
     def _omega_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
-        """Ω = ½∂H/∂M, γ̇ = γ × Ω, of many real states, shape (N, 3)."""
+        """Ω = ½∂H/∂M, for which γ̇ = γ × Ω, at N real states; shape (N, 3)."""
         import numpy as np
 
         with _Infinite(), np.errstate(divide="raise"):
             return np.stack(self.motion(self.scalars(self._constants(0), gamma.T, M.T))[0], axis=1)
 
     def _attitude_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
-        """NotRepresentable: M is not fixed in space."""
+        """Raises NotRepresentable, because M is not fixed in space."""
         raise NotRepresentable(f"{self!r}: M does not rest in space, and with γ alone no attitude is known")
 
     def vector_field(self, state: State) -> State:
-        """(γ̇, Ṁ), as a State of derivatives."""
+        """The derivatives (γ̇, Ṁ), as a State."""
         return self._rates(self._checked(state))
 
     def rates_in(self, numbers: Any, y: Sequence[Any]) -> list[Any]:
-        """(γ̇, Ṁ) at y = (γ, M) over a field whose elements overload the operators, such as symbolic expressions."""
+        """(γ̇, Ṁ) at y = (γ, M), over a field whose elements overload the operators, such as symbolic expressions."""
         rate = self.over(numbers)._rates(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
         return [*rate.gamma, *rate.M]
 
@@ -260,58 +261,58 @@ class Hamiltonian(Made):
         raise NotImplementedError
 
     def from_divisor(self, D: Any, like: State | None = None) -> State:
-        """The state of two points, of the eight that share them the one with the signs of ``like``."""
+        """The state of two points: of the eight states that share them, the one with the signs of ``like``."""
         raise NotImplementedError
 
     @property
     def repels(self) -> bool:
-        """Whether the potential is one of repelling poles alone whose :meth:`flow` is known."""
+        """Whether the potential consists of repelling poles alone, and :meth:`flow` is available for it."""
         return False
 
     @property
     def separates(self) -> bool:
-        """Whether there is no potential, and :meth:`divisor` and :meth:`translation` know the separated curves."""
+        """Whether the motion separates on two curves without a potential, for :meth:`divisor`, :meth:`translation`."""
         return False
 
     def curves_of(self) -> Any:
-        """The tilde pair on whose curves the motion runs: the system itself, or the tilde pair of A⁻¹."""
+        """The tilde pair whose curves carry the motion: the system itself, or the tilde pair of A⁻¹."""
         return self
 
     degree: ClassVar[int] = 1
-    """That of H in A."""
+    """The degree of H in A."""
 
     def eigenvalue_sums(self, integrals: DeformedIntegrals) -> tuple[Any, Any]:
-        """λ1 + λ2 and −λ1λ2."""
+        """(λ1 + λ2, −λ1λ2)."""
         return integrals.H, integrals.K
 
     def isometry(self) -> tuple[Any, Any, Any]:
-        """(B², m, system) with H = m·H̃ of that tilde pair at the lift of B: check and hat pairs."""
+        """(B², m, tilde pair) of a check or hat pair: H is m times the H̃ of the tilde pair at the lift by B."""
         raise ArgumentError(f"{self!r}: no isometry is known")
 
     def _checked(self, state: Any) -> State:
         return check_state(self, state)
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
-        """(H, K) of operator numbers."""
+        """The integrals (H, K), for numbers with operators."""
         raise NotImplementedError
 
     def motion(self, q: Scalars) -> tuple[Any, Any]:
-        """(Ω, Ṁ) without the potential: γ̇ = γ × Ω, Ω = ½∂H/∂M."""
+        """(Ω, Ṁ) without the potential; γ̇ = γ × Ω, Ω = ½∂H/∂M."""
         raise NotImplementedError
 
     def potential_energy(self, q: Scalars, potential: Potential) -> Any:
-        """V(γ), H with the potential less H without."""
+        """The potential V(γ): H with the potential minus H without."""
         raise ArgumentError(f"potential = {shown(potential)}: {type(self).__name__} has none")
 
     # --- inside
 
     def _constants(self, directions: int) -> Any:
-        """Elements of the field as numbers with operators."""
+        """The function that converts elements of the field to numbers with operators."""
         K = self.field
         return JetField(K, directions).constant if K.exact or directions else lambda x: x
 
     def scalars(self, wrap: Any, gamma: Any, M: Any) -> Scalars:
-        """The :class:`Scalars` of γ and M, the body's constants taken along by ``wrap``."""
+        """The :class:`Scalars` of γ and M; ``wrap`` converts the body's constants."""
         return Scalars([wrap(x) for x in self.a], wrap(self.d), tuple(gamma), tuple(M))
 
     def _terms(self, wrap: Any) -> Potential | None:
@@ -321,7 +322,7 @@ class Hamiltonian(Made):
         return Potential(wrap(a), wrap(b), tuple(map(wrap, poles)))
 
     def _slope(self, state: State) -> tuple[Any, ...]:
-        """∂V/∂γ."""
+        """The gradient ∂V/∂γ."""
         K = self.field
         jets = JetField(K, 3)
         zero = jets.constant(K.zero)
@@ -362,12 +363,12 @@ def product(x: Sequence[Any], y: Sequence[Any]) -> list[Any]:
 
 
 def combination(*terms: tuple[Any, Sequence[Any]]) -> list[Any]:
-    """Σ c·v of pairs (c, v)."""
+    """The linear combination Σ c·v of pairs (c, v)."""
     return [sum(c * v[i] for c, v in terms) for i in range(3)]
 
 
 class _Infinite:
-    """Turns a division by a vanishing γ_i or s into a named error."""
+    """Context that turns a division by a vanishing γ_i, s or 1 − ds into NotRepresentable."""
 
     def __enter__(self) -> None:
         return None

@@ -1,4 +1,4 @@
-"""The motion of any system by integration of its equations, in any precision, where no flow is known."""
+"""The motion of any deformation by integration of its equations in any precision, for systems without a known flow."""
 
 from __future__ import annotations
 
@@ -25,21 +25,22 @@ from jacobian.numbers.compiler import interpreted
 
 __all__ = ["IntegratedMotion"]
 
-# digits of a step beyond those requested, and the digits of H and K that all steps together may lose
+# guard digits of a step; number of digits of H and K that all steps together may lose
 STEP_DIGITS = 2
 LOST_DIGITS = 3
-# rates within 2^±USUAL are not rescaled, to save a product each
+# rates within 2^±USUAL are not rescaled, which saves one product per rate
 USUAL = 10
-# not so small that a K with a double zero, as at K = 0, does not change
+# relative change of coordinates; large enough to change a K with a double zero, as at K = 0
 PART = 1.2345e-4
 
 
 class IntegratedMotion(EnclosedMotion):
     """The motion of a deformation through a state, by Taylor series of ``system.vector_field``, over RR or MP(digits).
 
-    All is computed with guard digits, for floats in double-double numbers, each step to the last digit, and rounded
-    once. The work grows with the time: Infeasible where floats would take seconds, digits half a minute. PrecisionLoss
-    where the motion ends in finite time, at a pole that attracts, and where H and K are lost.
+    Everything is computed with guard digits, in double-doubles for floats. Each step is accurate to the last digit, and
+    results are rounded once. The work grows with the time: Infeasible if it would take about a second in floats, or
+    half a minute in MP(digits). PrecisionLoss if the motion ends in finite time at an attracting pole, or if H and K
+    are not preserved to the requested digits.
     """
 
     method = "integrated"
@@ -61,12 +62,12 @@ class IntegratedMotion(EnclosedMotion):
     def _kept(self, way: Way, given: np.ndarray, physical: bool, nan: Any) -> Rows:
         if isinstance(way, WalkFirst) and (found := way.walked(given, physical)) is not None:
             return Rows(*found)
-        # rows that the equations have reached are not integrated again
+        # rows that the integration reached before a refused time are kept
         return self._equations.kept(given, physical, nan)
 
 
 class IntegratedStates:
-    """The states of an IntegratedMotion, rounded to the field of ``system``; at d ≠ 0 t or τ is integrated along."""
+    """The states of an IntegratedMotion, rounded to the field of ``system``; at d ≠ 0 τ or t is integrated too."""
 
     way = IntegratedMotion.method
 
@@ -88,7 +89,7 @@ class IntegratedStates:
         return self.kept(tau, False, None, strict=True).tau
 
     def kept(self, given: np.ndarray, physical: bool, nan: Any, strict: bool = False) -> Rows:
-        """The rows at values of t, or of τ unless ``physical``, and the other of the two in the place of ``tau``."""
+        """The rows at values of t, or of τ unless ``physical``; their ``tau`` holds τ, or t unless ``physical``."""
         refused: dict[int, str] = {}
         found = self._integrated(given, physical, None if strict else refused)
         had = [i for i in range(len(found)) if i not in refused]
@@ -116,23 +117,25 @@ class IntegratedStates:
 
     @property
     def _exponent(self) -> int:
-        """Times are integrated along in units of 2^−exponent, so that a fast or slow γ moves by about 1 in one:
-        coefficients of an order beyond 20 are the rate to that power, beyond floats.
+        """The exponent of the unit of time, 2^−exponent, in which the equations are integrated.
+
+        A fast or slow γ moves by about 1 per unit. In other units coefficients of order 20 and more, which grow as
+        powers of the rate, would exceed the range of floats.
         """
         context, rate = self._system.field.context, self._system.vector_field(self._state)
-        # γ̈ of a body at rest is Ṁ over a moment
+        # for a body at rest γ̈ is of the size of Ṁ divided by a moment
         pull = max(abs(a * m) for a, m in zip(self._system.a, rate.M, strict=True))
         fastest = max(*map(abs, rate.gamma), context.sqrt(pull))
         exponent = int(context.mag(fastest)) if fastest else 0
         return exponent if abs(exponent) > USUAL else 0
 
     def _missing(self, rows: list[list[Any]]) -> list[int]:
-        """How many of the requested digits, less LOST_DIGITS, H and K of each row lack."""
+        """For each row, the number of digits that H and K lack of those requested minus LOST_DIGITS."""
         wanted, nearby = self._asked - LOST_DIGITS, self._nearby
         tape = recorded(self._integrals, 6)
         found = evaluate(self._system.field, tape, [*nearby, *rows], self._asked + STEP_DIGITS, 2)
         (before, *moved), found = found[: len(nearby)], found[len(nearby) :]
-        # |F| + Σ|ΔF/part| of F = H and K
+        # the size of F = H, K is |F| + Σ|ΔF/part|
         part = self._system.field.coerce(PART)
         sizes = [abs(F) + sum(abs(row[k] - F) for row in moved) / part for k, F in enumerate(before)]
         pairs = [zip(row, before, sizes, strict=True) for row in found]
@@ -140,12 +143,12 @@ class IntegratedStates:
 
     @cached_property
     def _nearby(self) -> list[list[Any]]:
-        """The start, and six times with one coordinate moved by PART of |γ| or |M|."""
+        """The start, and six points with one coordinate moved by PART of the largest component of γ, or of M."""
         vectors, part = (self._state.gamma, self._state.M), self._system.field.coerce(PART)
         units, values = [part * max(map(abs, v)) for v in vectors], [x for v in vectors for x in v]
         return [values, *([*values[:i], values[i] + units[i // 3], *values[i + 1 :]] for i in range(6))]
 
     def _integrals(self, y: Sequence[Any]) -> list[Any]:
-        """H and K, and H again for as many results as variables."""
+        """H and K, then H repeated: a tape must have as many results as variables."""
         H, K = self._system._integrals_along(np.array(y[:3]), np.array(y[3:]))[2:]
         return [H, K, H, H, H, H]

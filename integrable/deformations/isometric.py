@@ -1,4 +1,4 @@
-"""The check pair and the hat pair on the sphere, isometric to tilde pairs, d = 0, with five-parameter potentials."""
+"""The check and hat pairs on the sphere at d = 0: isometric to tilde pairs, with five-parameter potentials."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class IsometricDeformation(Deformation):
-    """A pair on e*(3), d = 0, isometric to the tilde pair of A⁻¹: base of :class:`Check` and :class:`Hat`."""
+    """A pair on e*(3) at d = 0, isometric to the tilde pair of A⁻¹: the base class of :class:`Check`, :class:`Hat`."""
 
     def __init__(self, inertia: Sequence[Any], *, potential: Sequence[Any] | None = None, field: Any = RR) -> None:
         self._build(inertia, 0, potential, field)
@@ -28,7 +28,7 @@ class IsometricDeformation(Deformation):
         return self.potential is None
 
     def flow(self, state: State) -> DeformedFlow:
-        """The motion as additions on the two curves of the tilde pair of A⁻¹, without a potential: an IsometricFlow."""
+        """The motion by additions on the two curves of the tilde pair of A⁻¹; ArgumentError with a potential."""
         if not self.separates:
             return super().flow(state)
         from integrable.deformations.separated_flow import IsometricFlow
@@ -39,8 +39,9 @@ class IsometricDeformation(Deformation):
         return self.isometry()[2]
 
     def divisor(self, state: State) -> TwoPoints:
-        """The two points of a state on the curves of the tilde pair of A⁻¹; NotASquare where the lift is not over the
-        field.
+        """The two points of a state on the curves of the tilde pair of A⁻¹.
+
+        NotASquare if the lift is not defined over the field.
         """
         from integrable.deformations.two_curves import lifted
 
@@ -58,8 +59,9 @@ class IsometricDeformation(Deformation):
     def translation(
         self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1
     ) -> IsometricStep:
-        """The step of the tilde pair of A⁻¹ (:class:`integrable.deformations.two_curves.CurveTranslation`), points on
-        its line."""
+        """The step of the tilde pair of A⁻¹ (:class:`integrable.deformations.two_curves.CurveTranslation`).
+
+        ``points`` are abscissas ũ of that pair."""
         from integrable.deformations.two_curves import IsometricStep
 
         self._check_curves()
@@ -70,13 +72,13 @@ class Check(IsometricDeformation):
     """H = s·m1 − s²m2 − 2ξ², K = ξ²(s·m1 − ξ²) on e*(3), (γ, M) = 0, with a_i = 1/I_i.
 
     ``potential`` = (a, b, β_1, β_2, β_3) adds a/s + b(s⁻³ − tr A⁻¹·s⁻²) + Σβ_i(1/a_j + 1/a_k − 2/s)s/(a_iγ_i²).
-    Isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`). (Tsiganov, the check Hamiltonian as
-    corrected in docs/errata.md, item 22.) The kinetic energy is indefinite: a pole may attract, and γ_i reach 0 in
-    finite time.
+    It is isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`). (Tsiganov, the check Hamiltonian
+    as corrected in docs/errata.md, item 22.) The kinetic energy is indefinite, so a pole may attract, and γ_i may reach
+    0 in finite time.
     """
 
     def isometry(self) -> tuple[Any, Any, Any]:
-        """(B², m, system): B² = A, m = −e3 and the tilde pair of A⁻¹, with H = m·H̃ at the lift of B."""
+        """(B², m, tilde pair): B² = A, m = −e3, and the tilde pair of A⁻¹; H = m·H̃ at the lift by B."""
         from integrable.deformations.tilde import Tilde
 
         K, (a1, a2, a3) = self.field, self.a
@@ -104,7 +106,7 @@ class Check(IsometricDeformation):
         return a * inverse + b * (inverse - q.e2 / q.e3) * inverse * inverse + terms
 
     def motion(self, q: Scalars) -> tuple[Any, Any]:
-        """Ω = sAM − s²M − 2ξAγ, Ṁ = M × Ω + γ × [(m1 − 2s·m2)Aγ − 2ξAM]."""
+        """(Ω, Ṁ): Ω = sAM − s²M − 2ξAγ, Ṁ = M × Ω + γ × [(m1 − 2s·m2)Aγ − 2ξAM]."""
         omega = combination((q.s, q.AM), (-q.s * q.s, q.M), (-2 * q.xi, q.Ag))
         pull = combination((q.m1 - 2 * q.s * q.m2, q.Ag), (-2 * q.xi, q.AM))
         return omega, combination((1, product(q.M, omega)), (1, product(q.gamma, pull)))
@@ -113,9 +115,9 @@ class Check(IsometricDeformation):
 class Hat(IsometricDeformation):
     """H = α·m1 − (σ + ατ)m2 = ν1 + ν2, K = (σξ + τζ)²(w, Aw) = −e3·ν1ν2 on e*(3), (γ, M) = 0, with a_i = 1/I_i.
 
-    α = σ·tr A⁻¹ − 2τ, τ = tr A − s, w = γ × M. K is minus e3·ν1ν2, so that it extends to the
-    ``potential`` = (a, b, β_1, β_2, β_3), which adds aS + b(S³ − tr A⁻¹·S²) + Σβ_i(1/a_j + 1/a_k − 2S)σ/(a_ja_kγ_i²),
-    S = e2/e3 − τ/σ. Isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`).
+    α = σ·tr A⁻¹ − 2τ, τ = tr A − s, w = γ × M. K = −e3·ν1ν2 extends to a potential.
+    ``potential`` = (a, b, β_1, β_2, β_3) adds aS + b(S³ − tr A⁻¹·S²) + Σβ_i(1/a_j + 1/a_k − 2S)σ/(a_ja_kγ_i²),
+    S = e2/e3 − τ/σ. The pair is isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`).
     """
 
     def eigenvalue_sums(self, integrals: DeformedIntegrals) -> tuple[Any, Any]:
@@ -123,7 +125,7 @@ class Hat(IsometricDeformation):
         return integrals.H, K.div(integrals.K, K.mul(a1, K.mul(a2, a3)))
 
     def isometry(self) -> tuple[Any, Any, Any]:
-        """(B², m, system): B² = A^∨, m = e3 and the tilde pair of A⁻¹, with H = m·H̃ at the lift of B."""
+        """(B², m, tilde pair): B² = A^∨, m = e3, and the tilde pair of A⁻¹; H = m·H̃ at the lift by B."""
         from integrable.deformations.tilde import Tilde
 
         K, (a1, a2, a3) = self.field, self.a
@@ -151,7 +153,7 @@ class Hat(IsometricDeformation):
         return a * S + b * (S - q.e2 / q.e3) * S * S + terms
 
     def motion(self, q: Scalars) -> tuple[Any, Any]:
-        """Ω = αAM − (σ + ατ)M, Ṁ = M × Ω + γ × {[tr A⁻¹·A^∨γ + 2Aγ](m1 − τm2) + αm2·Aγ − m2·A^∨γ}."""
+        """(Ω, Ṁ): Ω = αAM − (σ + ατ)M, Ṁ = M × Ω + γ × {[tr A⁻¹·A^∨γ + 2Aγ](m1 − τm2) + αm2·Aγ − m2·A^∨γ}."""
         alpha, dual = _alpha(q), [a * x for a, x in zip(q.dual, q.gamma, strict=True)]
         omega = combination((alpha, q.AM), (-q.sigma - alpha * q.tau, q.M))
         height = q.m1 - q.tau * q.m2

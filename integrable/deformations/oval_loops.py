@@ -1,8 +1,8 @@
-"""The states of :class:`integrable.deformations.separated_flow.OvalCarrier` on bare reals, compiled or interpreted. On
-either curve R_low, R_middle and R_high are multiples of sn, cn and dn, which theta functions give
-(:mod:`integrable.mumford.elliptic_torus`).
+"""The states of :class:`integrable.deformations.separated_flow.OvalCarrier` on bare reals, compiled or interpreted.
 
-Roots R_i are triples in the order of e_i: low, middle, high; phases are turns of a curve's real period.
+On either curve R_low, R_middle and R_high are multiples of sn, cn and dn, which are computed by theta functions
+(:mod:`integrable.mumford.elliptic_torus`). Roots R_i are triples in the order of e_i: low, middle, high. Phases are in
+turns, one per real period of a curve.
 """
 
 from __future__ import annotations
@@ -22,11 +22,10 @@ Three = tuple[Real, Real, Real]
 
 
 class Track(NamedTuple):
-    """One curve, with its theta series in ``table`` and ``inverse`` as for
-    :func:`integrable.mumford.elliptic_torus.theta_quotients`.
+    """One curve; ``table`` is that of :func:`integrable.mumford.elliptic_torus.theta_quotients`.
 
-    ``numbers`` are the factors of θ₁/θ₄, θ₂/θ₄ and θ₃/θ₄ in R_low, R_middle and R_high, the phase of the start since Z
-    = e_low, the three e_i over μ with the signs of R_i² in z, and 1/μ.
+    ``inverse`` is that of :func:`integrable.mumford.elliptic_torus.circle`. ``numbers`` are the factors of θ₁/θ₄, θ₂/θ₄
+    and θ₃/θ₄ in R_low, R_middle and R_high, the phase of the start counted from Z = e_low, the three e_i/μ, and 1/μ.
     """
 
     numbers: Row
@@ -35,9 +34,11 @@ class Track(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """The body: ``numbers`` are three weights of e_i with their signs, three 1 − da_i, three weights of n_i, three a_i,
-    then d, μ1, μ2, λ1, λ2, the sign of an odd order of the axes, that of γ and M; ``back`` the diagonal of the lift to
-    the pair asked for, ``lifted`` whether there is one; ``sizes`` of H and K.
+    """The body and the integrals of a motion.
+
+    ``numbers`` are three weights of e_i with their signs, three 1 − da_i, three weights of n_i, three a_i, then d, μ1,
+    μ2, λ1, λ2, the sign of the permutation that orders the axes, and the sign of γ and M. ``back`` is the diagonal of
+    the lift to a check or hat pair, and ``lifted`` tells whether it applies. ``sizes`` are those of H and K.
     """
 
     numbers: Row
@@ -47,9 +48,10 @@ class Frame(NamedTuple):
 
 
 def states(first: Track, second: Track, frame: Frame, phases: Row, found: tuple[Row, Row, Row]) -> float:
-    """γ and M at pairs of phases since the start, one after the other in ``phases``: six floats each into the first row
-    of ``found``, what floats leave of them into the second; the third is room for the roots. The largest change of H
-    and K over their sizes.
+    """Writes γ and M at pairs of phases since the start; returns the largest change of H and K over their sizes.
+
+    ``phases`` holds the pairs one after the other. The first row of ``found`` receives six floats per pair, the second
+    their remainders; the third is working memory for the roots.
     """
     out, rest, roots = found
     count, worst = len(phases) // 2, 0.0
@@ -69,7 +71,7 @@ def states(first: Track, second: Track, frame: Frame, phases: Row, found: tuple[
 
 
 def put_roots(track: Track, phases: Row, which: int, roots: Row) -> None:
-    """The roots R_i of the first curve or the second at all pairs of phases."""
+    """Writes the roots R_i of the first or second curve (``which`` = 0, 1) at all pairs of phases."""
     numbers = track.numbers
     for n in abreast(0, len(phases) // 2):
         # sn and cn have twice the period
@@ -81,7 +83,7 @@ def put_roots(track: Track, phases: Row, which: int, roots: Row) -> None:
 
 
 def put_split(vector: Three, out: Row, rest: Row, place: int) -> None:
-    """Three numbers as floats, and their remainders."""
+    """Writes three numbers as floats to ``out``, and their remainders to ``rest``."""
     out[place], out[place + 1], out[place + 2] = float(vector[0]), float(vector[1]), float(vector[2])
     rest[place] = float(vector[0] - out[place])
     rest[place + 1] = float(vector[1] - out[place + 1])
@@ -89,7 +91,7 @@ def put_split(vector: Three, out: Row, rest: Row, place: int) -> None:
 
 
 def height(track: Track, r: Three) -> Real:
-    """z = Z/μ at the roots R_i, from the smallest root."""
+    """z = Z/μ at the roots R_i, computed from the smallest of them."""
     numbers = track.numbers
     if abs(r[0]) <= abs(r[1]) and abs(r[0]) <= abs(r[2]):
         return numbers[4] + r[0] * r[0] * numbers[7]
@@ -99,13 +101,14 @@ def height(track: Track, r: Three) -> Real:
 
 
 def state_of_curves(frame: Frame, p: Three, q: Three, first: Track, second: Track) -> tuple[Three, Three, float]:
-    """(γ, M, the change of H and K) of the tilde pair from the roots on both curves, μ1 > 0 > μ2: low and high are
-    each other's on the second.
+    """(γ, M, change of H and K) of the tilde pair, from the roots on both curves.
+
+    Since μ1 > 0 > μ2, the axes of low and high are exchanged on the second curve.
     """
     b = frame.numbers
     d, mu1, mu2 = b[12], b[13], b[14]
     f1, f2 = 1 / (1 + d * height(first, p)), 1 / (1 + d * height(second, q))
-    # by axis, the least moment first: it has e_high of the first curve and e_low of the second
+    # reorder by axis, smallest moment first: that axis has e_high on the first curve and e_low on the second
     p0, p1, p2, q0, q1, q2 = p[2], p[1], p[0], q[0], q[1], q[2]
     e0, e1, e2 = b[0] * p0 * q0, b[1] * p1 * q1, b[2] * p2 * q2
     length = root(e0 * e0 + e1 * e1 + e2 * e2)
@@ -131,7 +134,7 @@ def crossed(x: Three, y: Three) -> Three:
 
 
 def integrals_drift_of(frame: Frame, gamma: Three, M: Three) -> float:
-    """The larger change of H = λ1 + λ2 and K = −λ1λ2 over their sizes (:mod:`integrable.deformations.tilde`)."""
+    """The larger of the relative changes of H = λ1 + λ2 and K = −λ1λ2 (:mod:`integrable.deformations.tilde`)."""
     b = frame.numbers
     d, a0, a1, a2 = b[12], b[9], b[10], b[11]
     l0, l1, l2 = a0 * M[0], a1 * M[1], a2 * M[2]
@@ -148,7 +151,7 @@ def integrals_drift_of(frame: Frame, gamma: Three, M: Three) -> float:
 
 
 def lifted_row(back: Row, gamma: Three, M: Three) -> tuple[Three, Three]:
-    """:func:`integrable.phase.isometry.lift`."""
+    """The lift of (γ, M) by the diagonal ``back``, as :func:`integrable.phase.isometry.lift`."""
     b0, b1, b2 = back[0], back[1], back[2]
     turned = (b0 * gamma[0], b1 * gamma[1], b2 * gamma[2])
     size = 1 / root(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2])
@@ -158,9 +161,10 @@ def lifted_row(back: Row, gamma: Three, M: Three) -> tuple[Three, Three]:
 
 
 def paces(first: Track, second: Track, numbers: Row, places: tuple[Row, Row], table: Row, room: Row) -> None:
-    """dt/dτ = 1/g into ``table``, row by row, at ``places``: phases since the start in pairs, on the first curve the
-    rows, on the second the columns. ``numbers`` are d and the weights of 1 + dz_k in g², ``room`` is for 6 numbers a
-    pair.
+    """Writes dt/dτ = 1/g to ``table``, row by row, on a grid of phases since the start.
+
+    ``places`` are the phases in pairs: rows are phases on the first curve, columns those on the second. ``numbers`` are
+    d and the weights of 1 + dz_k in g². ``room`` is working memory of 6 numbers per pair.
     """
     downwards, across = places
     rows, columns = len(downwards) // 2, len(across) // 2
@@ -175,7 +179,7 @@ def paces(first: Track, second: Track, numbers: Row, places: tuple[Row, Row], ta
 
 
 def put_shares(track: Track, d: Real, weight: Real, count: int, roots: Row) -> None:
-    """weight·(1 + dz) of triples of roots, six apart, in place of the first of them."""
+    """Replaces the first root of each triple by weight·(1 + dz); the triples are six numbers apart."""
     for n in range(count):
         place = 6 * n
         roots[place] = weight * (1 + d * height(track, (roots[place], roots[place + 1], roots[place + 2])))

@@ -1,13 +1,13 @@
-"""The flow of the tilde pair at d = 0 in repelling poles Σb_i(a_j + a_k − 2s)/γ_i², b_i > 0: two elliptic curves again.
+"""The flow of the tilde pair at d = 0 with repelling poles Σb_i(a_j + a_k − 2s)/γ_i², b_i > 0, on two elliptic curves.
 
 Let h1 = m1 + Σb_i(a_j + a_k − s)/γ_i² and h2 = m2 + Σb_i/γ_i². The state is a divisor (U, V) of y² = f(x) = φ(x)(h1 −
 xh2 − Σb_ic_i/(x − a_i)), c_i = (a_j − a_i)(a_k − a_i). The other roots ũ_k of f − V² separate: λ_k = h1 − ũ_kh2 are
 constant, H = λ1 + λ2, K = −λ1λ2, and ũ_k' = −V(ũ_k), where ũ_k'² = φ(ũ_k)λ_k − 4Σb_ic_iΠ_{j≠i}(a_j − ũ_k) is a cubic.
 So Z = λ_kũ_k + const moves by the addition of (℘(t), ℘'(t)) on Y² = 4Z³ − g2Z − g3.
 
-Since V(a_i)² = −4b_ic_i² < 0 where γ_i = 0, no γ_i changes its sign. ũ_k are the roots of ΣE_i²(x − a_j)(x − a_k), E_i²
-= (b_i/γ_i² + w_i²)/h2 > 0, w = γ × M. One lies on each side of the middle a_i, so the ovals never meet, and the motion
-continues for all time. (The tilde pair's 2-torsion map on the curve with poles;
+γ_i = 0 would imply V(a_i)² = −4b_ic_i² < 0, so no γ_i changes sign. ũ_k are the roots of ΣE_i²(x − a_j)(x − a_k), E_i²
+= (b_i/γ_i² + w_i²)/h2 > 0, w = γ × M. They lie on opposite sides of the middle a_i, so the ovals never meet, and the
+motion continues for all time. (This is the tilde pair's 2-torsion map on the curve with poles;
 tests/integrable/deformations/test_separations.py has the exact identities.)
 """
 
@@ -27,9 +27,9 @@ __all__ = ["PoleFlow"]
 
 
 class PoleFlow(DeformedFlow):
-    """The motion through a state, over RR or MP(digits): get it from ``system.flow``.
+    """The motion through a state, over RR or MP(digits); ``system.flow`` returns it.
 
-    NotRepresentable where moments are equal or a λ_k vanishes.
+    NotRepresentable if moments are equal or a λ_k vanishes.
     """
 
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
@@ -37,7 +37,7 @@ class PoleFlow(DeformedFlow):
 
 
 class CubicCarrier(CurvesCarrier):
-    """The motion over the numbers of ``system``."""
+    """The motion on two cubics, over the numbers of ``system``."""
 
     def __init__(self, system: Any, state: State) -> None:
         self.system, self.start = system, state
@@ -70,7 +70,7 @@ class CubicCarrier(CurvesCarrier):
         return self._state(*(curve.moved(tau) for curve in self._curves))
 
     def _separated(self, state: State) -> tuple[list[Any], list[Any], list[Any]]:
-        """ũ_k, their rates and λ_k."""
+        """The ũ_k, their derivatives, and the λ_k."""
         K, a = self.system.field, self.system.a
         squares = [x * x for x in state.gamma]
         s = K.dot(a, squares)
@@ -116,9 +116,9 @@ class CubicCarrier(CurvesCarrier):
 
 
 class _Cubic:
-    """The motion u' = y on y² = q(u), q of degree 3, leading coefficient 4λ, along the bounded oval of its start.
+    """The motion u' = y on y² = q(u), along the bounded oval of its start.
 
-    ``period`` is that of the motion.
+    q has degree 3 and leading coefficient 4λ. ``period`` is the period of the motion.
     """
 
     def __init__(self, K: Any, q: poly.Poly, scale: Any, u: Any, rate: Any) -> None:
@@ -126,7 +126,7 @@ class _Cubic:
         self._shift = q[2] / 12
         # Z = λu + shift, Y = λu': Y² = 4Z³ − g2Z − g3
         self._g2 = 12 * self._shift * self._shift - scale * q[1]
-        # at u = 0, Z = shift: λ²q(0) = 4Z³ − g2Z − g3
+        # at u = 0, where Z = shift: λ²q(0) = 4Z³ − g2Z − g3
         self._g3 = (4 * self._shift * self._shift - self._g2) * self._shift - scale * scale * q[0]
         self._start = scale * u + self._shift, scale * rate
         self._series = laurent(K, self._g2, self._g3)
@@ -134,23 +134,24 @@ class _Cubic:
         self.period = K.context.pi / K.context.agm((z[2] - z[0]) ** (K.one / 2), (z[2] - z[1]) ** (K.one / 2))
 
     def _roots(self) -> list[Any]:
-        """The real roots of 4Z³ − g2Z − g3, ascending: by cos 3θ (Viète)."""
+        """The real roots of 4Z³ − g2Z − g3 in ascending order, by Viète's formula with cos 3θ."""
         K = self._field
-        # rounding may push it beyond 1 at an equilibrium, where the oval is a point
+        # rounding may push the cosine beyond 1 at an equilibrium, where the oval is a point
         cosine = max(-K.one, min(K.one, self._g3 * (27 / self._g2**3) ** (K.one / 2)))
         turn = K.context.acos(cosine) / 3
         radius = (self._g2 / 3) ** (K.one / 2)
         return [radius * K.context.cos(turn + 2 * K.context.pi * k / 3) for k in (1, 2, 0)]
 
     def moved(self, t: Any) -> tuple[Any, Any]:
-        """(u, u') a time t later."""
+        """(u, u') after a time t from the start."""
         rest = t - self._field.context.nint(t / self.period) * self.period
         x, y = self._added(*self._translation(rest)) if rest else self._start
         return (x - self._shift) / self._scale, y / self._scale
 
     def _added(self, x: Any, y: Any) -> tuple[Any, Any]:
-        """The start (Z, Y) moved by (x, y), without the differences of large numbers that its chord has at small t:
-        symmetric functions over (x − Z)² and (x − Z)³.
+        """The sum of the start (Z, Y) and (x, y), as symmetric functions over (x − Z)² and (x − Z)³.
+
+        The usual formula with the slope of the chord would subtract large numbers at small t.
         """
         (z, v), g2, g3 = self._start, self._g2, self._g3
         gap = x - z
@@ -162,7 +163,7 @@ class _Cubic:
         return total / (2 * gap**2), (v * cubic(z, x) - y * cubic(x, z)) / (2 * gap**3)
 
     def _translation(self, v: Any) -> tuple[Any, Any]:
-        """(℘(v), ℘'(v)), |v| at most half a period: the Laurent series at v/2^m, then m doublings."""
+        """(℘(v), ℘'(v)), |v| ≤ half a period, from the Laurent series at v/2^m and m doublings."""
         K, halvings = self._field, 0
         size = max(abs(self._g2) ** (K.one / 2), abs(self._g3) ** (K.one / 3), abs(self._shift))
         while v * v * size > 1 / K.coerce(16):

@@ -1,9 +1,9 @@
-"""States of the tilde, check and hat pairs in floats: theta functions on either curve, compiled for double-double
-numbers, and the clock of :mod:`integrable.torus.access` on the torus of both.
+"""States of the tilde, check and hat pairs in floats, by theta functions on either curve, compiled for double-doubles.
 
-The loss is measured on every call: by H and K of all states in double-doubles, by the farthest state of a carrier of
-more digits, by the time that the clock returns there, and by 1/g of that carrier. Where it exceeds the rounding of
-floats, or τ is too many periods away, that carrier computes the states.
+Physical times use the clock of :mod:`integrable.torus.access` on the torus of both curves. The loss is measured on
+every call: by H and K of all states in double-doubles, by the farthest state of a carrier with more digits, by the time
+that the clock returns there, and by 1/g of that carrier. If it exceeds the rounding of floats, or if τ is too many
+periods away, that carrier computes the states.
 """
 
 from __future__ import annotations
@@ -32,23 +32,24 @@ from jacobian.numbers.compiler import interpreted
 if TYPE_CHECKING:
     from integrable.motion.precise import RoundedRows
 
-# periods after which double-doubles may lack digits
+# number of periods after which double-doubles may lack digits
 MOST_TURNS = 1e6
 # largest error of H and K, relative to their sizes, and of the farthest state
 MOST_LOST = 1e-20
-# the largest error of 1/g, and of a time of the clock: some roundings of floats
+# largest relative error of 1/g, and of a time of the clock: some rounding units of floats
 MOST_OFF = 4e-14
-# modes of 1/g, relative to its mean, that physical times may lack: larger ones would affect the last bit of τ
+# modes of 1/g below this, relative to its mean, are omitted; larger ones would affect the last bit of τ
 NOISE = 4e-18
-# largest ratio of the turning rate of a heavy body to that of its phases
+# largest ratio of the rotation rate of a heavy body to that of its phases
 SWIFT = 100
-# samples of 1/g beyond which the tables of another way are cheaper
+# number of samples of 1/g beyond which the tables of another method are cheaper
 MOST_SAMPLES = 1 << 14
 
 
 class Packed(NamedTuple):
-    """The arguments of :func:`integrable.deformations.oval_loops.states` for a motion; ``order`` are its axes there,
-    ``rates`` the turns of either phase per unit of τ.
+    """The arguments of :func:`integrable.deformations.oval_loops.states` for a motion.
+
+    ``order`` is the order of the axes in them, ``rates`` are the turns of either phase per unit of τ.
     """
 
     first: Track
@@ -59,7 +60,7 @@ class Packed(NamedTuple):
 
 
 class QuickStates:
-    """The :class:`integrable.motion.trajectory.Way` of a motion over RR; ``rows`` is that of its carrier."""
+    """The :class:`integrable.motion.trajectory.Way` of a motion over RR; ``rows`` is the Way of its carrier."""
 
     def __init__(self, rows: RoundedRows) -> None:
         self._rows, self.way = rows, rows.way
@@ -98,7 +99,7 @@ class QuickStates:
         return self._rows.times(tau)
 
     def _timed(self, carrier: Any, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """:meth:`at` by the clock in floats."""
+        """The result of :meth:`at` by the clock in floats; None if that is not accurate enough."""
         far = int(np.argmax(np.abs(times)))
         if not carrier.turns(abs(carrier.most_tau(carrier.field.coerce(float(times[far]))))) < MOST_TURNS:
             return None
@@ -110,7 +111,7 @@ class QuickStates:
             try:
                 self._clock = carrier, QuickClock(carrier, packed)
             except PrecisionLoss:
-                # 1/g needs too many samples, or its modes are resonant
+                # 1/g needs too many samples, or has resonant modes
                 self._clock = carrier, None
         clock = self._clock[1]
         if clock is None:
@@ -134,7 +135,7 @@ class QuickStates:
         return self._packed[1]
 
     def _quick(self, carrier: Any, packed: Packed, phases: np.ndarray, far: int, truth: Any) -> np.ndarray | None:
-        """γ and M at phases since the start; those in the row ``far`` are compared with a carrier's."""
+        """γ and M at phases since the start; None if H and K, or the row ``far`` compared with ``truth``, are off."""
         count = len(phases) // 2
         out, rest, room = np.empty(6 * count), np.empty(6 * count), np.empty((6 * count, 2))
         lost = LIBRARY.states(packed.first, packed.second, packed.frame, phases, (out, rest, room))
@@ -153,9 +154,9 @@ class QuickStates:
 
 
 class QuickClock:
-    """The :class:`~integrable.torus.access.TorusClock` of a tilde motion whose body rolls.
+    """The :class:`~integrable.torus.access.TorusClock` of a motion of a tilde pair with d ≠ 0.
 
-    PrecisionLoss where 1/g takes too many samples, or a mode is in resonance.
+    PrecisionLoss if 1/g needs too many samples, or if a mode is resonant.
     """
 
     def __init__(self, carrier: Any, packed: Packed) -> None:
@@ -172,13 +173,14 @@ class QuickClock:
         self._clock = TorusClock(loops, self._spectrum, row, scale, NOISE / 64)
 
     def phases(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(the phases since the start in turns, one pair after the other, τ) at physical times."""
+        """(phases, τ) at physical times; phases are counted from the start in turns, one pair after the other."""
         phases, delays = self._clock.phases(times)
         return phases, (Column(times) * self._pace + Column(delays)).hi
 
     def holds(self, carrier: Any, moved: list[Any], turns: list[Any], tau: np.ndarray, time: float) -> bool:
-        """Whether the clock returns a time at its τ, and its dt/dτ at ``turns`` of the phases agrees with the carrier's
-        curves, which have ``moved`` so far.
+        """Whether the clock is accurate at one time: t(τ) returns ``time``, and dt/dτ agrees with the carrier's.
+
+        The phases there are ``turns``; on the carrier's curves they are the times ``moved``.
         """
         if not abs(float(self._clock.times(tau)[0]) - time) <= MOST_OFF * abs(time):
             return False
@@ -193,7 +195,7 @@ class QuickClock:
 
 
 def samples(carrier: Any, packed: Packed, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
-    """1/g at the phases (i/rows, j/columns) since the start, as double-doubles: those ``known`` are made again."""
+    """1/g at the phases (i/rows, j/columns) since the start, as double-doubles; ``known`` samples are recomputed."""
     rows, columns = sizes
     table, room = np.empty((rows * columns, 2)), np.empty((6 * (rows + columns), 2))
     # powers of 2, so that fractions are exact
@@ -210,9 +212,9 @@ def quick_way(rows: RoundedRows) -> RoundedRows | QuickStates:
 
 
 def packed(carrier: Any) -> Packed:
-    """The data from which states of a carrier are computed.
+    """The data from which the states of a carrier are computed.
 
-    ArgumentError for numbers beyond the range of floats, PrecisionLoss next to a separatrix.
+    ArgumentError for numbers beyond the range of floats, PrecisionLoss near a separatrix.
     """
     lifted = hasattr(carrier, "tilde")
     tilde, one_to_one = carrier.tilde if lifted else carrier, (carrier.field.one,) * 3
@@ -243,7 +245,9 @@ def packed(carrier: Any) -> Packed:
 
 
 def _track(curve: Any) -> Track:
-    """R_low = ±√(e_middle − e_low)·sn, R_middle = √(e_middle − e_low)·cn and R_high = ±√(e_high − e_low)·dn."""
+    """The track of a curve: R_low = ±√(e_middle − e_low)sn, R_middle = √(e_middle − e_low)cn, R_high = ±√(e_high −
+    e_low)dn.
+    """
     N, (low, middle, high) = curve.field, (curve.low, curve.middle, curve.high)
     swing, breadth = N.sqrt(curve.height_of_oval), N.sqrt(curve.breadth)
     side = 1 if curve.start[high] > 0 else -1

@@ -1,9 +1,9 @@
-"""Physical time along a tilde flow at d ≠ 0, t = ∫dτ/g, at any distance: a Fourier series on the torus of two ovals.
+"""Physical time along a tilde flow at d ≠ 0, t = ∫dτ/g, at any τ, by a Fourier series on the torus of two ovals.
 
-g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k| depends on z_k(θ_k) alone, even and periodic in the phases θ_k = 2π(τ + since_k)/T_k. With
-1/g = Σ c_mn cos mθ1 cos nθ2, t(τ) is a mean rate times τ and a sum of sines, and τ(t) a Newton iteration. Where mΩ1 +
-nΩ2 almost vanishes (a resonance) a mode is integrated as one that grows with τ, which avoids small divisors.
-Coefficients are integers in units of 2^−bits: numpy multiplies matrices of them.
+g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k| depends only on z_k(θ_k), which are even and periodic in the phases θ_k = 2π(τ +
+since_k)/T_k. With 1/g = Σ c_mn cos mθ1 cos nθ2, t(τ) is a mean rate times τ plus a sum of sines, and τ(t) is found by
+Newton's method. If mΩ1 + nΩ2 almost vanishes (a resonance), the mode is integrated as one that grows with τ, which
+avoids small divisors. Coefficients are integers in units of 2^−bits, so that numpy can multiply matrices of them.
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ if TYPE_CHECKING:
 
 GUARD_BITS = 30
 MOST_MODES = 1 << 16
-"""Of a series of USUAL_BITS, fewer where they are longer: a second of set-up."""
+"""Largest number of modes at USUAL_BITS bits, about a second of set-up; at more bits it is reduced in proportion."""
 USUAL_BITS = 256
 # modes in excess of the number that their decay suggests
 MARGIN = 6
-# sizes up to which transforms are direct sums
+# size up to which transforms are computed as direct sums
 SHORT = 8
-# a mode is resonant if it is 2^RESONANT times slower than its terms
+# a mode is resonant if |mΩ1 + nΩ2| is 2^RESONANT times smaller than its terms
 RESONANT = 10
 ROUNDS = 200
 ROUGH_ROUNDS = 20
 
 
 class OnTwoCurves(Protocol):
-    """A motion on two curves, in the interface of its clock."""
+    """The interface of a motion on two curves that its clock uses."""
 
     system: Any
     curves: list[SeparatedOval]
@@ -51,9 +51,9 @@ class OnTwoCurves(Protocol):
 
 
 class SeparatedClock:
-    """t(τ) and τ(t) of one motion to ``digits`` digits of its longer period.
+    """t(τ) and τ(t) of one motion, to ``digits`` digits relative to its longer period.
 
-    PrecisionLoss where 1/g needs too many modes.
+    PrecisionLoss if 1/g needs too many modes.
     """
 
     def __init__(self, motion: OnTwoCurves, digits: int) -> None:
@@ -77,7 +77,7 @@ class SeparatedClock:
             if sizes == before:
                 break
         self._keep(table)
-        # with room for rounding
+        # allow for rounding
         self._least, self._most = least * (1 - 1e-9), most * (1 + 1e-9)
         self._origin = self._exact(self._phases(K.zero))[0]
 
@@ -89,7 +89,7 @@ class SeparatedClock:
             return t
         K = self._motion.field
         t = t * self._unit
-        # dt/dτ = 1/g lies between these
+        # bounds of τ from those of dt/dτ = 1/g
         bounds = low, high = sorted((t / self._most, t / self._least))
         x = t / self._mean
         rough = True
@@ -123,7 +123,7 @@ class SeparatedClock:
         return (self._mean * x + self._slowly(x) + swing) / self._unit
 
     def defect(self, tau: Any, rate: Any) -> Any:
-        """The relative difference of 1/g of the series at τ and ``rate``."""
+        """The relative difference between 1/g by the series at τ and ``rate``."""
         _, found = self._exact(self._phases(tau * self._unit))
         return abs(found / rate - 1)
 
@@ -166,7 +166,7 @@ class SeparatedClock:
         return np.array(cosines, dtype=object), np.array(sines, dtype=object)
 
     def _slowly(self, x: Any) -> Any:
-        """The resonant modes' part of t at a scaled τ."""
+        """The contribution of the resonant modes to t at a scaled τ."""
         context = self._motion.field.context
         total = x * 0
         for value, speed, phase in self._resonant:
@@ -201,8 +201,8 @@ class SeparatedClock:
         return values
 
     def _cosines(self, values: np.ndarray, count: int) -> np.ndarray:
-        """Σ of c_k cos(πjk/n) = values_j, j, k = 0 … n, along the first axis."""
-        # transforms of even real columns are real: two of them are one complex one
+        """The c_k with Σ_k c_k cos(πjk/n) = values_j, j, k = 0 … n, along the first axis."""
+        # transforms of even real columns are real, so one complex transform computes two of them
         width = (values.shape[1] + 1) // 2
         real, imaginary = values[:, :width], values[:, width:]
         if imaginary.shape[1] < width:
@@ -215,7 +215,7 @@ class SeparatedClock:
         return result
 
     def _keep(self, table: np.ndarray) -> None:
-        """The tables of the sums: swings c/(mΩ1 + nΩ2) of the sines, and the resonant modes apart."""
+        """Stores the tables of the sums: the amplitudes c/(mΩ1 + nΩ2) of the sines, and the resonant modes."""
         motion, bits = self._motion, self._bits
         context = motion.field.context
         self._mean = motion.field.coerce(int(table[0, 0])) * context.ldexp(1, -bits)
@@ -233,7 +233,7 @@ class SeparatedClock:
                 value = int(table[m, n])
                 if (m, n) == (0, 0) or abs(value) <= least:
                     continue
-                # cos mθ1 cos nθ2 is a mean of cos(mθ1 ± nθ2)
+                # cos mθ1 cos nθ2 is the mean of cos(mθ1 + nθ2) and cos(mθ1 − nθ2)
                 for sign in (1, -1) if m and n else (1,):
                     share = value // 2 if m and n else value
                     speed = m * first + sign * n * second
@@ -247,7 +247,7 @@ class SeparatedClock:
         self._float_rate, self._float_even, self._float_odd = (_floats(x, bits) for x in (table, even, odd))
 
     def _mode(self, value: int, m: int, n: int) -> tuple[Any, Any, Any]:
-        """(coefficient, speed in scaled τ, phase at τ = 0) of a mode."""
+        """(coefficient, angular frequency in scaled τ, phase at τ = 0) of a mode."""
         context = self._motion.field.context
         speed = m * self._slow[0] + n * self._slow[1]
         turns = [since / period for since, period in zip(self._since, self._periods, strict=True)]
@@ -257,7 +257,7 @@ class SeparatedClock:
 
 def _floats(table: np.ndarray, bits: int) -> np.ndarray:
     """Integers in units of 2^−bits as floats."""
-    # beyond the range of floats
+    # drop the bits that would exceed the range of floats
     dropped = max(0, bits - 200)
     result: np.ndarray = (table >> dropped).astype(float) * 0.5 ** (bits - dropped)
     return result
@@ -270,16 +270,16 @@ def _turns(turns: float, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def extremes(motion: OnTwoCurves) -> tuple[Any, Any]:
-    """Bounds of 1/g."""
+    """(smallest, largest) value of 1/g on the torus."""
     ends = [[curve.e[i] / curve.mu for i in (curve.low, curve.middle)] for curve in motion.curves]
     return motion.pace(*map(max, ends)), motion.pace(*map(min, ends))
 
 
 def series_sizes(motion: OnTwoCurves, digits: int) -> tuple[int, int]:
-    """The number of modes of either phase: c_mn decay like e^(−m·strip) where 1/g has no singularity in the strip.
+    """The number of modes in either phase: c_mn decay as e^(−m·strip) if 1/g has no singularity in the strip.
 
-    z has a pole at the imaginary half period of either curve. g² vanishes where Σ|λ_k|(1 + dz_k) does. On the second
-    curve, z < 0, that is as far as the pole; on the first one it is between the pole and the real axis.
+    z has a pole at the imaginary half-period of either curve. g² vanishes where Σ|λ_k|(1 + dz_k) does. On the second
+    curve, where z < 0, that is as far from the real axis as the pole; on the first curve it is nearer.
     """
     d = motion.system.d
     one, two = motion.curves
@@ -294,7 +294,7 @@ def series_sizes(motion: OnTwoCurves, digits: int) -> tuple[int, int]:
 
 
 def grown(table: np.ndarray, noise: Any) -> tuple[int, int]:
-    """The size of a table whose last modes are noise, else a larger one."""
+    """The size of a table if its last modes are noise, otherwise a larger size."""
     rows, columns = (n - 1 for n in table.shape)
     if abs(table[-1 - rows // 16 :]).max() > noise:
         rows = _smooth(rows + rows // 4 + 1)
@@ -304,7 +304,7 @@ def grown(table: np.ndarray, noise: Any) -> tuple[int, int]:
 
 
 def _heights(curve: SeparatedOval, count: int) -> list[Any]:
-    """z at the phases πj/count, j = 0 … count, wide: half a period in ``count`` additions."""
+    """z at the phases πj/count, j = 0 … count, in wide numbers, by ``count`` additions over half a period."""
     K = curve.field
     step, r = curve.translation(curve.period / (2 * count)), curve.at_low()
     heights = []
@@ -316,14 +316,15 @@ def _heights(curve: SeparatedOval, count: int) -> list[Any]:
 
 
 def _smooth(count: int) -> int:
-    """The next number of the form 5, 6, 7 or 8 times a power of 2."""
+    """The smallest number ≥ ``count`` that is 5, 6, 7 or 8 times a power of 2."""
     power = 1 << max(0, (count - 1).bit_length() - 3)
     return -(-count // power) * power
 
 
 def _fourier(real: np.ndarray, imaginary: np.ndarray, circle: Any, bits: int) -> tuple[np.ndarray, np.ndarray]:
-    """Σ x_j e^(−2πijk/n) along the first axis of integers (Cooley & Tukey 1965); ``circle`` are the cosines and sines
-    of the multiples of a turn by 1/(a multiple of n), in units of 2^−bits.
+    """The transform Σ x_j e^(−2πijk/n) along the first axis of arrays of integers (Cooley & Tukey 1965).
+
+    ``circle`` holds, in units of 2^−bits, the cosines and sines of a full turn divided into a multiple of n parts.
     """
     cosines, sines = circle
     n, stride = len(real), len(cosines) // len(real)

@@ -1,4 +1,4 @@
-"""The geodesic flows of the tilde, check and hat pairs: two elliptic curves, and an addition on each.
+"""The geodesic flows of the tilde, check and hat pairs, by an addition on each of two elliptic curves.
 
 In ũ_k, the roots of Σ w_i²/(x − a_i), w = γ × M, the flow of H = λ1 + λ2 separates: ũ_k' = y_k, y_k² = λ_kφ(ũ_k), φ(x)
 = 4(dx − 1)Π(a_i − x), with λ_k constant, λ1 > 0 > λ2, and ' = d/dτ, dτ = g dt. Z = μ_k·ũ/(1 − dũ), μ_k = λ_kΠ(1 −
@@ -25,7 +25,7 @@ from jacobian.errors import ArgumentError, NotRepresentable, shown
 
 __all__ = ["IsometricFlow", "SeparatedFlow"]
 
-# λ_k above this fraction of the terms that they are sums of lose no essential digits in floats
+# λ_k above this fraction of their terms lose no essential digits in floats
 ORDINARY = 1e-6
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 class _QuickFlow(DeformedFlow):
-    """A motion whose theta functions are compiled for floats."""
+    """A motion that is computed in floats by compiled theta functions."""
 
     _steps = STEPS_TO_THETA
 
@@ -53,18 +53,19 @@ class _QuickFlow(DeformedFlow):
 
 
 class SeparatedFlow(_QuickFlow):
-    """The motion of a tilde pair without potential through a state: get it from ``system.flow``.
+    """The motion of a tilde pair without potential through a state; ``system.flow`` returns it.
 
-    At d ≠ 0 physical times are read off a Fourier series on the torus (:mod:`integrable.deformations.separated_clock`).
-    NotRepresentable where moments are equal or a λ_k vanishes (K = 0: a curve degenerates).
+    At d ≠ 0 a Fourier series on the torus gives physical times (:mod:`integrable.deformations.separated_clock`).
+    NotRepresentable if moments are equal or a λ_k vanishes (K = 0: a curve degenerates).
     """
 
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
         return OvalCarrier(system, state)
 
     def translated(self, time_of: Any) -> State:
-        """The state with points added on the curves k = 0, 1, those added by their motion for times ``time_of(k, field,
-        μ_k, μ_k/I_i)``.
+        """The state after adding points on both curves, k = 0, 1.
+
+        The point of curve k is the one that its motion adds in the time ``time_of(k, field, μ_k, μ_k/I_i)``.
         """
         many = self._curves.many
         while True:
@@ -83,7 +84,7 @@ class SeparatedFlow(_QuickFlow):
 
 
 class IsometricFlow(_QuickFlow):
-    """The motion of a check or hat pair, as that of the tilde pair of A⁻¹ at another pace."""
+    """The motion of a check or hat pair: that of the tilde pair of A⁻¹ at another speed, lifted back."""
 
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
         return LiftedCarrier(system, state)
@@ -135,7 +136,7 @@ class OvalCarrier(CurvesCarrier):
 
     @at_its_precision
     def most_tau(self, t: Any) -> Any:
-        # 1/g² is least where γ is along the axis of the least moment
+        # 1/g² is smallest, 1 − da_i, where γ is along the axis of the smallest moment
         return t / root_of_rounded(self.field, min(self.system.body.contact))
 
     @at_its_precision
@@ -183,7 +184,7 @@ class OvalCarrier(CurvesCarrier):
 
     @at_its_precision
     def moved(self, times: list[Any]) -> tuple[list[Any], list[Any]]:
-        """The row whose points have moved for a time of each curve."""
+        """(γ, M) after the point of each curve has moved for its time in ``times``."""
         return self._state(*(curve.moved(time) for curve, time in zip(self.curves, times, strict=True)))
 
     def _state(self, first: Any, second: Any) -> tuple[list[Any], list[Any]]:
@@ -193,7 +194,7 @@ class OvalCarrier(CurvesCarrier):
         e = [s * c * x * y for s, c, x, y in zip(self.signs, self.roots_of_weights, first, second, strict=True)]
         length = root_of_rounded(K, K.dot(e, e))
         f = [1 / (1 + body.d * curve.height(r)) for curve, r in zip(self.curves, (first, second), strict=True)]
-        # ũ2 − ũ1: of both sides of the middle axis, a sum
+        # ũ2 − ũ1 as a sum without cancellation, since the two lie on opposite sides of the middle a_i
         middle = self._middle
         gap = f[0] * f[1] * (first[middle] ** 2 / abs(one.mu) + second[middle] ** 2 / abs(two.mu))
         scale = 2 * length * f[0] * f[1] / (one.mu * two.mu * gap)
@@ -216,7 +217,7 @@ class OvalCarrier(CurvesCarrier):
 
 
 class LiftedCarrier(CurvesCarrier):
-    """The motion of a check or hat pair over the numbers of ``system``: that of a tilde pair, lifted."""
+    """The motion of a check or hat pair over the numbers of ``system``: the lifted motion of a tilde pair."""
 
     def __init__(self, system: Any, state: State) -> None:
         self.system, self.start = system, state
@@ -239,7 +240,7 @@ class LiftedCarrier(CurvesCarrier):
 
 
 def _eigenvalues(K: Any, H: Any, second: Any) -> tuple[Any, Any]:
-    """λ1 ≥ 0 ≥ λ2 with H = λ1 + λ2, K = −λ1λ2: the smaller from the larger."""
+    """λ1 ≥ 0 ≥ λ2 with H = λ1 + λ2, K = −λ1λ2; the smaller is computed from the larger without cancellation."""
     spread = root_of_rounded(K, H * H + 4 * abs(second))
     if H >= 0:
         one = (H + spread) / 2
@@ -249,7 +250,7 @@ def _eigenvalues(K: Any, H: Any, second: Any) -> tuple[Any, Any]:
 
 
 def _rate(system: Any, state: State) -> State:
-    """(γ, M)' in the time of the flow."""
+    """The derivatives (γ, M)' with respect to τ."""
     rate = system.vector_field(state)
     slow = system.body.conformal(state.gamma) ** (system.field.one / 2)
     return State(tuple(slow * x for x in rate.gamma), tuple(slow * x for x in rate.M))
@@ -264,7 +265,7 @@ def _image(K: Any, state: State, rate: State, h2: Any) -> tuple[list[Any], list[
 
 
 def _separated(body: Any, e: Any, slope: Any) -> tuple[list[list[Any]], list[int]]:
-    """ũ_k − a_i of both roots ũ1 < ũ2 of U(x) = Σe_i²(x − a_j)(x − a_k), and the signs of ũ_k'."""
+    """ũ_k − a_i for both roots ũ1 < ũ2 of U(x) = Σe_i²(x − a_j)(x − a_k), and the signs of ũ_k'."""
     gaps = interlaced(body, [x * x for x in e])
     turns = []
     for k in range(2):
@@ -275,10 +276,10 @@ def _separated(body: Any, e: Any, slope: Any) -> tuple[list[list[Any]], list[int
 
 
 def interlaced(body: Any, squares: Sequence[Any]) -> list[list[Any]]:
-    """ũ_k − a_i of both roots ũ1 < ũ2 of U(x) = Σ squares_i(x − a_j)(x − a_k), squares ≥ 0 with the sum 1.
+    """ũ_k − a_i for both roots ũ1 < ũ2 of U(x) = Σ squares_i(x − a_j)(x − a_k), squares ≥ 0 with the sum 1.
 
-    From roots in x − a_middle and from (ũ1 − a_i)(ũ2 − a_i) = U(a_i) = c_i·squares_i: differences of near numbers would
-    cost half the digits of √|ũ_k − a_i| at a turning point.
+    They are computed as roots in x − a_middle, and from (ũ1 − a_i)(ũ2 − a_i) = U(a_i) = c_i·squares_i. Differences of
+    nearly equal numbers would cost half the digits of √|ũ_k − a_i| at a turning point.
     """
     K, c = body.field, body.differences
     low, middle, high = sorted(range(3), key=lambda i: body.a[i])
@@ -303,14 +304,14 @@ def interlaced(body: Any, squares: Sequence[Any]) -> list[list[Any]]:
 def _oval(body: Any, mu: Any, gaps: Any, turn: int) -> SeparatedOval:
     """The curve through the point with ũ − a_i = ``gaps``: Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i))."""
     K = body.field
-    # from the least of them: 1 − dũ = (1 − da_i) − d(ũ − a_i)
+    # 1 − dũ = (1 − da_i) − d(ũ − a_i), from the smallest ũ − a_i
     slow = next(r - body.d * x for r, x in sorted(zip(body.contact, gaps, strict=True), key=lambda pair: abs(pair[1])))
     sizes = [root_of_rounded(K, mu * x / (slow * r)) for x, r in zip(gaps, body.contact, strict=True)]
     return SeparatedOval(K, body.inertia, mu, sizes, turn if mu > 0 else -turn)
 
 
 def _signs(curves: list[SeparatedOval], e: Any, slope: Any) -> list[int]:
-    """The signs with e_i ∝ ±R_iR_i of the two curves, from e_i and its derivative: one of both is not rounding."""
+    """The signs of e_i = ±const·R_i(curve 1)R_i(curve 2), from e_i and its derivative, which do not both vanish."""
     one, two = curves
     result = []
     for i in range(3):

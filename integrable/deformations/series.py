@@ -1,5 +1,6 @@
-"""Marching along the Taylor series of a tape, and its values, for numbers of any kind; compiled for double-double
-numbers in :mod:`integrable.deformations.series_compiled`.
+"""Integration along the Taylor series of a tape, and evaluation of a tape, for numbers of any kind.
+
+:mod:`integrable.deformations.series_compiled` compiles these loops for double-doubles.
 """
 
 from __future__ import annotations
@@ -11,19 +12,20 @@ from integrable.series.recurrences import coefficients, values_at
 
 __all__ = ["SeriesRoom", "evaluated", "march_along"]
 
-# the number of steps after which the remaining ones are estimated from those done, and the factor by which they may
-# differ
+# number of steps from which the remaining ones are estimated; factor by which the estimate may be wrong
 KNOWN_FROM = 4
 UNEVEN = 4
-# why a march ends before its last time: its steps shrink to nothing, or are too many
+# reasons why a march ends before its last time: its steps shrink to 0; there are too many steps
 ENDS, FAR = 1, 2
-# indices of a march's report: its steps, the lengths of the first and the current one, the times reached
+# indices in a march's report: number of steps, length of the first step, length of the current step, times reached
 STEPS, LONGEST, STEP, REACHED = range(4)
 
 
 class SeriesRoom(NamedTuple):
-    """The memory of a march: the value of every node at the centre of its series, that time, the series, and its
-    report.
+    """The memory of a march.
+
+    ``middles`` are the values of all nodes at the expansion point, ``now`` is its time, ``series`` the coefficients and
+    ``told`` the report.
     """
 
     middles: Any
@@ -36,18 +38,17 @@ def march_along(
     tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, most: float, strict: bool, room: SeriesRoom,
     times: Any, out: Any,
 ) -> int:  # fmt: skip
-    """Writes the variables at ``times``, ascending from 0 or descending, into ``out``, row by row; 0, or why the last
-    of them were not reached.
+    """Writes the variables at ``times``, which ascend or descend from 0, to ``out``, row by row.
 
-    ``tolerance`` is the logarithm of the error allowed in a step, ``most`` the largest number of steps until the last
-    time if ``strict``, else until each.
+    Returns 0 if all times are reached, otherwise the reason ENDS or FAR. ``tolerance`` is the logarithm of the error
+    allowed per step. ``most`` is the largest number of steps: to the last time if ``strict``, otherwise to each time.
     """
     count, told, now = len(tape[3]), room.told, room.now
     expand_about(tape, order, tolerance, room)
     for i in range(len(times)):
         told[REACHED] = i
         while abs(float(times[i] - now[0])) > told[STEP]:
-            # as small relative to the time reached as the error allowed in a step
+            # the motion ends if a step, relative to the time reached, is below the error allowed per step
             if not told[STEP] > exp(tolerance) * max(told[LONGEST], abs(float(now[0]))):
                 return ENDS
             if too_long(told, most, float(now[0]), float(times[len(times) - 1 if strict else i])):
@@ -62,7 +63,10 @@ def march_along(
 
 
 def evaluated(tape: tuple[Any, Any, Any, Any], rows: Any, middles: Any, series: Any, out: Any) -> None:
-    """The results of a tape, as many as variables, for rows of variables; ``series`` has room for two of every node."""
+    """Writes the results of a tape for rows of variables; a tape has as many results as variables.
+
+    ``series`` is working memory of two numbers per node.
+    """
     kinds, left, right, results = tape
     count = len(results)
     for row in range(len(rows) // count):
@@ -77,7 +81,7 @@ def evaluated(tape: tuple[Any, Any, Any, Any], rows: Any, middles: Any, series: 
 
 
 def expand_about(tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, room: SeriesRoom) -> None:
-    """Expands the series about the state in ``room.middles``; the step that it allows."""
+    """Expands the series about the state in ``room.middles``, and stores the step that it allows."""
     kinds, left, right, rates = tape
     for n in range(len(room.middles)):
         room.series[n * (order + 1)] = room.middles[n]
@@ -89,7 +93,7 @@ def expand_about(tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, 
 
 
 def step_within(order: int, tolerance: float, count: int, series: Any) -> float:
-    """The step after which the last two coefficients are below the tolerance; 0 where they are not numbers."""
+    """The largest step at which the last two terms are below the tolerance; 0 if they are NaN."""
     width, found, most = order + 1, 1e300, abs(series[0])
     for n in range(1, count):
         most = max(most, abs(series[n * width]))
@@ -97,7 +101,7 @@ def step_within(order: int, tolerance: float, count: int, series: Any) -> float:
         last, size = min(first + 3, count), abs(series[first * width])
         for n in range(first + 1, last):
             size = max(size, abs(series[n * width]))
-        # components at rest are measured by the others
+        # a vector that is 0 is measured relative to the largest variable
         size = size if size > 0 else most
         for k in range(order - 1, order + 1):
             part = 0.0
@@ -112,7 +116,7 @@ def step_within(order: int, tolerance: float, count: int, series: Any) -> float:
 
 
 def too_long(told: Any, most: float, now: float, end: float) -> bool:
-    """Whether the steps done, or those expected until ``end``, are more than ``most``."""
+    """Whether the number of steps so far, or that expected until ``end``, exceeds ``most``."""
     part = abs(now / end)
     expected = told[STEPS] / part if told[STEPS] >= KNOWN_FROM and part > 0 else 0.0
     return told[STEPS] > most or expected > UNEVEN * most

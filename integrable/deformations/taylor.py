@@ -1,7 +1,7 @@
-"""Taylor series of any vector field that is rational in its variables, to any number of digits, with variable steps.
+"""Integration of rational vector fields by Taylor series, to any number of digits, with variable steps.
 
-The coefficients by the recurrences of :mod:`integrable.series.recurrences`, interpreted on numbers of any precision
-or compiled for double-double numbers, the steps from the last two of them (Jorba & Zou 2005).
+The recurrences of :mod:`integrable.series.recurrences` give the coefficients, interpreted for numbers of any precision
+or compiled for double-doubles. The last two coefficients determine the step (Jorba & Zou 2005).
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from jacobian.numbers.long_reals import BareReals
 __all__ = ["evaluate", "integrate"]
 
 MOST_OPERATIONS = {"compiled": 6e7, "interpreted": 3e7}
-"""Products of coefficients that a motion may take: about a second compiled, half a minute interpreted."""
+"""Largest number of products of coefficients in a motion: about a second compiled, half a minute interpreted."""
 OVERHEAD = {"compiled": 3e4, "interpreted": 500}
-"""What a step takes besides, in such products."""
+"""The overhead of a step, in such products."""
 DOUBLE_DOUBLE = 28
-"""Digits that double-double numbers are good for."""
+"""Largest number of digits for which double-doubles are used."""
 
 
 class _Loops(Protocol):
-    """The loop on one kind of numbers."""
+    """The loops for one kind of numbers."""
 
     kind: str
 
@@ -106,10 +106,10 @@ def integrate(
 ) -> list[list[Any]]:
     """The variables at ``times``, in any order and of either sign, from ``start`` at time 0: numbers of an MP field.
 
-    A step neglects less than 10^−digits of the largest variable in its third of them. PrecisionLoss where the steps
-    shrink to 10^−digits of the first or of the time, as at a singularity; Infeasible where there would be too many.
-    ``refused``, if given, receives the index of each such time and the reason instead. Reasons name times of the user,
-    of which one of ``times`` is ``unit``.
+    The truncation error of a step is below 10^−digits, relative to the largest of the three variables of a vector.
+    PrecisionLoss if steps shrink to 10^−digits of the first step or of the time, as at a singularity; Infeasible if
+    there would be too many. ``refused``, if given, receives the index of each such time and the reason instead. Reasons
+    state times multiplied by ``unit``, as the user gave them.
     """
     rows: list[list[Any]] = [list(start)] * len(times)
     for sign in (1, -1):
@@ -128,14 +128,15 @@ def integrate(
 
 
 def evaluate(field: Any, tape: Tape, rows: Sequence[Sequence[Any]], digits: int, wanted: int) -> list[list[Any]]:
-    """The first ``wanted`` results of a tape, which has as many results as variables, for rows of these, to that many
-    digits.
+    """The first ``wanted`` results of a tape for each row of variables, to ``digits`` digits.
+
+    The tape must have as many results as variables.
     """
     return _on_loops(_evaluated, digits, field, tape, rows, wanted)
 
 
 def _on_loops(compute: Callable[..., Any], digits: int, field: Any, *problem: Any) -> Any:
-    """``compute``(loops, field, …) compiled where double-doubles have the digits, else interpreted."""
+    """``compute``(loops, field, …) with compiled loops if double-doubles have enough digits, otherwise interpreted."""
     if digits <= DOUBLE_DOUBLE and not interpreted():
         try:
             return compute(_Compiled(field), field, *problem)
@@ -170,7 +171,7 @@ def _marched(
     strict: bool,
     unit: float,
 ) -> tuple[list[list[Any]], Exception | None]:
-    """The variables at the times that were reached, and why the others were not."""
+    """The variables at the times that were reached, and the error for the others, or None."""
     count = len(start)
     # a step of radius/e² neglects e^{-2·order}
     order = ceil(digits * log(10) / 2) + 2

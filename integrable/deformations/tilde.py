@@ -1,4 +1,4 @@
-"""The tilde pair: the image of the ball's integrals under the 2-torsion map, with its five-parameter potentials."""
+"""The tilde pair, the image of the ball's integrals under the 2-torsion map, with its five-parameter potentials."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Tilde(Deformation):
-    """H = λ1 + λ2, K = −λ1λ2, λ_k = H1 − ũ_kH2 at the abscissas of the image of a state under :meth:`System.torsion`.
+    """H = λ1 + λ2, K = −λ1λ2, λ_k = H1 − ũ_kH2; ũ_k are the abscissas of the image under :meth:`System.torsion`.
 
     H = m1 − s·m2 + 2dGξ² and K = Gξ²(H2 − dH1), d ≥ 0. ``potential`` = (a, b, b_1, b_2, b_3) adds, at d = 0,
     as + b(s³ − tr A·s²) + Σb_i(a_j + a_k − 2s)/γ_i², and at d ≠ 0 aG + b(G³ − TG²) + Σb_i(a_j + a_k − 2κ)/(Gγ_i²), T =
@@ -39,9 +39,11 @@ class Tilde(Deformation):
         return self.potential.a == self.potential.b == zero and all(b > zero for b in self.potential.poles)
 
     def flow(self, state: State) -> DeformedFlow:
-        """The motion as additions on the curves y² = 4λ_k(dx − 1)Π(a_i − x), a :class:`SeparatedFlow`; in repelling
-        poles b_i > 0 alone, at d = 0, on cubics, a :class:`integrable.deformations.pole_flow.PoleFlow`. ArgumentError
-        elsewhere.
+        """The motion by additions on two curves.
+
+        Without potential the curves are y² = 4λ_k(dx − 1)Π(a_i − x), and a :class:`SeparatedFlow` is returned. At d = 0
+        with repelling poles b_i > 0 alone they are cubics, and a
+        :class:`integrable.deformations.pole_flow.PoleFlow` is returned. ArgumentError otherwise.
         """
         if self.repels:
             from integrable.deformations.pole_flow import PoleFlow
@@ -55,7 +57,7 @@ class Tilde(Deformation):
         return SeparatedFlow(self, self._checked(state))
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
-        """(H, K)."""
+        """The integrals (H, K)."""
         square = q.xi * q.xi
         energy = q.m1 - q.s * q.m2 + 2 * q.d * q.G * square
         if potential is None:
@@ -65,7 +67,7 @@ class Tilde(Deformation):
         return energy, second
 
     def potential_energy(self, q: Scalars, potential: Potential) -> Any:
-        """V(γ)."""
+        """The potential V(γ)."""
         a, b, _ = potential
         if not self.body.rolls:
             terms = poles(q, potential, lambda _, a2, a3: a2 + a3 - 2 * q.s)
@@ -75,7 +77,7 @@ class Tilde(Deformation):
         return a * q.G + b * (q.G - trace) * q.G * q.G + terms
 
     def motion(self, q: Scalars) -> tuple[Any, Any]:
-        """Ω = AM − sM + 2dGξAγ, Ṁ = M × Ω + γ × [dGξ(AM + sM) − m2·Aγ]."""
+        """(Ω, Ṁ): Ω = AM − sM + 2dGξAγ, Ṁ = M × Ω + γ × [dGξ(AM + sM) − m2·Aγ]."""
         spin = q.d * q.G * q.xi
         omega = combination((1, q.AM), (-q.s, q.M), (2 * spin, q.Ag))
         pull = combination((spin, q.AM), (spin * q.s, q.M), (-q.m2, q.Ag))
@@ -83,14 +85,14 @@ class Tilde(Deformation):
 
 
 def _free(q: Scalars, potential: Potential) -> Any:
-    """K at d = 0."""
+    """K with a potential at d = 0."""
     a, b, _ = potential
     first = q.m2 - a - b * (q.s * q.s - q.e1 * q.s - q.sigma) + poles(q, potential, lambda *_: 1)
     return first * (q.xi * q.xi - poles(q, potential, lambda _, a2, a3: (q.s - a2) * (q.s - a3)))
 
 
 def _rolling(q: Scalars, potential: Potential) -> Any:
-    """K at d ≠ 0."""
+    """K with a potential at d ≠ 0."""
     (a, b, _), d, G = potential, q.d, q.G
     inverse = [1 / (1 - d * x) for x in q.a]
     trace, whole = sum(inverse), inverse[0] * inverse[1] * inverse[2]

@@ -2,8 +2,8 @@
 
 ũ_k are the roots of Σ w_i²(x − a_j)(x − a_k), w = γ × M; λ_k = H1 − ũ_kH2; y_k = dũ_k/dτ along the flow of H̃. With μ_k
 = λ_kΠ(1 − da_i) the point (Z, Y) = (μ_kũ/(1 − dũ), μ_ky/(1 − dũ)²) lies on Y² = 4Π(Z − μ_k/I_i). The curves are ordered
-by λ: over the reals ũ1 < ũ2, over an exact field by the field's numbering. The map needs the roots of the quadratic of
-ũ; its inverse needs those of w_i² and of g². (Tsiganov's separation.)
+by λ: over the reals ũ1 < ũ2, over an exact field by the field's numbering. The map takes the roots of the quadratic of
+ũ; its inverse takes the square roots of w_i² and of g². (Tsiganov's separation.)
 """
 
 from __future__ import annotations
@@ -36,7 +36,10 @@ class TwoPoints(NamedTuple):
 
 
 class _Image(NamedTuple):
-    """The image of a state: ũ, y = dũ/dτ and λ of both curves, and (w_i, N_i), w_iN_i = V(a_i)/c_i, V(ũ_k) = y_k."""
+    """The image of a state: ũ, y = dũ/dτ and λ of both curves, and the pairs (w_i, N_i).
+
+    w_iN_i = V(a_i)/c_i, where V(ũ_k) = y_k.
+    """
 
     u: list[Any]
     y: list[Any]
@@ -47,7 +50,7 @@ class _Image(NamedTuple):
 def divisors(system: Hamiltonian, state: State) -> TwoPoints:
     """The two points of a state of a tilde pair without potential.
 
-    NotASquare where ũ1, ũ2 or g are not in the field, NotRepresentable where moments are equal, ũ1 = ũ2, or K = 0.
+    NotASquare if ũ1, ũ2 or g are not in the field; NotRepresentable if moments are equal, ũ1 = ũ2, or K = 0.
     """
     image = _image(system, state)
     points = []
@@ -62,10 +65,10 @@ def divisors(system: Hamiltonian, state: State) -> TwoPoints:
 
 
 def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = None) -> State:
-    """The state of two points, with the signs of ``like``. Raises as :func:`divisors`.
+    """The state of two points, with the signs of ``like``; raises as :func:`divisors` does.
 
-    Without ``like``, and over an exact field, the signs are those of the field's roots, or of ``like`` where it is the
-    same state up to signs.
+    Without ``like`` the signs are those of the field's square roots. So they are over an exact field, unless ``like``
+    is the same state up to signs.
     """
     if not isinstance(points, TwoPoints):
         raise ArgumentError(f"D = {shown(points)}: give TwoPoints, as the system's divisor(state)")
@@ -103,7 +106,7 @@ def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = N
 
 
 def elliptic_curve_of(system: Hamiltonian, mu: Any) -> HyperellipticCurve:
-    """Y² = 4Π(Z − μ/I_i)."""
+    """The elliptic curve Y² = 4Π(Z − μ/I_i)."""
     K = system.field
     f = poly.from_roots(K, [K.div(mu, moment) for moment in system.body.inertia])
     return HyperellipticCurve(K, poly.scale(K, poly.integer(K, 4), f))
@@ -122,7 +125,7 @@ def _mu(system: Hamiltonian, value: Any) -> Any:
 
 
 def _mu_of(system: Hamiltonian, f: poly.Poly) -> Any:
-    """μ of the curve 4Π(Z − μ/I_i) = f: from Σ1/I, or where that vanishes in the field from ΣI and f's lower end."""
+    """μ of the curve f = 4Π(Z − μ/I_i), from Σ1/I; if that is 0 in the field, from ΣI and the lowest coefficients."""
     K, inertia = system.field, system.body.inertia
     four, total = poly.integer(K, 4), K.dot([K.inv(x) for x in inertia], (K.one,) * 3)
     if not K.is_zero(total):
@@ -158,7 +161,7 @@ def _image(system: Hamiltonian, state: State) -> _Image:
 
 
 def _first(K: Any, x: Any, y: Any) -> bool:
-    """Whether λ = x belongs to the first curve: the larger of the two, over an exact field the first in its keys."""
+    """Whether λ = x belongs to the first curve: if it is the larger λ; over an exact field, if its key is smaller."""
     if not K.exact:
         return bool(x > y)
     while isinstance(x, Jet):
@@ -167,7 +170,7 @@ def _first(K: Any, x: Any, y: Any) -> bool:
 
 
 def _pairs(system: Hamiltonian, state: State, w: Any, h2: Any) -> tuple[coordinates.Pair, ...]:
-    """(w_i, N_i), N_i = c·w_i − 2g(1 − da_i)γ_i with (w, N) = 0."""
+    """The pairs (w_i, N_i), N_i = c·w_i − 2g(1 − da_i)γ_i, with c such that (w, N) = 0."""
     K, body = system.field, system.body
     g = K.one
     if body.rolls:
@@ -198,13 +201,13 @@ def _state(system: Hamiltonian, pairs: Any, u: Any, h1: Any, h2: Any, like: Stat
 
 
 class CurveTranslation(Step):
-    """The map that adds [multiple](x_k, ±) to the point of each curve: ``points`` = (x1, x2), abscissas on the line of
-    ũ, None for a curve without addition.
+    """The map that adds [multiple](x_k, ±) to the point of each curve.
 
-    It preserves λ1 and λ2, so H and K, and the bracket, because it is the time-2F'(λ) map of F = δ√λ on each curve, δ
-    fixed. It commutes with the flow in τ. Over RR and MP the signs of γ are those of the continuous family from the
-    identity; over exact fields they are the field's. NotASquare where the image is not over the field: over the reals
-    choose x_k with μ_kx_k/(1 − dx_k) ≥ every μ_k/I_i.
+    ``points`` = (x1, x2) are values of ũ; None adds nothing on that curve. The map preserves λ1 and λ2, hence H and K.
+    It preserves the bracket, because on each curve it is the time-2F'(λ) map of F = δ√λ with δ fixed. It commutes with
+    the flow in τ. Over RR and MP the signs of γ follow by continuity from the identity; over exact fields they are
+    those of the field's square roots. NotASquare if the image is not over the field. Over the reals the image is real
+    if μ_kx_k/(1 − dx_k) ≥ every μ_k/I_i.
     """
 
     def __init__(
@@ -266,8 +269,9 @@ class CurveTranslation(Step):
         return K.div(K.mul(mu, x), below)
 
     def _time(self, k: int, K: Any, mu: Any, e: Sequence[Any]) -> Any:
-        """The time v in which the motion of curve k in wide numbers adds its points: multiple·∫dZ/Y from Z' to ∞, by
-        Carlson's R_F; a positive sheet is a negative time.
+        """The time, in wide numbers, in which the motion on curve k adds its point.
+
+        It is multiple·∫dZ/Y from the point's Z to ∞, by Carlson's R_F; a positive sheet is a negative time.
         """
         x = self.points[k]
         if x is None:
@@ -282,7 +286,7 @@ class CurveTranslation(Step):
 
 
 class IsometricStep(Step):
-    """A step of the tilde pair of A⁻¹, transferred to a check or hat pair by the lift of B."""
+    """A step of the tilde pair of A⁻¹, transferred to a check or hat pair by the lift."""
 
     def __init__(self, system: Hamiltonian, step: CurveTranslation) -> None:
         self.system = system
@@ -303,17 +307,17 @@ class IsometricStep(Step):
         return IsometricStep(system, self.step.over(system.curves_of()))
 
     def __call__(self, state: State) -> State:
-        """The image of a state; NotASquare where √a_i or |Bγ| is not in the field."""
+        """The image of a state; NotASquare if √a_i or |Bγ| is not in the field."""
         return unlifted(self.system, self.step(lifted(self.system, state)))
 
 
 def lifted(system: Hamiltonian, state: State) -> State:
-    """The state of the tilde pair of A⁻¹ that belongs to one of a check or hat pair."""
+    """The state of the tilde pair of A⁻¹ that corresponds to a state of a check or hat pair."""
     K = system.field
     return State(*lift(K, roots(K, system.isometry()[0]), state.gamma, state.M))
 
 
 def unlifted(system: Hamiltonian, state: State) -> State:
-    """The inverse of :func:`lifted`."""
+    """The state of a check or hat pair that corresponds to a state of the tilde pair: the inverse of :func:`lifted`."""
     K = system.field
     return State(*lift(K, [K.inv(x) for x in roots(K, system.isometry()[0])], state.gamma, state.M))
