@@ -29,7 +29,7 @@ class Start(Protocol):
 
 
 class Solution(NamedTuple):
-    """γ and M, one row per requested time, in the order of the request, and the work that was done."""
+    """γ and M, one row per requested time in the order requested, and the number of evaluations."""
 
     gamma: np.ndarray
     M: np.ndarray
@@ -38,12 +38,15 @@ class Solution(NamedTuple):
 
 
 def is_body(system: Any) -> bool:
-    """Whether a system has the ball's (or top's) equations: it then has moments of inertia and d of its own."""
+    """Whether a system is a body, with the equations of the ball or the top: it then has ``inertia`` and ``d``."""
     return hasattr(system, "inertia") and hasattr(system, "d")
 
 
 def body_equations(inertia: Sequence[Any], d: Any) -> Callable[[Sequence[Any]], list[Any]]:
-    """The six equations of the ball as y ↦ ẏ, y = (γ1, γ2, γ3, M1, M2, M3), in the given numbers."""
+    """The ball's six equations as a function y ↦ ẏ of y = (γ1, γ2, γ3, M1, M2, M3).
+
+    It computes in the number type of ``inertia`` and ``d``.
+    """
     i1, i2, i3 = inertia
     a1, a2, a3 = 1 / (i1 + d), 1 / (i2 + d), 1 / (i3 + d)
     q1, q2, q3 = i1 * a1, i2 * a2, i3 * a3

@@ -22,7 +22,7 @@ Vector = list[Any]
 
 
 class GaussRule(NamedTuple):
-    """Gauss's rule on [0, 1] with s stages, as mpf: nodes c, weights b, matrix a."""
+    """Gauss's rule with s stages on [0, 1]: nodes c, weights b and matrix a, all mpf."""
 
     nodes: Vector
     weights: Vector
@@ -31,7 +31,10 @@ class GaussRule(NamedTuple):
 
 @cache
 def gauss_rule(stages: int, digits: int) -> GaussRule:
-    """The rule of order 2·``stages`` to ``digits`` digits: zeros of Legendre's polynomial, integrals of Lagrange's."""
+    """Gauss's rule of order 2·``stages``, to ``digits`` digits.
+
+    The nodes are zeros of a Legendre polynomial; weights and matrix are integrals of Lagrange polynomials.
+    """
     import mpmath
 
     context = mpmath.MPContext()
@@ -50,7 +53,7 @@ def gauss_rule(stages: int, digits: int) -> GaussRule:
 
 
 def _zero(context: Any, x: Any, degree: int) -> Any:
-    """The zero of Legendre's polynomial near x, by Newton."""
+    """The zero of the Legendre polynomial near x, by Newton's method."""
     for _ in range(context.prec.bit_length()):
         below, value = context.one, x
         for k in range(2, degree + 1):
@@ -60,10 +63,10 @@ def _zero(context: Any, x: Any, degree: int) -> Any:
 
 
 def collocation(rates: Callable[[Vector], Vector], number: Callable[[Any], Any], digits: int, stages: int) -> Advance:
-    """Steps of Gauss's method on ẏ = ``rates``(y), with its stages by fixed-point iteration until it no longer
-    improves.
+    """A function that makes one step of Gauss's method on ẏ = ``rates``(y).
 
-    ``number`` makes numbers of ``digits`` digits.
+    The stages are solved by fixed-point iteration until it no longer improves. ``number`` converts a value to
+    ``digits`` digits.
     """
     rule = gauss_rule(stages, max(30, digits))
     matrix, weights = [list(map(number, row)) for row in rule.matrix], list(map(number, rule.weights))
@@ -79,7 +82,7 @@ def collocation(rates: Callable[[Vector], Vector], number: Callable[[Any], Any],
 def _stages(
     rates: Callable[[Vector], Vector], y: Vector, slopes: Any, matrix: list[Vector], h: Any
 ) -> tuple[list[Vector], int]:
-    """The slopes k_i = F(y + hΣa_ij k_j)."""
+    """The slopes k_i = F(y + hΣa_ij k_j), and the number of right-hand sides evaluated."""
     change = None
     for iteration in range(MOST_ITERATIONS):
         points = [

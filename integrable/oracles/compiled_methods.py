@@ -21,8 +21,8 @@ __all__ = ["CompiledTaylor", "Gauss16"]
 class Gauss16(Method):
     """Gauss–Legendre of order 16, with a fixed step or steps chosen for a tolerance.
 
-    A time between steps is reached by a shorter step of its own. PrecisionLoss where the stages do not converge.
-    ``evaluations`` counts right-hand sides.
+    A time between two steps is reached by an extra, shorter step. Raises PrecisionLoss if the stages do not
+    converge. ``evaluations`` counts right-hand sides.
     """
 
     def build(self, kind: Kind, setting: Any) -> Built:
@@ -45,9 +45,10 @@ class Gauss16(Method):
 
 @dataclass(frozen=True)
 class CompiledTaylor(Method):
-    """Each step neglects about the tolerance in both halves of the state; the order is ½ ln(1/tolerance) + 1.
+    """Taylor series with a variable step, of order ½ ln(1/tolerance) + 1.
 
-    ``evaluations`` counts expansions. ArgumentError unless 0 < tolerance < 1, RuntimeError where a step is 0: a pole.
+    The terms neglected in a step are about ``tolerance`` relative to each half of the state. ``evaluations`` counts
+    expansions. Raises ArgumentError unless 0 < tolerance < 1, and RuntimeError where a step becomes 0, at a pole.
     """
 
     def build(self, kind: Kind, setting: Any) -> Built:
@@ -69,7 +70,7 @@ class CompiledTaylor(Method):
 
 
 def _built(kind: Kind, run: Any) -> Built:
-    """The stages of a compiled loop, which is compiled or loaded here."""
+    """A compiled loop as a function of a system, then of a start. The loop is compiled, or loaded, by this call."""
     run(np.ones(len(kind.used)), np.ones(kind.size), 1.0, np.empty(0))
 
     def of_system(given: Given) -> Started:

@@ -31,16 +31,16 @@ Vector = list[Any]
 
 
 def moser_veselov(moments: Sequence[Any], order: int = 2) -> Advance:
-    """Steps of the discrete Euler top. Order 4 takes the modified moments instead of the body's.
+    """A function that makes one step of the discrete Euler top. Order 4 uses modified moments of inertia.
 
-    A step is found by a fixed-point iteration; PrecisionLoss where it does not converge: take a smaller step.
+    A step is found by fixed-point iteration. Raises PrecisionLoss where that does not converge; a smaller step helps.
     """
     if order not in (2, 4):
         raise ArgumentError(f"order = {order}: the discrete top is of order 2 or 4")
 
     def advance(y: Vector, h: Any, shape: Any) -> tuple[Vector, Any, int]:
         x, M = y[:3], y[3:]
-        # the modified moments depend on the step and on integrals that the map keeps
+        # the modified moments depend on the step and on integrals that the map preserves
         J = shape or (modified_moments(moments, M, h) if order == 4 else list(moments))
         e0, e, passes = _rotation(J, M, h)
         M = [m - 4 / h * e[i - 2] * e[i - 1] * (J[i - 1] - J[i - 2]) for i, m in enumerate(M)]
@@ -63,7 +63,7 @@ def modified_moments(moments: Sequence[Any], M: Sequence[Any], h: Any) -> Vector
 
 
 def hirota_kimura(moments: Sequence[Any]) -> Advance:
-    """Steps of the Hirota–Kimura top, γ with it (:func:`kahan_rotation`)."""
+    """A function that makes one step of the Hirota–Kimura top, and of γ by :func:`kahan_rotation`."""
 
     def advance(y: Vector, h: Any, _memory: Any) -> tuple[Vector, Any, int]:
         x, M = y[:3], y[3:]
@@ -74,16 +74,20 @@ def hirota_kimura(moments: Sequence[Any]) -> Advance:
 
 
 def hirota_kimura_step(moments: Sequence[Any], M: Sequence[Any], step: Any) -> Vector:
-    """The M̃ with M̃_1 − eα_1(M_3M̃_2 + M_2M̃_3) = M_1 and cyclic, e = step/2, α_1 = a_3 − a_2, by Cramer's rule.
+    """M after one step: the M̃ with M̃_1 − eα_1(M_3M̃_2 + M_2M̃_3) = M_1 and cyclic, e = step/2, α_1 = a_3 − a_2.
 
-    Only + − × ÷: rational numbers stay rational. ZeroDivisionError where the linear system is singular.
+    The linear system is solved by Cramer's rule with + − × ÷ alone, so rational numbers stay rational. Raises
+    ZeroDivisionError where the system is singular.
     """
     p, q, r = ([c * m for m in M] for c in _half_steps(moments, step))
     return _solve([[1, -p[2], -p[1]], [-q[2], 1, -q[0]], [-r[1], -r[0], 1]], list(M))
 
 
 def kahan_rotation(moments: Sequence[Any], x: Sequence[Any], M: Sequence[Any], new: Sequence[Any], step: Any) -> Vector:
-    """The γ̃ with γ̃ − γ = (step/2)(γ × ω̃ + γ̃ × ω), ω = M/I, ω̃ = M̃/I: Kahan's rule (1993) on γ̇ = γ × ω."""
+    """γ after one step of Kahan's rule (1993) on γ̇ = γ × ω.
+
+    It is the γ̃ with γ̃ − γ = (step/2)(γ × ω̃ + γ̃ × ω), where ω = M/I and ω̃ = M̃/I.
+    """
     w, after = ([step * m / (2 * moment) for m, moment in zip(v, moments, strict=True)] for v in (M, new))
     right = [a + b for a, b in zip(x, _cross(list(x), after), strict=True)]
     # γ̃ − γ̃ × w
@@ -91,24 +95,24 @@ def kahan_rotation(moments: Sequence[Any], x: Sequence[Any], M: Sequence[Any], n
 
 
 def hirota_kimura_integrals(moments: Sequence[Any], M: Sequence[Any], step: Any) -> Vector:
-    """(q_2/q_3, q_3/q_1, q_1/q_2) with q_1 = 1 − e²α_2α_3M_1², cyclic: the integrals of the map."""
+    """The integrals of the Hirota–Kimura map: (q_2/q_3, q_3/q_1, q_1/q_2) with q_1 = 1 − e²α_2α_3M_1², cyclic."""
     q = hirota_kimura_factors(moments, M, step)
     return [q[1] / q[2], q[2] / q[0], q[0] / q[1]]
 
 
 def hirota_kimura_factors(moments: Sequence[Any], M: Sequence[Any], step: Any) -> Vector:
-    """q_1, q_2, q_3; det ∂M̃/∂M = (q_3(M̃)/q_3(M))²."""
+    """q_1, q_2, q_3 of :func:`hirota_kimura_integrals`. They give det ∂M̃/∂M = (q_3(M̃)/q_3(M))²."""
     c = _half_steps(moments, step)
     return [1 - c[i - 2] * c[i - 1] * M[i] * M[i] for i in range(3)]
 
 
 def _half_steps(moments: Sequence[Any], step: Any) -> Vector:
-    """eα_i = (step/2)(a_k − a_j)."""
+    """The three products eα_i = (step/2)(a_k − a_j)."""
     return [step * (1 / moments[i - 1] - 1 / moments[i - 2]) / 2 for i in range(3)]
 
 
 def _solve(rows: list[Vector], right: Vector) -> Vector:
-    """Three linear equations by Cramer's rule."""
+    """The solution of three linear equations, by Cramer's rule."""
     determinant = _determinant(rows)
     return [
         _determinant([[right[i] if j == k else row[j] for j in range(3)] for i, row in enumerate(rows)]) / determinant

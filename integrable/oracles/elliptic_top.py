@@ -1,12 +1,13 @@
-"""The Euler top in closed form (Jacobi 1850; Whittaker 1904, §69): elliptic functions, and for γ one integral more.
+"""The Euler top in closed form (Jacobi 1850; Whittaker 1904, §69): elliptic functions, and for γ an elliptic integral
+of the third kind.
 
-With the axes named so that the motion goes round the third and the second is the middle one,
+Name the axes so that M circles the third axis and the second is the middle one. Then
 
     M = (A_1 cn u, A_2 sn u, A_3 dn u),  u = λt + u_0,  φ = |M|a_3t + (|M|(a_1 − a_3)/λ)·(Π(n; am u) − Π(n; am u_0)),
 
-where γ, fixed in space, turns by −φ about M against the line that is normal to M and to the third axis. Phases are
-reduced modulo their periods in extended precision, so that the error does not grow with t: floats are as good at
-t = 10^12 as at t = 1, t being taken as exact. Nothing here is shared with the flow of this package.
+The vector γ, fixed in space, turns by −φ about M, measured from the normal to M and the third axis. Phases are reduced
+modulo their periods in extended precision, so the error does not grow with t. With t taken as exact, floats are as
+accurate at t = 10^12 as at t = 1. Nothing here is shared with the flow of this package.
 """
 
 from __future__ import annotations
@@ -28,9 +29,10 @@ Vector = list[Any]
 
 
 class EllipticTop:
-    """The motion of a top through one state: set-up once, then :meth:`at` any times.
+    """The motion of a top from one state: one set-up, then :meth:`at` for any times.
 
-    ``digits``: up to 15 floats by SciPy's elliptic functions, above by mpmath's. ArgumentError for d ≠ 0.
+    Up to 15 ``digits`` it computes in floats with SciPy's elliptic functions, above that with mpmath's. Raises
+    ArgumentError for d ≠ 0.
     """
 
     def __init__(self, system: Any, state: Any, digits: int = FLOAT_DIGITS) -> None:
@@ -41,7 +43,7 @@ class EllipticTop:
         if digits < 1:
             raise ArgumentError(f"digits = {digits}: give a positive number of decimal digits")
         self.digits = digits
-        # the reduction of phases of far times needs extra digits
+        # phases at large times need extra digits for their reduction
         self.context = c = mpmath.MPContext()
         c.dps = max(digits, FLOAT_DIGITS) + GUARD
         moments, gamma, M = ([c.mpf(x) for x in v] for v in (system.inertia, state.gamma, state.M))
@@ -59,7 +61,7 @@ class EllipticTop:
         self._phase(a, gamma, M)
 
     def _amplitudes(self, a: Vector, M: Vector) -> None:
-        """A_i, λ, the modulus, n, and u at time 0."""
+        """Sets A_i, λ, the modulus, n, and u at time 0."""
         c = self.context
         square = [m * m for m in M]
         # h1 − a3·h2 and a1·h2 − h1, as sums of one sign
@@ -76,7 +78,7 @@ class EllipticTop:
         self.period = None if self.parameter == 1 else 2 * c.ellipk(self.parameter)
 
     def _phase(self, a: Vector, gamma: Vector, M: Vector) -> None:
-        """The lean and the phase of γ: γ = c·e + ρ(cos β N + sin β e×N) with e along M."""
+        """Sets c, ρ and the phase β of γ = c·e + ρ(cos β N + sin β e×N), with e along M."""
         c = self.context
         self.turning = self.length * a[2]
         self.weight = self.length * (a[0] - a[2]) / self.speed
@@ -90,7 +92,7 @@ class EllipticTop:
         self.angle = c.atan2(y, x) + self.weight * self._periodic(v)
 
     def at(self, times: Iterable[Any]) -> Solution:
-        """γ and M at ``times``, any order, sign and size: float64, or mpf above 15 digits; shapes (N, 3)."""
+        """γ and M at ``times`` of any order, sign and size, each of shape (N, 3): float64, or mpf above 15 digits."""
         c = self.context
         wanted = [c.mpf(t) for t in times]
         rows = [self._turned(t) for t in wanted] if self.steady else self._moving([self.sense * t for t in wanted])
@@ -105,7 +107,7 @@ class EllipticTop:
     # --- inside
 
     def _turned(self, time: Any) -> Vector:
-        """A permanent rotation: γ turns about M, γ(t) = R(−|ω|t)γ."""
+        """γ(t) = R(−|ω|t)γ of a permanent rotation, where γ turns about M."""
         c = self.context
         if not self.length:
             return [*self.start, *self.M]
@@ -135,23 +137,23 @@ class EllipticTop:
         return rows
 
     def _leaning(self, M: Any, root: Any, along: Any, first: Any, second: Any) -> Vector:
-        """along·e + first·N + second·e×N."""
+        """The vector along·e + first·N + second·e×N."""
         e, node, other = _frame(M, root)
         return [along * p + first * q + second * r for p, q, r in zip(e, node, other, strict=True)]
 
     def _reduced(self, u: Any) -> tuple[Any, int]:
-        """u minus the nearest multiple of 2K, and the sign that cn and sn take there."""
+        """u minus the nearest multiple of 2K, and the sign that this shift gives cn and sn."""
         if self.period is None:
             return u, 1
         turns = int(self.context.nint(u / self.period))
         return u - turns * self.period, -1 if turns % 2 else 1
 
     def _periodic(self, v: Any) -> Any:
-        """Π(n; am v) minus its mean growth, for |v| ≤ K."""
+        """The periodic part of Π(n; am v) for |v| ≤ K: its mean growth is subtracted."""
         return self._third_kind(v) - self.mean * v
 
     def _third_kind(self, v: Any) -> Any:
-        """Π(n; am v | m) for |v| ≤ K; at m = 1 an elementary function of any v."""
+        """Π(n; am v | m) for |v| ≤ K. At m = 1 it is an elementary function, and v may be any number."""
         c, n = self.context, self.characteristic
         if self.parameter == 1:
             root = c.sqrt(-n)
@@ -160,7 +162,7 @@ class EllipticTop:
         return c.re(c.ellippi(n, amplitude, self.parameter))
 
     def _floats(self, places: list[tuple[Any, int]], angles: Vector) -> np.ndarray:
-        """The rows of reduced places and angles in floats, by SciPy."""
+        """Rows of γ and M in floats, by SciPy, from reduced values of u and reduced angles."""
         needed("scipy", "the closed form in floats")
         from scipy.special import ellipj, elliprf, elliprj
 
@@ -187,7 +189,7 @@ def _steady(a: Vector, M: Vector) -> bool:
 
 
 def _axes(a: Vector, M: Vector) -> tuple[list[int], int]:
-    """The axes in the order of the closed form, the one that M goes round last; −1 where that is a reflection."""
+    """The axes in the order of the closed form, with the one that M circles last, and the sign of this permutation."""
     order = sorted(range(3), key=lambda i: a[i], reverse=True)
     i, j, k = order
     if (a[i] - a[j]) * M[i] ** 2 > (a[j] - a[k]) * M[k] ** 2:
@@ -197,7 +199,7 @@ def _axes(a: Vector, M: Vector) -> tuple[list[int], int]:
 
 
 def _frame(M: Any, root: Any) -> tuple[Vector, Vector, Vector]:
-    """e along M, N normal to e and the third axis, e × N; components may be arrays."""
+    """The unit vectors e along M, N normal to e and the third axis, and e × N. Components may be arrays."""
     across = root(M[0] * M[0] + M[1] * M[1])
     size = root(M[0] * M[0] + M[1] * M[1] + M[2] * M[2])
     e, node = [m / size for m in M], [-M[1] / across, M[0] / across, 0 * M[0]]

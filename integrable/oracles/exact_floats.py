@@ -7,8 +7,8 @@ from numba.extending import register_jitable
 
 __all__ = ["COMPILED", "INLINED", "split", "two_product", "two_sum", "whole_steps"]
 
-# a division by zero gives inf, which callers test for; no contraction, so that two_sum and two_product are exact as
-# written
+# division by zero gives inf, which callers test for; fused operations are off, or two_sum and two_product would not
+# be exact
 COMPILED = {"nogil": True, "error_model": "numpy"}
 INLINED = {"error_model": "numpy"}
 
@@ -40,7 +40,7 @@ def two_product(a, b):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def whole_steps(time, step):  # type: ignore[no-untyped-def]
-    """(n, rest) with time = n·step + rest, 0 ≤ rest < step, the product taken exactly."""
+    """(n, rest) with time = n·step + rest and 0 ≤ rest < step. The product is not rounded."""
     count = np.floor(time / step)
     product, error = two_product(count, step)
     rest = (time - product) - error

@@ -1,4 +1,4 @@
-"""Closed forms and Taylor series of any number of digits, as methods."""
+"""Methods of any number of digits: the closed form of the top, and Taylor series."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class _Start(NamedTuple):
 
 @dataclass(frozen=True)
 class EllipticForm(Method):
-    """:class:`integrable.oracles.elliptic_top.EllipticTop`."""
+    """The closed form of the Euler top as a method: :class:`integrable.oracles.elliptic_top.EllipticTop`."""
 
     def build(self, kind: Kind, setting: Any) -> Built:
         from integrable.oracles.elliptic_top import EllipticTop
@@ -41,7 +41,7 @@ class EllipticForm(Method):
 
 @dataclass(frozen=True)
 class ManyDigits(Method):
-    """:func:`integrable.oracles.reference.taylor` of a body, or mpmath's ``odefun``."""
+    """A multiprecision integrator of a body: :func:`integrable.oracles.reference.taylor` or mpmath's ``odefun``."""
 
     def build(self, kind: Kind, setting: Any) -> Built:
         integrate = odefun if "odefun" in self.name else taylor

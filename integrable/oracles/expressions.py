@@ -1,8 +1,8 @@
-"""Equations of motion as expressions, from which every integrator makes its own code, once for a kind.
+"""Equations of motion as expressions, from which every integrator generates its own code.
 
-A system's formulas are run once on :class:`Symbol`s, which record the operations. Its constants are symbols too, so two
-bodies are of one :class:`Kind`, and code compiled for a kind serves every body and every start. Expressions of
-constants alone, such as 1/(I + d), are coefficients, computed once a system.
+A system's formulas are run once on :class:`Symbol`s, which record the operations. Its constants are symbols too, so all
+bodies share one :class:`Kind`, and code compiled for a kind serves every body and every start. Expressions of
+constants alone, such as 1/(I + d), are coefficients; they are computed once per system.
 """
 
 from __future__ import annotations
@@ -21,8 +21,10 @@ FUNCTIONS = ("exp", "sqrt")
 
 
 class Node(NamedTuple):
-    """One line of a straight-line program. ``op``: "y", a component of the state, "c", a constant, both with their
-    index; "number", with a Fraction; "add", "sub", "mul", "div" of two lines before; "neg", "exp", "sqrt" of one.
+    """One line of a straight-line program.
+
+    ``op`` is "y" for a component of the state or "c" for a constant, each with its index, or "number" with a
+    Fraction. "add", "sub", "mul" and "div" act on two earlier lines; "neg", "exp" and "sqrt" act on one.
     """
 
     op: str
@@ -54,15 +56,15 @@ class Kind:
         return sha256(repr((self.size, self.rates, self.results)).encode()).hexdigest()[:12]
 
     def coefficients_of(self, constants: Sequence[Any], number: Callable[[Any], Any] = float) -> list[Any]:
-        """The coefficients of the equations for the constants of a system, as numbers made by ``number``."""
+        """The coefficients of the equations for a system's ``constants``, converted by ``number``."""
         context = getattr(number, "context", None)
         values = evaluated(self.coefficients, (), [number(x) for x in constants], number, context)
         return [values[i] for i in self.used]
 
     def right_hand_side(self, coefficients: Sequence[Any], context: Any = None) -> Callable[[Sequence[Any]], list[Any]]:
-        """y ↦ ẏ in the numbers of the coefficients, or in arrays of floats: plain Python without loops.
+        """The function y ↦ ẏ in the numbers of the coefficients, or in arrays of floats: plain Python without loops.
 
-        ``context`` has ``exp`` and ``sqrt`` for these numbers (mpmath's context; None: those of floats).
+        ``context`` provides ``exp`` and ``sqrt`` for these numbers: an mpmath context, or None for floats.
         """
         import math
 
@@ -88,7 +90,7 @@ class Kind:
 
 
 def source(nodes: Sequence[Node], y: str, c: str) -> list[str]:
-    """A program as lines of Python, a variable v0, v1, … for each; ``y`` and ``c`` format its inputs."""
+    """A program as lines of Python that assign variables v0, v1, …; ``y`` and ``c`` are formats of its inputs."""
     lines = []
     for k, (op, args) in enumerate(nodes):
         if op in BINARY:
@@ -108,7 +110,7 @@ def source(nodes: Sequence[Node], y: str, c: str) -> list[str]:
 def evaluated(
     nodes: Iterable[Node], y: Sequence[Any], c: Sequence[Any], number: Callable[[Any], Any], context: Any = None
 ) -> list[Any]:
-    """The value of every line of a program, in any numbers with operators: another library's expressions, say."""
+    """The value of every line of a program. Numbers may have any type with operators, such as symbolic expressions."""
     import math
 
     values: list[Any] = []
@@ -137,7 +139,7 @@ _DO: dict[str, Callable[[Any, Any], Any]] = {
 
 
 class _Book:
-    """The recorded lines, each once, with their values at one state: formulas may compare them."""
+    """The recorded lines without repetition, and their values at one state, so that formulas may compare them."""
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
@@ -154,7 +156,7 @@ class _Book:
 
 
 class Symbol:
-    """A recorded number of a formula: it has operators, and compares by its value."""
+    """A number in a recorded formula. Its operators record themselves; comparisons use its value."""
 
     __slots__ = ("book", "index")
 
@@ -261,7 +263,7 @@ class Symbol:
 
 
 class Numbers:
-    """The field of a recording: constants become symbols, except 0 and ints."""
+    """The field in which a formula is recorded: constants become symbols, except 0 and ints."""
 
     name, exact, characteristic, order, eps = "symbols", False, 0, None, 2.0**-52
 
@@ -272,22 +274,22 @@ class Numbers:
         self.zero, self.one = (self.book.line("number", Fraction(x), value=Fraction(x)) for x in (0, 1))
 
     def coerce(self, x: Any, _argument: str = "") -> Any:
-        """A symbol for a constant, one for each object; a symbol as it is."""
+        """The symbol of a constant, one per object. A symbol is returned unchanged."""
         if isinstance(x, Symbol):
             return x
         if isinstance(x, int) or x == 0:
             return self.zero + x if isinstance(x, int) else self.zero
-        # by identity, not by value: two constants that are equal in one system differ in another
+        # by identity, not by value: constants equal in one system may differ in another of the same kind
         found = next((i for i, known in enumerate(self.constants) if known is x), None)
         return self.constant(x) if found is None else self.book.line("c", found, value=x)
 
     def constant(self, x: Any) -> Symbol:
-        """A symbol for one more constant."""
+        """The symbol of a new constant."""
         self.constants.append(x)
         return self.book.line("c", len(self.constants) - 1, value=x)
 
     def state(self, values: Sequence[Any]) -> list[Symbol]:
-        """The components of a state."""
+        """The symbols of a state's components."""
         return [self.book.line("y", i, value=value) for i, value in enumerate(values)]
 
     def add(self, x: Any, y: Any) -> Any:
@@ -350,7 +352,8 @@ def recorded(
         if needed[k] and op not in ("y", "c", "number"):
             for i in args:
                 needed[i] = True
-    # a line without the state is a coefficient if a line with it, or a result, uses it; short numbers are written out
+    # a line that does not depend on the state is a coefficient if a result, or a line that does, uses it;
+    # short numbers are written out
     outer = set(results)
     for k, (op, args) in enumerate(nodes):
         if needed[k] and moving[k] and op != "y":
@@ -375,7 +378,7 @@ def recorded(
 
 
 def _short(number: Fraction) -> bool:
-    """Whether a number is exact in every kind of float."""
+    """Whether a number is exact in every floating-point format."""
     return number.denominator & (number.denominator - 1) == 0 and max(abs(number.numerator), number.denominator) < 2**20
 
 

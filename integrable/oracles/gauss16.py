@@ -1,11 +1,13 @@
-"""Gauss–Legendre of order 16, compiled for a kind of system, with the round-off measures of Hairer, McLachlan and
-Razakarivony (2008): the ordinary integrator with the smallest error on long runs in double precision.
+"""Gauss–Legendre of order 16, compiled for a kind of system. It has the smallest error on long runs of all ordinary
+integrators in double precision.
 
-Eight stages, solved by fixed-point iteration until it no longer improves; the weights h·b_i are pairs of floats, so the
-step has no systematic rounding error; γ and M are pairs of floats too (compensated sums). The matrix is used as μ_ij =
-a_ij/b_j with μ_ij + μ_ji = 1 exactly, so the rounded method preserves quadratic integrals (Antoñana, Makazaga and Murua
-2017). Iterations start from the polynomial of the step before. The step is fixed, or adapted to a tolerance by the last
-Legendre coefficient of the stages.
+Its measures against rounding are those of Hairer, McLachlan and Razakarivony (2008). The eight stages are solved by
+fixed-point iteration until it no longer improves. The weights h·b_i are pairs of floats, so the step has no systematic
+rounding error; γ and M are pairs of floats too (compensated sums).
+
+The matrix is used as μ_ij = a_ij/b_j with μ_ij + μ_ji = 1 exactly, so the rounded method preserves quadratic integrals
+(Antoñana, Makazaga and Murua 2017). Iterations start from the previous step's polynomial. The step is fixed, or
+adapted to a tolerance by the last Legendre coefficient of the stages.
 """
 
 from __future__ import annotations
@@ -45,14 +47,14 @@ class Rule(NamedTuple):
 
 @cache
 def rule() -> Rule:
-    """The rule in the form of the compiled loops."""
+    """Gauss's rule in the form that the compiled loops use."""
     exact = gauss_rule(STAGES, 40)
     weights = np.array(exact.weights, dtype=float)
     low = np.array([float(b - float(b)) for b in exact.weights])
     ratios = np.full((STAGES, STAGES), 0.5)
     for i in range(STAGES):
         for j in range(i):
-            # below ½ or of either sign: the larger of the two is the rounded one, the other is 1 minus it, exactly
+            # of μ_ij and μ_ji the larger is rounded, and the other is 1 minus it, which is exact
             value = float(exact.matrix[i][j] / exact.weights[j])
             ratios[j, i] = 1 - value
             ratios[i, j] = 1 - ratios[j, i]
@@ -72,7 +74,7 @@ def _product(values: Iterable[Any]) -> Any:
 
 @register_jitable(**INLINED)
 def _weigh(weights, weights_low, h, high, low):  # type: ignore[no-untyped-def]
-    """h·b_i as high + low."""
+    """Writes h·b_i as high + low."""
     for i in range(STAGES):
         high[i], error = two_product(h, weights[i])
         low[i] = error + h * weights_low[i]
@@ -80,8 +82,9 @@ def _weigh(weights, weights_low, h, high, low):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _predict(nodes, inverse, ratio, k, guess):  # type: ignore[no-untyped-def]
-    """Slopes at the stages of a step ``ratio`` times as long as the last, extrapolated from its polynomial through
-    ``k``; ``k`` itself for ratio 0, where there was no last step.
+    """Guesses of the slopes at the stages of a step ``ratio`` times as long as the previous one.
+
+    They extrapolate the polynomial through the previous slopes ``k``. Ratio 0 means no previous step, and gives ``k``.
     """
     if ratio == 0:
         guess[:, :] = k
@@ -101,7 +104,7 @@ def _predict(nodes, inverse, ratio, k, guess):  # type: ignore[no-untyped-def]
 
 @register_jitable(fastmath={"contract"}, **INLINED)
 def _sums(ratios, terms, base, z):  # type: ignore[no-untyped-def]
-    """Z_i = base_i + Σ_j μ_ij L_j; ``ratios`` is transposed, so that the inner loop runs over neighbours."""
+    """Writes Z_i = base_i + Σ_j μ_ij L_j. ``ratios`` is transposed, so that the inner loop reads adjacent memory."""
     for n in range(len(z)):
         for i in range(STAGES):
             z[n, i] = base[n, i]
@@ -142,7 +145,7 @@ def _add(terms, low, k, y, rest):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _tail(last, k, h, y):  # type: ignore[no-untyped-def]
-    """(h·|last Legendre coefficient|)², relative to γ and to M: of the size of the step's error, h^16."""
+    """(h·|last Legendre coefficient|)² relative to γ and M: an estimate of the step's error, of order h^16."""
     found = 0.0
     half = len(y) // 2
     for base in (0, half):
@@ -160,7 +163,7 @@ def _tail(last, k, h, y):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _speed(y, k):  # type: ignore[no-untyped-def]
-    """The larger of |γ̇|/|γ| and |Ṁ|/|M|, the slopes being those of the first stage."""
+    """The larger of |γ̇|/|γ| and |Ṁ|/|M|, with the slopes of the first stage."""
     speed = 0.0
     half = len(y) // 2
     for base in (0, half):
@@ -174,7 +177,7 @@ def _speed(y, k):  # type: ignore[no-untyped-def]
 
 
 def slopes(c, y, out):  # type: ignore[no-untyped-def]
-    """ẏ for the columns of y, into ``out``: each kind defines a function of this name before the text below."""
+    """Writes ẏ of each column of y into ``out``. A stub: each kind's generated code defines its own ``slopes``."""
     raise NotImplementedError
 
 
@@ -210,7 +213,7 @@ def _step(constants, transposed, weights, state, k, work):  # type: ignore[no-un
             for i in range(STAGES):
                 change = max(change, abs(z[n, i] - points[n, i]))
                 size = max(size, abs(z[n, i]))
-        # on the way to the solution the change may rise once; at the level of rounding it goes up and down
+        # before convergence the change may rise once; at rounding level it fluctuates
         stalls += change >= smallest
         smallest = min(smallest, change)
         if change == 0 or (change < 1e-14 * size and stalls > 0) or (change < 1e-9 * size and stalls > 3):
@@ -223,7 +226,9 @@ def _step(constants, transposed, weights, state, k, work):  # type: ignore[no-un
 
 @register_jitable(**INLINED)
 def _begun(constants, ratios, start):  # type: ignore[no-untyped-def]
-    """The ratios for :func:`_sums`, work memory, the slopes at the start for every stage, memory for two more sets of
+    """The data with which a run begins.
+
+    They are the ratios for :func:`_sums`, work arrays, the start's slopes for every stage, arrays for two more sets of
     slopes, and the compensated state.
     """
     work, k = np.empty((4, len(start), STAGES)), np.empty((len(start), STAGES))
@@ -245,7 +250,7 @@ def _begun(constants, ratios, start):  # type: ignore[no-untyped-def]
 
 @njit(**COMPILED)
 def fixed(constants, rule, start, times, setting, out):  # type: ignore[no-untyped-def]
-    """Whole steps, and one shorter step for each time; the number of right-hand sides, or FAILED."""
+    """Integrates in whole steps, with a shorter one to each time. Returns the count of right-hand sides, or FAILED."""
     (sign, step), (nodes, weights, weights_low, ratios, _, inverse) = setting, rule
     transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)
     high, low, part_high, part_low = np.empty(STAGES), np.empty(STAGES), np.empty(STAGES), np.empty(STAGES)
@@ -277,7 +282,7 @@ def fixed(constants, rule, start, times, setting, out):  # type: ignore[no-untyp
 
 @njit(**COMPILED)
 def adaptive(constants, rule, start, times, setting, out):  # type: ignore[no-untyped-def]
-    """As :func:`fixed`, each step as long as :func:`_tail` allows."""
+    """As :func:`fixed`, with each step as long as :func:`_tail` allows."""
     (sign, tolerance), (nodes, weights, weights_low, ratios, last, inverse) = setting, rule
     transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)
     high, low = np.empty(STAGES), np.empty(STAGES)
@@ -299,7 +304,7 @@ def adaptive(constants, rule, start, times, setting, out):  # type: ignore[no-un
             if step * speed < 1e-12:
                 return FAILED
             continue
-        # every time within the step, by a shorter one
+        # each requested time within the step is reached by a shorter step
         while t < len(times) and (times[t] - now) - now_low <= step:
             part, part_rest, remainder = y.copy(), rest.copy(), (times[t] - now) - now_low
             _predict(nodes, inverse, remainder / length if length > 0 else 0.0, k, guess)

@@ -1,7 +1,7 @@
-"""Compiled code for a kind of system, from its equations: slopes at stages, Taylor expansions, a right-hand side.
+"""Compiled code for a kind of system, generated from its equations: stage slopes, Taylor expansions, a right-hand side.
 
-The source is written to the folder of compiled code, so that numba can cache it: the compiler runs once a machine and
-kind, for all bodies. Without such a folder every process compiles again.
+The source is written to the folder of compiled code, where numba can cache it. The compiler then runs once per machine
+and kind, for all bodies. Without such a folder every process compiles again.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def compiled(kind: Kind) -> ModuleType:
         exec(compile(text, f"<{module.__name__}>", "exec"), module.__dict__)
         return module
     name = f"equations_{kind.key}_{sha256((text + _sources()).encode()).hexdigest()[:12]}"
-    path = folder / f"{name}.source"  # no module of a package, wherever the folder is
+    path = folder / f"{name}.source"  # not .py: a package must never import it as a module
     if not path.exists():
         beside = path.with_suffix(f".{os.getpid()}")
         beside.write_text(text, encoding="utf-8")
@@ -98,7 +98,7 @@ def _file(name: str) -> str:
 
 
 def _sources() -> str:
-    """The sources compiled into every kind: if they change, the file is another."""
+    """The sources compiled into every kind; a change of them changes the name of the generated file."""
     return "".join(map(_file, ("exact_floats", "gauss16", "taylor_compiled")))
 
 
@@ -107,9 +107,10 @@ def _indented(lines: list[str], by: int) -> str:
 
 
 def expansion(kind: Kind) -> tuple[int, list[str]]:
-    """The rows of a table s, and lines that fill column k + 1 of the state, its first rows, from the columns up to k.
+    """The number of rows of the table s of Taylor coefficients, and the lines of code that extend it by a column.
 
-    Every line of the equations that depends on the state has a row; any other is a number.
+    The lines fill column k + 1 of the state, in the first rows, from the columns up to k. Every line of the equations
+    that depends on the state has a row; any other is a number.
     """
     fixed: dict[int, str] = {}
     row: dict[int, int] = {}
@@ -132,7 +133,7 @@ def expansion(kind: Kind) -> tuple[int, list[str]]:
 
 
 def _recurrence(node: Node, own: int, row: dict[int, int], fixed: dict[int, str]) -> str:
-    """Coefficient k of one line."""
+    """The code that computes Taylor coefficient k of one line of the equations."""
     op, args = node
     if op in ("exp", "sqrt"):
         return f"{'exponential' if op == 'exp' else 'root'}(s, {row[args[0]]}, {own}, k)"

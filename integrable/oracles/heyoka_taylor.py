@@ -1,8 +1,8 @@
-"""heyoka's Taylor integrator (Biscani and Izzo 2021) as its users run it: built once for a kind and a tolerance, the
-constants being its parameters ``par[i]``; a start sets state, parameters and time.
+"""heyoka's Taylor integrator (Biscani and Izzo 2021), run as its users run it.
 
-heyoka compiles when the integrator is built, and caches on disk (HEYOKA_CACHE_DIR). It is an optional dependency, ``pip
-install 'jacobian-integrable[peers]'``, imported on first use.
+It is built once for a kind and a tolerance, with the system's constants as parameters ``par[i]``; a start sets the
+state, the parameters and the time. heyoka compiles when the integrator is built, and caches on disk
+(HEYOKA_CACHE_DIR). It is an optional dependency, ``pip install 'jacobian-integrable[peers]'``, imported on first use.
 """
 
 from __future__ import annotations
@@ -23,8 +23,10 @@ __all__ = ["Heyoka", "equations"]
 
 @dataclass(frozen=True)
 class Heyoka(Method):
-    """In doubles, or ``extended`` to long doubles. Results come as float64; inputs of more than 15 digits are rounded
-    to long doubles. A run raises RuntimeError where heyoka stops; ``evaluations`` counts steps.
+    """heyoka in doubles, or in long doubles if ``extended``.
+
+    Results are float64. Inputs of more than 15 digits are rounded to long doubles. A run raises RuntimeError where
+    heyoka stops; ``evaluations`` counts steps.
     """
 
     def build(self, kind: Kind, setting: Any) -> Built:
@@ -41,7 +43,7 @@ class Heyoka(Method):
 
         def of_system(given: Given) -> Started:
             coefficients = np.array(kind.coefficients_of(given.constants, number), real)
-            # float is what numpy makes of a number by itself
+            # numpy converts to float without help
             exact = (lambda start: start) if number is float else (lambda start: [number(x) for x in start])
             return lambda start: _started(shared, coefficients, np.array(exact(start), real), number)
 
@@ -49,7 +51,7 @@ class Heyoka(Method):
 
 
 def equations(kind: Kind, number: Callable[[Any], Any] = float) -> list[tuple[Any, Any]]:
-    """(variable, rate) for every component, in heyoka's expressions."""
+    """The pair (variable, rate) of every component, as heyoka expressions."""
     import heyoka
 
     variables = heyoka.make_vars(*(f"y{i}" for i in range(kind.size)))
@@ -60,7 +62,7 @@ def equations(kind: Kind, number: Callable[[Any], Any] = float) -> list[tuple[An
 
 
 class Shared(NamedTuple):
-    """An integrator for all systems of a kind, with what every start of it uses."""
+    """An integrator for all systems of a kind, and the data that its starts share."""
 
     integrator: Any
     state: np.ndarray
@@ -70,12 +72,12 @@ class Shared(NamedTuple):
 
 
 def _started(shared: Shared, coefficients: np.ndarray, first: np.ndarray, number: Callable[[Any], Any]) -> Run:
-    """A start of a shared integrator."""
+    """A run of a shared integrator from one start."""
     integrator, state, parameters, done = shared
     zero = number(0)
 
     def propagated(times: Any) -> tuple[np.ndarray, int]:
-        """States at one time, or at the times of a grid from 0 on."""
+        """States at one time, or at the times of a grid that begins at 0, and the number of steps."""
         integrator.time = zero
         state[:] = first
         parameters[:] = coefficients
@@ -94,7 +96,7 @@ def _started(shared: Shared, coefficients: np.ndarray, first: np.ndarray, number
 def _of_any_times(
     propagated: Callable[[Any], tuple[np.ndarray, int]], first: np.ndarray, number: Callable[[Any], Any]
 ) -> Run:
-    """A run for times of any order and sign, from one for a single time and for a grid from 0 on."""
+    """A run for times of any order and sign, made from one that takes a single time or a grid beginning at 0."""
     half, zero = len(first) // 2, number(0)
 
     def reach(sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
@@ -106,7 +108,7 @@ def _of_any_times(
         return values[1:][back], count
 
     def run(times: Iterable[Any]) -> Solution:
-        # heyoka takes a list of floats in less time than an array: nothing is converted where it takes what is given
+        # heyoka accepts a list of floats faster than an array, so times it accepts are passed unconverted
         wanted: Any = [*times]
         if wanted and (number is not float or not isinstance(wanted[-1], float)):
             wanted = [number(t) for t in wanted]
@@ -114,7 +116,7 @@ def _of_any_times(
             try:
                 values, count = propagated(wanted)
                 return Solution(values[:, :half], values[:, half:], count)
-            except (ValueError, TypeError):  # a time that is there twice, or numbers of several kinds
+            except (ValueError, TypeError):  # a repeated time, or numbers of mixed types
                 pass
         return by_sign(first, np.array(wanted, dtype=first.dtype), reach)
 
@@ -122,6 +124,6 @@ def _of_any_times(
 
 
 def _long_double(x: Any) -> Any:
-    """A float or a number of more digits as a long double."""
+    """A number, of double or higher precision, as a long double."""
     high = float(x)
     return np.longdouble(high) + np.longdouble(float(x - high))

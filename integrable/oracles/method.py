@@ -17,8 +17,8 @@
 
     METHODS["Euler"] = Euler("Euler", "Euler (1768)", "step", (0.01, 0.001), order=1)
 
-Every part is timed separately (:class:`Spent`), by one rule for all methods: work that depends on no body and no start
-is no part of a start's cost, for any compiler.
+Every part is timed separately (:class:`Spent`). One rule holds for all methods and compilers: work that depends on
+neither body nor start is not part of a start's cost.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ Run = Callable[[Iterable[Any]], Solution]
 
 
 class Given(NamedTuple):
-    """A system for an integrator: the constants of its kind, and a conversion to numbers of its field."""
+    """A system as an integrator sees it: its constants, and a conversion to its number type."""
 
     constants: tuple[Any, ...]
     number: Callable[[Any], Any]
@@ -64,7 +64,7 @@ class Problem(NamedTuple):
 
 
 class Spent(NamedTuple):
-    """Seconds of one run, by how often they are spent."""
+    """Seconds of one run, split by what they are spent on: the machine, a system, a start, or evaluation."""
 
     machine: float
     """Once a machine: what depends on no body and no start, compilation above all."""
@@ -76,19 +76,21 @@ class Spent(NamedTuple):
 
     @property
     def counted(self) -> float:
-        """The time that ratios use: once a start, and evaluation."""
+        """The seconds used for ratios of run times: those of one start and its evaluation."""
         return self.start + self.evaluation
 
     @property
     def first(self) -> float:
-        """The time of a first answer: everything."""
+        """The seconds until a first answer: the sum of all parts."""
         return sum(self)
 
 
 @dataclass(frozen=True)
 class Method(ABC):
-    """One integrator. ``parameter`` is what the setting means: "step" (a time), "tolerance" or "digits"; ``settings``
-    are sensible values, cheapest first, steps in units of the motion's own time scale (:meth:`ladder`).
+    """One integrator.
+
+    ``parameter`` names the meaning of a setting: "step" (a time), "tolerance" or "digits". ``settings`` are sensible
+    values, cheapest first; steps are in units of the motion's own time scale (:meth:`ladder`).
     """
 
     name: str
@@ -114,12 +116,12 @@ class Method(ABC):
         """The code for all systems of a kind; all compilation happens here."""
 
     def digits(self, setting: float) -> int:
-        """Digits of the numbers that a run at that setting starts from, 15 for doubles."""
+        """The number of digits of a run's start values at a setting; 15 for doubles."""
         return (int(setting) if self.parameter == "digits" else DOUBLE_DIGITS) + self.guard
 
     @property
     def in_doubles(self) -> bool:
-        """Whether it computes in doubles, and not in numbers of more digits."""
+        """Whether it computes in doubles rather than in a higher precision."""
         return self.parameter != "digits" and not self.guard
 
     @property
@@ -148,9 +150,9 @@ class Method(ABC):
         return self.refusal(system) is None
 
     def prepare(self, system: Any, state: Any, setting: Any) -> Run:
-        """The set-up for one start: a function times ↦ Solution that may be called repeatedly. Built code is cached.
+        """A function times ↦ Solution for one start, which may be called repeatedly. Built code is cached.
 
-        ArgumentError where the system or the setting is refused.
+        Raises ArgumentError where the method refuses the system or the setting.
         """
         refusal = self.refusal(system)
         if refusal:
@@ -161,16 +163,16 @@ class Method(ABC):
         return kept(self, kind, setting)(given)(start)
 
     def solve(self, system: Any, state: Any, times: Iterable[Any], setting: Any) -> Solution:
-        """γ and M at ``times``, any order and either sign, the state being at time 0: shapes (N, 3), of other systems q
-        and p of shape (N, n).
+        """γ and M at ``times``, each of shape (N, 3); for other systems q and p, each of shape (N, n).
 
-        An integrator that fails raises PrecisionLoss (a step whose equations have no solution) or RuntimeError (SciPy's
-        and heyoka's own message). No integrator detects an error that is merely large.
+        The state is that at time 0; times may be in any order and of either sign. An integrator that fails raises
+        PrecisionLoss (the equations of a step have no solution) or RuntimeError (the message is SciPy's or heyoka's).
+        No integrator detects an error that is merely large.
         """
         return self.prepare(system, state, setting)(times)
 
     def ladder(self, system: Any, state: Any) -> list[float]:
-        """``settings`` for one start: steps are multiplied by its time scale, 1/max(|γ̇|, |Ṁ|/|M|) at time 0."""
+        """The settings for one start: steps are multiplied by its time scale, 1/max(|γ̇|, |Ṁ|/|M|) at time 0."""
         if self.parameter != "step":
             return list(self.settings)
         scale = time_scale(system, state)
@@ -181,13 +183,14 @@ _KEPT: dict[tuple[Method, str, Any], tuple[Built, float]] = {}
 
 
 def kept(method: Method, kind: Kind, setting: Any) -> Built:
-    """The code of a method for a kind, built on first use in a process."""
+    """The built code of a method for a kind. Each process builds it on first use."""
     return _kept(method, kind, setting)[0]
 
 
 def _kept(method: Method, kind: Kind, setting: Any) -> tuple[Built, float]:
-    """That code, and the seconds that building it took in this process: the most of any setting, since code that serves
-    all settings is compiled for the first.
+    """That code, and the seconds that building it took in this process.
+
+    The seconds are the maximum over all settings: code that serves all settings is compiled for the first of them.
     """
     key = (method, kind.key, setting)
     if key not in _KEPT:
@@ -198,8 +201,9 @@ def _kept(method: Method, kind: Kind, setting: Any) -> tuple[Built, float]:
 
 
 def timed_run(method: Method, problem: Problem, times: Iterable[Any], setting: Any) -> tuple[Spent, Solution]:
-    """A run and the clock time of its parts; the part spent once a machine is the one first measured in this
-    process.
+    """The clock time of a run's parts, and its solution.
+
+    The part spent once per machine is the value first measured in this process.
     """
     kind, system, start = problem
     built, machine = _kept(method, kind, setting)
@@ -216,15 +220,16 @@ def timed_run(method: Method, problem: Problem, times: Iterable[Any], setting: A
 
 
 def kind_name(system: Any) -> str:
-    """ "ball", "top" (d = 0), or the name of the class of a system of other equations."""
+    """The name of a system's kind: "ball", "top" (d = 0), or the class name of a system with other equations."""
     if is_body(system):
         return "ball" if float(system.d) else "top"
     return type(getattr(system, "system", system)).__name__
 
 
 def problem_of(system: Any, state: Any) -> Problem:
-    """The motion of a state of a system: a body, whose equations are written out here, or a system with ``rates_in``
-    any numbers.
+    """The problem of integrating a system from a state.
+
+    The system is a body, whose equations this folder contains, or has a method ``rates_in`` that takes any numbers.
     """
     start = (*state.gamma, *state.M)
     field = getattr(system, "field", None)
@@ -243,7 +248,7 @@ def problem_of(system: Any, state: Any) -> Problem:
 
 
 def time_scale(system: Any, state: Any) -> float:
-    """1/max(|γ̇|, |Ṁ|/|M|) at a state, 1 where nothing moves: the time in which γ or M turns by about a radian."""
+    """The time in which γ or M turns by about a radian: 1/max(|γ̇|, |Ṁ|/|M|) at a state, or 1 at rest."""
     kind, given, start = problem_of(system, state)
     y = [float(x) for x in start]
     rates = kind.right_hand_side(kind.coefficients_of(given.constants))(y)

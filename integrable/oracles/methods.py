@@ -3,9 +3,9 @@
 
     METHODS["Gauss-Legendre 6"].solve(system, state, times, 0.1)     # Solution(gamma, M, evaluations)
 
-Each is a :class:`integrable.oracles.method.Method`. A system is an object of :mod:`integrable.systems`: a body with
-``inertia`` and ``d`` (ball, top), or one with ``rates_in`` any numbers (the deformations, those of
-:mod:`integrable.classical`). Nothing of :mod:`jacobian`'s arithmetic is used.
+Each is a :class:`integrable.oracles.method.Method`. A system is either a body with ``inertia`` and ``d`` (ball, top) or
+an object whose method ``rates_in`` accepts any numbers (the deformations, the systems of :mod:`integrable.classical`).
+None of :mod:`jacobian`'s arithmetic is used.
 """
 
 from __future__ import annotations

@@ -2,9 +2,9 @@
 
     γ̇ = γ×ω,   Ṁ = M×ω,   ω = A M + d n A γ,   n = g²(γ, A M),   g⁻² = Σ I_k a_k γ_k²   (at |γ| = 1)
 
-with A = diag 1/(I_k + d). Nothing of :mod:`jacobian` is used here: an agreement with the divisor flow is one of two
-unrelated computations. :func:`dop853` is what a user of SciPy would run, :func:`integrated` the same for any equations
-and with its other integrators; :func:`taylor` is a Taylor-series integrator of any number of digits.
+with A = diag 1/(I_k + d). Nothing of :mod:`jacobian` is used here, so agreement with the divisor flow is agreement of
+two unrelated computations. :func:`dop853` is the integrator that most users of SciPy would choose. :func:`integrated`
+runs any of SciPy's integrators on any equations. :func:`taylor` is a Taylor-series integrator of any number of digits.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ __all__ = [
 
 
 def equations(system: Any, state: Any) -> Callable[[Sequence[Any]], list[Any]]:
-    """y ↦ ẏ for any system of this package, in the numbers of its field, y as long as ``state``."""
+    """The function y ↦ ẏ of any system of this package, in the system's number type; y is as long as ``state``."""
     kind, given, _ = problem_of(system, state)
     return kind.right_hand_side(kind.coefficients_of(given.constants, given.number), given.context)
 
@@ -49,7 +49,7 @@ def right_hand_side(inertia: Sequence[float], d: float) -> Callable[[float, Any]
 def dop853(body: Any, state: Any, times: Iterable[float], *, rtol: float, atol: float) -> Solution:
     """The motion in double precision by SciPy's DOP853 (Hairer, Nørsett & Wanner 1993), started at time 0.
 
-    Times may be in any order and of either sign. ``rtol`` and ``atol`` go to SciPy as they are. Raises
+    Times may be in any order and of either sign. ``rtol`` and ``atol`` are passed to SciPy unchanged. Raises
     RuntimeError with SciPy's message when the integrator gives up.
     """
     kind, given, start = problem_of(body, state)
@@ -62,9 +62,9 @@ def integrated(
     rates: Callable[[float, Any], Any], start: Sequence[float], times: Iterable[float], *, method: str, rtol: float,
     atol: Any,
 ) -> Solution:  # fmt: skip
-    """ẏ = ``rates``(t, y) from ``start`` by one of the methods of SciPy's ``solve_ivp``, as :func:`dop853`.
+    """The solution of ẏ = ``rates``(t, y) from ``start`` at time 0, by a ``method`` of SciPy's ``solve_ivp``.
 
-    ``atol`` may be one number for each component.
+    ``atol`` may hold one number per component. Times and errors are as for :func:`dop853`.
     """
     needed("scipy", f"SciPy's {method}")
     from scipy.integrate import solve_ivp
@@ -94,9 +94,9 @@ def taylor(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> So
     """The motion by Taylor series in multiprecision, started at time 0: arrays of mpf, dtype object.
 
     The order follows from ``digits`` and each step from the size of the last two coefficients (Jorba & Zou
-    2005), so that a step neglects about 10^-(digits+5); over short times the result is good to 10^-digits.
-    ``body`` and ``state`` may hold mpf, decimal strings, fractions or floats; floats are taken as they are.
-    Work grows as (number of steps) · digits², a step being about a fifth of the distance to the nearest singularity
+    2005), so that a step neglects about 10^-(digits+5). Over short times the error is about 10^-digits.
+    ``body`` and ``state`` may hold mpf, decimal strings, fractions or floats; floats are taken as exact.
+    Work grows as (number of steps) · digits². A step is about a fifth of the distance to the nearest singularity
     in complex time. Times may be in any order and of either sign.
     """
     if digits < 1:
@@ -117,10 +117,10 @@ def taylor(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> So
 
 
 def odefun(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> Solution:
-    """The motion by :func:`mpmath.odefun` at ``digits`` digits: what a user of mpmath would run.
+    """The motion by :func:`mpmath.odefun` at ``digits`` digits, as a user of mpmath would run it: arrays of mpf.
 
-    Arrays of mpf, dtype object; ``evaluations`` counts right-hand sides, which it takes with many times the digits (it
-    differentiates by differences): numbers of a fixed precision would not do.
+    ``evaluations`` counts right-hand sides. ``odefun`` differentiates numerically and evaluates them at several times
+    the digits, so numbers of a fixed precision would not suffice.
     """
     if digits < 1:
         raise ArgumentError(f"digits: {digits} given; a positive number of decimal digits is needed")
@@ -141,7 +141,7 @@ def odefun(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> So
     rows: list[list[Any]] = [start] * len(wanted)
     for sign in (1, -1):
         order = sorted((i for i in range(len(wanted)) if sign * wanted[i] > 0), key=lambda i: abs(wanted[i]))
-        # odefun goes forwards only
+        # odefun integrates forwards only
         solution = context.odefun(lambda t, y, s=sign: [s * x for x in counted(t, y)], context.zero, start)
         for i in order:
             rows[i] = list(solution(abs(wanted[i])))
@@ -150,7 +150,7 @@ def odefun(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> So
 
 
 def _number(context: Any, value: Any) -> Any:
-    """``value`` as an mpf of ``context``: strings (also "1/3"), fractions and foreign mpf included."""
+    """``value`` as an mpf of ``context``. It may be a string (also "1/3"), a fraction or another context's mpf."""
     if isinstance(value, str) and "/" in value:
         above, below = value.split("/")
         return context.mpf(above) / context.mpf(below)
@@ -160,7 +160,7 @@ def _number(context: Any, value: Any) -> Any:
 
 
 class _Series:
-    """Power series of the motion about a point, and the steps taken with them."""
+    """Taylor series of the motion at a state, and the steps taken with them."""
 
     def __init__(self, context: Any, inertia: list[Any], d: Any, digits: int) -> None:
         self.context, self.d = context, d
@@ -171,7 +171,10 @@ class _Series:
         self.expansions = 0
 
     def follow(self, y: list[Any], order: list[int], wanted: list[Any], sign: int, rows: list[list[Any]]) -> None:
-        """Fill ``rows[i]`` for i in ``order`` (times away from 0, in the direction ``sign``), starting with y at 0."""
+        """Fill ``rows[i]`` for i in ``order``, starting with y at time 0.
+
+        ``order`` lists the times of one ``sign``, by distance from 0.
+        """
         now = self.context.zero
         pending = list(reversed(order))
         while pending:
@@ -210,7 +213,7 @@ class _Series:
         return x + m
 
     def step(self, series: list[list[Any]]) -> Any:
-        """The step whose last terms fall below the tolerance, relative to γ and M each."""
+        """The step at which the last terms fall below the tolerance, relative to γ and to M."""
         radius = None
         for vector in (series[:3], series[3:]):
             scale = max(abs(c[0]) for c in vector)
@@ -222,7 +225,7 @@ class _Series:
         return self.context.inf if radius is None else radius
 
     def evaluate(self, series: list[list[Any]], time: Any) -> list[Any]:
-        """The six components at ``time`` from the centre of the expansion."""
+        """The six components a ``time`` after the centre of the expansion."""
         values = []
         for component in series:
             value = self.context.zero

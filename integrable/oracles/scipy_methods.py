@@ -1,4 +1,4 @@
-"""SciPy's integrators, with a right-hand side in Python, as most users write it, or compiled."""
+"""SciPy's integrators as methods. The right-hand side is in Python, as most users write it, or compiled."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["SciPy"]
 
 @dataclass(frozen=True)
 class SciPy(Method):
-    """``solve_ivp``, the tolerance being relative to 1 in the first half of the state and to |M| in the second."""
+    """SciPy's ``solve_ivp``. The tolerance is relative to 1 in the state's first half, and to |M| in the second."""
 
     solver: str = "DOP853"
 

@@ -1,4 +1,4 @@
-"""Fixed steps in plain Python, in floats or in the mpf of a system over MP(digits), as methods."""
+"""Fixed-step methods in plain Python. They compute in floats, or in mpf for a system over MP(digits)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["Collocation", "DiscreteTop"]
 
 @dataclass(frozen=True)
 class Collocation(Method):
-    """Gauss's method of so many stages."""
+    """Gauss's method with a given number of stages."""
 
     stages: int = 1
 

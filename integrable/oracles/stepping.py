@@ -1,5 +1,5 @@
-"""Times in any order, forwards and backwards, for integrators that need ascending ones, and for one-step methods with a
-fixed step in plain Python.
+"""Requested times of any order and sign, for integrators that need ascending times and for fixed-step methods in
+plain Python.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ Advance = Callable[[list[Any], Any, Any], tuple[list[Any], Any, int]]
 
 
 def follow(advance: Advance, start: Iterable[Any], times: Iterable[Any], step: Any) -> Solution:
-    """(γ, M) at ``times`` by steps of ``step`` from time 0, forwards and backwards.
+    """(γ, M) at ``times``, by steps of length ``step`` from time 0, forwards and backwards.
 
-    A time that is not a multiple of the step is reached by a shorter step of its own from the last whole one. So the
+    A time that is not a multiple of the step is reached by an extra, shorter step from the last multiple. So the
     error at a time does not depend on the other times. Numbers are floats, or mpf of one context.
     """
     first, wanted = list(start), list(times)
@@ -44,9 +44,9 @@ def follow(advance: Advance, start: Iterable[Any], times: Iterable[Any], step: A
 
 
 def split_times(times: list[Any], step: Any, sign: int) -> list[tuple[int, int, Any]]:
-    """(index, whole steps, rest) of the times of one sign, by size; floats are divided without rounding.
+    """(index, whole steps, rest) of each time of one sign, sorted by size. The division of floats is exact.
 
-    ArgumentError unless the step is positive.
+    Raises ArgumentError unless the step is positive.
     """
     if not step > 0:
         raise ArgumentError(f"step = {step}: give a positive step")
@@ -73,9 +73,10 @@ def solution_of(rows: list[list[Any]], evaluations: int) -> Solution:
 def by_sign(
     start: np.ndarray, wanted: np.ndarray, reach: Callable[[float, np.ndarray], tuple[np.ndarray, int]]
 ) -> Solution:
-    """γ and M at ``wanted``, times of any order and sign, in float64; (γ, M) is ``start`` at time 0.
+    """γ and M in float64 at ``wanted``, times of any order and sign; at time 0 they are ``start``.
 
-    ``reach(sign, distances)`` gives the rows at ascending positive distances from 0, and the work: once for each sign.
+    ``reach(sign, distances)`` is called once per sign. It returns the rows at ascending positive distances from 0, and
+    the number of evaluations.
     """
     rows, half, work = np.empty((len(wanted), len(start))), len(start) // 2, 0
     if len(wanted) and wanted[0] >= 0 and (wanted[1:] >= wanted[:-1]).all():  # the usual case

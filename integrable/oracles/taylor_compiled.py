@@ -1,7 +1,7 @@
-"""Taylor series in compiled floats: variable step (Jorba & Zou 2005), compensated sums.
+"""Taylor series in compiled floats, with variable steps (Jorba & Zou 2005) and compensated sums.
 
-The recurrences are those of :func:`integrable.oracles.generated.expansion`, written for the equations of a kind. Times
-inside a step cost one evaluation of its polynomials.
+The recurrences for a kind's equations are written by :func:`integrable.oracles.generated.expansion`. A time inside a
+step costs one evaluation of the step's polynomials.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def convolved(s, x, y, k):  # type: ignore[no-untyped-def]
 
 @register_jitable(fastmath={"contract", "reassoc"}, **INLINED)
 def quotient(s, top, y, n, k):  # type: ignore[no-untyped-def]
-    """Coefficient k of the series of row n, whose product with that of row y has the coefficient ``top``."""
+    """Coefficient k of the quotient in row n. The divisor is row y, and ``top`` is coefficient k of the dividend."""
     for j in range(k):
         top -= s[n, j] * s[y, k - j]
     return top / s[y, 0]
@@ -34,7 +34,7 @@ def quotient(s, top, y, n, k):  # type: ignore[no-untyped-def]
 
 @register_jitable(fastmath={"contract", "reassoc"}, **INLINED)
 def exponential(s, x, n, k):  # type: ignore[no-untyped-def]
-    """Coefficient k of e^x, in row n."""
+    """Coefficient k of e^x, whose series is row n."""
     if k == 0:
         return np.exp(s[x, 0])
     total = 0.0
@@ -45,7 +45,7 @@ def exponential(s, x, n, k):  # type: ignore[no-untyped-def]
 
 @register_jitable(fastmath={"contract", "reassoc"}, **INLINED)
 def root(s, x, n, k):  # type: ignore[no-untyped-def]
-    """Coefficient k of √x, in row n."""
+    """Coefficient k of √x, whose series is row n."""
     if k == 0:
         return np.sqrt(s[x, 0])
     total = s[x, k]
@@ -56,7 +56,7 @@ def root(s, x, n, k):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _reach(series, half, order, tolerance):  # type: ignore[no-untyped-def]
-    """The step whose last two terms are ``tolerance`` of both halves of the state; inf at rest."""
+    """The step at which the last two terms are ``tolerance`` relative to each half of the state; inf at rest."""
     reach = np.inf
     for base in (0, half):
         scale = 0.0
@@ -73,7 +73,7 @@ def _reach(series, half, order, tolerance):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _increment(series, n, order, h):  # type: ignore[no-untyped-def]
-    """Σ_{k ≥ 1} c_k h^k of component n."""
+    """The change of component n over a step h: Σ_{k ≥ 1} c_k h^k."""
     value = 0.0
     for k in range(order, 0, -1):
         value = (value + series[n, k]) * h
@@ -84,8 +84,9 @@ ROWS = 0
 
 
 def expand(c, order, s):  # type: ignore[no-untyped-def]
-    """Fills columns 1 … order of the table s from column 0 of the state: each kind defines this, and its ROWS, before
-    the text below.
+    """Fills columns 1 … order of the table s from column 0, the state.
+
+    This is a stub: each kind's generated code defines its own ``expand`` and its number of ROWS.
     """
     raise NotImplementedError
 
@@ -95,9 +96,10 @@ def expand(c, order, s):  # type: ignore[no-untyped-def]
 
 @njit(**COMPILED)
 def taylor(c, start, times, setting, out):  # type: ignore[no-untyped-def]
-    """The states at ascending positive times (negative ones for sign −1), into ``out``; the number of expansions.
+    """Writes the states at ascending positive times (negated for sign −1) into ``out``; returns the number of
+    expansions.
 
-    −1 where a step is 0 or no number: a pole, or equations that have no value.
+    Returns −1 where a step is 0 or not a number: at a pole, or where the equations have no value.
     """
     sign, tolerance, order = setting
     size = len(start)
