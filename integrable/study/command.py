@@ -42,13 +42,13 @@ def study_of(
     progress: bool = False,
     minutes: float | None = None,
 ) -> Study:
-    """Run or resume a study in the folder ``out``, and return it with ``report.md``, its figures and ``report.json``
-    written.
+    """Run or resume a study in the folder ``out``, write ``report.md``, figures and ``report.json``, and return it.
 
-    ``sources``: names of scenes or paths of scene files; none: all that ship. Rows in ``out`` are kept unless code,
-    scene or a library has changed; timed ones are of one machine, one commit and one day. ``formats`` empty: no
-    figures, and matplotlib is not imported. ``jobs`` processes compute truths at a time (default: one per core); timed
-    tasks run alone. No row is begun after ``minutes``: those that are left stand on the page as not measured.
+    ``sources`` are names of scenes or paths of scene files; if there are none, all scenes of the package. Rows in
+    ``out`` are kept unless code, scene or a library has changed; timed rows must be of one machine, commit and day.
+    With empty ``formats`` there are no figures, and matplotlib is not imported. ``jobs`` processes compute truths
+    (default: one per core); timed tasks run alone. No row begins after ``minutes``; the page lists the remaining ones
+    as not measured.
     """
     if minutes is not None and not minutes > 0:
         raise ArgumentError(f"minutes: {minutes:g} given; a positive number is needed")
@@ -73,7 +73,7 @@ def study_of(
 
 
 def _loaded(chosen: Sequence[str]) -> list[Scene]:
-    """The scenes; ArgumentError unless their names differ."""
+    """The loaded scenes. Raises ArgumentError if two have the same name."""
     scenes = [load_scene(source) for source in chosen]
     names = [portable(scene.name).lower() for scene in scenes]
     for name in names:
@@ -140,7 +140,7 @@ def _named(machine: dict[str, Any]) -> str:
 
 
 def _write(study: Study, data: dict[str, Any], out: Path, formats: tuple[str, ...]) -> None:
-    """Figures, page, and all rows in one file."""
+    """Writes the figures, the page, and one file of all rows."""
     if formats:
         from integrable.study.figures import as_bytes, error_against_run_time, floors
 
@@ -159,7 +159,7 @@ def _write(study: Study, data: dict[str, Any], out: Path, formats: tuple[str, ..
 
 @contextmanager
 def _bar(progress: bool, rows: Sequence[Task]) -> Iterator[Callable[[Task], None]]:
-    """A function to call with each finished row; it moves a bar on stderr, if any."""
+    """Yields a function to call with each finished row; it moves a bar on stderr, if any."""
     if not progress:
         yield lambda _row: None
         return

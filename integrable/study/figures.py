@@ -41,9 +41,9 @@ def as_bytes(figure: Any, suffix: str) -> bytes:
 
 
 def error_against_run_time(found: SceneFindings) -> Any:
-    """Largest error of γ (or q) against the run time of a start, a line for every method; None without points.
+    """A figure of the largest error of γ (or q) against the run time of a start, one line per method; None if empty.
 
-    Errors beyond doubles, of multiprecision rows, are in a panel of their own below.
+    Errors of multiprecision rows, which are beyond doubles, are in a separate panel below.
     """
     rows = [c for c in (*found.comparators, *found.backlund, *found.flow) if c["result"]["error_gamma"] > 0]
     if not rows:
@@ -80,7 +80,7 @@ def error_against_run_time(found: SceneFindings) -> Any:
 
 
 def _handles(methods: Sequence[str], rows: Sequence[dict[str, Any]], found: SceneFindings) -> list[Line2D]:
-    """The legend: methods, the flow by its arithmetic, and methods without a figure, in all or some settings."""
+    """The entries of the legend: the flow by its arithmetic, the other methods, and those that gave no figure."""
     lost = {c["row"]["method"] for c in found.failures if c["row"]["kind"] == "comparator"}
     handles = []
     for method in methods:
@@ -108,7 +108,7 @@ def _at_least_two_decades(axes: Any) -> None:
 
 
 def _series(axes: Any, method: str, rows: list[dict[str, Any]]) -> None:
-    """The runs of a method as a line; those of the flow, which are different arithmetics, as separate marks."""
+    """Draws the runs of a method as a line. Runs of the flow are separate marks, each for another arithmetic."""
     parts = [[c] for c in rows] if method in OWN else [rows] if rows else []
     for part in parts:
         setting = part[0]["row"]["setting"] if method in OWN else ""
@@ -124,7 +124,7 @@ def _handle(method: str, stopped: bool, setting: str = "") -> Line2D:
 
 
 def _look(method: str, setting: str) -> dict[str, Any]:
-    """The flow's marks encode its arithmetic, so that no text is needed between the points."""
+    """The look of a method's marks. The flow's encode its arithmetic, so points need no labels."""
     face = {"compiled": {"markerfacecolor": "white"}, "floats": {}, "": {}}.get(setting, {"fillstyle": "bottom"})
     return {**look_of(method), **(face if method in OWN else {})}
 
@@ -136,7 +136,7 @@ def _span(found: SceneFindings) -> str:
 
 
 def floors(findings: Sequence[SceneFindings]) -> Any:
-    """The flow's error in floats over the floor, γ and M, for every scene; None where no scene has both."""
+    """A figure of the flow's error in floats divided by the floor, for γ and M of every scene; None if empty."""
     shown = [
         (f, f.best, f.floor) for f in findings if f.best is not None and f.floor is not None and f.moved_by_divisors
     ]

@@ -140,7 +140,7 @@ class SceneFindings:
 
     @property
     def over_floor(self) -> float | None:
-        """The larger of error/floor for γ and for M, of the flow or orbit in floats. The package promises at most 10."""
+        """The larger of error/floor for γ and for M, of the flow or orbit in floats. At most 10 is promised."""
         if self.floor is None or self.judged is None:
             return None
         row, floor = self.judged, self.floor

@@ -1,4 +1,4 @@
-"""First answers, each measured in a Python process of its own with its own imports and caches."""
+"""Times to a first answer, each measured in a separate Python process with its own imports and caches."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ print(json.dumps({"first": second - first, "second": last - second}))
 
 
 def _python(code: str, source: str, **environment: str) -> tuple[float, dict[str, Any]]:
-    """Seconds of a whole process, its start included, and what it printed."""
+    """The seconds of a whole process, including its start, and the data that it printed."""
     begun = perf_counter()
     done = subprocess.run(
         [sys.executable, "-c", code, source],
@@ -57,14 +57,14 @@ def _python(code: str, source: str, **environment: str) -> tuple[float, dict[str
 
 
 def first_answer(source: str, method: str) -> dict[str, Any]:
-    """Seconds to a first answer, one time scale after the start, everything included.
+    """The seconds to a first answer, everything included. The answer is the state one time scale after the start.
 
-    "cold": a process where nothing has been compiled; "disk": compiled code is on disk; "process": a call in a process
-    that has run before.
+    "cold" is a process for which nothing has been compiled. For "disk" compiled code is on disk. "process" is a second
+    call in the same process.
     """
     code = _START + _ONE_TIME + (_METHOD % method if method in METHODS else _COMPILED) + _TWICE
     with tempfile.TemporaryDirectory() as cache:
-        # heyoka keeps what it compiles on disk too
+        # heyoka also caches compiled code on disk
         kept = {"NUMBA_CACHE_DIR": cache, "HEYOKA_CACHE_DIR": cache}
         cold, _ = _python(code, source, **kept)
         warm, found = _python(code, source, **kept)

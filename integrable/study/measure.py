@@ -1,8 +1,8 @@
-"""The measurement of one task, by its kind: plain data for JSON, or an exception that the row then quotes.
+"""Measures one task, according to its kind. The result is plain data for JSON, or an exception that the row quotes.
 
-Run times are medians of ``time.perf_counter``, by how often they are spent (:class:`integrable.oracles.method.Spent`);
-"total" is a start with its evaluation. Every run starts from a new system and state. ``tick(label)`` is called between
-the pieces of a task.
+Run times are medians of ``time.perf_counter``, split as :class:`integrable.oracles.method.Spent` says; "total" is the
+time of a start with its evaluation. Every run starts from a new system and state. ``tick(label)`` is called between the
+pieces of a task.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ Data = dict[str, Any]
 
 
 class Unjudged(RuntimeError):
-    """There is nothing to compare a run with."""
+    """Raised if there is no reference to compare a run with."""
 
 
 def measured(task: Task, truth: Data | None, tick: Tick = silent) -> Data:
@@ -75,7 +75,7 @@ def _floor(task: Task, _: Data | None, __: Tick) -> Data:
 
 
 def _chosen(scene: Scene, digits: int, most: float) -> tuple[list[Any], Any]:
-    """About that many of the scene's times, including the last, or the last step of an orbit; and its motion."""
+    """About ``most`` of the scene's times, including the last (of an orbit the last step), and the motion."""
     if scene.steps is None:
         times = scene.times.at(digits)
         return times[:: -max(1, int((len(times) - 1) // most))], None
@@ -97,7 +97,7 @@ def _flow(task: Task, kept: Data | None, tick: Tick) -> Data:
 
 
 def flow_run(task: Task, tick: Tick) -> tuple[Data, Any]:
-    """The result of a task of the kind "flow" before it is judged, and the trajectory."""
+    """The result of a task of the kind "flow" without its errors, and the trajectory."""
     digits = int(task.value or FLOAT_DIGITS)
     machine, first = first_use(task) if digits <= FLOAT_DIGITS else (0.0, None)
     result, trajectory = _timed(flow_once(task.scene, digits, task.kernel, apart=True), task, tick)
@@ -106,10 +106,10 @@ def flow_run(task: Task, tick: Tick) -> tuple[Data, Any]:
 
 
 def _backlund(task: Task, kept: Data | None, tick: Tick) -> Data:
-    """Successive additions of the pair {±iη}, the H1 flow to second order in η, between the τ of the scene's times.
+    """The result of moving by successive additions of the pair {±iη}, the H1 flow to second order in η.
 
-    For other systems, steps of their own discretization between the times. The τ are those of the truth: the map knows
-    no physical time, and its error is that of the points alone.
+    The additions go from each τ of the scene's times to the next. These τ are those of the truth, since the map has no
+    physical time; so the error is that of the points alone. Other systems move by steps of their own discretization.
     """
     truth = _truth_of(task, kept)
     if truth.tau is None and not task.scene.classical:
@@ -132,7 +132,7 @@ def _backlund(task: Task, kept: Data | None, tick: Tick) -> Data:
                     state = step(state)
                     done += 1
                     if done == 1:
-                        first = perf_counter()  # from here on nothing is imported
+                        first = perf_counter()  # all imports are done by now
                     elif (spent := perf_counter() - first) > TRIAL:
                         affordable(spent * count / (done - 1), task)
             now = target
@@ -144,14 +144,14 @@ def _backlund(task: Task, kept: Data | None, tick: Tick) -> Data:
 
 
 def _imaginary_pair(system: Any, state: Any) -> Callable[[float], Any]:
-    """h ↦ the addition of {±iη} that advances τ by h."""
+    """A function from h to the addition of {±iη} that advances τ by h."""
     a1, a2, a3 = system.a
     scale = (a1 * a2 * a3 * system.integrals(state).H1) ** 0.5
     return lambda h: system.translation(points=[complex(0, scale * h), complex(0, -scale * h)])
 
 
 def _classical_step(system: Any, _: Any) -> Callable[[float], Any]:
-    """h ↦ a step of about h in time of the system's discretization."""
+    """A function from h to the step of the system's discretization that advances time by about h."""
     return lambda h: lambda state: system.step(state, h)
 
 
@@ -160,19 +160,19 @@ def _comparator(task: Task, kept: Data | None, tick: Tick) -> Data:
     affordable(pilot(task), task)
     _, once = method_once(task.scene, METHODS[task.method], task.value or 0.0)
     runs, flow = {"": once}, flow_once(task.scene, FLOAT_DIGITS, task.kernel)
-    # a flow that refuses the motion, or takes long, is a row of its own
+    # a flow that refuses the motion, or takes long, is reported in its own row
     with suppress(JacobianError, ArithmeticError, TooLong), at_most(task.limits.run):
         flow()
         runs["flow"] = flow
     timings = _in_turn(runs, task, tick)
     result, solution = timings[""].as_dict(), timings[""].found
-    # the flow's run time in turn with this method: the two are compared, whatever the machine did at other times
+    # the flow is timed in turn with this method, so that the machine's state at other times does not matter
     result |= {"flow": timings["flow"].total} if "flow" in timings else {}
     return result | {"evaluations": solution.evaluations} | truth.judge(solution.gamma, solution.M)
 
 
 def _tolerance(task: Task, kept: Data | None, tick: Tick) -> Data:
-    """DOP853 as a user of SciPy would run it, with one tolerance for everything."""
+    """The result of DOP853 as a user of SciPy would run it, with one tolerance for all components."""
     system, state = task.scene.start(FLOAT_DIGITS)
     tolerance, times = float(task.value or 0.0), task.scene.times.floats()
 
@@ -202,19 +202,22 @@ def _truth_of(task: Task, kept: Data | None) -> Truth:
 
 
 def _timed(once: Callable[[], Timed], task: Task, tick: Tick) -> tuple[Data, Any]:
-    """Repeated runs of one thing."""
+    """The times of repeated runs of ``once``, and what it returned."""
     timing = _in_turn({"": once}, task, tick)[""]
     return timing.as_dict(), timing.found
 
 
 def _in_turn(runs: dict[str, Callable[[], Timed]], task: Task, tick: Tick) -> dict[str, Timing]:
-    """Repeated runs in turn; a run longer than the limits allow counts once."""
+    """The times of several things run repeatedly in turn. A run longer than the limits allow is not repeated."""
     limits = task.limits
     return interleaved(runs, limits.repeat, min(limits.patience, limits.run), partial(tick, task.label))
 
 
 def _horizon(task: Task, kept: Data | None, tick: Tick) -> Data:
-    """The flow and the fastest other method that is accurate enough, at one time T, or at all times of the scene."""
+    """The comparison of the flow with the fastest other method that is accurate enough.
+
+    It is made at one time T, or at all times of the scene.
+    """
     if task.value is None:
         truth = _truth_of(task, kept)
     else:

@@ -1,4 +1,4 @@
-"""The report of one motion: the tasks of the scene's own ``[report]``, measured in process, its own result first.
+"""The report of one motion: the tasks of the scene's ``[report]``, measured in this process, its own result first.
 
 The ball and the top move by the divisor flow, systems of any genus by additions. The deformations move by their
 elliptic curves or, where none are known, by Taylor series of their equations. SciPy's DOP853 is the comparison. All
@@ -7,8 +7,8 @@ refer to that motion. A run at more digits starts from the scene's own numbers, 
 
 The truth is the same motion at ``truth_digits`` digits. It is compared once with another integrator at a short time:
 the Taylor series of :mod:`integrable.oracles.reference`, Gauss collocation for a system of any genus, the same method
-at 10 more digits for a deformation. The own result is computed before the truth. A row of at least ten more digits, if
-any, judges it.
+at 10 more digits for a deformation. The run's own result is computed before the truth. If some row has at least ten
+more digits, the result's error is taken from that row.
 
 Errors of M are relative to |M|. Drifts are the largest relative departures, over the requested times, of |γ|², (γ,
 M)/|M| and the two integrals from their values at the exact start. Run times are medians of ``time.perf_counter``;
@@ -65,13 +65,13 @@ def measure(scene: Scene, digits: int, tick: Tick, watch: Watch = NOBODY) -> tup
 
 
 class _Lines:
-    """Rows in the order in which they are found."""
+    """The lines of a report, passed on as its rows are found."""
 
     def __init__(self, run: _Run, watch: Watch) -> None:
         self.run, self.watch, self.rows = run, watch, list[Row]()
 
     def add(self, rows: list[Row]) -> None:
-        """Rows in their order."""
+        """Add rows, in their order."""
         if not self.rows:
             self.rows += rows
             for line in opening(self._report()):
@@ -82,7 +82,7 @@ class _Lines:
             self.watch.line(row_line(self._report(), row))
 
     def finished(self) -> Report:
-        """The report, after the parts that need no truth."""
+        """The report, completed by the parts that need no truth."""
         found = self.run.rest()
         check = self.run.truth(self.run.own.scene)["check"]
         report = replace(
@@ -130,7 +130,7 @@ class _Run:
     # --- the tasks
 
     def _given(self, cost: float) -> Scene:
-        """The start of a row of that many digits."""
+        """The scene from which a row with ``cost`` digits starts: rounded to doubles if row or run is in floats."""
         return self.scene if min(cost, self.digits) > FLOAT_DIGITS else self.rounded
 
     def _task(self, kind: str, method: str, setting: str, value: float, label: str, pieces: int = 1) -> Task:
@@ -147,19 +147,19 @@ class _Run:
 
     @property
     def own(self) -> Task:
-        """The result."""
+        """The task of the run's own result."""
         return self.flows[0]
 
     @property
     def finer(self) -> Task | None:
-        """A row that may judge the result."""
+        """The task of a row with enough digits to be the reference for the result, or None."""
         own = self.own.value or 0
         more = [task for task in self.flows if (task.value or 0) >= own + MORE and task.scene is self.own.scene]
         return min(more, key=lambda task: task.value or 0, default=None)
 
     @cached_property
     def rivals(self) -> list[Task]:
-        """SciPy's integrator."""
+        """The tasks of SciPy's integrator."""
         tasks = []
         for tolerance in map(float, self.asked.tolerances):
             name = f"{tolerance:.0e}"
@@ -192,7 +192,7 @@ class _Run:
 
     @property
     def tasks(self) -> list[Task]:
-        """All of them."""
+        """All tasks."""
         return [*self.flows, *self.truths.values(), *self.rivals, *self.others]
 
     # --- their execution
@@ -215,7 +215,7 @@ class _Run:
         return self._found[task.key][1]
 
     def flow_rows(self, task: Task) -> list[Row]:
-        """The row of a task; for floats also one with the time of the first call."""
+        """The row of a task; for floats there is a second row, with the time of the first call."""
         found = self.flow(task)
         result = dict(self._found[task.key][0])
         first, _ = result.pop("first"), result.pop("way")
@@ -227,7 +227,7 @@ class _Run:
         return [row, Row(task.method, FIRST_USE, digits=digits, total=first, runs=1)]
 
     def _judge(self, task: Task) -> Truth:
-        """The judge of a row: the truth, or before it a row of more digits."""
+        """The reference for a row's errors: the truth, or for the run's own result a row with more digits."""
         if task is self.own and (finer := self.finer) is not None:
             system, _ = finer.scene.start(int(finer.value or 0))
             return Truth(finer.scene, kept(system, [self.flow(finer)], int(finer.value or 0)))
@@ -258,7 +258,7 @@ class _Run:
 
 @contextmanager
 def _pieces(task: Task, tick: Tick) -> Iterator[Tick]:
-    """``tick`` for the pieces of a task; pieces that turn out unnecessary count as done."""
+    """Yields ``tick`` for the pieces of a task. Pieces that turn out to be unnecessary count as done."""
     left = task.pieces
 
     def step(label: str) -> None:

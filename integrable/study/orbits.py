@@ -1,8 +1,8 @@
 """The report of an orbit: error, drift of the integrals and cost per step of a scene's ``[steps]``.
 
 Over real numbers errors refer to the same orbit at ``truth_digits`` digits. Over a finite field every step is exact:
-the error is 0, the integrals are constant, and only the cost is measured. Where the map is one translation, its
-multiple [count]D' added once must reach the end of the orbit; the report includes that check.
+the error is 0, the integrals are constant, and only the cost is measured. Where the map is one translation by D', a
+single addition of [count]D' must reach the end of the orbit; the report includes that check.
 """
 
 from __future__ import annotations
@@ -32,7 +32,10 @@ __all__ = ["OrbitReport", "OrbitRow", "measure_orbit", "pieces_of_orbit"]
 
 @dataclass(frozen=True)
 class OrbitRow:
-    """An orbit at one cost. Errors and drifts are the largest over the orbit; ``growth`` has error γ by step number."""
+    """An orbit at one number of digits. Errors and drifts are maxima over the orbit.
+
+    ``growth`` has the error of γ by step number.
+    """
 
     setting: str
     digits: int | None
@@ -46,7 +49,10 @@ class OrbitRow:
 
 @dataclass(frozen=True)
 class OrbitReport:
-    """Error, drift and cost per step of an orbit; ``jump`` is its end against [count]D' added once, None if unknown."""
+    """The error, drift and cost per step of an orbit.
+
+    ``jump`` is the difference between its end and a single addition of [count]D', or None if unknown.
+    """
 
     title: str
     map: str
@@ -66,7 +72,7 @@ class OrbitReport:
 
 
 def pieces_of_orbit(scene: Scene, digits: int) -> int:
-    """How many times :func:`measure_orbit` calls ``tick``."""
+    """The number of times :func:`measure_orbit` calls ``tick``."""
     assert scene.steps is not None
     costs = 1 if scene.finite_field else len({*scene.steps.digits, digits})
     return scene.steps.repeat * costs + (not scene.finite_field)
@@ -97,7 +103,7 @@ def measure_orbit(scene: Scene, digits: int, tick: Tick) -> Orbit:
 
 
 def _exact(scene: Scene, tick: Tick) -> Orbit:
-    """The orbit over the scene's finite field: the drift of an integral counts the states where it differs."""
+    """The orbit over the scene's finite field. The drift of an integral is the number of states where it differs."""
     found, costs = _timed(scene, FLOAT_DIGITS, partial(tick, f"exact orbit over {scene.finite_field}"))
     system, state = scene.start(FLOAT_DIGITS)
     before = system.integrals(state)

@@ -48,7 +48,7 @@ NOT_MEASURED = "not measured"
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of a task: seconds for one run of a method, for a whole task, for a truth; repeats of a timing."""
+    """The limits of a task: seconds for one run of a method, a whole task and a truth, and repeats of a timing."""
 
     run: float
     task: float
@@ -95,7 +95,7 @@ class Task:
     def key(self) -> str:
         """The name of its row's file, unique in the study on every file system."""
         words = [_plain(word) for word in (self.scene.name, self.kind, self.method, self.setting)]
-        # names that differ only in other letters would coincide
+        # without a hash, names that differ only in replaced characters would coincide
         name = self.scene.name if words[0] != self.scene.name else ""
         return portable("--".join([*words, *([sha256(name.encode(errors="replace")).hexdigest()[:8]] if name else [])]))
 
@@ -113,12 +113,12 @@ class Task:
 
     @property
     def timed(self) -> bool:
-        """Whether it measures run times: then it runs alone, and the row belongs to this machine."""
+        """Whether the task measures run times. Then it runs alone, and its row is valid for this machine only."""
         return self.kind not in ("truth", "floor")
 
     @property
     def limit(self) -> float:
-        """Seconds after which the task is given up; one with a truth and rivals has the time of both."""
+        """Seconds after which the task is given up. A task with both a truth and rivals has the time of both."""
         truth = self.limits.truth if self.kind in ("truth", "floor", "horizon") else 0.0
         return truth + (self.limits.task if self.kind not in ("truth", "floor") else 0.0)
 
@@ -128,7 +128,7 @@ def _plain(word: str) -> str:
 
 
 def tasks_of(scene: Scene, source: str, mode: str) -> list[Task]:
-    """The tasks of a study, "quick" or "full", for a scene in doubles, each after those it depends on."""
+    """The tasks of a study ("quick" or "full") for a scene in doubles. Each task follows those it depends on."""
     scene = in_doubles(scene)
 
     def task(kind: str, method: str, setting: str, value: float | None = None, truth: str = "", **more: Any) -> Task:
@@ -163,8 +163,8 @@ _ORDER = ("truth", "floor", "flow", "horizon", "orbit", "first answer", "compara
 def in_order(tasks: Sequence[Task]) -> list[Task]:
     """The rows of a study in the order in which they are measured.
 
-    What needs no machine for itself comes first, then what every scene is to have where time is short: the flow in
-    floats, and its rivals at single times. Last come the ladders of settings, those of strong methods before others.
+    Tasks that need not run alone come first. Then come the rows that every scene should have even if time is short: the
+    flow in floats, and its rivals at single times. Last come the ladders of settings, with strong methods first.
     """
 
     def place(task: Task) -> tuple[int, bool, float]:
@@ -176,8 +176,10 @@ def in_order(tasks: Sequence[Task]) -> list[Task]:
 
 
 def first_answer_tasks(scenes: Sequence[Scene], sources: Sequence[str]) -> list[Task]:
-    """First answers of the flow and each strong method on the first body, the first system of any genus and the first
-    deformation: compiled code serves all systems of a kind.
+    """The tasks that measure first answers of the flow and of each strong method.
+
+    They use the first body, the first system of any genus and the first deformation, as compiled code serves all
+    systems of a kind.
     """
     tasks: dict[tuple[str, str], Task] = {}
     for scene, source in zip(scenes, sources, strict=True):
@@ -191,7 +193,7 @@ def first_answer_tasks(scenes: Sequence[Scene], sources: Sequence[str]) -> list[
 
 
 def _comparators(scene: Scene, task: Any, mode: str, truth: str) -> list[Task]:
-    """The tasks of each method, cheapest setting first; after one that ran out of time the costlier ones are skipped.
+    """The tasks of each method, cheapest setting first. If one runs out of time, costlier ones are skipped.
 
     Settings with as many digits as the truth are left out, because their rows would measure the truth's error.
     """

@@ -49,7 +49,7 @@ NEAR_THE_FLOOR = 3.0
 
 
 def look_of(method: str) -> dict[str, Any]:
-    """matplotlib's options for a method; the flow's marks are not joined, since they are different arithmetics."""
+    """matplotlib's options for a method. The flow's marks are not joined, since each is for another arithmetic."""
     colour, marker, filled = look(method)
     found: dict[str, Any] = {"color": colour, "marker": marker, "linewidth": 0 if method in UNLIKE else 1.0}
     if not filled:
@@ -60,8 +60,9 @@ def look_of(method: str) -> dict[str, Any]:
 
 
 def draw(picture: str, suffix: str, scene: Scene, report: Any, curve: Any) -> bytes:
-    """The picture of that name as the bytes of a file of that format; ``curve`` is a trajectory or orbit for the
-    sphere, or for coordinates.
+    """The named picture as the bytes of a file in the format ``suffix``.
+
+    ``curve`` is the trajectory or orbit that the pictures of the sphere and of coordinates show.
     """
     if suffix not in FORMATS:
         raise ArgumentError(f'format: "{suffix}" given; one of {", ".join(FORMATS)} is needed')
@@ -88,7 +89,7 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def work_precision(report: Report) -> Figure:
-    """Run time against the error of γ or q, both logarithmic: down and left is better.
+    """A diagram of run time against the error of γ or q, both logarithmic: down and left is better.
 
     Filled marks are whole runs; an open mark is the same run without its set-up.
     """
@@ -136,17 +137,17 @@ def _mark_floor(axes: Any, rows: list[Row], floor: float) -> None:
 
 
 def _more_room_left(rows: list[Row], floor: float) -> bool:
-    """Whether the marks near the line of rounding leave more room to their left than to their right."""
+    """Whether marks near the floor have more room on their left than on their right."""
     times = [row.total for row in rows if row.total]
     near = [row.total for row in rows if row.total and abs(np.log10((row.error_gamma or 1) / floor)) < NEAR_THE_FLOOR]
     return bool(near) and min(near) * max(near) > min(times) * max(times)
 
 
 def _series(axes: Any, rows: list[Row], side: int) -> None:
-    """One method: its runs, each with its setting to the right or to the left of it.
+    """Draws the runs of one method, each labelled with its setting on the right or on the left.
 
-    Runs of an integrator are joined by a line, one tolerance after the other. Those of the flow are not: floats,
-    compiled floats and numbers of more digits are not settings of one parameter.
+    Runs of an integrator are joined by a line in the order of their settings. Those of the flow are not joined: floats,
+    compiled floats and numbers of more digits are not values of one parameter.
     """
     rows = sorted(rows, key=lambda row: -(row.error_gamma or 0))
     look = look_of(rows[0].method)
@@ -172,8 +173,10 @@ def _series(axes: Any, rows: list[Row], side: int) -> None:
 
 
 def _label(axes: Any, row: Row, side: int, colour: str, lower: bool) -> None:
-    """The setting of a row as a label: above an integrator's mark, whose line falls to the right; below the flow's."""
-    # legible across a line
+    """Writes the setting of a row as a label: above an integrator's mark, whose line falls to the right, or below the
+    flow's.
+    """
+    # a white background keeps the label legible where a line crosses it
     behind = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.6}
     text: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": colour, "bbox": behind}
     if side > 0:
@@ -184,12 +187,12 @@ def _label(axes: Any, row: Row, side: int, colour: str, lower: bool) -> None:
 
 
 def decades(axes: Any, most: int = 8) -> None:
-    """Ticks at decades, thinned to fit, at most ``most`` of them upwards, with a faint grid."""
+    """Puts ticks at decades, thinned to fit, and a faint grid; the vertical axis has at most ``most`` ticks."""
     for axis, (low, high), fit in ((axes.xaxis, axes.get_xlim(), 8), (axes.yaxis, axes.get_ylim(), most)):
         decades = np.log10(high / low)
         stride = next(stride for stride in (1, 2, 5, 10, 20, 50, 100, 1000) if decades / stride <= fit)
         axis.set_major_locator(LogLocator(base=10.0**stride, numticks=20))
-        # minor ticks of more decades blur, and take half of the time of a picture
+        # over more decades minor ticks blur, and take half the time of drawing
         axis.set_minor_locator(LogLocator(base=10.0, subs=range(2, 10) if decades <= 4 else (1.0,), numticks=200))
         within = np.floor(np.log10(high)) < np.ceil(np.log10(low))
         axis.set_minor_formatter(FuncFormatter(lambda x, _: f"{x:g}") if within else NullFormatter())
@@ -201,8 +204,8 @@ def decades(axes: Any, most: int = 8) -> None:
 def sphere(gamma: np.ndarray, times: np.ndarray, title: str, dots: bool = False) -> Figure:
     """γ on the unit sphere, shape (N, 3): orthographic views along one axis, of the front half and of the back half.
 
-    The axis is the one γ comes nearest to, so that the curve does not crowd at the rim. ``dots`` for an orbit, whose
-    ``times`` are numbers of steps: its points are not joined.
+    The views are along the axis that γ comes closest to, so that the curve does not crowd at the rim. ``dots`` is for
+    an orbit, whose ``times`` are step numbers: its points are not joined.
     """
     figure = new_figure(WIDTH, 3.9)
     left, right = figure.subplots(1, 2)
@@ -261,13 +264,13 @@ def _mark_start(axes: Any, start: np.ndarray) -> None:
 
 
 def _globe(axes: Any, sign: float, depth: int) -> None:
-    """A disc with faint parallels and meridians about the line of sight, and the ends of the other two axes."""
+    """Draws a disc with faint parallels and meridians about the line of sight, and the ends of the other two axes."""
     angle = np.linspace(0, 2 * np.pi, 361)
     for latitude in (30, 60):
         radius = np.cos(np.radians(latitude))
         axes.plot(radius * np.cos(angle), radius * np.sin(angle), color="#dddddd", linewidth=0.6, zorder=1)
     for longitude in np.radians(np.arange(0, 360, 30)):
-        # from the last parallel outwards: at the pole only the curve should be visible
+        # meridians start at the last parallel, so that only the curve is visible at the pole
         ends = np.cos(np.radians(60)) * np.exp(1j * longitude), np.exp(1j * longitude)
         axes.plot([end.real for end in ends], [end.imag for end in ends], color="#dddddd", linewidth=0.6, zorder=1)
     axes.plot(np.cos(angle), np.sin(angle), color=INK, linewidth=1, zorder=2)
@@ -281,7 +284,7 @@ def _globe(axes: Any, sign: float, depth: int) -> None:
 
 
 def residual_growth(report: Report) -> Figure:
-    """The distance of a divisor from its curve by rounding, against the number of additions.
+    """A diagram of the distance of a divisor from its curve, due to rounding, against the number of additions.
 
     The scale is that of the polynomials' coefficients, so the rounding of one operation is about 10⁻¹⁶ of it.
     """
@@ -298,7 +301,7 @@ def residual_growth(report: Report) -> Figure:
         axes.axhline(eps, **FLOOR)
         words: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": INK}
         axes.annotate("rounding of one double", (steps[shown][-1], eps), xytext=(0, 4), ha="right", **words)
-        # the slopes if every addition added its rounding, at random or with one sign
+        # the slopes expected if the roundings of additions had random signs, or all the same sign
         span = steps[shown] / steps[shown][0]
         for power, name in ((0.5, "∝ √n"), (1.0, "∝ n")):
             line = eps * span**power
@@ -312,7 +315,10 @@ def residual_growth(report: Report) -> Figure:
 
 
 def orbit_error(report: OrbitReport) -> Figure:
-    """The largest error of γ up to each step of an orbit, one line for each cost, both axes logarithmic."""
+    """A diagram of the largest error of γ up to each step of an orbit, with one line per number of digits.
+
+    Both axes are logarithmic.
+    """
     figure = new_figure(WIDTH, 3.8)
     axes = figure.add_subplot()
     colours, markers = (BLUE, ORANGE, "#009E73", "#CC79A7", INK), "osD^v"

@@ -16,8 +16,9 @@ INTEGRALS = ("C1", "C2", "H1", "H2")
 
 @dataclass(frozen=True)
 class Row:
-    """The result of a task: one method at one setting. Times in seconds; ``setup``, once a start, and ``evaluation``
-    are None where a method has no such part.
+    """The result of a task: one method at one setting.
+
+    Times are in seconds. ``setup`` (once per start) and ``evaluation`` are None where a method has no such part.
     """
 
     method: str
@@ -44,7 +45,10 @@ class Row:
 
 @dataclass(frozen=True)
 class TruthCheck:
-    """The truth against an integrator that shares no code with it: largest differences of γ and M/|M| at ``time``."""
+    """The comparison of the truth with an integrator that shares no code with it.
+
+    It holds the largest differences of γ and M/|M| at ``time``.
+    """
 
     digits: int
     time: float
@@ -54,7 +58,7 @@ class TruthCheck:
 
     @property
     def agrees(self) -> bool:
-        """Whether the two agree to within ten digits of the precision of both."""
+        """Whether the two agree to all but ten digits of their precision."""
         return max(self.error_gamma, self.error_M) < 10.0 ** -(self.digits - 10)
 
 
@@ -104,9 +108,7 @@ class Report:
 
 
 def _at_most(difference: float, digits: int) -> str:
-    """A difference between numbers of that many digits, which is not distinguishable from zero below their last
-    digit.
-    """
+    """The text of a difference between numbers of ``digits`` digits: "less than …" if it is below their last digit."""
     last = 10.0**-digits
     return f"{difference:.0e}" if difference > last else f"less than {last:.0e}"
 
@@ -132,7 +134,7 @@ _ORACLES = {
 
 
 def _notes(report: Report) -> list[str]:
-    """The reasons for rows without figures, each once."""
+    """The reasons for rows without figures, without repetition."""
     settings: dict[tuple[str, str], list[str]] = {}
     for row in report.rows:
         if row.note:
@@ -181,8 +183,9 @@ def row_line(report: Report, row: Row) -> str:
 
 
 def _line(cells: Sequence[str], names: tuple[int, int]) -> str:
-    """Cells in columns of fixed width, since the widths are needed before all rows are known: drifts have one digit,
-    other figures two.
+    """A line of cells in columns of fixed width. Drifts have one digit, other figures two.
+
+    The widths are fixed because lines are printed before all rows are known.
     """
     method, setting, *others = cells
     widths = [7, 7, *[5] * (len(others) - 5), 7, 8, 7]

@@ -1,7 +1,7 @@
-"""The flow beside the fastest other method that is accurate enough, at one time or at all times of a scene.
+"""Comparison of the flow with the fastest other method that is accurate enough, at one time or all times of a scene.
 
-Methods are tried at their settings, one run each. The flow and those that come near in time then run in turn, so the
-ratio is of one process on one machine. Both sides count a start with its evaluation.
+Each method is first run once at each of its settings. The flow and the methods of similar run time then run in turn, so
+their ratio is measured in one process on one machine. Both run times include a start and its evaluation.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ Data = dict[str, Any]
 
 
 def flow_once(scene: Scene, digits: int, kernel: str, apart: bool = False) -> Callable[[], Timed]:
-    """A run of the flow from nothing: a new system, a new start, the scene's times.
+    """A function that runs the flow with a new system and a new start, at the scene's times.
 
-    The set-up of a start is timed with the evaluation, as users run it, unless it is asked for ``apart``: then times
-    are processed twice.
+    The set-up of the start is timed together with the evaluation, as users run it. With ``apart`` it is timed
+    separately, for which the times are processed twice.
     """
     times = scene.times.at(digits)
 
@@ -66,9 +66,10 @@ _KEPT: dict[tuple[str, str], tuple[float, float]] = {}
 
 
 def first_use(task: Task) -> tuple[float, float]:
-    """Seconds that the flow in floats of a kind of system spends once a machine, and of its first answer.
+    """The seconds that the flow in floats spends once per machine, and those to its first answer, for a kind of system.
 
-    Both as its first use in this process had them, as for rivals: imports, and compiling or loading compiled code.
+    Both are measured at its first use in this process, as for rivals. They include imports, and compiling or loading
+    compiled code.
     """
     key = task.scene.system, task.kernel
     if key not in _KEPT:
@@ -79,7 +80,7 @@ def first_use(task: Task) -> tuple[float, float]:
 
 
 def method_once(scene: Scene, method: Method, value: float) -> tuple[Problem, Callable[[], Timed]]:
-    """The inputs of a method for a scene, and a run of it."""
+    """The inputs of a method for a scene, and a function that runs it."""
     times = scene.times.at(int(value) if method.parameter == "digits" else FLOAT_DIGITS)
     problem = problem_of(*scene.start(method.digits(value)))
     return problem, lambda: timed_run(method, problem, times, value)
@@ -102,9 +103,9 @@ def at_one_time(task: Task) -> Task:
 
 
 def standing(task: Task, truth: Truth, floor: float, tick: Tick) -> Data:
-    """ "flow", "peer" and "tried".
+    """A comparison with the keys "flow", "peer" and "tried".
 
-    "peer" is the fastest other method whose error is at most the flow's or ``floor``, None where no setting is. "tried"
+    "peer" is the fastest other method whose error is at most the flow's or ``floor``, or None if there is none. "tried"
     has the most accurate run of each method, or the reason why there is none.
     """
     limits = task.limits
@@ -139,11 +140,11 @@ def standing(task: Task, truth: Truth, floor: float, tick: Tick) -> Data:
 
 
 def near_enough(task: Task, truth: Truth, error: float, fastest: float) -> tuple[tuple[float, float] | None, Data]:
-    """A method's cheapest setting with at most this error, and the seconds of a run.
+    """A method's cheapest setting with at most the given error, with the seconds of a run, and a record of the search.
 
-    None where it has none, or where even its cheapest setting is slower than the fastest so far or than the study
-    allows; the reason is recorded. Settings are tried once each, the most accurate first. Where steps are too small
-    rounding accumulates, and a cheaper setting may have the smaller error: so a near miss does not end the search.
+    The first is None if no setting is accurate enough, or if even the cheapest is slower than the fastest method so far
+    or than the study allows. Settings are tried once each, the most accurate first. With very small steps rounding
+    accumulates, so a cheaper setting may have a smaller error. A near miss therefore does not end the search.
     """
     method = METHODS[task.method]
     settings = method.ladder(*task.scene.start(FLOAT_DIGITS))
@@ -182,7 +183,7 @@ def _cheapest(task: Task) -> float:
 
 
 def affordable(told: float, task: Task) -> None:
-    """TooLong where a whole run would take more seconds than the study allows."""
+    """Raises TooLong if a whole run would take more seconds than the study allows."""
     allowed = task.limits.run
     if told > allowed:
         raise TooLong(
@@ -191,10 +192,10 @@ def affordable(told: float, task: Task) -> None:
 
 
 def pilot(task: Task) -> float:
-    """Seconds of a whole run, estimated from short ones, each four times as long as the one before.
+    """The seconds of a whole run, estimated from short runs, each over four times the time span of the previous one.
 
-    TooLong where one of these takes longer than a whole run may: a coarse setting stopped by a stiff body or a pole, or
-    the first step of a series of many digits.
+    Raises TooLong if a short run takes longer than a whole run may. This happens to a coarse setting at a stiff body or
+    a pole, and in the first step of a series with many digits.
     """
     system, state = task.scene.start(FLOAT_DIGITS)
     last, method = max(task.scene.times.floats()), METHODS[task.method]
@@ -215,6 +216,6 @@ def pilot(task: Task) -> float:
         done, before = time, seconds
         time = min(4 * time, last)
         seconds = seconds_to(time)
-        if seconds >= ENOUGH + before:  # a real cost, or a hiccup of the machine?
+        if seconds >= ENOUGH + before:  # check whether it is a real cost or a hiccup of the machine
             seconds = min(seconds, seconds_to(time))
     return seconds + max(0.0, seconds - before) / (time - done) * (last - time) if time < last else seconds

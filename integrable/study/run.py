@@ -1,4 +1,4 @@
-"""Running a scene: results that it does not ask for are neither computed nor imported."""
+"""Runs a scene. Results that it does not ask for are not computed, and their code is not imported."""
 
 from __future__ import annotations
 
@@ -37,15 +37,16 @@ def run(
     formats: tuple[str, ...] = ("png",),
     lines: Callable[[str], None] | None = None,
 ) -> Trajectory:
-    """Run a scene (or load and run it): a Trajectory at its times, or an Orbit of its steps; with ``.report`` if the
-    scene asks for one, an Orbit always.
+    """Run a scene, given as such or by name or file: a Trajectory at its times, or an Orbit of its steps.
 
-    ``digits`` overrides the scene's own: up to 15 floats, above that multiprecision. With ``out``, a folder,
-    ``result.json``, ``report.txt`` and the pictures are written there, each file complete or not at all. The folder is
-    tried before anything is computed. Pictures of the motion alone are written before any comparison. ``progress``
-    draws a bar on stderr. ``lines`` is called with each line of the report as soon as it is known: the run's own result
-    is the first. Parts that need a library that is not installed are left out, with a MissingExtraWarning before the
-    computation.
+    It has a ``.report`` if the scene asks for one; an Orbit always has one. ``digits`` overrides the scene's own: up to
+    15 means floats, above that multiprecision. ``out`` is a folder for ``result.json``, ``report.txt`` and the
+    pictures. Each file is written completely or not at all, and the folder is tested before anything is computed.
+    Pictures of the motion alone are written before any comparison.
+
+    ``progress`` draws a bar on stderr. ``lines`` is called with each line of the report as soon as it is known; the
+    first is the run's own result. Parts that need a missing library are left out, with a MissingExtraWarning before
+    the computation.
     """
     scene, digits = _checked(scene, digits, out)
     drawn = pictures and out is not None and bool(scene.pictures)
@@ -64,7 +65,7 @@ def run(
 
 
 def _checked(given: Any, digits: Any, out: Any) -> tuple[Scene, int]:
-    """The scene, loaded, and the digits of its run; ArgumentError before anything is computed."""
+    """The loaded scene and the digits of its run. Raises ArgumentError before anything is computed."""
     if not isinstance(given, (Scene, str, os.PathLike)):
         raise ArgumentError(f"scene = {shown(given)}: give a Scene, the name of one or the path of a .toml file")
     scene = given if isinstance(given, Scene) else load_scene(given)  # type: ignore[arg-type]
@@ -107,7 +108,7 @@ def _compute(scene: Scene, digits: int, tick: Callable[[str], None], watch: Watc
 
 @contextmanager
 def _ticks(progress: bool, scene: Scene, digits: int) -> Iterator[Callable[[str], None]]:
-    """A function to call before each piece of work, with its name; it moves a bar, if any."""
+    """Yields a function to call with the name of each piece of work before it starts; it moves a bar, if any."""
     if not progress:
         yield lambda _label: None
         return
@@ -125,14 +126,14 @@ def _ticks(progress: bool, scene: Scene, digits: int) -> Iterator[Callable[[str]
 
 
 class _Files:
-    """The output of a run: ``result.json``, ``report.txt`` and, in each of the formats, the pictures."""
+    """The output files of a run: ``result.json``, ``report.txt``, and the pictures in each of the formats."""
 
     def __init__(self, scene: Scene, digits: int, folder: OutputFolder, formats: tuple[str, ...]) -> None:
         self.scene, self.digits, self.folder, self.formats = scene, digits, folder, formats
         self.curve: Any = None
 
     def of_motion(self, trajectory: Any) -> None:
-        """The pictures that show the motion alone."""
+        """Writes the pictures that show the motion alone."""
         scene = self.scene
         shown = [picture for picture in scene.pictures if picture in OF_MOTION] if self.formats else []
         if shown:
@@ -143,7 +144,7 @@ class _Files:
         self._draw(shown, None)
 
     def all(self, trajectory: Any) -> None:
-        """All remaining files."""
+        """Writes all remaining files."""
         from integrable.scene.output import as_json, result
 
         if self.curve is None:

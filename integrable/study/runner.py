@@ -1,6 +1,6 @@
-"""Running a study: tasks go to worker processes, each under its time limit, and their results to the store.
+"""Runs a study: worker processes do the tasks, each within its time limit, and results go to the store.
 
-A worker that hangs, crashes or is killed costs only its task, which is stored as a failure with the reason.
+If a worker hangs, crashes or is killed, only its task is lost; it is stored as a failure with the reason.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ def run_tasks(
     progress: Callable[[Task], None] = lambda _task: None,
     seconds: float = inf,
 ) -> dict[str, dict[str, Any]]:
-    """Every task, stored ones read and the others measured: contents of their files by key.
+    """The contents of the files of all tasks, by key: stored tasks are read, the others measured.
 
     ``jobs`` processes compute truths and floors; timed tasks run alone. Tasks that another process holds are awaited,
-    and taken over when it dies. ``progress`` is called with each finished one. None is begun after ``seconds``; those
-    that are left are not measured, and not stored.
+    and taken over if that process dies. ``progress`` is called with each finished task. No task begins after
+    ``seconds``; the remaining ones are neither measured nor stored.
     """
     until = time.monotonic() + seconds
     pending = {task.key: task for task in tasks}
@@ -77,7 +77,7 @@ def run_tasks(
 
 
 def _kept(task: Task, store: Store) -> dict[str, Any] | None:
-    """The stored row of a task; timed rows of another day are of another run."""
+    """The stored row of a task, or None. A timed row of another day does not count, since it is of another run."""
     content = store.read(task.key, task.stamp)
     if content is None or not task.timed:
         return content
@@ -88,7 +88,7 @@ def _kept(task: Task, store: Store) -> dict[str, Any] | None:
 def _hand_out(
     pending: dict[str, Task], looked: set[str], workers: Sequence[_Worker], store: Store, finished: dict[str, Any]
 ) -> list[Task]:
-    """Start or read the ready tasks of ``pending``: stored results are returned, others go to free workers."""
+    """Reads the stored tasks of ``pending``, gives ready ones to free workers, and returns the tasks that were read."""
     kept = []
     for task in [task for task in pending.values() if _ready(task, finished)]:
         if task.key not in looked:
@@ -100,12 +100,12 @@ def _hand_out(
                 continue
         busy = [worker.task for worker in workers if worker.task]
         free = next((worker for worker in workers if worker.task is None), None)
-        # a timed task has the machine for itself
+        # a timed task runs alone on the machine
         if free is None or (busy and task.timed) or any(other.timed for other in busy):
             continue
         if free.take(task, store, finished):
             del pending[task.key]
-        else:  # another process works on it, or has just finished it: look again
+        else:  # another process works on it or has just finished it, so look again
             looked.discard(task.key)
     return kept
 
@@ -129,7 +129,7 @@ def _ready(task: Task, finished: dict[str, Any]) -> bool:
 
 
 class _Worker:
-    """A process that measures one task at a time; started with its first task, and again after a death."""
+    """A process that measures one task at a time. It starts with its first task, and is restarted if it dies."""
 
     def __init__(self) -> None:
         self.task: Task | None = None
@@ -145,7 +145,7 @@ class _Worker:
 
     def take(self, task: Task, store: Store, finished: dict[str, Any]) -> bool:
         """Start a task, unless another process works on it or has just finished it."""
-        # two processes on one folder do not time at the same time
+        # of two studies in one folder only one may time at once
         locks = [store.claim(name) for name in (task.key, *(["timing"] if task.timed else []))]
         held = [lock for lock in locks if lock is not None]
         if len(held) < len(locks) or _kept(task, store) is not None:
@@ -206,7 +206,7 @@ def _end(process: Any) -> None:
     """Kill a worker and the processes that it has started, which would disturb the next tasks."""
     if hasattr(os, "killpg"):  # Windows has no groups to kill
         with suppress(ProcessLookupError, PermissionError):
-            # its group, if it has made one
+            # its process group, if it leads one
             if os.getpgid(process.pid) == process.pid:
                 os.killpg(process.pid, signal.SIGKILL)
     process.kill()
@@ -242,7 +242,7 @@ def _work(connection: Connection) -> None:
         os.setpgid(0, 0)
     end_with_parent()
     warnings.simplefilter("ignore", NoCacheWarning)  # the parent printed the line
-    warnings.simplefilter("ignore", RuntimeWarning)  # of a comparator whose values overflow: its row says so
+    warnings.simplefilter("ignore", RuntimeWarning)  # a comparator's values may overflow; its row says so
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # where nothing shields this process (Windows)
     for name in _THREADS:
         os.environ.setdefault(name, "1")
@@ -265,7 +265,7 @@ def _work(connection: Connection) -> None:
 
 
 def _use_first(task: Task, used: set[tuple[str, str]]) -> None:
-    """The first use of the flow for a kind of system, before anything else has imported and compiled what it needs."""
+    """Measures the first use of the flow for a kind of system, before other tasks import and compile its code."""
     from integrable.study.rivals import FIRST, first_use
 
     kind = task.scene.system, task.kernel

@@ -1,6 +1,6 @@
-"""The folder of a study: one complete JSON file for each row, and a lock for each row in progress.
+"""The folder of a study: one complete JSON file per finished row, and a lock for each row in progress.
 
-Locks are the system's (:mod:`filelock`), which releases those of a process that dies.
+Locks are those of the operating system (:mod:`filelock`), which releases them if their process dies.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Store:
                 pass
 
     def read(self, key: str, stamp: str) -> dict[str, Any] | None:
-        """The finished row of that key, or None where there is none or its stamp differs: older code, another scene.
+        """The finished row with that key, or None if it is missing or its stamp differs (older code, another scene).
 
         A damaged file (cut short by a full disk, edited) counts as missing.
         """
@@ -74,7 +74,7 @@ class Store:
         return kept
 
     def claim(self, key: str) -> FileLock | None:
-        """A claim to be given to :meth:`release`, or None where another process holds the row."""
+        """The lock of a row, for :meth:`release`, or None if another process holds it."""
         lock = FileLock(self._locks / f"{key}.lock", mode=0o666)
         try:
             lock.acquire(blocking=False)

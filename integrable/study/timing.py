@@ -1,4 +1,4 @@
-"""Repeated runs of several things in turn, and their median times."""
+"""Median times of several things that are run repeatedly, in turn."""
 
 from __future__ import annotations
 
@@ -28,14 +28,15 @@ REMEASURED = 4
 
 
 class TooLong(RuntimeError):
-    """A run would take longer than the study allows; costlier settings of the method need not be tried."""
+    """Raised if a run would take longer than the study allows. Costlier settings of the method need not be tried."""
 
 
 @contextmanager
 def at_most(seconds: float, late: BaseException | None = None, busy: bool = False) -> Iterator[None]:
-    """Raises TooLong, or ``late``, in a block that takes longer: seconds of the clock, or of this process if ``busy``.
+    """Raises TooLong, or ``late``, in a block that takes more than ``seconds``.
 
-    Works only in a main thread, and not on Windows, which has no such alarm: a row there ends with its worker.
+    They are seconds of the clock, or of this process's CPU time if ``busy``. It works only in a main thread. Windows
+    has no such alarm; a row that takes too long there ends with its worker.
     """
     if not isfinite(seconds) or not hasattr(signal, "setitimer") or current_thread() is not main_thread():
         yield
@@ -59,8 +60,10 @@ def silent(*_: Any) -> None:
 
 
 class Watch(NamedTuple):
-    """Callbacks of a report: ``line`` gets each line of its table when it is known, ``own`` the trajectory before
-    anything else is computed.
+    """The callbacks of a report.
+
+    ``line`` receives each line of its table as soon as it is known. ``own`` receives the trajectory, before anything
+    else is computed.
     """
 
     line: Callable[[str], None] = silent
@@ -97,10 +100,10 @@ def interleaved(
     tick: Callable[[], None] = silent,
     again: int = REMEASURED,
 ) -> dict[str, Timing]:
-    """Rounds in which each thing runs once, in turn, so that a slow second of the machine affects all alike.
+    """The times of things that are run in rounds. Each runs once per round, so a slow second affects all alike.
 
-    There are at least ``repeat`` rounds. More follow until nothing scatters by more than a tenth of its median, up to
-    ``again`` times as many; none starts after ``patience`` seconds. ``tick`` is called between two of the first ones.
+    There are at least ``repeat`` rounds, and up to ``again`` times as many until no time scatters by more than a tenth
+    of its median. None starts after ``patience`` seconds. ``tick`` is called between the first ``repeat`` rounds.
     """
     spent: dict[str, list[Spent]] = {name: [] for name in every}
     found: dict[str, Any] = {}
@@ -112,7 +115,7 @@ def interleaved(
             tick()
         for name, once in every.items():
             if rounds and len(every) > 1 and spent[name][-1].counted < COLD:
-                once()  # the previous run has left the caches of the processor to itself
+                once()  # refill the processor's caches, which hold the previous thing's data
             part, found[name] = once()
             spent[name].append(part)
         rounds += 1

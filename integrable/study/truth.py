@@ -1,6 +1,6 @@
-"""The truth of a scene: its motion at more digits than any row, compared with an integrator that shares no code.
+"""The truth of a scene: its motion at more digits than any row, checked by an integrator that shares no code with it.
 
-It is stored as decimal strings; :class:`Truth` reads it back and judges the states of other tasks.
+It is stored as decimal strings. :class:`Truth` reads it back and measures the errors of other tasks' states.
 """
 
 from __future__ import annotations
@@ -57,10 +57,11 @@ def compute(
 ) -> dict[str, Any]:
     """The truth at the scene's times as plain data, with its check against another integrator.
 
-    With ``digits``, the truth at that many, checked at one ``time`` to as many digits. Otherwise it is the first of
-    :data:`DIGITS` that resolves the motion, checked as far in time as the integrator gets in ``patience`` seconds (0:
-    no check). Where the flow of a body refuses the motion at any of them, the Taylor series alone is the truth, "check"
-    is None and "refusal" the message. ``tick(label)`` is called between the pieces of the work.
+    With ``digits`` given, the truth has that many, and is checked at one ``time`` to as many digits. Otherwise its
+    digits are the first of :data:`DIGITS` that resolve the motion, and the check goes as far in time as the integrator
+    gets in ``patience`` seconds (0: no check). If the flow of a body refuses the motion at any of these digits, the
+    truth is the Taylor series alone; "check" is then None and "refusal" the message. ``tick(label)`` is called between
+    the pieces of work.
     """
     begun = perf_counter()
     if digits is not None:
@@ -87,7 +88,7 @@ def compute(
 
 
 def _carried(scene: Scene, digits: int, tick: Tick) -> tuple[Any, dict[str, Any]]:
-    """The motion of a scene at that many digits and its states at the scene's times, as they are stored."""
+    """The motion of a scene at ``digits`` digits, and its states at the scene's times in the stored form."""
     system, state = scene.start(digits)
     flow = system.motion_through(state)
     trajectories: list[Any] = []
@@ -99,8 +100,9 @@ def _carried(scene: Scene, digits: int, tick: Tick) -> tuple[Any, dict[str, Any]
 
 
 def parts(scene: Scene, digits: int) -> list[list[Any]]:
-    """The scene's times as pieces of work: an integrator, which goes through all times before each, gets them at
-    once.
+    """The scene's times, divided into pieces of work.
+
+    An integrator receives all times in one piece, since it must pass through all earlier times.
     """
     times = scene.times.at(digits)
     size = PART if scene.rolls_or_spins or scene.classical else len(times)
@@ -108,7 +110,7 @@ def parts(scene: Scene, digits: int) -> list[list[Any]]:
 
 
 def kept(system: Any, found: Sequence[Any], digits: int) -> dict[str, Any]:
-    """States of trajectories in the form from which a :class:`Truth` of that many digits is read."""
+    """States of trajectories in the stored form, from which a :class:`Truth` with ``digits`` digits is read."""
 
     def written(values: Any) -> list[str]:
         return [system.field.context.nstr(x, digits) for x in values]
@@ -123,8 +125,10 @@ def kept(system: Any, found: Sequence[Any], digits: int) -> dict[str, Any]:
 
 
 def _check(scene: Scene, flow: Any, digits: int, patience: float = 0.0, time: Fraction | None = None) -> dict[str, Any]:
-    """The largest differences between the truth and the independent integrator: at one ``time``, or from one time scale
-    of the motion on as far as the integrator can afford.
+    """The largest differences between the truth and the independent integrator.
+
+    They are taken at one ``time``, or from one time scale of the motion on, as far as the integrator gets in
+    ``patience`` seconds.
     """
     system = flow.system
     context = system.field.context
@@ -147,7 +151,7 @@ def _check(scene: Scene, flow: Any, digits: int, patience: float = 0.0, time: Fr
 
 
 def moved_by(system: Any) -> str:
-    """The means of a system's motion: divisors on one curve, on two elliptic curves, or its equations."""
+    """The method that moves a system: divisors on one curve, on two elliptic curves, or its equations of motion."""
     if is_body(system):
         return "divisor flow"
     if isinstance(system, ClassicalSystem):
@@ -180,7 +184,7 @@ def _states(found: Any) -> tuple[Any, Any]:
 
 
 class Judge:
-    """The states of a motion or an orbit as a reference, each row γ or M, and the integrals of the exact start."""
+    """The reference for errors: states of a motion or orbit, in rows of γ and of M, and the exact start's integrals."""
 
     def __init__(self, system: Any, state: State, gamma: Any, M: Any) -> None:
         self.system, self.state = system, state
@@ -193,9 +197,9 @@ class Judge:
         self.size_of_gamma = (max(map(abs, state.gamma)) if classical else 0) or self.context.one
 
     def judge(self, gamma: Any, M: Any) -> dict[str, Any]:
-        """:meth:`errors`, and the "drift" of each integral from the start, the largest over the rows.
+        """:meth:`errors`, and the "drift" of each integral: its largest change from the start over the rows.
 
-        Drifts are relative to the value at the start, that of (γ, M) to |M|.
+        Drifts are relative to the value at the start; that of (γ, M) is relative to |M|.
         """
         start = {name: _several(value) for name, value in self.integrals._asdict().items()}
         scales = {
@@ -213,8 +217,8 @@ class Judge:
     def errors(self, gamma: Any, M: Any) -> dict[str, float]:
         """The errors of γ and of M (relative to |M|), the largest over the rows.
 
-        Those of q and p are relative to the largest value at the start or in their row, so that rounding next to a pole
-        is no error.
+        Errors of q and p are relative to the largest value at the start or in their row, so that rounding next to a
+        pole does not count.
         """
         parts = {"error_gamma": (gamma, self.gamma, self.size_of_gamma), "error_M": (M, self.M, self.size_of_M)}
         return {name: float(max(self._relative(*part))) for name, part in parts.items()}
@@ -225,12 +229,12 @@ class Judge:
         return [x / max(size, *map(abs, row)) for x, row in zip(self.distances(rows, true), true, strict=True)]
 
     def distances(self, rows: Any, true: list[list[Any]]) -> list[Any]:
-        """The largest difference of a component in each row."""
+        """The largest difference over the components, for each row."""
         pairs = zip(self._rows(rows), true, strict=True)
         return [max(abs(x - y) for x, y in zip(row, other, strict=True)) for row, other in pairs]
 
     def _rows(self, array: Any) -> list[list[Any]]:
-        """Rows of floats, of strings or of foreign mpf as mpf of this context, digit for digit."""
+        """Rows of floats, strings or other contexts' mpf, converted to mpf of this context without loss."""
         rows = [[self.context.mpf(x) for x in row] for row in array]
         if not all(self.context.isfinite(x) for row in rows for x in row):
             raise ArithmeticError("the method returned a number that is not finite, and said nothing")
@@ -243,7 +247,7 @@ def _several(value: Any) -> tuple[Any, ...]:
 
 
 class Truth(Judge):
-    """A computed truth, read back."""
+    """A truth, read back from its stored form."""
 
     def __init__(self, scene: Scene, kept: dict[str, Any]) -> None:
         self.digits: int = kept["digits"]
