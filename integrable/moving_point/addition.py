@@ -2,9 +2,10 @@
 
 A *moving point* is (u0, u1, v0, v1, σ1, σ2, σ3, ν1, ν2, ν3): the divisor x² + u1·x + u0, v1·x + v0 and, for every axis,
 the pair (σ_i, ν_i) = (Γ_i, n_i)/r_i that resolves the signs of γ_i: κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
-*translation* is the same with κ_i = 1. All is in the flow's units (:mod:`integrable.moving_point.setup`). Numbers are
-``float`` or ``mpf``; sequences may be lists, tuples or numpy rows; ``axes`` is (α1, α2, α3, κ1, κ2, κ3, α, β) with the
-clock (α + βñ)/g̃ of a tilted body (:meth:`integrable.phase.upright.ChaplyginTransformation.rate`), else (1, 0).
+*translation* is the same with κ_i = 1. All numbers are in the flow's units (:mod:`integrable.moving_point.setup`).
+They are ``float`` or ``mpf``, in lists, tuples or numpy rows. ``axes`` is (α1, α2, α3, κ1, κ2, κ3, α, β). For a tilted
+body α and β give its clock (α + βñ)/g̃ (:meth:`integrable.phase.upright.ChaplyginTransformation.rate`); for an upright
+one they are (1, 0).
 """
 
 from __future__ import annotations
@@ -17,22 +18,24 @@ from jacobian.numbers.roots import root
 
 Real = Any
 Row = Any
-# number of terms after which a series within its reach adds nothing to a float
+# number of terms that give a float all its digits, within the reach of a series
 FLOAT_TERMS = 48
 
 
 def shift(f: Row, axes: Row, point: Row, step: Row) -> Row:
-    """The moving point after the addition of a translation, with its pairs settled on the divisor."""
+    """The moving point after the addition of a translation; its pairs are corrected to fit the divisor."""
     return settled(f, axes, carried(f, axes, point, step), noise(step))
 
 
 def noise(step: Row) -> Real:
-    """``trust`` of :func:`settle` after a translation: the divisor's noise grows with the size of its coefficients."""
+    """The ``trust`` for :func:`settle` after a translation. The divisor's noise grows with the coefficients' size."""
     return 0.003 * max(1, step[0] * step[0], step[1] * step[1])
 
 
 def carried(f: Row, axes: Row, point: Row, step: Row) -> Row:
-    """The divisor sum, and the lift law on every pair."""
+    """The moving point after the addition of a translation, uncorrected: the sum of the divisors, and the lift law
+    applied to every pair.
+    """
     divisor, transfer = add(
         (f[0], f[1], f[2], f[3], f[4], f[5]),
         (point[0], point[1], point[2], point[3]),
@@ -45,7 +48,7 @@ def carried(f: Row, axes: Row, point: Row, step: Row) -> Row:
 
 
 def settled(f: Row, axes: Row, point: Row, trust: Real) -> Row:
-    """The point with every pair moved towards κσ² = U, κσν = V, κν² = −W, W = (f − V²)/U, at its branch point."""
+    """The point with every pair corrected towards κσ² = U, κσν = V, κν² = −W, W = (f − V²)/U, at its branch point."""
     divisor = point[0], point[1], point[2], point[3]
     rest = cofactor_at(f, divisor)
     x1, y1 = settled_pair(divisor, rest, axes[0], axes[3], point[4], point[7], trust)
@@ -63,7 +66,7 @@ def cofactor_at(f: Row, divisor: Row) -> Row:
 
 
 def settled_pair(divisor: Row, rest: Row, a: Real, kappa: Real, sigma: Real, nu: Real, trust: Real) -> Any:
-    """The pair at the branch point a, settled as in :func:`settled`; ``rest`` is W."""
+    """The pair at the branch point a, corrected as in :func:`settled`; ``rest`` is W."""
     b0, b1, c0, c1 = divisor
     w0, w1, w2, w3 = rest
     return settle(sigma, nu, kappa, (a + b1) * a + b0, c1 * a + c0, ((w3 * a + w2) * a + w1) * a + w0, trust)
@@ -72,12 +75,12 @@ def settled_pair(divisor: Row, rest: Row, a: Real, kappa: Real, sigma: Real, nu:
 def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust: Real) -> tuple[Real, Real]:
     """One Gauss–Newton step of :func:`settled` for one pair.
 
-    ``trust`` is the squared ratio of the noise of U, V, W to that of the lift law, which wins where κ is small (equal
-    moments).
+    ``trust`` is the squared ratio of the noise of U, V, W to that of the lift law. Where κ is small (nearly equal
+    moments) the result stays close to the lift law.
     """
     x, y = kappa * sigma, kappa * nu
     e1, e2, e3 = leading(u - x * sigma), leading(v - x * nu), leading(-w - y * nu)
-    # a correction of rounding size: the digits of a float are enough for it
+    # the correction has the size of rounding errors: a float has enough digits for it
     kappa, s, n = leading(kappa), leading(sigma), leading(nu)
     k2, s2, n2 = 2 * kappa * kappa, s * s, n * n
     m11, m12, m22 = k2 * (2 * s2 + n2) + leading(trust), k2 * s * n, k2 * (s2 + 2 * n2) + leading(trust)
@@ -117,7 +120,7 @@ def rate_at(axes: Row, point: Row) -> Real:
 
 
 def rate_after(f: Row, axes: Row, point: Row, step: Row) -> Real:
-    """1/g after the addition of a translation; for an upright body the sum itself is not needed, only the chord."""
+    """1/g after the addition of a translation. For an upright body it needs only the chord, not the sum itself."""
     if axes[7] != 0:
         return rate_at(axes, carried(f, axes, point, step))
     q, l1, l0 = chord(
@@ -138,11 +141,11 @@ def rate_after(f: Row, axes: Row, point: Row, step: Row) -> Real:
 
 
 def upright_rates(f: Row, axes: Row, d: Real, point: Row, steps: Row, roots: Row) -> list[Real]:
-    """:func:`rate_after` of an upright body for many translations, for interpreted numbers: ``roots`` are those of
-    1 + d(u1 + du0) of each.
+    """:func:`rate_after` of an upright body for many translations, fast in interpreted code. ``roots`` holds
+    √(1 + d(u1 + du0)) of each translation.
 
-    g² is a multiple of U(1/d), and f(1/d) = 0: U'' there is P²/(l1²·U·U'), P = qV + LU. Where 1 − dα is small at an
-    axis P loses its digits.
+    g² is proportional to U(1/d). As f(1/d) = 0, the sum's U'' there is P²/(l1²·U·U'), P = qV + LU. P loses digits
+    where 1 − dα is small at an axis.
     """
     curve, first = (f[0], f[1], f[2], f[3], f[4], f[5]), (point[0], point[1], point[2], point[3])
     height = 1 + d * (point[1] + d * point[0])
@@ -155,10 +158,10 @@ def upright_rates(f: Row, axes: Row, d: Real, point: Row, steps: Row, roots: Row
 
 
 def near_identity(series: Row, roots: Row, f0: Real, axes: Row, eps: Real, passes: int) -> Row:
-    """T(eps), the translation with Σ∫dx/y = eps and Σ∫x dx/y = 0, for eps inside the radius of the series.
+    """T(eps), the translation with Σ∫dx/y = eps and Σ∫x dx/y = 0. eps must lie inside the radius of convergence.
 
-    ``series`` and ``roots`` are the power series of 1/√(f/f0) and √(f/f0) about x = 0. All is computed relative to eps,
-    so that no digit is lost as eps → 0; eps itself must not be 0.
+    ``series`` and ``roots`` are the power series of 1/√(f/f0) and √(f/f0) about x = 0. Every quantity is computed
+    relative to eps, so no digit is lost as eps → 0. eps must not be 0.
     """
     m, r = estimate(series, f0, eps)
     m, r = centre(series, f0, eps, m, r, passes)
@@ -166,9 +169,9 @@ def near_identity(series: Row, roots: Row, f0: Real, axes: Row, eps: Real, passe
 
 
 def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
-    """(m, r) of T(eps) to start Newton from: to leading order in eps, and for mpf to the digits of a float.
+    """The start value of Newton's method for (m, r) of T(eps): its leading order in eps; for mpf, accurate to a float.
 
-    (Compiled code has shorter versions of its own, in :mod:`integrable.moving_point.compiled`.)
+    Compiled code uses the shorter versions in :mod:`integrable.moving_point.compiled`.
     """
     r = f0 * eps * eps / 4
     m = -series[1] * r / 3
@@ -185,10 +188,10 @@ def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
 
 
 def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> tuple[Real, Real]:
-    """(m, r) of T(eps), whose two points are at m ± √r, by ``passes`` steps of Newton from an estimate."""
+    """(m, r) of T(eps), whose two points are at m ± √r, by ``passes`` Newton steps from an estimate."""
     target = f0 * eps * eps / 4
     for _ in range(passes):
-        # r·phi² = target and psi = 0; slopes need only the digits that the start of a step has
+        # solve r·phi² = target and psi = 0; the slopes need no more correct digits than the iterate has
         phi, psi = abel_sums(series, m, r)
         phi_m, phi_r, psi_m, psi_r = abel_slopes(leading(series), leading(m), leading(r))
         first = r * phi * phi - target
@@ -199,7 +202,7 @@ def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> t
 
 
 def leading(x: Any) -> Any:
-    """x, a number or a row; when compiled, the high parts of double-doubles."""
+    """x unchanged, a number or a row. Compiled code replaces this by the high parts of double-doubles."""
     return x
 
 
@@ -238,7 +241,7 @@ def abel_slopes(series: Row, m: Real, r: Real) -> tuple[Real, Real, Real, Real]:
 
 
 def conjugate_points(roots: Row, f0: Real, axes: Row, eps: Real, m: Real, r: Real) -> Row:
-    """The translation with points at m ± √r, as a moving point with κ = 1."""
+    """The translation whose divisor has points at m ± √r, as a moving point with κ = 1."""
     # ±√(f/f0) at the two points: half their sum over √r, and half their difference
     c = m * m - r
     s0, s1, c0, c1 = 0 * r, 1 + 0 * r, 2 + 0 * r, 2 * m
@@ -256,10 +259,10 @@ def conjugate_points(roots: Row, f0: Real, axes: Row, eps: Real, m: Real, r: Rea
 
 
 def integrate_series(coefficients: Row, x: Real) -> tuple[Real, Real]:
-    """(∫_0^x, value at x) of a Legendre series on [−1, 1]."""
+    """(integral from 0 to x, value at x) of a Legendre series on [−1, 1]."""
     value, total = coefficients[0] + 0 * x, coefficients[0] * x
     p0, p1 = 1 + 0 * x, x
-    # P_k at 0, to make the integral vanish there
+    # P_k at 0, which makes the integral vanish there
     z0, z1 = 1 + 0 * x, 0 * x
     for k in range(1, len(coefficients)):
         p2 = ((2 * k + 1) * x * p1 - k * p0) / (k + 1)
@@ -279,7 +282,7 @@ def moving_point(row: Row, place: int = 0) -> Row:
 
 
 def put(point: Row, row: Row, place: int) -> None:
-    """A moving point, or translation, into row[place … place + 9]."""
+    """Writes a moving point, or translation, to row[place … place + 9]."""
     row[place], row[place + 1], row[place + 2], row[place + 3] = point[0], point[1], point[2], point[3]
     row[place + 4], row[place + 5], row[place + 6] = point[4], point[5], point[6]
     row[place + 7], row[place + 8], row[place + 9] = point[7], point[8], point[9]
@@ -291,14 +294,16 @@ def opposite(step: Row) -> Row:
 
 
 def trust_of(step: Row) -> float:
-    """How well a translation adds, larger is better: its points away from the branch points, and not far out."""
+    """A measure of how accurately a translation adds; larger is better. It is large if the translation's points are
+    away from the branch points and not far out.
+    """
     near = min(abs(float(step[4])), abs(float(step[5])), abs(float(step[6])))
     far = max(abs(float(step[0])), abs(float(step[1])), abs(float(step[2])), abs(float(step[3])))
     return near / (1 + far)
 
 
 def march(f: Row, axes: Row, point: Row, step: Row, count: int) -> Row:
-    """``count`` successive additions of the same translation.
+    """The moving point after ``count`` additions of the same translation.
 
     Every 16 additions the divisor is projected onto the curve and the pairs onto the divisor. Otherwise rounding errors
     would grow, for some translations exponentially (:mod:`jacobian.inexact.retraction`).

@@ -1,9 +1,10 @@
 """Ball arithmetic for flows (python-flint's arb; Johansson 2017): numbers that carry an error bound.
 
-Every formula of :mod:`integrable.moving_point.addition` holds exactly for exact points of the curve, in each of its
-branches; so it maps balls around such points to balls around the result, whichever branch a comparison of balls takes.
-Where a divisor is a ball around 0 the result has no bound, which :func:`integrable.phase.enclosure.is_bounded` tells.
-What is truncated is bounded here: the power series by Cauchy's estimate, Newton's iteration by Krawczyk's test (1969).
+Every formula of :mod:`integrable.moving_point.addition` holds exactly for exact points of the curve, in each branch of
+the code. It therefore maps balls around such points to balls around the result, whichever branch a comparison of balls
+takes. Division by a ball that contains 0 gives an unbounded result; :func:`integrable.phase.enclosure.is_bounded`
+detects it. Truncation errors are bounded here: those of power series by Cauchy's estimate, that of Newton's iteration
+by Krawczyk's test (1969).
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ MOST_BOXES = 6
 
 
 class BallField(InexactField):
-    """Real balls as a field, at the precision of flint's context; numbers given count as exact."""
+    """Real balls as a field, at the precision of flint's context. Given numbers are taken as exact."""
 
     name = "balls"
 
@@ -48,7 +49,7 @@ class BallField(InexactField):
 
 
 def around(middle: Any, radius: Any) -> Any:
-    """A ball that contains all numbers within ``radius`` of those in ``middle``."""
+    """A ball that contains all numbers within ``radius`` of the ball ``middle``."""
     from flint import arb
 
     return middle + arb(0, radius.abs_upper())
@@ -57,8 +58,9 @@ def around(middle: Any, radius: Any) -> Any:
 def picard_box(
     velocity: Callable[[Sequence[Any]], Sequence[Any]], point: Sequence[Any], sizes: Sequence[Any], radius: float
 ) -> tuple[list[Any], list[Any]] | None:
-    """(box, reach), by Picard's theorem: for complex |t| ≤ ``radius`` the solution of ẋ = ``velocity``(x) from a point
-    stays in the box of complex balls, and moves at most ``reach``. None if no box is found.
+    """(box, reach) of the solution of ẋ = ``velocity``(x) from a point, by Picard's theorem. For complex
+    |t| ≤ ``radius`` the solution stays in the box of complex balls and moves by at most ``reach``. None if no box is
+    found.
 
     ``sizes``: the radii of the initial box. The velocity is assumed analytic where it is finite.
     """
@@ -74,8 +76,8 @@ def picard_box(
 
 
 def time_after(tau: Any, rest: Any, rate: Callable[[Any], Any]) -> Any:
-    """The ball of the τ where a clock shows ``rest`` more than at an exact one, by the interval Newton method; ``rate``
-    gives dt/dτ on a ball of τ and must be provably positive. PrecisionLoss if no ball is found.
+    """A ball that contains the τ at which a clock has advanced by ``rest`` since the exact ``tau``, by the interval
+    Newton method. ``rate`` gives dt/dτ on a ball of τ and must be provably positive. PrecisionLoss if no ball is found.
     """
     from flint import arb
 
@@ -83,7 +85,7 @@ def time_after(tau: Any, rest: Any, rate: Callable[[Any], Any]) -> Any:
     for _ in range(MOST_TRIALS):
         slope = rate(tau + arb(0, width))
         step = rest / slope
-        # t(τ) increases, and over this ball by more than the rest
+        # t(τ) increases, and by more than the rest over this ball
         if slope > 0 and abs(step).abs_upper() < width:
             return tau + step
         width = 4 * abs(step).abs_upper() if step.is_finite() else width / 4
@@ -120,7 +122,7 @@ class BallTranslations:
         return step
 
     def _zero(self, m: Any, r: Any, eps: Any, size: int) -> tuple[Any, Any, Any, Any]:
-        """(m, r) enclosed; Σ(k+1)⁴q^k of the truncated terms; a bound of |m| + √|r|."""
+        """Enclosures of m and r; a bound of Σ(k+1)⁴q^k over the omitted terms; a bound of |m| + √|r|."""
         target = self.f[0] * eps * eps / 4
         noise = 2.0 ** (20 - self._plain.reals.bits) + 8 * (eps.rad() / eps).abs_upper()
         radii = [abs(x).abs_upper() * noise for x in (m, r)]
@@ -137,10 +139,10 @@ class BallTranslations:
         raise PrecisionLoss("a translation could not be enclosed at this precision: use more digits")
 
     def _system(self, m: Any, r: Any, target: Any, size: int, tail: Any, reach: Any) -> tuple[Any, ...]:
-        """r·phi² − target, psi, their derivatives (by m and r, first and second), and phi.
+        """r·phi² − target, psi, the derivatives by m and r of the first, then of the second, and phi.
 
-        With |m| + √|r| ≤ R and |c_k| ≤ (k+1)(k+2)/2·nearest^(−k) the terms left out of phi, psi and their derivatives
-        by m and r are at most ``tail`` times 1, R, 1/R, 1, 1/R², 1/R.
+        Let |m| + √|r| ≤ R and |c_k| ≤ (k+1)(k+2)/2·nearest^(−k). The sums of the terms omitted from phi, psi, ∂phi/∂m,
+        ∂phi/∂r, ∂psi/∂m and ∂psi/∂r are then at most ``tail`` times 1, R, 1/R, 1/R², 1 and 1/R.
         """
         series = self._series[:size]
         sums = *abel_sums(series, m, r), *abel_slopes(series, m, r)
@@ -166,8 +168,8 @@ class BallTranslations:
 
 
 def _krawczyk(value: Any, slope: Any, point: Any, apart: Any) -> list[Any]:
-    """x − Y·F(x) + (1 − Y·J)(box − x), with Y an approximate inverse of J: if it is inside the box, it contains the
-    only zero there.
+    """x − Y·F(x) + (1 − Y·J)(box − x), where Y is an approximate inverse of J. If it lies inside the box, the box
+    contains exactly one zero of F, and this set contains that zero.
     """
     a, b, c, d = (x.mid() for x in slope)
     det = a * d - b * c

@@ -1,4 +1,4 @@
-"""The start of a torus in bare reals: the numbers of a :class:`MotionProblem`, computed some ten times as fast."""
+"""The numbers of a :class:`MotionProblem` in bare reals, computed about ten times as fast; a torus starts from them."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from jacobian.numbers.roots import root
 
 Real = Any
 Row = tuple[Any, ...]
-# places in a :func:`problem_row`: f, the axes and the start, then
+# positions in a :func:`problem_row` after f, the axes and the start
 START, TIME_SCALE, RATIO, HEAVINESS, MOMENTUM, HALF_STEP, MATRIX, SLOWNESS = 14, 24, 25, 26, 27, 28, 29, 33
 ROW = 34
-# |γ × M|/|M| is unknown below this many of the last bits
+# number of last bits in which |γ × M|/|M| has no significance
 SPARE_BITS = 15
 
 
 class BareProblem(NamedTuple):
-    """As :class:`integrable.moving_point.problem.MotionProblem` has them, numbers of a :class:`BareReals`; ``slowness``
-    is 1/g times √((1 − du₁)(1 − du₂)) of the upright motion.
+    """The attributes of :class:`integrable.moving_point.problem.MotionProblem` as numbers of a :class:`BareReals`, and
+    ``slowness``, the constant product of 1/g and √((1 − du₁)(1 − du₂)) of the upright motion.
     """
 
     f: Row
@@ -39,20 +39,22 @@ class BareProblem(NamedTuple):
 
     @property
     def branch_points(self) -> Row:
-        """The roots of f; operations take ``with reals``."""
+        """The roots of f, computed inside a ``with reals`` block."""
         rest = () if self.d == 0 else (1 / self.d,)
         return (*self.axes[:3], self.ratio, *rest)
 
     @property
     def row(self) -> Row:
-        """The same as a :func:`problem_row`."""
+        """The same numbers as a :func:`problem_row`."""
         matrix = self.matrix or (1, 0, 0, 1)
         numbers = self.time_scale, self.ratio, self.d, self.momentum, self.half_step
         return (*self.f, *self.axes, *self.start, *numbers, *matrix, self.slowness)
 
     @staticmethod
     def of(reals: BareReals, given: Row, tilted: bool) -> BareProblem:
-        """That of the moments, d, γ and M in ``given``; ArgumentError for M = 0, NotRepresentable for tilted M ∥ γ."""
+        """The problem of the moments, d, γ and M in ``given``. ArgumentError for M = 0; NotRepresentable for a tilted
+        state with M ∥ γ.
+        """
         with reals:
             row = reals.row(given)
             check(row[4:7], row[7:], tilted, reals.bits - SPARE_BITS)
@@ -67,8 +69,8 @@ class BareProblem(NamedTuple):
 
 
 def problem_row(given: Any, tilted: bool, out: Any, numbers: Any) -> None:
-    """A :class:`BareProblem` from the moments, d, γ and M in ``given``, the identity for its matrix of an upright one;
-    ``numbers`` is room for floats. Written to be compiled as it stands.
+    """Writes the row of a :class:`BareProblem` to ``out``, from the moments, d, γ and M in ``given``. An upright state
+    has the identity as its matrix. ``numbers`` is working memory for floats. The function is compiled unchanged.
     """
     a = (1 / (given[0] + given[3]), 1 / (given[1] + given[3]), 1 / (given[2] + given[3]))
     (I0, I1, I2, d), (x, y, u), M, (k, s, p, rise) = made_upright(given, a, tilted, numbers)

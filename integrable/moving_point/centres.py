@@ -1,8 +1,9 @@
 """Centres of panels, computed with as many digits as needed, for short runs near a separatrix
 (:mod:`integrable.moving_point.short`).
 
-Near a separatrix translations grow like errors, and adding a long one loses the digits of both. Each centre is
-therefore one panel beyond the last: errors grow once, and a panel's translation loses no digits.
+Near a separatrix the size of a translation grows as fast as errors do, so the addition of a long one loses the digits
+of both. Each centre is therefore reached from the last by one panel: the errors grow once, and a translation by one
+panel loses no digits.
 """
 
 from __future__ import annotations

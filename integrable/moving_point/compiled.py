@@ -1,5 +1,5 @@
-"""Functions shared by compiled loops on moving points: the first estimate of a small translation, and successive
-additions.
+"""Functions that compiled loops on moving points share: the first estimate of a small translation, and repeated
+addition.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ Row = Any
 
 
 def _estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
-    """:func:`integrable.moving_point.addition.estimate` of floats."""
+    """:func:`integrable.moving_point.addition.estimate` for floats."""
     return -series[1] * f0 * eps * eps / 12, f0 * eps * eps / 4
 
 
 def estimate_in_floats(series: Row, f0: float, eps: float) -> tuple[float, float]:
-    """The same of double-doubles, from their high parts."""
+    """The same estimate for double-doubles, from their high parts."""
     r = f0 * eps * eps / 4
     m = -series[1] * r / 3
     if abs(eps) >= 1e-100:

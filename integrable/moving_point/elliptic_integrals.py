@@ -1,9 +1,10 @@
-"""Elliptic integrals: incomplete ones on arrays of floats or long doubles, complete ones and those of two ovals on bare
-reals, compiled as they stand.
+"""Elliptic integrals. Incomplete ones take arrays of floats or long doubles. Complete ones, and periods of two ovals,
+take bare reals and are compiled unchanged.
 
-The incomplete third kind by duplication (Carlson 1995, *Numerical computation of real or complex elliptic integrals*),
-the first and the amplitude by descending Landen transformations (Abramowitz & Stegun 16.4, 17.6). Errors are some units
-in the last place. Complete ones and periods are by arithmetic-geometric means.
+The incomplete integral of the third kind uses duplication (Carlson 1995, *Numerical computation of real or complex
+elliptic integrals*). That of the first kind and the amplitude use descending Landen transformations (Abramowitz &
+Stegun 16.4, 17.6). Errors are a few units in the last place. Complete integrals and periods use arithmetic-geometric
+means.
 """
 
 from __future__ import annotations
@@ -18,15 +19,16 @@ from jacobian.numbers.roots import root
 Array = Any
 Real = Any
 Row = Any
-# terms of arctan(√e)/√e below this e
+# below this e, arctan(√e)/√e is summed as a series with at most this many terms
 SMALL, TERMS = 1e-3, 8
 
 
 def first_kind_swing(x: Array, k: Any, missing: Any) -> Array:
-    """F(x | m) − (2K/π)x for k = √(1 − m) > 0, |x| ≤ π/2, to the last digits of itself: it is of the size of m.
+    """F(x | m) − (2K/π)x for k = √(1 − m) > 0, |x| ≤ π/2. The relative error is of rounding size, although the value
+    itself is only of the order of m.
 
-    ``missing`` = 1 − k. By descending Landen transformations (Abramowitz & Stegun 17.6), of which only what they change
-    is summed.
+    ``missing`` = 1 − k. Descending Landen transformations (Abramowitz & Stegun 17.6) give it; only the changes that
+    they make are summed.
     """
     one = x.dtype.type(1)
     a, b, difference, total, weight = one, k * one, missing * one, 0 * x, one
@@ -70,7 +72,7 @@ def arctan_over(e: Array) -> Array:
     # a NaN leaves the other entries unaffected
     most, series = float(np.fmax.reduce(e, axis=None, initial=0)), 0 * e
     if np.fmin.reduce(e, axis=None, initial=SMALL) < SMALL:
-        # as many terms as the largest of these needs
+        # number of terms that the largest of these arguments needs
         least = max(min(most, SMALL), 1e-300)
         for n in range(min(TERMS, ceil(log(np.finfo(e.dtype).eps / 4) / log(least))), -1, -1):
             series = e.dtype.type(1) / (2 * n + 1) - e * series
@@ -97,9 +99,9 @@ def amplitude(v: Array, k: Any) -> Array:
 
 
 class FirstKind:
-    """F(x | m), |x| ≤ π/2, and its inverse for one k = √(1 − m) > 0: the mean (2K/π)x and a swing about it.
+    """F(x | m), |x| ≤ π/2, and its inverse for one k = √(1 − m) > 0, as the mean (2K/π)x plus a swing about it.
 
-    ``missing`` = 1 − k and ``quarter`` = K, numbers of the same kind as the x.
+    ``missing`` = 1 − k and ``quarter`` = K are numbers of the same kind as x.
     """
 
     def __init__(self, k: Any, missing: Any, quarter: Any) -> None:
@@ -122,17 +124,17 @@ class FirstKind:
         return x - (self.at(x) - v) * np.sqrt(np.cos(x) ** 2 + (k * np.sin(x)) ** 2)
 
 
-# --- complete, on bare reals
+# --- complete integrals, on bare reals
 
 
 def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) -> None:
-    """2∫dx/√|PQR| and 2∫x dx/√|PQR| from root to root of P, then the same for Q, into ``out``: P and Q monic with the
-    roots ends[0] ≤ ends[1] and ends[2] ≤ ends[3], R = r − dx, whose root is beyond those.
+    """Writes 2∫dx/√|PQR| and 2∫x dx/√|PQR| between the roots of P, then the same between those of Q, to ``out``. P and
+    Q are monic with the roots ends[0] ≤ ends[1] and ends[2] ≤ ends[3]. R = r − dx; its root lies beyond these.
 
-    The arithmetic-geometric mean of genus 2 (Richelot 1837; Bost & Mestre 1988): with U = Q'R − QR' and so on,
-    ∫dx/√|PQR| = 2√Δ∫dx/√|UVW| between roots of V and W, of W and U, which are closer. It converges quadratically,
-    however near branch points are, and ends with ovals that are shorter than ``near`` of the distance to
-    other branch points, of the order of √eps.
+    The method is the arithmetic-geometric mean of genus 2 (Richelot 1837; Bost & Mestre 1988). With U = Q'R − QR' and
+    so on, ∫dx/√|PQR| = 2√Δ∫dx/√|UVW|, between a root of V and one of W, or of W and U; these are closer together. It
+    converges quadratically, however close the branch points are. It ends when each oval is shorter than ``near``, of
+    the order of √eps, times the distance to the other branch points.
     """
     one = 1 + 0 * ends[0]
     points, scale = (ends[0], ends[1], ends[2], ends[3]), 2 * one
@@ -153,10 +155,10 @@ def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) ->
 
 
 def apart(points: Row, values: Row, near: Real) -> bool:
-    """Whether an oval is not yet short: R varies over it, or its length matters beside the distance to every other
-    root.
+    """Whether an oval is still too long: R varies over it, or its length is not negligible compared with the distance
+    to the other roots.
 
-    ``points`` are the ends of the ovals, ``values`` those of R there.
+    ``points`` are the ends of the ovals, ``values`` the values of R there.
     """
     long: bool = max(points[1] - points[0], points[3] - points[2]) > near * (points[2] - points[1])
     first: bool = abs(values[0] - values[1]) > near * abs(values[0])
@@ -165,19 +167,21 @@ def apart(points: Row, values: Row, near: Real) -> bool:
 
 
 def richelot(points: Row, rest: Row, values: Row) -> tuple[Row, Row, Row, Real]:
-    """A step of :func:`oval_periods`: the ends of the new ovals, the new R, its values there, and 2√|Δ/leads|."""
+    """One step of :func:`oval_periods`: the ends of the new ovals, the new R, its values there, and 2√|Δ/leads|, where
+    leads is the product of the leading coefficients of U, V and W.
+    """
     (p1, p2, q1, q2), (r0, r1, r2) = points, rest
     one = 1 + 0 * p1
     a0, a1, b0, b1 = p1 * p2, -p1 - p2, q1 * q2, -q1 - q2
     u0, u1, u2 = bracket_of_quadratics(b0, b1, one, r0, r1, r2)
     v0, v1, v2 = bracket_of_quadratics(r0, r1, r2, a0, a1, one)
     w0, w1, w2 = bracket_of_quadratics(a0, a1, one, b0, b1, one)
-    # Δ is the determinant of the coefficients; W and those of R complete it
+    # Δ is the determinant of the coefficients of P, Q and R, expanded by those of R
     determinant = r0 * w2 - r1 * w1 / 2 + r2 * w0
-    # the discriminants are resultants: no difference of near numbers but those of the ends
+    # the discriminants are resultants: the only differences of close numbers are those of the ends
     x1, x2 = roots_between(w0, w1, w2, root((p1 - q1) * (p1 - q2) * (p2 - q1) * (p2 - q2)))
     if u2 == 0:
-        # R is constant, and ∞ a root of U and V
+        # R is constant, and ∞ is a root of U and V
         y1, z1 = -u0 / u1, -v0 / v1
         factor = 2 * root(abs(determinant / (w2 * u1 * v1)))
         return (z1, x1, x2, y1), (one, 0 * one, 0 * one), (one, one, one, one), factor
@@ -194,8 +198,8 @@ def richelot(points: Row, rest: Row, values: Row) -> tuple[Row, Row, Row, Real]:
 
 
 def complete(k: Real, p: Real, a: Real, b: Real, pi: Real, near: float) -> Real:
-    """∫ (a cos²φ + b sin²φ)/((cos²φ + p sin²φ)√(cos²φ + k² sin²φ)) dφ from 0 to π/2, for positive k and p: the general
-    complete elliptic integral (Bulirsch 1969, algorithm cel), to a relative ``near``².
+    """The general complete elliptic integral ∫ (a cos²φ + b sin²φ)/((cos²φ + p sin²φ)√(cos²φ + k² sin²φ)) dφ from 0 to
+    π/2, for positive k and p, to a relative error of ``near``² (Bulirsch 1969, algorithm cel).
     """
     k, p = 1 * k, root(p)
     b, e, m = b / p, k, 1 + 0 * k
@@ -210,12 +214,12 @@ def complete(k: Real, p: Real, a: Real, b: Real, pi: Real, near: float) -> Real:
 
 
 def mean_slowness(ends: Row, d: Real, r: Real, pi: Real, near: float, area: Real) -> Real:
-    """The mean over the torus of 1/√((r − du₁)(r − du₂)), u₁ and u₂ on the two ovals, ``area`` the determinant of
-    their periods.
+    """The mean over the torus of 1/√((r − du₁)(r − du₂)). u₁ and u₂ run over the two ovals; ``area`` is the determinant
+    of their periods.
 
-    The invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂): the mean is a determinant of complete elliptic integrals
-    ∫x^k dx/((r − dx)√((x − e₁)(x − e₂)(x − e₃)(x − e₄))), e_i the ends, taken with x − e for x, where e lies between
-    the ovals and nothing cancels.
+    The invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂). The mean is therefore a determinant of complete elliptic integrals
+    ∫x^k dx/((r − dx)√((x − e₁)(x − e₂)(x − e₃)(x − e₄))), where e_i are the ends. They are computed with x − e instead
+    of x, e midway between the ovals, so that nothing cancels.
     """
     middle = (ends[1] + ends[2]) / 2
     low0, low1 = slowed((ends[0], ends[1], ends[2], ends[3]), middle, d, r, pi, near)
@@ -224,8 +228,8 @@ def mean_slowness(ends: Row, d: Real, r: Real, pi: Real, near: float, area: Real
 
 
 def slowed(ends: Row, middle: Real, d: Real, r: Real, pi: Real, near: float) -> tuple[Real, Real]:
-    """∫_a^b (x − middle)^k dx/((r − dx)√|(x − a)(x − b)(x − c)(x − e)|), k = 0 and 1, of the ``ends`` a, b, c, e; c and
-    e are on one side.
+    """∫_a^b (x − middle)^k dx/((r − dx)√|(x − a)(x − b)(x − c)(x − e)|) for k = 0 and 1, where a, b, c, e are the
+    ``ends``. c and e lie on the same side of a and b.
     """
     a, b, c, e = ends
     # x = (a cos²φ + b·ratio·sin²φ)/(cos²φ + ratio·sin²φ)
@@ -245,7 +249,7 @@ def bracket_of_quadratics(p0: Real, p1: Real, p2: Real, q0: Real, q1: Real, q2: 
 
 
 def roots_between(w0: Real, w1: Real, w2: Real, spread: Real) -> tuple[Real, Real]:
-    """The roots of w0 + w1·x + w2·x², ascending, from the root of a quarter of its discriminant."""
+    """The roots of w0 + w1·x + w2·x², ascending. ``spread`` is half the square root of the discriminant."""
     far = -w1 / 2
     far = far + spread if far >= 0 else far - spread
     first, second = far / w2, w0 / far

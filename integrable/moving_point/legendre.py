@@ -12,7 +12,7 @@ import numpy as np
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals, BareReals
 
-# number of nodes per digit beyond which a function on an interval counts as not smooth
+# a function that needs more nodes per digit than this is taken as not smooth on the interval
 MOST_NODES = 20
 
 Rule = tuple[list[Any], list[list[Any]], list[Any]]
@@ -20,9 +20,8 @@ Rule = tuple[list[Any], list[list[Any]], list[Any]]
 
 @lru_cache(maxsize=32)
 def legendre_rule(K: Any, count: int) -> Rule:
-    """(nodes, matrix from values at the nodes to a Legendre series, weights of ∫_0^1) on [−1, 1], in K = MP(digits).
-
-    The matrix is n × n, the nodes ascend.
+    """(nodes, matrix, weights) on [−1, 1], in K = MP(digits). The n × n matrix maps values at the nodes to the
+    coefficients of a Legendre series; the weights give the integral from 0 to 1. The nodes ascend.
     """
     reals = BareReals(K.context.prec + 16)
     with reals:
@@ -37,8 +36,9 @@ def legendre_rule(K: Any, count: int) -> Rule:
 
 
 def integral(K: Any, function: Callable[[np.ndarray], np.ndarray], first: Any, last: Any, loss: float) -> np.ndarray:
-    """∫ of a ``function`` of arrays of times, shape (N, m), over one interval, with enough nodes that its Legendre
-    series ends at ``loss`` times the rounding of K; PrecisionLoss if too many are needed.
+    """The integral over one interval of a ``function`` that maps an array of times to shape (N, m). The number of nodes
+    is raised until the last Legendre coefficients are below ``loss`` times the rounding of K. PrecisionLoss if too
+    many are needed.
     """
     half, middle, count = (last - first) / 2, (last + first) / 2, K.dps + 16
     while True:
@@ -53,7 +53,7 @@ def integral(K: Any, function: Callable[[np.ndarray], np.ndarray], first: Any, l
 
 
 class LegendreSeries:
-    """Legendre series on [−1, 1] of values at ``nodes``, those of a Gauss–Legendre rule, in bare reals."""
+    """Legendre series on [−1, 1] from values at ``nodes``, the nodes of a Gauss–Legendre rule, in bare reals."""
 
     def __init__(self, reals: BareReals, count: int) -> None:
         self.nodes, self.weights = gauss_legendre(reals, count)
@@ -64,7 +64,7 @@ class LegendreSeries:
             self._rows = list(zip(*columns, strict=True))
 
     def coefficients(self, values: list[Any]) -> list[Any]:
-        """The coefficients of the series with these values."""
+        """The coefficients of the series that has these values at the nodes."""
         count, weighted = len(values), list(map(mul, self.weights, values))
         # P_k(−x) = (−1)^k·P_k(x)
         low, high = weighted[: len(self._rows[0])], weighted[::-1][: count // 2]
@@ -76,7 +76,7 @@ class LegendreSeries:
 
 
 def legendre_transform(reals: BareReals, count: int) -> tuple[list[Any], list[list[Any]]]:
-    """(nodes, matrix from values at the nodes to a Legendre series), in bare reals."""
+    """(nodes, matrix) in bare reals. The matrix maps values at the nodes to the coefficients of a Legendre series."""
     series = LegendreSeries(reals, count)
     with reals:
         rows = []
@@ -102,7 +102,7 @@ def gauss_legendre(reals: BareReals, count: int) -> tuple[list[Any], list[Any]]:
 
 
 def doubling_precisions(bits: int, known: int) -> list[int]:
-    """The precisions of Newton's passes from ``known`` right bits to ``bits``, ascending."""
+    """The precisions, ascending, of the Newton steps that lead from ``known`` correct bits to ``bits``."""
     schedule = []
     while bits > known:
         schedule.append(bits)

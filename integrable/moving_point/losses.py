@@ -1,4 +1,4 @@
-"""How many digits of a motion may be lost, estimated from its curve, and how many have been lost, from H1 and H2."""
+"""The number of digits that a motion may lose, estimated from its curve, and the number it has lost, from H1 and H2."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from typing import Any
 from integrable.moving_point.setup import Setup
 from integrable.phase.body import energy
 
-# a decimal exponent that stands for no loss
+# stands for an infinite decimal exponent; its negative means no loss
 NOTHING = 10**9
 
 
 def lost_digits(setup: Setup, tau: Any) -> int:
     """The number of digits by which an error may grow until τ (in the units of the setup), estimated from the curve.
 
-    At a double root e of f = (x − e)²h, the unstable rotation, the integral τ = Σ∫dx/y is a logarithm over √h: points
-    and translations grow like e^(√h·τ). Near such a rotation they grow during one passage to about 16·(distance to the
-    other roots)/(distance of the two roots). All other errors grow like τ.
+    A double root e of f = (x − e)²h belongs to the unstable rotation. There τ = Σ∫dx/y is a logarithm divided by √h(e),
+    so points and translations grow like exp(√h·τ). Near such a rotation they grow during one passage to about
+    16·(distance to the other roots)/(distance of the two roots). All other errors grow like τ.
     """
     K = setup.wide
     roots = sorted(setup.problem.branch_points)
     lead, tau = abs(setup.problem.f[5] or setup.problem.f[4]), abs(K.coerce(tau))
     total = K.context.log(1 + tau)
-    # the gaps between the ovals and behind the second, which a real point crosses in imaginary time only
+    # the gaps between the ovals and beyond the second: a real point crosses them only in imaginary time
     for k in range(1, len(roots) - 1, 2):
         middle, gap = (roots[k] + roots[k + 1]) / 2, roots[k + 1] - roots[k]
         others = [abs(middle - e) for e in (*roots[:k], *roots[k + 2 :])]
@@ -32,16 +32,16 @@ def lost_digits(setup: Setup, tau: Any) -> int:
             square *= x
         grown = K.sqrt(square) * tau
         near = min(others)
-        # below this the gap is only rounding
+        # a smaller gap is only rounding
         if gap > K.eps * 10**8 * near:
             grown = min(grown, K.context.log(1 + 16 * near / gap))
-        # translations grow too: an addition loses the digits of both
+        # twice, as the translations grow too: an addition loses the digits of both
         total += 2 * grown
     return ceil(float(total) / log(10))
 
 
 def drift(setup: Setup, point: Any) -> Any:
-    """The larger relative change of H1 and H2 at a moving point of bare reals."""
+    """The larger of the relative changes of H1 and H2 at a moving point of bare reals."""
     reals = setup.reals
     with reals:
         alpha = setup.bare.axes[:3]
@@ -58,7 +58,7 @@ def drift(setup: Setup, point: Any) -> Any:
 
 
 def digits_of(x: Any) -> int:
-    """The decimal exponent of x ≥ 0, rounded up; very small for 0, large for NaN."""
+    """log10 of x ≥ 0, rounded up; −NOTHING for 0; NOTHING for NaN and for x ≥ 1e9."""
     if x == 0:
         return -NOTHING
     if not x < 1e9:

@@ -1,4 +1,4 @@
-"""Newton's method for many numbers at once, inside a bracket."""
+"""Newton's method on arrays, confined to a bracket."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 
 
 def step_inside(x: Any, value: Any, slope: Any, low: Any, high: Any) -> tuple[Any, Any, Any]:
-    """(a better x, low, high) for the zeros of increasing functions with a ``value`` and a ``slope`` at x: by Newton's
-    step, or by bisection of ``low`` and ``high`` if it leaves the bracket. Arrays of one shape.
+    """(improved x, low, high) for the zeros of increasing functions that have this ``value`` and ``slope`` at x. A
+    Newton step that leaves the bracket [low, high] is replaced by bisection. All arguments are arrays of one shape.
     """
     low, high = np.where(value > 0, low, x), np.where(value > 0, x, high)
     better = x - value / slope

@@ -14,19 +14,18 @@ from jacobian.errors import ArgumentError
 
 
 class MotionProblem:
-    """The motion of a body over a field from γ and M, which are numbers of that field and may be balls.
+    """The motion of a body from γ and M, given as numbers of its field, which may be balls.
 
-    ``f`` is the curve, ascending; ``axes`` and ``start`` are those of :mod:`integrable.moving_point.addition`. Units: x
-    over X = max a_i, τ' = 2X|M|·τ, t' = 2X|M|·t; ``time_scale`` is 2X|M|, ``momentum`` |M|, ``ratio`` H1/(H2·X), ``d``
-    d·X, ``half_step`` half of a basic step,
-    ``upright_momentum`` M on the upright body.
-    A tilted state is brought to (γ, M) = 0 by ``tilt``, Chaplygin's transformation, and back by its inverse ``matrix``;
-    both are None for an upright one.
+    ``f`` holds the coefficients of the curve, ascending. ``axes`` and ``start`` are those of
+    :mod:`integrable.moving_point.addition`. The unit of x is X = max a_i; times are τ' = 2X|M|·τ and t' = 2X|M|·t.
+    ``time_scale`` is 2X|M|, ``momentum`` |M|, ``ratio`` H1/(H2·X), ``d`` d·X and ``half_step`` half of a basic step.
+    ``upright_momentum`` is M on the upright body. Chaplygin's transformation ``tilt`` maps a tilted state to
+    (γ, M) = 0, and ``matrix`` is its inverse; both are None for an upright state.
     """
 
     def __init__(self, body: Body, gamma: Vector, M: Vector, tilted: bool) -> None:
         K = self.field = body.field
-        # the constraints hold only to rounding; restore them to the last digit
+        # the given vectors satisfy the constraints only up to rounding; restore them to the last digit
         length = K.sqrt(K.dot(gamma, gamma))
         gamma = (gamma[0] / length, gamma[1] / length, gamma[2] / length)
         self.tilt: ChaplyginTransformation | None = None
@@ -76,7 +75,7 @@ class MotionProblem:
 
 
 def at_rest() -> ArgumentError:
-    """The message for M = 0."""
+    """The error raised for M = 0."""
     return ArgumentError("M = (0, 0, 0): the body is at rest; a flow needs M ≠ 0")
 
 

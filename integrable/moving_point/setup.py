@@ -1,4 +1,4 @@
-"""The set-up of a flow, made once per state: computed in extended precision and rounded once."""
+"""The set-up of a flow, computed once per state in extended precision and rounded once."""
 
 from __future__ import annotations
 
@@ -29,11 +29,13 @@ MOST_PASSED = 4096
 
 
 class Setup:
-    """The curve, the start and the translations by basic steps of one motion, in three kinds of numbers: ``floats``,
-    ``mpf`` (those of ``wide``, an MP field) and ``bare`` (those of ``reals``, for long loops), each a :class:`View`.
+    """The curve, the start and the translations by basic steps of one motion, in three kinds of numbers. ``floats``,
+    ``mpf`` (numbers of the MP field ``wide``) and ``bare`` (numbers of ``reals``, for long loops) are each a
+    :class:`View`.
 
-    ``problem`` is the motion in the wide precision; it defines the units. ``digits`` asks for that many digits
-    whatever the field of the body, whose numbers are taken as exact; the attribute counts guard digits as well.
+    ``problem`` is the motion in the wide precision; it defines the units. The argument ``digits`` sets the number of
+    digits independently of the body's field, whose numbers are taken as exact. The attribute ``digits`` includes guard
+    digits.
     """
 
     def __init__(self, body: Body, gamma: Vector, M: Vector, tilted: bool = False, digits: int | None = None) -> None:
@@ -60,13 +62,13 @@ class Setup:
 
     @cached_property
     def bare_problem(self) -> BareProblem:
-        """The same in bare reals."""
+        """The motion in bare reals."""
         return BareProblem.of(self.reals, (*self.body.inertia, self.body.d, *self._gamma, *self._M), self._tilted)
 
     @property
     def floats_given(self) -> tuple[np.ndarray, bool] | None:
-        """Moments, d, γ and M, and whether the state is tilted; None where numbers have more digits (in the laboratory
-        those of a motion of floats, too).
+        """(moments, d, γ and M in one array; whether the state is tilted), or None if any of these is not a float. In
+        the laboratory frame even a motion given in floats has numbers with more digits.
         """
         given = (*self.body.inertia, self.body.d, *self._gamma, *self._M)
         return (np.array(given), self._tilted) if all(isinstance(x, float) for x in given) else None
@@ -78,12 +80,12 @@ class Setup:
 
     @cached_property
     def time_scale(self) -> Any:
-        """2X|M|, wide: one unit of τ in the flow's own units."""
+        """2X|M| in the wide field: one unit of τ in the flow's own units."""
         return self.reals.element(self.wide, self.bare_problem.time_scale)
 
     @cached_property
     def step_length(self) -> Any:
-        """A basic step, wide, in the flow's own time."""
+        """A basic step in the flow's own time, in the wide field."""
         return 2 * self.reals.element(self.wide, self.bare_problem.half_step)
 
     @cached_property
@@ -99,7 +101,7 @@ class Setup:
 
     @cached_property
     def bare(self) -> View:
-        """The motion in bare reals, whose operations take ``with setup.reals``."""
+        """The motion in bare reals; compute with them inside a ``with setup.reals`` block."""
         return View(self, self.reals.number)
 
     @cached_property
@@ -114,15 +116,15 @@ class Setup:
 
     @property
     def terms(self) -> int:
-        """The number of terms of a series that reach the wide precision within REACH."""
+        """The number of terms with which a series reaches the wide precision within REACH."""
         return ceil(self.digits * TERMS_A_DIGIT) + 4 + ceil(1.3 * (self.wide.dps - self.digits))
 
     @cached_property
     def step_time(self) -> float:
         """The duration of a basic step at the start, in the user's units of physical time.
 
-        The step is as long as power series about a state converge, whatever the moments: the time scale on which states
-        vary.
+        Power series about a state converge over about one step, for any moments. The step is thus the time scale on
+        which states vary.
         """
         problem = self.problem
         return abs(float(self.step_length * rate_at(problem.axes, problem.start) / self.time_scale))
@@ -133,8 +135,9 @@ TERMS_A_DIGIT = log(10) / -log(1.4 * REACH)
 
 
 class View:
-    """A motion in one kind of number, which ``number`` makes of an mpf or a bare real: ``f``, ``axes`` and ``start``
-    as :mod:`integrable.moving_point.addition` takes them, half of a basic step, |M| and the matrix of a tilted motion.
+    """A motion in one kind of number; ``number`` converts an mpf or a bare real to it. The attributes are ``f``,
+    ``axes`` and ``start`` of :mod:`integrable.moving_point.addition`, half of a basic step, |M| and the matrix of a
+    tilted motion.
     """
 
     def __init__(self, setup: Setup, number: Callable[[Any], Any]) -> None:
@@ -147,7 +150,9 @@ class View:
         self._passed: dict[int, tuple[Any, ...]] = {}
 
     def table(self, sign: int, steps: int) -> tuple[list[int], list[tuple[Any, ...]]]:
-        """(counts, translations): sign·counts[k] basic steps each, ascending from 1 to beyond ``steps``."""
+        """(counts, translations). The k-th translation is by sign·counts[k] basic steps; counts ascend from 1 to beyond
+        ``steps``.
+        """
         counts, levels = self._setup.steps.beyond(steps)
         rows = self._rows[sign]
         with self._setup.reals:
@@ -156,9 +161,9 @@ class View:
         return counts, rows
 
     def reached(self, sign: int, steps: int) -> tuple[Any, ...]:
-        """The moving point after sign·``steps`` basic steps, by few additions.
+        """The moving point after sign·``steps`` basic steps. The number of additions is about log2 of ``steps``.
 
-        Intermediate points are cached: neighbours share all additions but the last.
+        Intermediate points are cached, as neighbours share all additions but the last.
         """
         reals, point, done = self._setup.reals, self.start, 0
         counts, table = self.table(sign, steps)
@@ -175,8 +180,8 @@ class View:
 
 
 def digits_of_closeness(body: Body) -> int:
-    """The extra digits that a divisor needs where all moments are nearly equal, or tiny beside d: U vanishes like the
-    square of their differences, V like the third power.
+    """The number of extra digits for a divisor where all moments are nearly equal, or tiny compared with d. There U
+    vanishes like the square of their differences, V like the third power.
     """
     most, least = max(body.inertia), min(body.inertia)
     return 0 if most == least else ceil(3 * log10((most + body.d) / (most - least)))

@@ -1,19 +1,19 @@
-"""States near the start of a motion, by Chebyshev panels: compiled or interpreted from this text.
+"""States near the start of a motion, by Chebyshev panels. The same source is compiled or interpreted.
 
 A panel is an interval of the flow's own time. The moving points at the centres of panels are kept in wide numbers. The
-next few are computed at once, by one addition each from the last of the previous ones, and put back on their level set.
-A second motion on a slightly different level set, the shadow, shows how errors have grown. The moving points at the
-nodes of a panel are one addition in floats each from its centre. States come from the interpolants of γ and w = γ ×
-M/|M|, and physical time from the antiderivative of 1/g.
+next few centres are computed together, each by one addition to the last centre of the previous group, and are restored
+to their level set. A second motion on a slightly different level set, the shadow, shows how errors have grown. Each
+node of a panel is reached from its centre by one addition in floats. States come from the interpolants of γ and
+w = γ × M/|M|, and physical time from the antiderivative of 1/g.
 
 A panel is halved where the last coefficients of its interpolants, or a jump between its ends and those of its
 neighbours, require it. Where rounding requires it, its nodes are computed in wide numbers. Neighbouring panels share
-only the additions of earlier centres, and a wrong sign of γ or w would show as a jump. So an accepted panel has the
-signs of the motion.
+only the additions of earlier centres, and a wrong sign of γ or w would show as a jump. So the signs on an accepted
+panel are correct.
 
-Compiled (:mod:`integrable.moving_point.short_compiled`) wide numbers are double-doubles, interpreted they are bare
-reals (:mod:`integrable.moving_point.short_start`, :mod:`integrable.moving_point.short_steps`); the rest is on floats.
-Units are those of :class:`integrable.moving_point.problem.MotionProblem`.
+Wide numbers are double-doubles in compiled code (:mod:`integrable.moving_point.short_compiled`) and bare reals in
+interpreted code (:mod:`integrable.moving_point.short_start`, :mod:`integrable.moving_point.short_steps`). All other
+numbers are floats. Units are those of :class:`integrable.moving_point.problem.MotionProblem`.
 """
 
 from __future__ import annotations
@@ -60,33 +60,34 @@ from integrable.moving_point.short_steps import (
 
 # half the length of a panel, in basic half steps
 LENGTH = 5.0
-# largest turn of the body on half a panel, in radians, if that is several basic lengths
+# on half a panel of several basic lengths the body turns by at most this, in radians
 TURN = 1.7
-# least number of doublings; the nodes are then made in wide numbers, as floats lose digits on such bodies
+# fewer doublings than this are not used; with them the nodes are in wide numbers, as floats lose digits on such bodies
 WORTHWHILE = 3
-# largest last coefficients of γ, w and 1/g on a panel; largest jumps at its ends, for nodes computed in floats, or in
-# wide numbers beside a panel whose nodes were not
+# upper bounds on a panel: TAIL of the last coefficients of γ, w and 1/g; STEP of jumps at its ends for nodes in floats,
+# WIDE_STEP for nodes in wide numbers, next to a panel whose nodes may be in floats
 TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
-# cost of a panel with wide nodes, in panels
+# cost of a panel with nodes in wide numbers, in panels with nodes in floats
 CAREFUL = 10
-# tolerances for integrals of returned states, and for H2 of centres: double-doubles lose most digits near a cluster of
-# branch points, and panels that share a centre show no jump
+# relative tolerances: of the integrals of returned states, and of H2 at centres. The second is needed as double-doubles
+# lose most digits near a cluster of branch points, and panels that share a centre show no jump
 INTEGRALS, CENTRE = 1e-9, 1e-19
-# left to the torus: bodies whose moments differ by less than 1/CLOSEST of I + d, and upright motions whose errors are
-# larger by more than STEEPEST in γ or M
+# short runs leave two kinds of motion to the torus: moments that differ by less than 1/CLOSEST of I + d, and errors of
+# the upright motion that grow by more than STEEPEST in γ or M
 CLOSEST, STEEPEST = 4e4, 25.0
-# largest allowed distance of the shadow from the motion; it starts 2^7 roundings and more off it
+# largest allowed distance of the shadow from the motion; initially it is at least 2^7 roundings
 APART = 2.0**-45
-# after this many panels their pace is known to this factor: a run that cannot reach its end is given up there
+# after PACED panels the time per panel is known up to a factor of UNSTEADY; a run that cannot reach its end at that
+# pace is abandoned
 PACED, UNSTEADY = 32, 1.05
-# reasons for giving up a run: rounding in floats, panels that do not converge, too many panels, too few digits; or for
-# not starting it: unsorted times
+# reasons to abandon a run: rounding in floats, panels that do not converge, too many panels, too few digits. UNSORTED
+# times are a reason not to start it
 ROUNDING, UNRESOLVED, FAR, LOST, UNSORTED = 1, 2, 3, 4, 5
 
 
 def short_run(room: ShortRoom, rule: Rule, request: Request, given: Row, tilted: bool) -> int:
-    """Computes the requested states from the moments, d, γ and M: 0, or why they were not found."""
+    """Computes the requested states from the moments, d, γ and M in ``given``. Returns 0, or the reason for failure."""
     numbers, wide = room.numbers, room.wide
     set_up(given, tilted, wide, numbers, room.point)
     scaled(request.times, wide, TIME_UNIT if request.physical else TAU_UNIT, request.high, request.low)
@@ -110,8 +111,8 @@ def short_run(room: ShortRoom, rule: Rule, request: Request, given: Row, tilted:
 
 
 def first_half(room: ShortRoom) -> float:
-    """Half a panel of a motion. Where branch points of very different size bound the series but not the panels, the
-    first is doubled until the body turns far enough on it.
+    """Half the length of a panel of this motion. Branch points of very different size may limit the power series but
+    not the panels; the length is then doubled until the body turns far enough on it.
     """
     h, most, longer = panel_half(room.numbers[REACH]), TURN * room.numbers[RADIAN], 0
     while longer < LEVELS and h * 2.0 ** (longer + 1) <= most:
@@ -121,13 +122,13 @@ def first_half(room: ShortRoom) -> float:
 
 
 def panel_half(reach: float) -> float:
-    """Half a panel, rounded to few digits so that positions of panels are exact in floats."""
+    """Half the length of a panel, rounded to few digits so that positions of panels are exact in floats."""
     mantissa, exponent = frexp(LENGTH * reach)
     return ldexp(floor(mantissa * 2**20) / 2**20, exponent)
 
 
 def too_far(room: ShortRoom, request: Request, h: float, most: int) -> bool:
-    """Whether this many panels certainly cannot reach the first and last times."""
+    """Whether the first or the last time is certainly beyond the reach of ``most`` panels."""
     count = len(request.order)
     if count == 0:
         return False
@@ -137,7 +138,7 @@ def too_far(room: ShortRoom, request: Request, h: float, most: int) -> bool:
 
 
 def run_both_ways(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool) -> int:
-    """The requested states, in both directions: 0, or why they were not found."""
+    """Computes the requested states in both directions of time. Returns 0, or the reason for failure."""
     first = 0
     while first < len(request.order) and request.high[request.order[first]] < 0:
         first += 1
@@ -156,7 +157,7 @@ def one_way(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bo
     farthest = abs(request.high[request.order[len(request.order) - 1 if sign > 0 else 0]])
     level, n = 0, 0
     while 0 <= i < len(request.order):
-        # a halved panel costs more than one
+        # a halved panel costs more than one panel
         if n >= most or room.made[3] > 2 * request.most:
             return FAR
         given = len(request.centres) > 0
@@ -176,7 +177,7 @@ def one_way(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bo
 
 
 def centre_given(room: ShortRoom, request: Request, n: int, sign: int) -> int:
-    """The centre of the n-th panel, of those that are given, into the first row of points: 0 or why there is none."""
+    """Writes the n-th of the given centres to the first row of points. Returns 0, or FAR if there is none."""
     first, last = (n, request.ahead) if sign > 0 else (request.ahead + n, len(request.centres) // 10)
     if first >= last:
         return FAR
@@ -186,7 +187,9 @@ def centre_given(room: ShortRoom, request: Request, n: int, sign: int) -> int:
 
 
 def centre_after(room: ShortRoom, n: int, sign: int) -> int:
-    """The same by one addition to an earlier centre: LOST if wide numbers have too few digits for it."""
+    """Writes the centre of the n-th panel to the first row of points, by one addition to an earlier centre. Returns 0,
+    or LOST if wide numbers have too few digits.
+    """
     place = (n + AHEAD - 1) % AHEAD
     if n == 0 or place == 0:
         go_ahead(room, n == 0, sign)
@@ -200,8 +203,8 @@ def centre_after(room: ShortRoom, n: int, sign: int) -> int:
 def panel(
     room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool, n: int, hint: int, i: int, sign: int
 ) -> tuple[int, int, int]:
-    """(status, least level, next time) after the n-th panel, halved where it must be; ``hint`` is the level at which
-    panels were good before.
+    """(status, least level, next time) after the n-th panel, halved where necessary. ``hint`` is the level of halving
+    that earlier panels needed.
     """
     level, place, least, status = 0, 0, LEVELS, 0
     while True:
@@ -230,7 +233,7 @@ def panel(
 
 
 def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool, level: int, sign: int) -> int:
-    """The values at the nodes of one panel: 0 if they are accurate."""
+    """Computes the values at the nodes of one panel or part of it. Returns 0 if they are accurate, else the reason."""
     numbers, count = room.numbers, len(rule.nodes)
     begin = 10 * level * count
     if not room.point[OFF] <= CENTRE:
@@ -254,13 +257,13 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
         return UNRESOLVED
     if stepless(room, rule) <= WIDE_STEP:
         return 0
-    # a step at the ends of a series that still falls, or one that the panel before has left
+    # the jump is either due to a series whose coefficients still fall, or was left by the panel before
     return UNRESOLVED if tail < before / 4 and level < LEVELS else ROUNDING
 
 
 def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
-    """The largest of the last coefficients of γ, of w and of 1/g relative to its mean, and the same for earlier
-    coefficients.
+    """The largest of the last coefficients of γ, w and 1/g relative to its mean, then the largest of earlier
+    coefficients, both times the amplification of errors.
     """
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):
@@ -280,7 +283,7 @@ def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
 
 
 def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
-    """The sizes of the last two Chebyshev coefficients, and of the two four places before."""
+    """The sum of the sizes of the last two Chebyshev coefficients, and of the two coefficients four places earlier."""
     count, matrix = len(rule.nodes), rule.coefficients
     a, b, c, d = 0.0, 0.0, 0.0, 0.0
     for j in range(count):
@@ -294,7 +297,7 @@ def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
 
 
 def stepless(room: ShortRoom, rule: Rule) -> float:
-    """The largest step of γ or w from the last panel to the left end of this."""
+    """The largest jump of γ or w from the last panel to the left end of this one, times the amplification of errors."""
     worst = 0.0
     for e in range(6):
         step = abs(room.values[e * len(rule.nodes) + LOT] - room.last[e])

@@ -1,4 +1,4 @@
-"""Short runs compiled from :mod:`integrable.moving_point.short`, wide numbers being double-doubles: one entry."""
+"""The compiled entry to :mod:`integrable.moving_point.short`, with double-doubles as wide numbers."""
 
 from __future__ import annotations
 
@@ -29,11 +29,12 @@ def entry(
     given: Row, tilted: bool, rule: Rule, asked: tuple[bool, bool, int, float, float, float, int], centres: Row,
     times: Row, order: Row, rows: Row, other: Row, work: tuple[Row, Row, Row],
 ) -> None:  # fmt: skip
-    """:func:`integrable.moving_point.short.short_run` for every row of ``given``, of shape (K, 10); ``work`` is room of
-    :func:`work_room`. ``asked`` and ``centres`` are those of a :class:`Request`. Found are γ and M in ``rows``, shape
-    (K, 6N), the ``other`` times, (K, N), and first in the integers of ``work`` why each was given up, or 0, then what
-    each has cost in panels. ``times`` and ``order`` have a row for each, or one for all; without ``order`` the
-    ``times`` of one motion have to ascend, or it is UNSORTED.
+    """Calls :func:`integrable.moving_point.short.short_run` for every row of ``given``, shape (K, 10). ``work`` comes
+    from :func:`work_room`; ``asked`` and ``centres`` are fields of a :class:`Request`.
+
+    γ and M are written to ``rows``, shape (K, 6N), and the ``other`` times, shape (K, N). The integers of ``work`` get
+    K statuses (0, or the reason for failure), then K costs in panels. ``times`` and ``order`` have one row per motion,
+    or one for all. With an empty ``order`` the ``times`` must ascend; otherwise the status is UNSORTED.
     """
     wide, floats, numbers = work
     count, members = times.shape[1], len(given)
@@ -64,7 +65,7 @@ def entry(
 
 
 def work_room(members: int, times: int) -> Packed:
-    """Working memory for this many motions and times, or fewer; made once for many calls."""
+    """Working memory for up to this many motions and times, to be reused by many calls."""
     wide, floats = np.empty((GIVEN + WIDE_ROOM, 2)), np.empty(FLOAT_ROOM + 2 * times)
     return Packed((wide, floats, np.empty(2 * members + MADE + times, dtype=np.intp)), WORK)
 

@@ -1,4 +1,4 @@
-"""States read off the interpolants of a panel (:mod:`integrable.moving_point.short`), in floats, compiled unchanged."""
+"""Evaluates the interpolants of a panel (:mod:`integrable.moving_point.short`) in floats; compiled unchanged."""
 
 from __future__ import annotations
 
@@ -18,14 +18,16 @@ from integrable.moving_point.short_rows import (
 )  # fmt: skip
 from jacobian.numbers.abreast import abreast
 
-# a Newton step below this is the last
+# Newton's iteration ends after a step smaller than this
 LAST = 1e-9
 # splits a float into halves of its digits
 SPLIT = 2.0**27 + 1
 
 
 def read_off(room: ShortRoom, rule: Rule, request: Request, left: float, half: float, i: int, sign: int) -> int:
-    """The states at all times on the panel from ``left`` to left + 2·half, from the ``i``-th on; the next one."""
+    """Writes the states at all requested times on the panel from ``left`` to left + 2·half, beginning with the ``i``-th
+    time. Returns the index of the first time beyond the panel.
+    """
     clock = request.physical or request.clock
     full, rest = antiderivative(room, rule, half) if clock else (0.0, 0.0)
     end, length = i, full if request.physical else 2.0
@@ -52,8 +54,8 @@ def read_off(room: ShortRoom, rule: Rule, request: Request, left: float, half: f
 
 
 def passed(sums: Row, half: float, full: float, rest: float) -> None:
-    """The time at the left end of the next panel, high and low, into the ``sums``: half·(full + rest) more."""
-    # half a panel has few digits, so its product with half of a float's digits is exact
+    """Adds half·(full + rest) to ``sums``, the high and low part of the time at the left end of a panel."""
+    # ``half`` has few digits, so its product with the upper half of a float's digits is exact
     split = full * SPLIT
     top = split - (split - full)
     first, more = half * top, half * ((full - top) + rest) + sums[1]
@@ -73,18 +75,19 @@ def gone_by(room: ShortRoom, request: Request, left: float, half: float, at: int
 
 
 def antiderivative(room: ShortRoom, rule: Rule, half: float) -> tuple[float, float]:
-    """The coefficients of 1/g and of its integral from −1 on; that integral over the panel in two floats."""
+    """Writes the coefficients of 1/g and of its integral from −1. Returns the integral over the panel in two floats."""
     count, series, integral = len(rule.nodes), room.slowness, room.elapsed
-    # what 1/g differs by from one of its values: of all of it, rounding of the matrix would take the same part always
+    # expand the difference of 1/g from one of its values: for 1/g itself, rounding errors of the matrix would cause the
+    # same relative error in every panel
     base = room.rates[0]
     for k in range(count):
         series[k] = 0.0
-    # node by node: several coefficients in one vector of the processor
+    # the inner loop runs over coefficients, so that the processor vectorizes it
     for j in range(count):
         value = room.rates[j] - base
         for k in range(count):
             series[k] += rule.coefficients[j * count + k] * value
-    # of the integral over the panel all but that of this value is small
+    # all of the integral over the panel is small except the part from this value
     part = series[0]
     series[0] += base
     integral[count], integral[count - 1] = series[count - 1] / (2 * count), series[count - 2] / (2 * (count - 1))
@@ -99,7 +102,7 @@ def antiderivative(room: ShortRoom, rule: Rule, half: float) -> tuple[float, flo
             odd += integral[k]
     odd += part - series[2] / 2
     integral[0] = odd + base - even
-    # at the centre 1/g is known from wide numbers
+    # wide numbers give 1/g at the centre; the difference measures the clock's error
     for k in range(2, count, 2):
         middle += -series[k] if k % 4 == 2 else series[k]
     room.sums[2] += (room.point[RATE] - middle) * 2 * half
@@ -108,10 +111,10 @@ def antiderivative(room: ShortRoom, rule: Rule, half: float) -> tuple[float, flo
 
 
 def place_of(room: ShortRoom, target: float, full: float) -> float:
-    """x with the integral of 1/g from −1 to x equal to ``target``: Newton, held between the ends."""
+    """The x at which the integral of 1/g from −1 equals ``target``, by Newton's method confined to [−1, 1]."""
     low, high, step = -1.0, 1.0, 2.0
     x = min(1.0, max(-1.0, -1 + 2 * target / full))
-    # eight times eight steps: only lanes that have not converged go on; once all have, few further steps are tested
+    # eight times eight steps: only SIMD lanes that have not converged go on; once all have, few further tests are made
     for _ in range(8):
         if abs(step) >= LAST:
             for _ in range(8):
@@ -129,22 +132,22 @@ def clenshaw(coefficients: Row, x: float) -> float:
     """A Chebyshev series at x (Clenshaw 1955)."""
     b1, b2 = 0.0, 0.0
     for k in range(len(coefficients) - 1, 0, -1):
-        # in this order the next waits for one instruction only
+        # in this order the next iteration waits for one instruction only
         b1, b2 = (coefficients[k] - b2) + 2 * x * b1, b1
     result: float = coefficients[0] + x * b1 - b2
     return result
 
 
 def interpolated(room: ShortRoom, rule: Rule, x: float, out: Row, place: int) -> None:
-    """γ and M at x on the panel (Berrut & Trefethen 2004)."""
+    """Writes γ and M at x on the panel, by barycentric interpolation (Berrut & Trefethen 2004)."""
     count, values = len(rule.nodes), room.values
     q0, q1, q2, q3, q4, q5, total = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(count // 2):
         k = count - 1 - j
         left, right = x - rule.nodes[j], x - rule.nodes[k]
-        # at a node it is the only one that counts: the lengths are divided out below
+        # at a node its own term dominates; the common factor is normalized away in the state
         left, right = left if left != 0 else 1e-30, right if right != 0 else 1e-30
-        # one division for both
+        # one division serves both nodes
         scale = 1 / (left * right)
         w, v = rule.weights[j] * right * scale, rule.weights[k] * left * scale
         total += w + v
@@ -161,7 +164,7 @@ def interpolated(room: ShortRoom, rule: Rule, x: float, out: Row, place: int) ->
 def short_state(
     room: ShortRoom, s0: float, s1: float, s2: float, n0: float, n1: float, n2: float, out: Row, place: int
 ) -> None:  # fmt: skip
-    """γ and M from a multiple of σ and ν."""
+    """Writes γ and M, computed from a common multiple of σ and ν."""
     numbers = room.numbers
     scale = 1 / sqrt(s0 * s0 + s1 * s1 + s2 * s2)
     x, y, z = s0 * scale, s1 * scale, s2 * scale
@@ -179,7 +182,7 @@ def short_state(
 
 
 def largest_drift(room: ShortRoom, out: Row, count: int) -> float:
-    """The largest relative change of H1 or H2 from the start, whose values are in ``numbers``."""
+    """The largest relative change of H1 or H2 from their start values, which are in ``numbers``."""
     worst = 0.0
     for i in range(count):
         h1, h2 = invariants(room.numbers, out, 6 * i)

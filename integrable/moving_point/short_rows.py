@@ -1,4 +1,4 @@
-"""The working rows of short runs (:mod:`integrable.moving_point.short`), flat arrays, and named tuples of them."""
+"""The working memory of short runs (:mod:`integrable.moving_point.short`): flat arrays, and named tuples of them."""
 
 from __future__ import annotations
 
@@ -9,37 +9,40 @@ from integrable.moving_point.translations import Expansion, expansion_of
 Real = Any
 Row = Any
 
-# moments, d, γ and M
+# number of values in the moments, d, γ and M
 GIVEN = 10
 NODES = 28
-# panels may be halved so often; their nodes take translations by half of each over 2^l so far down
+# a panel is halved at most LEVELS times; nodes need translations by half a panel over 2^l for l up to FINEST
 LEVELS, FINEST = 6, 7
-# orders of the expansion of translations, how many of them are wide, and by what each falls at least: 15 by 107 bits
+# orders in the expansion of translations, number of wide ones among them, and the least factor by which each order is
+# smaller than the one before: 15 such factors make 107 bits
 ORDERS, WIDE_ORDERS, ORDER_GAIN = 16, 9, 140.5
 
-# positions in ``numbers``, the data of a motion in floats: f, the axes, then
+# positions in ``numbers``, the data of a motion in floats, after f and the axes
 CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20
 LIFT, CLOSE, INVARIANTS, SHAPE, PHYSICAL, FASTEST, RADIAN = 21, 22, 23, 25, 32, 33, 34
 NUMBERS = 35
-# in ``wide``: f, the axes, the start, then the units of τ and of physical time, and r_i = I_i/(I_i + d)
+# positions in ``wide`` after f, the axes and the start: the units of τ and of physical time, and r_i = I_i/(I_i + d)
 TAU_UNIT, TIME_UNIT, CONTACT = 24, 25, 26
 WIDE = 29
-# in ``point``: ten numbers of a moving point, 1/g there; γ and w of the start; how far off H2 is at the point
+# positions in ``point`` after the ten numbers of a moving point: 1/g there; γ and w of the start; the deviation of H2
 RATE, BEGIN, OFF = 10, 11, 17
-# and of centres that are ahead how far their shadows are off them, and by what part an addition was
+# positions in ``seen``, the same for precomputed centres: the distance of the shadow, and the relative correction after
+# the addition
 SHADOW, MOVED = 11, 12
 POINT = OFF + 1
-# rows of wide points: a centre, and those on the way down to panels about it
+# rows of wide points: a centre, and one for each level of halving
 POINTS = LEVELS + 1
-# number of centres made at once, each with its shadow: the number of lanes of a processor. Rows of ``ahead``: these,
-# then the shadows, and the two starts
+# number of centres computed together, each with its shadow: the number of SIMD lanes. Rows of ``ahead``: these centres,
+# their shadows, and the two starts
 AHEAD = 4
 AHEAD_POINTS = 2 * AHEAD + 2
-# rows of wide translations: by h, from there down by h/2^l, and by 1 … AHEAD panels
+# rows of wide translations: HALF by h, those before it by h/2^l, and from PANEL on by 1 … AHEAD panels
 HALF, PANEL = FINEST + LEVELS, FINEST + LEVELS + 1
-# the positive nodes of a panel, by one addition each, first those of (a, b), 2^−a and 2^−|b| more, or less where b < 0,
-# then those from the a-th of them on, so much more or less. None uses another of its lot, and each fits in the lanes of
-# a processor. They are near Chebyshev's between which ±1 lie (Lebesgue constant 3.5); the first of the second lot is 1
+# the positive nodes of a panel, by one addition each. In the first lot (a, b) means 2^−a + 2^−b, or 2^−a − 2^−|b| where
+# b < 0; in the second lot the a-th node of the first takes the place of 2^−a. No node uses another of its own lot, and
+# each lot fills SIMD lanes. The nodes are close to Chebyshev's on an interval a little wider than [−1, 1] (Lebesgue
+# constant 3.5). The first node of the second lot is 1
 SUMS = (
     (0, -7), (0, -5), (0, -3), (1, -7), (1, -3), (2, 5), (3, 5), (4, 7),
     (2, 3), (0, -4), (2, -4), (2, -3), (6, 1), (7, 1),
@@ -48,15 +51,17 @@ LOT = 8
 
 
 class Rule(NamedTuple):
-    """Nodes on [−1, 1], those of :data:`SUMS` below 0 and then, backwards, above it, and data derived from them."""
+    """Nodes on [−1, 1] or a little beyond, and data derived from them. The nodes are those of :data:`SUMS` with a minus
+    sign, then the positive ones in reverse order.
+    """
 
     nodes: Row
     coefficients: Row
-    """From values to Chebyshev coefficients, column by column: what each node gives to all of them."""
+    """The matrix from values to Chebyshev coefficients, column by column: one node's contribution to all of them."""
     weights: Row
-    """Those of barycentric interpolation."""
+    """The weights of barycentric interpolation."""
     sums: Row
-    """:data:`SUMS`, one after the other."""
+    """:data:`SUMS`, flattened."""
 
 
 class ShortRoom(NamedTuple):
@@ -74,42 +79,42 @@ class ShortRoom(NamedTuple):
     series: Expansion
     """Coefficients of translations (:func:`integrable.moving_point.translations.expand_orders`)."""
     ahead: Row
-    """The next centres and those of a motion that begins beside this one, in wide numbers
+    """The next centres and those of the shadow, in wide numbers
     (:func:`integrable.moving_point.short_steps.go_ahead`).
     """
     made: Row
-    """How many translations by panels there are, for how many levels there are nodes, at which level the finest
-    translation is, what all panels have cost, in those of floats that are not halved, and how often half a panel has
-    been doubled (:func:`integrable.moving_point.short.first_half`).
+    """Five counts: translations by panels computed so far; levels whose nodes are computed; level of the finest
+    translation; cost so far, in panels with nodes in floats; doublings of half a panel
+    (:func:`integrable.moving_point.short.first_half`).
     """
     point: Row
     seen: Row
-    """The same of the centres that are ahead."""
+    """``point`` for each of the precomputed centres."""
     values: Row
     rates: Row
     slowness: Row
     """Chebyshev coefficients of 1/g on the panel."""
     elapsed: Row
-    """Those of its antiderivative, 0 at the left end."""
+    """Chebyshev coefficients of the antiderivative of 1/g that is 0 at the left end."""
     last: Row
-    """γ and w at the right end of the panel before."""
+    """γ and w at the right end of the previous panel."""
     sums: Row
-    """The time at the left end of the panel, high and low, and what the clock drifts by."""
+    """The time at the left end of the panel, high and low part, and the accumulated error of the clock."""
 
 
 class Request(NamedTuple):
-    """The request: ``order`` sorts ``high`` + ``low``, which are scaled times."""
+    """The request. ``high`` + ``low`` are the scaled times, and ``order`` sorts them."""
 
     physical: bool
     """Whether times are physical."""
     clock: bool
-    """Whether the other time is asked for too."""
+    """Whether the other time is requested too."""
     most: int
-    """Panels in either direction."""
+    """The largest number of panels in each direction."""
     drift: float
-    """What the clock may be off by at the end."""
+    """The allowed error of the clock at the end, apart from ``pace``."""
     pace: float
-    """And by what part of the way besides."""
+    """The further allowed error of the clock, as a fraction of the elapsed time."""
     times: Row
     order: Row
     high: Row
@@ -117,17 +122,17 @@ class Request(NamedTuple):
     out: Row
     """γ and M."""
     other: Row
-    """τ where times are physical, physical time where they are not; in the units of the motion."""
+    """τ if the times are physical, otherwise physical time; in the units of the motion."""
     half: float
-    """Half a panel where ``centres`` are given, else 0."""
+    """Half the length of a panel if ``centres`` are given, else 0."""
     ahead: int
     centres: Row
-    """Moving points at the centres of panels, wide, where they take more digits than that: so many in the direction of
-    time, then those against it; or none.
+    """Moving points at the centres of panels, in wide numbers, computed beforehand where double-doubles have too few
+    digits; otherwise empty. The first ``ahead`` of them go forward in time, the others backward.
     """
 
 
-# numbers in a room: integers, wide ones and floats
+# lengths of the working memory: integers, wide numbers and floats
 MADE = 5
 NODE_STEPS = 10 * NODES * (LEVELS + 1)
 WIDES = WIDE + 10 * (POINTS + PANEL + AHEAD) + NODE_STEPS + 7 * ORDERS + 10 * AHEAD_POINTS
@@ -135,7 +140,9 @@ FLOATS = NUMBERS + NODE_STEPS + POINT + 2 * AHEAD * POINT + 9 * NODES + 1 + 9
 
 
 def new_room(wide: Row, floats: Row, made: Row) -> ShortRoom:
-    """Working memory in ``wide`` and ``floats``, of arbitrary content; ``made`` is :data:`MADE` zeros."""
+    """Working memory inside the arrays ``wide`` and ``floats``, whose content is arbitrary. ``made`` holds :data:`MADE`
+    zeros.
+    """
     points, steps = WIDE, WIDE + 10 * POINTS
     nodes = steps + 10 * (PANEL + AHEAD)
     series = nodes + NODE_STEPS
@@ -164,6 +171,6 @@ def axes_of(row: Row) -> Any:
 
 
 def unit_axes(row: Row) -> Any:
-    """The axes of translations."""
+    """The axes for translations: κ = 1, and no tilt."""
     one = 1 + 0 * row[6]
     return row[6], row[7], row[8], one, one, one, one, 0 * one

@@ -1,5 +1,7 @@
-"""The start of a short run in wide numbers: curve, axes, moving point and Chaplygin's transformation of one motion, as
-in :class:`integrable.moving_point.problem.MotionProblem`, on bare reals, compiled unchanged.
+"""The start of a short run in wide numbers: curve, axes, moving point and Chaplygin's transformation of one motion.
+
+The quantities are those of :class:`integrable.moving_point.problem.MotionProblem`. The code runs on bare reals and is
+compiled unchanged.
 """
 
 from __future__ import annotations
@@ -35,8 +37,8 @@ Row = Any
 
 
 def set_up(given: Row, tilted: bool, wide: Row, numbers: Row, point: Row) -> None:
-    """The data of a motion from the moments, d, γ and M in ``given``: f, the axes, the start and the unit of time in
-    wide numbers, and the same in floats with quantities derived from them.
+    """Writes the data of a motion, from the moments, d, γ and M in ``given``: f, the axes, the start and the units of
+    time in wide numbers to ``wide``; f, the axes and derived quantities in floats to ``numbers``.
     """
     d = given[3]
     a = (1 / (given[0] + d), 1 / (given[1] + d), 1 / (given[2] + d))
@@ -48,7 +50,7 @@ def set_up(given: Row, tilted: bool, wide: Row, numbers: Row, point: Row) -> Non
     top, spin = max(a[0], a[1], a[2]), root(M[0] * M[0] + M[1] * M[1] + M[2] * M[2])
     ratio = put_curve(given, a, (contact, e), gamma, M, wide)
     wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2] = contact
-    # time is scaled by s, so that the remaining clock rate averages 1
+    # time is scaled by s, so that the rest of the clock rate averages 1
     wide[12], wide[13] = 1 + 0 * s, d * k * s / p * top * spin
     moving_start(a, (contact, e), gamma, M, spin, wide)
     wide[TAU_UNIT] = 2 * top * spin
@@ -62,7 +64,7 @@ def set_up(given: Row, tilted: bool, wide: Row, numbers: Row, point: Row) -> Non
     across = s * s / p
     numbers[MATRIX], numbers[MATRIX + 1] = float(across), float(-(s * k))
     numbers[MATRIX + 2], numbers[MATRIX + 3] = float(across * rise), float(s)
-    # the factor by which errors of the upright motion may be larger in γ or M/|M|
+    # how much an error of the upright motion may grow in γ or M/|M|, over 4
     length = root(given[7] * given[7] + given[8] * given[8] + given[9] * given[9])
     lift = max(across + abs(s * k) * spin, (abs(across * rise) + s * spin) / length)
     numbers[LIFT] = max(1.0, float(lift) / 4)
@@ -71,7 +73,9 @@ def set_up(given: Row, tilted: bool, wide: Row, numbers: Row, point: Row) -> Non
 
 
 def cast_shadow(wide: Row, ahead: Row) -> None:
-    """The start, and one whose pairs are off by :data:`OFF_BY`, into the last two rows of ``ahead``."""
+    """Writes the start, and the shadow's start, whose pairs deviate by :data:`OFF_BY`, to the last two rows of
+    ``ahead``.
+    """
     start, beside, r = 20 * AHEAD, 20 * AHEAD + 10, contact_of(wide)
     sigma, nu = 0 * wide[14], 0 * wide[14]
     for i in range(3):
@@ -86,8 +90,8 @@ def cast_shadow(wide: Row, ahead: Row) -> None:
 
 
 def made_upright(given: Row, a: Any, tilted: bool, numbers: Row) -> tuple[Any, Any, Any, Any]:
-    """The moments and d, γ and M of the upright motion, and (k, s, p, dkH1) of Chaplygin's transformation; the data of
-    the given motion go into ``numbers``.
+    """The moments and d, γ and M of the upright motion, and (k, s, p, dkH1) of Chaplygin's transformation. Data of the
+    given motion are written to ``numbers``.
     """
     I0, I1, I2, d = given[0], given[1], given[2], given[3]
     length = 1 / root(given[4] * given[4] + given[5] * given[5] + given[6] * given[6])
@@ -137,7 +141,9 @@ def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[
 
 
 def put_curve(given: Row, a: Any, body: Any, gamma: Any, M: Any, wide: Row) -> Real:
-    """f = (x − ratio)·Π(α_i − x)·(1 − dX·x), ascending, α_i and κ_i into ``wide``; the ratio H1/(H2·X)."""
+    """Writes the coefficients of f = (x − ratio)·Π(α_i − x)·(1 − dX·x), ascending, then α_i and κ_i to ``wide``.
+    Returns the ratio H1/(H2·X).
+    """
     contact, d = body
     xi, square, h1, h2 = 0 * d, 0 * d, 0 * d, 0 * d
     for i in range(3):
@@ -168,7 +174,7 @@ def put_curve(given: Row, a: Any, body: Any, gamma: Any, M: Any, wide: Row) -> R
 
 
 def moving_start(a: Any, body: Any, gamma: Any, M: Any, spin: Real, wide: Row) -> None:
-    """The moving point of γ and M into ``wide``."""
+    """Writes the moving point of γ and M to ``wide``."""
     (r0, r1, r2), d = body
     x, y, u = gamma
     g = 1 / root(r0 * x * x + r1 * y * y + r2 * u * u)
@@ -185,7 +191,9 @@ def moving_start(a: Any, body: Any, gamma: Any, M: Any, spin: Real, wide: Row) -
 
 
 def scaled(times: Row, wide: Row, unit: int, high: Row, low: Row) -> None:
-    """``times`` in the units of the motion, in two floats each; ``unit`` is the place of that of τ or of time."""
+    """Writes ``times`` in the units of the motion, as the sum of two floats each. ``unit`` is the position in ``wide``
+    of the unit of τ or of physical time.
+    """
     for i in range(len(times)):
         t = wide[unit] * times[i]
         high[i] = float(t)
@@ -193,8 +201,8 @@ def scaled(times: Row, wide: Row, unit: int, high: Row, low: Row) -> None:
 
 
 def at_start(given: Row, tilted: bool, times: Row, out: Row, other: Row) -> None:
-    """γ and M of the start, projected onto the constraints, wherever a time is 0; there the ``other`` time is 0 too.
-    This avoids the error of the interpolant.
+    """Writes γ and M of the start, projected onto the constraints, wherever a time is 0, and 0 as the ``other`` time.
+    This avoids the interpolant's error there.
     """
     length = 1 / root(given[4] * given[4] + given[5] * given[5] + given[6] * given[6])
     x, y, u, m0, m1, m2 = given[4] * length, given[5] * length, given[6] * length, given[7], given[8], given[9]
@@ -209,7 +217,7 @@ def at_start(given: Row, tilted: bool, times: Row, out: Row, other: Row) -> None
 
 
 def pace(ratio: float, dX: float, numbers: Row) -> None:
-    """Writes to ``numbers`` half of a basic step, and the least τ in which a body turns by a radian."""
+    """Writes to ``numbers`` half of a basic step, and a lower bound of the τ in which the body turns by a radian."""
     low = min(numbers[6], numbers[7], numbers[8])
     # |ω|² ≤ H1/min I, and g ≥ 1
     numbers[RADIAN] = 2 * sqrt(max(0.0, 1 - dX) / ratio)
@@ -217,9 +225,9 @@ def pace(ratio: float, dX: float, numbers: Row) -> None:
 
 
 def fastest(ratio: float, dX: float, rate: float, wide: Row, numbers: Row) -> None:
-    """Writes to ``numbers`` an upper bound of 1/g, which starts at ``rate``: 1/g is proportional to √((1 − du₁)(1 −
-    du₂)), largest where both ovals begin. For a tilted body, or if that bound exceeds twice ``rate``, twice ``rate``:
-    larger values show during the run.
+    """Writes to ``numbers`` an upper bound of 1/g, whose value at the start is ``rate``. For an upright body 1/g is
+    proportional to √((1 − du₁)(1 − du₂)), which is largest at the lower ends of both ovals. For a tilted body, or if
+    that bound exceeds twice ``rate``, it writes twice ``rate``; larger values show during the run.
     """
     low, high = min(numbers[6], numbers[7], numbers[8]), max(numbers[6], numbers[7], numbers[8])
     middle = numbers[6] + numbers[7] + numbers[8] - low - high

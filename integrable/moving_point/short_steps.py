@@ -1,5 +1,5 @@
-"""Translations and additions of short runs (:mod:`integrable.moving_point.short`), compiled unchanged: centres of
-panels in wide numbers, the nodes around them in floats, or in wide numbers if floats do not suffice.
+"""Translations and additions of short runs (:mod:`integrable.moving_point.short`), compiled unchanged. Centres of
+panels are in wide numbers. The nodes around them are in floats, or in wide numbers where floats do not suffice.
 """
 
 from __future__ import annotations
@@ -46,21 +46,21 @@ from jacobian.inexact.genus2_real import add
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
-# initial relative distance of a shadow from the motion: more than the error of some additions in double-doubles
+# initial relative distance of the shadow from the motion: more than the error of several additions in double-doubles
 OFF_BY = 2.0**-99
-# squared slopes, relative to their size, below which a turn would be half as long as required
+# relative size of a squared slope at which the damped turn of ν is half as long as required
 LEAST_SLOPE = 2.0**-20
-# |Π(α_i − α_j)| below which sums of quantities divided by it have too few digits
+# sums of quantities divided by Π(α_i − α_j) have too few digits where its size is below this
 LEAST_KAPPA = 2.0**-33
 
 
 def panel_steps(room: ShortRoom, h: float) -> bool:
-    """The translations by h/2^l down to FINEST: by their expansion at the levels where it is exact to wide numbers, by
-    doubling above these. Returns whether there is such a level.
+    """Computes the translations by h/2^l down to FINEST or further. The expansion gives those at the levels where its
+    truncation error is below wide rounding; doubling gives the longer ones. Returns whether there is such a level.
     """
     rows = room.series
     expand_orders(curve_of(room.wide), rows, 0, WIDE_ORDERS)
-    # further orders are so small that floats suffice
+    # the contributions of further orders are so small that floats suffice
     expand_orders(curve_of(room.numbers), high_parts(rows), WIDE_ORDERS, ORDERS)
     level, eps = 0, h
     while level < HALF and not exact_at(rows, eps):
@@ -73,8 +73,8 @@ def panel_steps(room: ShortRoom, h: float) -> bool:
 
 
 def exact_at(rows: Expansion, eps: float) -> bool:
-    """Whether each order of an expansion gains its bits at eps: the omitted part is then below wide numbers, and the
-    float part below floats.
+    """Whether the terms of an expansion fall fast enough at eps. The omitted part is then below the rounding of wide
+    numbers, and the part in floats below that of floats.
     """
     square, exact = eps * eps, True
     fourth, fall = square * square, square * ORDER_GAIN
@@ -93,7 +93,9 @@ def exact_at(rows: Expansion, eps: float) -> bool:
 
 
 def small_steps(room: ShortRoom, eps: float, first: int, last: int) -> None:
-    """The translations at some levels, by eps at the first of them, by their expansion."""
+    """Computes the translations at the levels ``first`` … ``last`` by their expansion; ``eps`` is the first one's
+    time.
+    """
     rows, axes = room.series, unit_axes(room.wide)
     for level in range(first, last + 1):
         # a row that is still unused
@@ -103,7 +105,7 @@ def small_steps(room: ShortRoom, eps: float, first: int, last: int) -> None:
 
 
 def expanded(rows: Expansion, axes: Row, eps: Any) -> Any:
-    """The translation by eps."""
+    """The translation by eps, from its expansion."""
     square = (0 * rows.u0[0] + eps) * eps
     z = float(square)
     a, b, c, d = 0 * z, 0 * z, 0 * z, 0 * z
@@ -122,7 +124,7 @@ def expanded(rows: Expansion, axes: Row, eps: Any) -> Any:
 
 
 def node_steps(room: ShortRoom, rule: Rule, h: float) -> None:
-    """The translations by h·x/2^level for all nodes x, at the next level: wide, and rounded."""
+    """Computes the translations by h·x/2^level for all nodes x at the next level, in wide numbers and in floats."""
     level, count = room.made[1], len(rule.nodes)
     while room.made[2] < FINEST + level:
         room.made[2] += 1
@@ -138,7 +140,9 @@ def node_steps(room: ShortRoom, rule: Rule, h: float) -> None:
 
 
 def put_node(room: ShortRoom, rule: Rule, level: int, j: int, origin: Any) -> None:
-    """The translations to the j-th positive node at a level, and to its mirror image, by one addition to an origin."""
+    """Writes the translations to the j-th positive node of a level and to its mirror image, by one addition to
+    ``origin``.
+    """
     count, power = len(rule.nodes), rule.sums[2 * j + 1]
     step = moving_point(room.steps, 10 * (HALF - level - abs(power)))
     if power < 0:
@@ -149,7 +153,7 @@ def put_node(room: ShortRoom, rule: Rule, level: int, j: int, origin: Any) -> No
 
 
 def doubled(wide: Row, steps: Row, place: int) -> None:
-    """Twice the translation before it into row ``place`` of ``steps``."""
+    """Writes the double of the previous row's translation to row ``place`` of ``steps``."""
     one = 1 + 0 * wide[0]
     before, here, step = 10 * (place - 1), 10 * place, moving_point(steps, 10 * (place - 1))
     divisor, transfer = summed(wide, steps, place - 1, step, steps, place)
@@ -161,8 +165,8 @@ def doubled(wide: Row, steps: Row, place: int) -> None:
 
 
 def moved_row(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int, target: int, point: Row) -> None:
-    """Row ``target`` of ``points``: row ``origin`` after a translation or its inverse; the values of :func:`looked_at`
-    there go into ``point``.
+    """Writes row ``origin`` of ``points``, moved by a translation or its inverse, to row ``target``. The values of
+    :func:`looked_at` there go to ``point``.
     """
     step = moving_point(steps, 10 * place)
     if sign < 0:
@@ -176,8 +180,8 @@ def moved_row(wide: Row, points: Row, origin: int, steps: Row, place: int, sign:
 
 
 def summed(wide: Row, points: Row, origin: int, step: Any, into: Row, target: int) -> Any:
-    """The divisor of row ``origin`` of ``points`` after a translation, also into row ``target`` of ``into``, and the
-    transfer polynomials, by which the pairs follow: three alike, so that they are done abreast.
+    """The divisor of row ``origin`` of ``points`` after a translation, and the transfer polynomials. The divisor is
+    also written to row ``target`` of ``into``. The polynomials give the three pairs by the same formula, in SIMD lanes.
     """
     i, k = 10 * origin, 10 * target
     point = points[i], points[i + 1], points[i + 2], points[i + 3]
@@ -187,7 +191,9 @@ def summed(wide: Row, points: Row, origin: int, step: Any, into: Row, target: in
 
 
 def steps_ahead(room: ShortRoom) -> None:
-    """The translations by 1 … :data:`AHEAD` panels; the last two are sums of two and the others."""
+    """Computes the translations by 1 … :data:`AHEAD` panels. The one by k + 2 panels, k ≥ 1, is the sum of those by 2
+    and k.
+    """
     longer(room, HALF, HALF, PANEL)
     longer(room, PANEL, PANEL, PANEL + 1)
     for k in abreast(2, AHEAD):
@@ -196,29 +202,27 @@ def steps_ahead(room: ShortRoom) -> None:
 
 
 def longer(room: ShortRoom, origin: int, by: int, target: int) -> None:
-    """The sum of two rows of translations, restored to its level set, into a third."""
+    """Writes the sum of two rows of translations, restored to its level set, to row ``target``."""
     wide, steps = room.wide, room.steps
     there = carried(curve_of(wide), unit_axes(wide), moving_point(steps, 10 * origin), moving_point(steps, 10 * by))
     if no_level(wide, 0) or no_level(wide, 1) or no_level(wide, 2):
         # two equal or nearly equal moments
         put(settled(curve_of(wide), unit_axes(wide), there, noise(moving_point(steps, 10 * by))), steps, 10 * target)
     else:
-        # what r_i is where κ = 1
+        # the value of r_i for κ = 1
         r = wide[CONTACT] / wide[9], wide[CONTACT + 1] / wide[10], wide[CONTACT + 2] / wide[11]
         x, y, _ = framed(wide, r, there)
         put(on_pairs(wide, r, x, levelled(wide, r, x, y, 0.0)), steps, 10 * target)
 
 
 def no_level(wide: Row, i: int) -> bool:
-    """Whether κ_i = r_i·Π(α_i − α_j) is 0, or so small that Σσ²/Π(α_i − α_j) does not determine the level of a
-    translation.
-    """
+    """Whether κ_i = r_i·Π(α_i − α_j) is 0 or too small for Σσ²/Π(α_i − α_j) to determine the level of a translation."""
     return abs(float(wide[9 + i])) <= LEAST_KAPPA * float(wide[CONTACT + i])
 
 
 def go_ahead(room: ShortRoom, first: bool, sign: int) -> None:
-    """The centre of the ``first`` panel, or those of the panels after the last one made, with their shadows; the data
-    of :func:`seen` at each.
+    """Computes the first centre, or the centres of the next :data:`AHEAD` panels, with their shadows, and the data of
+    :func:`seen` at each.
     """
     if first:
         for j in abreast(0, 2):
@@ -235,12 +239,12 @@ def go_ahead(room: ShortRoom, first: bool, sign: int) -> None:
 
 
 def led_on(room: ShortRoom, origin: int, place: int, sign: int, target: int, off: float) -> None:
-    """Row ``target`` of ``ahead``: row ``origin`` after a translation or its inverse, restored to its level set;
-    ``off`` as for :func:`levelled`.
+    """Writes row ``origin`` of ``ahead``, moved by a translation or its inverse and restored to its level set, to row
+    ``target``. ``off`` is that of :func:`levelled`.
 
-    Where a point of the divisor passes a node, x − e, which is like σ², is lost to rounding. From there errors of U and
-    V would grow like the square of input errors, while an addition keeps the digits of small pairs. So U and V are
-    computed from the pairs. Long translations also amplify deviations from the level set.
+    U and V are recomputed from the pairs. Where a point of the divisor passes a branch point e, x − e is of the order
+    of σ² and is lost to rounding, while an addition keeps the digits of a small pair. Long translations also amplify
+    deviations from the level set.
     """
     wide, r = room.wide, contact_of(room.wide)
     step = moving_point(room.steps, 10 * place)
@@ -253,8 +257,8 @@ def led_on(room: ShortRoom, origin: int, place: int, sign: int, target: int, off
 
 
 def framed(wide: Row, r: Any, point: Row) -> Any:
-    """The pairs (σ, ν) of a point with Σrσ² = 1, Σrσν = 0 and the Σrν² that follows, where r_iΠ(α_i − α_j) is κ_i; and
-    by what part the first and the last of these were off.
+    """(σ, ν, deviation): the pairs of a point, corrected to Σrσ² = 1, Σrσν = 0 and the Σrν² that follows. Here
+    r_iΠ(α_i − α_j) = κ_i. The deviation is the relative correction of the first sum plus that of the last.
     """
     x, y = (point[4], point[5], point[6]), (point[7], point[8], point[9])
     total = wide[6] + wide[7] + wide[8]
@@ -268,10 +272,10 @@ def framed(wide: Row, r: Any, point: Row) -> Any:
 
 
 def levelled(wide: Row, r: Any, x: Any, y: Any, off: float) -> Any:
-    """ν = ``y`` of a framed pair turned about σ = ``x`` so that f = V² mod U, if a turn can achieve that, which near a
-    node it cannot. The level is that of a ratio H1/H2 with the relative deviation ``off``.
+    """ν = ``y`` of a framed pair, turned about σ = ``x`` so that f = V² mod U. Where the slope is small no turn can
+    achieve that, and the turn is damped. ``off`` is the relative deviation of H1/H2 on the level set.
 
-    The remainder f − V² − UW is a multiple of Π(x − α_i). It is evaluated at c, before the first axis.
+    The remainder f − V² − UW is a multiple of Π(x − α_i). It is evaluated at c, below the smallest α_i.
     """
     low, high = min(wide[6], wide[7], wide[8]), max(wide[6], wide[7], wide[8])
     c = low - (high - low) / 2
@@ -289,14 +293,14 @@ def levelled(wide: Row, r: Any, x: Any, y: Any, off: float) -> Any:
 
 
 def on_pairs(wide: Row, r: Any, x: Any, y: Any) -> Row:
-    """The point of framed pairs: κσ² = U, κσν = V."""
+    """The moving point with given framed pairs, from κσ² = U, κσν = V."""
     p = wide[7] * wide[8], wide[8] * wide[6], wide[6] * wide[7]
     p, q = times_each(r, p), times_each(r, sums(wide))
     return inner(p, x, x), -inner(q, x, x), inner(p, x, y), -inner(q, x, y), x[0], x[1], x[2], y[0], y[1], y[2]
 
 
 def sums(wide: Row) -> Any:
-    """α_j + α_k."""
+    """α_j + α_k for the three axes i."""
     return wide[7] + wide[8], wide[8] + wide[6], wide[6] + wide[7]
 
 
@@ -306,7 +310,7 @@ def inner(r: Any, x: Any, y: Any) -> Any:
 
 
 def times_each(x: Any, y: Any) -> Any:
-    """x_i·y_i."""
+    """The three products x_i·y_i."""
     return x[0] * y[0], x[1] * y[1], x[2] * y[2]
 
 
@@ -321,7 +325,9 @@ def less(x: Any, k: Any, y: Any) -> Any:
 
 
 def seen(room: ShortRoom, j: int) -> None:
-    """Writes the data of the j-th centre ahead, and the distance of its shadow: in σ/|σ| and ν, where |w| = 1."""
+    """Writes the data of the j-th precomputed centre and the distance of its shadow: that of σ relative to |σ|, plus
+    that of ν, where |w| = 1.
+    """
     looked_at(room.wide, room.ahead, j, room.seen, POINT * j)
     here, there, square, apart, lean = 10 * j, 10 * (j + AHEAD), 0.0, 0.0, 0.0
     for i in range(3):
@@ -339,14 +345,16 @@ def contact_of(wide: Row) -> Any:
 
 
 def contact_in_floats(wide: Row) -> Any:
-    """The same in floats, with their rounding errors, which would be the same at all nodes."""
+    """r_i in floats, followed by their rounding errors, which would be common to all nodes."""
     r0, r1, r2 = wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2]
     x, y, z = float(r0), float(r1), float(r2)
     return x, y, z, float(r0 - x), float(r1 - y), float(r2 - z)
 
 
 def looked_at(wide: Row, points: Row, target: int, point: Row, place: int) -> None:
-    """Row ``target`` of ``points`` in floats, with 1/g and the deviation of H2 there, into ``point`` at ``place``."""
+    """Writes row ``target`` of ``points`` in floats, with 1/g and the deviation of H2 there, to ``point`` at
+    ``place``.
+    """
     there = moving_point(points, 10 * target)
     for i in range(10):
         point[place + i] = float(points[10 * target + i])
@@ -362,7 +370,7 @@ def looked_at(wide: Row, points: Row, target: int, point: Row, place: int) -> No
 def wide_values(
     wide: Row, points: Row, origin: int, steps: Row, place: int, mirrored: bool, values: Row, rates: Row
 ) -> None:
-    """:func:`node_values` in wide numbers, rounded."""
+    """:func:`node_values` computed in wide numbers and rounded."""
     point = moving_point(points, 10 * origin)
     (r0, r1, r2), zero = contact_of(wide), 0 * wide[0]
     r = r0, r1, r2, zero, zero, zero
@@ -370,8 +378,8 @@ def wide_values(
 
 
 def node_values(motion: Any, point: Any, steps: Row, place: int, mirrored: bool, values: Row, rates: Row) -> None:
-    """γ, w and 1/g at the nodes about a point, one addition each. ``place`` is where the
-    translations begin; ``mirrored``: in the order of descending τ.
+    """Writes γ, w and 1/g at the nodes about a point, by one addition each. The translations begin at ``place`` of
+    ``steps``; ``mirrored`` takes them in reverse order, for time that runs backward.
     """
     (f, axes, r), count = motion, len(rates)
     for j in abreast(0, count):
@@ -382,15 +390,17 @@ def node_values(motion: Any, point: Any, steps: Row, place: int, mirrored: bool,
 
 
 def evened(r: Any, point: Any) -> Any:
-    """√Σrσ², which is 1 up to a common rounding error of all σ; ``r``, followed by its rounding errors."""
+    """√Σrσ², which differs from 1 only by a common rounding error of all σ. ``r`` holds r_i, then their rounding
+    errors.
+    """
     x, y, z = point[4] * point[4], point[5] * point[5], point[6] * point[6]
     off = (r[0] * x + r[1] * y + r[2] * z - 1) + (r[3] * x + r[4] * y + r[5] * z)
     return 1 + off / 2
 
 
 def gamma_and_w(point: Any, values: Row, place: int, stride: int) -> None:
-    """γ and w = γ × M/|M| of the upright motion at a moving point, six floats ``stride`` apart. ν is w and a multiple
-    of σ, which may be large on thin balls.
+    """Writes γ and w = γ × M/|M| of the upright motion at a moving point, six floats ``stride`` apart. ν is w plus a
+    multiple of σ, which may be large for thin balls.
     """
     scale = 1 / root(point[4] * point[4] + point[5] * point[5] + point[6] * point[6])
     x, y, z = point[4] * scale, point[5] * scale, point[6] * scale

@@ -1,6 +1,4 @@
-"""Translations by about 2^k basic steps, so that the number of additions to a time is the number of binary digits of
-its steps.
-"""
+"""Translations by about 2^k basic steps. The number of additions to reach a time is then about log2 of its steps."""
 
 from __future__ import annotations
 
@@ -10,12 +8,12 @@ from typing import Any
 from integrable.moving_point.addition import opposite, shift, trust_of
 from integrable.moving_point.translations import Translations
 
-# the best conditioned translation is chosen among this many neighbours of a doubled step count
+# the best conditioned translation is chosen among this many neighbours on either side of a doubled step count
 SEARCH = 6
 
 
 class StepTable:
-    """The translations by 1, about 2, about 4, … basic steps, in bare reals, made on request."""
+    """The translations by 1, about 2, about 4, … basic steps, in bare reals, computed on request."""
 
     def __init__(self, translations: Translations) -> None:
         self._translations = translations
@@ -38,7 +36,9 @@ class StepTable:
         return self._levels[:1]
 
     def _add_level(self) -> None:
-        """Appends about twice the last count: the best conditioned translation of some neighbours."""
+        """Appends a translation by about twice the last count: the best conditioned one of the neighbours of the
+        double.
+        """
         double = self._translations.sum(self._levels[-1], self._levels[-1])
         rough = {m: self._near_sum(double, m) for m in range(-min(SEARCH, self._counts[-1] - 1), SEARCH + 1)}
         best = max(rough, key=lambda m: trust_of(rough[m]))
@@ -47,7 +47,7 @@ class StepTable:
         self._levels.append(exact)
 
     def _near_sum(self, step: tuple[Any, ...], m: int) -> tuple[Any, ...]:
-        """The translation by m further basic steps, approximately, in floats."""
+        """An approximation in floats of a translation plus m basic steps."""
         if m == 0:
             return tuple(map(float, step))
         problem = self._translations.f, self._translations.axes

@@ -1,8 +1,8 @@
-"""Translations of a flow by short times, to any precision: T(eps) with Σ∫dx/y = eps and Σ∫x dx/y = 0.
+"""Translations T(eps) of a flow by a time eps, to any precision: Σ∫dx/y = eps and Σ∫x dx/y = 0.
 
-Over bare reals T(eps) is a power series in eps² (:func:`expansion`) within half a basic step, and the 2^k-fold of
-T(eps/2^k) beyond. Balls, whose truncations are bounded, take Newton's iteration on the integrals in x
-(:meth:`Translations.centre`), whose digits double from pass to pass.
+Over bare reals T(eps) is a power series in eps² (:func:`expansion`) within half a basic step; beyond, it is 2^k times
+T(eps/2^k). Balls need bounds of truncation errors and therefore use Newton's iteration on the integrals in x
+(:meth:`Translations.centre`); each iteration doubles the digits.
 """
 
 from __future__ import annotations
@@ -17,23 +17,23 @@ from integrable.moving_point.legendre import doubling_precisions
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 
-# conjugate points of T(half step) at this part of the distance from x = 0 to the next branch point: the series converge
-# like its powers
+# the points of T(half step) have this fraction of the distance from x = 0 to the next branch point: the terms of the
+# series fall like its powers
 REACH = 0.3
-# bits gained by a term of the series at half a step: the two points are at most 1.4·REACH away from 0. Each halving of
-# eps gains another bit
+# bits gained per term of the series at half a step, where the two points are at most 1.4·REACH away from 0. Each
+# halving of eps gains another bit
 TERM_BITS = -log2(1.4 * REACH)
 FLOAT_BITS = 44
-# terms that show how far an expansion reaches, the bits from which on half a step is halved for many translations, and
-# how many are few
+# SCOUT: number of terms from which the radius of an expansion is estimated. HALVED_FROM: for many translations half a
+# step is halved once per so many bits. FEW: up to this number of translations a long series does not pay
 SCOUT = 24
 HALVED_FROM = 2500
 FEW = 6
 
 
 class Translations:
-    """T(eps) of one curve, in bare reals. ``f`` and ``axes`` are those of :mod:`integrable.moving_point.addition`,
-    ``half_step`` fits REACH.
+    """T(eps) of one curve, in bare reals. ``f`` and ``axes`` are those of :mod:`integrable.moving_point.addition`;
+    ``half_step`` is half of a basic step, chosen by REACH.
     """
 
     def __init__(self, reals: BareReals, f: Any, axes: Any, half_step: Any) -> None:
@@ -41,7 +41,7 @@ class Translations:
         self.f = reals.row(f)
         self.axes = (*reals.row(axes[:3]), *[reals.number(1)] * 4, reals.number(0))
         self.half_step = reals.number(half_step)
-        # a halving costs an addition and saves terms: near the optimum
+        # a halving costs an addition and saves terms; this number is near the optimum
         self._halvings = isqrt(reals.bits // 25)
         self._asked = 0
         self._expansions: dict[int, tuple[tuple[list[Any], ...], float]] = {}
@@ -73,14 +73,14 @@ class Translations:
                 found = expansion(self.f, size)
                 square = (half / 2**rest) ** 2
                 least = square ** (size - 1) * 2**self.reals.bits
-                # against the first that are not 0, of order 0 or 1
+                # compared with the first coefficients that are not 0, of order 0 or 1
                 if all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in found):
                     return found, radius
             radius = 1 + 0.8 * (radius - 1)
 
     def _terms(self, radius: float, size: float) -> int:
-        """The number of terms of an expansion with this radius that give all digits at an eps of this size, both in
-        half steps.
+        """The number of terms that give all digits at an eps of this ``size``. ``size`` and the expansion's ``radius``
+        are in half steps.
         """
         return max(4, int(self.reals.bits / (2 * log2(max(min(radius / size, 2.0**500), 1.01)))) + 6)
 
@@ -116,20 +116,24 @@ class Translations:
             return self.reals.plain_row(shift(self.f, self.axes, first, second))
 
     def at_nodes(self, nodes: list[Any], length: int) -> list[tuple[Any, ...]]:
-        """T at nodes of [−1, 1], symmetric about 0 and without it, of a panel of ``length`` basic steps."""
+        """T at the nodes of a panel of ``length`` basic steps. ``nodes`` lie in [−1, 1], symmetric about 0, and do not
+        include 0.
+        """
         self._asked += len(nodes) // 2
         with self.reals:
             outer = [self.near(self.half_step * length * x) for x in nodes[: len(nodes) // 2]]
             return outer + [opposite(step) for step in outer[::-1]]
 
     def plan(self, eps: Any) -> tuple[int, float]:
-        """How often to halve eps, and the bits that each term of the series then gains."""
+        """(number of halvings of eps, bits gained per term of the series after them)."""
         exponent = frexp(float(max(abs(eps) / self.half_step, 2.0**-500)))[1]
         doublings = max(0, exponent + self._halvings)
         return doublings, TERM_BITS + doublings - exponent
 
     def centre(self, eps: Any, term_bits: float) -> tuple[Any, Any]:
-        """(m, r) of T(eps), its points at m ± √r: Newton from floats or, for a tiny eps, from the leading order."""
+        """(m, r) of T(eps), whose points are at m ± √r, by Newton's method. It starts from floats or, for a tiny eps,
+        from the leading order.
+        """
         reals, f0 = self.reals, self.f[0]
         r = f0 * eps * eps / 4
         m = -self.series[1] * r / 3
@@ -146,21 +150,21 @@ class Translations:
         return m, r
 
     def terms(self, bits: int, term_bits: float) -> int:
-        """The number of terms of the series that give that many bits."""
+        """The number of terms of the series that give ``bits`` bits, if each gains ``term_bits``."""
         return min(len(self.series), int(bits / term_bits) + 6)
 
 
 def expansion(f: Row, count: int) -> tuple[list[Any], list[Any], list[Any], list[Any]]:
     """u0, u1, v0/eps and v1·eps of T(eps) as power series in z = eps², ``count`` coefficients each.
 
-    By u0' = v1u0 − u1v0, u1' = −v0, 2v0' = u1w0 − s0u0, 2v1' = w0 + u1w1 − s0u1 − w2u0 with W = (f − V²)/U and s0 = w1
-    − f5u0 (:meth:`integrable.motion.enclosure.BallMotion.velocity`), from u0 = −f0z/4 + …, u1 = −f1z/12 + …: two orders
-    are resonant, and those are their coefficients.
+    They follow from u0' = v1u0 − u1v0, u1' = −v0, 2v0' = u1w0 − s0u0, 2v1' = w0 + u1w1 − s0u1 − w2u0, where
+    W = (f − V²)/U and s0 = w1 − f5u0 (:meth:`integrable.motion.enclosure.BallMotion.velocity`). These equations leave
+    two coefficients undetermined (resonance), so u0 = −f0z/4 + … and u1 = −f1z/12 + … are prescribed.
     """
     f0, f1, f2, f3, f4, f5 = f
     zero, one = 0 * f0, f0 / f0
     u0, u1, v0, v1 = [zero, -f0 / 4], [zero, -f1 / 12], [f1 / 6], [2 * one]
-    # s0, w0 + v1²/z + u1w1 and the coefficients of v1²
+    # the series of s0, of w0 + v1²/z + u1w1, and of (v1·eps)²
     s0, rest, squares = [], [], [4 * one]
     for k in range(1, count):
         if k > 1:
@@ -180,8 +184,8 @@ def expansion(f: Row, count: int) -> tuple[list[Any], list[Any], list[Any], list
 
 
 class Expansion(NamedTuple):
-    """Rows for the coefficients of :func:`expansion` and, behind v1, for what they come from: s0, those of (v1·eps)²,
-    and of w0 + u1w1 less those of the next order.
+    """Rows for the coefficients of :func:`expansion` and for auxiliary series: s0, (v1·eps)², and ``less``, the
+    coefficients of w0 + v1²/z + u1w1 minus those of (v1·eps)² of the next order.
     """
 
     u0: Row
@@ -194,7 +198,7 @@ class Expansion(NamedTuple):
 
 
 def expansion_of(row: Row) -> Expansion:
-    """Seven equal parts of a row."""
+    """An :class:`Expansion` whose rows are seven equal parts of a row."""
     n = len(row) // 7
     return Expansion(
         row[:n], row[n : 2 * n], row[2 * n : 3 * n], row[3 * n : 4 * n], row[4 * n : 5 * n], row[5 * n : 6 * n],
@@ -203,7 +207,7 @@ def expansion_of(row: Row) -> Expansion:
 
 
 def high_parts(rows: Expansion) -> Expansion:
-    """The same rows; when compiled, the high parts of double-doubles."""
+    """The same rows. In compiled code, the high parts of their double-doubles."""
     return Expansion(
         leading(rows.u0), leading(rows.u1), leading(rows.v0), leading(rows.v1), leading(rows.s0), leading(rows.squares),
         leading(rows.less),
@@ -211,14 +215,14 @@ def high_parts(rows: Expansion) -> Expansion:
 
 
 def expand_orders(f: Row, rows: Expansion, begin: int, end: int) -> None:
-    """:func:`expansion` written to be compiled: orders ``begin`` … ``end`` − 1 from those before."""
+    """:func:`expansion` in a form that compiles: computes the orders ``begin`` … ``end`` − 1 from the earlier ones."""
     f0, f1, f2, f3, f4, f5 = f
     u0, u1, v0, v1, s0, squares, less = rows
     zero = 0 * f0
     if begin == 0:
         u0[0], u1[0], v0[0], v1[0] = zero, zero, f1 / 6, 2 + zero
     for k in range(max(begin, 1), end):
-        # sums of one length together: the next term of one does not wait for that of another
+        # sums of equal length share a loop: their terms do not wait for one another
         s, t, own, straight, mixed, bent = zero, zero, zero, zero, zero, zero
         for i in range(1, k):
             s += v1[i] * u0[k - i]
@@ -259,8 +263,8 @@ def series_of(f: tuple[Any, ...], power: int, size: int) -> tuple[Any, ...]:
 
 
 def power_series(f: Row, power: int, out: Row) -> None:
-    """Coefficients of (f/f0)^(power/2) about 0 into ``out``, by the recurrence of its logarithmic derivative; f has six
-    coefficients, ascending.
+    """Writes the coefficients of (f/f0)^(power/2) about 0 to ``out``, by the recurrence from its logarithmic
+    derivative. f has six coefficients, ascending.
     """
     one = f[0] / f[0]
     out[0] = one
