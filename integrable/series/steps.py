@@ -48,7 +48,7 @@ SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 1e-4, 1e-6, 3e-3, 3.
 
 
 def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
-    """The steps to try, one after the other; the last are accurate to the last bits."""
+    """The steps to try, in this order; the last ones are accurate to the last bits of floats."""
     if tolerance is None:
         return ROUGH, FINE
     agreed = tolerance / SPARE
@@ -83,7 +83,7 @@ def weight(tape: Tape, orders: Orders) -> float:
 
 
 def bounds_of(steps: Steps, most: float) -> tuple[float, ...]:
-    """The numbers of :class:`integrable.series.walk.Bounds`."""
+    """The fields of :class:`integrable.series.walk.Bounds`, in its order."""
     wide, order = steps.orders
     # if all terms are floats, the first float terms do not limit the step
     orders = 1 / (order - 1), 1 / order, 1 / max(1, wide + 1), 1 / max(1, wide + 2)

@@ -9,7 +9,7 @@ from jacobian.native.code import Code, constant, types_in
 from jacobian.numbers.double_double_steps import two_product, two_sum
 
 Wide = tuple[str, str]
-"""(hi, lo)."""
+"""The names of the two parts (hi, lo) of a double-double, or (float, "")."""
 
 
 class Text(Code):
@@ -26,7 +26,7 @@ class Text(Code):
         return f"%x{next(self._numbers)}"
 
     def real(self, x: float) -> str:
-        """A constant."""
+        """The literal of the constant x, in all lanes."""
         return self.literal("double", constant(x))
 
     def load(self, place: int, base: str = "%s") -> str:

@@ -146,7 +146,7 @@ def walked(codes: Codes, bounds: Bounds, given: Given, room: Any, units: Any, ti
 
 
 def in_order(times: Any) -> bool:
-    """Whether times are finite, of one sign, and ascend in size."""
+    """Whether times are finite, of one sign, and in ascending size."""
     before = 0.0
     down = times[len(times) - 1] < 0
     for i in range(len(times)):
@@ -237,7 +237,7 @@ def put_rows(codes: Codes, given: Given, room: Any, at: Place, times: Any, limit
             left = time - now
             if not (step > 0 and abs(left) <= step):
                 break
-            # the rounding error of the difference
+            # the low part of ``ahead`` is the rounding error of the difference
             back = left - time
             ahead[fitting] = left
             ahead[TIMES + fitting] = (time - (left - back)) - (now + back)

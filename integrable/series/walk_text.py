@@ -205,7 +205,7 @@ def _constant(text: Text, key: Key, known: dict[Key, Wide]) -> Wide:
 
 
 def _growth() -> str:
-    """e^x − 1 of a double-double."""
+    """The LLVM function e^x − 1 of a double-double."""
     text = Text(1)
     small = text.real(2.0**-HALVED)
     x = text.fmul("%hi", small), text.fmul("%lo", small)
