@@ -98,7 +98,7 @@ class BodySystem(MumfordSystem):
         return {"H1": N.dot(self._omega(N, state), state.p), "H2": N.dot(state.p, state.p)}
 
     def _pairs(self, N: Any, state: Point) -> tuple[tuple[Any, Any], ...]:
-        """The (σ_i, ν_i)."""
+        """The lifts (σ_i, ν_i) at the a_i."""
         gamma, w = state.q, cross(N, *state)
         stretch = self._stretch(N, gamma)
         lean = N.dot(self._weights(N), [x * y for x, y in zip(gamma, w, strict=True)]) / stretch
@@ -165,7 +165,7 @@ class BodySystem(MumfordSystem):
         return max(0, ceil(-DIGITS_A_GAP * float(N.context.log10(gap))) - SPARE) if gap else 0
 
     def _unit(self, N: Any, state: Point) -> Unit:
-        """The curve in X = 1 − l(x)/L, L = 2 max c_i, y = height·Y."""
+        """The :class:`Unit` of a state, in X = 1 − l(x)/L, L = 2 max c_i, y = height·Y."""
         (p, q), weights = self._light(N), self._weights(N)
         h1, h2 = self._integrals(N, state).values()
         size = 2 * max(weights)

@@ -77,7 +77,7 @@ def lax_matrix(K: Any, f: Poly, u: Poly, v: Poly) -> tuple[tuple[Poly, Poly], tu
 
 
 def lax_partner(K: Any, f: Poly, u: Poly, v: Poly, a: Any) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
-    """(x − a)·M(x) with 2L' = [L, M] along c_k = a^k: L(a) + U(a)(κ(x) − κ(a))E₂₁, κ = W div U."""
+    """(x − a)M(x) = L(a) + U(a)(κ(x) − κ(a))E₂₁, κ = W div U, where 2L' = [L, M] along c_k = a^k."""
     matrix = lax_matrix(K, f, u, v)
     at_a = [[poly.evaluate(K, entry, a) for entry in row] for row in matrix]
     slope = poly.quotient(K, matrix[1][0], u)

@@ -41,7 +41,7 @@ TIMES_TO_THETA = 12
 ROUNDED = 2.0**-53
 # the values of Path.way
 SERIES, TORUS, ADDITIONS = "series", "torus", "additions"
-# genera for which tables in double-double numbers keep the digits of floats
+# genera in which tables of double-doubles are accurate to the digits of floats
 GENERA_TABLED = range(3, 7)
 
 
@@ -200,7 +200,7 @@ class MumfordFlow:
 
     @cached_property
     def _tabled(self) -> TabledStates | None:
-        """The tables for many states of a motion in floats, in genera beyond those of a torus."""
+        """The tables for many states of a motion in floats, in genera 3 to 6; None if they are not available."""
         if self._genus not in GENERA_TABLED or self._clock is not None or not self._compiles:
             return None
         from integrable.mumford.tabled import TabledStates

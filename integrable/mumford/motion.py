@@ -19,7 +19,7 @@ from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, ExtendedGroup, Kind, Lift, PointLift
 
-# bits between the two precisions, and the initial allowances: per genus, per doubling, and at the start
+# number of bits between the two precisions; initial allowances for lost bits: per genus, per doubling, at the start
 APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
 MOST_BITS = 4000
 # largest rates that rounding may leave for a pair at rest, in units of the last bit

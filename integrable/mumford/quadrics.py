@@ -36,7 +36,7 @@ class QuadricSystem(MumfordSystem):
     """Base class of these systems; ``constants`` are the a_i."""
 
     sign = 1
-    """ε."""
+    """The sign ε."""
     before = 0
     """The number of q that precede those of the axes."""
 
@@ -65,7 +65,7 @@ class QuadricSystem(MumfordSystem):
         return x if self.sign > 0 else -x
 
     def _pull(self, N: Any, state: Point) -> list[Any]:
-        """l_i²/q_i² of the axes."""
+        """l_i²/q_i² for each axis; 0 if l_i = 0."""
         q, _ = self._axes(state)
         return [(N.coerce(e) / x) ** 2 if self._stands(e) else N.zero for e, x in zip(self._barriers(), q, strict=True)]
 

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from integrable.series.kinds import Kind
 
-# allowed violation of the constraints of a state, in units of the effect of the last digits of q and p
+# allowed violation of the constraints of a state, in units of the effect of a change in the last digits of q and p
 OFF = 2.0**24
 # smallest tolerance that plain steps in floats can meet
 LEAST = 2.0**-50

@@ -260,7 +260,7 @@ def complex_roots(N: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]
                 x -= move
                 if not abs(move) > N.root_of_eps * abs(x):
                     break
-            # conjugate pairs are exactly conjugate
+            # only one root of a conjugate pair is kept; its conjugate is added below, so that they match exactly
             polished.append(x.real if z.imag == 0 else x)
         pairs = [x for x in polished if x.imag > 0]
         real = [x for x in polished if x.imag == 0]

@@ -114,7 +114,7 @@ class GroupTranslations:
 
     @property
     def reference(self) -> Extended:
-        """E."""
+        """The reference divisor E."""
         return self._near(self.field.zero)
 
     def from_reference(self, D: Extended) -> Extended:
@@ -169,7 +169,7 @@ class GroupTranslations:
         return bool(self.group.size_of_x(D.u) < NEAR * self._size)
 
     def _near(self, time: Any) -> Extended:
-        """E(time)."""
+        """E(time), with its data."""
         u, v, omega, thirds = self._series.at(time)
         return self._placed(u, v, omega, self._start, thirds)
 
