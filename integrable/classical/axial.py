@@ -37,7 +37,7 @@ class Axis(NamedTuple):
 
 
 class AxialSystem(MumfordSystem):
-    """Base of Lagrange's top and the spherical pendulum."""
+    """Base class of Lagrange's top and the spherical pendulum."""
 
     size = 3
     constants = ()
@@ -124,7 +124,7 @@ class AxialSystem(MumfordSystem):
         return Start(f, u, v, self._direction(N, 1), kinds, tuple(data))
 
     def _unit(self, N: Any, f: Any, e: Any, axis: Axis, g: Any, nu: Any) -> Any:
-        """κ with κg² = U(e), κν² = −W(e)."""
+        """The κ of the lift g at e: κg² = U(e), κν² = −W(e)."""
         if abs(g) ** 2 > abs(nu) ** 2:
             return (e - axis.z) / (g * g)
         if nu == 0:

@@ -36,7 +36,7 @@ from jacobian.inexact.long_field import LongField
 
 # bits of the roots, half of which are lost if two roots nearly coincide; bits of later quantities
 BITS, FEWER_BITS = 400, 180
-# Newton steps from a root in floats
+# largest number of Newton steps from a root in floats
 NEWTON_STEPS = 8
 # a gap below the first fraction of its neighbours has no digits left; one below the second has no effect
 LOST, NOTHING = 2.0**-130, 2.0**-90

@@ -76,7 +76,7 @@ class Ellipsoid(MumfordSystem):
         return all_of(N, (f, u, v), self.size - 1)
 
     def _momenta(self, N: Any, state: Point) -> tuple[Any, ...]:
-        """The F_i."""
+        """The integrals F_i."""
         return uhlenbeck(self._constants_in(N), state, [y * y for y in state.p])
 
     def _genus(self) -> int:
@@ -100,7 +100,7 @@ class Ellipsoid(MumfordSystem):
         return Point(p, tuple(-(pull * x) for x in normal))
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
-        """The F_i, |v|² = ΣF_i, and Joachimsthal's Σv_i²/a_i·Σx_i²/a_i²."""
+        """The integrals F_i, |v|² = ΣF_i, and Joachimsthal's Σv_i²/a_i·Σx_i²/a_i²."""
         q, p = state
         normal = [x / e for x, e in zip(q, self._constants_in(N), strict=True)]
         return {

@@ -47,7 +47,7 @@ class Garnier(QuadricSystem):
         )
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
-        """H, and the coefficients of f."""
+        """The integrals: H, and the coefficients of f."""
         alpha, beta = self._parameters_in(N)
         square = N.dot(state.q, state.q)
         linear = N.dot([(alpha * e + beta) * x for e, x in zip(self._constants_in(N), state.q, strict=True)], state.q)

@@ -99,7 +99,7 @@ class HenonHeiles(QuadricSystem):
         return Point(state.p, tuple(rates))
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
-        """H, and the coefficients of f."""
+        """The integrals: H, and the coefficients of f."""
         alpha, beta, gamma, *_ = self._parameters_in(N)
         first, *q = state.q
         square = N.dot(q, q)

@@ -189,7 +189,7 @@ class Wave:
         return value, widest(((value,), span))
 
     def _given(self, x: Any, t: Any) -> tuple[Any, Any]:
-        """x and t as arrays of one shape, of elements of the field."""
+        """x and t, broadcast to arrays of one shape, with elements of the field."""
         import numpy as np
 
         K = self.kdv.field

@@ -47,7 +47,7 @@ class KowalevskiTop(MumfordSystem):
         return Point((y * r - z * q, z * p - x * r, x * q - y * p), (q * r / 2, -(p * r + z) / 2, y))
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
-        """l_1, l, k² and |γ|²."""
+        """The integrals l_1, l, k² and |γ|²."""
         (x, y, z), (p, q, r) = state
         real, imaginary = p * p - q * q + x, 2 * p * q + y
         return {

@@ -37,7 +37,7 @@ class LagrangeTop(AxialSystem):
         return Point(rates, (b * turn - c * b + y, c * a - a * turn - x, a * b - b * a))
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
-        """h, L = (M, γ), c = M_3, |γ|²."""
+        """The integrals h, L = (M, γ), c = M_3 and |γ|²."""
         (_, _, z), (a, b, c) = state
         return {"h": (a * a + b * b) / 2 + z, "L": N.dot(*state), "c": c, "gamma squared": N.dot(state.q, state.q)}
 

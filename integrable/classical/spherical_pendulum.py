@@ -41,7 +41,7 @@ class SphericalPendulum(AxialSystem):
         return Point(p, (tension * q[0], tension * q[1], tension * q[2] - 1))
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
-        """h and L."""
+        """The integrals h and L."""
         q, p = state
         return {"h": N.dot(p, p) / 2 + q[2], "L": q[0] * p[1] - q[1] * p[0]}
 

@@ -53,7 +53,7 @@ class TodaLattice(MumfordSystem):
         return tuple(exponential(N, x - state.q[0]) for x in state.q)
 
     def _links(self, N: Any, state: Point) -> list[Any]:
-        """e^{q_{k+1} − q_k}, k = 1 … n."""
+        """The links e^{q_{k+1} − q_k}, k = 1 … n."""
         w = self._exponentials(N, state)
         return [w[(k + 1) % self.size] / w[k] for k in range(self.size)]
 

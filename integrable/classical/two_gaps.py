@@ -78,7 +78,7 @@ class TwoGaps(MumfordSystem):
         )
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
-        """s_4 and s_5."""
+        """The integrals s_4 and s_5."""
         u = state.q[0]
         (F, F1, F2), (G, G1, G2) = self._jets(N, state)
         return {
