@@ -116,7 +116,8 @@ class DeformedFlow(EnclosedMotion):
     It is the base class of the flows that ``system.flow`` returns. The inputs count as exact, and states are rounded
     once to the field, floats included. Repeated calls return the same bits, whatever was computed before. Last bits may
     change only when the walk of a kind of systems is compiled, once per machine
-    (:class:`integrable.series.kinds.Kind`). PrecisionLoss if too many digits would be lost.
+    (:class:`integrable.series.kinds.Kind`). PrecisionLoss if more than MOST_LOST digits would be lost
+    (:mod:`integrable.motion.precise`).
     """
 
     method = "elliptic curves"
@@ -128,7 +129,7 @@ class DeformedFlow(EnclosedMotion):
             _ = self._curves
 
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
-        """The motion over the wide numbers of ``system``."""
+        """The motion (the carrier) over the wide numbers of ``system``."""
         raise NotImplementedError
 
     @cached_property

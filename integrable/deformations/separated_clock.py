@@ -22,7 +22,7 @@ GUARD_BITS = 30
 MOST_MODES = 1 << 16
 """Largest number of modes at USUAL_BITS bits, about a second of set-up; at more bits it is reduced in proportion."""
 USUAL_BITS = 256
-# modes in excess of the number that their decay suggests
+# number of modes beyond that which their decay suggests
 MARGIN = 6
 # size up to which transforms are computed as direct sums
 SHORT = 8
@@ -47,7 +47,7 @@ class OnTwoCurves(Protocol):
         """The weights of 1 + dz_k in g²."""
 
     def pace(self, first: Any, second: Any) -> Any:
-        """1/g from z on both curves."""
+        """dt/dτ = 1/g, from z on both curves."""
 
 
 class SeparatedClock:
@@ -153,7 +153,7 @@ class SeparatedClock:
         return swing * unit, (c1 @ (self._table @ c2)) * unit
 
     def _circle(self, turns: Any, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """cos and sin of 0, θ, 2θ, … as integers."""
+        """cos and sin of 0, θ, 2θ, … as integers in units of 2^−bits; θ is given in turns."""
         context, bits = self._motion.field.context, self._bits
         with context.workprec(bits + GUARD_BITS):
             c, s = (int(context.ldexp(f(2 * turns), bits + GUARD_BITS)) for f in (context.cospi, context.sinpi))
@@ -264,7 +264,7 @@ def _floats(table: np.ndarray, bits: int) -> np.ndarray:
 
 
 def _turns(turns: float, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """cos and sin of 0, θ, 2θ, … in floats."""
+    """cos and sin of 0, θ, 2θ, … in floats; θ is given in turns."""
     angles = 2 * np.pi * turns * np.arange(count)
     return np.cos(angles), np.sin(angles)
 

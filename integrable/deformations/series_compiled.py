@@ -1,4 +1,4 @@
-"""The loops of :mod:`integrable.deformations.series` compiled for double-double numbers."""
+"""The loops of :mod:`integrable.deformations.series`, compiled for double-doubles."""
 
 from __future__ import annotations
 
