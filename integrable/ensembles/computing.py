@@ -61,8 +61,9 @@ class Said(NamedTuple):
 def computed(
     system: Any, members: np.ndarray, tilted: bool, times: np.ndarray, out: np.ndarray, most: int | None = None
 ) -> Outcome:
-    """γ, M and τ of all members into ``out``, shape (K, N, 7); ``times`` of shape (1, N) or (K, N). ``most`` threads,
-    by default all.
+    """Writes γ, M and τ of all members into ``out``, shape (K, N, 7), and returns the outcome.
+
+    ``times`` has shape (1, N) or (K, N). At most ``most`` threads are used, by default all.
     """
     quick = np.zeros(len(members), dtype=bool)
     body = isinstance(system, System) and not interpreted()
@@ -97,7 +98,7 @@ class _Work(NamedTuple):
         return gathered(count, length, self.part, most)
 
     def part(self, begin: int, end: int) -> list[Said]:
-        """The members of a range; the outcome of those without a short run."""
+        """Computes the members of a range, and returns the outcome of those without a short run."""
         left = np.ones(end - begin, dtype=bool)
         for rolls in (True, False):
             which = begin + np.flatnonzero(self.quick[begin:end] & ((self.members[begin:end, 3] != 0) == rolls))
@@ -106,7 +107,7 @@ class _Work(NamedTuple):
         return [self.one(k) for k in (begin + np.flatnonzero(left)).tolist()]
 
     def short_runs(self, which: np.ndarray, rolls: bool) -> np.ndarray:
-        """The states of these members by short runs; which of them had one."""
+        """Computes members by short runs, and returns which of them had one."""
         had, rows, tau = short_runs(self.members, self.tilted, rolls, self.times, which)
         self.out[had, :, :6], self.out[had, :, 6] = rows, tau
         return had
@@ -127,8 +128,9 @@ class _Work(NamedTuple):
 def short_runs(
     members: np.ndarray, tilted: bool, rolls: bool, times: np.ndarray, which: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Short runs of the members ``which``: whether each has one, their γ and M, (H, N, 6), and τ, (H, N) or
-    broadcastable to it.
+    """Short runs of the members ``which``.
+
+    Returns whether each has one, γ and M of shape (H, N, 6), and τ of shape (H, N) or broadcastable to it.
 
     ``times`` is (1, N), or (K, N) for as many ``members``.
     """
@@ -177,8 +179,9 @@ def statuses(status: np.ndarray, partial: dict[int, np.ndarray], length: int) ->
 
 
 def held(count: int, length: int, columns: int, instead: str) -> None:
-    """ArgumentError, which recommends ``instead``, where memory cannot hold that many columns of floats for ``count``
-    members at ``length`` times.
+    """Raises ArgumentError, which recommends ``instead``, if the result would not fit into memory.
+
+    The result has ``columns`` floats for each of ``count`` members at ``length`` times.
     """
     size = 8.0 * count * length * columns
     if size > _memory():

@@ -30,13 +30,12 @@ class Ensemble(Members):
     """The result of :func:`ensemble`."""
 
     def at(self, times: Any, *, out: np.ndarray | None = None) -> Trajectories:
-        """The states of all members at physical times, in any order, of any sign and size: shape (N,), the same for
-        all, or (K, N).
+        """The states of all members at physical times of any order, sign and size.
 
-        Few turns are short runs, whose clock is right to 2·10⁻¹³ plus 4·10⁻¹⁶ of the time; the rest comes from
-        :meth:`flow`. A refused member or time does not affect the others: :attr:`Trajectories.status`. ``out``, shape
-        (K, N, 7), receives γ, M and τ and is used in the result: a ``numpy.memmap`` for results larger than memory, or
-        use :meth:`chunks`.
+        Times have shape (N,), the same for all members, or (K, N). Motions over a few turns are short runs, whose times
+        have an error of at most 2·10⁻¹³ plus 4·10⁻¹⁶ of the time; the rest comes from :meth:`flow`. A refused member or
+        time does not affect the others: see :attr:`Trajectories.status`. ``out``, shape (K, N, 7), receives γ, M and τ
+        and is used in the result. For results larger than memory give a ``numpy.memmap``, or use :meth:`chunks`.
         """
         given = time_rows(times, len(self))
         shape = (len(self), given.shape[1], COLUMNS)
@@ -50,7 +49,10 @@ class Ensemble(Members):
         return Trajectories(self, given, out, computed(self.system, self.members, self.tilted, given, out))
 
     def chunks(self, times: Any, members: int | None = None) -> Iterator[Trajectories]:
-        """:meth:`at` for that many members at a time, in order, in memory for those alone, 64 MB by default."""
+        """Yields the results of :meth:`at` for ``members`` members at a time, in order.
+
+        Memory is needed for one such chunk only, 64 MB by default.
+        """
         given = time_rows(times, len(self))
         if members is None:
             members = max(1, CHUNK_BYTES // (8 * COLUMNS * max(1, given.shape[1])))

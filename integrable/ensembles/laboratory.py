@@ -93,7 +93,7 @@ class LaboratoryEnsemble(Record):
         return map(self.motion, range(len(self)))
 
     def __getitem__(self, which: Any) -> Any:
-        """The motion of a member, or those of the members that a slice, an array of numbers or truth values chooses."""
+        """The motion of one member, or the members chosen by a slice, an array of indices or a Boolean mask."""
         if not several(which):
             return self.motion(member_number(which, len(self)))
         which = chosen(which, len(self))
@@ -151,7 +151,7 @@ class _Work(NamedTuple):
         return _Work(many, members, frames, quick, times, np.empty((*shape, 3, 3)), np.empty((*shape, 3)))
 
     def part(self, begin: int, end: int) -> list[Said]:
-        """The members of a range; the refused ones, and the reasons."""
+        """Computes the members of a range, and returns the outcome of those without a short run."""
         left = np.ones(end - begin, dtype=bool)
         which = begin + np.flatnonzero(self.quick[begin:end])
         if len(which):
@@ -163,7 +163,7 @@ class _Work(NamedTuple):
         return [Said(k, REFUSED, why) for k, why in found if why]
 
     def put(self, which: np.ndarray, rows: np.ndarray) -> None:
-        """The orientations and ω of states γ and M, (H, N, 6)."""
+        """Writes the orientations and ω that follow from γ and M, shape (H, N, 6)."""
         inertia, d = self.members[0, :3].tolist(), float(self.members[0, 3])
         gamma, M = rows[..., :3].reshape(-1, 3), rows[..., 3:].reshape(-1, 3)
         axes = self.many.body.axes
@@ -173,7 +173,7 @@ class _Work(NamedTuple):
         self.omega[which] = omega.reshape(*rows.shape[:2], 3) @ axes.T
 
     def one(self, member: int) -> str:
-        """One member by its own motion; the reason of its refusal, or nothing."""
+        """Computes one member by its own motion. Returns the reason of its refusal, or ""."""
         try:
             run = self.many.motion(member).at(times_of(self.times, member))
             self.matrices[member], self.omega[member] = run.matrices, run.omega_body
@@ -247,8 +247,9 @@ class LaboratoryRuns(Runs, Exported):
 
     @cached_property
     def quaternion(self) -> np.ndarray:
-        """The same as unit quaternions (w, x, y, z), (K, N, 4): for each member the first with w ≥ 0, each other
-        nearest to the one before it.
+        """The ``matrices`` as unit quaternions (w, x, y, z), shape (K, N, 4).
+
+        A member's first quaternion has w ≥ 0; of the two signs, each later one has that closer to the previous one.
         """
         found = attitude.quaternions(self.matrices.reshape(-1, 3, 3)).reshape(*self.matrices.shape[:2], 4)
         return read_only(going_on(found))

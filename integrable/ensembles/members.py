@@ -1,7 +1,7 @@
 """The members of an ensemble: their numbers, broadcast to one another, and which of them are plain.
 
-A body, a state or a flow checks one member at a time. Here are only bounds for all members together: within them
-nothing is refused, and short runs of compiled code may be tried.
+A body, a state or a flow checks one member at a time. This module only has bounds for all members together. Members
+within them are never refused, and short runs of compiled code may be tried.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Members(Record):
         return table(repr(self), ["member", *heads], [(k, *row) for k, row in enumerate(self.members.tolist())])
 
     def __getitem__(self, which: Any) -> Any:
-        """The motion of a member, or those of the members that a slice, an array of numbers or truth values chooses."""
+        """The motion of one member, or the members chosen by a slice, an array of indices or a Boolean mask."""
         if not several(which):
             return self.flow(member_number(which, len(self)))
         return replaced(self, members=self.members[chosen(which, len(self))])
@@ -146,13 +146,13 @@ def time_rows(times: Any, count: int) -> np.ndarray:
 
 
 def times_of(times: np.ndarray, member: int) -> np.ndarray:
-    """Of :func:`time_rows`, those of one member, shape (N,)."""
+    """The times of one member, shape (N,), from those of :func:`time_rows`."""
     row: np.ndarray = times[member if len(times) > 1 else 0]
     return row
 
 
 def times_of_some(times: np.ndarray, which: Any) -> np.ndarray:
-    """Of :func:`time_rows`, those of some members, (1, N) where all have the same."""
+    """The times of some members, from those of :func:`time_rows`; shape (1, N) if all have the same."""
     return times[which] if len(times) > 1 else times
 
 
@@ -175,7 +175,10 @@ def motion_of(system: Any, row: np.ndarray, tilted: bool, kernel: str = "auto") 
 
 
 def plain(members: np.ndarray, tilted: bool) -> np.ndarray:
-    """Which members are certainly accepted, have distinct or two equal moments, and M off every axis: shape (K,)."""
+    """A mask of shape (K,) of the plain members.
+
+    They are certainly accepted, have distinct or two equal moments, and M is off every axis.
+    """
     inertia, d, gamma, M = members[:, :3], members[:, 3], members[:, 4:7], members[:, 7:]
     with np.errstate(all="ignore"):
         least, most = inertia.min(axis=1), inertia.max(axis=1)
