@@ -84,9 +84,9 @@ def _antiderivative(values: np.ndarray) -> np.ndarray:
 def ovals(system: Any, states: list[State]) -> Ovals:
     """The points of the divisors of ``states`` of one motion.
 
-    The angles continue without a jump between states so near that no point goes half round its oval; otherwise they are
-    right up to whole turns. NotRepresentable where an oval has shrunk to a point (equal moments, a rotation about an
-    axis) or both have met.
+    The angles are continuous if between two states no point goes half round its oval. Otherwise they are right up to
+    whole turns. Raises NotRepresentable where an oval has shrunk to a point (equal moments, a rotation about an axis)
+    or the two ovals have met.
     """
     if states[0].tilted:
         system, _, change = system.upright(states[0])

@@ -32,8 +32,9 @@ def shown(given: Scene | str | Path, until: float | None = None, frames: int = F
     ``angles`` and ``ovals``.
 
     ``turning`` has the body's axes in space, nine numbers a frame; ``missing`` gives the reasons for absent data.
-    ``until``: the last time, by default that of the scene or some ten turns, whichever is less; ``frames`` equally
-    spaced times, for an orbit its first states. ArgumentError over a finite field, which has no picture.
+    ``until`` is the last time, by default that of the scene or some ten turns, whichever is less. There are ``frames``
+    equally spaced times, or for an orbit that many first states. Raises ArgumentError over a finite field, which has
+    no picture.
     """
     scene = given if isinstance(given, Scene) else load_scene(given)
     frames = whole(frames, "frames", "give an int from 2 to 20000", 2, 20000)
