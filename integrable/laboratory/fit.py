@@ -141,7 +141,7 @@ class _Problem:
         return self._known[1]
 
     def residuals(self, x: np.ndarray) -> np.ndarray:
-        """The turns in the laboratory from computed to measured orientations, (3N,)."""
+        """The rotation vectors, in the laboratory, from computed to measured orientations, shape (3N,)."""
         from scipy.spatial.transform import Rotation
 
         there = self._motion(x).at(self._times).matrices
@@ -149,7 +149,7 @@ class _Problem:
         return found
 
     def slopes(self, x: np.ndarray) -> np.ndarray:
-        """(3N, 8), the derivatives of the residuals, for small residuals."""
+        """The derivatives of the residuals, shape (3N, 8), for small residuals."""
         motion = self._motion(x)
         if motion.flow is None:
             raise ArgumentError(
@@ -172,7 +172,7 @@ class _Problem:
 
 
 def _turns(gamma: np.ndarray, M: np.ndarray, by_gamma: np.ndarray, by_M: np.ndarray) -> np.ndarray:
-    """ψ (N, 3, m) with γ × ψ and M × ψ given, (N, 3, m), γ and M (N, 3)."""
+    """The turns ψ, shape (N, 3, m), for which γ × ψ = ``by_gamma`` and M × ψ = ``by_M``; γ and M have shape (N, 3)."""
     g, m = gamma[:, :, None], M[:, :, None]
     across = np.cross(by_gamma, g, axis=1)
     normal = np.cross(m, g, axis=1)

@@ -34,7 +34,7 @@ class LaboratoryMotion(Immutable):
     def __init__(self, body: Any, start: Any, spin: Any, contact: Any) -> None:
         """``start`` is the wide matrix from principal axes to the laboratory, ``spin`` ω along them."""
         self.body, self._start, self._spin, self._contact = body, start, spin, contact
-        # refusals of the flow are raised at once
+        # the flow is made now, so that its refusal is raised now
         self.flow = self._way.flow
 
     @cached_property
@@ -185,8 +185,9 @@ class LaboratoryRun(Exported):
 
     @cached_property
     def quaternion(self) -> Any:
-        """The same as unit quaternions (w, x, y, z), shape (N, 4): the first with w ≥ 0, each other nearest to the one
-        before it.
+        """The ``matrices`` as unit quaternions (w, x, y, z), shape (N, 4).
+
+        The first has w ≥ 0; of the two signs, each later one has that closer to the previous quaternion.
         """
         return read_only(going_on(attitude.quaternions(self.matrices)))
 
@@ -218,7 +219,7 @@ class LaboratoryRun(Exported):
 
 
 def going_on(quaternions: Any) -> Any:
-    """The same rotations, of shape (…, N, 4), each quaternion nearest to the one before it."""
+    """The same rotations, shape (…, N, 4), with signs such that each quaternion is close to the previous one."""
     steps = np.sum(quaternions[..., 1:, :] * quaternions[..., :-1, :], axis=-1)
     turned = np.where(steps >= 0, 1, -1)
     signs = np.cumprod(np.concatenate([np.ones_like(quaternions[..., :1, 0], dtype=int), turned], axis=-1), axis=-1)

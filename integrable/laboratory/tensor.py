@@ -21,7 +21,7 @@ Matrix = np.ndarray[tuple[int, int], np.dtype[Any]]
 
 
 class Principal(NamedTuple):
-    """Principal moments and, as columns, the axes that they belong to in the axes of the tensor; right-handed."""
+    """Principal moments, and the principal axes as columns in the axes of the tensor; the axes are right-handed."""
 
     moments: tuple[Any, Any, Any]
     axes: Matrix

@@ -77,7 +77,7 @@ class Uniform:
         return c * (start - along) + s * across + along, np.broadcast_to(omega, (len(times), 3))
 
     def _circle(self, times: np.ndarray) -> tuple[Any, Any]:
-        """Cosine and sine of the angle turned by."""
+        """Cosine and sine of the angle of rotation at ``times``."""
         wide = self._wide
         if self._field != RR:
             angles = [self._rate * t for t in times]
@@ -88,7 +88,7 @@ class Uniform:
         return np.cos(angles).astype(float), np.sin(angles).astype(float)
 
     def contact(self, times: np.ndarray) -> Any:
-        """Straight on."""
+        """The straight path of the point of contact."""
         return np.outer(times, numbers(self._field, self._velocity))
 
 
