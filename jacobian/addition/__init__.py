@@ -1,2 +1,2 @@
-"""Exact addition of reduced triples: Cantor's, explicit formulas, NUCOMP, compiled code, and which one a curve
-takes."""
+"""Exact addition of reduced triples by Cantor's algorithm, explicit formulas, NUCOMP or compiled code, and the choice
+between them."""

@@ -76,7 +76,7 @@ def _sum_of_lines(K, C, quotient, first, second):  # type: ignore[no-untyped-def
 
 @compiled
 def _returned(K, general, line):  # type: ignore[no-untyped-def]
-    """(u, v), with v₁ = 0 in a special case."""
+    """(u, v) in residues; v₁ = 0 marks a special case, which the caller must add by the general algorithm."""
     e1, e0, v1, v0 = line
     v = (decode(K, v0), decode(K, v1)) if general else (0, 0)
     return (decode(K, e0), decode(K, e1), 1), v
@@ -103,8 +103,9 @@ def double_line(K, C, u, v):  # type: ignore[no-untyped-def]
 
 @compiled
 def _entered(K, g, data, header, begin, a):  # type: ignore[no-untyped-def]
-    """Reads into a the class whose lengths and weight stand at ``header`` and whose coefficients begin at ``begin``;
-    returns where the next coefficients begin.
+    """Reads a class from ``data`` into a; returns the index after its last coefficient.
+
+    Its lengths and weight stand at ``header``; its coefficients begin at ``begin``.
     """
     nu, nv = data[header], data[header + 1]
     a[:] = 0
@@ -135,7 +136,7 @@ def window_of(scalar):  # type: ignore[no-untyped-def]
 
 @compiled
 def windows_of_bytes(scalar, width):  # type: ignore[no-untyped-def]
-    """The non-adjacent form of :func:`jacobian.addition.ladder.signed_digits`, of a scalar given as bytes."""
+    """The :func:`jacobian.addition.ladder.signed_digits` of a scalar given as bytes."""
     size = 8 * len(scalar)
     digits = np.zeros(size + 1, np.int64)
     position = carry = 0
@@ -168,7 +169,7 @@ def _keep(K, a, line):  # type: ignore[no-untyped-def]
 
 @compiled
 def _closed(K, curve, S, quotient, a, b, result):  # type: ignore[no-untyped-def]
-    """Whether the case is general; if so, result becomes the sum of a and b by the explicit formulas."""
+    """Whether the case is general; if it is, sets result to a + b by the explicit formulas."""
     f, nf, _, _ = equation(curve)
     first, second = _line_of(2, a), _line_of(2, b)
     general, line = False, first
@@ -207,10 +208,10 @@ def _tangent(K, curve, first):  # type: ignore[no-untyped-def]
 
 @njit(nogil=True, **JIT)
 def packed(K, curve, data, scalar):  # type: ignore[no-untyped-def]
-    """Replaces a class by its multiple by a scalar > 0 given as little-endian bytes; without a scalar, two classes by
-    their sum.
+    """Replaces the class in ``data`` by its multiple. The scalar > 0 is given as little-endian bytes. If there are no
+    bytes, ``data`` holds two classes and receives their sum.
 
-    A single function serves all curves over a field, so that what it calls is compiled once.
+    A single function serves all curves over a field, so that the functions it calls are compiled once.
     """
     g, words, S = curve[0], np.frombuffer(data, np.int64), scratch(curve)
     window = window_of(scalar)
@@ -227,7 +228,8 @@ def packed(K, curve, data, scalar):  # type: ignore[no-untyped-def]
 
 @compiled
 def _climb(K, curve, S, odd, digits, total, other):  # type: ignore[no-untyped-def]
-    """total = the multiple of the class odd[0] whose signed digits are given; other and the rest of odd are scratch."""
+    """Sets total to m times the class odd[0]; ``digits`` are the signed digits of m. ``other`` and the other rows of
+    ``odd`` are scratch."""
     for i in range(len(odd)):
         if i == 1:
             _double(K, curve, S, odd[0], other)
@@ -256,7 +258,7 @@ _CURVE = types.Array(types.int64, 1, "C")
 
 
 def entry(function: Any, *arguments: Any) -> Callable[..., Any]:
-    """The compiled version of a kernel for these types of arguments, from the disk or compiled now.
+    """The compiled version of a kernel for these argument types, loaded from disk or compiled now.
 
     Calling it bypasses numba's dispatch on argument types, which costs more than an addition.
     """
@@ -278,7 +280,7 @@ class WordKernel:
         self._packed = entry(packed, typeof(self._K), _CURVE, _DATA, SCALAR)
         size = width(C.genus)
         self._result, self._middle = Struct(f"{size}q"), 4 + C.genus
-        # packers for any number of words up to two classes of full weight and room for the result
+        # one struct for each number of words, up to two classes of full weight and space for the result
         most = 6 + 2 * (2 * C.genus + 1)
         self._structs = [Struct(f"{count}q{8 * max(0, size - count)}x") for count in range(most + 1)]
 
@@ -310,7 +312,7 @@ class WordKernel:
 
 
 class LineKernel(WordKernel):
-    """The same in genus 2 on a short equation, with two classes of full weight passed without packing."""
+    """The kernel of a curve of genus 2 with a short equation. Two classes of full weight are passed without packing."""
 
     def __init__(self, C: HyperellipticCurve) -> None:
         super().__init__(C)
@@ -330,7 +332,7 @@ class LineKernel(WordKernel):
     def sum_of(self, a: Triple, b: Triple) -> Triple:
         """The reduced triple of a + b."""
         (u1, v1, _), (u2, v2, _) = a, b
-        # v with that many coefficients has full weight
+        # a class whose v has that many coefficients has full weight
         if len(v1) == self._full == len(v2):
             u, v = self._add_lines(self._K, self._equation, u1, v1, u2, v2)
             if v[-1]:
@@ -348,8 +350,8 @@ class LineKernel(WordKernel):
 
 
 def context(K: Any) -> Any:
-    """The context of a word-size field. One class serves all primes: a second one would have to be compiled, for a
-    tenth of the time of a multiple.
+    """The context of a word-size field. The class is the same for all primes, because each class needs a compilation
+    of its own and a narrower one would save only a tenth of a multiple's time.
     """
     return table_context(K) if isinstance(K, TableField) else Wide64(*word_context(K.p, 64))
 
@@ -360,7 +362,7 @@ def word_kernel(C: HyperellipticCurve) -> WordKernel:
 
 
 def is_kept(kernel: Any) -> bool:
-    """Whether numba's cache seems to hold a kernel; nothing is compiled to find out."""
+    """Whether numba's cache seems to hold a kernel. Only file names are looked at; nothing is compiled."""
     folder = kernel.stats.cache_path
     return folder is not None and any(Path(folder).glob(f"*.{kernel.__name__}-*.nbi"))
 

@@ -52,8 +52,8 @@ def compose(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
 
 
 def _assembled(C: HyperellipticCurve, d: Poly, u1: Poly, u2: Poly, v: Poly, k: Poly, weights: int | None) -> Triple:
-    """(u₁u₂, v + u₂·(k mod u₁)), with d already divided out of u₁ and u₂, and the weight: each removed point adds
-    one.
+    """(u₁u₂, v + u₂·(k mod u₁)) and the weight. d is already divided out of u₁ and u₂; each point so removed adds one
+    to the weight.
     """
     K = C.field
     u, v = mul(K, u1, u2), add(K, v, mul(K, u2, mod(K, k, u1)))
@@ -119,7 +119,7 @@ def reduce(C: HyperellipticCurve, a: Triple) -> Triple:
 
 
 def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
-    """The reduced triple on a split model of one with deg u ≤ g+1.
+    """The reduced triple equivalent to (u, v, n) on a split model, for deg u ≤ g+1.
 
     A step with y − V₋ at ∞₋ raises n by g+1−deg u' ≥ 1, one with y − V₊ at ∞₊ lowers it by g+1−deg u ≥ 0; the weight on
     the other side stays non-negative.

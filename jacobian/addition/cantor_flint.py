@@ -30,7 +30,7 @@ def pays(C: HyperellipticCurve) -> bool:
     """Whether python-flint is faster than the Python kernels on this curve."""
     K = C.field
     if type(K) is DigitField:
-        # Python's explicit formulas are slow on elements that are split into digits
+        # here elements are tuples of digits, on which the explicit formulas in Python are slow
         return K.p != 2
     if C.genus == 2 or genus3_formulas(C) is not None:
         return isinstance(K, RationalField)
@@ -62,7 +62,7 @@ class FlintCantor:
         return self._reduced(u, v, n)
 
     def composed(self, a: Flint, b: Flint) -> tuple[Any, Any, int | None, Any]:
-        """A triple of a + b, all of flint's polynomials, and :func:`jacobian.addition.cantor.cancelled`."""
+        """(u, v, n) of a + b before reduction, and :func:`jacobian.addition.cantor.cancelled`; all are flint's."""
         (u1, v1, n1), (u2, v2, n2) = a, b
         d, _, s = u1.xgcd(u2)
         k = s * (v1 - v2)
@@ -73,7 +73,7 @@ class FlintCantor:
         return self._assembled(u1, u2, v2, k, d, None if n1 is None or n2 is None else n1 + n2)
 
     def doubled(self, a: Flint) -> tuple[Any, Any, int | None, Any]:
-        """The same for a + a."""
+        """:meth:`composed` for a + a."""
         u, v, n = a
         d, _, t = u.xgcd(v + v + self.h)
         k = t * self._cofactor(u, v)
@@ -87,12 +87,12 @@ class FlintCantor:
     def _assembled(
         self, u1: Any, u2: Any, v: Any, k: Any, d: Any, weights: int | None
     ) -> tuple[Any, Any, int | None, Any]:
-        """(u₁u₂, v + u₂·(k mod u₁)), after the points of d have been removed."""
+        """(u₁u₂, v + u₂·(k mod u₁), n, d), from u₁ and u₂ without the points of d."""
         n = None if weights is None else weights + d.degree() - (self.genus + 1) // 2
         return u1 * u2, v + u2 * (k % u1), n, d
 
     def reductions(self, u: Any, v: Any, n: int | None) -> Iterator[tuple[Any, Flint]]:
-        """The steps of :func:`jacobian.addition.cantor.reduce`: the v of the function y − v, and (u', v', n')."""
+        """The steps of :func:`jacobian.addition.cantor.reduce`: for each the v of y − v, and (u', v', n')."""
         while u.degree() > self.limit:
             line = v
             u, v, n = self._reflect(u, v, n)

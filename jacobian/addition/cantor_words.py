@@ -1,12 +1,12 @@
 """Cantor's composition and reduction in compiled code, for one pair of classes in a context of words.
 
-The steps of :mod:`jacobian.addition.cantor`, for every genus, model and special case, written once for all contexts of
-:mod:`jacobian.numbers.words` and :mod:`jacobian.numbers.tables`. Polynomials are rows of one array of scratch,
-ascending, with their lengths beside them; their coefficients are canonical, so that 0 is 0. Importing this module
-imports numba.
+The steps are those of :mod:`jacobian.addition.cantor`, for every genus, model and special case. They are written once
+for all contexts of :mod:`jacobian.numbers.words` and :mod:`jacobian.numbers.tables`. Polynomials are ascending rows of
+one scratch array; each is passed with its length. Coefficients are canonical, so that zero is always the word 0.
+Importing this module imports numba.
 
 A class is an array of 2g + 4 words: deg u + 1, the length of v, n (0 where there is none), u padded to g + 1, v to g.
-A curve is an array that :func:`packed_curve` makes.
+A curve is the array that :func:`packed_curve` returns.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from jacobian.numbers import tables_compiled, words_compiled  # noqa: F401  # th
 from jacobian.numbers.words import add, canonical, dot2, dot3, inverse, mul, neg, sub
 
 ROWS = 17
-"""Polynomials of scratch."""
+"""The number of polynomials in the scratch array."""
 
 _HEAD = 7
 
@@ -43,7 +43,8 @@ def width(genus: int) -> int:
 
 
 compiled = register_jitable(error_model="numpy")
-"""What every function below is for numba: inlined where it is called, a zero divisor being excluded beforehand."""
+"""The decorator of every function below: numba compiles it into its caller and does not check for zero divisors, which
+are excluded beforehand."""
 
 
 @compiled
@@ -52,7 +53,7 @@ def scratch(curve):  # type: ignore[no-untyped-def]  # compiled code is typed by
     return np.empty((ROWS, 4 * curve[0] + 8), np.int64)
 
 
-# --- polynomials: each function returns the length of the result, which is in its first array
+# --- polynomials: each function writes the result into its first array and returns its length
 
 
 @compiled
@@ -104,7 +105,7 @@ def _scaled(K, r, c, a, size):  # type: ignore[no-untyped-def]
 
 @compiled
 def _product(K, r, a, na, b, nb):  # type: ignore[no-untyped-def]
-    """a·b, two terms to a reduction."""
+    """a·b, with one reduction for every two terms."""
     if na == 0 or nb == 0:
         return 0
     for k in range(na + nb - 1):
@@ -137,7 +138,7 @@ def _minus_product(K, r, size, a, na, b, nb):  # type: ignore[no-untyped-def]
 
 @compiled
 def _divide(K, q, r, size, b, nb):  # type: ignore[no-untyped-def]
-    """(length of the quotient q, length of the remainder, which r becomes) of r by b ≠ 0."""
+    """Divides r by b ≠ 0; returns (length of the quotient q, length of the remainder). The remainder replaces r."""
     steps = size - nb + 1
     if steps <= 0:
         return 0, size
@@ -228,8 +229,9 @@ def _without(K, S, r, u, nu, d, nd):  # type: ignore[no-untyped-def]
 
 @compiled
 def _common_part(K, curve, S, nd, sum_of_v, nk, divisor):  # type: ignore[no-untyped-def]
-    """The lengths of d and k (rows 7 and 9) after :func:`jacobian.addition.cantor._common_part`. Here and below each
-    polynomial is followed by its length.
+    """Replaces d and k (rows 7 and 9) as :func:`jacobian.addition.cantor._common_part` does; returns their lengths.
+
+    Here and below each polynomial is followed by its length.
     """
     (trace, nt), (u, nu, v, nv) = sum_of_v, divisor
     d, k, common, t, r, other = S[7], S[9], S[11], S[12], S[13], S[14]
@@ -276,7 +278,7 @@ def negate_class(K, curve, S, first, result):  # type: ignore[no-untyped-def]
 
 @compiled
 def _close(K, curve, S, first, second, nk, weights, result):  # type: ignore[no-untyped-def]
-    """The reduced class of (u₁u₂, v + u₂·(k mod u₁)), k in row 9, for coprime u₁ and u₂ or equal ones."""
+    """Sets result to the reduced class of (u₁u₂, v + u₂·(k mod u₁)), k in row 9. u₁ and u₂ are coprime or equal."""
     (u1, n1), (u2, n2, v, nv) = first, second
     k, u, total = S[9], S[15], S[16]
     _, nk = _divide(K, S[6], k, nk, u1, n1)
@@ -313,7 +315,7 @@ def _reduce(K, curve, S, nu, nv, n, result):  # type: ignore[no-untyped-def]
 
 @compiled
 def _reflect(K, curve, S, nu, nv, n):  # type: ignore[no-untyped-def]
-    """:func:`jacobian.addition.cantor.reflect` on rows 15 and 16; the new lengths and weight."""
+    """Applies :func:`jacobian.addition.cantor.reflect` to rows 15 and 16; returns the new lengths and weight."""
     _, _, h, nh = equation(curve)
     u, v, other = S[15], S[16], S[13]
     size = curve[0] + 1

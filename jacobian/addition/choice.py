@@ -7,9 +7,9 @@ Python or, from a genus on that depends on the model, NUCOMP. All give the same 
 
 Over fields of word size (GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements) the compiled kernels of
 :mod:`jacobian.addition.calls` are faster than all of them, but numba has to be loaded first, and has to compile them
-unless its cache holds them. So a group starts with the kernel above, and switches when the process has spent as much
-work on such groups as the switch costs: READY additions where numba's cache holds the kernels (``python -m jacobian
-compile`` puts them there), COLD ones otherwise. :meth:`jacobian.group.Jacobian.compile` does it at once.
+unless its cache holds them. So a group starts with one of the kernels above. It switches when the process has spent as
+much work on such groups as the switch costs: READY additions if numba's cache holds the kernels (``python -m jacobian
+compile`` puts them there), else COLD ones. :meth:`jacobian.group.Jacobian.compile` switches at once.
 
 Genus 2 and y² = x⁷ + … over GF(p), p odd of two words (2^63 < p < 2^128), and genus 2 over GF(2^n), 16 < n < 128, are
 compiled without numba (:mod:`jacobian.addition.two_word_calls`), at a lower cost.
@@ -41,18 +41,19 @@ from jacobian.numbers.compiler import interpreted
 log = logging.getLogger("jacobian")
 
 NUCOMP_GENUS = {"ramified": 5, "split": 6, "inert": 6}
-"""From this genus on NUCOMP takes less time than Cantor: ``python -m benchmarks nucomp`` measures it."""
+"""The genus from which NUCOMP takes less time than Cantor's algorithm; ``python -m benchmarks nucomp`` measures it."""
 
 READY = 100_000
-"""Additions that take as long as loading numba and the compiled kernels from its cache (``benchmarks startup``)."""
+"""Additions in the time of loading numba and the compiled kernels from its cache; ``python -m benchmarks startup``
+measures it."""
 COLD = 2_000_000
-"""Additions that take as long as compiling them."""
+"""Additions in the time of compiling the kernels."""
 TWO_WORDS_READY, TWO_WORDS_COLD = 20_000, 80_000
 """The same for the compiled formulas of two words: a tenth of a second, and half a second."""
 BINARY_READY, BINARY_COLD = 1_000, 8_000
 """The same over GF(2^n), where Python takes longer."""
 SHARE = 64
-"""Additions after which a group accounts for them: fewer do not pay for a compiled kernel of its own."""
+"""A group reports its additions in portions of this size; a group with fewer does not repay a compiled kernel."""
 
 Addition = Callable[[cantor.Triple, cantor.Triple], cantor.Triple]
 Doubling = Callable[[cantor.Triple], cantor.Triple]
@@ -61,13 +62,13 @@ Multiple = Callable[[int, cantor.Triple], cantor.Triple]
 
 @dataclass
 class Work:
-    """The work done on word-size groups before compiled kernels: ``additions``, counted together."""
+    """The number of ``additions`` on word-size groups that were done without compiled kernels, over all groups."""
 
     additions: float = 0
 
 
 PROCESS = Work()
-"""That of all groups of this process, which load numba once."""
+"""The work of all groups of this process. They share one count because numba is loaded once for all of them."""
 
 
 class Kernel(NamedTuple):
@@ -81,8 +82,8 @@ class Kernel(NamedTuple):
 def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None, work: Work = PROCESS) -> Kernel:
     """The kernel for C, the arithmetic model of a curve over an exact field.
 
-    The additions done are counted in ``work``; when these make the compiled kernel worthwhile, ``adopt`` is called with
-    it. Without ``adopt`` no compiled kernel is considered.
+    Additions are counted in ``work``. When there are enough to repay the compiled kernel, ``adopt`` is called with that
+    kernel. Without ``adopt`` no compiled kernel is considered.
     """
     chosen = python_kernel(C)
     if cantor_flint.pays(C):
@@ -95,7 +96,7 @@ def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None,
 
 
 def python_kernel(C: HyperellipticCurve) -> Kernel:
-    """The :func:`kernel` without python-flint and compiled code."""
+    """The kernel for C in pure Python, without python-flint and compiled code."""
     kind = of_primes(C)
     if kind is not None and C.field.characteristic.bit_length() >= GMP_BITS:
         on_gmp = GmpFormulas(C, kind)
@@ -108,7 +109,7 @@ def python_kernel(C: HyperellipticCurve) -> Kernel:
 
 
 def of_primes(C: HyperellipticCurve) -> Any:
-    """The explicit formulas over GF(p) that C has, as a class, or None."""
+    """The class of the explicit formulas for C over GF(p); None if there are none."""
     if type(C.field) is not PrimeField:
         return None
     return PrimeFormulas if C.genus == 2 else genus3_formulas(C)
@@ -139,15 +140,15 @@ def is_two_words_long(C: HyperellipticCurve) -> bool:
 
 
 def has_two_word_rows(C: HyperellipticCurve) -> bool:
-    """Whether arrays on C are compiled on two words: the same condition, but for any h and f, since rows have an
-    equation of their own.
+    """Whether arrays on C are compiled on two words. The condition is that of :func:`is_two_words_long`, but for any h
+    and f, since arrays are first moved to a short equation.
     """
     septic = C.genus == 3 and C.model == "ramified" and C.field.characteristic != 2
     return has_two_words(C.field) and (C.genus == 2 or septic)
 
 
 def has_two_words(K: Field[Any]) -> bool:
-    """Whether K is GF(p), p odd of two words, or GF(2^n) of two words that has no tables."""
+    """Whether K is GF(p) for an odd p of two words, or GF(2^n) of at most two words without tables of logarithms."""
     if type(K) is PrimeField:
         return 1 << 63 < K.p < 1 << 128
     return isinstance(K, DigitField) and K.p == 2 and K.degree <= MOST_DEGREE
@@ -176,8 +177,8 @@ def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
 
 
 class Counted:
-    """A kernel that counts its additions, and switches to the compiled kernel when all such groups have spent
-    enough.
+    """A kernel that counts its additions. It switches to the compiled kernel when all such groups together have done
+    enough additions.
     """
 
     def __init__(self, C: HyperellipticCurve, chosen: Kernel, adopt: Callable[[Kernel], None], work: Work) -> None:
@@ -218,8 +219,8 @@ class Counted:
                 raise RuntimeError("NUMBA_DISABLE_JIT is set")
             chosen = compiled_kernel(self._curve) if self._work.additions >= cold or _is_cached(self._curve) else None
         except (ImportError, RuntimeError) as error:
-            # no numba, or no writable cache directory: the user did not ask for compilation, so the addition must not
-            # fail
+            # without numba or a writable cache folder the Python kernel goes on: the user did not ask for compilation,
+            # so the addition must not fail
             self._work.additions = -math.inf
             log.warning("no compiled kernels in this process: %s", error)
             return
@@ -229,7 +230,7 @@ class Counted:
 
 
 def costs(C: HyperellipticCurve) -> tuple[int, int]:
-    """The additions that take as long as obtaining the compiled kernels of C, if they are on disk and if not."""
+    """(ready, cold): the additions in the time of obtaining C's compiled kernels, if they are on disk and if not."""
     if not is_two_words_long(C):
         return READY, COLD
     return (BINARY_READY, BINARY_COLD) if C.field.characteristic == 2 else (TWO_WORDS_READY, TWO_WORDS_COLD)
@@ -256,8 +257,9 @@ WORDS = "GF(p), p < 2^63 odd, and GF(p^k) of at most 2^16 elements"
 
 
 def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
-    """Which kernel the addition ``sum_of`` of C, an arithmetic model, is, why it was chosen, and what may replace it;
-    one line each.
+    """One line on the kernel of the addition ``sum_of`` of C, an arithmetic model, and on the reason for it.
+
+    If another kernel may replace it, a second line says when.
     """
     runner = getattr(sum_of, "__self__", sum_of)
     if isinstance(runner, Counted):

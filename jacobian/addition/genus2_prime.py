@@ -1,8 +1,8 @@
 """The formulas of :mod:`jacobian.addition.genus2` over GF(p) on bare ints, with one reduction for each sum of products.
 
-In CPython a call costs as much as a multiplication of machine words, so this copy trades Karatsuba's tricks for fewer
-operations; tests compare it with Cantor's algorithm and with the other copy in every special case. For long p the same
-code runs on GMP's integers.
+In CPython a call costs as much as a multiplication of machine words. So this copy avoids Karatsuba's tricks, which
+replace a multiplication by several additions. Tests compare it with Cantor's algorithm and with the other copy in every
+special case. For long p the same code runs on GMP's integers.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ class PrimeFormulas(ExplicitFormulas):
         K: Any = C.field
         self.p = K.p
         self.ramified = C.model == "ramified"
-        # one tuple for each formula: unpacking it once is cheaper than an attribute for each coefficient
+        # one tuple: unpacking it once in a formula is cheaper than reading an attribute for each coefficient
         self.coefficients = (self.p, *self.h, *self.f[2:])
 
     def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
         """The reduced triple of a + b."""
         (u1, v1, _), (u2, v2, _) = a, b
-        # both of weight 2 with two coefficients in v; shorter ones are left to Cantor
+        # both classes have weight 2 and two coefficients in v; all others are left to Cantor's algorithm
         if len(u1) == 3 == len(u2) and len(v1) == 2 == len(v2):
             p = self.p
             (a0, a1, _), (b0, b1), (c0, c1, _), (d0, d1) = u1, v1, u2, v2
@@ -75,7 +75,7 @@ class PrimeFormulas(ExplicitFormulas):
         return cantor.double(self.curve, a)
 
     def _ramified(self, r: int, s1: int, s0: int, u1: Row, v1: Row, u2: Row) -> cantor.Triple | None:
-        """The sum from the resultant r and r·s, the cubic through both being v₁ + u₁·s."""
+        """The sum, from the resultant r and r·s; the cubic through both divisors is v₁ + u₁·s."""
         (a0, a1, _), (b0, b1), (c0, c1, _) = u1, v1, u2
         p, h0, h1, h2, _, _, _, f4, f5, _ = self.coefficients
         product = r * s1 % p
@@ -97,7 +97,7 @@ class PrimeFormulas(ExplicitFormulas):
         return (e0, e1, 1), (new0, new1) if new1 else (new0,) if new0 else (), None
 
     def _of_degree_six(self, r: int, s1: int, s0: int, u1: Row, v1: Row, u2: Row) -> cantor.Triple | None:
-        """The same for deg f = 6, or deg h = 3."""
+        """:meth:`_ramified` for deg f = 6 or deg h = 3."""
         (a0, a1, _), (b0, b1), (c0, c1, _) = u1, v1, u2
         p, h0, h1, h2, h3, _, _, f4, f5, f6 = self.coefficients
         square = r * r % p
@@ -124,17 +124,17 @@ class PrimeFormulas(ExplicitFormulas):
 
 
 GMP_BITS = 32
-"""Bits of p from which an addition on GMP's integers takes less time: ``python -m benchmarks single`` measures it."""
+"""The bits of p from which GMP's integers are faster than Python's; ``python -m benchmarks single`` measures it."""
 
 
 class GmpFormulas:
-    """Explicit formulas over GF(p), of this kind, on gmpy2's mpz; triples of ints in and out."""
+    """Explicit formulas over GF(p), run on gmpy2's mpz. They take and return triples of ints."""
 
     def __init__(self, C: HyperellipticCurve, kind: Any = PrimeFormulas) -> None:
         from gmpy2 import mpz
 
         self._integer, formulas = mpz, kind(C)
-        # mpz is contagious: p and the coefficients are enough
+        # an operation with one mpz returns an mpz, so converting p and the coefficients is enough
         formulas.p = mpz(formulas.p)
         formulas.coefficients = tuple(map(mpz, formulas.coefficients))
         self._sum_of, self._double = formulas.sum_of, formulas.double

@@ -1,8 +1,8 @@
 """Explicit formulas of genus 2 in two halves, before and after the inversion.
 
-They are for h = 0 in odd characteristic, and for any h in characteristic 2, without signs and with 2V + h = h. The
+In odd characteristic they need h = 0. In characteristic 2 they take any h; there signs vanish and 2V + h = h. The
 formulas are those of :mod:`jacobian.addition.genus2` (Lange 2005; our own on models of degree 6) in the arithmetic
-of :mod:`jacobian.numbers.words`: sums of products are reduced once, and ``fit`` stands where a wide context needs it.
+of :mod:`jacobian.numbers.words`: sums of products are reduced once, and ``fit`` appears where a wide context needs it.
 Between the halves a batch inverts the products of many rows together (:mod:`jacobian.batch.genus2_kernels`).
 
 A line is (a₁, a₀, b₁, b₀) for U = x² + a₁x + a₀, V = b₁x + b₀. The first half gives (r, r·s₁, r·s₀), where ℓ = V +
@@ -34,7 +34,7 @@ Short = Quintic | Sextic | BinaryQuintic | BinarySextic
 
 
 def short_equation(C: HyperellipticCurve, to_word: Any) -> Short | None:
-    """The coefficients that the explicit formulas of genus 2 use, where they apply."""
+    """The coefficients of C for the explicit formulas of genus 2; None if the formulas do not apply."""
     K: Any = C.field
     ramified, binary = C.model == "ramified", K.characteristic == 2
     if C.genus != 2 or (C.h and not binary) or (ramified and C.f[-1] != K.one):
@@ -321,7 +321,7 @@ def product(K: Any, C: Any, quotient: Quotient) -> Any:
 
 
 def cubic(K: Any, C: Any, quotient: Quotient, inverse: Any, first: Line) -> Line:
-    """The cubic through both divisors, from the inverse of the product."""
+    """The coefficients of the cubic through both divisors, from the inverse of the product."""
     return STEPS[cubic][type(C)](K, C, quotient, inverse, first)
 
 
@@ -352,6 +352,6 @@ STEPS: dict[Any, dict[type, Any]] = {
     sum_v: _of_models(sum_v_quintic, sum_v_sextic, sum_v_binary_quintic, sum_v_binary_sextic),
     opposite: _of_models(opposite_odd, opposite_odd, opposite_binary_quintic, opposite_binary_sextic),
 }
-"""The functions of each model."""
+"""For each step, the function of each model."""
 PARTS = (chord, twice_v, over_tangent, add3, h_binary_quintic, h_binary_sextic, lead_binary_sextic)
-"""What they are made of."""
+"""The functions that the steps call."""

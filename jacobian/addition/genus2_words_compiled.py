@@ -1,4 +1,4 @@
-"""The compiled versions of :mod:`jacobian.addition.genus2_words`, its steps for all models among them, and of
+"""The compiled versions of :mod:`jacobian.addition.genus2_words`, including its steps for all models, and of
 :mod:`jacobian.addition.genus3_words`.
 
 Importing this module imports numba.
@@ -17,7 +17,7 @@ from jacobian.numbers.words_compiled import INLINED
 
 
 def _register(step: Any, of_models: dict[type, Any]) -> None:
-    """The compiled versions of a step, one for each model."""
+    """Registers the compiled versions of a step, one for each model."""
     for function in set(of_models.values()):
         register_jitable(**INLINED)(function)
 

@@ -48,7 +48,7 @@ def _twice(K, C, first):  # type: ignore[no-untyped-def]
 
 @compiled
 def _returned(K, general, row):  # type: ignore[no-untyped-def]
-    """(u, v), with v₂ = 0 in a special case."""
+    """(u, v) in residues; v₂ = 0 marks a special case, which the caller must add by the general algorithm."""
     u2, u1, u0, v2, v1, v0 = row
     v = (decode(K, v0), decode(K, v1), decode(K, v2)) if general else (0, 0, 0)
     return (decode(K, u0), decode(K, u1), decode(K, u2), 1), v
@@ -107,7 +107,7 @@ def multiple_of_cubic(K, C, u, v, scalar):  # type: ignore[no-untyped-def]
 
 
 class CubicKernel(LineKernel):
-    """Addition, doubling and multiples of reduced triples on one such curve."""
+    """Addition, doubling and multiples of reduced triples on one curve y² = f of genus 3, f monic of degree 7."""
 
     _kernels = add_cubics, double_cubic
 

@@ -1,8 +1,8 @@
-"""The formulas of :mod:`jacobian.addition.genus3_words` over GF(p) on bare ints, or GMP's integers, and those of split
-models.
+"""Explicit formulas of genus 3 over GF(p) on Python's or GMP's integers: those of
+:mod:`jacobian.addition.genus3_words`, and those of split models.
 
-A copy for Python, like :mod:`jacobian.addition.genus2_prime`: sums of products are reduced once. Special positions are
-left to Cantor's algorithm, with which tests compare it.
+Like :mod:`jacobian.addition.genus2_prime` this is a copy for Python: sums of products are reduced once. Special
+positions are left to Cantor's algorithm, and tests compare both.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class SepticFormulas:
     def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
         """The reduced triple of a + b."""
         (u1, v1, _), (u2, v2, _) = a, b
-        # v with three coefficients has weight 3; shorter ones are left to Cantor
+        # a class whose v has three coefficients has weight 3; all others are left to Cantor's algorithm
         if len(v1) == 3 == len(v2):
             (a0, a1, a2, _), (b0, b1, b2), (c0, c1, c2, _), (d0, d1, d2) = u1, v1, u2, v2
             quotient = _quotient(self.p, (a2 - c2, a1 - c1, a0 - c0), (d2 - b2, d1 - b1, d0 - b0), u2)
@@ -60,7 +60,7 @@ class SepticFormulas:
         return (k2 - a1 - a2 * k3) % p, (k1 - a0 - a1 * k3) % p, (k0 - a0 * k3) % p
 
     def _close(self, quotient: Row, u1: Row, v1: Row, u2: Row) -> cantor.Triple | None:
-        """The sum from (r, r·s₂, r·s₁, r·s₀), the quintic through both being v₁ + u₁·s; None in special positions."""
+        """The sum, from (r, r·s₂, r·s₁, r·s₀); None in special positions. The quintic through both is v₁ + u₁·s."""
         (a0, a1, a2, _), (b0, b1, b2), (c0, c1, c2, _) = u1, v1, u2
         p, _, _, _, f6, f7, f8, _ = self.coefficients
         r, s2, s1, s0 = quotient
@@ -106,11 +106,12 @@ class SepticFormulas:
 
 
 class OcticFormulas(SepticFormulas):
-    """The same on split models, f of degree 8.
+    """Addition and doubling on split models, f of degree 8.
 
-    The quintic through both divisors leaves four points, as above. Through these goes a quartic with the leading
-    coefficient of y at ∞₊, c, which meets the curve there and in three more points. This is the step at infinity of
-    Galbraith, Harrison and Mireles Morales (2008). It costs a second inversion, of f₇ − 2c·(its next coefficient).
+    The quintic through both divisors meets the curve in four more points, as for degree 7. Let c be the leading
+    coefficient of y at ∞₊. A quartic with leading coefficient c passes through these four points; it meets the curve at
+    ∞₊ and in three more points. This is the step at infinity of Galbraith, Harrison and Mireles Morales (2008). It
+    costs a second inversion, that of f₇ − 2c·(the quartic's next coefficient).
     """
 
     def _rest(self, u: Row, v: Row) -> Row:
@@ -148,14 +149,14 @@ class OcticFormulas(SepticFormulas):
 
 
 def genus3_formulas(C: HyperellipticCurve) -> type[SepticFormulas] | None:
-    """The explicit formulas that apply to C, or None."""
+    """The class of the explicit formulas for C; None if there are none."""
     if type(C.field) is not PrimeField or C.genus != 3 or C.h:
         return None
     return SepticFormulas if is_short_septic(C) else OcticFormulas if C.model == "split" else None
 
 
 def _trimmed(v: Row) -> Row:
-    """Without leading zeros."""
+    """v without leading zeros."""
     while v and not v[-1]:
         v = v[:-1]
     return v

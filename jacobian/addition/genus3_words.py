@@ -1,15 +1,17 @@
 """Explicit formulas of genus 3 on y² = x⁷ + f₆x⁶ + … + f₀, in two halves: before the inversion, and after it.
 
 Let D = (U, V) with U = x³ + a₂x² + a₁x + a₀, V = b₂x² + b₁x + b₀, and D' = (U', V') likewise. The quintic ℓ = V + U·s,
-s of degree 2, passes through both; it meets the curve in four more points, u' = (ℓ² − f)/(UU's₂²), and the cubic
-through these, v' = −ℓ modulo u', in three more points, whose divisor is the sum: u = (f − v'²)/u', v = −v' modulo u.
+s of degree 2, passes through both. It meets the curve in four more points, the roots of u' = (ℓ² − f)/(UU's₂²). The
+cubic v' = −ℓ modulo u' passes through these and meets the curve in three more points. Their divisor is the sum: u =
+(f − v'²)/u', v = −v' modulo u.
+
 Composition and reduction are those of Cantor (1987); Wollinger, Pelzl and Paar 2005 ("Cantor versus Harley") and Fan,
 Wollinger and Gong 2007 order such steps so that one inversion is enough, of the resultant times the leading coefficient
 of s. The formulas fail exactly where that product is 0; elsewhere all degrees are as stated.
 
 The arithmetic is that of :mod:`jacobian.numbers.words`, as in :mod:`jacobian.addition.genus2_words`. A row is
-(a₂, a₁, a₀, b₂, b₁, b₀). A quotient is (r, r·s₂, r·s₁, r·s₀) with the resultant r. Tests run all of it on intervals:
-no word overflows.
+(a₂, a₁, a₀, b₂, b₁, b₀). A quotient is (r, r·s₂, r·s₁, r·s₀) with the resultant r. Tests run all formulas on intervals
+to show that no word overflows.
 """
 
 from __future__ import annotations
@@ -35,7 +37,7 @@ def is_short_septic(C: HyperellipticCurve) -> bool:
 
 
 def short_equation(C: HyperellipticCurve, to_word: Any) -> Septic | None:
-    """The coefficients that the formulas use, where they apply."""
+    """The coefficients of C for the formulas; None if the formulas do not apply."""
     return Septic(*map(to_word, C.f[3:7])) if is_short_septic(C) else None
 
 
@@ -122,7 +124,7 @@ def next_u(K: Any, C: Any, bent: Quotient, first: Row, second: Row) -> Quotient:
 
 
 def next_v(K: Any, bent: Quotient, u: Quotient, first: Row, second: Row) -> Quotient:
-    """(k₃, k₂, k₁, k₀): −v', that is ℓ modulo u'."""
+    """(k₃, k₂, k₁, k₀), the coefficients of −v' = ℓ modulo u'."""
     lead, t1, t0, _ = bent
     e3, e2, e1, e0 = u
     a2, a1, a0, b2, b1, b0 = first
@@ -162,7 +164,7 @@ def sum_v(K: Any, u: Triple, v: Quotient) -> Triple:
 
 
 def closed(K: Any, C: Any, quotient: Quotient, inverse: Any, first: Row, second: Row) -> Row:
-    """The sum, from the inverse of the product: the whole second half."""
+    """The sum, from the inverse of the product: all steps of the second half."""
     bent = quintic(K, quotient, inverse)
     meeting = next_u(K, C, bent, first, second)
     middle = next_v(K, bent, meeting, first, second)
@@ -171,4 +173,4 @@ def closed(K: Any, C: Any, quotient: Quotient, inverse: Any, first: Row, second:
 
 
 STEPS = (quotient_by, chord, tangent, product, quintic, next_u, next_v, sum_u, sum_v, closed)
-"""All of them, for the compilers."""
+"""All functions that the compilers must translate."""

@@ -14,18 +14,17 @@ from jacobian.fields import QQ
 
 Class = TypeVar("Class")
 MOST_BITS = 150_000
-"""Bits of a numerator or denominator over QQ beyond which a class is not doubled: the double has four times as many
-(1000·(0, 1) on y² = x⁵ + 2x + 1, of 380,000 bits, takes 3.5 s).
+"""The bits of a numerator or denominator over QQ beyond which a class is not doubled, since the double has four times
+as many. 1000·(0, 1) on y² = x⁵ + 2x + 1 has 380,000 bits and takes 3.5 s.
 """
 PART = 1 << 15
-"""Bits of a scalar that are taken at once: a call of compiled code takes below a second, and can be interrupted after
-it.
+"""The bits of a scalar for one call of compiled code. Such a call takes less than a second, and Ctrl-C works after it.
 """
 
 
 def signed_digits(m: int, width: int) -> list[int]:
-    """The width-w non-adjacent form of m > 0, least significant digit first: digits odd and below 2^(w−1) in size, or
-    0.
+    """The width-w non-adjacent form of m > 0, least significant digit first. Digits are 0, or odd and of size below
+    2^(w−1).
     """
     digits = []
     while m:
@@ -41,7 +40,7 @@ def signed_digits(m: int, width: int) -> list[int]:
 
 
 def bits_of(K: Any, *polynomials: Any) -> int:
-    """Bits of the longest numerator or denominator of polynomials over QQ; 0 over other fields."""
+    """The bits of the longest numerator or denominator in polynomials over QQ; 0 over other fields."""
     if K is not QQ:
         return 0
     return max((max(c.numerator.bit_length(), c.denominator.bit_length()) for a in polynomials for c in a), default=0)
@@ -60,7 +59,7 @@ def check_growth(K: Any, *polynomials: Any) -> None:
 def by_parts(
     m: int, a: Class, multiple_of: Callable[[int, Class], Class], sum_of: Callable[[Class, Class], Class]
 ) -> Class:
-    """m·a for m > 0 by multiples m' < 2^PART of ``multiple_of``, by Horner's rule."""
+    """m·a for m > 0, by Horner's rule in base 2^PART; ``multiple_of`` gets scalars up to 2^PART."""
     if m.bit_length() <= PART:
         return multiple_of(m, a)
     places = range(m.bit_length() // PART * PART, -1, -PART)

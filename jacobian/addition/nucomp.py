@@ -1,5 +1,4 @@
-"""Composition with built-in reduction for large genus: its cost is quadratic in g, that of step-by-step reduction
-cubic.
+"""Composition with built-in reduction for large genus. Its cost is quadratic in g; step-by-step reduction is cubic.
 
 A composition is (A·B, v₂ + B·(k mod A)) of degree up to 2g, and Cantor's reduction lowers it by two degrees a step.
 Here the Euclidean algorithm on A and k is stopped half-way instead, at r = ck − qA. The function cy − w with w = cv₂ +
@@ -59,7 +58,7 @@ def double(C: HyperellipticCurve, a: Triple) -> Triple:
 def _shortened(
     C: HyperellipticCurve, A: Poly, B: Poly, v: Poly, k: Poly, difference: Poly, trace: Poly, weight: int | None
 ) -> Triple:
-    """A triple of the class of (A·B, v + B·k): with ``difference`` v₁ − v₂ and ``trace`` v₁ + v₂ + h, v being v₂."""
+    """A triple of the class of (A·B, v + B·k), where v is v₂, ``difference`` v₁ − v₂ and ``trace`` v₁ + v₂ + h."""
     K, g = C.field, C.genus
     if len(A) + len(B) - 2 <= g:
         u, v = mul(K, A, B), add(K, v, mul(K, B, k))
@@ -80,7 +79,7 @@ def _shortened(
 
 
 def _half_euclid(K: Any, A: Poly, k: Poly, bound: int) -> tuple[Poly, Poly, Poly, int]:
-    """(r, c, c', ε): the first remainder r = ck − qA of degree ≤ bound, and the previous multiplier c'; cr' − c'r =
+    """(r, c, c', ε): r = ck − qA is the first remainder of degree ≤ bound, c' the previous multiplier, and cr' − c'r =
     εA.
     """
     r0, r1 = A, k
@@ -96,7 +95,7 @@ def _half_euclid(K: Any, A: Poly, k: Poly, bound: int) -> tuple[Poly, Poly, Poly
 
 
 def _pole_at_plus(C: HyperellipticCurve, w: Poly, c: Poly, both: int) -> int:
-    """The order of the pole of w − cy at ∞₊, ``both`` being its sum with the order at ∞₋."""
+    """The order of the pole of w − cy at ∞₊. ``both`` is the sum of the orders at ∞₊ and ∞₋."""
     K, size = C.field, C.genus + len(c)
     if len(w) - 1 > size:
         return len(w) - 1

@@ -1,9 +1,9 @@
-"""One addition, doubling or multiple in genus 2 or 3 over GF(p), p of two words, or in genus 2 over GF(2^n), n ≤ 127,
-each a single call of compiled code.
+"""Addition, doubling and multiples on two words, each a single call of compiled code: genus 2 and 3 over GF(p), and
+genus 2 over GF(2^n), n ≤ 127.
 
 The explicit formulas need h = 0 for odd p and, on a ramified model, a monic f
-(:mod:`jacobian.addition.two_word_loops`). Special cases go to the kernel in Python; so does any multiple whose ladder
-meets one.
+(:mod:`jacobian.addition.two_word_loops`). Special cases go to the kernel in Python, and so does any multiple whose
+ladder meets a special case.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.native.library import Packed
 
 WINDOW = 5
-"""Bits of a digit of a scalar."""
+"""The width of the non-adjacent form of a scalar, in bits."""
 
 
 class TwoWordKernel:
-    """Addition, doubling and multiples of reduced triples on a curve with a short equation; ``others`` holds those of
-    the kernel in Python.
+    """Addition, doubling and multiples of reduced triples on a curve with a short equation. ``others`` holds the same
+    three functions of the kernel in Python, for special cases.
     """
 
     def __init__(self, C: HyperellipticCurve, others: Any) -> None:
@@ -38,7 +38,7 @@ class TwoWordKernel:
         self._others, self._genus = others, C.genus
         self._weight = 0 if C.model == "split" else None
 
-    # with g coefficients in v the weight is g; anything shorter is left to the other kernel
+    # a class whose v has g coefficients has weight g; all others are left to the other kernel
 
     def sum_of(self, a: Triple, b: Triple) -> Triple:
         """The reduced triple of a + b."""
@@ -70,7 +70,7 @@ class TwoWordKernel:
         return self._others.multiple(m, a)
 
     def _triple(self, found: tuple[int, ...]) -> Triple:
-        """That of (true, u, v) from a call, u without its leading 1."""
+        """The triple of the result (true, u, v) of a call, where u lacks its leading 1."""
         end = self._genus + 1
         v = found[end:]
         while v and not v[-1]:

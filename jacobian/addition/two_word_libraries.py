@@ -1,5 +1,5 @@
-"""The loops of :mod:`jacobian.addition.two_word_loops` compiled: for each field and equation a library for single
-classes and one for rows.
+"""The compiled loops of :mod:`jacobian.addition.two_word_loops`: for each kind of field and equation one library for
+single classes and one for rows.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ def equation_of(C: HyperellipticCurve, to_word: Any) -> Any:
 
 
 def _of_model(step: Any) -> Any:
-    """A step that has a version for each model of genus 2, chosen at compile time."""
+    """A step of genus 2, whose version for the model is chosen at compile time."""
     return lambda b, K, C, *arguments: b.call(genus2_words.STEPS[step][C.kind.named], [K, C, *arguments])
 
 
 def _of_genus(step: Any) -> Any:
-    """A step that has a version for each genus, likewise."""
+    """A step whose version for the genus is chosen at compile time."""
     of, genus = two_word_steps.STEPS[step], two_word_steps.GENUS
     return lambda b, K, C, *arguments: b.call(of[genus[C.kind.named]], [K, C, *arguments])
 
@@ -84,6 +84,6 @@ _KINDS = [
     if (context is TwoWords) == (model in (Quintic, Sextic, Septic))
 ]  # fmt: skip
 SINGLE_LIBRARIES = {kinds: _single(*kinds) for kinds in _KINDS}
-"""The entries for single classes, by the types of context and equation."""
+"""The libraries for single classes, by the kinds of context and equation."""
 ROW_LIBRARIES = {kinds: _rows(*kinds) for kinds in _KINDS}
-"""Those for rows."""
+"""The libraries for rows, by the kinds of context and equation."""

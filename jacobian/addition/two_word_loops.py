@@ -1,8 +1,9 @@
-"""Genus 2 and 3 over GF(p), p of two words, and genus 2 over GF(2^n), n ≤ 127, as :mod:`jacobian.native` compiles them:
-the formulas of one word in the same loops for both (:mod:`jacobian.addition.two_word_steps`).
+"""Loops on numbers of two words, for :mod:`jacobian.native`: genus 2 and 3 over GF(p), genus 2 over GF(2^n), n ≤ 127.
 
-Loops over rows make one inversion for BLOCK rows (Montgomery 1987); single classes have a sum, a double and a whole
-ladder. Special cases are reported and left to the caller. All loops also run unchanged on Python ints.
+The formulas are those of one word. The loops are the same for both genera, whose differences are in
+:mod:`jacobian.addition.two_word_steps`. Loops over rows make one inversion for BLOCK rows (Montgomery 1987). For single
+classes there are a sum, a double and a whole ladder. Special cases are reported and left to the caller. All loops also
+run unchanged on Python ints.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from jacobian.numbers.words import add, decode, dot2, encode, inverse, mul, neg,
 
 BLOCK = 256
 SCRATCH = 6
-"""Words of scratch for a row: what is inverted, the product of that of the rows before, the quotient."""
+"""Numbers of scratch for a row: the product to be inverted, the product of those of the earlier rows, the quotient."""
 
 # --- rows
 
@@ -40,8 +41,8 @@ def keep(x: Any, j: Any, found: Any) -> None:
 
 
 def opened(K: Any, C: Any, S: Any, j: Any, total: Any, quotient: Any) -> Any:
-    """The first half of a row, kept in the scratch array, and the running product including this row's, unless that is
-    0.
+    """Stores the first half of a row in the scratch array. Returns the running product times this row's product, unless
+    that is 0.
     """
     multiple = to_invert(K, C, quotient)
     S[0, j], S[1, j] = multiple, total
@@ -53,8 +54,9 @@ def opened(K: Any, C: Any, S: Any, j: Any, total: Any, quotient: Any) -> Any:
 
 
 def closed_block(K: Any, C: Any, S: Any, block: Any, total: Any, rows: Any, special: Any, count: Any) -> Any:
-    """The sums of a block (start, size) of ``rows``, (x, y, out), from the product of all general rows; returns the
-    number of special rows so far.
+    """Computes the sums of a block (start, size) from the product of all its general rows; ``rows`` is (x, y, out).
+
+    Returns the number of special rows so far.
     """
     (start, size), (x, y, out) = block, rows
     back = inverse(K, total)
@@ -72,7 +74,7 @@ def closed_block(K: Any, C: Any, S: Any, block: Any, total: Any, rows: Any, spec
 
 
 def is_same(x: Any, y: Any, j: Any) -> Any:
-    """Whether row j is equal in both."""
+    """Whether row j is equal in x and y."""
     k = 0
     while k < x.shape[0] and x[k, j] == y[k, j]:
         k += 1
@@ -80,8 +82,8 @@ def is_same(x: Any, y: Any, j: Any) -> Any:
 
 
 def add_rows(K: Any, C: Any, first: Any, second: Any, out: Any, span: Any, special: Any, S: Any) -> Any:
-    """out[:, j] = x[:, j] + y[:, j] for the general rows of a span (begin, end); the others go into ``special``, and
-    their number is returned. ``first`` is x with its degrees in the span, ``second`` y with its.
+    """Sets out[:, j] = x[:, j] + y[:, j] for the general rows of a span (begin, end). Returns the number of other rows,
+    whose indices are written into ``special``. ``first`` is x with its degrees in the span, ``second`` y likewise.
     """
     (x, x_degree), (y, y_degree), (begin, end) = first, second, span
     g, count = x.shape[0] >> 1, 0
@@ -127,8 +129,8 @@ def modulo_u(K: Any, a: Any, x: Any, j: Any, degree: Any, R: Any) -> None:
 
 
 def negate_rows(K: Any, C: Any, h: Any, first: Any, out: Any, span: Any, R: Any) -> None:
-    """(u, v) → (u, −v − h modulo u) for the rows of a span, ``first`` being x with its degrees there. R (3, g) is room
-    for polynomials, here and below.
+    """Negates the rows of a span: (u, v) → (u, −v − h modulo u). ``first`` is x with its degrees there. R (3, g) is
+    scratch for polynomials, here and below.
     """
     (x, degree), (begin, end) = first, span
     g = x.shape[0] >> 1
@@ -142,14 +144,14 @@ def negate_rows(K: Any, C: Any, h: Any, first: Any, out: Any, span: Any, R: Any)
 
 
 def encode_rows(K: Any, x: Any) -> None:
-    """The words of residues, in place."""
+    """Replaces residues by their words."""
     for k in range(x.shape[0]):
         for j in range(x.shape[1]):
             x[k, j] = encode(K, x[k, j])
 
 
 def decode_rows(K: Any, x: Any) -> None:
-    """The residues of words, in place."""
+    """Replaces words by their residues."""
     for k in range(x.shape[0]):
         for j in range(x.shape[1]):
             x[k, j] = decode(K, x[k, j])
@@ -201,7 +203,7 @@ def first_off_curve(K: Any, equation: Any, x: Any, degree: Any, R: Any) -> Any:
 
 
 def sum_of_classes(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> Any:
-    """(whether the case is the general one, the sum)."""
+    """(whether the case is general, the sum), in words."""
     multiple = to_invert(K, C, quotient)
     if multiple == 0:
         return False, first
@@ -209,22 +211,24 @@ def sum_of_classes(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> An
 
 
 def add_classes(K: Any, C: Any, D: Any, E: Any) -> Any:
-    """(whether the case is the general one, the sum), in residues."""
+    """(whether the case is general, the sum), in residues."""
     first, second = encoded(K, C, D), encoded(K, C, E)
     general, found = sum_of_classes(K, C, of_sum(K, C, first, second), first, second)
     return general, decoded(K, C, found)
 
 
 def double_class(K: Any, C: Any, D: Any) -> Any:
-    """The same for the double."""
+    """(whether the case is general, the double), in residues."""
     first = encoded(K, C, D)
     general, found = sum_of_classes(K, C, of_double(K, C, first), first, first)
     return general, decoded(K, C, found)
 
 
 def multiple_of_class(K: Any, C: Any, D: Any, digits: Any, odd: Any) -> Any:
-    """The same for Σ digits[i]·2^i times D, the last digit positive (:func:`jacobian.addition.ladder.signed_digits`);
-    ``odd`` has room for as many rows as there are odd digits.
+    """(whether all cases are general, m·D), in residues, for m = Σ digits[i]·2^i with a positive last digit.
+
+    The digits are those of :func:`jacobian.addition.ladder.signed_digits`. ``odd`` is scratch with one row for each odd
+    digit value.
     """
     first = encoded(K, C, D)
     keep(odd, 0, first)

@@ -1,9 +1,9 @@
-"""How the loops of :mod:`jacobian.addition.two_word_loops` read and write rows of genus 2 and 3, and the two halves of
+"""The steps of :mod:`jacobian.addition.two_word_loops` that depend on the genus: access to rows, and the two halves of
 a sum.
 
 A class of weight g is a tuple of 2g words in the order of the formulas (:mod:`jacobian.addition.genus2_words` and
-:mod:`jacobian.addition.genus3_words`), u and v from the top: its row in an array is a column in the order u₀ … u_{g−1},
-v₀ … v_{g−1}. Single ones come and go as residues in the order of the row.
+:mod:`jacobian.addition.genus3_words`): u and v from the highest coefficient down. In an array its row is stored as a
+column in the order u₀ … u_{g−1}, v₀ … v_{g−1}. Single classes are passed and returned as residues in that same order.
 """
 
 from __future__ import annotations
@@ -168,4 +168,4 @@ STEPS: dict[Any, dict[int, Any]] = {
     encoded: {2: line_encoded, 3: row_encoded},
     decoded: {2: line_decoded, 3: row_decoded},
 }
-"""The functions of each genus."""
+"""For each step, the function of each genus."""
