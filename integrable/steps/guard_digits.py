@@ -1,8 +1,8 @@
-"""Steps in more digits than those of their field, for maps whose intermediate results lose digits.
+"""Steps computed with more digits than their field has, for maps whose intermediate results lose digits.
 
 A translation near the identity has coefficients 1/η. One near a branch point has an ordinate y = √f(x') of the size of
-f's rounding. A multiple loses digits at every doubling. The map itself is well conditioned: computed with guard digits
-and rounded once, its image is right to rounding × the map's own conditioning.
+f's rounding. A multiple loses digits at every doubling. The map itself is well conditioned: its image, computed with
+guard digits and rounded once, has an error of one rounding times the map's own condition.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from integrable.steps.step import Step
 
 MOST_CONDITION = 30
-"""Up to this condition a step is computed in the numbers of its field: it then costs one digit or two."""
+"""Up to this condition a step is computed in the numbers of its field; it then loses one or two digits."""
 MOST_DRIFT = 16
-"""Roundings, times that condition, by which H1 and H2 may differ there: what an image has lost shows in them."""
+"""The allowed relative change of H1 and H2 in such a step, in units of eps times the condition: it shows the loss."""
 LARGEST = 1e300
 ATTEMPTS = 3
 
@@ -41,7 +41,7 @@ def drift(system: PhaseSpace, image: State, state: State) -> Any:
 
 
 def check_integrals(step: Step, state: State, lost: Any) -> None:
-    """PrecisionLoss where the :func:`drift` of an image is more than eps^0.575 (10⁻⁹ in floats)."""
+    """Raises PrecisionLoss if the :func:`drift` ``lost`` of an image is more than eps^0.575 (10⁻⁹ in floats)."""
     if not lost <= step.system.field.eps**0.575:
         C1, C2 = step.system.integrals(state)[:2]
         raise PrecisionLoss(
@@ -53,8 +53,8 @@ def check_integrals(step: Step, state: State, lost: Any) -> None:
 def with_enough_digits(step: Step, state: State) -> State:
     """The image of a state under ``step.plain``, with guard digits where needed.
 
-    The numbers of the field are used where :meth:`Step.condition` allows it and H1 and H2 agree. PrecisionLoss where H1
-    or H2 is not that of the state.
+    The numbers of the field are used where :meth:`Step.condition` is small and H1 and H2 of the image agree with those
+    of the state. PrecisionLoss if they do not agree even with guard digits.
     """
     K = step.system.field
     if step.guarded or not isinstance(K, InexactField):
@@ -69,7 +69,7 @@ def with_enough_digits(step: Step, state: State) -> State:
         try:
             image = in_wider_numbers(step, state)[0]
         except NotASquare:
-            # raise the error in the numbers of the field if they refuse too, since those are the user's
+            # if the field's own numbers fail too, their error is raised: the user knows these numbers
             step.plain(state)
             raise
         lost = drift(step.system, image, state)
@@ -78,7 +78,7 @@ def with_enough_digits(step: Step, state: State) -> State:
 
 
 def body_condition(system: PhaseSpace) -> float:
-    """The loss where the a_i hardly differ (heavy bodies): |a| over their spread; at most 1/eps."""
+    """The loss of digits where the a_i are nearly equal (heavy bodies): max a_i over their spread, at most 1/eps."""
     K: Any = system.field
     body = system.body
     low, _, high = sorted(range(3), key=lambda i: body.inertia[i])
@@ -87,7 +87,7 @@ def body_condition(system: PhaseSpace) -> float:
 
 
 def tilt_condition(change: ChaplyginTransformation, state: State) -> float:
-    """The possible cancellation in Chaplygin's transformation of a state and back."""
+    """The factor by which cancellation may amplify errors in Chaplygin's transformation of a state and its inverse."""
     K = change.body.field
     M = change.apply_vectors(state.gamma, state.M)[1]
     size, upright = (K.sqrt(K.dot(v, v)) for v in (state.M, M))
@@ -99,8 +99,8 @@ def tilt_condition(change: ChaplyginTransformation, state: State) -> float:
 def in_wider_numbers(step: Step, state: State, count: int = 1) -> list[State]:
     """The states after 1, …, ``count`` steps, rounded to the field of the step only at the end.
 
-    :meth:`Step.condition` chooses the digits, which are doubled where H1 and H2 show that they were too few;
-    PrecisionLoss where that does not help either.
+    :meth:`Step.condition` chooses the digits. They are doubled where H1 and H2 show that they were too few.
+    PrecisionLoss if that does not suffice either.
     """
     K, condition = step.system.field, step.condition(state)
     if on_principal_axis(step.system, state) is not None:
@@ -109,7 +109,9 @@ def in_wider_numbers(step: Step, state: State, count: int = 1) -> list[State]:
 
 
 def _wider(step: Step, attempts: Sequence[tuple[int, Callable[[PhaseSpace], State]]], count: int) -> list[State]:
-    """As :func:`in_wider_numbers`, from (digits, the state made for a system of so many) one after the other."""
+    """:func:`in_wider_numbers` for given attempts, tried in order. Each is (digits, function that makes the state for a
+    system with these digits).
+    """
     K = step.system.field
     for digits, made in attempts:
         last = digits == attempts[-1][0]
@@ -131,9 +133,9 @@ def _wider(step: Step, attempts: Sequence[tuple[int, Callable[[PhaseSpace], Stat
 
 
 def on_principal_axis(system: PhaseSpace, state: State) -> int | None:
-    """The axis along which M lies, to eps², with γ orthogonal to it; else None.
+    """The axis along which M lies, if γ is orthogonal to it, both to a relative eps²; else None.
 
-    The body then rotates about it, and the double point of its curve is a point of its divisor.
+    The body then rotates about this axis, and the double point of its curve is a point of its divisor.
     """
     K: Any = system.field
     x, m = state.gamma, state.M
@@ -143,10 +145,10 @@ def on_principal_axis(system: PhaseSpace, state: State) -> int | None:
 
 
 def _beside_rotation(step: Step, state: State, count: int, condition: float) -> list[State]:
-    """The images of a rotation about a principal axis as limits.
+    """The images of a rotation about a principal axis, as limits of the images of nearby motions.
 
-    The divisor passes the double point of its curve, where sums are not defined, but those of nearby motions do not.
-    NotRepresentable where the images of two such motions, one with γ and one with M off the axis, differ.
+    The rotation's divisor contains the double point of its curve, where sums are not defined; divisors of nearby
+    motions do not. NotRepresentable if the images of two nearby motions differ, one with γ and one with M perturbed.
     """
     K = step.system.field
     first, *_ = _digits(K, condition)
@@ -184,7 +186,7 @@ def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) 
 
 
 def _without_dust(field: Any, image: State) -> State:
-    """A rotation about an axis again, with the added deviation removed."""
+    """The image with components of the size of the added perturbation set to 0: again a rotation about an axis."""
     size = max(map(abs, image.M))
     (g1, g2, g3), (m1, m2, m3) = (
         tuple(x if abs(x) > field.eps**2 * scale else field.zero for x in v)
@@ -194,7 +196,7 @@ def _without_dust(field: Any, image: State) -> State:
 
 
 def widened(system: PhaseSpace, field: Any) -> PhaseSpace:
-    """The same system, with exactly the numbers of its body, over a field of more digits."""
+    """The same system over a field of more digits; the numbers of its body are converted without a change."""
     body = system.body
     return replaced(system, body=Body(tuple(map(field.coerce, body.inertia)), field.coerce(body.d), field))
 
@@ -205,7 +207,9 @@ def _rounded(field: Any, state: State) -> State:
 
 
 def _digits(field: Any, condition: float) -> list[int]:
-    """The digits of the field plus those that the condition costs, and 2, 4 and 8 times that."""
+    """The numbers of digits to try: twice the sum of the field's digits and those lost to the condition, then 2 and 4
+    times as many.
+    """
     own = field.dps or EPS_DIGITS
     lost = log10(condition) if isfinite(condition) else log10(LARGEST)
     first = ceil(2 * (own + lost))

@@ -16,10 +16,12 @@ from jacobian.relatives.signed import reflected
 class HatMap(Step):
     """(û, p̂) = ρ⁻¹ ∘ (conic through (0, 0)) ∘ ρ, ρ: (u, p) ↦ (u, up), at d = 0: γ̂ = ±Aw/|Aw|, M̂ = Aw × A⁻¹γ.
 
-    w = γ × M. With V the line through (u_k, y_k), x²V² − φ·(h1x + h2) has the roots u_k and û_k for one (h1, h2), and
-    V̂ = −V: pairs go over by :func:`jacobian.relatives.signed.reflected` with ρ_i = 2|Aw|/a_i. The map preserves the
-    bracket, not H1 and H2: it is the keyless one followed by the lift of A (:mod:`integrable.phase.isometry`). In the
-    coordinates: :func:`integrable.phase.sphere.hat`. ``signs``: those of the γ̂_i.
+    Here w = γ × M. Let V be the line through (u_k, y_k). For one (h1, h2), x²V² − φ·(h1x + h2) has the roots u_k and
+    û_k, and V̂ = −V. Pairs are mapped by :func:`jacobian.relatives.signed.reflected` with ρ_i = 2|Aw|/a_i.
+
+    The map preserves the bracket, but not H1 and H2. It is the keyless map followed by the lift of A
+    (:mod:`integrable.phase.isometry`). :func:`integrable.phase.sphere.hat` is the map in the coordinates. ``signs`` are
+    the signs of the γ̂_i.
     """
 
     def __init__(self, system: PhaseSpace, signs: Sequence[int] | None = None) -> None:

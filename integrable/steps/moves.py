@@ -1,8 +1,8 @@
-"""Maps that add no chosen points: multiples of the state's own divisor, the branch point 1/d, and the walk along a
-conic's pencil; time shifts are in :mod:`integrable.steps.time_shift`.
+"""Maps without points to choose: multiples of the state's own divisor, addition of the branch point 1/d, and steps
+along the pencil of a conic. Time shifts are in :mod:`integrable.steps.time_shift`.
 
-Each preserves H1 and H2. Its effect on the bracket of :meth:`System.poisson` is given with each, and tested by
-:func:`integrable.phase.brackets.image_brackets`.
+Each map preserves H1 and H2. Its docstring states its effect on the bracket of :meth:`System.poisson`, which
+:func:`integrable.phase.brackets.image_brackets` tests.
 """
 
 from __future__ import annotations
@@ -31,12 +31,14 @@ from jacobian.relatives.signed import SignedDivisor, SignedGroup, reflected, she
 
 
 class Move(Step):
-    """A step that is defined at (γ, M) = 0; a tilted state goes through Chaplygin's transformation and back."""
+    """A step defined at (γ, M) = 0. A tilted state is mapped there by Chaplygin's transformation, and its image
+    back.
+    """
 
     def __call__(self, state: State) -> State:
-        """The image of a state; over RR and MP with guard digits where :meth:`condition` or its H1 and H2 require them.
+        """The image of a state. Over RR and MP guard digits are used where :meth:`condition` or H1 and H2 require them.
 
-        PrecisionLoss where H1 or H2 are not the state's (to 10⁻⁹ in floats).
+        PrecisionLoss if H1 or H2 of the image differs from that of the state (by 10⁻⁹ in floats).
         """
         return with_enough_digits(self, self.system._checked(state))
 
@@ -45,7 +47,7 @@ class Move(Step):
         return replaced(self, system=system)
 
     def plain(self, state: State) -> State:
-        """The image in the numbers of the field, whatever the loss."""
+        """The image computed in the numbers of the field, without a check of the loss of digits."""
         if not self.system._checked(state).tilted:
             return self._image(state)
         system, plain, change = self.system.upright(state)
@@ -53,7 +55,7 @@ class Move(Step):
         return image
 
     def condition(self, state: State) -> float:
-        """The growth of rounding: the map's own loss times that of Chaplygin's transformation."""
+        """The amplification of rounding errors: that of the map times that of Chaplygin's transformation."""
         state = self.system._checked(state)
         if not state.tilted:
             return self._condition(state)
@@ -68,11 +70,11 @@ class Move(Step):
 
 
 class Multiplication(Move):
-    """D ↦ [ℓ]D, ℓ times the state's own divisor: it multiplies the bracket by ℓ.
+    """D ↦ [ℓ]D, ℓ times the state's own divisor. The map multiplies the bracket by ℓ.
 
-    An odd ℓ has its image over the same field. An even one needs the roots of κ_i = (1 − d·a_i)(a_i − a_j)(a_i − a_k),
-    whose product is −1 times a square if the 1 − d·a_i are squares: never over the reals (NotASquare); multiply
-    :meth:`System.divisor` there.
+    For odd ℓ the image lies over the same field. An even ℓ needs the roots of κ_i = (1 − d·a_i)(a_i − a_j)(a_i − a_k).
+    Their product is −1 times a square if the 1 − d·a_i are squares, so over the reals there is no image (NotASquare);
+    multiply :meth:`System.divisor` there.
     """
 
     def __init__(self, system: PhaseSpace, factor: int) -> None:
@@ -83,26 +85,30 @@ class Multiplication(Move):
         self.system = system
 
     def _condition(self, state: State) -> float:
-        """NotRepresentable where a point of the divisor is a double point of the curve, which has no multiples."""
+        """The amplification of rounding errors. NotRepresentable if a point of the divisor is a double point of the
+        curve, which has no multiples.
+        """
         inexact = isinstance(self.system.field, InexactField)
         if abs(self.factor) > 1 and inexact and on_principal_axis(self.system, state) is not None:
             raise NotRepresentable(
                 f"M = {state.M} is along a principal axis and γ across it: a point of the divisor is the double point "
                 "of its curve, and has no multiples; give another state"
             )
-        # the divisor is added to itself, so partial sums may be anywhere
+        # the divisor is added to itself, so partial sums may come near special positions
         return body_condition(self.system) ** 4 * 1e8 * float(self.factor) ** 2 if abs(self.factor) > 1 else 1.0
 
     def __repr__(self) -> str:
         return f"<multiplication by {self.factor} on {self.system!r}>"
 
     def _image(self, state: State) -> State:
-        """The image; NotASquare where it is not over the field, NotRepresentable at equal moments or low weight."""
+        """The image. NotASquare if it is not over the field; NotRepresentable for equal moments or an image of low
+        weight.
+        """
         system, body, K = self.system, self.system.body, self.system.field
         kappas = coordinates.kappas(body)
         if any(kappa == K.zero for kappa in kappas):
             raise NotRepresentable("two moments of inertia are equal: a divisor does not determine γ")
-        # over the reals every even factor is refused
+        # over the reals the roots fail for every even factor
         even = self.factor % 2 == 0
         roots = [square_root(K, kappa, f"κ of axis {i}") for i, kappa in enumerate(kappas)] if even else []
         pairs = coordinates.to_pairs(body, state)
@@ -115,12 +121,12 @@ class Multiplication(Move):
 
 
 class Keyless(Move):
-    """D ↦ D + (1/d, 0) − ∞, at d = 0 the element of order two of the pencil: Tsiganov's map chap-keyless.
+    """D ↦ D + (1/d, 0) − ∞, Tsiganov's map chap-keyless. At d = 0 it is the element of order two of the pencil.
 
-    The parabola P = V − λU passes through D and (1/d, 0); the other zeros of y − P are D's image, reflected
-    (:func:`jacobian.relatives.signed.reflected`), with ρ_i = 2σ_i|M|√(1 − d·a_i). So (gγ_i, 2w_i), w = γ × M, goes to
-    (2w_i/ρ_i, −ρ_igγ_i): the same divisor as by :meth:`System.torsion`, whose lift is the one to −γ, and real for every
-    body. It preserves the bracket and has B² = (−γ, M).
+    The parabola P = V − λU passes through D and (1/d, 0). The other zeros of y − P are D's image, reflected
+    (:func:`jacobian.relatives.signed.reflected`), with ρ_i = 2σ_i|M|√(1 − d·a_i). So (gγ_i, 2w_i), w = γ × M, is
+    mapped to (2w_i/ρ_i, −ρ_igγ_i). The divisor is that of :meth:`System.torsion`, whose lift maps to −γ; the image is
+    real for every body. The map B preserves the bracket, and B² = (−γ, M).
     """
 
     def __init__(self, system: PhaseSpace, signs: Sequence[int] | None = None) -> None:
@@ -131,7 +137,7 @@ class Keyless(Move):
         return f"<keyless map on {self.system!r}>"
 
     def _image(self, state: State) -> State:
-        """The image; NotASquare where |M|, a √(1 − d·a_i) or g̃ is not in the field."""
+        """The image. NotASquare if |M|, a √(1 − d·a_i) or g̃ is not in the field."""
         body, K = self.system.body, self.system.field
         h2 = K.dot(state.M, state.M)
         check_moving(K, h2)
@@ -148,7 +154,7 @@ class Keyless(Move):
         return coordinates.from_pairs(body, pairs)
 
     def divisor(self, state: State) -> Any:
-        """(1/d, 0) − ∞ on the curve of a state, of its upright body if it is tilted; NotRepresentable at d = 0."""
+        """(1/d, 0) − ∞ on the curve of a state, or of its upright body if it is tilted. NotRepresentable at d = 0."""
         system, K = self.system, self.system.field
         if system._checked(state).tilted:
             system, state, _ = system.upright(state)
@@ -160,10 +166,12 @@ class Keyless(Move):
 class ConicStep(Move):
     """The step along the pencil y = V(x) + cU(x) to the parabola through a plane point (x0, y0), at d = 0.
 
-    (U, V) goes to ((P² − f)/U made monic, −P), P = V + cU, as by :meth:`jacobian.relatives.conic.Representative.step`:
-    the class on the curve stays, and γ turns about M by the pairs of P, reflected in s, s² = c² + 4H2; M̃ = M. For y0 a
-    constant or a function of x0·H2 − H1 it multiplies {u_i, p_j} = (u_i − x0)δ_ij by 1, the bracket W for x0 = 0; for
-    x0 = None, the point at infinity, y0 is c and the canonical bracket is preserved.
+    (U, V) is mapped to ((P² − f)/U made monic, −P), P = V + cU, as in
+    :meth:`jacobian.relatives.conic.Representative.step`. The class on the curve is unchanged, and M̃ = M. γ turns about
+    M: the pairs of P are reflected with s, s² = c² + 4H2.
+
+    If y0 is a constant or a function of x0·H2 − H1, the map preserves {u_i, p_j} = (u_i − x0)δ_ij, the bracket W for
+    x0 = 0. x0 = None means the point at infinity; y0 is then c, and the canonical bracket is preserved.
     """
 
     def __init__(self, system: PhaseSpace, x0: Any, y0: Any, sign: int = 1) -> None:
@@ -179,7 +187,7 @@ class ConicStep(Move):
         return f"<conic step through ({self.x0}, {self.y0}) on {self.system!r}>"
 
     def _condition(self, state: State) -> float:
-        """The condition of c, relative to √H2."""
+        """The amplification of rounding errors in c, relative to √H2."""
         system, K = self.system, self.system.field
         if self.x0 is None or not isinstance(K, InexactField):
             return 1.0
@@ -194,7 +202,7 @@ class ConicStep(Move):
         return float((lost_above + lost_below / abs(below)) / size) if below and size else LARGEST
 
     def _image(self, state: State) -> State:
-        """The image; NotASquare where s is not in the field, NotRepresentable where U(x0) or s is 0."""
+        """The image. NotASquare if s is not in the field; NotRepresentable if U(x0) or s is 0."""
         from jacobian.relatives.conic import parameter
 
         system, K = self.system, self.system.field
@@ -209,5 +217,5 @@ class ConicStep(Move):
                 f"c² + 4H2 = 0 at c = {written(c)}: the image's divisor has a point at infinity, no state has it"
             )
         (x1, _), (x2, _), (x3, _) = reflected(K, sheared(K, pairs, c), (s if self.sign > 0 else K.neg(s),) * 3)
-        # M unchanged: every member of the pencil has it
+        # every member of the pencil has the same M
         return State((x1, x2, x3), state.M)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 MOST_MULTIPLE = 10**100
-"""Over RR and MP: some seconds of doublings, in about 500 digits."""
+"""The largest multiple over RR and MP: its doublings take some seconds, in about 500 digits."""
 
 
 class Step(Immutable):
@@ -22,14 +22,14 @@ class Step(Immutable):
 
     system: Any
     guarded = False
-    """Whether it runs on guard digits of another step, which looks at what comes out."""
+    """Whether the step is run with guard digits by another step, which checks the result."""
 
     def __call__(self, state: State) -> State:
         """The image of a state."""
         raise NotImplementedError
 
     def plain(self, state: State) -> State:
-        """The image in the numbers of the field, whatever the loss."""
+        """The image computed in the numbers of the field, without a check of the loss of digits."""
         raise NotImplementedError
 
     def over(self, system: Any) -> Step:
@@ -37,11 +37,11 @@ class Step(Immutable):
         return replaced(self, system=system)
 
     def wider(self, system: Any) -> Step:
-        """The same map over a field of more digits; numbers such as 1/d are recomputed there."""
+        """The same map over a field of more digits, where numbers such as 1/d are recomputed."""
         return replaced(self.over(system), guarded=True)
 
     def condition(self, state: State) -> float:
-        """The possible growth of rounding in the arithmetic of a step; digits are added where it is large."""
+        """The possible amplification of rounding errors in a step. Guard digits are added where it is large."""
         return 1.0
 
     def __matmul__(self, first: Any) -> Composition:
@@ -51,7 +51,7 @@ class Step(Immutable):
 
 
 class Composition(Step):
-    """``second`` after ``first``: it preserves whatever both preserve, and the factors of their brackets multiply."""
+    """``second`` after ``first``. It preserves whatever both preserve; the factors of their brackets multiply."""
 
     def __init__(self, second: Step, first: Step) -> None:
         if second.system != first.system:
@@ -76,12 +76,12 @@ class Composition(Step):
         return max(self.second.condition(state), self.first.condition(state))
 
     def __neg__(self) -> Composition:
-        """The inverse, where both have one."""
+        """The inverse, if both steps have one."""
         return Composition(-self.first, -self.second)  # type: ignore[operator]
 
 
 def checked_signs(values: Any, count: int, argument: str) -> tuple[int, ...]:
-    """``count`` signs, all 1 for None, or an ArgumentError that names ``argument``."""
+    """A tuple of ``count`` signs, all 1 for None. ArgumentError names ``argument`` if the values are not signs."""
     if values is None:
         return (1,) * count
     wanted = f"a sequence of {count} signs, each 1 or -1"
@@ -92,7 +92,7 @@ def checked_signs(values: Any, count: int, argument: str) -> tuple[int, ...]:
 
 
 def check_doublings(K: Any, m: int, argument: str) -> None:
-    """Infeasible where a multiple takes too many doublings in numbers that lose digits at each."""
+    """Raises Infeasible if a multiple needs too many doublings in numbers that lose digits at each doubling."""
     if isinstance(K, InexactField) and abs(m) > MOST_MULTIPLE:
         raise Infeasible(
             f"{argument} = {written(m)}: over {K.name} digits are lost at every doubling; multiples up to 1e100 are "
@@ -101,7 +101,7 @@ def check_doublings(K: Any, m: int, argument: str) -> None:
 
 
 def checked_multiple(m: Any) -> int:
-    """``m`` as an int that is not 0, or an ArgumentError."""
+    """``m`` as an int. ArgumentError if it is 0 or not an integer."""
     value = whole(m, "multiple", "a multiple of a step is an int")
     if value == 0:
         raise ArgumentError("multiple = 0: the identity map needs no step")

@@ -1,4 +1,4 @@
-"""Time shifts: the time-1 maps of functions of the integrals, as the addition of one translation."""
+"""Time shifts: the time-1 maps whose Hamiltonian is a function of the integrals, by addition of one translation."""
 
 from __future__ import annotations
 
@@ -18,20 +18,22 @@ from integrable.steps.moves import Move
 from jacobian import poly
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, shown
 
-# digits beyond those of the field; with them a w of moderate size needs no second set-up
+# digits in addition to those of the field, so that a w of moderate size needs no second set-up
 SPARE = 8
 FARTHEST = 1e100
-"""In units of the flow's own time; as many halvings and digits as this takes still make a call of milliseconds."""
+"""The largest |w|, in units of the flow's own time. A call still takes milliseconds with the halvings and digits that
+it needs."""
 
 
 class Shift(Move):
     """The time-1 map of the Hamiltonian F(H1, H2) for the bracket of :meth:`System.poisson`, in the flow's own time τ.
 
-    F is written with operators: ``lambda h1, h2: h1 * h2``; its derivatives are taken by jets. F = H1/2 is the motion
-    for τ = 1. It is the addition of T(w), the translation with (Σ∫dx/y, Σ∫x dx/y) = w = (2∂F/∂H1, −2∂F/∂H2), preserves
-    the bracket and commutes with the motion in τ and with every other shift. Over RR and MP only; the inputs count as
-    exact, and the digits of the image are right for any w. A tilted state moves by F of the integrals of
-    :meth:`System.upright`.
+    F is written with operators: ``lambda h1, h2: h1 * h2``; jets give its derivatives. F = H1/2 is the motion over
+    τ = 1. The map adds T(w), the translation with (Σ∫dx/y, Σ∫x dx/y) = w = (2∂F/∂H1, −2∂F/∂H2). It preserves the
+    bracket and commutes with the motion in τ and with every other shift.
+
+    The map runs over RR and MP only. The inputs are taken as exact, and all digits of the image are correct for any w.
+    For a tilted state F is taken at the integrals of :meth:`System.upright`.
     """
 
     def __init__(self, system: PhaseSpace, F: Callable[[Any, Any], Any]) -> None:
@@ -108,7 +110,7 @@ class Shift(Move):
         return 2 * slopes[0] * problem.time_scale, -2 * slopes[1] * problem.time_scale / _top(setup)
 
     def _finite(self, setup: Setup, function: Any, *rows: Row) -> tuple[Any, ...]:
-        """The numbers of a row computed by a function of rows of bare reals; PrecisionLoss where one is not finite."""
+        """``function`` of rows of bare reals, as wide numbers. PrecisionLoss if one is not finite."""
         with setup.reals:
             found = setup.reals.elements(setup.wide, function(*rows))
         if not all(map(setup.wide.context.isfinite, found)):
@@ -117,10 +119,10 @@ class Shift(Move):
 
 
 def sum_of(setup: Setup, first: Any, second: Any) -> Row:
-    """T with (Σ∫dx/y, Σ∫x dx/y) = (first, second) as bare reals: T₀(first + second) + T₋₁(−second).
+    """T with (Σ∫dx/y, Σ∫x dx/y) = (first, second) in bare reals, as the sum T₀(first + second) + T₋₁(−second).
 
-    T₀(ε) is :meth:`Translations.near`, with Σ∫x dx/y = 0, and T₋₁(ε) the same from x = −1, left of all branch points as
-    0 is, with Σ∫(x + 1)dx/y = 0.
+    T₀(ε) is :meth:`Translations.near`, with Σ∫x dx/y = 0. T₋₁(ε) is the same about x = −1, which like 0 lies left of
+    all branch points; it has Σ∫(x + 1)dx/y = 0.
     """
     terms, total = [], first + second
     if total:

@@ -29,14 +29,14 @@ if TYPE_CHECKING:
 class Translation(Step):
     """The map that adds [multiple](Σ (x_k, y_k) − ∞'s): call it on a state.
 
-    ``points``: one or two abscissas, real or a complex-conjugate pair, or functions x'(h1, h2) of the integrals,
-    written with operators; ``sheets``: the signs of y_k = ±√f(x_k); ``signs``: those of the roots √U'(a_i) that turn γ.
-    Use :meth:`System.translation` and :meth:`System.torsion`. ``2 * step`` is its double, ``-step`` the inverse, ``@``
-    composes.
+    ``points`` are one or two abscissas, real or a complex-conjugate pair, or functions x'(h1, h2) of the integrals,
+    written with operators. ``sheets`` are the signs of y_k = ±√f(x_k); ``signs`` are those of the roots √U'(a_i), which
+    decide the signs of γ. :meth:`System.translation` and :meth:`System.torsion` create translations. ``2 * step`` is
+    the double, ``-step`` the inverse, and ``@`` composes.
 
-    Preserved: H1 and H2 always, the bracket of :meth:`System.poisson` for points of fixed abscissa, for the branch
-    points a_i, 1/d and h1/h2 (:func:`moving_branch_point`), for :func:`on_line`, and for sums of these; a generic
-    x'(h1, h2) changes it. It commutes with the flow in τ, not with that in t (d ≠ 0).
+    H1 and H2 are always preserved. The bracket of :meth:`System.poisson` is preserved for points of fixed abscissa, the
+    branch points a_i, 1/d and h1/h2 (:func:`moving_branch_point`), :func:`on_line`, and sums of these. A generic
+    x'(h1, h2) changes it. The map commutes with the flow in τ, but not with that in t (d ≠ 0).
     """
 
     _caches = ("_last", "_upright")
@@ -78,14 +78,14 @@ class Translation(Step):
     def __call__(self, state: State) -> State:
         """The image of a state.
 
-        Over RR and MP with guard digits where :meth:`condition` or H1 and H2 of the image require them. Raises
-        NotASquare where the image is not real (or not over the field), NotRepresentable where it has no representative,
-        PrecisionLoss where its H1 or H2 are not those of the state (to 10⁻⁹ in floats).
+        Over RR and MP guard digits are used where :meth:`condition` or H1 and H2 of the image require them. Raises
+        NotASquare if the image is not real (or not over the field) and NotRepresentable if it has no representative.
+        PrecisionLoss if its H1 or H2 differs from that of the state (by 10⁻⁹ in floats).
         """
         return with_enough_digits(self, self.system._checked(state))
 
     def plain(self, state: State) -> State:
-        """The image in the numbers of the field, whatever the loss."""
+        """The image computed in the numbers of the field, without a check of the loss of digits."""
         if not self.system._checked(state).tilted:
             return self._image(state)
         step, plain, change = self._transformed(state)
@@ -102,8 +102,8 @@ class Translation(Step):
         return replaced(moved, _rounding=self._rounding, guarded=True)
 
     def condition(self, state: State) -> float:
-        """The growth of rounding: 1/δ for D' at a distance δ from zero, the cancellation in f(x') and between two
-        points, and the multiple. inf beyond the range of floats.
+        """The amplification of rounding errors. Its causes are D' at a small distance δ from zero (1/δ), cancellation
+        in f(x') and between two points, and the multiple. inf beyond the range of floats.
         """
         state = self.system._checked(state)
         if state.tilted:
@@ -118,7 +118,7 @@ class Translation(Step):
             found = float(min(1 / self.system.field.eps, LARGEST))
         except (OverflowError, ZeroDivisionError):
             found = inf
-        # partial multiples come near special positions: a digit or more is lost at every doubling
+        # partial multiples may come near special positions: at least a digit is lost at every doubling
         times = min(abs(self.multiple), LARGEST)
         return found if times <= 2 else max(found, 1.0) * MOST_CONDITION * times * times
 
@@ -155,7 +155,7 @@ class Translation(Step):
         return coordinates.from_pairs(body, total.pairs)
 
     def divisor(self, state: State) -> Any:
-        """[multiple]D' on the curve of a state, in its group, whether or not the state has an image over the field."""
+        """[multiple]D' in the group of a state's curve. It exists even if the state has no image over the field."""
         if self.system._checked(state).tilted:
             step, plain, _ = self._transformed(state)
             return step.divisor(plain)
@@ -164,7 +164,9 @@ class Translation(Step):
         return self.multiple * self.system.group(h1, h2).from_mumford(u, v)
 
     def _transformed(self, state: State) -> tuple[Translation, State, ChaplyginTransformation]:
-        """The same step on the body of :meth:`System.upright`, including the branch point 1/d."""
+        """(step, state, transformation): the same step on the body of :meth:`System.upright`, with its branch point
+        1/d, and the upright state.
+        """
         system, plain, change = self.system.upright(state)
         if self._upright is None or self._upright[0] != system:
             points = self.points
@@ -186,7 +188,7 @@ class Translation(Step):
         return group, self._last[5]
 
     def _class(self, h1: Any, h2: Any) -> tuple[SignedGroup, poly.Poly, poly.Poly]:
-        """The group of the curve of (h1, h2) and (u, v) of D' before the multiplication; cached like the multiple."""
+        """The group of the curve of (h1, h2), and (u, v) of D' before it is multiplied; cached as in :meth:`_move`."""
         if not self._is_last(h1, h2):
             system = self.system
             group = SignedGroup(system.curve(h1, h2), coordinates.branch_points(system.body))
@@ -195,7 +197,9 @@ class Translation(Step):
         return self._last[2], self._last[3], self._last[4]
 
     def _is_last(self, h1: Any, h2: Any) -> bool:
-        """Whether D' is cached for this curve: with guard digits an orbit stays on the curve of its start."""
+        """Whether D' is cached for this curve. With guard digits (h1, h2) may differ from the cached ones by
+        rounding.
+        """
         if self._last is None:
             return False
         K = self.system.field
@@ -252,7 +256,7 @@ class Translation(Step):
         return zip(x, self.sheets, strict=True)
 
     def _is_branch(self, x: Any, h1: Any, h2: Any) -> bool:
-        """Whether x is a root of f: one of the a_i, 1/d, or h1/h2 (over an inexact field to rounding)."""
+        """Whether x is a root of f: one of the a_i, 1/d, or h1/h2 (up to rounding over an inexact field)."""
         K, system = self.system.field, self.system
         if x in system.a or (system.body.rolls and x == K.inv(system.d)):
             return True
@@ -285,7 +289,7 @@ def moving_branch_point(h1: Any, h2: Any) -> Any:
 
 
 def on_line(c0: Any, c1: Any) -> Callable[[Any, Any], Any]:
-    """The abscissa with h1 − x'h2 = c0 + c1·x', for ``points``: y'² = φ(x')(c0 + c1·x') is fixed."""
+    """The abscissa x' that solves h1 − x'h2 = c0 + c1·x', for ``points``. y'² = φ(x')(c0 + c1·x') is then fixed."""
 
     def abscissa(h1: Any, h2: Any) -> Any:
         K = h1.field
@@ -312,7 +316,7 @@ def _abscissas(system: PhaseSpace, points: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def _own(K: Any, x: Any) -> Any:
-    """An abscissa in the numbers of K; the digits of a complex number count as exact."""
+    """An abscissa in the numbers of K; a complex number is taken as exact."""
     return K.context.mpc(x) if not K.exact and K.dps and (isinstance(x, complex) or hasattr(x, "_mpc_")) else x
 
 
