@@ -151,7 +151,7 @@ class _Work(NamedTuple):
         return _Work(many, members, frames, quick, times, np.empty((*shape, 3, 3)), np.empty((*shape, 3)))
 
     def part(self, begin: int, end: int) -> list[Said]:
-        """Computes the members of a range, and returns the outcome of those without a short run."""
+        """Computes the members of a range, and returns the refused ones with their reasons."""
         left = np.ones(end - begin, dtype=bool)
         which = begin + np.flatnonzero(self.quick[begin:end])
         if len(which):
