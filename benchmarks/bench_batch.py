@@ -55,7 +55,7 @@ OTHERS = {
 
 
 def random_rows(C: Any, count: int, seed: int) -> DivisorArray:
-    """Sums of two classes of a pool, all of full weight, no two of them equal but by chance."""
+    """Sums of two classes from a pool. All have full weight, and two are equal only by chance."""
     rng = Random(seed)
     pool = DivisorArray.stack([sum_of_points(C, rng) for _ in range(64)])
     draw = np.random.default_rng(seed)
@@ -147,7 +147,7 @@ def _measured(
 
 
 def _on_arrays(action: Callable[[], Any], A: DivisorArray, processors: int, smoke: bool) -> dict[str, object]:
-    """The operator: nanoseconds a row on one thread, the gain of all processors, and memory."""
+    """For the operator: nanoseconds per row on one thread, the gain from all processors, and memory."""
     repeat = 3 if smoke else max(5, 4_000_000 // len(A))
     try:
         set_threads(1)

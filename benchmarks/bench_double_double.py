@@ -71,7 +71,7 @@ def _least(work: Any, count: int, smoke: bool) -> float:
 
 
 def _operations(smoke: bool) -> list[dict[str, object]]:
-    """Sums of products and of quotients of arrays that stay in the first cache."""
+    """Sums of products and of quotients of arrays that fit into the first-level cache."""
     size, rounds = 500, 20 if smoke else 2000
     rng = np.random.default_rng(3)
     x, y = rng.uniform(1, 2, (2, size))
@@ -139,7 +139,7 @@ print(imported - begun, perf_counter() - imported)
 
 
 def _first_call() -> list[dict[str, object]]:
-    """A fresh process with an empty cache, and the next one."""
+    """Seconds of the first call in a process with an empty cache, and in the next process."""
     rows: list[dict[str, object]] = []
     with tempfile.TemporaryDirectory() as cache:
         environment = {**os.environ, "NUMBA_CACHE_DIR": cache}

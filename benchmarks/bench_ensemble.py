@@ -36,7 +36,7 @@ CASES = (
     (10**5, 10.0),
 )
 LONGEST_PEER = 1e3
-# members whose answers heyoka's ensembles hold at a time
+# number of members whose results heyoka's ensembles keep in memory at a time
 AT_A_TIME = 10_000
 COMPARED = 20
 TOLERANCE = 1e-15
@@ -59,7 +59,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 
 def warm(smoke: bool) -> None:
-    """Load what is compiled."""
+    """Loads compiled code."""
     members(2).at([1.0])
     if not smoke:
         members(1).flow(0).system.flow(members(1).flow(0).state, "compiled").at([1.0])
@@ -93,7 +93,7 @@ def error(gamma: np.ndarray, M: np.ndarray, wanted: np.ndarray) -> float:
 
 
 def ours(many: Ensemble, times: np.ndarray, threads: int, wanted: np.ndarray) -> dict[str, object]:
-    """A row without heyoka's columns. Where the result is large, chunks of it."""
+    """A row without heyoka's columns. Large results are computed in chunks."""
     set_threads(threads)
     before, begun, ways, off = resident(), clocks(), Counter[str](), 0.0
     peak = before
@@ -143,7 +143,7 @@ def heyoka(many: Ensemble, times: np.ndarray, threads: int, wanted: np.ndarray) 
 
 
 def clocks() -> tuple[float, float]:
-    """Of the wall and of the processors."""
+    """The time of the wall clock and that of the processors."""
     return perf_counter(), process_time()
 
 

@@ -42,7 +42,7 @@ def summands(kind: str, genus: int, rng: Random) -> tuple[list[float], list[list
 
 
 def outcome(f: list[float], parts: list[list[Any]], genus: int, rng: Random) -> tuple[str, float, float]:
-    """What became of a sum, its error in units of its conditioning, and the time it took."""
+    """The outcome of a sum, its error in units of its conditioning, and its time."""
     J = HyperellipticCurve(RR, f).jacobian()
     try:
         D, E = (J.from_points([(float(x), float(y)) for x, y in points]) for points in parts)

@@ -67,7 +67,7 @@ def run(smoke: bool) -> list[Row]:
 
 
 def compile_on_all_cores(names: Sequence[str]) -> None:
-    """What is to be compiled once a machine: from a minute's work for each kind of system to the loading of it."""
+    """Compiles the code for each kind of system in other processes, so that later runs only load it."""
     print(f"compiling for {len(names)} kinds of systems, once a machine (a minute each) …", end="", flush=True)
     begun = perf_counter()
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
@@ -128,7 +128,7 @@ def compared(scene: Scene, T: int) -> tuple[Row, dict[str, Spent]]:
 
 
 def set_up(name: str, spent: dict[str, Spent]) -> Row:
-    """A row: what is spent once a system and once a start."""
+    """A row of the times spent once per system and once per start."""
     ours, theirs = (1e3 * (part.system + part.start) if part else None for part in (spent[""], spent.get("heyoka")))
     row: Row = {"what": f"{name}, set-up", "flow ms": ours}
     if theirs and ours:

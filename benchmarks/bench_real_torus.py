@@ -63,7 +63,7 @@ def _row(name: str, system: Any, q: Any, p: Any, count: int, repeats: int) -> di
     path, few = flow.at(far), by_additions(flow, far[-3:])
 
     def fresh(wanted: Any) -> Callable[[], Any]:
-        # a system that has kept nothing
+        # a new system, which has cached nothing
         return lambda: (lambda made: made.flow(made.state(q, p)).at(wanted))(system.over(RR))
 
     runs, heyoka, peer = {"many": fresh(times), "one": fresh(far[-1:])}, METHODS["heyoka"], ClassicalSystem(system)
@@ -84,7 +84,7 @@ def _row(name: str, system: Any, q: Any, p: Any, count: int, repeats: int) -> di
 
 
 def by_additions(flow: Any, times: Any) -> Point:
-    """q and p at times by additions in long numbers, whatever the flow would take."""
+    """q and p at times by additions in long numbers, whatever method the flow would choose."""
     rows = [flow._row(place) for place in flow._places([float(t) for t in times])]
     q, p = (np.array([[float(x) for x in row[i]] for row in rows]) for i in (0, 1))
     return Point(q, p)

@@ -1,4 +1,4 @@
-"""What a fresh flow takes to a first state far away, on bodies of every kind, and beside the separatrix and with d.
+"""Time of a fresh flow to a first state far away: for bodies of every kind, near the separatrix, and against d.
 
 Milliseconds of processor time, the least of several fresh flows in a warm process, from ``system.flow(state)`` to one
 state at t = 10⁶/|M|, with what it came from. ``python -m benchmarks.bench_setup --figure STEM`` draws the growth.
@@ -64,13 +64,13 @@ def heavier_balls() -> Iterator[tuple[Any, tuple[System, Any]]]:
 
 
 def deformations() -> Iterator[tuple[str, tuple[Any, Any]]]:
-    """Those whose motions are additions on elliptic curves."""
+    """The bodies whose motions are additions on elliptic curves."""
     for name in ("tilde", "check", "hat", "tilde_poles"):
         yield name, load_scene(name).start(15)
 
 
 def cost(system: Any, state: Any, repeats: int) -> dict[str, Any]:
-    """The least time of a fresh flow to one state far away, and its way; none where it is refused."""
+    """The least time of a fresh flow to one state far away, and its way. There is no time if the flow is refused."""
     times = [FAR / float(np.linalg.norm(np.array(state.M, dtype=float)))]
     best = np.inf
     for _ in range(repeats + 1):
@@ -84,7 +84,7 @@ def cost(system: Any, state: Any, repeats: int) -> dict[str, Any]:
 
 
 def draw(rows: Rows, stem: Path) -> None:
-    """Set-up over the distance from the separatrix and over d."""
+    """Draws the set-up time against the distance from the separatrix and against d."""
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 

@@ -1,4 +1,4 @@
-"""What "auto" takes, a short run or a torus, beside what costs less; and the costs that it decides by.
+"""The choice of "auto" between a short run and a torus, compared with the cheaper one, and the costs it is based on.
 
 The first rows are the constants of the cost model of :mod:`integrable.motion.short`, as they are ``kept`` there and as
 they are here: ``measured`` on each scene, in microseconds of processor time.
@@ -55,12 +55,12 @@ def problem(name: str) -> tuple[Any, Any]:
 
 
 def fresh(name: str, kernel: str) -> Flow:
-    """The flow of a scene, from nothing."""
+    """A new flow of a scene, with nothing cached."""
     return Flow(*problem(name), kernel)
 
 
 def summary(lost: list[float]) -> Row:
-    """How often "auto" has taken what took a tenth longer than the other way."""
+    """The number of times "auto" chose the method that took a tenth longer than the other."""
     slower = sum(x > 1.1 for x in lost)
     return {"scene": "all", "auto": f"the slower way {slower} of {len(lost)} times", "lost": max(lost, default=1.0)}
 
@@ -95,7 +95,7 @@ def _panels(name: str, times: np.ndarray) -> int:
 
 
 def chosen(name: str, outputs: int, T: float, repeats: int) -> Row:
-    """What "auto" takes for so many times up to T."""
+    """The method that "auto" chooses for a number of times up to T."""
     times = np.linspace(0, T, outputs) if outputs > 1 else np.array([T])
     auto = fresh(name, "auto").at(times).way
     torus = 1e3 * least_seconds(lambda: fresh(name, "compiled").at(times), min(repeats, 3))

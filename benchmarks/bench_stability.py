@@ -221,7 +221,7 @@ def _without_curve(problem: Problem, counts: list[int]) -> Iterator[tuple[Any, .
 
 
 def _random_access(problem: Problem, counts: list[int]) -> Iterator[tuple[Any, ...]]:
-    """Every count by itself: the binary digits of n, from a table of [2^k]D' rounded to floats."""
+    """Each count separately, by the binary digits of n, from a table of [2^k]D' rounded to floats."""
     f, start = tuple(map(float, problem.f)), tuple(map(float, problem.start))
     table = [tuple(map(float, row)) for row in problem.doubles(max(counts).bit_length())]
     for count in counts:
@@ -267,7 +267,7 @@ WAYS: dict[str, tuple[Way, int, str]] = {
 
 
 def measure(problem: Problem, way: str, counts: list[int], truths: dict[int, Any]) -> list[dict[str, Any]]:
-    """Rows (n, error, residual, seconds since the row before); None where there is no number any more."""
+    """Rows (n, error, residual, seconds since the previous row); None where a value is no longer a number."""
     rows = []
     with np.errstate(all="ignore"):
         points, begun = WAYS[way][0](problem, counts), perf_counter()

@@ -1,4 +1,4 @@
-"""What starting costs, in seconds, each in a fresh interpreter: the least of several.
+"""Seconds of starting up, each the least of several runs in a fresh interpreter.
 
 "processor" is the time that the processor was at work on it, which other processes disturb less; "above Python" the
 same without the start of Python itself. Compiling for the first time takes place with an empty cache.

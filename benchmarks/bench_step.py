@@ -18,7 +18,7 @@ MOST_RESIDUAL, MOST_NANOSECONDS = 1e-9, 100
 
 
 def seconds(action: Callable[[], object], calls: int) -> float:
-    """The least processor time of one call among so many, on one core: other work on the machine does not count."""
+    """The least processor time of one call among several, on one core. Other work on the machine does not count."""
     return least_seconds(lambda: [action() for _ in range(calls)], 5) / calls
 
 

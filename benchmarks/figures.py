@@ -1,4 +1,4 @@
-"""What benchmarks with a picture share: ``python -m benchmarks.bench_<name> [--smoke] [--figure STEM]``."""
+"""Shared code of benchmarks with a picture: ``python -m benchmarks.bench_<name> [--smoke] [--figure STEM]``."""
 
 from __future__ import annotations
 
