@@ -1,1 +1,1 @@
-"""Any time at once: the real torus of a motion, tables of its corners, and series of its clock."""
+"""States at any time without stepping: the real torus of a motion, tables of its corners, and series of its clock."""

@@ -1,7 +1,7 @@
-"""Random access to a motion: any τ and any t by the same two additions from the nearest corner of a cell of the torus.
+"""Random access to a motion: any τ or t takes two additions from the nearest corner of a cell of the torus.
 
-The moving points at the corners are computed once. A time of the flow is two phases: their whole turns are signs, and
-the remainder inside a cell is T(s₁, c₁s₁) + T(s₂, c₂s₂) with T a power series. Compiled loops use double-double numbers
+The moving points at the corners are computed once. A time of the flow gives two phases. Their whole turns change signs
+only; the remainder inside a cell is T(s₁, c₁s₁) + T(s₂, c₂s₂) with T a power series. Compiled loops use double-doubles
 and round once, so no error grows with the time; interpreted ones use more digits. Physical time t = ∫dτ/g is a mean
 rate plus a Fourier series on the torus, inverted by Newton's method (Fedorov 2009 gives the same functions as theta
 functions).
@@ -43,7 +43,7 @@ EXTENDED = 32 * float(np.finfo(np.longdouble).eps)
 ROUNDING = EXTENDED / 4
 # slow modes are dropped only if their amplitude of τ is below this, in the same units, however small they are in 1/g
 LEAST_SWING = 1e-17
-# from this many ascending times on, and this many per node, times are read off panels
+# at least this many ascending times, and this many per node, are evaluated by interpolation on panels
 DENSE_FROM = 5000
 DENSE = 3
 
@@ -70,7 +70,7 @@ class TorusFlow(Corners):
     def _check_walk(self) -> None:
         if not all(map(isfinite, self._of_rates(4 if self._rolls else 6, 8))):
             raise NotClosed(BEYOND)
-        # before the borders of cells, which would report a wrong sign as lost digits
+        # this check precedes that of the cells' borders, which would report a wrong sign as lost digits
         tau = witnesses(self._turns)
         out = np.empty(12 * len(tau))
         near = self.loops.departure(self.torus, *self._line(tau), out) <= ALIKE
@@ -81,7 +81,7 @@ class TorusFlow(Corners):
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,).
 
-        Ascending times are read off panels of Chebyshev series if there are many per panel.
+        Ascending times are interpolated by panels of Chebyshev series if there are many per panel.
         """
         if not self.clock:
             return self.at_tau(times), times
@@ -133,7 +133,7 @@ class TorusFlow(Corners):
         try:
             return Panels(states, start, end, length)
         except PrecisionLoss:
-            # passages are too fast for panels; single times are as accurate as ever
+            # passages are too fast for panels; evaluation time by time does not lose accuracy
             return None
 
     def _panel_length(self, states: States, start: float, end: float) -> float:
@@ -168,7 +168,7 @@ class TorusFlow(Corners):
 
     @property
     def _rolls(self) -> bool:
-        """Whether there is a clock, that is whether the body rolls."""
+        """Whether the body rolls, so that physical time differs from τ."""
         return bool(self.loops.floats(self._problem[HEAVINESS : HEAVINESS + 1])[0] != 0)
 
     @cached_property
@@ -178,7 +178,7 @@ class TorusFlow(Corners):
 
     @cached_property
     def _turns(self) -> list[float]:
-        """The turns of both phases per unit of τ."""
+        """The turns of each phase per unit of τ."""
         return self._of_rates(6, 8)
 
     def _of_rates(self, begin: int, end: int) -> list[float]:
@@ -264,7 +264,7 @@ class TorusClock:
 def series_between(
     loops: Any, values: Any, grid: tuple[int, int], rates: Any, limits: Cutoffs
 ) -> tuple[ClockSeries, ClockSeries, ClockSeries, np.ndarray, Any]:
-    """What a :class:`Clock` has between ``doubled`` and ``pace``, of a spectrum of 1/g (:func:`clock_series`).
+    """The fields of a :class:`Clock` from ``rough`` to ``loud``, from a spectrum of 1/g (:func:`clock_series`).
 
     PrecisionLoss where a mode is in resonance.
     """

@@ -1,4 +1,6 @@
-"""States at physical times on a torus, on bare reals, compiled or interpreted: the clock's series, and panels."""
+"""Loops for states at physical times on a torus: the clock's series, and panels. They run on bare reals, compiled or
+interpreted.
+"""
 
 from __future__ import annotations
 
@@ -135,8 +137,8 @@ def on_circle(x: Real, two_pi: Real) -> tuple[Real, Real]:
 
 
 def delay(rough: ClockSeries, series: ClockSeries, a: float, b: float, room: Row) -> tuple[float, float]:
-    """The distance x of τ from its mean at a physical time, and the slope of x + S there: x solves x + S = 0 at the
-    phases (a + ν₁x, b + ν₂x), with the few largest modes first, then with all.
+    """The difference x of τ from its mean at a physical time, and the slope of x + S there. x solves x + S = 0 at the
+    phases (a + ν₁x, b + ν₂x), first with the few largest modes, then with all modes.
     """
     x, _ = solved(rough, a, b, 0.0, 1e-5, room)
     return solved(series, a, b, x, 1e-9, room)
@@ -167,7 +169,7 @@ def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room:
 
 
 def swing_and_rate(series: ClockSeries, a: float, b: float, room: Row) -> tuple[float, float]:
-    """(S, mean rate + dS/dτ) at the phases (a, b) in turns; ``room`` is for twice the number of second modes."""
+    """(S, mean rate + dS/dτ) at the phases (a, b) in turns. ``room`` holds two floats per second mode."""
     lines, count, least, swing, rate = series.lines, series.width, series.least, series.origin, series.mean
     total = len(series.parts) // 4
     real, imaginary = series.parts[:total], series.parts[total : 2 * total]
@@ -197,10 +199,10 @@ def swing_and_rate(series: ClockSeries, a: float, b: float, room: Row) -> tuple[
 
 
 def panel_values(middles: Row, halves: Row, coefficients: Row, times: Row, room: Row, out: Row) -> None:
-    """Rows of Chebyshev series at ``times`` into ``out``: the panel p around middles[p], halves[p] to either side, has
-    the series coefficients[p, k, column].
+    """Writes the values of Chebyshev series at ``times`` to ``out``. Panel p has the middle middles[p], the half-length
+    halves[p] and the coefficients[p, k, column].
 
-    By Clenshaw's recurrence, for all columns at once, in the two rows of ``room``. The panel of the previous time is
+    Clenshaw's recurrence runs over all columns at once, in the two rows of ``room``. The panel of the previous time is
     tried first.
     """
     panels, terms, width = coefficients.shape

@@ -14,9 +14,9 @@ from jacobian.numbers.fourier import half_spectrum
 Real = Any
 Row = Any
 
-# small modes of equal size are rounding
+# modes below this fraction of the largest that do not fall further are rounding errors
 LEVEL = 1e-8
-# the largest number of modes summed in long numbers
+# the largest number of modes that are summed in numbers longer than floats
 MOST_LOUD = 8
 
 
@@ -72,7 +72,7 @@ def sizes_needed(values: Row, grid: tuple[int, int], noise: tuple[float, float],
         for j in range(columns):
             x, y = float(values[2 * (k * columns + j)]), float(values[2 * (k * columns + j) + 1])
             m = height + min(j, columns - j)
-            # most are below both, so avoid their square roots
+            # most modes are below both maxima; this test avoids their square roots
             if abs(x) + abs(y) > min(room[k], room[m]):
                 size = size_of(x, y)
                 room[k], room[m] = max(room[k], size), max(room[m], size)
@@ -181,7 +181,7 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tabl
             m = i - half
             n = 2 * (k * columns + (m if m >= 0 else m + columns))
             x, y = 2 * float(values[n]), 2 * float(values[n + 1])
-            # most are far below, so avoid their square roots
+            # most modes are far below; this test avoids their square roots
             if abs(x) + abs(y) <= small or size_of(x, y) <= small:
                 continue
             turns = k * rates[0] + m * rates[1]
@@ -239,7 +239,9 @@ def packed_modes(
 
 
 def loudest(lines: Row, series: tuple[int, int, int, int], parts: Row, least: float) -> tuple[int, int, int]:
-    """(place, k, m − least second mode) of the mode by which τ swings most, ``least`` or more; (−1, 0, 0) if none."""
+    """(place, k, m − least second mode) of the mode with the largest oscillation of τ, if that is at least ``least``;
+    else (−1, 0, 0).
+    """
     total, most, found, first, second = series[3], least, -1, 0, 0
     for k in range(series[2]):
         for n in range(lines[3 * k + 1], lines[3 * k + 2]):

@@ -42,10 +42,10 @@ KINDS: dict[Any, TupleKind] = {
         record(Clock, _INTS, _SERIES, _SERIES, _SERIES, INTS, WIDES, WIDES),
     )
 }
-"""What NamedTuples of arrays are in compiled loops."""
+"""The compiled type of each NamedTuple of arrays."""
 
 
-# --- entries: rows of numbers as the tuples that the loops take
+# --- entries: they convert rows of numbers to the tuples that the loops take
 
 
 def _corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known: Row) -> float:

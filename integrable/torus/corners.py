@@ -22,14 +22,14 @@ from jacobian.numbers.double_double import EPS
 if TYPE_CHECKING:
     from integrable.torus.lattice import Source
 
-# a walk over the corners is accepted if its periods close to this, and a two-sided walk to that
+# a walk over the corners is accepted if its periods close to within ROUND, a two-sided walk if to within CLOSED
 ROUND = 1e-17
 CLOSED = 1e-13
 # a step of a walk over the corners spans fewer cells than this
 MOST_AT_ONCE = 7
 # ovals with a relative gap below this are walked over from both sides
 NEAR = 2.0**-23
-# nodes on the path from there
+# number of quadrature nodes on the path from the start to the walk's turning column
 QUADRATURE = 32
 # the smallest allowed values of a factor of f, relative to its parts: U there has the square of the loss, the sum its
 # cube
@@ -41,7 +41,7 @@ PASSING = 2.0**-7
 PASSAGES = 3.1
 
 Samples = Callable[[tuple[int, int], "np.ndarray | None"], Any]
-"""Values on a grid of the given sizes, of which those of a coarser grid are known."""
+"""A function that gives values on a grid of given sizes; values on a coarser grid may be known."""
 
 
 @cache
@@ -91,7 +91,7 @@ class Corners:
         return rates
 
     def _check_walk(self) -> None:
-        """NotClosed if the states at the corners are not reliable."""
+        """Raises NotClosed if the states at the corners are not reliable."""
         if not self.compiled:
             return
         kappa = float(np.abs(self.loops.floats(self.curve.axes[3:6])).min())
@@ -100,7 +100,7 @@ class Corners:
 
     @property
     def compiled(self) -> bool:
-        """Whether loops are compiled: a state then costs microseconds, a thousandth of an interpreted one."""
+        """Whether the loops are compiled. A state then takes microseconds, a thousandth of the interpreted time."""
         return isinstance(self.loops, CompiledLoops)
 
     @cached_property
@@ -141,7 +141,7 @@ class Corners:
         return found
 
     def _line(self, tau: np.ndarray) -> tuple[Line, np.ndarray, TableRoom, Any]:
-        """The arguments with which the loops add to the start up to these times, with memory for that."""
+        """The arguments, with working memory, for the loops that reach these times by additions to the start."""
         room = self.loops.room
         # if the branch points cluster, the flow's centre is far from all of them
         far = self._aslant or self.units.length < 1
@@ -189,7 +189,7 @@ class Corners:
         return self.completed(whole.reshape(down * rows, across * columns, *table.shape[2:]), known)
 
     def completed(self, samples: np.ndarray, known: np.ndarray | None) -> np.ndarray:
-        """The samples, completed by those of a coarser grid."""
+        """The samples with those of a coarser grid filled in."""
         if known is not None:
             samples[:: samples.shape[0] // known.shape[0], :: samples.shape[1] // known.shape[1]] = known
         return samples
@@ -279,7 +279,7 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
     of the columns from where both are at the near ends. On the path there x is end ± gap·sinh²(t), dx/y then smooth.
     """
     first, low, high, last = motion[:4].tolist()
-    # ends that floats cannot separate are that near, and rounding passes no end
+    # ends that floats cannot separate are taken to be this close, so that rounding passes no end
     gap, d, r = max(high - low, EPS * (last - first)), motion[8], motion[10]
     u0, u1, v0, v1 = start[:4].tolist()
     half, passed = sqrt(max(0.25 * u1 * u1 - u0, 0.0)), np.zeros(2)

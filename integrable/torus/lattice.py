@@ -1,4 +1,4 @@
-"""The real torus of a motion as a lattice, cut into cells that two small translations reach across.
+"""The real torus of a motion as a lattice, divided into cells. Two small translations reach any point of a cell.
 
 The motion is a straight line on D(0) + θ₁Λ₁ + θ₂Λ₂, Λ_k the real periods of (dx/y, x dx/y). Any small translation is
 T(s₁, c₁s₁) + T(s₂, c₂s₂) for two fixed centres c₁, c₂ below all branch points, where f < 0; both are power series in s.
@@ -59,7 +59,7 @@ class TimedSource(Source, Protocol):
 
 
 class GivenSource(NamedTuple):
-    """A :class:`Source` of given numbers."""
+    """A :class:`Source` made from given values."""
 
     bare_problem: BareProblem
     wide: Any
@@ -68,8 +68,8 @@ class GivenSource(NamedTuple):
 
 
 class Chart(NamedTuple):
-    """A way to cut the torus: two centres, the largest |s| for each, integer rows of a basis, and the numbers of cells
-    in both directions, powers of 2.
+    """A division of the torus into cells: two centres, the largest |s| for each, the integer rows of a basis, and the
+    numbers of cells in both directions, powers of 2.
     """
 
     centres: tuple[float, float]
@@ -215,7 +215,9 @@ class Beginning(NamedTuple):
 
 
 def beginning(setup: Source, loops: Any) -> Beginning:
-    """The rows of a motion: from the loops where branch points are well apart, else from more digits than theirs."""
+    """The rows of a motion. The loops compute them if branch points are well separated; otherwise numbers with more
+    digits are used.
+    """
     found: Beginning | None = loops.begun(setup)
     if found is not None:
         return found

@@ -1,8 +1,8 @@
-"""Physical time at any distance and to any digits: 1/g is a quasi-periodic function of the flow's own time, a Fourier
-series on a real torus.
+"""Physical time at any τ and to any digits. 1/g is a quasi-periodic function of the flow's own time, a Fourier series
+on a real torus.
 
-Its modes (:mod:`integrable.torus.oval_modes`) give t = ∫dτ/g as a mean rate times τ and a bounded oscillation, whose
-inverse is found by Newton's method from the mean, without steps of the motion. (Fedorov 2009 gives the same functions
+Its modes (:mod:`integrable.torus.oval_modes`) give t = ∫dτ/g as a mean rate times τ plus a bounded oscillation.
+Newton's method inverts it, starting from the mean, without steps of the motion. (Fedorov 2009 gives the same functions
 as theta functions.)
 """
 
@@ -28,11 +28,11 @@ GAIN, FIRST_GOAL = 1e-13, 28
 
 
 class MultiprecisionTorusClock:
-    """t(τ) and τ(t) for any τ, in the units of a :class:`~integrable.moving_point.setup.Setup`, to ``digits``: by
-    default those of the set-up; to ``after`` of them after the point where far times have no more.
+    """t(τ) and τ(t) for any τ, in the units of a :class:`~integrable.moving_point.setup.Setup`, to ``digits``, by
+    default those of the set-up. ``after`` limits the digits after the point, as far times have no more.
 
-    Raises what :func:`~integrable.torus.oval_modes.modes_of_rate` does where the torus is degenerate or nearly so: that
-    is such motions are left to the clock that counts steps.
+    Raises the errors of :func:`~integrable.torus.oval_modes.modes_of_rate` if the torus is degenerate or nearly so.
+    Such motions are left to the clock that counts steps.
     """
 
     def __init__(
@@ -80,7 +80,9 @@ class MultiprecisionTorusClock:
         return self._refined(angles, list(map(self.wide.coerce, found.tolist())), rates.tolist())
 
     def _refined(self, angles: list[tuple[Any, Any]], shifts: list[Any], rates: list[float]) -> list[Any]:
-        """Newton's method in multiprecision; each step but the last uses only the digits it can gain."""
+        """The shifts after Newton's method in multiprecision. Each step but the last uses only the digits it can
+        gain.
+        """
         nu1, nu2 = self.frequencies
         left, goal = list(range(len(shifts))), FIRST_GOAL
         for _ in range(100):

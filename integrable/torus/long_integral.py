@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 MOST_SAMPLES, SAMPLES_A_DIGIT = 1 << 15, 32
 
 Pairs = Callable[[list[tuple[Any, ...]]], list[tuple[Any, Any]]]
-"""Two numbers, bare reals, for the pairs of each of some moving points."""
+"""A function that gives two bare reals for each of several moving points."""
 
 
 class LongIntegral:
@@ -106,7 +106,7 @@ class _Values(Corners):
     def _points(
         self, sizes: tuple[int, int], known: np.ndarray | None
     ) -> Iterator[tuple[tuple[int, int], tuple[Any, ...]]]:
-        """(row, column) and the moving point of every place of the grid that is not known."""
+        """((row, column), moving point) for every point of the grid whose value is not known."""
         (rows, columns), fine = self.sizes, self.fine(sizes, known)
         self.loops.offsets(self._packed_curve, self._packed_small, fine)
         above, left = (fine.finer[0] - 1) // 2, (fine.finer[1] - 1) // 2

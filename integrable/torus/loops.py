@@ -62,7 +62,7 @@ PLAIN: dict[str, tuple[Callable[..., Any], tuple[int, ...]]] = {
 
 
 class NotClosed(PrecisionLoss):
-    """Walks over whole periods do not lead back: the loops lose too many digits on this motion."""
+    """Walks over whole periods do not return to their start: the loops lose too many digits on this motion."""
 
 
 class ReadableLoops:
@@ -89,7 +89,7 @@ class ReadableLoops:
         return value.tolist() if isinstance(value, np.ndarray) else value
 
     def row(self, values: Any) -> Any:
-        """Numbers of any kind as working ones."""
+        """A row of working numbers from numbers of any kind."""
         return list(self.reals.row(values))
 
     def spectrum(self, samples: Any, noise: tuple[float, float]) -> tuple[Any, tuple[int, int]]:
@@ -108,7 +108,7 @@ class ReadableLoops:
         return [self.reals.number(0)] * count
 
     def wide(self, values: Any, field: Any) -> tuple[Any, ...]:
-        """Working numbers as those of a wide field."""
+        """Working numbers converted to a wide field."""
         return self.reals.elements(field, values)
 
     def floats(self, values: Any) -> np.ndarray:
