@@ -20,14 +20,14 @@ Row = tuple[Any, Sequence[Any], Sequence[Any], float]
 
 
 class BallRows(Record):
-    """States at ``times`` in balls (``flint.arb``): the base of those of bodies and of systems of any genus.
+    """States at ``times`` in balls (``flint.arb``), the base class for bodies and for systems of any genus.
 
-    ``tau`` and ``times`` have shape (N,); ``radius``, shape (N,), is the largest radius of every row, each vector
-    relative to a size: a float, rounded up, at least 2.2e-308.
+    ``tau`` and ``times`` have shape (N,). ``radius``, shape (N,), is the largest radius in each row, relative to the
+    size of its vector, as a float rounded up and at least 2.2e-308.
     """
 
     _names: ClassVar[tuple[str, str]]
-    """Of the two vectors of a state, of ``size`` numbers each."""
+    """The names of the two vectors of a state; each has ``size`` numbers."""
 
     def __init__(self, times: Any, rows: Sequence[Row], size: int = 3) -> None:
         self.size = size
@@ -73,7 +73,7 @@ class EnclosedPath(BallRows):
 
 
 def ball_digits(field: Any, digits: int | None) -> int:
-    """The digits requested of balls: by default those of the field, 15 for RR."""
+    """The number of digits requested for balls, by default that of the field, 15 for RR."""
     if digits is None:
         return FLOAT_DIGITS if field == RR else int(field.dps)
     return whole(digits, "digits", f"the balls' digits are an int ≥ 1, {MOST_DIGITS} at most", 1, MOST_DIGITS)
@@ -90,8 +90,8 @@ def is_bounded(values: Sequence[Any]) -> bool:
 
 
 def widest(*vectors: tuple[Sequence[Any], Any]) -> Any:
-    """An upper bound of the largest radius of balls in (vector, size), each relative to its size; NaN where one has no
-    bound.
+    """An upper bound of the largest radius of the balls in (vector, size) pairs, each relative to its size. NaN if a
+    radius is not finite.
     """
     from flint import arb
 
@@ -100,7 +100,7 @@ def widest(*vectors: tuple[Sequence[Any], Any]) -> Any:
 
 
 def rounded_up(radius: Any) -> float:
-    """A float not below a radius."""
+    """A float that is at least the radius."""
     return max(float(radius) * (1 + 2.0**-50), sys.float_info.min)
 
 
@@ -110,7 +110,7 @@ def _ends(ball: Any) -> tuple[Any, ...]:
 
 
 def _ball(flint: Any, middle: Any, radius: Any) -> Any:
-    """The ball of :func:`_ends`. flint rounds a given radius up to 30 bits, exact or not."""
+    """The ball with the midpoint and radius of :func:`_ends`. flint rounds every given radius up to 30 bits."""
     mantissa, exponent = radius
     shift = 30 - mantissa.bit_length()
     for less in (1, 0):

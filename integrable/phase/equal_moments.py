@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def symmetry_axis(inertia: Vector) -> int | None:
-    """The axis whose moment may differ from the two others, which are equal; None where all three differ."""
+    """The index of the symmetry axis: the moments of the two other axes are equal. None if all three moments differ."""
     # written out for speed, since every new flow calls it twice
     x, y, z = inertia
     return 0 if y == z else 1 if z == x else 2 if x == y else None
@@ -39,7 +39,7 @@ class Swing(NamedTuple):
 
     @staticmethod
     def of(body: Body, gamma: Vector, M: Vector) -> Swing:
-        """Those of an upright state; the axes in the order (equal, equal, other)."""
+        """The data of an upright state. The axes are in the order (equal, equal, other)."""
         K = body.field
         (a, _, a3), (r, _, r3), (g1, g2, g3), (m1, m2, m3) = body.a, body.contact, gamma, M
         ratio = (body.inertia[0] - body.inertia[2]) * a3
@@ -53,7 +53,7 @@ class Swing(NamedTuple):
         kappa = K.sqrt(kappa2) * (1 if m3 > 0 else -1)
         rate = a * momentum * K.sqrt(r3 / mu)
         atan2 = K.context.atan2
-        # use γ₃ and its rate: the difference above has no digits for a motion about the axis
+        # computed from γ₃ and its rate, as the difference above loses all digits for a motion about the axis
         size = K.sqrt(g3 * g3 + (a * across / rate) ** 2)
         theta = atan2(g3, a * across / rate) if size else K.zero
         swing = Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, K.zero)
@@ -115,7 +115,7 @@ class Upright(NamedTuple):
 
     @staticmethod
     def of(system: PhaseSpace, state: State, K: Any) -> Upright:
-        """That of a state, by Chaplygin's transformation."""
+        """The upright body of a state, by Chaplygin's transformation."""
         axis = symmetry_axis(system.inertia)
         assert axis is not None
         order = [(axis + 1) % 3, (axis + 2) % 3, axis]

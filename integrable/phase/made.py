@@ -1,4 +1,4 @@
-"""The constructor arguments of a system or a body, which its repr writes and a stamp compares."""
+"""The base class of values that are determined by their constructor arguments, such as systems and bodies."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Made(Immutable):
 
 
 def _plain(value: Any) -> Any:
-    """Ints, floats, strings and tuples that a field reads as exactly the numbers in ``value``."""
+    """``value`` as ints, floats, strings and tuples of these, which a field converts to exactly the same numbers."""
     if isinstance(value, Sequence) and not isinstance(value, str):
         return tuple(map(_plain, value))
     if isinstance(value, Fraction):
@@ -62,7 +62,7 @@ def _plain(value: Any) -> Any:
 
 
 def _short(n: int) -> int | str:
-    """An int, in base 16 where Python writes no decimals."""
+    """An int, or its text in base 16 where Python refuses to write decimals."""
     return n if n.bit_length() < MOST_BITS else hex(n)
 
 
@@ -74,7 +74,7 @@ def _text(value: Any) -> str:
 
 
 def _decimal(x: Any) -> float | str:
-    """A float if that is exact, otherwise as many digits as needed."""
+    """A float if that is exact, otherwise a string with as many digits as needed."""
     from mpmath.libmp import repr_dps, to_str
 
     if float(x) == x:

@@ -1,10 +1,11 @@
-"""The number of decimal digits of floats."""
+"""Numbers of decimal digits: those of floats, and those used to compute results that are rounded to floats."""
 
 FLOAT_DIGITS = 15
-"""Those of a float that count: up to so many a scene runs in floats, and a certificate of floats can confirm."""
+"""Significant digits of a float. A scene that asks for at most this many runs in floats, and a certificate in floats
+can confirm at most this many."""
 EPS_DIGITS = 16
-"""Those of a float's last bit: what a step loses in floats is counted from here."""
+"""Digits down to a float's last bit, from which the loss of a step in floats is counted."""
 ROUNDED_TO_FLOATS = 17
-"""Digits that states are computed to which are then rounded to floats."""
+"""Digits to which states are computed that are then rounded to floats."""
 SET_UP_DIGITS = 45
-"""Digits of the numbers that a motion in floats is set up in."""
+"""Digits of the numbers in which the set-up of a motion in floats is computed."""

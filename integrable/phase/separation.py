@@ -98,7 +98,7 @@ def integrals(body: Body, point: Separated) -> Two:
 
 
 def from_separated(body: Body, point: Separated, like: State | None = None) -> State:
-    """The state of (u, p), of the eight that share it the one with the signs of ``like`` or the field's roots.
+    """The state of (u, p). Eight states share it; the signs of ``like``, or of the field's own roots, choose one.
 
     NotASquare where a γ_i² or g² has no root in the field (over the reals: u outside of its oval), NotRepresentable
     where u1 = u2 or moments coincide.

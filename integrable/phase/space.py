@@ -35,7 +35,7 @@ class PhaseSpace(Made):
 
     body: Body
     radius: Any = None
-    """The radius of a ball that was given one, else None: lengths are then in radii."""
+    """The radius of the ball, or None if none was given. Lengths are then in units of the radius."""
 
     @property
     def field(self) -> Field[Any]:
@@ -58,12 +58,12 @@ class PhaseSpace(Made):
         return self.body.a
 
     def state(self, gamma: Sequence[Any], M: Sequence[Any], g: Any = None, *, tilted: bool = False) -> State:
-        """The State (γ, M), with |γ| = 1 and (γ, M) = 0 checked: exactly over exact fields, to eps^0.6 over inexact
-        ones. ``tilted=True`` allows (γ, M) ≠ 0: divisors, steps and the flow then use Chaplygin's transformation, which
+        """The State (γ, M). |γ| = 1 and (γ, M) = 0 are checked, exactly over exact fields and to eps^0.6 over inexact
+        ones. ``tilted=True`` allows (γ, M) ≠ 0. Divisors, steps and the flow then use Chaplygin's transformation, which
         exists except for M ∥ γ.
 
-        ``g`` chooses the root of g² over an exact field with d ≠ 0 (by default the field's own; NotASquare where there
-        is none). ArgumentError names the argument, its value and what is accepted.
+        ``g`` chooses the root of g² over an exact field with d ≠ 0. The default is the field's own root; NotASquare if
+        it has none. ArgumentError names the argument, its value and what is accepted.
         """
         K: Any = self.field
         tilted = flag(tilted, "tilted")
@@ -192,15 +192,15 @@ class PhaseSpace(Made):
         return self.group(*self.integrals(state)[2:]).from_mumford(u, v)
 
     def from_divisor(self, D: Divisor, like: State | None = None) -> State:
-        """The state with divisor D, of the eight that share it the one with the signs of ``like``.
+        """The state with divisor D. Eight states share it; the signs of ``like`` choose one.
 
-        Over an exact field ``like`` decides only where D is its own divisor up to signs. Elsewhere, and without it, the
-        signs are those of the field's own roots of g² and γ_i² (of (γ × M)_i² where γ_i = 0): over the reals γ_i > 0. A
-        tilted ``like`` supplies the transformation of D's state.
+        Over an exact field ``like`` is used only if D is the divisor of ``like`` up to signs. Otherwise the signs are
+        those of the field's own roots of g² and γ_i² (of (γ × M)_i² where γ_i = 0); over the reals γ_i > 0. A tilted
+        ``like`` supplies the transformation of D's state.
 
-        NotASquare where a root is not in the field, NotRepresentable for another weight than two or equal moments.
-        CurveMismatch where D is on no curve of this system, PrecisionLoss where H1 or H2 of the state are not the
-        curve's (to 10⁻⁹ in floats).
+        NotASquare if a root is not in the field. NotRepresentable for a weight other than two, or for equal moments.
+        CurveMismatch if D lies on no curve of this system. PrecisionLoss if H1 or H2 of the state differs from that of
+        the curve (by 10⁻⁹ in floats).
         """
         from integrable.phase import coordinates
         from jacobian.law.divisor import check_divisor
@@ -235,7 +235,7 @@ class PhaseSpace(Made):
         return separation.to_separated(self.body, self._checked(state))
 
     def from_separated(self, u: Sequence[Any], p: Sequence[Any], like: State | None = None) -> State:
-        """The state of (u, p), with the signs of ``like`` or the field's.
+        """The state of (u, p), with the signs of ``like`` or of the field's own roots.
 
         See :func:`integrable.phase.separation.from_separated`.
         """
@@ -268,7 +268,9 @@ class PhaseSpace(Made):
 
 
 def check_state(system: Any, state: Any) -> State:
-    """``state``, or an ArgumentError that says how to make one."""
+    """``state`` unchanged. Raises ArgumentError, with a hint how to make a state, if it is none, and FieldError if its
+    numbers are of another field.
+    """
     if not isinstance(state, State):
         raise ArgumentError(f"state = {shown(state)}: give a State, made by {type(system).__name__}.state(gamma, M)")
     if system.field.exact and (isinstance(state.gamma[0], (float, complex)) or hasattr(state.gamma[0], "_mpf_")):
@@ -279,7 +281,7 @@ def check_state(system: Any, state: Any) -> State:
 
 
 def check_moving(K: Any, h2: Any) -> None:
-    """ArgumentError where H2 = (M, M) vanishes."""
+    """Raises ArgumentError if H2 = (M, M) is 0."""
     if h2 == K.zero:
         raise ArgumentError(f"H2 = {written(h2)}: (M, M) must not vanish; a body at rest has no curve")
 

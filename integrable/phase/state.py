@@ -10,7 +10,7 @@ from integrable.phase.body import Vector
 from jacobian.errors import written
 
 MOST_BITS = 14_000
-"""Python writes ints of 4300 digits, some 14,280 bits, at most."""
+"""The largest number of bits that is written in decimals: Python refuses ints above 4300 digits, about 14,280 bits."""
 
 
 @dataclass(frozen=True)
@@ -46,10 +46,10 @@ def _text(value: Any) -> str:
 
 
 def onto_constraints(system: Any, state: State) -> State:
-    """The state over ``system.field`` with the constraints met to all its digits, not only to those given.
+    """The state over ``system.field``, projected onto the constraints so that they hold to all digits of the field.
 
-    (γ, γ) = 1 and, unless it is tilted, (γ, M) = 0: γ is divided by its length, and M loses its part along γ. Otherwise
-    a step would multiply the distance of the divisor from its curve by the condition of the step.
+    γ is divided by its length, so (γ, γ) = 1. Unless the state is tilted, M loses its component along γ, so
+    (γ, M) = 0. Otherwise a step would multiply the distance of the divisor from its curve by the step's condition.
     """
     K = system.field
     gamma, M = (tuple(map(K.coerce, v)) for v in (state.gamma, state.M))
@@ -61,7 +61,7 @@ def onto_constraints(system: Any, state: State) -> State:
 
 
 def rotation_axis(state: State) -> int | None:
-    """The axis i with M along it and γ_i = 0, all exactly, or None."""
+    """The axis i along which M lies exactly, if also γ_i = 0 exactly; else None."""
     x, m = state.gamma, state.M
     if m.count(0) != 2:
         return None

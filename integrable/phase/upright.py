@@ -20,7 +20,7 @@ from jacobian.errors import NotRepresentable
 
 @dataclass(frozen=True)
 class ChaplyginTransformation:
-    """The change of variables at one value of (c, H1, H2): :meth:`of` makes it, :meth:`apply` and :meth:`invert` are
+    """The change of variables at one value of (c, H1, H2), made by :meth:`of`. :meth:`apply` and :meth:`invert` are
     inverse to each other on all states with these integrals.
 
     ``body`` is the given body, ``upright`` the one on which (γ̃, M̃) = 0.
@@ -122,7 +122,7 @@ def leaning(K: Any, gamma: Vector, M: Vector) -> Any:
 def _root(body: Body, integrals: Any, square: Any) -> tuple[Any, Any]:
     """(k, 1 + kc), k = −2c/((H2 − dH1) + √((H2 − dH1)² + 4c²dH1)), ``square`` = |γ × M|².
 
-    Over an exact field the other root where the sum in the denominator vanishes.
+    Over an exact field the other sign of the square root is used if the denominator vanishes.
     """
     K, (_, c, h1, h2) = body.field, integrals
     if not body.rolls:
@@ -144,7 +144,7 @@ def _root(body: Body, integrals: Any, square: Any) -> tuple[Any, Any]:
 
 
 def parallel(c: Any) -> NotRepresentable:
-    """The message about M ∥ γ."""
+    """The error raised for M ∥ γ."""
     return NotRepresentable(
         f"M is parallel to gamma, (γ, M) = {c}: there is no body with (γ̃, M̃) = 0 behind this motion; γ moves as the "
         "momentum of the free top of moments I_i + d instead (Ṁ = M × AM for g²M, g constant)"
