@@ -11,19 +11,20 @@ from jacobian.fields import CC, RR
 from jacobian.fields.prime import PrimeField
 from jacobian.group import Jacobian
 
-# more rows do not fit into memory
+# the largest number of rows: more do not fit into memory
 MOST_ROWS = 100_000_000
 
 
 def check_group(J: Any) -> Jacobian:
-    """``J``, or an ArgumentError; classes of other groups on a curve (:mod:`jacobian.relatives`) cannot be rows."""
+    """``J``; raises ArgumentError if it is not a Jacobian. Classes of the groups in :mod:`jacobian.relatives` cannot be
+    rows."""
     if type(J) is not Jacobian:
         raise ArgumentError(f"J = {shown(J)}: a Jacobian is needed, such as C.jacobian()")
     return J
 
 
 def check_count(count: Any) -> int:
-    """``count`` as an int ≥ 0, or an ArgumentError."""
+    """``count`` as an int; raises ArgumentError unless 0 ≤ count ≤ MOST_ROWS."""
     return whole(count, "count", f"an int ≥ 0, the number of rows, {MOST_ROWS} at most", 0, MOST_ROWS)
 
 
@@ -53,7 +54,7 @@ def elements(J: Jacobian, a: Any, name: str, width: int, compiled: bool) -> Any:
 
 
 def degrees(J: Jacobian, u: Any, v: Any) -> Any:
-    """deg u of each row, or an ArgumentError for a u that is not monic or a v that is not of lower degree."""
+    """deg u of each row; raises ArgumentError if some u is not monic or some v is not of lower degree."""
     K, g = J.field, J.curve.genus
     degree = g - np.argmax(u[:, ::-1] != K.zero, axis=1)
     wrong = np.flatnonzero(u[np.arange(len(u)), degree] != K.one)

@@ -24,7 +24,7 @@ OK = 0
 
 
 def engine(J: Jacobian) -> Any:
-    """The row arithmetic of J, chosen by the field; cached on J."""
+    """The object that does J's arithmetic on rows. The field decides its class; it is cached on J."""
     found = J.__dict__.get("_rows")
     if found is None:
         K = J.field
@@ -58,11 +58,11 @@ class DivisorArray(Immutable):
     ``A[index]`` with a slice, a mask or an array of ints a DivisorArray. Arrays are immutable; arrays of two curves
     cannot be combined (CurveMismatch), nor arrays of two lengths (ArgumentError).
 
-    ``u`` (N, g + 1), monic in the degree of each row, ``v`` (N, g) and ``n`` (N,), None where divisors have none, are
-    ascending coefficients in the curve's own coordinates. They are ints over GF(p), p < 2^63, and over GF(p^k) of at
-    most 2^16 elements, float64 and complex128 over RR and CC in genus 2, else objects (Python's ints over a longer
-    GF(p)). ``degree`` (N,) is deg u. ``status`` (N,): 0 for a row that holds a class, as every row does over an exact
-    field.
+    ``u`` (N, g + 1) and ``v`` (N, g) are ascending coefficients in the curve's own coordinates; each u is monic. ``n``
+    (N,) is the weight at ∞₊, or None if divisors have none. Coefficients are ints over GF(p), p < 2^63, and over
+    GF(p^k) of at most 2^16 elements. They are float64 or complex128 over RR and CC in genus 2, else objects (Python's
+    ints over a longer GF(p)). ``degree`` (N,) is deg u. ``status`` (N,) is 0 for a row that holds a class; over an
+    exact field every row does.
 
     Over these fields the arithmetic is compiled, and large arrays are spread over the processors
     (:func:`jacobian.batch.set_threads`). Genus 2 has explicit formulas with one inversion for 256 rows, also for p of
@@ -78,7 +78,7 @@ class DivisorArray(Immutable):
     _rows: Any
 
     __hash__ = None  # type: ignore[assignment]
-    # otherwise numpy would multiply an array of ints and a DivisorArray element by element
+    # without this, numpy would multiply an array of ints and a DivisorArray element by element
     __array_ufunc__ = None
 
     def __init__(self, J: Jacobian, rows: Any) -> None:
@@ -116,12 +116,12 @@ class DivisorArray(Immutable):
 
     @classmethod
     def from_arrays(cls, J: Jacobian, u: Any, v: Any, n: Any = None, *, check: bool = True) -> DivisorArray:
-        """The classes of Mumford pairs: u (N, g + 1), monic, v (N, g), n (N,) on a split model; ascending.
+        """The classes of Mumford pairs: monic u (N, g + 1) and v (N, g), ascending; on a split model also n (N,).
 
-        Numpy or galois arrays, or nested lists. n is ⌈(g − deg u)/2⌉ by default, as in :meth:`Jacobian.from_mumford`.
-        Raises ArgumentError for wrong shapes, for a u that is not monic and a v that is not shorter; FieldError for
-        elements of another field; NotOnCurve with the first row that is not on the curve, which ``check=False`` leaves
-        out.
+        The arguments are numpy or galois arrays, or nested lists. By default n is ⌈(g − deg u)/2⌉, as in
+        :meth:`Jacobian.from_mumford`. ArgumentError is raised for wrong shapes, a u that is not monic or a v that is
+        not of lower degree, and FieldError for elements of another field. NotOnCurve names the first row that is not on
+        the curve; ``check=False`` skips this test.
         """
         run, g = engine(check_group(J)), J.curve.genus
         u, v = elements(J, u, "u", g + 1, run.compiled), elements(J, v, "v", g, run.compiled)
@@ -138,7 +138,7 @@ class DivisorArray(Immutable):
 
     @classmethod
     def random(cls, J: Jacobian, rng: Any, size: int) -> DivisorArray:
-        """``size`` random classes, the array of :meth:`jacobian.group.Jacobian.random`."""
+        """An array of ``size`` random classes, as :meth:`jacobian.group.Jacobian.random` returns it."""
         size = whole(size, "size", f"the number of classes is an int ≥ 0, {MOST_ROWS} at most", 0, MOST_ROWS)
         run = engine(check_group(J))
         if run.compiled:
@@ -177,8 +177,10 @@ class DivisorArray(Immutable):
 
     @property
     def status(self) -> Vector:
-        """(N,): 0 for a row that holds a class; over RR and CC also 1 for a row whose digits were lost in an addition,
-        and 2 for a sum with a point at infinity of a split model, which inexact divisors cannot represent.
+        """The status of each row, (N,): 0 if it holds a class.
+
+        Over RR and CC it is 1 if an addition lost the row's digits. It is 2 if the sum has a point at infinity of a
+        split model, which inexact divisors cannot represent.
         """
         of_rows = getattr(self._engine, "status", None)
         return of_rows(self._rows) if of_rows else np.full(len(self), OK, np.uint8)
@@ -188,7 +190,7 @@ class DivisorArray(Immutable):
         return self._engine.to_divisors(self._rows)
 
     def to_galois(self) -> tuple[Any, Any]:
-        """(u, v) as galois arrays; FieldError over a field that galois has no class for."""
+        """(u, v) as galois arrays; FieldError if galois has no class for the field."""
         K: Any = self.jacobian.field
         if getattr(K, "order", None) is None:
             raise FieldError(f"field = {K.name}: galois has finite fields only")
@@ -234,7 +236,7 @@ class DivisorArray(Immutable):
     # --- the group law
 
     def _operand(self, other: Any) -> Any:
-        """The rows of ``other``, as many as here; NotImplemented if it is not a divisor."""
+        """The rows of ``other``, with a single Divisor broadcast to all rows; NotImplemented if it is not a divisor."""
         if not isinstance(other, DivisorArray):
             if not isinstance(other, Divisor):
                 if not is_zero_int(other):
@@ -289,8 +291,10 @@ class DivisorArray(Immutable):
     __rmul__ = __mul__
 
     def sum(self, axis: int | None = None, out: None = None) -> Divisor:
-        """The sum of all rows, by pairwise summation; of no rows, the identity. ``numpy.sum`` passes ``axis`` and
-        ``out``: there is one axis, and no output array is supported.
+        """The sum of all rows, by pairwise summation; the identity if there are none.
+
+        ``axis`` and ``out`` are there because ``numpy.sum`` passes them. There is one axis, and no output array is
+        supported.
         """
         if axis is not None:
             one_of(axis, "axis", (0, -1), "an array of divisors has the axis 0 alone")

@@ -1,7 +1,7 @@
 """Batches over fields of word size, compiled: GF(p) for an odd p < 2^63, GF(p^k) of at most 2^16 elements.
 
-In genus 2, and on ramified models of genus 3 over GF(p), with h = 0 (after :mod:`jacobian.batch.equation`) the explicit
-formulas handle the general rows, and Cantor's algorithm the others; elsewhere Cantor's algorithm handles all rows.
+Explicit formulas add the general rows in genus 2, and on ramified models of genus 3 over GF(p); in odd characteristic
+:mod:`jacobian.batch.equation` first makes h = 0. Cantor's algorithm adds the other rows, and all rows elsewhere.
 Importing this module imports numba.
 """
 
@@ -23,13 +23,13 @@ from jacobian.numbers.tables import table_context
 from jacobian.numbers.words import Wide32, Wide64, double_context, word_context
 
 FAST = 1 << 14
-"""Rows that one call of a kernel takes where formulas are explicit."""
+"""The number of rows in one call of an explicit-formula kernel."""
 SLOW = 1 << 10
-"""Rows that one call of Cantor takes."""
+"""The number of rows in one call of a kernel of Cantor's algorithm."""
 
 
 class CompiledRows(StoredRows):
-    """The operations on rows of one Jacobian."""
+    """The operations on rows of one Jacobian over a word-size field."""
 
     compiled = True
     numbers = np.int64
@@ -38,7 +38,7 @@ class CompiledRows(StoredRows):
         K: Any = J.field
         super().__init__(J)
         curve = self.equation.curve
-        # eight products of floats at a time beat one of 64-bit words
+        # eight products of floats in SIMD lanes are faster than one product of 64-bit words after the other
         self.floats = type(K) is PrimeField and self.genus == 2 and 31 < K.p.bit_length() <= 49
         self.K: Any
         self.slow_K: Any
@@ -86,7 +86,7 @@ class CompiledRows(StoredRows):
         return Rows(self._encoded(x.data.astype(np.int64)), x.degree, x.weight) if self.floats else x
 
     def stored(self, x: Rows) -> Rows:
-        """What is stored of rows in words: least residues if floats are."""
+        """The stored form of rows in words: balanced residues as floats where rows are floats, else the words."""
         return Rows(self.K.balanced(self._decoded(x.data)), x.degree, x.weight) if self.floats else x
 
     def _shift(self, x: Rows, shift: Sequence[Any]) -> None:
@@ -131,7 +131,7 @@ class CompiledRows(StoredRows):
             self._cantor(row_kernels.cantor_double, (x,), out, rows)
 
     def _cantor(self, kernel: Any, operands: Sequence[Rows], out: Rows, rows: Any) -> None:
-        """A kernel of Cantor's algorithm on the rows of an array of ints."""
+        """Runs a kernel of Cantor's algorithm on the rows whose indices are in ``rows``."""
         if not self.floats:
             kernel(self.slow_K, self.packed, *map(tuple, operands), tuple(out), rows)
             return
@@ -148,7 +148,7 @@ class CompiledRows(StoredRows):
         self._negate_weights(x, out, begin, end)
 
     def selected(self, stacked: Sequence[Any], choice: Any) -> Rows:
-        """Row i of the part choice[i], from (data, degree, weight) of all parts, stacked."""
+        """The rows whose row i is row i of part choice[i]; ``stacked`` is (data, degree, weight) of all parts."""
         out = self.empty(len(choice))
         row_kernels.select_rows(*stacked, choice, *out)
         return out

@@ -1,8 +1,8 @@
-"""The equation on which compiled batches run: y completed so that h = 0 where 2 ≠ 0, and f monic if of degree 5 or 7 in
-genus 2 or 3.
+"""The equation on which compiled batches run. It has h = 0 unless the characteristic is 2, and a monic f if f has
+degree 5 or 7 in genus 2 or 3.
 
-An :class:`Equation` knows the isomorphism to it, (x, y) → (cx, c^g·(y + shift(x))), and the two constants that move
-Mumford pairs: v → v + shift modulo u, then u_i → c^(deg u − i)·u_i and v_i → c^(g − i)·v_i.
+An :class:`Equation` holds the isomorphism to it, (x, y) → (cx, c^g·(y + shift(x))). This acts on Mumford pairs by v →
+v + shift modulo u, then u_i → c^(deg u − i)·u_i and v_i → c^(g − i)·v_i.
 """
 
 from __future__ import annotations

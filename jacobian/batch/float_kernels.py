@@ -18,14 +18,14 @@ from jacobian.inexact import genus2_complex, genus2_real, retraction
 from jacobian.inexact.compiled import JIT
 from jacobian.numbers.compiler import njit
 
-# the largest remainder f − V² mod U of a sum, relative to the size of its terms, as for single sums (REMAINDER of
-# jacobian.inexact.composition). 1 or 2 rows in 100 in general position exceed it, and are added again
+# the largest allowed remainder f − V² mod U of a sum, relative to the size of its terms, as for single sums (REMAINDER
+# of jacobian.inexact.composition). 1 or 2 rows in 100 in general position exceed it, and are added again
 FINE = 2.0**-46
 # the largest remainder before projection onto the curve; beyond it (1 row in 10⁵) the row is added singly
 NOISE = 2.0**-40
-# the same remainder of given divisors
+# the largest allowed remainder of given divisors
 GIVEN_NOISE = 2.0**-32
-# divisors that are opposite to within this fraction of their size: almost no digits of their sum are known
+# summands opposite up to this fraction of their size are not added here: almost no digits of their sum are known
 OPPOSITE = 2.0**-30
 # if the slope is below this fraction of the chord's size, the sum has a point far out or at infinity; likewise if the
 # leading coefficient of p² − q²f is below the other
@@ -37,7 +37,7 @@ EVEN = 2.0**-32
 TINY = 1e-300
 
 BLOCK = 256
-"""Columns that go through the loops together."""
+"""The number of columns in one pass of the loops."""
 
 Columns = np.ndarray
 
@@ -80,7 +80,7 @@ def misfit(f: Any, divisor: Any) -> Any:
 
 
 def apart(first: Any, second: Any) -> Any:
-    """Whether the second divisor is not the opposite of the first, nor so near it that their sum has few digits."""
+    """Whether the second divisor is far enough from the opposite of the first for their sum to have enough digits."""
     u0, u1, v0, v1 = first
     s0, s1, t0, t1 = second
     distance = extent(u0 - s0) + extent(u1 - s1) + extent(v0 + t0) + extent(v1 + t1)
@@ -88,8 +88,10 @@ def apart(first: Any, second: Any) -> Any:
 
 
 def even(f: Any, first: Any, second: Any) -> Any:
-    """Whether f, in its sum of sizes, is not far smaller at the smallest point of both divisors than at the largest,
-    nor is its leading term there: what is small beside f at the largest point loses its digits.
+    """Whether the summands lose no digits because f varies in size.
+
+    The sizes of f's terms are added up at the smallest and at the largest point of both divisors. The value at the
+    smallest point, and the leading term at the largest, must not be far smaller than the value at the largest point.
     """
     a0, a1, b0, b1 = extent(first[0]), extent(first[1]), extent(second[0]), extent(second[1])
     a1, b1 = max(a1, sqrt(a0)), max(b1, sqrt(b0))
@@ -105,7 +107,7 @@ def even(f: Any, first: Any, second: Any) -> Any:
 
 
 def added(f: Any, first: Any, second: Any) -> Any:
-    """The sum, and the quantities that vanish where its degree drops."""
+    """The sum, and a quantity that vanishes if the degree of the sum drops."""
     if len(f) == 6:
         total, transfer = genus2_real.add(f, first, second)
         return total, transfer[1]
@@ -126,8 +128,9 @@ def decided(f: Any, block: Any, i: Any) -> Any:
 
 
 def improved(f: Any, block: Any, i: Any) -> Any:
-    """Whether the sum of column i could be moved onto the curve: of a + b and b + a, which round differently, the one
-    with the smaller remainder, after a Newton step.
+    """Improves the sum of column i; returns whether it lies on the curve up to rounding.
+
+    a + b and b + a round differently. The one with the smaller remainder is kept and moved by a Newton step.
     """
     total, other = row(block, 8, i), added(f, row(block, 4, i), row(block, 0, i))[0]
     if not misfit(f, total) <= misfit(f, other):
@@ -176,12 +179,11 @@ def add_columns(
     begin: int,
     end: int,
 ) -> None:
-    """Adds in blocks: what is the same for all rows runs in loops that LLVM vectorises. ``curve``: f, h/2, the units of
-    the kernel and their inverses.
+    """Adds column by column, in blocks, so that LLVM vectorises the steps that are the same for all columns. ``curve``
+    is f, h/2, the units of the kernel and their inverses.
     """
     f, half, units, inverses = curve
-    # the summands, the sum and the quantities that vanish where its degree drops: rows of one array, which do not
-    # overlap
+    # the summands, the sum and the quantity that vanishes if its degree drops: rows of one array, which do not overlap
     block = np.empty((13, BLOCK), out.dtype)
     each = second.shape[1] > 1
     if not each:

@@ -1,8 +1,8 @@
-"""Batches over the floats and the complex numbers in genus 2: compiled sums of divisors of weight 2, the Jacobian's own
-addition for the others.
+"""Batches over the floats and the complex numbers in genus 2. Compiled code adds divisors of weight 2; the Jacobian's
+own addition adds the others.
 
-A sum that :mod:`jacobian.inexact.composition` cannot decide, or that has a point at infinity of a split model, loses
-its row, not the batch. Importing this module imports numba.
+If :mod:`jacobian.inexact.composition` cannot decide a sum, or if it has a point at infinity of a split model, only its
+row is lost; the other rows stay valid. Importing this module imports numba.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from jacobian.errors import NotOnCurve, NotRepresentable, PrecisionLoss
 from jacobian.group import Jacobian
 from jacobian.law.divisor import Divisor
 
-# kinds of rows: two points; one point, with weight 0 or 1 at ∞₊; none, with weight 0, 1 or 2; no known class
+# kinds of rows: two points; one point (+ weight 0 or 1 at ∞₊); no point (+ weight 0, 1 or 2); no known class
 PAIR, POINT, NONE, LOST, AT_INFINITY = 0, 1, 3, 6, 7
 DEGREES = np.array([2, 1, 1, 0, 0, 0, 0, 0])
 WEIGHTS = np.array([0, 0, 1, 0, 1, 2, 0, 0])
 STATUS = np.array([0, 0, 0, 0, 0, 0, 1, 2], np.uint8)
 FIRST = np.array([NONE, POINT, PAIR])
-"""The row of degree k and weight n at ∞₊ is of the kind FIRST[k] + n."""
+"""A row of degree k and weight n at ∞₊ has the kind FIRST[k] + n."""
 
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """``data`` (4, N): u₀, u₁, v₀, v₁, zeros beyond the degree, or (4, 1) for N equal rows; ``kind`` (N,) or None if
-    all are pairs; ``count`` N.
+    """``count`` = N divisors. ``data`` (4, N) holds u₀, u₁, v₀, v₁, with zeros beyond the degree; it is (4, 1) for N
+    equal rows. ``kind`` is (N,), or None if every row has two points.
     """
 
     data: Any
@@ -91,7 +91,7 @@ class FloatRows:
     # --- conversion
 
     def from_arrays(self, u: Any, v: Any, n: Any) -> Rows:
-        """Rows of numbers, u (N, 3) and v (N, 2), the leading 1 of u where its degree is; n (N,) or None."""
+        """Rows from the coefficients u (N, 3), each monic in its own degree, v (N, 2), and n (N,) or None."""
         u, v = u.astype(self.sums.dtype), v.astype(self.sums.dtype)
         degree = 2 - np.argmax(u[:, ::-1] != 0, axis=1)
         data = np.concatenate([u[:, :2].T, v.T])
@@ -181,7 +181,7 @@ class FloatRows:
         return _rows(data, kind)
 
     def _single(self, D: Divisor, E: Divisor) -> tuple[list[Any], int]:
-        """The column and the kind of D + E."""
+        """The column and the kind of D + E, added by the Jacobian."""
         try:
             total = self.jacobian.add(D, E)
         except PrecisionLoss:
@@ -220,7 +220,7 @@ class FloatRows:
     def multiply(self, x: Rows, scalars: int | Sequence[int]) -> Rows:
         """m·x for one m, or m_i·x_i."""
         nothing = self.zero(len(x))
-        # 0·x is lost too where x is
+        # 0·x is lost if x is lost
         nothing = Rows(nothing.data, np.where(x.kinds < LOST, nothing.kind, x.kinds), len(x))
         if isinstance(scalars, int):
             if scalars == 0:
@@ -240,7 +240,7 @@ class FloatRows:
 
 
 def _column(D: Divisor) -> list[Any]:
-    """u₀, u₁, v₀, v₁, zeros beyond the degree."""
+    """The column u₀, u₁, v₀, v₁ of D, with zeros beyond the degree."""
     return [*D.u[:-1], *[0] * (3 - len(D.u)), *D.v, *[0] * (2 - len(D.v))]
 
 

@@ -1,8 +1,9 @@
 """Loops over rows of genus 2: the formulas of :mod:`jacobian.addition.genus2_words`, one inversion for a block of rows.
 
-A row of the group is a column here: ``x[i, j]`` is the i-th coordinate (u₀, u₁, v₀, v₁) of row j, so that neighbours
-lie in neighbouring words and LLVM can make vector instructions of the loops. A block of BLOCK rows goes through short
-loops: the first halves; Montgomery's simultaneous inversion (1987), in LANES chains side by side; the second halves.
+A row of the group is a column here: ``x[i, j]`` is the i-th coordinate (u₀, u₁, v₀, v₁) of row j. Thus the same
+coordinate of neighbouring rows lies in neighbouring words, and LLVM can vectorise the loops. A block of BLOCK rows goes
+through short loops: the first halves; Montgomery's simultaneous inversion (1987), in LANES independent chains; the
+second halves.
 Rows that are not general (a weight below 2, a product that vanishes) take part with a 1 in the inversion and are
 reported to the caller; equal rows in an addition are doubled on the spot.
 
@@ -32,7 +33,7 @@ SCRATCH = TAIL + LANES
 
 @register_jitable(**INLINED)
 def quadruple(K, S, at, j):  # type: ignore[no-untyped-def]  # compiled, as all below
-    """The four numbers of row j in the rows of the scratch array from ``at`` on."""
+    """The four numbers of row j that begin at offset ``at`` of the scratch array."""
     return (
         number(K, S[at + j]),
         number(K, S[at + BLOCK + j]),
@@ -80,7 +81,7 @@ def keep_tangent(K, C, S, j):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def all_general(S, g, x_degree, y_degree, start, size):  # type: ignore[no-untyped-def]
-    """Whether every row of a block has weight g in both summands and a product ≠ 0, without a branch for each row."""
+    """Whether every row of a block has weight g in both summands and a product ≠ 0. There is no branch for each row."""
     special = 0
     for j in range(size):
         i = np.uint64(start) + np.uint64(j)
@@ -117,7 +118,8 @@ def invert_products(K, S):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def close_block(K, C, S, second, out, start, size):  # type: ignore[no-untyped-def]
-    """The second halves of a block, from its inverses. Loops are short so that the processor overlaps more rows."""
+    """Computes the second halves of a block from its inverses. The loops are short so that the processor works on more
+    rows at once."""
     for j in range(BLOCK):
         r, s1, s0, inverted = quadruple(K, S, MIDDLE, j)
         found = cubic(K, C, (r, s1, s0), inverted, line(K, S, FIRST, j))
@@ -136,7 +138,7 @@ def close_block(K, C, S, second, out, start, size):  # type: ignore[no-untyped-d
 
 @register_jitable(**INLINED)
 def same(S, one, other, columns, j):  # type: ignore[no-untyped-def]
-    """Whether row j is the same in two places of the scratch array."""
+    """Whether row j is equal in the parts of the scratch array that begin at ``one`` and ``other``."""
     apart = False
     for k in range(columns):
         apart |= S[one + k * BLOCK + j] != S[other + k * BLOCK + j]
@@ -144,8 +146,9 @@ def same(S, one, other, columns, j):  # type: ignore[no-untyped-def]
 
 
 def adding(g, second_at, scratch, keep_chord, keep_tangent, close_block):  # type: ignore[no-untyped-def]
-    """The loop of :func:`add_rows` in genus g, built from the formulas' functions for row j and for a block; the second
-    summand begins at ``second_at`` of ``scratch`` numbers.
+    """The loop of :func:`add_rows` in genus g, built from the formulas' functions for row j and for a block.
+
+    The scratch array has ``scratch`` numbers; the second summand begins at ``second_at``.
     """
 
     def loop(K, C, first, second, out, begin, end, special):  # type: ignore[no-untyped-def]
@@ -211,8 +214,8 @@ _double = doubling(2, SCRATCH, keep_tangent, close_block)
 
 @njit(**JIT)
 def add_rows(K, C, first, second, out, begin, end, special):  # type: ignore[no-untyped-def]
-    """out[:, j] = x[:, j] + y[:, j] for the general rows j with begin ≤ j < end; the others go into ``special``, and
-    their number is returned. ``first`` is x with its degrees, ``second`` y with its.
+    """Sets out[:, j] = x[:, j] + y[:, j] for the general rows j with begin ≤ j < end. Returns the number of other rows,
+    whose indices are written into ``special``. ``first`` is x with its degrees, ``second`` y likewise.
     """
     return _add(K, C, first, second, out, begin, end, special)
 

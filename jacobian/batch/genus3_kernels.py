@@ -13,7 +13,7 @@ from jacobian.numbers.compiler import njit
 from jacobian.numbers.words import canonical, number
 from jacobian.numbers.words_compiled import INLINED
 
-# the products lie where those of genus 2 do, as the same loop inverts them; the quotient precedes them
+# the products have the same place as in genus 2, because the same loop inverts them; the quotient precedes them
 MIDDLE, SECOND = PRODUCT - 4 * BLOCK, TAIL + BLOCK
 MEETING = SECOND + 6 * BLOCK
 SCRATCH = MEETING + 4 * BLOCK

@@ -1,4 +1,4 @@
-"""Multiples of rows: ladders that run on a few thousand rows at a time, on one thread.
+"""Multiples of rows. A ladder runs on a few thousand rows at once, on one thread.
 
 ``run`` is a :class:`jacobian.batch.compiled_rows.CompiledRows`, whose ``add_here``, ``double_here`` and ``negate_here``
 are the group law on the calling thread.
@@ -38,8 +38,8 @@ def multiply_by_one(run: Any, x: Any, m: int) -> Any:
 def multiply_by_each(run: Any, x: Any, scalars: Sequence[int]) -> Any:
     """m_i·x_i with digits that are never 0, so that no row adds the identity.
 
-    An odd m < 2^n is Σ ±2^i over i < n, and three signs at a time make an odd digit from −7 to 7 (Joye and Tunstall
-    2009); an even one is taken one higher, and x subtracted at the end.
+    An odd m < 2^n is Σ ±2^i over i < n; three signs together make an odd digit from −7 to 7 (Joye and Tunstall 2009).
+    For an even m, m + 1 is used, and x is subtracted at the end.
     """
     negative = np.array([m < 0 for m in scalars])
     if negative.any():

@@ -51,7 +51,7 @@ class ObjectRows:
         return _filled([self.jacobian.zero()] * count)
 
     def from_arrays(self, u: Any, v: Any, n: Any) -> Rows:
-        """Rows of field elements, u (N, g + 1) and v (N, g), the leading 1 of u where its degree is; n (N,) or None."""
+        """Rows from field elements: u (N, g + 1), each monic in its own degree, v (N, g), and n (N,) or None."""
         zero = self.jacobian.field.zero
         rows = []
         for i, (a, b) in enumerate(zip(u.tolist(), v.tolist(), strict=True)):

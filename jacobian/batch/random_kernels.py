@@ -15,7 +15,8 @@ from jacobian.numbers.compiler import njit
 from jacobian.numbers.words import add, canonical, inverse, mul, neg, sub
 
 LANES = 16
-"""Powers that are taken side by side: a product waits for the one before it, not for its neighbours."""
+"""The number of powers computed in one loop. A product depends only on the one before it in its own lane, so the
+processor overlaps the lanes."""
 
 
 @register_jitable
@@ -63,8 +64,8 @@ def square_root(K, a, power, generator, twos):  # type: ignore[no-untyped-def]
 
 @njit(**JIT)
 def lift(K, f, windows, generator, twos, x, y, second):  # type: ignore[no-untyped-def]
-    """y[i] = an ordinate over x[i] on y² = f(x) in GF(p), the other one where ``second`` is true. Returns which exist,
-    (N,): a branch point has no second one.
+    """Sets y[i] to an ordinate over x[i] on y² = f(x) in GF(p), or to the other one if second[i] is true. Returns a
+    mask (N,) of those that exist; a branch point has no second ordinate.
     """
     found = np.zeros(len(x), np.bool_)
     value, power, odd = np.empty(LANES, np.int64), np.empty(LANES, np.int64), np.empty((8, LANES), np.int64)
@@ -89,8 +90,8 @@ def lift(K, f, windows, generator, twos, x, y, second):  # type: ignore[no-untyp
 
 @njit(**JIT)
 def through_points(K, g, x, y, out):  # type: ignore[no-untyped-def]
-    """(u, v) of the columns of points (x, y), (g, N), whose x must differ: by Newton's interpolation, with one
-    inversion for a block of rows. Returns which columns have equal x, (N,); their pairs are undefined.
+    """Writes the Mumford pairs (u, v) through g points each, from arrays x and y (g, N), by Newton's interpolation with
+    one inversion for a block. Returns a mask (N,) of the columns with equal x, whose pairs are undefined.
     """
     count = x.shape[1]
     double = np.zeros(count, np.bool_)
@@ -129,7 +130,7 @@ def _value(K, rows, at, d, i, x, lead):  # type: ignore[no-untyped-def]
 
 @register_jitable
 def _join(K, rows, g, d, i, x, slope):  # type: ignore[no-untyped-def]
-    """v + slope·u and u·(x − x₀), in place, u of degree d."""
+    """Replaces v by v + slope·u and u, of degree d, by u·(x − x₀)."""
     for k in range(d):
         rows[g + k, i] = canonical(K, add(K, rows[g + k, i], canonical(K, mul(K, slope, rows[k, i]))))
     rows[g + d, i] = slope

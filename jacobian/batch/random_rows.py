@@ -25,13 +25,13 @@ from jacobian.fields.randomness import random_below
 from jacobian.numbers.threads import in_ranges
 
 LISTED = 1 << 12
-"""The points over a field of up to as many elements, and over fields of tables, are listed."""
+"""All points are listed over fields with at most this many elements, and over fields with tables."""
 CHUNK = 1 << 13
-"""Classes that are made from one stream of random numbers."""
+"""The number of classes from one stream of random numbers."""
 MOST_SETS = 64
-"""Of g points, for one class."""
+"""The largest number of sets of g points that are added for one class."""
 DISTANCE = 50
-"""− log₂ of the distance from the uniform distribution."""
+"""− log₂ of the allowed distance from the uniform distribution."""
 
 
 class RandomRows:
@@ -87,7 +87,7 @@ class RandomRows:
         return run.stored(Rows(words.astype(run.word_dtype), degree, weight))
 
     def _points(self, draw: np.random.Generator, count: int) -> Any:
-        """x and y of uniform affine points, (2, count): each of two ordinates over a uniform x, where there are two."""
+        """The coordinates x and y of uniform affine points, (2, count): one of the ordinates over a uniform x."""
         if self.listed is not None:
             return self.listed[:, draw.integers(self.listed.shape[1], size=count)]
         parts, missing, p = [], count, self.run.field.p
@@ -117,7 +117,7 @@ def _root_constants(K: Any, to_word: Any) -> tuple[Any, int, int]:
 
 
 def windows(exponent: int) -> Any:
-    """d, one for each bit from the top, each 0 or odd and below 16: the exponent is Σ d_i·2^i."""
+    """Digits d_i with exponent = Σ d_i·2^i, one for each bit, the highest first. A digit is 0, or odd and below 16."""
     digits = [0] * exponent.bit_length()
     i = 0
     while i < len(digits):

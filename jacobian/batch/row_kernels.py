@@ -1,8 +1,8 @@
 """Loops over rows of any genus: the compiled Cantor of :mod:`jacobian.addition.cantor_words`, and conversions.
 
 Rows are (x, degree, weight), stored as in :mod:`jacobian.batch.genus2_kernels`: column i of ``x`` holds u₀ … u_{g−1}
-(with the leading 1 where deg u < g) and v₀ … v_{g−1}; beside it stand its degree and, on a split model, its weight at
-∞₊. Importing this module imports numba.
+(with the leading 1 if deg u < g) and v₀ … v_{g−1}; ``degree[i]`` is its degree and, on a split model, ``weight[i]`` its
+weight at ∞₊. Importing this module imports numba.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def put(g, a, rows, i):  # type: ignore[no-untyped-def]
 
 @njit(**JIT)
 def cantor_add(K, curve, first, second, out, chosen):  # type: ignore[no-untyped-def]
-    """out = first + second in the rows whose numbers are in ``chosen``."""
+    """Sets out = first + second in the rows whose indices are in ``chosen``."""
     g, S = curve[0], scratch(curve)
     a, b, c = np.zeros(width(g), np.int64), np.zeros(width(g), np.int64), np.zeros(width(g), np.int64)
     for i in chosen:
@@ -61,7 +61,7 @@ def cantor_add(K, curve, first, second, out, chosen):  # type: ignore[no-untyped
 
 @njit(**JIT)
 def cantor_double(K, curve, rows, out, chosen):  # type: ignore[no-untyped-def]
-    """out = 2·rows, likewise."""
+    """Sets out = 2·rows in the rows whose indices are in ``chosen``."""
     g, S = curve[0], scratch(curve)
     a = np.zeros(width(g), np.int64)
     for i in chosen:
@@ -72,7 +72,7 @@ def cantor_double(K, curve, rows, out, chosen):  # type: ignore[no-untyped-def]
 
 @njit(**JIT)
 def cantor_negate(K, curve, rows, out, chosen):  # type: ignore[no-untyped-def]
-    """out = −rows, likewise."""
+    """Sets out = −rows in the rows whose indices are in ``chosen``."""
     g, S = curve[0], scratch(curve)
     a = np.zeros(width(g), np.int64)
     for i in chosen:
@@ -92,7 +92,7 @@ def negate_v(K, x, out, g, begin, end):  # type: ignore[no-untyped-def]
 
 @njit(**JIT)
 def select_rows(tables, degrees, weights, choice, out, degree, weight):  # type: ignore[no-untyped-def]
-    """Row i of the table number choice[i], for every i."""
+    """Copies row i of table choice[i] into row i of out, for every i."""
     for k in range(out.shape[0]):
         for i in range(out.shape[1]):
             out[k, i] = tables[choice[i], k, i]
@@ -104,7 +104,7 @@ def select_rows(tables, degrees, weights, choice, out, degree, weight):  # type:
 
 @register_jitable
 def reduce_by_monic(K, a, top, u, d):  # type: ignore[no-untyped-def]
-    """a, of degree at most ``top``, modulo xᵈ + u_{d−1}x^(d−1) + …, in place: what lies beyond x^(d−1) becomes 0."""
+    """Reduces a, of degree at most ``top``, modulo xᵈ + u_{d−1}x^(d−1) + …, in place; higher coefficients become 0."""
     for i in range(top, d - 1, -1):
         c = a[i]
         a[i] = 0

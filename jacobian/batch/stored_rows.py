@@ -1,6 +1,6 @@
-"""Rows of divisor classes in arrays of words, whatever the words: storage, threads, multiples.
+"""Storage, threads and multiples for rows of divisor classes in arrays of words of any kind.
 
-Their sums are in :mod:`jacobian.batch.compiled_rows` and :mod:`jacobian.batch.two_word_rows`.
+Sums are in :mod:`jacobian.batch.compiled_rows` and :mod:`jacobian.batch.two_word_rows`.
 """
 
 from __future__ import annotations
@@ -18,12 +18,13 @@ from jacobian.law.divisor import Divisor
 from jacobian.numbers.threads import in_ranges
 
 LADDER = 1 << 12
-"""Rows that are multiplied together: their tables stay in the processor's cache."""
+"""The number of rows in one ladder; the tables of so many rows fit into the processor's cache."""
 
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """``data`` (2g, N): u₀ … u_{g−1}, v₀ … v_{g−1} in words; ``degree`` (N,); ``weight`` (N,), (0,) where n is None."""
+    """N classes: ``data`` (2g, N) holds u₀ … u_{g−1}, v₀ … v_{g−1} in words; ``degree`` is (N,); ``weight`` is (N,), or
+    (0,) if n is None."""
 
     data: Any
     degree: Any
@@ -39,7 +40,7 @@ class Rows:
 class StoredRows:
     """The operations on rows of one Jacobian that need no arithmetic of their own.
 
-    ``dtype`` is that of the words, ``numbers`` that of field elements in arrays; one call of a kernel adds ``step``
+    ``dtype`` is the dtype of words, ``numbers`` that of arrays of field elements. One call of a kernel adds ``step``
     rows.
     """
 

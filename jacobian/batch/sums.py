@@ -22,7 +22,7 @@ from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.threads import in_ranges
 
 RANGE = 1 << 14
-"""Columns that one thread takes at a time."""
+"""The number of columns in one task of a thread."""
 
 
 class FloatSums:
@@ -77,7 +77,8 @@ class FloatSums:
 
 
 def _one_by_one(work: Callable[[int, int], None], doubtful: np.ndarray) -> Callable[[int, int], None]:
-    """The same for interpreted loops, where a division by zero raises an error: only its own column is marked."""
+    """``work`` column by column, for interpreted loops. There a division by zero raises an error, which marks only its
+    own column in ``doubtful``."""
 
     def each(begin: int, end: int) -> None:
         with np.errstate(all="ignore"):

@@ -1,8 +1,8 @@
-"""Batches of genus 2 and 3 over GF(p), 2^63 < p < 2^128, and of genus 2 over GF(2^n), 16 < n < 128, compiled: every
-number is two words.
+"""Compiled batches on numbers of two words: genus 2 and 3 over GF(p), 2^63 < p < 2^128, and genus 2 over GF(2^n), 16 <
+n < 128.
 
-In genus 3 the model is ramified. The explicit formulas of :mod:`jacobian.addition.two_word_loops` take the general
-rows, and the kernel of single classes in Python the others, one by one. Importing this module needs no numba.
+In genus 3 the model is ramified. The explicit formulas of :mod:`jacobian.addition.two_word_loops` add the general rows;
+the kernel of single classes in Python adds the others, one by one. Importing this module needs no numba.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class TwoWordRows(StoredRows):
     """The operations on rows of one Jacobian."""
 
     compiled = False
-    """Whether arrays of field elements are of 64 bits."""
+    """Whether arrays of field elements are int64; here they are objects."""
     dtype, numbers, step = WORDS, object, 1 << 12
 
     def __init__(self, J: Jacobian) -> None:
@@ -68,7 +68,7 @@ class TwoWordRows(StoredRows):
         return int(self._run.first_off_curve(self._context, equation, pairs(x.data), degree, self._room()))
 
     def _room(self) -> Any:
-        """Room for three polynomials modulo a u."""
+        """Scratch for three polynomials modulo a u."""
         return np.empty((3, self.genus, 2), np.int64)
 
     # --- the group law
@@ -82,7 +82,7 @@ class TwoWordRows(StoredRows):
     def _rows(
         self, name: str, single: Callable[..., Triple], operands: Sequence[Rows], out: Rows, span: tuple[int, int]
     ) -> None:
-        """The rows of a span by the loop of that name; the special ones by ``single``."""
+        """Computes the rows of a span by the loop of that name, and the special rows by ``single``."""
         begin, end = span
         special, scratch = np.empty(end - begin, np.int64), np.empty((SCRATCH, BLOCK, 2), np.int64)
         arrays = [(pairs(x.data), x.degree[begin:end].astype(np.int64)) for x in operands]
