@@ -19,9 +19,9 @@ from jacobian.arithmetic.desk import class_at, copy, multiply, plus, same, set_c
 from jacobian.arithmetic.one_word import OneWord
 
 MOST = 64
-"""Candidates that are kept."""
+"""The largest number of candidates that are kept."""
 POINTS = 12
-"""Points that are tried."""
+"""The number of points that are tried."""
 
 
 def decide(equations: Any, residues: Any, desk: Any, out: Any, begin: int, end: int) -> None:

@@ -38,9 +38,9 @@ SLACK = 0.005
 RARE = 0.3
 """How often a_1 is 0 by chance, times √p: the density at 0 of a_1/√p."""
 UNLIKELY = 1e-4
-"""Groups with less probable means are not compatible."""
+"""A group is compatible if the means have at least this probability."""
 APART = 25.0
-"""χ² of a group that another one is told from."""
+"""The χ² at which two groups count as separated."""
 
 
 class Part(NamedTuple):
