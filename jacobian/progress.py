@@ -43,7 +43,7 @@ class Progress:
 
 
 def counted(things: Iterable[Thing], name: str, count: float) -> Iterator[Thing]:
-    """The things, so many, while it is said how long they take."""
+    """Yields the things, ``count`` of them, and reports the progress."""
     progress = Progress(name, count)
     for thing in things:
         yield thing
