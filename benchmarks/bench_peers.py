@@ -1,13 +1,16 @@
 """The flow beside integrators that are built once: twelve scenes at T = 1, 10, 100, 1000; set-up; ensembles; 30 digits.
 
-``ms`` is what a start and its evaluation take, on both sides (:class:`integrable.oracles.method.Spent`): the clock, the
-median of runs in turn in one process. What is compiled is there; heyoka's integrator is built once for a kind of system
-and a tolerance, its constants being parameters. 101 times up to T, in the scene's unit of time; ``error`` is the
-largest of γ and M/|M|, or of q and p, at T, against 30 digits from the same doubles. ``heyoka/flow`` above 1: the flow
-is ahead. ``fastest`` is the fastest of heyoka, Gauss–Legendre 16 and Taylor, compiled, whose error is at most ten times
-the flow's or 1e-15; a dash where none is. Rows of set-up have what is spent once a system and once a start, and
-``machine s`` what heyoka's building took in this process. Two minutes on an idle machine, once everything has been
-compiled; the first time, that is done before on all cores, and said. heyoka: the extra ``peers``.
+``ms`` is the clock time of a start with its evaluation, on both sides (:class:`integrable.oracles.method.Spent`): the
+median of runs in turn in one process, with all code compiled before. heyoka's integrator is built once for a kind of
+system and a tolerance, with the constants as parameters. Each run has 101 times up to T, in the scene's unit of time.
+
+``error`` is the largest of γ and M/|M|, or of q and p, at T, against 30 digits from the same doubles. Where
+``heyoka/flow`` is above 1, the flow is faster. ``fastest`` is the fastest of heyoka, Gauss–Legendre 16 and Taylor,
+compiled, whose error is at most ten times the flow's or 1e-15; a dash if there is none. Rows of set-up have the times
+spent once per system and once per start; ``machine s`` is the time of building heyoka's integrator in this process.
+
+It takes two minutes on an idle machine once everything is compiled. The first run compiles on all cores before it
+measures, and says so. heyoka is in the extra ``peers``.
 """
 
 from __future__ import annotations

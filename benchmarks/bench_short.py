@@ -1,11 +1,12 @@
 """The choice of "auto" between a short run and a torus, compared with the cheaper one, and the costs it is based on.
 
-The first rows are the constants of the cost model of :mod:`integrable.motion.short`, as they are ``kept`` there and as
-they are here: ``measured`` on each scene, in microseconds of processor time.
-The rows after them are fresh flows with so many times up to T: the milliseconds of a short run of
-any length (a dash where it is not sure of itself), of the torus, what "auto" takes, and ``lost``, what it takes longer
-than the cheaper of the two: the model is right where that is little, or a torus is up to twice as long. The last
-row says how often the slower one was taken, of how many, and the most that was lost by it.
+The first rows are the constants of the cost model of :mod:`integrable.motion.short`, in microseconds of processor time:
+as they are ``kept`` there, and as they are ``measured`` here on each scene.
+
+The next rows are for fresh flows with a number of times up to T. They have the milliseconds of a short run of any
+length (a dash where its checks fail) and of the torus, the choice of "auto", and ``lost``, the time of that choice
+relative to the cheaper of the two. The model is right where little is lost, or where a torus takes up to twice as long.
+The last row says in how many cases the slower one was chosen, and the most that was lost.
 """
 
 from __future__ import annotations
