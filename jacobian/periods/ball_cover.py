@@ -16,7 +16,7 @@ from jacobian.periods.balls import BallNumbers, ball_numbers, exact_parts, semi_
 from jacobian.periods.branched_cover import BranchedCover, rough_root
 from jacobian.periods.quadrature import Vector, path_from
 
-# edges with more nodes than this for each digit are integrated from both ends, in pieces
+# an edge that needs more nodes per digit is integrated from both ends, in pieces
 NODES_A_DIGIT = 20
 
 
@@ -115,8 +115,7 @@ def exact_polynomial(coefficients: Sequence[Any]) -> tuple[Any, Any]:
 
 
 def ball_roots(numbers: BallNumbers, real: Any, imaginary: Any) -> Vector:
-    """The roots of an exact polynomial, each as often as it is one: with multiplicity, in balls that each contain one
-    root.
+    """The roots of an exact polynomial with multiplicity, in balls that each contain one root.
 
     PrecisionLoss where complex coefficients do not separate them.
     """

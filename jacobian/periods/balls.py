@@ -85,7 +85,7 @@ class BallNumbers(Numbers):
         return root if cosine > 0 else -root
 
     def widened(self, x: Any, error: Any) -> Any:
-        """The ball of all numbers that are no farther from those in x than ``error``; real for a real one."""
+        """The ball of all numbers at a distance of at most ``error`` from x; a real ball for real x."""
         beside = self.flint.arb(0, error.abs_upper())
         return x + (beside if isinstance(x, self.flint.arb) else self.flint.acb(beside, beside))
 
@@ -153,8 +153,8 @@ class BallNumbers(Numbers):
         return [self.widened(x, error * abs(form)) for x, form in zip(sums, forms(s * s), strict=True)]
 
     def rule(self, axes: Sequence[float], power: float, most: int) -> tuple[int, Any]:
-        """How many nodes, and the ρ of the ellipse for their error, where singularities lie on ellipses with these
-        semi-axes, each with this power; Infeasible beyond ``most``.
+        """(number of nodes, ρ of the ellipse in the error bound), for singularities of this power on ellipses with
+        these semi-axes; Infeasible beyond ``most`` nodes.
         """
         widest = min(MOST_RHO, *(math.acosh(max(axis, 1.0)) for axis in axes)) if axes else MOST_RHO
 

@@ -134,7 +134,7 @@ def nodes_needed(poles: Sequence[Any]) -> int:
 
 
 def checked(count: int) -> int:
-    """The count, if it is not too large."""
+    """The number of nodes; raises PrecisionLoss if it exceeds MOST_NODES."""
     if count > MOST_NODES:
         raise PrecisionLoss("branch points are too near to each other")
     return count
@@ -194,7 +194,7 @@ def combined(whole: Whole, cycles: Sequence[Vector]) -> Vector:
 
 
 def crossing(u: Whole, v: Whole) -> int:
-    """The number of crossings."""
+    """The intersection number of two cycles."""
     return u[0] * v[2] + u[1] * v[3] - u[2] * v[0] - u[3] * v[1]
 
 
