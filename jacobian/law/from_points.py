@@ -33,7 +33,7 @@ class Descent(NamedTuple):
 
 
 def repeated(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> list[Any]:
-    """Each point as often as its multiplicity, an int ≥ 0, says."""
+    """A list with each point repeated by its multiplicity, an int ≥ 0."""
     points, numbers = counted(points, multiplicities)
     if len(points) > MOST_POINTS:
         raise ArgumentError(
@@ -110,7 +110,7 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
 
 
 def _equal_pairs(C: HyperellipticCurve, points: list[AffinePoint]) -> dict[AffinePoint, int]:
-    """How many times a point comes twice, for those that come more than 8g times: these pairs are a multiple."""
+    """Half the multiplicity, rounded down, of each point that occurs more than 8g times; its pairs form a multiple."""
     return {point: count // 2 for point, count in Counter(points).items() if count > AT_ONCE * C.genus}
 
 

@@ -40,9 +40,9 @@ from jacobian.progress import Progress
 MOST_GENUS, LARGEST_GENUS = 12, 500
 """By rejection one of 2^g pairs (u, v) is kept. Sums of places take 0.4 s in genus 50, 2 in 200, 44 in 1000."""
 DISTANCE = 50
-"""Bits of the distance from the uniform distribution that sums of places have."""
+"""− log₂ of the distance from the uniform distribution that sums of places may have."""
 MOST_CLASSES = 10**9
-"""Classes that are listed: some hours, and more than a memory holds."""
+"""The largest number of classes that are listed; it takes some hours, and they do not fit into memory."""
 
 
 def random_divisor(J: GroupLaw, rng: Any) -> Divisor:
