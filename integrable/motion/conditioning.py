@@ -24,9 +24,9 @@ from jacobian.errors import ArgumentError
 __all__ = ["Conditioning", "conditioning"]
 
 FLOAT_CHANGE = 1e-7
-"""Relative change of an input in floats: rounding of the motion, some 1e-15, is then 1e-8 of a difference."""
+"""Relative change of an input in floats. Rounding errors of the motion, about 1e-15, are then 1e-8 of a difference."""
 LINEAR = 1e-3
-"""Differences above this are taken again with a smaller change."""
+"""Differences larger than this are recomputed with a smaller change."""
 
 Motion = Callable[[Any, State, Any], tuple[np.ndarray, np.ndarray]]
 
@@ -118,7 +118,9 @@ def _inputs(system: Any, state: State) -> tuple[list[str], list[Any]]:
 
 
 def _problem(system: Any, state: State, names: list[str], values: list[Any]) -> tuple[Any, State]:
-    """The system and the state of these inputs, γ made a unit vector and M, unless tilted, orthogonal to it."""
+    """The system and the state of these inputs. γ is normalized and, unless the state is tilted, M is made
+    orthogonal.
+    """
     field, given = system.field, dict(zip(names, values, strict=True))
     if hasattr(system, "inputs"):
         changed, moved = system.problem(given)

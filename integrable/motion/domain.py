@@ -18,21 +18,23 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
 
 LARGEST = 1e100
-"""Moments, d and |M| are at most this, and at least one over it: their products stay in the range of floats."""
+"""Bounds of moments, d and |M|: at most this and at least its inverse, so that products stay in the range of floats."""
 WIDEST = 1e10
-"""The largest moment over the least, where three differ."""
+"""The largest allowed ratio of the largest moment to the least, if all three differ."""
 HEAVIEST = 1e16
-"""d over the least moment, where three differ."""
+"""The largest allowed ratio of d to the least moment, if all three moments differ."""
 LIGHTEST = 1e-50
-"""d over the largest moment, where d ≠ 0 and three differ."""
+"""The least allowed ratio of d to the largest moment, if d ≠ 0 and all three moments differ."""
 NEAREST = 1e-18
-"""What the largest and the least moment differ by, over the largest plus d, where they differ."""
+"""The least allowed difference of the largest and the least moment, relative to the largest plus d, if not 0."""
 
 _UNITS = "; use other units of mass, length or time, or MP(digits)"
 
 
 def check_domain(system: PhaseSpace, state: State) -> None:
-    """ArgumentError where a flow over RR refuses a body or a state, with the argument, its value and a remedy."""
+    """Raises ArgumentError if a flow over RR refuses a body or a state; it names the argument, its value and a
+    remedy.
+    """
     body, M = system.body, state.M
     inertia, d = body.inertia, body.d
     momentum = max(map(abs, M))
@@ -51,13 +53,13 @@ def check_domain(system: PhaseSpace, state: State) -> None:
 
 
 def _named(system: PhaseSpace, state: State) -> list[tuple[str, float]]:
-    """The numbers of a body and M, each as a message names it."""
+    """(name, value) for each number of a body and of M, with the names used in messages."""
     moments = [(f"inertia[{i}]", x) for i, x in enumerate(system.inertia)]
     return [*moments, ("d", system.d), *((f"M[{i}]", x) for i, x in enumerate(state.M))]
 
 
 def _check_shape(inertia: Vector, d: float) -> None:
-    """The ratios of the moments and d of a body whose moments all differ."""
+    """Checks the ratios of the moments and d of a body whose moments all differ."""
     least, most = min(inertia), max(inertia)
     if most > WIDEST * least:
         raise ArgumentError(

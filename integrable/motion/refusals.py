@@ -10,7 +10,7 @@ import numpy as np
 from jacobian.errors import Infeasible, PrecisionLoss
 
 REFUSALS = (PrecisionLoss, Infeasible)
-"""What a row is refused with; errors of use are raised whatever ``strict`` is."""
+"""The errors that refuse a row. Errors of use are raised for either value of ``strict``."""
 
 Compute = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
@@ -62,7 +62,7 @@ def _place(reasons: list[str], why: str) -> int:
 
 
 def _too_far(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterable[tuple[np.ndarray, str]]:
-    """(rows, reason): in each direction, the times from the first refused one on."""
+    """(rows, reason) in each direction of time: the first refused time and all beyond it."""
     for sign in (1, -1):
         chosen = left[np.array([(t < 0) == (sign < 0) for t in values[left]], dtype=bool)]
         order = chosen[np.argsort(np.abs(values[chosen]), kind="stable")]
@@ -96,7 +96,7 @@ def _too_many(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterabl
 
 
 def _refusal(compute: Compute, values: np.ndarray) -> str:
-    """The reason for refusing the rows, "" if they are accepted."""
+    """The reason why the rows are refused, or "" if they are accepted."""
     try:
         compute(values)
     except REFUSALS as error:

@@ -1,4 +1,4 @@
-"""The flow in floats for few turns: short runs, one call each, without a torus.
+"""The flow in floats over a few turns, by short runs: one compiled call each, without a torus.
 
 A run includes its own set-up, so a new flow needs no other (:mod:`integrable.moving_point.short`). Compiled, it costs
 some tens of microseconds plus a few per panel; interpreted, the same source is some hundred times slower. Doubtful
@@ -46,7 +46,7 @@ PANEL_COST, START_COST = 1.6, 40.0
 
 
 class TorusCost(NamedTuple):
-    """Costs of a torus: its set-up, a single time, and one of ascending times by panels."""
+    """Costs of a torus: its set-up, one state at a single time, and one state of ascending times by panels."""
 
     set_up: float
     each: float
@@ -252,14 +252,14 @@ def compiled_run(
 
 
 def torus_cost(least: float, most: float, d: float) -> TorusCost:
-    """What the torus of a body costs, by its least and its largest moment."""
+    """The cost of a body's torus, estimated from its least and its largest moment."""
     if d == 0:
         return FREE
     return THIN if most * (least + d) > THINNER * least * (most + d) else ROLLING
 
 
 def panels_within(torus: TorusCost, count: int, worth: float = WORTH) -> int:
-    """The number of panels that cost less than a torus and this many states from it."""
+    """The largest number of panels that cost less than a torus and ``count`` states from it."""
     cost = torus.set_up + count * (torus.each if count < DENSE_FROM else torus.dense)
     return min(MOST_PANELS, int((cost / worth - START_COST) / PANEL_COST))
 
@@ -323,7 +323,7 @@ def lagrange(nodes: np.ndarray, weights: np.ndarray, places: np.ndarray) -> np.n
 
 @cache
 def _listed() -> Rule:
-    """The same as lists, which are faster in interpreted loops."""
+    """The rule as lists, which interpreted loops read faster."""
     return Rule(*(part.tolist() for part in rule()))
 
 
@@ -333,12 +333,12 @@ class Prepared(NamedTuple):
     call: Any
     rule: Packed
     none: Packed
-    """Centres where there are none."""
+    """The empty array of centres, for runs without given centres."""
     ascending: Packed
-    """The order of times that need none."""
+    """The empty order, for times that ascend already."""
     room: Callable[[int, int], Packed]
     kept: list[Packed]
-    """Room of runs that have ended, for one motion at KEPT_TIMES times each; no two threads take the same."""
+    """Working memory of finished runs, for one motion at KEPT_TIMES times each. Two threads never use the same one."""
 
 
 @cache

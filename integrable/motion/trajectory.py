@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 Times = np.ndarray[tuple[int], np.dtype[Any]]
 """Shape (N,)."""
 Vectors = np.ndarray[tuple[int, int], np.dtype[Any]]
-"""Shape (N, 3), or as said."""
+"""Shape (N, 3), unless stated otherwise."""
 Matrices = np.ndarray[tuple[int, int, int], np.dtype[Any]]
 """Shape (N, 3, 3)."""
 
@@ -48,7 +48,7 @@ WAYS = {
     "integrated": "the equations of motion, by Taylor series",
     "steps": "a map applied again and again",
 }
-"""The words of :attr:`Trajectory.way`, and what they mean."""
+"""The values of :attr:`Trajectory.way` and their meaning."""
 
 
 class Way(Protocol):
@@ -75,7 +75,7 @@ class Motion(Immutable):
     system: Any
     state: State
     method: ClassVar[str] = "divisor flow"
-    """What the states come from, in a word for tables."""
+    """The source of the states, as one word for tables."""
 
     def __init__(self, system: Any, state: State) -> None:
         self.system, self.state = system, state
@@ -118,7 +118,7 @@ class Motion(Immutable):
         self._way_to(self._checked(times, "times"), physical=True)
 
     def _off(self, rows: np.ndarray, way: Way) -> tuple[np.ndarray, str]:
-        """Numbers of rows that are off the motion, and the defect of the first."""
+        """(indices of rows that are not on the motion, the defect of the first)."""
         return NO_ROWS, ""
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:
@@ -256,7 +256,9 @@ class Trajectory(Exported):
         return dataclasses.replace(self.flow.state, gamma=tuple(values[:3]), M=tuple(values[3:]))
 
     def concatenated(self, *others: Trajectory) -> Trajectory:
-        """These rows and those of the ``others``, which are of the same motion; ``way`` names all ways."""
+        """A Trajectory of these rows and those of ``others``, which belong to the same motion. ``way`` names all
+        ways.
+        """
         return joined(self, *others)
 
     def _frame(self, quantities: Any) -> Frame:
@@ -265,7 +267,7 @@ class Trajectory(Exported):
         return trajectory_frame(self, quantities)
 
     def _some(self, places: np.ndarray) -> Trajectory:
-        """Some of the rows."""
+        """A Trajectory of the rows at ``places``."""
         names = ("_times", "_tau", "_rows", "_status", "error", "digits")
         parts = {name: value[places] for name in names if (value := getattr(self, name)) is not None}
         if "_status" in parts and not parts["_status"].any():
@@ -306,7 +308,7 @@ class Trajectory(Exported):
 
     @property
     def kept(self) -> Trajectory:
-        """Only the rows with status 0."""
+        """A Trajectory of the rows with status 0."""
         if self._status is None:
             return self
         return self._some(np.flatnonzero(self._status == 0))
