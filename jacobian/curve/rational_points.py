@@ -15,7 +15,7 @@ from math import gcd, isqrt, lcm
 from jacobian.poly import Poly
 
 PRIMES = (3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61)
-"""About half of the a pass each of them: one of 10^5 passes all."""
+"""The primes of the sieve. About half of the a pass at each of them, and one in 10^5 passes at all."""
 
 
 def abscissas(F: Poly, degree: int, bound: int) -> Iterator[Fraction]:
