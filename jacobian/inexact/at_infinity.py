@@ -25,12 +25,12 @@ class Infinity(NamedTuple):
 
 
 def lean_of(genus: int, degree: int, n: int) -> int:
-    """That of a triple with deg u = ``degree`` and the weight n at ∞₊."""
+    """The lean of a triple with deg u = ``degree`` and the weight n at ∞₊."""
     return 2 * n + degree - 2 * ((genus + 1) // 2)
 
 
 def weight_of(genus: int, degree: int, lean: int) -> int:
-    """The n of a pair; the pair is reduced where 0 ≤ n ≤ g − deg u."""
+    """The weight n of a pair at ∞₊; the pair is reduced if 0 ≤ n ≤ g − deg u."""
     return (lean - degree) // 2 + (genus + 1) // 2
 
 

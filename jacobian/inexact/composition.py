@@ -183,7 +183,7 @@ class Plain:
         self._clear = field.eps**0.5
 
     def is_zero(self, x: Number, scale: Number, of_degree: bool = True) -> bool:
-        """False, or PrecisionLoss."""
+        """False if x is clear of noise; otherwise raises PrecisionLoss."""
         if abs(x) >= self._clear * scale:
             return False
         raise PrecisionLoss("not clear of noise")
@@ -199,9 +199,7 @@ def _returned(
 
 
 def _even(f: Coefficients, units: Units) -> bool:
-    """Whether f, in units of the largest point, is small neither at the smallest point nor in its leading
-    coefficient.
-    """
+    """Whether neither f at the smallest point nor its leading coefficient is small, in units of the largest point."""
     depth, least = units.low - units.x, 2.0**-SPREAD
     at_low = max(abs(c) * 2.0 ** max(depth * i, -1000) for i, c in enumerate(f))
     return bool(min(at_low, abs(f[-1])) >= least and not (units.at_zero and 0 < abs(f[0]) < least))

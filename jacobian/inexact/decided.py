@@ -60,7 +60,7 @@ class Pass:
         self.rest: Any = 0
 
     def is_zero(self, x: Any, scale: Any, of_degree: bool = True) -> bool:
-        """The answer of this pass."""
+        """Whether this pass counts x as zero; records the question and the answer."""
         self.answers.append(self._answer(len(self.questions), x))
         self.questions.append(Question(x, of_degree))
         return self.answers[-1]

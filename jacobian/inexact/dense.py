@@ -70,12 +70,12 @@ def value_at(a: Sequence[Number], x: Number) -> Number:
 
 
 def size(a: Sequence[Number]) -> Number:
-    """The largest coefficient."""
+    """The absolute value of the largest coefficient."""
     return max(map(abs, a), default=0)
 
 
 def absolute(a: Sequence[Number]) -> Coefficients:
-    """The sizes of the coefficients."""
+    """The absolute values of the coefficients."""
     return list(map(abs, a))
 
 
@@ -100,7 +100,7 @@ def norm(values: Any) -> Number:
 
 
 def index_of_largest(sizes: Sequence[Number]) -> int:
-    """The index of the first largest."""
+    """The index of the largest size; of equal ones, the first."""
     return max(range(len(sizes)), key=sizes.__getitem__)
 
 
@@ -121,7 +121,7 @@ def pivoted_qr(
 
 
 def null_vector(order: list[int], triangle: list[Coefficients]) -> Coefficients:
-    """The vector that the numerically dependent last column of R gives, in the original order."""
+    """The null vector of R, whose last column depends numerically on the others; entries in the original order."""
     n = len(order)
     solution = _back_substitute(triangle[:-1], [-x for x in triangle[-1][: n - 1]])
     result = [*solution, 1 + 0 * triangle[-1][0]]

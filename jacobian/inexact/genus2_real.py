@@ -168,8 +168,8 @@ def second_polynomial(
 
 
 def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right: Six) -> tuple[Real, Real]:
-    """The same stacked system by Householder reflections, and the curve's own equation along the direction that it does
-    not determine.
+    """V'' from the stacked system of :func:`second_polynomial`, solved by Householder reflections. In a direction that
+    the system does not determine, the equation of the curve does.
     """
     x2, x3, x4, x5 = factors
     r0, r1, r2, r3, r4, r5 = right

@@ -92,7 +92,7 @@ class LongField(InexactField):
         return tuple(quotient[::-1]), tuple(rest)
 
     def nearest(self, x: Any) -> int:
-        """The integer nearest to the real part of x, the upper of two."""
+        """The integer nearest to the real part of x; half-integers are rounded up."""
         return self._reals.nearest(x.real)
 
     def sqrt(self, x: Any) -> Any:
