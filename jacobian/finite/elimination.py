@@ -8,8 +8,9 @@ from typing import Any, TypeVar
 
 Candidate = TypeVar("Candidate")
 IDLE = 2
-"""Rounds without an elimination that end the search: a candidate that a class does not eliminate with probability ½ at
-least is one that none does, as its order is a multiple of the exponents. The structures of the groups tell those."""
+"""The search ends after this many rounds without an elimination. If any class eliminates a candidate, a random one does
+so with probability at least ½. If none does, the candidate's order is a multiple of the exponents of the groups, and
+their structures decide."""
 
 
 def alone(
@@ -17,8 +18,9 @@ def alone(
 ) -> Candidate | None:
     """The only candidate whose order annihilates random classes of each group.
 
-    ``groups``: Jacobians with the order that a candidate gives them. The right candidate is never eliminated, so one
-    that is alone is proven. None where IDLE rounds, of a class of each group, have left several.
+    ``groups``: Jacobians, each with the function from a candidate to its order. The right candidate is never
+    eliminated, so the last one left is proven. None if several are left after IDLE rounds without an elimination; a
+    round takes one class of each group.
     """
     idle = 0
     while len(candidates) > 1 and idle < IDLE:

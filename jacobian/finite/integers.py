@@ -16,9 +16,9 @@ TRIAL_LIMIT = 2000
 MOST_COMPOSITE = 176
 """Bits that the quadratic sieve takes, in a second."""
 SMOOTH, SMOOTH_IF_SHORT, SHORT = (16, 24, 32), (40,), 600
-"""Bits of the factors that are looked for: calls of a second at most each, as they cannot be interrupted."""
+"""The bits of the factors that one call looks for. A call takes a second at most, because it cannot be interrupted."""
 LONGEST = 4096
-"""Bits of a number that is looked at."""
+"""The largest number of bits of a number to factor."""
 
 
 def factorization(n: int, primes: Iterable[int] | None = None) -> dict[int, int]:

@@ -22,7 +22,7 @@ from jacobian.numbers.threads import in_ranges
 from jacobian.progress import Progress
 
 FIRST = LEAST // 2
-"""The values of so many points are had factor by factor."""
+"""The number of points whose values are computed factor by factor."""
 MEMORY = 3 << 30
 """Bytes for the values of the products, about."""
 

@@ -15,7 +15,7 @@ from jacobian.numbers import transform_kernels as transforms
 from jacobian.numbers.words import Double, canonical, mul
 
 BLOCK = 64
-"""Points that are computed side by side."""
+"""The number of points computed in one loop."""
 
 
 class Room(NamedTuple):
