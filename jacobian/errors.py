@@ -14,13 +14,13 @@ from typing import Any, TypeVar
 
 Choice = TypeVar("Choice")
 NO_SEQUENCES = (str, bytes, bytearray, memoryview, dict, set, frozenset)
-"""What iterates over something else than the entries of a sequence."""
+"""Types whose iteration does not give the entries of a sequence of numbers."""
 SHOWN = 200
-"""Characters of a value that a message shows."""
+"""The number of characters of a value that a message shows."""
 ENDS = 8
-"""Digits of both ends that are shown of an int of more than SHOWN digits."""
+"""The number of digits shown at each end of an int with more than SHOWN digits."""
 MOST_ENTRIES = 10_000_000
-"""More of them come from a generator without an end; numpy arrays may be longer."""
+"""The largest number of entries taken from an iterator, against endless generators. numpy arrays may be longer."""
 
 
 class JacobianError(ValueError):

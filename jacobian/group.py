@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from jacobian.batch.array import DivisorArray
 
 LONG_OVER_Q, LONG_SCALAR = 20, 4096
-"""Bits of a scalar beyond which the order of the class, over QQ, or of the group is asked for."""
+"""The bits of a scalar beyond which it is reduced modulo an order first: the class's over QQ, else the group's."""
 COUNTED_AT_ONCE = 1 << 20
-"""Classes of a group whose order takes less than so long a multiple."""
+"""The largest estimate q^g of a group's size for which computing the order takes less time than a long multiple."""
 
 
 class Jacobian(FiniteGroup):
@@ -75,7 +75,7 @@ class Jacobian(FiniteGroup):
             self._adopt(chosen)
 
     def explain(self) -> str:
-        """Which kernel adds here now, why, and what may replace it, in words."""
+        """A text that names the current kernel, the reason for it, and what may replace it."""
         if not self.field.exact:
             return f"the stacked orthogonal system of jacobian.inexact.composition: {self.field.name} rounds"
         return explained(self._model, self._sum_of)
@@ -340,7 +340,7 @@ class Jacobian(FiniteGroup):
         return self._out(by_parts(m, self._in(D), self._multiple, self._sum_of)) if m else self.zero()
 
     def _remainder(self, m: int, D: Divisor) -> int:
-        """m > 0 modulo the order of D or of the group, where m is long and an order is cheap."""
+        """m > 0, reduced modulo the order of D or of the group if m is long and the order is cheap."""
         q, bits = self.field.order, m.bit_length()
         if q is None and bits > LONG_OVER_Q:
             order = D.order()
