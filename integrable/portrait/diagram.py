@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 NODES = 512
 MOST_COUNT = 300
-"""Rows of a grid of rotation numbers: as many take about half a minute."""
+"""The largest number of rows of a grid of rotation numbers; so many take about half a minute."""
 
 
 class Diagram(Record):
@@ -46,11 +46,11 @@ class Diagram(Record):
         _, c, h1, h2 = self.system.integrals(state)
         if not h2:
             raise ArgumentError("M = (0, 0, 0): the body is at rest, which has no place in its diagram")
-        # γ is a unit vector to rounding
+        # γ is a unit vector only up to rounding
         return min(c * c / h2, 1.0), h1 / h2
 
     def height(self, X: Any, zeta: Any) -> Any:
-        """Z of X and ζ: arrays that broadcast."""
+        """Z as a function of X and ζ, arrays that broadcast."""
         (X, values), d = _reals(X=X, zeta=zeta), self.system.d
         if (d * values == 1).any():
             raise ArgumentError(f"zeta = {shown(zeta)}: 1 − d·ζ must not vanish")
@@ -61,7 +61,7 @@ class Diagram(Record):
         return found
 
     def contains(self, X: Any, Z: Any) -> Any:
-        """Whether there are motions with these X and Z: arrays that broadcast."""
+        """Whether motions with these X and Z exist; the arguments are arrays that broadcast."""
         X, Z = _reals(X=X, Z=Z)
         least, most = min(self.system.a), max(self.system.a)
         inside: Any = (X >= 0) & (X <= 1) & (self.height(X, least) <= Z) & (self.height(X, most) >= Z)
@@ -86,7 +86,7 @@ class Diagram(Record):
         """
         count = whole(count, "count", f"an int from 2 to {MOST_COUNT}", 2, MOST_COUNT)
         a1, a2, a3 = sorted(self.system.a)
-        # from the ends of each side towards the separatrix
+        # from both ends of the range of ζ towards the separatrix
         part = (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
         zeta = np.concatenate([a1 + (a2 - a1) * part, a2 + (a3 - a2) * part])
         X = (np.arange(count) + 0.5) / count

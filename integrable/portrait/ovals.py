@@ -1,7 +1,8 @@
 """Integrals over the two ovals of a motion's curve, in floats or to the digits of a set-up.
 
-With y = √|f|, f the curve 4(1 − d̃x)Π(a_i − x)(x·h̃2 − h1) of the upright body (tildes; :mod:`integrable.phase.upright`),
-a₁ < a₂ < a₃ the sorted a_i and ζ = h1/h̃2, u1 runs through the oval [a₁, min(ζ, a₂)] and u2 through [max(ζ, a₂), a₃]:
+With y = √|f|, f the curve 4(1 − d̃x)Π(a_i − x)(x·h̃2 − h1) of the upright body (tildes;
+:mod:`integrable.phase.upright`), a₁ < a₂ < a₃ the sorted a_i and ζ = h1/h̃2, u1 runs through the oval [a₁, min(ζ, a₂)]
+and u2 through [max(ζ, a₂), a₃]:
 
     A_k = ∫x^k dx/y over the first, B_k over the second,  K_k and L_k the same of x^k dx/((1 − d̃x)^½·y).
 
@@ -41,7 +42,7 @@ class Level(NamedTuple):
 
     @staticmethod
     def of(setup: Setup) -> Level:
-        """That of the motion of a set-up, in its wide numbers."""
+        """The level of a set-up's motion, in its wide numbers."""
         problem = setup.problem
         top = problem.time_scale / (2 * problem.momentum)
         axes = sorted(range(3), key=lambda i: problem.axes[i])
@@ -99,8 +100,8 @@ class Level(NamedTuple):
 
 
 def zeta_through(level: Level, phi: Any, momentum: Any) -> Any:
-    """ζ of the motion, of the upright body of a level, through a point (φ, M̃_i/|M̃|) of its section γ̃_i = 0, i the axis
-    of the largest moment (:mod:`integrable.portrait.section`): q − (q − a₁)M̃_i²/|M̃|². Arrays of floats.
+    """ζ of the motion, of the upright body of a level, through a point (φ, M̃_i/|M̃|) of its section γ̃_i = 0, i the
+    axis of the largest moment (:mod:`integrable.portrait.section`): q − (q − a₁)M̃_i²/|M̃|². Arrays of floats.
     """
     a1, a2, a3 = map(float, level.a)
     d, c, s = float(level.d), np.cos(phi) ** 2, np.sin(phi) ** 2
@@ -109,7 +110,7 @@ def zeta_through(level: Level, phi: Any, momentum: Any) -> Any:
 
 
 class Ovals(NamedTuple):
-    """A0, A1, B0, B1, and K0, K1, L0, L1, which at d = 0 are A and B again."""
+    """The integrals A0, A1, B0, B1 and K0, K1, L0, L1; at d = 0 K and L equal A and B."""
 
     A0: Any
     A1: Any
@@ -122,7 +123,7 @@ class Ovals(NamedTuple):
 
     @staticmethod
     def of(level: Level) -> Ovals:
-        """The periods of a level; PrecisionLoss where the two ovals meet: the separatrix."""
+        """The periods of a level. PrecisionLoss on the separatrix, where the two ovals meet."""
         if not level.parted:
             raise PrecisionLoss(
                 f"ζ = {float(level.zeta)} is the middle 1/(I + d) to all digits: on the separatrix periods are infinite"
@@ -153,7 +154,7 @@ class Ovals(NamedTuple):
 
 
 def _thirds(ends: tuple[Any, ...], d: Any, pi: Any, near: float) -> tuple[Any, Any]:
-    """∫x^k dx/((1 − dx)√|(x − a)(x − b)(x − c)(x − e)|) from a to b, k = 0, 1; c and e are beyond b."""
+    """∫x^k dx/((1 − dx)√|(x − a)(x − b)(x − c)(x − e)|) from a to b for k = 0 and 1; c and e lie beyond b."""
     a, b, c, e = ends
     if a == b:
         k0 = pi / ((1 - d * a) * root(abs((c - a) * (e - a))))

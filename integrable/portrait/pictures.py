@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
 SIZE = (6.4, 4.8)
 COLORS = ("#0072B2", "#D55E00", "#009E73")
-"""Of the three axes: blue, vermilion and green of Okabe and Ito (2008), as on the page that moves."""
+"""The colours of the three axes: blue, vermilion and green of Okabe and Ito (2008), as on the interactive page."""
 CURVES = 9
 # spectral lines below this fraction of the largest are not drawn; number of labelled lines
 FAINT, NAMED = 1e-6, 6
 APART = 0.05
-"""Of the width of the picture: names of lines that are nearer lie on each other."""
+"""A fraction of the picture's width: labels of lines closer than this would overlap."""
 
 
 def _axes(what: str, rows: int = 1, height: float = SIZE[1]) -> tuple[Figure, Any]:

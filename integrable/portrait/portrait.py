@@ -37,7 +37,7 @@ REGIONS = {
     "separatrix": "ζ is the middle a_i: the unstable rotation, or a motion that comes from one and goes to one",
     "homogeneous": "three moments are equal: ω is constant",
 }
-"""The words of :attr:`Portrait.region`, and what they mean."""
+"""The values of :attr:`Portrait.region` and their meaning."""
 
 
 class Portrait(Immutable):

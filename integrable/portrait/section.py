@@ -32,7 +32,7 @@ AXES = ("largest", "least")
 # initial number of nodes of an oval's series, and the largest
 FIRST_NODES, MOST_NODES = 64, 1 << 16
 PASSES = 60
-# number of sines summed at once
+# number of sines summed in one array operation
 SINES = 1 << 20
 # initial digits of floats, and the size of an angle's step below them
 ROUGH_DIGITS, ROUGH = 12, 1e-13
@@ -154,7 +154,7 @@ class OvalSeries:
         self._modes = modes
 
     def first(self, second: np.ndarray) -> np.ndarray:
-        """∫dx/y where ∫x dx/y is ``second``, at most half a turn either way."""
+        """∫dx/y at the point where ∫x dx/y is ``second``, at most half a turn in either direction."""
         size = max(1, SINES // len(self._modes[0]))
         parts = [self._first(second[begin : begin + size]) for begin in range(0, len(second), size)]
         return np.concatenate(parts)

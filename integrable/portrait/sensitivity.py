@@ -107,7 +107,7 @@ def sensitivity(flow: Any, times: Any) -> Sensitivity:
     parted = flow.portrait.region in ("low", "high")
 
     def rows(body: Body, state: State) -> Any:
-        """γ and M, and below them both frequencies."""
+        """γ and M, with both frequencies appended as further rows."""
         there = flow._through(body, state)
         states = there.at(run.times)
         found = np.hstack([states.gamma, states.M])

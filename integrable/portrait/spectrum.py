@@ -104,7 +104,7 @@ def _transformed(flow: Any, torus: TorusFlow, periods: list[int], size: tuple[in
 
 
 def _in_tau(flow: Any, torus: TorusFlow, periods: list[int], phases: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """The phases linear in τ at those linear in t, both in ``periods`` of the torus."""
+    """The phases linear in τ for given phases linear in t, both in ``periods`` of the torus."""
     rows, body = torus.at_phases(phases * periods), flow.system.body
     slowness = np.sqrt(np.sum(np.array(body.contact) * rows[:, :3] ** 2, axis=1))
     nu = tuple(x / n for x, n in zip(torus.frequencies, periods, strict=True))

@@ -37,7 +37,7 @@ class Variation(NamedTuple):
 
     @staticmethod
     def at(body: Body, rows: Array) -> Variation:
-        """At states γ and M side by side, (N, 6)."""
+        """The quantities at states γ and M, given as rows of six numbers, (N, 6)."""
         inertia, a, d = np.array(body.inertia), np.array(body.a), float(body.d)
         gamma, M = rows[:, :3], rows[:, 3:]
         thin = inertia * a
