@@ -26,6 +26,8 @@ from integrable.oracles.methods import METHODS, time_scale
 from integrable.oracles.reference import Solution
 from integrable.scene.doubles import in_doubles
 from integrable.scene.file import load_scene
+from integrable.series.kinds import Kind
+from integrable.series.steps import FINE, ROUGH
 from integrable.study import plan, rivals, runner
 from integrable.study.claims import claims
 from integrable.study.command import planned, report_data, study_of
@@ -800,10 +802,24 @@ def test_what_the_flow_costs_once_a_machine_is_what_its_first_use_had(done, monk
     rows = done[0]
     monkeypatch.setattr(rivals, "_KEPT", {})
     monkeypatch.setattr(rivals, "flow_once", lambda *_, **__: lambda: (next(spent), None))
+    monkeypatch.setattr(rivals, "perf_counter", lambda: 0.0)
     flow = next(row for row in rows if row.kind == "flow")
     assert rivals.first_use(flow) == (7 - 1.25, 5)
     assert rivals.first_use(replace(flow, kind="comparator")) == (7 - 1.25, 5)
     assert next(spent) == Spent(0.0, 0.5, 0.25, 0.5)
+
+
+def test_the_walks_of_the_flow_are_compiled_before_it_is_timed(monkeypatch):
+    """Garnier's system was measured on the tape, which a walk replaces after some seconds of use."""
+    asked = []
+    monkeypatch.setattr(Kind, "walk", lambda kind, orders, compiles=False: asked.append((kind.name, orders, compiles)))
+    for name in ("chaplygin", "garnier", "tilde"):
+        rivals._compile_walks(load_scene(name))
+    assert [(name.split("_")[1], *rest) for name, *rest in asked] == [
+        ("garnier", ROUGH.orders, True),
+        ("garnier", FINE.orders, True),
+        ("tilde", FINE.orders, True),
+    ]
 
 
 def test_two_in_a_ratio_run_in_turn():
