@@ -1,4 +1,4 @@
-"""What the lines of a page say: each is asked of the room that knows it."""
+"""The lines of a page; each asks the room that can compute it."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def summary(C: HyperellipticCurve, bound: int = 2**12, height: int = 1000, digit
 
 
 class Facts:
-    """What several lines take, computed when one asks for it."""
+    """Values that several lines share, computed at the first use."""
 
     def __init__(self, C: HyperellipticCurve, limits: Limits) -> None:
         self.curve, self.limits = C, limits
@@ -227,7 +227,7 @@ def _regulator(facts: Facts) -> Answer | None:
 
 
 def _ball(x: Any, digits: int) -> Answer:
-    """A ball of which so many digits are known, or somewhat fewer."""
+    """A ball of which this number of digits is known, or somewhat fewer."""
     text = x.str(digits)
     known = min(digits, int(x.rel_accuracy_bits() * 0.30103))
     return Answer(text, text, to_digits(known))
