@@ -1,4 +1,4 @@
-"""The Fourier coefficients of 1/g on a torus from integrals over either oval: without a grid of states.
+"""The Fourier coefficients of 1/g on a torus, from integrals over each oval, without a grid of states.
 
 The phases of a divisor are those of its two points added, the invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂), and 1/g is a
 constant over √((1 − du₁)(1 − du₂)). So a coefficient, the mean of (1/g)·e^(−2πi(kθ₁ + mθ₂)), is a determinant of
@@ -31,7 +31,7 @@ MOST_WORK = 1 << 26
 # digits of the first tables, with this many modes per digit in either direction; the next have this many times the
 # number suggested by their decay; their nodes hold some more, so that aliasing is not mistaken for decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# number of steps from the start among which one has no small σ
+# number of steps from the start, at least one of which has no small σ
 STEPS = 4
 
 
@@ -49,7 +49,7 @@ class Modes(NamedTuple):
 
 
 class TooManyModes(PrecisionLoss):
-    """Tables with this many modes take ``work`` multiplications or more, beyond the limit."""
+    """Raised when tables with this many modes would take ``work`` multiplications or more, beyond the limit."""
 
     def __init__(self, size: tuple[int, int], work: int) -> None:
         super().__init__(
@@ -184,7 +184,7 @@ class OvalTorus:
         self._place()
 
     def ball(self, x: Any) -> Any:
-        """A number of the set-up's wide field as a ball, known to its digits only."""
+        """A number of the set-up's wide field as a ball; the radius accounts for the digits it has."""
         middle = self._balls.number(x)
         return middle + self.flint.arb(0, abs(middle) * self.flint.arb(2) ** -self._setup.wide.context.prec)
 

@@ -13,11 +13,11 @@ from numpy.polynomial import chebyshev
 
 from jacobian.errors import PrecisionLoss
 
-# nodes of a panel: more make panels longer and their evaluation slower
+# number of nodes of a panel: with more nodes panels are longer and their evaluation slower
 NODES = 28
 # largest last coefficients of a panel of states from the torus, relative to the largest value of their column
 TOLERANCE = 2e-15
-# rounding of the states themselves, on motions with fast passages
+# bound of the rounding errors of the states themselves, on motions with fast passages
 NOISE = 1e-13
 # panels of a stretch whose ends show how long they may be, and the largest number of halvings
 PROBES = 8
@@ -75,7 +75,9 @@ class Panels:
         self.coefficients = np.ascontiguousarray(np.concatenate(series)[order])
 
     def at(self, times: np.ndarray, evaluate: Any) -> np.ndarray:
-        """The rows at times inside, by :func:`integrable.torus.clock_loops.panel_values` or its compiled version."""
+        """The rows at times in the interval, by :func:`integrable.torus.clock_loops.panel_values` or its compiled
+        version.
+        """
         width = self.coefficients.shape[2]
         out = np.empty((len(times), width))
         evaluate(self.middles, self.halves, self.coefficients, times, np.empty((2, width)), out)
@@ -120,7 +122,7 @@ def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: An
 
 
 def _rounded(coefficients: np.ndarray) -> np.ndarray:
-    """Whether the last terms of every panel that are not tiny are level and small."""
+    """Whether in every panel the last terms are small and do not fall further, or are tiny."""
     sizes = np.abs(coefficients).max(axis=(0, 1))
     tails = np.abs(coefficients[:, -3:]).max(axis=1)
     before = np.abs(coefficients[:, -10:-3]).max(axis=1)

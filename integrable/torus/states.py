@@ -1,4 +1,4 @@
-"""States anywhere on a torus, on bare reals, compiled or interpreted: a corner and two translations."""
+"""States at any point of a torus, from a corner by two translations; on bare reals, compiled or interpreted."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def put_state(point: Row, matrix: Row, out: Row, place: int) -> None:
 
 
 def point_at(torus: Torus, first: Real, second: Real, turn1: int, turn2: int) -> Row:
-    """The moving point there, from the nearest corner."""
+    """The moving point at these phases, from the nearest corner."""
     i, j = floor(float(first) * torus.cells[0] + 0.5), floor(float(second) * torus.cells[1] + 0.5)
     return point_beside(torus, (i, j), first, second, turn1, turn2)
 
@@ -102,7 +102,7 @@ def turned(point: Row, turns: Row, first: int) -> Row:
 
 
 def states_at_phases(torus: Torus, phases: Row, out: Row) -> None:
-    """γ and M at pairs of phases in turns, one after the other in ``phases``: six floats each."""
+    """Writes γ and M, six floats each, at the pairs of phases in ``phases``, in turns."""
     zero = 0 * torus.curve.axes[0]
     for i in abreast(0, len(phases) // 2):
         first, turn1 = whole_turns(phases[2 * i] + zero)
@@ -111,7 +111,7 @@ def states_at_phases(torus: Torus, phases: Row, out: Row) -> None:
 
 
 def states_at_tau(torus: Torus, frequencies: Any, tau: Row, out: Row) -> None:
-    """γ and M at the times ``tau`` of the flow, six floats each; ``frequencies`` are turns in a unit of τ."""
+    """Writes γ and M, six floats each, at values of τ; ``frequencies`` are the turns of both phases per unit of τ."""
     for i in abreast(0, len(tau)):
         first, turn1 = whole_turns(frequencies[0] * tau[i])
         second, turn2 = whole_turns(frequencies[1] * tau[i])

@@ -16,7 +16,7 @@ Row = Any
 
 
 class TableRoom(NamedTuple):
-    """Memory for two power series, for nine numbers, and for a moving point at each node and two more."""
+    """Working memory: two power series, nine numbers, and moving points, one for each node and two more."""
 
     series: Row
     roots: Row
@@ -66,7 +66,7 @@ def directions(
         centre, first = chart.centres[k], 4 * len(nodes) * k
         about = expansion_about(motion, centre, room, passes)
         unit, reach = about.unit, chart.reaches[k] / about.unit + 0 * about.f0
-        # the halves are computed together with the nodes, to fill the last lanes
+        # the halves are computed together with the nodes, to fill the last SIMD lanes
         for n in abreast(0, size + 2):
             beyond = max(0, n - size)
             x = root(nodes[min(n, size - 1)] + 0 * reach)

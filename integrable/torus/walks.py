@@ -27,13 +27,13 @@ from jacobian.numbers.roots import root
 Real = Any
 Row = Any
 
-# a part below this fraction of the reach counts as the identity
+# a translation below this fraction of the reach is treated as the identity
 IDENTITY = 1e-30
 # translations with a worse condition than this are split into two
 LEAST_CONDITION = 0.02
 # a translation is accepted if its condition is within this factor of the best possible
 NEARLY = 0.5
-# marks a grid point that belongs to a coarser grid already
+# marks a grid point whose value is known from a coarser grid
 KNOWN = -1
 
 
@@ -60,7 +60,7 @@ class Walk(NamedTuple):
 
 
 class Stride(NamedTuple):
-    """The cells of a step: down, across, and down when it leads across."""
+    """The numbers of cells that a step spans: down, across, and down in a step across."""
 
     down: int
     across: int
@@ -137,7 +137,7 @@ def closure(start: Row, ends: Row, known: Row) -> float:
 
 
 def place_at(walk: Walk, stride: Stride, i: int, j: int) -> int:
-    """The position in ``states`` of the corner after i steps down and j across."""
+    """The position in ``states`` of the corner after i steps down and j steps across."""
     rows, columns = walk.cells
     return 10 * ((stride.down * i + stride.lower * j) % rows * columns + stride.across * j % columns)
 
@@ -212,7 +212,7 @@ def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
             if found > best:
                 best, chosen, lower, parts = found, count, 1, 1
                 put(total, out, 20)
-        # no sum is better than its parts, which cannot be improved
+        # no sum is better conditioned than its parts, which cannot be improved
         if best >= NEARLY * trust:
             break
         first, second = carried(f, axes, first, double1), carried(f, axes, second, double2)
@@ -228,7 +228,7 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
     zero, n, least = 0 * parts[0], 0, LEAST_CONDITION
     if fine.rest[1] != 0:
-        # without the pairs no digits are lost at a branch point
+        # the divisor alone loses no digits at a branch point
         least *= LEAST_CONDITION
     for i in range(-above, finer[0] - above):
         for j in range(-left, finer[1] - left):
@@ -257,7 +257,7 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
 
 
 def gridded(curve: Curve, small: SmallSteps, states: Row, fine: Fine, rates: Row, others: Row) -> None:
-    """:func:`offsets`, then :func:`sampled`."""
+    """Calls :func:`offsets`, then :func:`sampled`."""
     offsets(curve, small, fine)
     sampled(curve, states, fine, rates, others)
 

@@ -37,9 +37,10 @@ if TYPE_CHECKING:
 TURNS = (1.23, -1.38)
 # the largest number of turns of the faster phase
 FAR = 2.0**48
-# difference that double-double numbers may cause; beyond it more digits decide
+# a larger difference is not due to double-double rounding alone: numbers with more digits then decide
 ALIKE = 1e-6
-# difference allowed for a correct torus: states have stricter checks, this one is about signs and positions
+# difference allowed for a correct torus. Other checks of states are stricter; this one detects wrong signs and
+# positions
 RIGHT = 1e-8
 # the number of borders checked, and the difference allowed between both corners in double-doubles; for close moments,
 # whose κ is small, less by 10κ, down to LEAST: where a γ_i passes 0, an error of V counts 1/κ times in M_i
@@ -123,11 +124,11 @@ def departure(torus: Torus, line: Line, times: Row, room: TableRoom, points: Row
 
 
 def seam(torus: Torus, out: Row) -> float:
-    """The largest of the differences that :func:`on_borders` puts into ``out``."""
+    """The largest of the differences that :func:`on_borders` writes to ``out``."""
     on_borders(torus, out)
     largest = 0.0
     for gap in out:
-        # written so that a NaN counts as large
+        # written so that a NaN is taken as large
         largest = gap if not gap <= largest else largest
     return largest
 
@@ -193,7 +194,7 @@ def _in_digits(bare: BareProblem, translations: Translations, tau: float) -> Row
 
 
 def difference(rows: Row, states: Row) -> float:
-    """The largest difference in γ and in M/|M|, NaN where one is NaN; six floats to a state."""
+    """The largest difference in γ and in M/|M| between rows of six floats per state; NaN if one is NaN."""
     gamma, M, size, rest = 0.0, 0.0, 0.0, 0.0
     for n in range(len(rows)):
         gap = abs(rows[n] - states[n])
