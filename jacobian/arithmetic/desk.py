@@ -153,7 +153,7 @@ def sextic(curve: Any) -> Any:
 
 
 def closed(K: Any, curve: Any, quotient: Any, lines: Any, result: Any) -> bool:
-    """Whether the case was the general one of genus 2, so that result is the sum."""
+    """Whether the case is the general one of genus 2; if it is, result is set to the sum."""
     C, product = sextic(curve), product_sextic(K, sextic(curve), quotient)
     if product == 0:
         return False

@@ -24,7 +24,7 @@ from jacobian.periods.endomorphisms import Endomorphisms, Integers
 ROOTS_OF_UNITY = 240
 """Of which every root of unity in a field that four conjugate numbers generate, of degree 8 at most, is a power."""
 PRIMES = 100
-"""So many L-polynomials are compared: each is an exact test."""
+"""The number of L-polynomials that are compared; each is an exact test."""
 
 
 class Algebra(NamedTuple):

@@ -22,11 +22,11 @@ from typing import Any, NamedTuple
 from flint import fmpz, fmpz_mat, fmpz_poly
 
 BLOCK = 1 << 14
-"""Integers of a block: with fewer the trees take longer, with more the walks."""
+"""The integers in a block. Smaller blocks make the trees slower, larger ones the walks."""
 WALKED_TO = 1 << 18
-"""Up to such primes all is walked, in one block, which is as quick (``python -m benchmarks l_polynomials``)."""
+"""Up to this prime one block is walked without a tree, which is as fast (``python -m benchmarks l_polynomials``)."""
 TREE = 8
-"""Blocks of a tree: more of them take more memory, fewer carry the window along more often."""
+"""The blocks in a tree. More blocks take more memory; with fewer the window is carried along more often."""
 STEPS = 16
 """Matrices that are multiplied as polynomials in the first index: of their products one matrix product has the values.
 """

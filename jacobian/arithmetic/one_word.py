@@ -55,7 +55,7 @@ def neg(K: Any, x: Any) -> Any:
 
 
 def inverse(K: Any, x: Any) -> Any:
-    """By Euclid's algorithm."""
+    """1/x modulo p, by Euclid's algorithm."""
     a, b, s, t = K.p, x, 0, 1
     while b > 1:
         quotient = a // b
@@ -83,4 +83,4 @@ OPERATIONS: dict[Any, Callable[..., Value]] = {
     words.inverse: _called(inverse),
     **dict.fromkeys((words.canonical, words.fit, words.settled), _itself),
 }
-"""What compiled loops over a context of one word call."""
+"""Functions of this package, and the instructions that replace them on a one-word context."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 BLUE, VERMILION = "#0072B2", "#D55E00"
 """Of Okabe and Ito (2008)."""
 MOST_DOTS = 20_000
-"""Primes of a scatter, the largest of them."""
+"""The largest number of primes in a scatter; the largest primes are taken."""
 
 
 def figure(L: LPolynomials) -> Figure:

@@ -21,7 +21,7 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields import QQ
 
 PART = 4096
-"""Primes that are walked to at once."""
+"""The number of primes in one walk."""
 
 
 def integral_equation(C: HyperellipticCurve) -> list[int]:

@@ -25,9 +25,9 @@ from jacobian.arithmetic.record import LPolynomials
 from jacobian.errors import ArgumentError, Infeasible, shown
 
 POINTS = 64
-"""Of a circle: exact for trigonometric polynomials of degree below it."""
+"""The points on a circle: sums over them are exact for trigonometric polynomials of lower degree."""
 EXPONENTS = {1: ((2, 0), (4, 0), (6, 0)), 2: ((2, 0), (4, 0), (0, 1), (0, 2), (0, 3), (0, 4), (2, 1), (2, 2))}
-"""Of a_1, a_2 in the moments that are compared."""
+"""The exponents of a_1 and a_2 in the moments that are compared, by genus."""
 ATOMS = (-2, -1, 0, 1, 2)
 """With a_1 = 0 these are the a_2/p that have a probability of their own in some groups; it is compared too."""
 FROM = 200
@@ -96,7 +96,7 @@ def _about(theta: Any, phi: Any) -> Part:
 
 
 def _even(angle: Any) -> Part:
-    """a_1 = 0, a_2 = −2cos of an angle."""
+    """The component with a_1 = 0 and a_2 = −2cos of the angle."""
     values, weights = angle
     return Part(np.zeros(len(values)), -2 * np.cos(values), weights)
 
@@ -105,7 +105,7 @@ def _even(angle: Any) -> Part:
 
 
 ROTATIONS = {"T": {1: 1, 2: 3, 3: 8}, "O": {1: 1, 2: 9, 3: 8, 4: 6}}
-"""How many rotations of each order."""
+"""The number of rotations of each order."""
 NEXT = {2: 1, 4: 2, 6: 3}
 
 

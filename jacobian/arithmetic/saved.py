@@ -17,11 +17,11 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, shown
 
 EVERY = 5.0
-"""Seconds from one state that is kept to the next."""
+"""Seconds between two saved states."""
 
 
 def path_of(path: Any, argument: str = "path") -> Path:
-    """A Path; ArgumentError for what is no name of a file."""
+    """The Path of a file name; ArgumentError if it is none."""
     if isinstance(path, (str, os.PathLike)):
         # of characters that no file system takes
         with suppress(UnicodeError):
