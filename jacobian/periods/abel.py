@@ -86,7 +86,8 @@ class AbelMap(AbelImage):
         return self._checked(result, target)
 
     def _checked(self, D: Divisor, target: Vector) -> Divisor:
-        """D, if its image is the target to all but some digits: the coefficients of D may not determine its points."""
+        """D, if its image agrees with the target to all but some digits. The coefficients of D may not determine its
+        points, hence the check."""
         image = self._image_of(self._points_of(D), self._weight_of(D))
         size = max(abs(c - nearest(c)) for c in self.periods.coordinates(plus(target, image, -1)))
         if not size < 10**8 * self.field.eps:
