@@ -17,9 +17,10 @@ Row = Any
 
 
 class Torus(NamedTuple):
-    """What states are read from: the moving points at the corners of the cells, row by row of ten numbers, and the
-    translations beside them; ``matrix`` (p, q, r, s): γ = pγ̃ + q·w̃×γ̃, M = rγ̃ + s·w̃×γ̃ from the upright γ̃ and
-    w̃ = γ̃×M̃/|M̃|; ``turns`` the signs that σ1, σ2, σ3 change by in either period; ``cells`` (rows, columns).
+    """The data from which states are computed: the moving points at the corners of the cells, ten numbers each, and the
+    translations inside a cell. ``matrix`` is (p, q, r, s) with γ = pγ̃ + q·w̃×γ̃ and M = rγ̃ + s·w̃×γ̃, where γ̃ is that
+    of the upright body and w̃ = γ̃×M̃/|M̃|. ``turns`` are the factors ±1 of σ1, σ2, σ3 over each period; ``cells`` is
+    (rows, columns).
     """
 
     curve: Curve
@@ -63,7 +64,7 @@ def point_at(torus: Torus, first: Real, second: Real, turn1: int, turn2: int) ->
 
 
 def point_beside(torus: Torus, corner: tuple[int, int], first: Real, second: Real, turn1: int, turn2: int) -> Row:
-    """The same from a corner, the row and the column of its cell: by two translations near the identity."""
+    """The moving point at these phases, from ``corner`` = (row, column), by two translations near the identity."""
     (rows, columns), parts, (i, j) = torus.cells, torus.small.parts, corner
     a, b = first - i / rows, second - j / columns
     if i == rows:

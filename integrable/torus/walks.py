@@ -46,9 +46,10 @@ class Curve(NamedTuple):
 
 
 class Walk(NamedTuple):
-    """How the corners are walked over: ``cells`` (rows, columns); ``forward`` so many columns forward and the others
-    backward; ``most`` as :func:`corners` says; ``turns`` the signs that σ1, σ2, σ3 change by in either period;
-    ``halves`` those of :func:`integrable.torus.tables.directions`; ``steps`` room for forty numbers.
+    """The data of a walk over the corners. ``cells`` is (rows, columns); ``forward`` columns are walked forward, the
+    others backward. ``most`` is the largest number of cells in a step (:func:`corners`). ``turns`` are the factors ±1
+    of σ1, σ2, σ3 over each period. ``halves`` are those of :func:`integrable.torus.tables.directions`, and ``steps``
+    is memory for forty numbers.
     """
 
     cells: tuple[int, int]
@@ -221,8 +222,8 @@ def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
 
 
 def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
-    """The translations from a corner to the points of the grid around it, row by row: two in ``steps`` for each, of
-    which ``counts`` says how many to take, 1 where their sum is well conditioned and none for the corner itself.
+    """Writes the translations from a corner to the grid points around it, row by row, two in ``steps`` for each point.
+    ``counts`` is the number of them to use: 1 if their sum is well conditioned, 0 for the corner itself.
     """
     parts, cells, finer, counts, coarser = small.parts, fine.cells, fine.finer, fine.counts, fine.coarser
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
@@ -263,8 +264,9 @@ def gridded(curve: Curve, small: SmallSteps, states: Row, fine: Fine, rates: Row
 
 
 def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> None:
-    """1/g on the grid, from the corners in ``states`` by the translations of :func:`offsets`, into ``rates``; with an
-    odd number of γ_i turned, which a tilted body notices, into ``others``. Where the count is KNOWN nothing is done.
+    """Writes 1/g on the grid to ``rates``, from the corners in ``states`` by the translations of :func:`offsets`.
+    ``others`` receives 1/g with an odd number of γ_i reversed, which differs for a tilted body. Points whose count is
+    KNOWN are skipped.
     """
     (rows, columns), finer = fine.cells, fine.finer
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2

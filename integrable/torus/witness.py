@@ -54,9 +54,9 @@ HALVINGS, TERMS, NEWTON_PASSES = 2, 32, 2
 
 
 class Line(NamedTuple):
-    """A motion as additions to its ``start``: about the flow's own centre or, where that is so ``far`` from all branch
-    points that digits are lost, about the two ``centres`` of the cells. ``motion`` and ``rates`` are rows of
-    :mod:`integrable.torus.survey`.
+    """The data to compute a motion by additions to its ``start``. Translations are taken about the flow's own centre.
+    ``far`` says that this centre is too far from all branch points and loses digits; the two ``centres`` of the cells
+    then replace it. ``motion`` and ``rates`` are rows of :mod:`integrable.torus.survey`.
     """
 
     curve: Curve
