@@ -1,4 +1,4 @@
-"""A run compared with the same run at more digits: how many digits of every state agree."""
+"""The number of digits of every state that agree between a run and the same run at more digits."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from jacobian.immutable import replaced
 if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
 
-# extra digits of the second run, at least
+# least number of extra digits of the second run
 WIDER = 15
 LEAST = 30
-# the relative difference beyond which two moments do not count as equal
+# two moments with a larger relative difference are treated as different
 BESIDE = 3
 # digits that must agree by default: all but the last few bits
 SLACK = 1

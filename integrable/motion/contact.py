@@ -203,7 +203,7 @@ class Rolling:
         return np.array([sums[place[t]] - sums[place[K.zero]] for t in tau], dtype=object).reshape(-1, 2)
 
     def _gauss(self, first: Any, last: Any) -> np.ndarray:
-        """∫ over one interval."""
+        """The integral over one interval."""
         return integral(self.flow.system.field, lambda tau: self._at(1, tau), first, last, self.loss)
 
 

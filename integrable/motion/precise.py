@@ -55,11 +55,11 @@ class Carrier:
     """Whether τ differs from t: the carrier then has a clock."""
 
     def scaled(self, t: Any) -> Any:
-        """A time of the user in the units of the carrier."""
+        """A time in the user's units, converted to those of the carrier."""
         raise NotImplementedError
 
     def unscaled(self, t: Any) -> Any:
-        """A time in the user's units."""
+        """A time in the carrier's units, converted to those of the user."""
         return t
 
     def lost(self, tau: Any) -> int:
@@ -83,7 +83,7 @@ class Carrier:
         return tau
 
     def clock_missing(self, tau: Any, digits: int) -> int:
-        """How many of that many digits the clock lacks at its τ, if it can tell."""
+        """The number of digits that the clock lacks at its τ for this accuracy, if it is known."""
         return -digits
 
     def point(self, tau: Any) -> Any:
@@ -99,7 +99,9 @@ class Carrier:
         raise NotImplementedError
 
     def gap(self, point: Any, truth: Any, tau: Any) -> int:
-        """That of the relative difference between a point and the one that a carrier of more digits gives at τ."""
+        """The decimal exponent of the relative difference between a point and that of a carrier with more digits at
+        τ.
+        """
         raise NotImplementedError
 
 
@@ -187,7 +189,7 @@ class ManyDigits:
         return [self.carrier.vectors(point) for point in points]
 
     def add_digits(self, more: int) -> None:
-        """Start again with that many more digits."""
+        """Restart with that many more digits."""
         digits = self.carrier.digits + more
         if digits > 2 * self.digits + MOST_LOST:
             lost = digits - self.digits
@@ -201,7 +203,7 @@ class ManyDigits:
         self.carrier, self._witness, self._witnessed = known or (self.carrier_of(digits), None, 0)
 
     def _add_missing(self, missing: int, times: list[Any]) -> None:
-        """Start again with the digits that a computation has shown to be missing."""
+        """Restart with the digits that a computation has shown to be missing."""
         self._too_far = min(self._too_far, max(map(abs, times), default=0))
         # if no digit is right, the number of missing ones is unknown
         self.add_digits(min(missing, self.carrier.digits) + WIDER)
@@ -245,7 +247,7 @@ class ManyDigits:
         return None
 
     def _missing(self, tau: list[Any], points: list[Any]) -> int:
-        """How many of the requested digits the points lack, 0 or less for none."""
+        """The number of requested digits that the points lack; at most 0 if they lack none."""
         carrier, wanted = self.carrier, self.digits + SPARE
         missing = carrier.drift(points) + wanted
         far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)

@@ -99,7 +99,7 @@ class RatePanels:
             return addition.upright_rates(bare.f, bare.axes, self._d, point, nodes.steps, nodes.roots)
         return [addition.rate_after(bare.f, bare.axes, point, step) for step in nodes.steps]
 
-    # --- how many nodes
+    # --- the number of nodes
 
     def _node_count(self, rate: float) -> int:
         """An even number of nodes that give the digits of the setup if each gains ``rate`` of them."""
@@ -133,7 +133,7 @@ class PanelClock(RatePanels):
         return self._resolved(lambda: self._time(cell, x))
 
     def _resolved(self, compute: Any) -> Any:
-        """The result, with more nodes if a cell on the way needs them."""
+        """The result; the number of nodes is raised if a cell up to there needs more."""
         while True:
             try:
                 with self._setup.reals:

@@ -194,8 +194,8 @@ class GuardedRuns(ShortRuns):
 
 
 class Asked(NamedTuple):
-    """What compiled runs are of: moments, d, γ and M of each, shape (K, 10), and as
-    :class:`integrable.moving_point.short_rows.Request` has it.
+    """The input of compiled runs: moments, d, γ and M of each motion, shape (K, 10), and fields of
+    :class:`integrable.moving_point.short_rows.Request`.
     """
 
     given: np.ndarray
@@ -212,9 +212,11 @@ class Asked(NamedTuple):
 def compiled_runs(
     asked: Asked, times: np.ndarray, rows: np.ndarray, other: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Runs of many motions at ``times``, shape (K, N), or (1, N) where they are the same: γ and M into ``rows``, shape
-    (K, N, 6), τ (for ``clock`` physical times) into ``other``, shape (K, N). (why a run was given up, or 0, and what
-    it has cost in panels), both of shape (K,). Python's lock is free meanwhile.
+    """Runs many motions at ``times``, shape (K, N), or (1, N) for times common to all. γ and M are written to ``rows``,
+    shape (K, N, 6), and τ (with ``clock``, physical times) to ``other``, shape (K, N).
+
+    Returns (statuses, costs in panels), both of shape (K,). A status is 0 or the reason for failure. Python's global
+    lock is released during the call.
     """
     prepared, (count, length) = _prepared(), other.shape
     work = prepared.room(count, length)
@@ -229,8 +231,8 @@ def compiled_runs(
 def compiled_run(
     asked: Asked, times: np.ndarray, centres: np.ndarray | None = None
 ) -> tuple[int, int, np.ndarray, np.ndarray]:
-    """(why it was given up or 0, what it has cost in panels, γ and M, the other times) of one motion at ``times``;
-    ``centres`` as in :class:`Request`, shape (10·panels, 2).
+    """(status, cost in panels, γ and M, the other times) of one motion at ``times``. The status is 0 or the reason for
+    failure; ``centres`` is that of :class:`Request`, shape (10·panels, 2).
     """
     prepared, length = _prepared(), len(times)
     try:
@@ -313,7 +315,7 @@ def rule() -> Rule:
 
 
 def lagrange(nodes: np.ndarray, weights: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """The values of the polynomials that are 1 at one node each, at ``places`` that are no nodes: shape (places, nodes)
+    """The values of the Lagrange polynomials of the nodes at ``places``, none of which is a node: shape (places, nodes)
     (Berrut & Trefethen 2004, 3.3).
     """
     apart = places[:, None] - nodes

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
 
 Long = np.longdouble
-# beyond this many turns no digits of a float are left
+# beyond this many turns a float holds no digits of the phase
 MOST_TURNS = 2.0**50
 # the complete integrals converge to the square of this
 NEAR = 1e-22
@@ -227,7 +227,7 @@ class SymmetricFlow:
         return abs(self._kepler) * self._lean(Long(1))
 
     def _at_tau(self, tau: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """As :meth:`_at_times`."""
+        """The result of :meth:`_at_times`."""
         whole, rest = turns_of(tau, self._flow_rate, self._flow_start)
         half, part = half_turns(rest)
         return 2 * whole + half.astype(float), self._first_kind.inverse(2 * self._first_kind.quarter * part)
