@@ -86,7 +86,7 @@ class Diagram(Record):
         """
         count = whole(count, "count", f"an int from 2 to {MOST_COUNT}", 2, MOST_COUNT)
         a1, a2, a3 = sorted(self.system.a)
-        # from both ends of the range of ζ towards the separatrix
+        # points on both sides of the separatrix at a₂, denser at the ends of each side
         part = (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
         zeta = np.concatenate([a1 + (a2 - a1) * part, a2 + (a3 - a2) * part])
         X = (np.arange(count) + 0.5) / count

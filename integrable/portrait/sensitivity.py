@@ -107,7 +107,7 @@ def sensitivity(flow: Any, times: Any) -> Sensitivity:
     parted = flow.portrait.region in ("low", "high")
 
     def rows(body: Body, state: State) -> Any:
-        """γ and M, with both frequencies appended as further rows."""
+        """Rows of γ and M; if ``parted``, a last row holds both frequencies."""
         there = flow._through(body, state)
         states = there.at(run.times)
         found = np.hstack([states.gamma, states.M])
