@@ -56,6 +56,11 @@ def leave(code: int) -> NoReturn:
     if code == CODE or _Standing.said.locked():
         _say()
         _end()
+    if _signal.getsignal(_signal.SIGINT) is _interrupt:
+        import atexit
+
+        # Python's shutdown would restore the default, which kills a process whose work is done
+        atexit.register(_signal.signal, _signal.SIGINT, _signal.SIG_IGN)
     sys.exit(code)
 
 

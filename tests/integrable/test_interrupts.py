@@ -115,3 +115,30 @@ def test_a_process_that_is_started_behind_a_shield_sees_no_interrupt():
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, "on\n", "")
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
+SLOW_END = """
+import os, time
+from jacobian.interrupts import leave, stand
+stand("odd")
+class Last:
+    def __del__(self, sleep=time.sleep, write=os.write):
+        write(1, b"up\\n")
+        sleep(0.5)
+last = Last()
+leave(0)
+"""
+
+
+def test_a_command_that_is_over_is_not_killed():
+    """Python's shutdown restores the default handler: a signal in its last 20 milliseconds gave exit code −2."""
+    running = subprocess.Popen(
+        [sys.executable, "-c", LISTENING + SLOW_END], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    try:
+        assert running.stdout.readline() == b"up\n"
+        os.kill(running.pid, signal.SIGINT)
+        _, err = running.communicate(timeout=60)
+    finally:
+        running.kill()
+    assert (running.returncode, err) == (0, b"")
