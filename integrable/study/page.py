@@ -61,6 +61,18 @@ def page(study: Study) -> str:
 
 def in_one_minute(study: Study) -> str:
     """The summary: where the flow is faster and by how much, where others are faster, and where none is as accurate."""
+    text = (
+        "States are requested at one time T, in time scales of the motion (a body turns by about a radian in one), or "
+        "at all times of the scene. The flow is compared with the fastest other method whose error is at most the "
+        "flow's, or at most the effect of rounding the inputs to doubles. For both, a run time counts the set-up of "
+        "one start and the evaluation, with code already compiled. The last column has the least, median and largest "
+        "ratio of run times, over the scenes where another method is as accurate: above 1 the flow is faster."
+    )
+    return f"{text}\n\n{_markdown(_summary(study))}\n{_exceptions(study)}"
+
+
+def _summary(study: Study) -> list[tuple[str, ...]]:
+    """A row for each time T, after the head of the table: the number of scenes by outcome, and the ratios."""
     rows: list[tuple[str, ...]] = [
         (
             "at",
@@ -85,13 +97,11 @@ def in_one_minute(study: Study) -> str:
         )
         spread = f"{met[0]:.2g} … {met[len(met) // 2]:.2g} … {met[-1]:.2g}" if met else "–"
         rows.append((horizon_name(T), str(len(found) + refused), *map(str, counts), spread))
-    text = (
-        "States are requested at one time T, in time scales of the motion (a body turns by about a radian in one), or "
-        "at all times of the scene. The flow is compared with the fastest other method whose error is at most the "
-        "flow's, or at most the effect of rounding the inputs to doubles. For both, a run time counts the set-up of "
-        "one start and the evaluation, with code already compiled. The last column has the least, median and largest "
-        "ratio of run times, over the scenes where another method is as accurate: above 1 the flow is faster."
-    )
+    return rows
+
+
+def _exceptions(study: Study) -> str:
+    """Where others are faster, where no other method is as accurate, and where the flow refused."""
     far = [s for f in study.motions for s in f.standings if s.outcome == "met" and s.ratio < 1]
     faster = sorted({T for T in (s.T for s in far) if T is not None})
     said = (
@@ -109,8 +119,7 @@ def in_one_minute(study: Study) -> str:
     nobody = f"**No other method is as accurate** on {'; '.join(alone)}. " if alone else ""
     gone = [f"{f.scene.name} ({', '.join(map(horizon_name, f.refused))})" for f in study.motions if f.refused]
     lost = f"**The flow refused** {'; '.join(gone)}, with the reason below. " if gone else ""
-    tables = "The tables below have each case, with times and errors of both."
-    return f"{text}\n\n{_markdown(rows)}\n{said}{nobody}{lost}{tables}"
+    return said + nobody + lost + "The tables below have each case, with times and errors of both."
 
 
 def introduction(study: Study) -> str:

@@ -33,8 +33,7 @@ def shown(given: Scene | str | Path, until: float | None = None, frames: int = F
 
     ``turning`` has the body's axes in space, nine numbers a frame; ``missing`` gives the reasons for absent data.
     ``until`` is the last time, by default that of the scene or some ten turns, whichever is less. There are ``frames``
-    equally spaced times, or for an orbit that many first states. Raises ArgumentError over a finite field, which has
-    no picture.
+    equally spaced times, or for an orbit that many first states. ArgumentError over a finite field.
     """
     scene = given if isinstance(given, Scene) else load_scene(given)
     frames = whole(frames, "frames", "give an int from 2 to 20000", 2, 20000)
