@@ -6,6 +6,7 @@ a caller can tell a mistyped argument from a divisor that does not exist.
 
 from __future__ import annotations
 
+import os
 from fractions import Fraction
 from itertools import islice
 from numbers import Real
@@ -120,6 +121,18 @@ def flag(value: Any, argument: str) -> bool:
     if type(value).__module__ == "numpy" and type(value).__name__ in ("bool", "bool_"):
         return bool(value)
     raise ArgumentError(f"{argument} = {shown(value)}: True or False is needed")
+
+
+def names_a_file(path: Any) -> bool:
+    """Whether a path ends in a name that the file system can hold: no lone surrogates, no NUL."""
+    if not isinstance(path, (str, os.PathLike)):
+        return False
+    from pathlib import PurePath
+
+    try:
+        return b"\0" not in os.fsencode(path) and bool(PurePath(path).name)
+    except UnicodeEncodeError:
+        return False
 
 
 def floats(values: Any, argument: str, wanted: str) -> Any:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
-from integrable.phase.body import Body, Vector, said
+from integrable.phase.body import Body, Vector, unwarned
 from integrable.phase.jets import JetField
 from integrable.phase.made import Made
 from integrable.phase.space import check_state
@@ -159,7 +159,7 @@ class Hamiltonian(Made):
 
     def _build(self, inertia: Sequence[Any], d: Any, potential: Sequence[Any] | None, field: Any = RR) -> None:
         # the moments are parameters of a Hamiltonian, not those of a ball
-        with said():
+        with unwarned():
             self.rigid = ChaplyginBall(inertia, d, field=field)
         self.potential = None if potential is None else _potential(field, potential)
 
@@ -190,7 +190,7 @@ class Hamiltonian(Made):
     def over(self, field: Any) -> Self:
         """The same Hamiltonian over another field, to which its numbers are converted."""
         potential = self.potential
-        with said():
+        with unwarned():
             rigid = ChaplyginBall(self.body.inertia, self.d, field=field)
         if potential is not None:
             potential = _potential(field, (potential.a, potential.b, *potential.poles))

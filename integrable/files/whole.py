@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import io
-import os
 import secrets
 import shutil
 from collections.abc import Callable, Iterator
@@ -12,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from jacobian.errors import ArgumentError, shown
+from jacobian.errors import ArgumentError, names_a_file, shown
 
 __all__ = ["Patient", "reason", "replacing", "said", "target_of", "whole_file"]
 
@@ -26,7 +25,7 @@ FULL = {
 
 def target_of(path: Any, wanted: str, argument: str = "path") -> Path:
     """``path`` as a Path. Its folder must exist; otherwise ArgumentError says what is ``wanted``."""
-    if not isinstance(path, (str, os.PathLike)) or not _is_a_name(path) or not Path(path).name:
+    if not names_a_file(path):
         raise ArgumentError(f"{argument} = {shown(path)}: give {wanted}")
     target = Path(path)
     with said(target, argument):
@@ -128,11 +127,3 @@ class Patient(io.FileIO):
                 act()
             except (OSError, KeyboardInterrupt) as error:
                 self.error = error
-
-
-def _is_a_name(path: Any) -> bool:
-    """Whether the file system can hold such a name: no lone surrogates, no NUL."""
-    try:
-        return b"\0" not in os.fsencode(path)
-    except UnicodeEncodeError:
-        return False

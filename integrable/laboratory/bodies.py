@@ -18,7 +18,7 @@ from integrable.laboratory.motion import LaboratoryMotion
 from integrable.laboratory.tensor import cross, matrix, principal, rotation
 from integrable.laboratory.vertical import Vertical
 from integrable.laboratory.ways import Along, Uniform, WideFlow, numbers
-from integrable.phase.body import Body, said, say_unphysical, triple
+from integrable.phase.body import Body, say_unphysical, triple, unwarned
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS, SET_UP_DIGITS
 from integrable.phase.state import State
@@ -79,7 +79,7 @@ class RigidBody(Made):
         gamma, along = _across(K, M), M / K.sqrt(M @ M)
         frame = start @ np.stack([along, cross(gamma, along), gamma], axis=1)
         inner = _inner(self.field, 0)
-        with said():
+        with unwarned():
             system = EulerTop([inner.coerce(x) for x in moments], field=inner)
         return Along(self._flow(system, gamma, M, False), frame)
 
@@ -181,7 +181,7 @@ class RollingBall(RigidBody):
         # the axes of space are determined by the horizontal part of M
         lost = 0 if length >= NEARLY * size else ceil(log10(float(size / length)))
         inner = _inner(self.field, lost)
-        with said():
+        with unwarned():
             system = ChaplyginBall(
                 [inner.coerce(x) for x in moments],
                 mass=inner.coerce(d / self._radius**2),
@@ -197,7 +197,7 @@ class RollingBall(RigidBody):
         K = self._wide
         M = rate * gamma
         inner = _inner(self.field, 0)
-        with said():
+        with unwarned():
             system = EulerTop([inner.coerce(x) for x in self._free_moments], field=inner)
         x = start[0]
         sign = 1 if rate > 0 else -1

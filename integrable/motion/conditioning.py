@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from integrable.phase.body import said
+from integrable.phase.body import unwarned
 from integrable.phase.state import State, onto_constraints
 from jacobian import RR
 from jacobian.errors import ArgumentError
@@ -129,7 +129,7 @@ def _problem(system: Any, state: State, names: list[str], values: list[Any]) -> 
     if "potential 1" in given:
         options["potential"] = tuple(given[f"potential {i}"] for i in range(1, 6))
     # a flat body's moments, changed in a last digit
-    with said():
+    with unwarned():
         changed = type(system)([given[f"I{i}"] for i in (1, 2, 3)], field=field, **options)
     gamma, M = ((given[f"{x}1"], given[f"{x}2"], given[f"{x}3"]) for x in "γM")
     return changed, onto_constraints(changed, State(gamma, M, tilted=state.tilted))

@@ -22,7 +22,7 @@ from jacobian.fields.protocol import check_field
 
 Vector = tuple[Any, Any, Any]
 
-_said = ContextVar("said", default=False)
+_unwarned = ContextVar("unwarned", default=False)
 
 
 class UnphysicalMoments(UserWarning):
@@ -144,7 +144,7 @@ def check_body_field(field: Any) -> None:
 
 def say_unphysical(inertia: Sequence[Any], field: Any) -> None:
     """Warns the caller's caller of a moment above the sum of the two others; the equations hold all the same."""
-    if field.characteristic != 0 or _said.get():
+    if field.characteristic != 0 or _unwarned.get():
         return
     least, middle, most = sorted(inertia)
     if most - least - middle > (0 if field.exact else 4 * field.eps * most):
@@ -157,13 +157,13 @@ def say_unphysical(inertia: Sequence[Any], field: Any) -> None:
 
 
 @contextmanager
-def said() -> Iterator[None]:
+def unwarned() -> Iterator[None]:
     """A block in which bodies are made whose moments the user has been told of."""
-    before = _said.set(True)
+    before = _unwarned.set(True)
     try:
         yield
     finally:
-        _said.reset(before)
+        _unwarned.reset(before)
 
 
 def energy(a: Sequence[Any], weight: Any, gamma: Sequence[Any], M: Sequence[Any]) -> Any:

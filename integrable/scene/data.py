@@ -11,7 +11,7 @@ from fractions import Fraction
 from importlib import import_module
 from typing import Any, NamedTuple
 
-from integrable.phase.body import said
+from integrable.phase.body import unwarned
 from integrable.phase.precisions import FLOAT_DIGITS
 from jacobian.errors import ArgumentError, shortened, whole, written
 
@@ -207,7 +207,7 @@ class Scene:
 
                 given = {key: _argument(value, number) for key, value in self.constants}
                 return ClassicalSystem(make(**given, field=field))
-            with said():
+            with unwarned():
                 return make(inertia=tuple(map(number, self.inertia)), field=field, **shape)
 
     def start(self, digits: int) -> tuple[Any, Any]:

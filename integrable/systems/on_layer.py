@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from integrable.motion.domain import check_domain
 from integrable.mumford.bodies import BodySystem
 from integrable.mumford.flow import Path, Point, long_digits
-from integrable.phase.body import said
+from integrable.phase.body import unwarned
 from integrable.phase.enclosure import EnclosedPath, Enclosure, ball_digits
 from integrable.phase.state import State, onto_constraints
 from jacobian import MP, RR, Divisor
@@ -38,7 +38,7 @@ class BodyOnLayer(BodySystem):
         """The body."""
         from integrable.systems.chaplygin_ball import ChaplyginBall
 
-        with said():
+        with unwarned():
             return ChaplyginBall(self.constants, self.parameters[0], field=self.field)
 
     def divisor(self, state: Point) -> Divisor:

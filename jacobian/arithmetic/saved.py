@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from contextlib import suppress
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -14,7 +13,7 @@ import numpy as np
 
 from jacobian.arithmetic.residues import Place
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.errors import ArgumentError, shown
+from jacobian.errors import ArgumentError, names_a_file, shown
 
 EVERY = 5.0
 """Seconds between two saved states."""
@@ -22,12 +21,9 @@ EVERY = 5.0
 
 def path_of(path: Any, argument: str = "path") -> Path:
     """The Path of a file name; ArgumentError if it is none."""
-    if isinstance(path, (str, os.PathLike)):
-        # of characters that no file system takes
-        with suppress(UnicodeError):
-            if Path(path).name and b"\0" not in os.fsencode(path):
-                return Path(path)
-    raise ArgumentError(f"{argument} = {shown(path)}: give the name of a file")
+    if not names_a_file(path):
+        raise ArgumentError(f"{argument} = {shown(path)}: give the name of a file")
+    return Path(path)
 
 
 class Saved:

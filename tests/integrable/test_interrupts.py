@@ -67,12 +67,13 @@ LOST = {
 }
 
 
-@pytest.mark.parametrize("what", LOST)
-def test_no_interrupt_is_lost(what):
-    work, inside = LOST[what]
-    program = LISTENING + ODD.format(work=work, inside=inside or "pass")
+def interrupted_when_up(program):
+    """(exit code, stderr) of a program that is interrupted, with its group, once it has written "up"."""
     running = subprocess.Popen(
-        [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
+        [sys.executable, "-c", LISTENING + program],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
     )
     try:
         assert running.stdout.readline() == b"up\n"
@@ -80,7 +81,14 @@ def test_no_interrupt_is_lost(what):
         _, err = running.communicate(timeout=60)
     finally:
         running.kill()
-    assert (running.returncode, err) == (130, b"odd: interrupted\n")
+    return running.returncode, err
+
+
+@pytest.mark.parametrize("what", LOST)
+def test_no_interrupt_is_lost(what):
+    work, inside = LOST[what]
+    program = ODD.format(work=work, inside=inside or "pass")
+    assert interrupted_when_up(program) == (130, b"odd: interrupted\n")
 
 
 IGNORED = """
@@ -132,13 +140,4 @@ leave(0)
 
 def test_a_command_that_is_over_is_not_killed():
     """Python's shutdown restores the default handler: a signal in its last 20 milliseconds gave exit code −2."""
-    running = subprocess.Popen(
-        [sys.executable, "-c", LISTENING + SLOW_END], stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
-    try:
-        assert running.stdout.readline() == b"up\n"
-        os.kill(running.pid, signal.SIGINT)
-        _, err = running.communicate(timeout=60)
-    finally:
-        running.kill()
-    assert (running.returncode, err) == (0, b"")
+    assert interrupted_when_up(SLOW_END) == (0, b"")
