@@ -32,10 +32,13 @@ def _cached_polynomial(C: HyperellipticCurve) -> tuple[int, ...]:
 def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
     """The characteristic polynomial of Frobenius on the Jacobian, ascending, of degree 2g.
 
-    Computed over GF(p) when all coefficients lie there; by counting points where that is fast
-    (:mod:`jacobian.finite.counting`); for y² = bx⁵ + a, and bx⁷ + a where p ≢ 2, 4 modulo 7, over GF(p) of any size by
-    complex multiplication (:mod:`jacobian.finite.complex_multiplication`); in genus 1 over large prime fields by PARI,
-    where the extra ``pari`` is installed; else by :func:`jacobian.finite.search.search`, whose limits raise Infeasible.
+    A curve whose coefficients all lie in GF(p) is treated over GF(p). The first of these methods that applies is used:
+
+    * counting points, where that is fast (:mod:`jacobian.finite.counting`);
+    * complex multiplication over GF(p), for y² = bx⁵ + a, and for y² = bx⁷ + a where p ≢ 2, 4 modulo 7
+      (:mod:`jacobian.finite.complex_multiplication`);
+    * PARI in genus 1 over large prime fields, if the extra ``pari`` is installed;
+    * :func:`jacobian.finite.search.search`, which raises Infeasible beyond its limits.
     """
     if C.field.order is None:
         raise FieldError(f"field = {C.field.name}: points are counted over finite fields")

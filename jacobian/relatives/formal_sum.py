@@ -1,12 +1,12 @@
 """Formal sums of points, divisors of functions, and the curve y = P(x) through two divisors (exact fields).
 
-A divisor Σ m_P P over the field is written without factoring anything: its affine part, apart from whole fibres π*(x −
-e) = P + ιP, is one semi-reduced pair,
+A divisor Σ m_P P over the field is stored as
 
-    div(u, v) + π*(r) + Σ m_∞ ∞,    r = numerator/denominator a rational function of x, u and v as in Mumford's pairs,
+    div(u, v) + π*(r) + Σ m_∞ ∞,    r = numerator/denominator a rational function of x, u and v as in Mumford's pairs.
 
-which is unique (the factorization of the ideal into a primitive one and its content). Sums compose pairs by Cantor's
-formulas and put the common part into r. Nothing is reduced; classes are computed on request.
+No polynomial is factored. The whole fibres π*(x − e) = P + ιP of the affine part go into r; the rest is one
+semi-reduced pair. The form is unique: it splits the ideal into a primitive one and its content. Sums compose pairs by
+Cantor's formulas and put the common part into r. Nothing is reduced; classes are computed on request.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """Fuzz of inexact arithmetic: sums over RR, CC and MP(30) compared with the same sums to 600 digits.
 
-A coefficient of (u, v) is wrong where it has lost more than 0.6 of its digits (six of sixteen are left) and a thousand
-times what one unit in the last place of the coefficients of f and of the summands does to it
-(:func:`exact_sums.rounding`): each counts by its own size, so that small roots beside large ones are looked at as
-closely as these. A sum all of whose coefficients that rounding decides is not judged. Another degree than that of the
-exact sum is wrong where such a unit moves every coefficient by less than a sixteenth.
+A coefficient of (u, v) is wrong if it has lost more than 0.6 of its digits (six of sixteen are left), and its error is
+also more than a thousand times its condition. The condition is the effect on it of one unit in the last place of the
+coefficients of f and of the summands (:func:`exact_sums.rounding`). Each coefficient is judged relative to its own size,
+so small roots are checked as closely as large ones. A sum is not judged if that unit decides all its coefficients. A
+degree other than that of the exact sum is wrong if the unit moves every coefficient by less than a sixteenth.
 """
 
 from __future__ import annotations
