@@ -165,11 +165,9 @@ def swing_of(values: Row, columns: int, k: int, m: int, rates: Row) -> tuple[Rea
 
 
 def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tables: Tables) -> tuple[int, float, float]:
-    """(−1 or the place of a mode in resonance, the sum of all |S|, S at the start).
-
-    Writes the coefficients of S and of its slope to ``tables.modes``: four numbers for each k = 0, 1, … and m =
-    −columns/2, …, zeros for dropped modes. Writes to ``tables.lines`` where the kept modes of each k begin and end,
-    three numbers for each k.
+    """(−1 or the place of a mode in resonance, the sum of all |S|, S at the start). Writes the coefficients of S and of
+    its slope to ``tables.modes``, four numbers for each k ≥ 0 and m ≥ −columns/2, zeros for dropped modes; and where
+    the kept modes of each k begin and end to ``tables.lines``, three numbers.
     """
     (rows, columns), modes, lines = grid, tables.modes, tables.lines
     half, bound, total, largest = columns // 2, 0.0, 0.0, 0.0
