@@ -3,8 +3,9 @@
 A coefficient of (u, v) is wrong if it has lost more than 0.6 of its digits (six of sixteen are left), and its error is
 also more than a thousand times its condition. The condition is the effect on it of one unit in the last place of the
 coefficients of f and of the summands (:func:`exact_sums.rounding`). Each coefficient is judged relative to its own
-size, so small roots are checked as closely as large ones. A sum is not judged if that unit decides all its coefficients.
-A degree other than that of the exact sum is wrong if the unit moves every coefficient by less than a sixteenth.
+size, so small roots are checked as closely as large ones. A sum is not judged if that unit decides all its
+coefficients. A degree other than that of the exact sum is wrong if the unit moves every coefficient by less than a
+sixteenth.
 """
 
 from __future__ import annotations
