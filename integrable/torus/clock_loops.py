@@ -7,7 +7,8 @@ from __future__ import annotations
 from math import cos, floor, pi, sin
 from typing import Any, NamedTuple
 
-from integrable.torus.states import Torus, state_at, whole_turns
+from integrable.torus.states import Torus, state_at, torus_in_tuples, whole_turns
+from integrable.torus.tables import six
 from jacobian.numbers.abreast import abreast
 
 Real = Any
@@ -50,6 +51,11 @@ class Clock(NamedTuple):
     pace: Row
 
 
+def clock_in_tuples(clock: Clock) -> Clock:
+    """The same clock with a tuple for ``pace``: compiled loops then hold its numbers in registers."""
+    return Clock(clock.doubled, clock.rough, clock.series, clock.quiet, clock.modes, clock.loud, six(clock.pace))
+
+
 def states_at_times(
     torus: Torus, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: tuple[Row, Row, Row]
 ) -> None:
@@ -59,22 +65,24 @@ def states_at_times(
     ``room`` is memory for powers, and for two phases and their turns at each time.
     """
     (tau, delays, out), (powers, phases, turns) = found, room
+    near, own = torus_in_tuples(torus), clock_in_tuples(clock)
     for i in range(len(times)):
-        first, second, turn1, turn2, x = phases_at_time(clock, times[i], powers)
-        tau[i] = float(clock.pace[4] * times[i] + x)
+        first, second, turn1, turn2, x = phases_at_time(own, times[i], powers)
+        tau[i] = float(own.pace[4] * times[i] + x)
         delays[i] = float(x)
         phases[2 * i], phases[2 * i + 1] = first, second
         turns[2 * i], turns[2 * i + 1] = turn1, turn2
     for n in abreast(0, len(times)):
-        state_at(torus, phases[2 * n], phases[2 * n + 1], turns[2 * n], turns[2 * n + 1], out, 6 * n)
+        state_at(near, phases[2 * n], phases[2 * n + 1], turns[2 * n], turns[2 * n + 1], out, 6 * n)
 
 
 def phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Row) -> None:
     """The phases at physical times in turns, whole ones included, one pair after the other; ``delays`` receives the
     distances of the times of the flow from their mean.
     """
+    own = clock_in_tuples(clock)
     for i in range(len(times)):
-        first, second, turn1, turn2, x = phases_at_time(clock, times[i], room)
+        first, second, turn1, turn2, x = phases_at_time(own, times[i], room)
         phases[2 * i], phases[2 * i + 1], delays[i] = first + turn1, second + turn2, float(x)
 
 

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 from integrable.moving_point.addition import carried, moving_point
 from integrable.phase.coordinates import directions_of
-from integrable.torus.tables import SmallSteps, small_translation
-from integrable.torus.walks import IDENTITY, Curve
+from integrable.torus.tables import SmallSteps, four, small_in_tuples, small_translation
+from integrable.torus.walks import IDENTITY, Curve, in_tuples
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
@@ -29,6 +29,12 @@ class Torus(NamedTuple):
     small: SmallSteps
     turns: Row
     cells: tuple[int, int]
+
+
+def torus_in_tuples(torus: Torus) -> Torus:
+    """The same torus with tuples for rows: compiled loops then hold their numbers in registers."""
+    small = small_in_tuples(torus.small)
+    return Torus(in_tuples(torus.curve), four(torus.matrix), torus.states, small, torus.turns, torus.cells)
 
 
 def whole_turns(x: Real) -> tuple[Real, int]:
@@ -104,30 +110,31 @@ def turned(point: Row, turns: Row, first: int) -> Row:
 
 def states_at_phases(torus: Torus, phases: Row, out: Row) -> None:
     """Writes γ and M, six floats each, at the pairs of phases in ``phases``, in turns."""
-    zero = 0 * torus.curve.axes[0]
+    near, zero = torus_in_tuples(torus), 0 * torus.curve.axes[0]
     for i in abreast(0, len(phases) // 2):
         first, turn1 = whole_turns(phases[2 * i] + zero)
         second, turn2 = whole_turns(phases[2 * i + 1] + zero)
-        state_at(torus, first, second, turn1, turn2, out, 6 * i)
+        state_at(near, first, second, turn1, turn2, out, 6 * i)
 
 
 def states_at_tau(torus: Torus, frequencies: Any, tau: Row, out: Row) -> None:
     """Writes γ and M, six floats each, at values of τ; ``frequencies`` are the turns of both phases per unit of τ."""
+    near = torus_in_tuples(torus)
     for i in abreast(0, len(tau)):
         first, turn1 = whole_turns(frequencies[0] * tau[i])
         second, turn2 = whole_turns(frequencies[1] * tau[i])
-        state_at(torus, first, second, turn1, turn2, out, 6 * i)
+        state_at(near, first, second, turn1, turn2, out, 6 * i)
 
 
 def points_at_phases(torus: Torus, root_beyond: Row, phases: Row, out: Row) -> None:
     """U, V, and σ and ν at three axes and at a root e beyond them, twelve numbers for each pair of phases in turns, one
     after the other in ``phases``: σ = √U(e), ν = V(e)/σ.
     """
-    e = root_beyond[0]
+    near, e = torus_in_tuples(torus), root_beyond[0]
     for i in abreast(0, len(phases) // 2):
         first, turn1 = whole_turns(phases[2 * i])
         second, turn2 = whole_turns(phases[2 * i + 1])
-        point = point_at(torus, first, second, turn1, turn2)
+        point = point_at(near, first, second, turn1, turn2)
         sigma, place = root(point[0] + (point[1] + e) * e), 12 * i
         out[place], out[place + 1], out[place + 2], out[place + 3] = point[0], point[1], point[2], point[3]
         out[place + 4], out[place + 5], out[place + 6], out[place + 7] = point[4], point[5], point[6], sigma

@@ -50,6 +50,26 @@ class SmallSteps(NamedTuple):
     parts: Row
 
 
+def small_in_tuples(small: SmallSteps) -> SmallSteps:
+    """The same steps with tuples for rows: compiled loops then hold their numbers in registers."""
+    return SmallSteps(eight(small.axes), small.centres, small.tables, small.terms, four(small.parts))
+
+
+def four(row: Row) -> Any:
+    """The first numbers of a row."""
+    return row[0], row[1], row[2], row[3]
+
+
+def six(row: Row) -> Any:
+    """The first numbers of a row."""
+    return row[0], row[1], row[2], row[3], row[4], row[5]
+
+
+def eight(row: Row) -> Any:
+    """The first numbers of a row."""
+    return row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]
+
+
 def directions(
     motion: Row, chart: Any, parts: Row, nodes: Row, passes: int, room: TableRoom, tables: Row, halves: Row
 ) -> None:

@@ -19,7 +19,7 @@ from integrable.moving_point.addition import (
     shift,
     trust_of,
 )
-from integrable.torus.tables import SmallSteps, small_translation
+from integrable.torus.tables import SmallSteps, eight, six, small_in_tuples, small_translation
 from jacobian.inexact.genus2_real import chord, chord_apart
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
@@ -43,6 +43,11 @@ class Curve(NamedTuple):
     f: Row
     axes: Row
     unit_axes: Row
+
+
+def in_tuples(curve: Curve) -> Curve:
+    """The same curve with tuples for rows: compiled loops then hold its numbers in registers."""
+    return Curve(six(curve.f), eight(curve.axes), eight(curve.unit_axes))
 
 
 class Walk(NamedTuple):
@@ -92,14 +97,14 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
     walk ends and into ``known`` where it should, signs included: that of the first direction, then those of the second
     from all rows.
     """
-    rows, columns = walk.cells
-    down, _, parts0 = step_over(curve, walk, 0)
-    across, lower, parts1 = step_over(curve, walk, 1)
+    (rows, columns), near = walk.cells, in_tuples(curve)
+    down, _, parts0 = step_over(near, walk, 0)
+    across, lower, parts1 = step_over(near, walk, 1)
     stride = Stride(down, across, lower)
     left = moving_point(start)
     for k in range(rows):
         put(left, states, place_at(walk, stride, k, 0))
-        left = moved(curve, left, walk.steps, 0, parts0, False)
+        left = moved(near, left, walk.steps, 0, parts0, False)
     put(left, ends, 0)
     for i in abreast(0, rows):
         # written per lane, so that the compiled sum is the same function as in other loops
@@ -107,11 +112,11 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
         point = moving_point(states, place_at(walk, stride, i, 0))
         for j in range(walk.forward):
             put(point, states, place_at(walk, stride, i, j))
-            point = moved(curve, point, walk.steps, step, parts1, False)
+            point = moved(near, point, walk.steps, step, parts1, False)
         put(point, ends, 10 * (i + 1))
         point = moving_point(states, place_at(walk, stride, i, 0))
         for j in range(-1, walk.forward - columns - 1, -1):
-            point = moved(curve, point, walk.steps, step, parts1, True)
+            point = moved(near, point, walk.steps, step, parts1, True)
             put(point, states, place_at(walk, stride, i, j))
     put(moving_point(start), known, 0)
     turn(known, 0, walk.turns, 0)
@@ -259,8 +264,9 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
 
 def gridded(curve: Curve, small: SmallSteps, states: Row, fine: Fine, rates: Row, others: Row) -> None:
     """Calls :func:`offsets`, then :func:`sampled`."""
-    offsets(curve, small, fine)
-    sampled(curve, states, fine, rates, others)
+    near = in_tuples(curve)
+    offsets(near, small_in_tuples(small), fine)
+    sampled(near, states, fine, rates, others)
 
 
 def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> None:
@@ -268,13 +274,13 @@ def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> N
     ``others`` receives 1/g with an odd number of γ_i reversed, which differs for a tilted body. Points whose count is
     KNOWN are skipped.
     """
-    (rows, columns), finer = fine.cells, fine.finer
+    (rows, columns), finer, near = fine.cells, fine.finer, in_tuples(curve)
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
     height, width, d, r = rows * finer[0], columns * finer[1], fine.rest[0], fine.rest[1]
     for i in range(rows):
         for j in abreast(0, columns):
             corner = moving_point(states, (i * columns + j) * 10)
-            own, n = rate_at(curve.axes, corner), -1
+            own, n = rate_at(near.axes, corner), -1
             scale = own * height_of(d, r, corner)
             for a in range(-above, finer[0] - above):
                 row, over = i * finer[0] + a, False
@@ -286,10 +292,10 @@ def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> N
                         continue
                     place = 20 * n + 0 * j
                     if r != 0 and fine.counts[n] == 1:
-                        rate = rate_by_height(curve.f, (d, r, scale), corner, moving_point(fine.steps, place))
+                        rate = rate_by_height(near.f, (d, r, scale), corner, moving_point(fine.steps, place))
                         other = rate
                     else:
-                        rate, other = rates_beside(curve, corner, fine.steps, place, fine.counts[n])
+                        rate, other = rates_beside(near, corner, fine.steps, place, fine.counts[n])
                     column, flipped = j * finer[1] + b, over
                     if column < 0:
                         column, flipped = column + width, over != fine.odd[1]

@@ -21,9 +21,9 @@ from integrable.moving_point.problem import vectors
 from integrable.moving_point.short_rows import curve_of, unit_axes
 from integrable.moving_point.translations import REACH, Translations
 from integrable.phase.coordinates import directions_of
-from integrable.torus.states import Torus, point_at, point_beside, put_state, states_at_tau
+from integrable.torus.states import Torus, point_at, point_beside, put_state, states_at_tau, torus_in_tuples
 from integrable.torus.tables import TableRoom, expansion_about, near_centre, recentred
-from integrable.torus.walks import Curve
+from integrable.torus.walks import Curve, in_tuples
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
@@ -138,12 +138,13 @@ def on_borders(torus: Torus, out: Row) -> None:
     halfway from a corner to the next in the first direction, a quarter in the second, then the other way round.
     """
     (rows, columns), zero, count = torus.cells, 0 * torus.curve.axes[0], len(out) // 2
+    near = torus_in_tuples(torus)
     for n in abreast(0, 2 * count):
         k, down = n % count, n // count
         i, j = k * rows // count, k * columns // count
         first, second = zero + (i + 0.5 - 0.25 * down) / rows, zero + (j + 0.25 + 0.25 * down) / columns
-        gamma, M = directions_of(point_beside(torus, (i, j), first, second, 0, 0))
-        other, N = directions_of(point_at(torus, first, second, 0, 0))
+        gamma, M = directions_of(point_beside(near, (i, j), first, second, 0, 0))
+        other, N = directions_of(point_at(near, first, second, 0, 0))
         gap = 0.0
         for c in range(3):
             gap += abs(float(gamma[c] - other[c])) + abs(float(M[c] - N[c]))
@@ -155,7 +156,7 @@ def reached(line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> N
 
     ``room`` is memory for an expansion, ``points`` for a point at each time.
     """
-    curve, rates = line.curve, line.rates
+    curve, rates = in_tuples(line.curve), line.rates
     for i in range(len(times)):
         put(moving_point(line.start, 0), points, 10 * i)
     for k in range(2 if line.far else 1):

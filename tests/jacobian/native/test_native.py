@@ -515,7 +515,7 @@ def test_sources_that_are_compiled_are_looked_at(monkeypatch):
 
     assert LIBRARY.survey
     found = kept.find(kept.place(), "torus", LIBRARY._made_for())
-    own = {"integrable.torus.survey", "integrable.torus.compiled", "jacobian.inexact.genus2_real"}
+    own = {"integrable.torus.survey", "integrable.torus.walks", "jacobian.inexact.genus2_real"}
     assert own | kept.compiler() <= set(found.modules)
     before = kept.stamps
     for changed in ("jacobian.numbers.double_double_steps", "integrable.torus.survey"):
