@@ -1,14 +1,14 @@
-"""The other equivalence: the pencil of semi-reduced divisors of degree g+1 in one class, and steps along it.
+"""The conic Picard group: the pencil of semi-reduced divisors of degree g+1 in one class, and steps along it.
 
 A semi-reduced pair (U, V) of degree N = g+1 has one parameter more than a class of the Jacobian: each class contains a
 pencil of them. With P = V + cU, the function y − P has N zeros in addition to those of (U, V). Their opposites
 
     Ũ = (P² + hP − f)/(lead · U),    Ṽ = −P − h mod Ũ
 
-are another member; c runs through the pencil. The *step* through a plane point (x₀, y₀) takes c = (y₀ − V(x₀))/U(x₀),
+are another member, and every c gives one. The *step* through a plane point (x₀, y₀) takes c = (y₀ − V(x₀))/U(x₀),
 so that the curve y = P(x) passes through that point, or c = y₀ for x₀ = ∞ (Tsiganov's addition in Pic Y is the one
 through (0, 0)). Since y − P has the value y − y₀ over x₀, the step adds the class of y − y₀ in the generalized Jacobian
-with modulus π*(x₀), and leaves the class in the Jacobian where it is. Hence steps at one x₀ compose by the group law of
+with modulus π*(x₀), and leaves the class in the Jacobian unchanged. Hence steps at one x₀ compose by the group law of
 :class:`jacobian.relatives.fibre.FibreGroup`,
 
     y₀ ∘ y₁ = (f(x₀) + y₀y₁)/(y₀ + y₁ + h(x₀)),
@@ -180,8 +180,8 @@ def parameter(K: Any, pair: tuple[poly.Poly, poly.Poly], x0: Any, y0: Any) -> An
 def representative(D: Divisor, point: Any) -> Representative:
     """The member of degree g+1 of the pencil of the class D that contains an affine point Q, over an exact field.
 
-    It is Q with the reduced divisor of D − Q, and its :meth:`Representative.divisor` is D. NotRepresentable where that
-    divisor has weight below g or contains the opposite of Q; almost every other point will do.
+    It is the sum of Q and the reduced divisor of D − Q, and its :meth:`Representative.divisor` is D. NotRepresentable
+    where that divisor has weight below g or contains the opposite of Q; almost every other point will do.
     """
     J = check_divisor(D, "D").jacobian
     C, K = J.curve, J.field

@@ -110,7 +110,7 @@ def _root_on_surface(surface: KummerSurface, linear: Vector, numbers: BallNumber
     best = max(left, key=lambda m: float(abs(numbers.convert(left[m])).lower()))
     c = right[best] / left[best]
     if not all((right.get(m, 0) - c * left.get(m, 0) + numbers.convert(0)).contains(0) for m in {*left, *right}):
-        raise PrecisionLoss("a trope of the Kummer surface is no square on it")
+        raise PrecisionLoss("a trope of the Kummer surface is not a square on it")
     last = _plus(rest, R, c)
     found: Form = {(*m, 0): x / 2 for m, x in last.items()}
     found |= {(*m, 1): x for m, x in first.items()}

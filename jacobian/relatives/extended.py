@@ -124,7 +124,7 @@ class ExtendedGroup(Immutable):
         return total
 
     def compose(self, D: Extended, E: Extended) -> Extended:
-        """The pair of all points of D and E without opposite ones, not reduced."""
+        """The unreduced pair of all points of D and E, without opposite ones."""
         step = self._exact_composition(D, E) if self.field.exact else self._general_composition(D, E)
         data = tuple(kind.composed(self, step, x, y) for kind, x, y in zip(self.kinds, D.data, E.data, strict=True))
         return Extended(step.u, step.v, data)
@@ -177,11 +177,12 @@ class ExtendedGroup(Immutable):
         """A pair of degree g moved onto the curve over a :class:`LongField`, by one Newton step of least length.
 
         (δU, δV) of least norm with WδU + 2VδV ≡ f − V² mod U. The distance from the curve grows with every addition,
-        for models of even degree by tens of bits. On the curve errors only double where divisors do.
+        for models of even degree by tens of bits. On the curve an error only doubles when a divisor is doubled.
         """
         K, g = self.field, len(D.u) - 1
         w, rest = poly.divide(K, poly.sub(K, self.f, poly.mul(K, D.v, D.v)), D.u)
-        # x is of size 2^size, f of 4^height there: columns are scaled by what they move, rows by f
+        # x is of size 2^size and f of size 4^height at the points: columns are scaled by their coefficients of U and V,
+        # rows by f
         exponents = list(map(K.exponent, D.u[:-1]))
         size = max((-(-e // (g - i)) for i, e in enumerate(exponents) if e is not None), default=1)
         height = max(e + size * i for i, e in enumerate(map(K.exponent, self.f)) if e is not None) // 2
@@ -197,7 +198,7 @@ class ExtendedGroup(Immutable):
                 columns.append([K.doubled(c, unit + scale) for c, scale in zip(column, scales, strict=True)])
         by_row = list(zip(*columns, strict=True))
         rows = [[K.dot(a, b) for b in by_row] for a in by_row]
-        # damped where U, V and W have nearly a common root, a point of the pair on a double point of the curve
+        # damped: U, V and W nearly have a common root where a point of the pair is near a double point of the curve
         damping = max(abs(rows[i][i]) for i in range(g)) * K.root_of_eps
         for i, (value, scale) in enumerate(zip(self._padded(rest, g), scales, strict=True)):
             rows[i][i] += damping
@@ -224,7 +225,7 @@ class ExtendedGroup(Immutable):
         if not K.exact:
             cofactor = cofactor[: max(len(self.f) - 1, 2 * len(D.v) - 2) + 2 - len(D.u)]
         if not self.odd and len(cofactor) + len(D.u) < len(self.f) + 1:
-            raise NotRepresentable("the sum has a point at infinity, which a pair with evenly shared ones has not")
+            raise NotRepresentable("no pair has this sum: its points at infinity are unevenly shared")
         inverse = K.inv(cofactor[-1])
         other = (*[K.mul(inverse, c) for c in cofactor[:-1]], K.one)
         k, rest = poly.divide(K, D.v, other)
@@ -256,7 +257,7 @@ class Lift(NamedTuple):
         return group.field.one, group.field.one, group.field.zero
 
     def negated(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any:
-        # κ → 1/κ, and all over κ, so that D − E + E has the κ of D
+        # κ → 1/κ, with the datum divided by κ, so that D − E + E has the κ of D
         K, (kappa, sigma, nu) = group.field, datum
         return K.inv(kappa), K.mul(kappa, sigma), K.neg(K.mul(kappa, nu))
 
@@ -271,7 +272,7 @@ class Lift(NamedTuple):
             swapped = first[1] != K.zero
         else:
             swapped = bool(abs(first[1]) > abs(second[1]))
-        # ν = (ν₁ + σ₁k(e))/(κ₂σ₂): nothing is divided by the σ that may vanish
+        # ν = (ν₁ + σ₁k(e))/(κ₂σ₂): there is no division by a σ that may vanish
         near, far, k = (second, first, step.quotients[1]) if swapped else (first, second, step.quotients[0])
         top = K.add(near[2], K.mul(near[1], poly.evaluate(K, k, self.e)))
         bottom = K.mul(far[0], far[1])
@@ -294,7 +295,7 @@ class Lift(NamedTuple):
 
 
 class PointLift(NamedTuple):
-    """(κ, σ, σ̄) at a point (x, y) of the curve that is no branch point, and on none of the added divisors."""
+    """(κ, σ, σ̄) at a point (x, y) of the curve: not a branch point, and not a point of an added divisor."""
 
     x: Any
     y: Any

@@ -173,7 +173,7 @@ class FibreGroup(Immutable):
 
     def value(self, function: Function) -> Unit:
         """(a : b) of the function a(x) + b(x)·y at the points over x₀, after division by the power of x − x₀ (of 1/x)
-        that it contains. It may be no unit.
+        that it contains. It need not be a unit.
         """
         K, (a, b) = self.field, function
         if self.x0 is None:

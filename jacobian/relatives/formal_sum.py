@@ -251,7 +251,7 @@ def intersection(D: Divisor, E: Divisor) -> Intersection:
     """The curve y = P(x) of lowest degree through two divisors of one group over an exact field, and its divisor.
 
     Where D and E are in general position, of weight two on a curve of genus two, P is a cubic, and X·Y consists of the
-    points of D, E and −(D + E): the addition of divisors (Abel 1841; Tsiganov, in-div). Common points are tangencies,
+    points of D, E and −(D + E): the addition of divisors (Abel 1841). Common points are tangencies,
     opposite ones are ``fibres``; the curve through no point is y = 0. FieldError over an inexact field.
     """
     first, second = (FormalSum.from_divisor(check_divisor(X, name)) for X, name in ((D, "D"), (E, "E")))

@@ -50,7 +50,7 @@ def from_points(J: Any, height: int, digits: int = 20) -> Generators:
 
 
 def _with(basis: list[Divisor], D: Divisor, digits: int) -> list[Divisor]:
-    """A basis of the lattice of these classes and D, of infinite order."""
+    """A basis of the lattice that these classes and D, of infinite order, generate."""
     found = dependence(pairings([*basis, D], digits), [*basis, D], digits)
     if found is None:
         return [*basis, D]

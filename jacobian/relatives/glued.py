@@ -43,7 +43,7 @@ class GeneralizedJacobian(Jacobian):
         return GeneralizedJacobian, (self.curve,)
 
     def explain(self) -> str:
-        """The algorithm that adds here."""
+        """The name of the algorithm that adds."""
         return "Cantor's composition, or the stacked system over inexact fields, and one reflection"
 
     def _check_representable(self) -> None:
@@ -90,7 +90,7 @@ class GeneralizedJacobian(Jacobian):
         return self.from_points([self.curve.random_point(rng), self.curve.random_point(rng)])
 
     def points(self) -> Iterable[Divisor]:
-        """Not listed here: NotRepresentable."""
+        """Raises NotRepresentable: the classes are not listed."""
         raise NotRepresentable(
             "the classes of a generalized Jacobian at infinity have no Mumford pair: they are not listed"
         )
@@ -123,7 +123,7 @@ class GeneralizedJacobian(Jacobian):
         return Divisor(self, D.u, poly.neg(self.field, D.v), None)
 
     def multiply(self, m: int, D: Divisor) -> Divisor:
-        """m·D for any int m, by additions of this group: the kernels of a Jacobian add another one."""
+        """m·D for any int m, by additions of this group: the kernels of a Jacobian have another group law."""
         if m == 0:
             return self.zero()
         if m < 0:

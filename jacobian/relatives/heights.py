@@ -127,8 +127,8 @@ def regulator(classes: Sequence[Divisor], digits: int = 20) -> Any:
 def relation(classes: Sequence[Divisor], digits: int = 20) -> list[int] | None:
     """None if the classes are proven to be independent, else integers m, not all 0, with Σ m_i D_i of finite order.
 
-    Independent: the determinant of their pairings is a ball without 0. Dependent: ratios of pairings, to integers that
-    leave a sum of finite order exactly. PrecisionLoss where that many digits show neither.
+    Independence is proven by a determinant of pairings, a ball without 0. Dependence is proven by integers, rounded
+    ratios of pairings, whose combination is exactly of finite order. PrecisionLoss where that many digits show neither.
     """
     classes = _of_one_group(classes)
     matrix = pairings(classes, digits)

@@ -26,16 +26,16 @@ from jacobian.group import Jacobian
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_divisor
 
-# exponents of ξ₁ … ξ₄ in quartic monomials, and two pairs of indices of factors; without ξ₂²ξ₄², which the equation of
-# the surface has with coefficient 1
+# quartic monomials: exponents of ξ₁ … ξ₄, and the indices of the factors in two pairs. The equation of the surface,
+# where ξ₂²ξ₄² has the coefficient 1, eliminates that monomial
 FACTORS = {
     tuple(chosen.count(i) for i in range(4)): (chosen[:2], chosen[2:])
     for chosen in combinations_with_replacement(range(4), 4)
     if chosen != (1, 1, 3, 3)
 }
 MONOMIALS = list(FACTORS)
-# coefficients of δ are polynomials of degree 4 in those of f; these bits beyond the needed ones show that they are
-# enough
+# coefficients of δ are polynomials of degree 4 in those of f. The modulus exceeds their expected size by twice these
+# bits: residues that are not coefficients are then too large, and recognised
 SPARE_BITS = 80
 MOST_PRIMES = 200
 # classes whose doubles determine δ

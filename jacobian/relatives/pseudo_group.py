@@ -48,7 +48,9 @@ Point = tuple[int, int, int, int]
 
 
 class Residues(namedtuple("Residues", "p one")):
-    """A prime of any length, in Python: the context of numbers that are their own words."""
+    """Arithmetic modulo a prime of any length in Python, with the interface of the compiled contexts: a word is the
+    number.
+    """
 
     __slots__ = ()
 
@@ -100,7 +102,7 @@ class PseudoGroup(Immutable):
         return PseudoGroup, self._value()
 
     def explain(self) -> str:
-        """The algorithm that adds here, in words."""
+        """A description of the algorithm that adds."""
         if self._is_compiled:
             return (
                 "compiled code on two words, for GF(p), 2 < p < 2^128: biquadratic forms, one addition for every case"

@@ -30,9 +30,10 @@ from jacobian.relatives.torsion_lifts import grow
 Subgroups = dict[int, PrimaryGroup]
 """The Sylow subgroups by their primes."""
 
-# primes whose reductions bound the group; the largest number of classes of a reduction whose structure is computed
+# number of primes whose reductions bound the group; largest number of classes of a reduction whose structure is
+# computed
 REDUCTIONS, MOST_CLASSES = 8, 10**7
-# points whose sums are tried; the bound of the coefficients of u
+# number of points whose sums are tried; bound of the coefficients of u
 SUMMED, SMALL = 12, 6
 MOST_BOUND = 1000
 

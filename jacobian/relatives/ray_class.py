@@ -198,7 +198,7 @@ class RayClassGroup(Immutable):
         if poly.evaluate(K, u, x0) != K.zero:
             return []
         if poly.evaluate(K, cantor.cofactor(model, u, v), x0) == K.zero:
-            # y − v vanishes too often at the point of D; y − v − u does not, the point being no branch point
+            # y − v vanishes to too high an order at the point of D; y − v − u does not, as it is not a branch point
             v = poly.add(K, v, u)
         return [self._minus(v)]
 

@@ -1,10 +1,11 @@
-"""Classes of finite order over QQ in genus 2 from those modulo a prime, all of them.
+"""All classes of finite order over QQ in genus 2, lifted from those modulo a prime.
 
 Let the class T̄ of J(GF(p)) have order m, prime to p. It is the reduction of one class T of order m over the p-adic
-numbers, so that κ(T) is the fixed point of the multiplication by m + 1 on the Kummer surface above κ(T̄). That acts
-as the number m + 1 on tangents: Newton's x − ((m + 1)x − x)/m doubles the digits. If T is rational its canonical
-height is 0, which bounds the integral coordinates of κ(T) (:mod:`jacobian.relatives.doubling_bounds`); so it is found,
-or there is none, once pᵏ exceeds twice the square of the bound. Methods as in Müller & Reitsma (2023), in genus 3.
+numbers, so that κ(T) is the fixed point of the multiplication by m + 1 on the Kummer surface above κ(T̄). This
+multiplication acts on tangents as the factor m + 1, so Newton's x − ((m + 1)x − x)/m doubles the digits. If T is
+rational its canonical height is 0, which bounds the integral coordinates of κ(T)
+(:mod:`jacobian.relatives.doubling_bounds`); so once pᵏ exceeds twice the square of the bound, T is found or does not
+exist. Müller & Reitsma (2023) do the same in genus 3.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ def _elements(group: PrimaryGroup) -> Iterator[Divisor]:
 
 
 def _divided(group: PrimaryGroup, whole: PrimaryGroup) -> Iterator[Divisor]:
-    """The T of the whole group, but those of the group, with ℓT in the group: one at least of each coset."""
+    """Classes T of the whole group, outside the group but with ℓT in it: at least one of each coset."""
     ell = whole.prime
     socle = [ell ** (e - 1) for e in whole.exponents]
     for chosen in product(range(ell), repeat=len(group.generators)):
@@ -116,7 +117,7 @@ class TorsionLifts:
         return self._scaled(found, i, modulus)
 
     def _solved(self, x: list[int], k: int, modulus: int) -> int:
-        """The coordinate k of a point of the surface with these others: one step of Newton's."""
+        """The coordinate k of a point of the surface with these others: one Newton step."""
         value = sum(c * x[a] * x[b] * x[d] * x[e] for (a, b, d, e), c in self.equation.items())
         return (x[k] - value * pow(self._slope(x, k), -1, modulus)) % modulus
 
