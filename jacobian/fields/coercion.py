@@ -44,7 +44,7 @@ def rational(value: Any, argument: str = "value") -> int | Fraction | None:
     try:
         return index(value)
     except Exception:
-        # numpy's truth values, which have no index
+        # numpy's booleans have no __index__
         return int(value) if type(value).__name__ in ("bool", "bool_") else None
 
 

@@ -1,4 +1,4 @@
-"""What every finite field shares: powers, square roots, Artin–Schreier equations, enumeration."""
+"""Code common to finite fields: powers, square roots, Artin–Schreier equations, enumeration."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the inexact fields share: zero and rounding decided relative to a scale."""
+"""Code common to the inexact fields: zero and rounding decided relative to a scale."""
 
 from __future__ import annotations
 

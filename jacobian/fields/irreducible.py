@@ -58,13 +58,13 @@ def default_modulus(base: PrimeField, k: int) -> tuple[int, ...]:
 
 
 def first_irreducible(base: PrimeField, k: int) -> tuple[int, ...]:
-    """The irreducible polynomial of degree k that comes first: one in k is, about."""
+    """The first irreducible polynomial of degree k; about one polynomial in k is irreducible."""
     from jacobian.progress import Progress
 
     progress = Progress(f"an irreducible polynomial of degree {k} over {base.name}", k)
     polynomials = monic_polynomials(base, k)
     while not is_irreducible(base, found := next(polynomials)):
-        # however many have been tried, as many are left as at first
+        # the expected number of remaining trials does not depend on those already made
         progress.work += 1
         progress.add(1)
     return found

@@ -60,7 +60,7 @@ class RealField(InexactField):
         try:
             return math.fsum(map(mul, xs, ys))
         except OverflowError:
-            # of a partial sum, or of the result
+            # a partial sum, or the result, exceeds the range
             return math.fsum(x * y * DOWN for x, y in zip(xs, ys, strict=True)) / DOWN
 
     def sqrt(self, x: float) -> float:

@@ -34,7 +34,7 @@ class MultiprecisionField(InexactField):
         self.name = f"MP({dps}, complex=True)" if complex else f"MP({dps})"
         self.eps: Any = self.context.mpf(2) ** (1 - self.context.prec)
         self._type = self.context.mpc if complex else self.context.mpf
-        # of any context
+        # matches an mpf of any context
         self._reals: Any = _mpf
         self._made: Any = from_man_exp
         self._rounded: Any = mpf_pos

@@ -9,7 +9,7 @@ from jacobian.errors import ArgumentError, shown
 
 def check_rng(rng: Any) -> Any:
     """``rng``, or an ArgumentError."""
-    # getrandbits is of random.Random, bytes of numpy's
+    # random.Random has getrandbits, numpy's generators have bytes
     known = hasattr(rng, "random") and (hasattr(rng, "getrandbits") or hasattr(rng, "bytes"))
     if not known or isinstance(rng, type):
         raise ArgumentError(f"rng = {shown(rng)}: a seeded numpy.random.Generator or random.Random is needed")
