@@ -1,7 +1,7 @@
 """Isomorphisms of hyperelliptic curves: x' = (ax + b)/(cx + d), y' = (ey + t(x))/(cx + d)^(g+1).
 
-From genus 2 on every isomorphism over the field has this form. (ey + t)/… substituted into y² + hy = f gives, with the
-forms of degree g + 1 and 2g + 2 in (x, 1) that h₁ = eh − 2t and f₁ = e²f + eht − t² are, and δ = ad − bc,
+From genus 2 on every isomorphism over the field has this form. Let h₁ = eh − 2t and f₁ = e²f + eht − t², as forms of
+degree g + 1 and 2g + 2 in (x, 1), and δ = ad − bc. Then y² + hy = f becomes
 
     y'² + h₁(dx' − b, a − cx')/δ^(g+1) y' = f₁(dx' − b, a − cx')/δ^(2g+2).
 """
@@ -25,8 +25,9 @@ class Isomorphism(Immutable):
     """The isomorphism from ``source`` by ``matrix`` = (a, b, c, d), ``scale`` e and ``move`` t, of degree at most g + 1
     (ascending); exact fields.
 
-    ``target``: its other curve. ``iso(P)`` for points, ``iso(D)`` for divisors; ``inverse()``; ``other * iso`` is iso,
-    then other. ArgumentError for ad = bc, e = 0 and a longer t. ``infinity_plus`` as for a curve, for the target.
+    ``target``: the curve that it maps to. ``iso(P)`` for points, ``iso(D)`` for divisors; ``inverse()``; ``other *
+    iso`` is iso, then other. ArgumentError for ad = bc, e = 0 and a longer t. ``infinity_plus`` as for a curve, for the
+    target.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Images of divisor classes under correspondences: the sum of the images of their points, without the points.
+"""Images of divisor classes under correspondences: the sum of the images of their points, computed without the points.
 
 A class of genus 2 in general position is P + Q minus infinity, (u, v) with deg u = 2. Over K[t]/u the point (t, v(t))
 goes to a pair (U_t, V_t) on the target, and the sum of both conjugates is (U, V) over K: U the norm of U_t, V the
@@ -92,7 +92,8 @@ class Family:
         return [*a, *[self.field.zero] * (2 - len(a))]
 
 
-# of points of (u, v) over a field L ⊇ K, with the map from K to L for the coefficients of the correspondence
+# from a field L ⊇ K, the map K → L for the coefficients of the correspondence, u and v, the Family of the points'
+# images
 Families = Callable[[Any, Callable[[poly.Poly], poly.Poly], poly.Poly, poly.Poly], "Family | None"]
 
 
@@ -121,7 +122,7 @@ def _fields(K: Any) -> Iterator[Any]:
 
 def _pushed(E: HyperellipticCurve, D: Divisor, families: Families, move: Callable[[Any], Any]) -> Divisor | None:
     def image(R: Divisor) -> Divisor | None:
-        """Of a class P + Q minus infinity with P and Q in general position."""
+        """The image of a class P + Q minus infinity with P and Q in general position."""
         family = families(E.field, lambda a: tuple(map(move, a)), R.u, R.v) if R.degree == 2 else None
         value = None if family is None else family.trace()
         if family is None or value is None:

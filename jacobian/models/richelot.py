@@ -183,7 +183,7 @@ def quadratic_splittings(C: HyperellipticCurve) -> Iterator[Quadratics]:
 
 
 def _product(K: Any, a: poly.Poly, b: poly.Poly) -> poly.Poly:
-    """Of two lines, one of which may be (), the point at infinity."""
+    """The product of two linear forms; () stands for the point at infinity."""
     return poly.mul(K, a or (K.one,), b or (K.one,))
 
 
@@ -209,7 +209,7 @@ def _even_weight(C: HyperellipticCurve, G: poly.Poly) -> int | None:
 
 
 def determinant(K: Any, quadratics: Quadratics) -> Any:
-    """Of the coefficients of three quadratics, ascending."""
+    """The determinant of the coefficients of three quadratics, ascending."""
     (a, b, c), (d, e, f), (g, h, i) = ([coefficient(K, G, k) for k in range(3)] for G in quadratics)
     minors = (K.sub(K.mul(e, i), K.mul(f, h)), K.sub(K.mul(f, g), K.mul(d, i)), K.sub(K.mul(d, h), K.mul(e, g)))
     return K.dot((a, b, c), minors)
@@ -246,7 +246,7 @@ def _to_squares(K: Any, quadratics: Quadratics) -> tuple[Any, Any, Any, Any]:
     """
     for a, b in combinations(quadratics, 2):
         jacobian = poly.sub(K, poly.mul(K, poly.derivative(K, a), b), poly.mul(K, a, poly.derivative(K, b)))
-        # forms of degree 2: what the derivatives by x leave out has cancelled
+        # as forms of degree 2: the terms that derivatives by x omit cancel
         if jacobian:
             break
     degree = len(jacobian) - 1
