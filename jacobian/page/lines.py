@@ -29,12 +29,12 @@ from jacobian.relatives.generators import Generators, from_points
 from jacobian.relatives.rational_torsion import RationalTorsion
 
 SHOWN_PRIMES, SHOWN_POINTS = 5, 12
-"""L-polynomials and points that the text has; the values have all points."""
+"""The number of L-polynomials and of points in the text; the values have all points."""
 MOST_HEIGHT, MOST_DIGITS = 10_000, 200
 
 
 class Limits(NamedTuple):
-    """How far is looked: primes, the height of x of rational points, digits of real numbers."""
+    """Limits of the search: primes, the height of x of rational points, digits of real numbers."""
 
     bound: int
     height: int
@@ -42,10 +42,11 @@ class Limits(NamedTuple):
 
 
 def summary(C: HyperellipticCurve, bound: int = 2**12, height: int = 1000, digits: int = 20) -> Page:
-    """What is known of a curve over QQ, in any genus as far as the rooms go.
+    """What is known of a curve over QQ, in any genus, as far as this package computes it.
 
-    ``bound``: L-polynomials are taken up to it; ``height``: of x of rational points, 1 … 10,000; ``digits``: of periods
-    and regulators, 5 … 200. A line whose computation was refused says so. FieldError over other fields.
+    ``bound``: the largest prime of the L-polynomials; ``height``: the largest height of x of rational points, 1 …
+    10,000; ``digits``: the digits of periods and regulators, 5 … 200. A line whose computation was refused says so.
+    FieldError over other fields.
     """
     if check_curve(C).field != QQ:
         raise FieldError(f"field = {C.field.name}: the page of a curve is that of a curve over QQ")
@@ -119,8 +120,8 @@ def _genus(facts: Facts) -> Answer:
 
 
 def discriminant(C: HyperellipticCurve) -> Any:
-    """2^(−4(g+1)) times the discriminant of the form h² + 4f of degree 2g + 2 (Lockhart 1994): the LMFDB's of genus 2
-    where the equation is minimal.
+    """2^(−4(g+1)) times the discriminant of the form h² + 4f of degree 2g + 2 (Lockhart 1994): for minimal equations of
+    genus 2 it is the LMFDB's.
     """
     F, n = C.discriminant, len(C.discriminant) - 1
     found = poly.resultant(QQ, F, poly.derivative(QQ, F)) / F[-1] * (-1) ** (n * (n - 1) // 2)

@@ -15,7 +15,7 @@ PROVEN, CONJECTURAL, NOT_KNOWN = "proven", "conjectural", "not known"
 
 
 def to_digits(digits: int) -> str:
-    """The mark of what is computed."""
+    """The mark of a value that is computed to this many digits."""
     return f"computed to {digits} digits"
 
 
