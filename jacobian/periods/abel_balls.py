@@ -26,7 +26,7 @@ from jacobian.periods.roots import horner
 
 Result = TypeVar("Result")
 
-# of Newton's method in midpoints, from the digits of doubles on; precisions at which a proof is tried
+# largest number of Newton steps in midpoints, starting from doubles; number of precisions at which a proof is tried
 MOST_STEPS, PROOFS = 20, 3
 
 

@@ -24,11 +24,11 @@ from jacobian.errors import Infeasible, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 from jacobian.periods.quadrature import Forms, Numbers, Vector, path_sums
 
-# fractions of the widest ellipse that are tried, and the widest
+# ellipses of quadrature: fractions of the largest ρ that are tried, and a bound of ρ
 WIDTHS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
 MOST_RHO = 4.0
-# a piece of a path with more nodes for each digit, and some more, is halved, down to pieces of this length: so doubles
-# know the arguments of all factors to 1e-6
+# a piece of a path that needs more than NODES_A_DIGIT nodes per digit plus MORE_NODES is halved, down to LEAST_PIECE:
+# doubles then give the arguments of all factors to 1e-6
 NODES_A_DIGIT, MORE_NODES, LEAST_PIECE = 2, 40, 2.0**-30
 
 

@@ -1,5 +1,5 @@
-"""Periods of a real curve y² = f(x) of degree 5 in long numbers, in a basis in which real motions are real, the odd
-characteristics of its branch points, and the image of a pair of points: what theta functions on a real torus take.
+"""The data of theta functions on the real torus of a curve y² = f(x) of degree 5, in long numbers. They are periods in
+a basis in which real motions are real, the odd characteristics of the branch points, and the image of a pair of points.
 
 Integrals go straight from branch point to branch point (Gauss & Chebyshev; Gauss & Legendre to points), sheets are
 those that make τ symmetric with Im τ > 0. Of 16 characteristics η₀ one alone makes all η₀ + 2(q, p)_i odd, where
@@ -29,8 +29,8 @@ NEARLY = 1e-22
 
 
 class Periods(NamedTuple):
-    """``cycles``: a₁, a₂, b₁, b₂ as vectors of integrals of (dx/y, x dx/y); ``halves``: those from the first root to
-    every one, infinity the last.
+    """``cycles``: a₁, a₂, b₁, b₂ as vectors of integrals of (dx/y, x dx/y); ``halves``: the integrals from the first
+    root to every branch point, infinity the last.
     """
 
     cycles: list[Vector]
@@ -57,7 +57,7 @@ def half_integrals(Z: LongField, roots: list[Any], lead: Any) -> Periods:
     halves = [(Z.zero, Z.zero)]
     for x, y in sides:
         halves.append((halves[-1][0] + x, halves[-1][1] + y))
-    # of all branch points the sum is 0
+    # the half-periods of all branch points sum to 0
     halves.append((-sum(x for x, _ in halves), -sum(y for _, y in halves)))
     return Periods(cycles, halves)
 
