@@ -21,14 +21,15 @@ from jacobian.linear import echelon
 from jacobian.numbers.compiler import interpreted
 
 COMPILED_FROM = 20_000
-"""From which p the recurrence is compiled: there it and the power of F both take a few milliseconds in genus 2."""
+"""The p from which the recurrence is compiled; there it and the power of F both take a few milliseconds in genus 2."""
 WORD_SAFE = 1 << 29
-"""Below, the recurrence runs on machine integers."""
+"""For smaller p the recurrence runs on machine integers."""
 PRODUCTS_FROM, PRODUCTS_TO, PRODUCTS_DEGREE = 1 << 20, 1 << 49, 20
-"""From and to which p products of matrices are taken, up to which degree of F: from about 3·10^5 on they are cheaper,
-but the first compiles for half a second."""
+"""The range of p, and the largest degree of F, for products of matrices. They are cheaper from about 3·10^5 on, but
+their first use compiles for half a second.
+"""
 PLAIN_TO = 10**7
-"""Where the power of F has hundreds of megabytes, and takes ten seconds."""
+"""The p at which the power of F takes hundreds of megabytes and ten seconds."""
 
 
 def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:

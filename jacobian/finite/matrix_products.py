@@ -24,7 +24,7 @@ from jacobian.progress import Progress
 FIRST = LEAST // 2
 """The number of points whose values are computed factor by factor."""
 MEMORY = 3 << 30
-"""Bytes for the values of the products, about."""
+"""The approximate memory for the values of the products, in bytes."""
 
 
 class Products:

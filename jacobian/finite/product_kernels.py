@@ -138,7 +138,7 @@ def _step(P: Any, c: Any, d: Any, k: Any, S: Any, row: Any) -> None:
 
 
 def direct(P: Any, c: Any, beta: Any, steps: Any, values: Any, points: Any, room: Any) -> None:
-    """values = M(x + steps)·…·M(x + 1) at x = 0, β, 2β, …, so many points."""
+    """values = M(x + steps)·…·M(x + 1) at the first ``points`` of x = 0, β, 2β, …."""
     k, row, S, d = room.k, room.row, room.S, c.shape[1]
     for begin in range(0, points, BLOCK):
         for e in range(d * d):
@@ -178,7 +178,7 @@ def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, span: 
 
 
 def chain(P: Any, c: Any, beta: Any, first: Any, values: Any, points: Any, window: Any, new: Any) -> None:
-    """window ← Π M((i + 1)β)·values(iβ)·window, the first factor last, for so many points i from ``first`` on."""
+    """window ← Π M((i + 1)β)·values(iβ)·window, the first factor last, for ``points`` indices i from ``first`` on."""
     d = c.shape[1]
     for i in range(points):
         for r in range(d):

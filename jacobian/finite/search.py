@@ -84,7 +84,7 @@ class Candidates:
         return range(self.known[-1], self.known[-1] + 1) if len(self.known) > self.genus else self.values(prefix)
 
     def size(self) -> int:
-        """An upper estimate of their number."""
+        """An upper estimate of the number of candidates."""
         r, total = self.known, 1
         while len(r) <= self.genus:
             low, high = self.interval(r)

@@ -22,7 +22,7 @@ def cartier_manin_matrix(C: HyperellipticCurve) -> list[list[Any]]:
 
 
 def _by_definition(C: HyperellipticCurve) -> list[list[Any]]:
-    """For fields so small that fewer than g of its elements are no branch points."""
+    """The matrix by its definition, for fields with fewer than g elements that are not branch points."""
     K: Any = C.field
     p, power = K.characteristic, (K.one,)
     for _ in range((p - 1) // 2):
@@ -32,7 +32,7 @@ def _by_definition(C: HyperellipticCurve) -> list[list[Any]]:
 
 
 def p_rank(C: HyperellipticCurve, chi: Any) -> int:
-    """The number of roots of Frobenius that are units modulo p; ``chi`` computes its polynomial elsewhere."""
+    """The number of roots of Frobenius that are units modulo p; ``chi`` computes its polynomial."""
     K: Any = C.field
     if K.order is None:
         raise FieldError(f"field = {K.name}: the p-rank is that of a curve over a finite field")
@@ -41,7 +41,7 @@ def p_rank(C: HyperellipticCurve, chi: Any) -> int:
     try:
         a = frobenius_modulo_p(C)
     except Infeasible:
-        # of curves with complex multiplication χ is known over any field
+        # χ of a curve with complex multiplication is known over any field
         a = None
     if a is None:
         p = K.characteristic
@@ -59,7 +59,7 @@ def _two_rank(C: HyperellipticCurve) -> int:
 def is_supersingular(C: HyperellipticCurve, chi: Any) -> bool:
     """Whether the Newton polygon of χ over GF(p^k) is the line of slope k/2: p^⌈ik/2⌉ | a_i. ``chi`` as above.
 
-    In characteristic 2 p-rank 0 decides up to genus 2, where there is no other polygon with it.
+    In characteristic 2, p-rank 0 decides up to genus 2, where no other polygon has it.
     """
     K: Any = C.field
     p, g = K.characteristic, C.genus
