@@ -84,15 +84,15 @@ def divisor_of_points(J: GroupLaw, points: list[Point], descent: Descent | None 
 
 
 def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
-    """Some points at a time, reduced and added in the group: for a single pair, time would grow with the cube of their
-    number.
+    """The class, a few points at a time reduced and added in the group: the time for one pair grows like the cube of
+    its points.
 
     On a split model the weight of a class at ∞₊ counts from ⌈g/2⌉: the last part compensates those of the others.
     """
     C = J.curve
     pairs = _equal_pairs(C, points) if descent is None else {}
     if pairs:
-        # n counts 1 less for two points more; the class of a pair has its own weight
+        # two more points lower n by 1; the class of a pair has its own weight
         rest = list((Counter(points) - Counter({point: 2 * k for point, k in pairs.items()})).elements())
         total = _exact_sum(J, rest, None if n is None else n + sum(pairs.values()), None)
         for point, k in pairs.items():
