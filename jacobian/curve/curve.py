@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from jacobian.page.lines import Page
 
 MOST_BOUND = 10_000
-"""Of numerators and denominators: 10^8 x are sieved in half a second."""
+"""The largest numerator and denominator of x: 10^8 x are sieved in half a second."""
 
 
 class HyperellipticCurve(CurveQuestions):
@@ -154,7 +154,7 @@ class HyperellipticCurve(CurveQuestions):
         move = poly.monomial(K, self.infinity_plus, g + 1)
         f = poly.sub(K, self.f, poly.mul(K, move, poly.add(K, move, self.h)))
         h = poly.add(K, self.h, poly.add(K, move, move))
-        # what cancels at the top does so identically; over an inexact field rounding may have left a trace of it
+        # the leading coefficients cancel identically; over an inexact field rounding may leave them nonzero
         return HyperellipticCurve(K, f[: 2 * g + 2], h[: g + 1])
 
     @cached_property

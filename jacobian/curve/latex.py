@@ -7,7 +7,7 @@ from typing import Any
 
 from jacobian import poly
 
-# a long int shows both ends
+# a long int is shown as its first and last digits, with their number
 _INT = r"\d+(?:…\d+\[\d+ digits\])?"
 
 

@@ -15,7 +15,7 @@ from math import gcd, isqrt, lcm
 from jacobian.poly import Poly
 
 PRIMES = (3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61)
-"""The primes of the sieve. About half of the a pass at each of them, and one in 10^5 passes at all."""
+"""The primes of the sieve. About half of the a pass at each prime, and one in 10^5 passes at all of them."""
 
 
 def abscissas(F: Poly, degree: int, bound: int) -> Iterator[Fraction]:
@@ -44,7 +44,7 @@ def _rows(form: list[int], p: int, bound: int) -> list[int]:
     """For each residue of b the a in −bound … bound, as bits, where the form of even degree is a square modulo p."""
     squares = {x * x % p for x in range(p)}
     values = [sum(c * pow(x, i, p) for i, c in enumerate(form)) % p in squares for x in range(p)]
-    # b divided by p: the form is the leading coefficient times an even power of a
+    # p divides b: the form is the leading coefficient times an even power of a
     rows = [_repeated([form[-1] % p in squares] * p, bound)]
     for b in range(1, p):
         inverse = pow(b, -1, p)
@@ -53,7 +53,7 @@ def _rows(form: list[int], p: int, bound: int) -> list[int]:
 
 
 def _repeated(pattern: list[bool], bound: int) -> int:
-    """The bits of a pattern again and again, 2·bound + 1 of them."""
+    """The bits of a pattern, repeated to a length of 2·bound + 1."""
     size, count = len(pattern), 2 * bound // len(pattern) + 1
     once = sum(1 << i for i, bit in enumerate(pattern) if bit)
     every = ((1 << size * count) - 1) // ((1 << size) - 1)
