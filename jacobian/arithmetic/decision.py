@@ -23,7 +23,7 @@ from jacobian.numbers.threads import in_ranges
 
 
 def least_prime(g: int) -> int:
-    """The primes beyond it determine a_1 by its residue."""
+    """The bound beyond which the residue of a_1 determines it."""
     return 16 * g * g
 
 

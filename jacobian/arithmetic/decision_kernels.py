@@ -4,7 +4,7 @@ With a_1 known and a_2 (and a_3) modulo p, the order of J(GF(p)) is c + p·(e + 
 its quadratic twist, whose a_1 and a_3 have the other sign. A point x_0 gives a class D without a square root: it is ∞₊
 − ∞₋ on y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0). That curve is isomorphic to the given one if F(x_0) is a square
 modulo p, else to its twist. Baby steps and giant steps along p·D give all (s, e) whose orders annihilate D; further
-points eliminate all but one. The right one is never eliminated, so one that is alone is proven.
+points eliminate all but one. The right one is never eliminated, so a single survivor is proven.
 
 The classes are those of :mod:`jacobian.arithmetic.desk`.
 """

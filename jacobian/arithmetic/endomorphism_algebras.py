@@ -24,7 +24,8 @@ from jacobian.finite.integers import factorization
 from jacobian.periods.endomorphisms import Endomorphisms, Integers
 
 ROOTS_OF_UNITY = 240
-"""Of which every root of unity in a field that four conjugate numbers generate, of degree 8 at most, is a power."""
+"""A multiple of the order of every root of unity in a field, of degree at most 8, that four conjugate numbers generate.
+"""
 PRIMES = 100
 """The number of L-polynomials that are compared; each is an exact test."""
 
@@ -155,7 +156,7 @@ def hilbert(a: int, b: int, p: int) -> int:
 
 
 def _compare(p: int, L: Sequence[int], geometric: int, rational: Sequence[Integers]) -> None:
-    """PrecisionLoss for endomorphisms that the reduction modulo p has not."""
+    """PrecisionLoss for endomorphisms that the reduction modulo p does not have."""
     from flint import fmpz_mat
 
     if geometric > _endomorphisms_of(_power(L, ROOTS_OF_UNITY)) or len(rational) > _endomorphisms_of(_power(L, 1)):
@@ -214,7 +215,7 @@ def _endomorphisms_of(frobenius: Any) -> int:
 
 
 def _centres(polynomials: Sequence[tuple[int, Sequence[int]]]) -> set[int]:
-    """d of one quadratic field QQ(√d), or of two, that every End⁰(J) larger than QQ holds, in genus 1 and 2."""
+    """d of one quadratic field QQ(√d), or of two, that every End⁰(J) larger than QQ contains, in genus 1 and 2."""
     found: set[int] = set()
     for p, L in polynomials:
         if len(L) == 3 and L[1] % p:

@@ -28,7 +28,8 @@ WALKED_TO = 1 << 18
 TREE = 8
 """The blocks in a tree. More blocks take more memory; with fewer the window is carried along more often."""
 STEPS = 16
-"""Matrices that are multiplied as polynomials in the first index: of their products one matrix product has the values.
+"""The number of factors multiplied as polynomials in their first index. One matrix product then evaluates these
+polynomials at all such indices of a block.
 """
 
 

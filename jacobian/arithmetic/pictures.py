@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 BLUE, VERMILION = "#0072B2", "#D55E00"
-"""Of Okabe and Ito (2008)."""
+"""Colours of Okabe and Ito (2008)."""
 MOST_DOTS = 20_000
 """The largest number of primes in a scatter; the largest primes are taken."""
 

@@ -29,12 +29,15 @@ POINTS = 64
 EXPONENTS = {1: ((2, 0), (4, 0), (6, 0)), 2: ((2, 0), (4, 0), (0, 1), (0, 2), (0, 3), (0, 4), (2, 1), (2, 2))}
 """The exponents of a_1 and a_2 in the moments that are compared, by genus."""
 ATOMS = (-2, -1, 0, 1, 2)
-"""With a_1 = 0 these are the a_2/p that have a probability of their own in some groups; it is compared too."""
+"""The values of a_2/p that have a positive probability in some groups where a_1 = 0; their frequencies are compared
+too.
+"""
 FROM = 200
 """Smaller primes are left out: their a_i are few integers."""
 SLACK = 0.005
-"""What a mean may be off by besides chance, relative to the root of the mean square; chance has twice as much where
-10^4 primes are compared."""
+"""The allowed error of a mean apart from chance, relative to the root of the mean square. With 10^4 primes chance
+contributes twice as much.
+"""
 RARE = 0.3
 """How often a_1 is 0 by chance, times √p: the density at 0 of a_1/√p."""
 UNLIKELY = 1e-4
@@ -192,8 +195,8 @@ def with_endomorphisms(genus: int, geometric: int, commutative: bool, rational: 
     """The groups over QQ of Jacobians with endomorphisms of rank ``geometric`` over ℂ, forming a commutative ring or
     not, and ``rational`` over QQ.
 
-    The first two tell the identity component (Fité, Kedlaya, Rotger and Sutherland 2012), the last is the mean of a_1²
-    (Costa, Fité and Sutherland 2019).
+    The first two determine the identity component (Fité, Kedlaya, Rotger and Sutherland 2012), the last is the mean of
+    a_1² (Costa, Fité and Sutherland 2019).
     """
     if genus == 1:
         return ["SU(2)"] if geometric == 1 else ["N(U(1))"]

@@ -27,7 +27,9 @@ def path_of(path: Any, argument: str = "path") -> Path:
 
 
 class Saved:
-    """The state of a run in a file of NumPy's, .npz, replaced as a whole: a run that is killed leaves the last one."""
+    """The state of a run in an .npz file of NumPy, replaced as a whole: a run that is killed leaves the last saved
+    state.
+    """
 
     def __init__(self, path: Any, C: HyperellipticCurve, bound: int, genus: int) -> None:
         self.path, self._genus, self._last = path_of(path, "file"), genus, monotonic()

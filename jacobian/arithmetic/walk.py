@@ -24,11 +24,11 @@ GROUPS = 4
 TOGETHER = GROUPS * LANES
 ROUND = 256
 WHOLE = 6755399441055744.0
-"""3·2^51: a float below 2^51 in size and this have the nearest integer as their sum, less this."""
+"""3·2^51: adding and then subtracting it rounds a float below 2^51 in size to the nearest integer."""
 
 
 class Walks(NamedTuple):
-    """For N primes, ascending: T translates of f, each of degree d.
+    """The data of N walks, one for each ascending prime: T translates of f, each of degree d.
 
     ``ratios`` f_i/f_0 modulo p, i = d … 1, (N, T, d); ``start`` the index of the windows, (N, T, d), last entries last.
     """
