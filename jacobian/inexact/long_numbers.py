@@ -71,7 +71,8 @@ class Functions:
 
     def elliprf(self, x: Any, y: Any, z: Any) -> Any:
         """R_F(x, y, z) of numbers ≥ 0, one of them 0 at most, by duplication (Carlson 1995, with the series of DLMF
-        19.36.1 to the seventh order). PrecisionLoss where it has no value, as of what rounding has made negative.
+        19.36.1 to the seventh order). PrecisionLoss where it has no value, such as for an argument that rounding has
+        made negative.
         """
         root, one, bits = self.sqrt, self._gmpy2.mpfr(1), self.prec
         close = one / 2 ** (bits // 8 + 1)
