@@ -13,7 +13,7 @@ from jacobian.errors import NotRepresentable, PrecisionLoss
 __all__ = ["Ovals", "ovals"]
 
 SAMPLES = 4096
-"""Of an oval, for the integrals along it: they are of smooth periodic functions, so that this is many."""
+"""The number of points of an oval for integrals along it: ample, since the functions are smooth and periodic."""
 SHORT = 1e-7
 """Lengths below this part of the curve's lie in the rounding of floats."""
 

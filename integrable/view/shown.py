@@ -20,11 +20,13 @@ __all__ = ["FRAMES", "shown"]
 
 FRAMES = 600
 TURNS = 12
-"""So many turns of the body are shown of a longer motion, counted at its mean angular velocity."""
+"""The number of turns of the body that are shown of a longer motion, at its mean angular velocity."""
 STRAIGHT = 1e-3
-"""In τ the angles are a straight line; what bends by more than this part of a turn would be seen, and is not shown."""
+"""The largest deviation of the angles from a straight line in τ, in turns: a larger one would be visible, so the torus
+is then not drawn.
+"""
 HALF = 0.5
-"""Of a turn: of longer ways between two frames nobody sees which way round they went."""
+"""The largest change of an angle between two frames, in turns: the direction of a larger one would be ambiguous."""
 
 
 def shown(given: Scene | str | Path, until: float | None = None, frames: int = FRAMES) -> dict[str, Any]:
