@@ -12,9 +12,9 @@ from integrable.study.findings import SCENE_FLOOR_FACTOR, Behind, Study
 __all__ = ["claims"]
 
 FAR = 10_000.0
-"""Time scales from which on the flow is to be ahead at one time."""
+"""From this single time on, in time scales, the flow should be faster."""
 AHEAD = 0.97
-"""The part of the rows of methods in doubles that the flow is to be ahead of."""
+"""The fraction of the rows of methods in doubles that the flow should be ahead of."""
 
 Claim = tuple[str, str, bool]
 

@@ -16,9 +16,9 @@ __all__ = [
 ]  # fmt: skip
 
 SCATTERS = " ±"
-"""After a run time that still scatters by more than a tenth after it was measured again."""
+"""The mark of a run time that scatters by more than a tenth even when measured again."""
 SHORT = 110
-"""Characters of an error message that a table shows; the row's file has it whole."""
+"""The number of characters of an error message that a table shows; the row's file has all of it."""
 
 BEHIND = (
     "scene",

@@ -29,7 +29,7 @@ __all__ = ["as_bytes", "error_against_run_time", "floors"]
 
 OWN = (FLOW, INTEGRATED)
 DEEP = 1e-17
-"""Errors below this are those of more than double precision."""
+"""Errors below this come from computations in more than double precision."""
 
 
 def as_bytes(figure: Any, suffix: str) -> bytes:

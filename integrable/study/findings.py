@@ -19,19 +19,23 @@ __all__ = [
 ]  # fmt: skip
 
 LONG = 1000.0
-"""From this last time on, in the scene's units or in time scales of its motion, the divisor flow is to be ahead."""
+"""The divisor flow should be ahead on scenes with at least this last time, in their units or in time scales of the
+motion.
+"""
 SCENE_FLOOR_FACTOR = 10.0
-"""The error of the flow in floats is to be within this factor of the floor."""
+"""The error of the flow in floats should be within this factor of the floor."""
 WRONG, WRONG_FLOORS = 1e-6, 1000.0
-"""An error in floats above both, the second in floors, ought to have been an exception."""
+"""An error in floats above the first number, and above the second times the floor, should have raised an exception."""
 OFF_LEVEL = 0.1
-"""Drift of an integral over the error, from which on the error is said to be one of the level set."""
+"""An error counts as one off the level set if an integral drifts by at least this multiple of it."""
 LOST = 10.0
-"""What truth and independent integrator may differ by, in units of the last digit, beyond what the motion amplifies."""
+"""The allowed difference of truth and independent integrator, in units of the last digit, after amplification by the
+motion.
+"""
 PLATEAU = 30.0
-"""Errors within this factor of a method's least error are rounding, and take no part in its slope."""
+"""Errors within this factor of a method's least error are rounding, and do not enter its slope."""
 COARSE = 0.1
-"""Errors above this are no asymptotics either."""
+"""Errors above this are not asymptotic, and do not enter either."""
 
 
 @dataclass(frozen=True)
@@ -62,11 +66,11 @@ class Standing:
     flow: dict[str, Any]
     """Its "total" in seconds, once a start and evaluation, and "error_gamma"."""
     peer: dict[str, Any] | None
-    """The same of the other, with its "method" and "setting"; None where no setting of any is so near."""
+    """The same of the other, with its "method" and "setting"; None where no method was accurate enough."""
     tried: dict[str, dict[str, Any]]
-    """Of each method that was tried how near it came, what it was slower than, or what it said."""
+    """For each method that was tried: its accuracy, what it was slower than, or its error message."""
     strong: Sequence[str]
-    """Those that have to have run before it is said that none is near enough."""
+    """Methods that must have run before the outcome can be "none"."""
 
     @property
     def ratio(self) -> float:
@@ -109,7 +113,7 @@ class SceneFindings:
     first_answers: list[dict[str, Any]] = field(default_factory=list)
     horizons: list[dict[str, Any]] = field(default_factory=list)
     missing: list[dict[str, Any]] = field(default_factory=list)
-    """Rows that were not measured, since the time that the study was given was up."""
+    """Rows that were not measured because the study's time was up."""
 
     @property
     def moved_by_divisors(self) -> bool:
@@ -240,10 +244,10 @@ class Study:
     versions: dict[str, str | None]
     machine: dict[str, Any]
     dates: Sequence[str]
-    """Of the first row and of the last, ISO 8601."""
+    """The times of the first and of the last row, ISO 8601."""
     commits: Sequence[str]
     load: float | None
-    """The median over the rows of how many processes the machine was at, this study being about one of them."""
+    """The median over the rows of the machine's load, to which this study contributes about 1."""
     figures: dict[str, str]
     """Paths of the figures of the scenes, and of ``floors``, relative to the page."""
     seconds: float

@@ -28,7 +28,7 @@ from jacobian.errors import JacobianError
 __all__ = ["Unjudged", "flow_run", "measured"]
 
 TRIAL = 0.5
-"""Seconds of successive steps from which the time of all of them is told."""
+"""The time of all steps is extrapolated from steps that take this many seconds."""
 
 Data = dict[str, Any]
 

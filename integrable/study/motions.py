@@ -38,9 +38,9 @@ from integrable.study.truth import INTEGRATED, Truth, kept, moved_by, parts
 __all__ = ["measure", "pieces_of_work"]
 
 MORE = 10
-"""Digits by which a run has to be more precise than another to judge it."""
+"""A run is a reference for another if it has at least this many more digits."""
 PATIENCE = 0.1
-"""Seconds of repeats after which a median of fewer runs is taken: what runs longer is timed well by one run."""
+"""No run is repeated beyond this many seconds: a single long run is timed well."""
 
 
 def pieces_of_work(scene: Scene, digits: int) -> int:

@@ -31,7 +31,7 @@ from integrable.study.plan import LIMITS
 __all__ = ["answer", "in_one_minute", "introduction", "page", "scene_section", "sections"]
 
 BUSY = 1.5
-"""A load that is not this study alone."""
+"""A load above this is not due to this study alone."""
 NO_OTHERS = "No row of another method was measured."
 ORDER_TOLERANCE = 0.5
 """An observed order this near the order in theory agrees with it: step ladders reach few points of the asymptotics."""

@@ -40,10 +40,10 @@ __all__ = [
 
 FLOW = "divisor flow"
 STRONG = ("heyoka", "Taylor, compiled", "Gauss-Legendre 16", "Gauss-Legendre 16, adaptive", "SciPy DOP853, compiled")
-"""Methods that have to have run before it is said that none is near enough."""
+"""Methods that must have run before the outcome can be "none"."""
 BACKLUND = "Bäcklund steps"
 NOT_MEASURED = "not measured"
-"""The status of a row for which the time of a study has not been enough."""
+"""The status of a row for which the study's time did not suffice."""
 
 
 @dataclass(frozen=True)
@@ -55,17 +55,19 @@ class Limits:
     truth: float
     repeat: int
     check: float
-    """Seconds for the Taylor series that the truth is held against."""
+    """Seconds for the Taylor series that checks the truth."""
     check_time: Fraction | None = None
-    """The one time at which it is; None: as far as these seconds allow."""
+    """The single time of that check; None: as far as these seconds allow."""
     patience: float = 3.0
-    """Seconds of repeats after which a median of fewer runs is taken."""
+    """No run is repeated beyond this many seconds."""
     floor_times: float = 20
-    """About how many of the scene's times the conditioning is the largest of."""
+    """The approximate number of the scene's times over which the largest conditioning is taken."""
 
 
 HORIZONS = {"quick": (1, 10, 100, 1000), "full": (1, 10, 100, 1000, 10_000, 100_000, 1_000_000)}
-"""The single times, in time scales of the motion, at which the flow is held against the fastest that is good enough."""
+"""The single times, in time scales of the motion, at which the flow is compared with the fastest method that is
+accurate enough.
+"""
 LIMITS = {"quick": Limits(1.5, 60, 60, 3, 1.0), "full": Limits(3, 90, 240, 5, 8.0, patience=1.5)}
 
 
@@ -82,13 +84,13 @@ class Task:
     value: float | None = None
     limits: Limits = LIMITS["full"]
     truth: str | None = None
-    """The key of the task with the truth, which has to be finished before."""
+    """The key of the task with the truth, which must be finished first."""
     cheaper: str | None = None
-    """The key of that of the same method at the setting before: where that was stopped, this one is not tried."""
+    """The key of the same method's task at the previous setting: if that was stopped, this one is not tried."""
     kernel: str = "auto"
-    """Of the flow of a body."""
+    """The kernel of the flow of a body."""
     label: str = ""
-    """What the progress bar of a run says, and in how many pieces."""
+    """The text of a run's progress bar, and its number of pieces."""
     pieces: int = 1
 
     @cached_property
@@ -156,7 +158,7 @@ def tasks_of(scene: Scene, source: str, mode: str) -> list[Task]:
 
 
 MIDDLE = 500.0
-"""Time scales as which all times of a scene count in the order of rows."""
+"""The time scales that stand for all times of a scene in the order of rows."""
 _ORDER = ("truth", "floor", "flow", "horizon", "orbit", "first answer", "comparator")
 
 

@@ -34,10 +34,10 @@ __all__ = ["FORMATS", "coordinates", "draw", "orbit_error", "residual_growth", "
 FORMATS = ("png", "svg")
 FAINT = "#8a8a8a"
 FLOOR: dict[str, Any] = {"color": "#555555", "linewidth": 1.2, "linestyle": (0, (5, 3)), "zorder": 1}
-"""The line that inputs rounded to doubles draw: no method has its dashes."""
+"""The style of the line for the error of inputs rounded to doubles: no method has its dashes."""
 
 UNLIKE = (FLOW, INTEGRATED, ADDITIONS)
-"""Runs of these, in floats or more digits, are not joined."""
+"""The runs of these methods, in floats or more digits, are not joined."""
 
 STYLE = {"font.size": 10, "axes.edgecolor": INK, "axes.linewidth": 0.8, "text.color": INK, "svg.fonttype": "none"}
 LOWER = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -54,7 +54,7 @@ def look_of(method: str) -> dict[str, Any]:
     found: dict[str, Any] = {"color": colour, "marker": marker, "linewidth": 0 if method in UNLIKE else 1.0}
     if not filled:
         found["markerfacecolor"] = "white"
-    if colour == "#F0E442":  # yellow on white
+    if colour == "#F0E442":  # yellow is illegible on white
         found |= {"markeredgecolor": INK, "markeredgewidth": 0.6}
     return found
 

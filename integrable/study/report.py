@@ -33,12 +33,12 @@ class Row:
     total: float | None = None
     runs: int = 0
     mad: float | None = None
-    """Median deviation of the total of a run from the median, over the median."""
+    """The median absolute deviation of a run's total, divided by the median."""
     machine: float | None = None
     system: float | None = None
-    """What was spent once a machine and once a system; no part of ``total``."""
+    """The costs once a machine and once a system; not part of ``total``."""
     evaluations: int | None = None
-    """Right-hand sides, for an ordinary integrator."""
+    """The number of evaluations of the right-hand side, for an ordinary integrator."""
     note: str = ""
     """Why there are no figures, if there are none."""
 
@@ -78,13 +78,13 @@ class Report:
     residual_growth: tuple[tuple[int, float], ...]
     integrals: tuple[str, ...] = INTEGRALS
     against: str = "divisor flow"
-    """What the truth was computed by."""
+    """The method that computed the truth."""
     floor: tuple[float, float] | None = None
-    """What inputs rounded to doubles alone do to γ and to M/|M| (:mod:`integrable.motion.conditioning`); None where the
-    motion itself is integrated.
+    """The effect on γ and on M/|M| of rounding the inputs to doubles (:mod:`integrable.motion.conditioning`); None
+    where the motion itself is integrated.
     """
     letters: tuple[str, str] = ("γ", "M")
-    """What the two halves of a state are called."""
+    """The names of the two halves of a state."""
     planned: tuple[tuple[str, str], ...] = ()
     """Methods and settings of rows that are to come."""
 

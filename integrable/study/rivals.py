@@ -25,15 +25,16 @@ from jacobian.errors import JacobianError
 __all__ = ["affordable", "at_one_time", "at_times", "first_use", "flow_once", "method_once", "pilot", "standing"]
 
 PILOT = 2.0**-7
-"""Time scales of the first trial of an integrator, from which the time of a whole run is told in advance."""
+"""The time scales of an integrator's first trial; trials predict the time of a whole run."""
 ENOUGH = 0.1
-"""Each trial goes four times as far, until one takes so many seconds, or is the whole run."""
+"""Each trial goes four times as far, until one takes this many seconds or is the whole run."""
 FIRST = 15.0
-"""Seconds that the first trial of a method may take, which imports."""
+"""Seconds that the first trial of a method may take, imports included."""
 NEAR = 30.0
-"""An error so many times the allowed one is not rounding that adds up over too many steps."""
+"""An error above this multiple of the allowed one is not accumulated rounding of too many steps."""
 MARGIN, CLOCK = 2.0, 0.01
-"""What takes so many times the fastest run so far, and so many seconds, is not timed again: below, one run says little.
+"""A run that takes this multiple of the fastest so far, and this many seconds, is not timed again; a single shorter run
+says little.
 """
 
 Data = dict[str, Any]

@@ -29,7 +29,7 @@ from jacobian.numbers.compiler import NoCacheWarning
 __all__ = ["ONE_RUN", "run_tasks"]
 
 ONE_RUN = timedelta(days=1)
-"""Timed rows that are further apart are not of one run."""
+"""Timed rows further apart than this are not of one run."""
 _POLL = 0.2
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 

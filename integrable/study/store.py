@@ -37,10 +37,10 @@ _SHOWN_ONLY = (
     "view/page.py",
     "view/shown.py",
 )
-"""Files of a package that a row does not depend on, by their path in it; a test says that they are there."""
+"""Files of a package that a row does not depend on, by their path in it; a test checks that they exist."""
 
 _claims: set[FileLock] = set()
-"""Held by this process: a lock that is forgotten would be open again."""
+"""The locks held by this process: a lock without a reference would be released."""
 
 
 class Store:

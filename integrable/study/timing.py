@@ -18,13 +18,13 @@ __all__ = ["NOBODY", "SCATTER", "Tick", "Timed", "Timing", "TooLong", "Watch", "
 Tick = Callable[[str], None]
 """Called before a piece of work with its name, for a progress bar."""
 Timed = tuple[Spent, Any]
-"""What a run took, and what was found."""
+"""The costs of a run, and its result."""
 SCATTER = 0.1
-"""What scatters by more of its median is measured again …"""
+"""Times that scatter by more than this fraction of their median are measured again …"""
 COLD = 0.005
-"""Seconds: what takes less is run once before each run that is timed, where several run in turn."""
+"""Seconds. Where several things run in turn, a shorter one is run once untimed before each timed run."""
 REMEASURED = 4
-"""… until there are so many times the runs that were asked for."""
+"""… up to this multiple of the requested number of runs."""
 
 
 class TooLong(RuntimeError):
@@ -77,14 +77,14 @@ class Timing(NamedTuple):
     """The times of repeated runs of one thing."""
 
     spent: Spent
-    """Of the median run; of what is spent once a machine the largest: the first run has it."""
+    """The costs of the median run. The cost once a machine is the largest one, that of the first run."""
     total: float
-    """What is counted in ratios, once a start and evaluation: the median."""
+    """The median of the time that ratios count: once a start and evaluation."""
     mad: float
     """The median of |total of a run − median| over the median."""
     runs: int
     found: Any
-    """What the last run found."""
+    """The result of the last run."""
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for a row: "machine", "system", "setup" (once a start), "evaluation", "total", "mad", "runs"."""

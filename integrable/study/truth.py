@@ -40,11 +40,11 @@ CHECK_DIGITS = 30
 PART = 20
 """States of the truth that are computed between two steps of the progress bar."""
 ADDITIONS = "additions"
-"""What the systems of :mod:`integrable.classical` move by."""
+"""The method of the systems of :mod:`integrable.classical`."""
 COLLOCATED, STEPS_OF_A_SCALE = "Gauss collocation", 4
-"""What they are held against, with half as many stages as digits, and its steps in a time scale of the motion."""
+"""The integrator that checks them, with half as many stages as digits, and its steps per time scale of the motion."""
 INTEGRATED = "integrated"
-"""What the package moves by where no divisor flow is known."""
+"""The methods where no divisor flow is known."""
 
 
 def compute(
