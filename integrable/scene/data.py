@@ -18,7 +18,7 @@ from jacobian.errors import ArgumentError, shortened, whole, written
 __all__ = ["MOST_STEPS", "SYSTEMS", "Comparison", "Map", "Scene", "Steps", "Times"]
 
 MOST_STEPS = 10_000_000
-"""Of an orbit, whose states are all kept."""
+"""The largest number of steps of an orbit, whose states are all kept."""
 
 
 class Kind(NamedTuple):
@@ -151,7 +151,7 @@ class Scene:
     radius: Fraction | None
     gamma: tuple[Fraction, ...]
     M: tuple[Fraction, ...]
-    """Of a system of ``classical`` the q and p of the start."""
+    """The q and p of the start, for a system of ``classical``."""
     times: Times = Times()
     digits: int = FLOAT_DIGITS
     report: Comparison | None = None
@@ -170,9 +170,9 @@ class Scene:
     constants: tuple[tuple[str, Any], ...] = ()
     """The arguments of a system of ``classical``."""
     reference: str = ""
-    """Where the motion is described; the scenes that have one are the problems of :mod:`integrable.problems`."""
+    """The source that describes the motion; the scenes that have one are the problems of :mod:`integrable.problems`."""
     place: str = "scene"
-    """What error messages call the scene: the file it came from."""
+    """The name of the scene in error messages: its file."""
 
     @property
     def rolls_or_spins(self) -> bool:

@@ -12,7 +12,7 @@ from typing import Any
 __all__ = ["bar_of_pieces", "going", "often"]
 
 TERMINAL, FILE = 0.5, 10.0
-"""Seconds between two drawings, on a terminal and in a file."""
+"""Seconds between two redraws, on a terminal and in a file."""
 
 
 @contextmanager
