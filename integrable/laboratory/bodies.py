@@ -53,7 +53,7 @@ class RigidBody(Made):
         say_unphysical([float(x) for x in self._principal.moments], RR)
         self.moments = tuple(field.coerce(x) for x in self._principal.moments)
         self._d = self._wide.zero
-        # for the free body behind a motion: its own, or for a ball whose momentum is vertical another one
+        # the moments of the free body behind a motion: these, or others for a ball with vertical momentum
         self._free_moments = self._principal.moments
 
     @property

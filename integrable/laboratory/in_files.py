@@ -21,7 +21,7 @@ QUANTITIES = {
     "contact": Quantity("direction", SPACE[:2], "m", "point of contact in the laboratory"),
     "centre": Quantity("axis", SPACE, "m", "centre of the ball in the laboratory"),
 }
-"""What a run in the laboratory can be asked for: each is the name of an attribute of its own."""
+"""The quantities of a run in the laboratory, each by the name of its attribute."""
 
 
 def usual(body: Any) -> tuple[str, ...]:
