@@ -1,4 +1,4 @@
-"""Maps without points to choose: multiples of the state's own divisor, addition of the branch point 1/d, and steps
+"""Maps that need no choice of points: multiples of the state's own divisor, addition of the branch point 1/d, and steps
 along the pencil of a conic. Time shifts are in :mod:`integrable.steps.time_shift`.
 
 Each map preserves H1 and H2. Its docstring states its effect on the bracket of :meth:`System.poisson`, which
