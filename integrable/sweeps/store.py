@@ -33,9 +33,9 @@ SUFFIXES = {".zarr": ("zarr",), ".h5": ("h5py",)}
 """The formats, and the libraries of the extra ``io`` that they need."""
 JOURNAL, STATES = "journal", "states.zarr"
 OWN = {"lock", STATES}
-"""What a sweep makes in its folder before the journal."""
+"""The files that a sweep makes in its folder before the journal."""
 DAMAGED = (OSError, EOFError, KeyError, ValueError, TypeError, BadZipFile, RuntimeError)
-"""What libraries raise where a file is cut short, or holds something else."""
+"""The errors that libraries raise for a truncated file or one with other contents."""
 
 
 @dataclass(frozen=True)
