@@ -36,7 +36,7 @@ REFUSED = -1
 
 
 class Outcome(NamedTuple):
-    """The outcome for the members.
+    """The outcome for all members, in numbers.
 
     0 or the number of a reason, shape (K,), the indices of their ways in ``WORDS``, the reasons, and the reason numbers
     of all rows of members with refused rows.
@@ -69,7 +69,7 @@ def computed(
     body = isinstance(system, System) and not interpreted()
     if body and out.shape[1] <= MOST_TIMES:
         quick = plain(members, tilted)
-    # a short run has been tried
+    # a short run has been tried already
     kernel = "compiled" if body else "auto"
 
     def motion(member: int) -> Motion:

@@ -22,7 +22,8 @@ from jacobian.immutable import Record, replaced
 
 # margin of the bounds: members nearer to one are checked singly
 HALF, FAR_INSIDE = 0.5, 1e-3
-# the largest and the least moment differ by this part of the largest plus d; next to M ∥ γ and to a principal axis
+# least difference of the extreme moments, relative to the largest plus d; least distance from M ∥ γ and from M along a
+# principal axis
 DISTINCT, ASIDE = 1e-12, 1e-10
 
 
