@@ -13,7 +13,7 @@ from jacobian.numbers.long_reals import BallReals
 __all__ = ["enclosed"]
 
 MORE = 20
-"""Digits of midpoints beyond those asked for: so many hold a double exactly, and what they round counts as radius."""
+"""Extra digits of midpoints: they then hold a double exactly, and their rounding is added to the radius."""
 
 
 def enclosed(motion: UnitMotion, times: Sequence[float], digits: int) -> tuple[Rows, Rows]:

@@ -1,4 +1,4 @@
-"""The motion with |q| = 1 that a problem is a multiple of, to any number of digits."""
+"""The motion with |q| = 1 from which a problem follows by scaling, to any number of digits."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ __all__ = ["Rows", "UnitMotion"]
 Rows = list[list[Any]]
 
 GUARD, FINER, LEAST = 8, 12, 25
-"""Digits beyond those asked for of the first of two runs, and of the second beyond those; the least of the first."""
+"""Digits of the first of two runs beyond those requested, digits of the second beyond those, and the least digits of
+the first.
+"""
 MOST_ATTEMPTS = 6
 
 

@@ -13,9 +13,9 @@ from integrable.problems.motion import UnitMotion
 __all__ = ["another"]
 
 SPREAD = 0.02
-"""By what part a start without constraints is changed: bounded motions stay bounded."""
+"""The relative change of a start without constraints: so small that bounded motions stay bounded."""
 LARGEST = 64
-"""Starts with constraints are whole numbers up to about this, over a power of two."""
+"""Starts with constraints are integers of at most about this size, divided by a power of two."""
 
 
 def another(motion: UnitMotion, rng: np.random.Generator) -> list[float]:

@@ -24,7 +24,9 @@ from jacobian.immutable import replaced
 __all__ = ["Problem", "Truth"]
 
 STEP = 1e-200
-"""Of complex differences, which subtract nothing: any h whose square is 0 in doubles gives a derivative to rounding."""
+"""The step of complex differences. They involve no subtraction, so any h whose square is 0 in doubles gives a
+derivative to rounding.
+"""
 CONDITION_DIGITS = (FLOAT_DIGITS, 30)
 UNIT_ROUNDING = 2.0**-52
 
