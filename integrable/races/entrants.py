@@ -25,7 +25,7 @@ __all__ = ["RIVALS", "TOLERANCES", "Entrant", "entrants", "loaded"]
 Solve = Callable[[Problem, np.ndarray, float], Any]
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
-"""What a user's own method is asked for."""
+"""The tolerances passed to a user's own method."""
 RIVALS = (
     "SciPy DOP853", "SciPy DOP853, compiled", "SciPy LSODA", "SciPy Radau", "Gauss-Legendre 16, adaptive",
     "Taylor, compiled", "heyoka",

@@ -18,7 +18,7 @@ WIDTH, HEIGHT = 680, 440
 LEFT, RIGHT, TOP, BOTTOM = 88, 14, 14, 50
 """Pixels of a diagram and around its axes."""
 LEAST = 1e-17
-"""Errors below are drawn here: a double has no digits for them."""
+"""Smaller errors are drawn here: they are below the resolution of a double."""
 SIZE = 5.0
 """Pixels from the middle of a mark to its edge."""
 _STYLE = """
@@ -122,7 +122,7 @@ def _words(run: Run) -> str:
 
 
 def _bands(course: Course, across: Axis) -> tuple[list[str], list[str]]:
-    """The bands of errors that mean nothing, and their labels.
+    """The bands of errors that are not significant, and their labels.
 
     One band lies within the truth's radius, the other below the effect of rounding the inputs.
     """
@@ -175,7 +175,7 @@ _SHAPES = {
         (-1.33, -0.43), (-0.33, -0.45),
     ),
 }  # fmt: skip
-"""Markers by matplotlib's names, in units of SIZE; what has none here is a circle."""
+"""Markers by matplotlib's names, in units of SIZE; the others are drawn as a circle."""
 
 
 def _mark(x: float, y: float, colour: str, marker: str, filled: bool) -> str:

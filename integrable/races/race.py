@@ -30,15 +30,15 @@ from jacobian.errors import ArgumentError, one_of, shown
 __all__ = ["Race", "pieces_of_race", "race"]
 
 MOST_TIMES = 21
-"""Of a problem's times so many are asked for, the last among them."""
+"""The largest number of a problem's times that a race requests, including the last."""
 CONDITIONED = 5
-"""Of these so many say how rounding the inputs grows."""
+"""The number of these times at which the effect of rounding the inputs is computed."""
 LIMIT = 4.0
 """Seconds that a run may take by default."""
 TRIAL, LONGER = 0.01, 4
-"""The part of the time span of a first trial, and how many times as long the second is: so a whole run is told."""
+"""The fraction of the time span of a first trial, and the factor to the second; both predict a whole run."""
 REPEAT, PATIENCE = 3, 0.4
-"""Runs at each setting, and the seconds of a rung after which no more are begun."""
+"""The number of runs at each setting, and the seconds of a rung after which no more are begun."""
 
 
 class Race(Results):
