@@ -34,7 +34,7 @@ class Solution(NamedTuple):
     gamma: np.ndarray
     M: np.ndarray
     evaluations: int
-    """Right-hand sides, for Taylor series expansions, for closed forms points."""
+    """The number of right-hand sides; for Taylor series of expansions, for closed forms of points."""
 
 
 def is_body(system: Any) -> bool:

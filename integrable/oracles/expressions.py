@@ -36,13 +36,13 @@ class Kind:
     """Equations of motion with symbols for all constants. Equal kinds have the same equations."""
 
     name: str
-    """What the systems are: "ball", "top", or the name of their class."""
+    """The kind of the systems: "ball", "top", or the name of their class."""
     size: int
-    """Components of the state."""
+    """The number of components of the state."""
     inputs: int
-    """Numbers that a system of this kind is given."""
+    """The number of constants of a system of this kind."""
     coefficients: tuple[Node, ...]
-    """A program in these numbers, "c" of its lines …"""
+    """A program in these constants, the "c" of its lines …"""
     used: tuple[int, ...]
     """… of which these are the coefficients of the equations."""
     rates: tuple[Node, ...]
@@ -199,7 +199,7 @@ class Symbol:
         try:
             value = _DO[op](x, y)
         except ZeroDivisionError:
-            value = float("nan")  # at this state alone
+            value = float("nan")  # the formula is undefined at this state only
         return self.book.line(op, left.index, right.index, value=value)
 
     def __add__(self, other: Any) -> Symbol:

@@ -35,12 +35,12 @@ class Rule(NamedTuple):
 
     nodes: np.ndarray
     weights: np.ndarray
-    """b_i, shape (8,), and what rounding took from them in ``weights_low``."""
+    """b_i, shape (8,), with their rounding errors in ``weights_low``."""
     weights_low: np.ndarray
     ratios: np.ndarray
     """μ_ij, shape (8, 8)."""
     last: np.ndarray
-    """The functional that takes the coefficient of the shifted Legendre polynomial P_7 of the stages."""
+    """The functional from the stages to their coefficient of the shifted Legendre polynomial P_7."""
     inverse: np.ndarray
     """1/Π_{k≠j}(c_j − c_k), for Lagrange's formula."""
 

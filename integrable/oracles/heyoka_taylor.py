@@ -68,7 +68,7 @@ class Shared(NamedTuple):
     state: np.ndarray
     parameters: np.ndarray
     done: Any
-    """heyoka's word for having arrived."""
+    """heyoka's outcome of a run that reached its end."""
 
 
 def _started(shared: Shared, coefficients: np.ndarray, first: np.ndarray, number: Callable[[Any], Any]) -> Run:

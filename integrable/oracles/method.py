@@ -38,7 +38,7 @@ from jacobian.errors import ArgumentError
 __all__ = ["Given", "Method", "Problem", "Spent", "kept", "problem_of", "time_scale", "timed_run"]
 
 Run = Callable[[Iterable[Any]], Solution]
-"""times ↦ Solution, in any order and of either sign, the start being at time 0."""
+"""A function times ↦ Solution; times of any order and sign, with the start at time 0."""
 
 
 class Given(NamedTuple):
@@ -47,7 +47,7 @@ class Given(NamedTuple):
     constants: tuple[Any, ...]
     number: Callable[[Any], Any]
     context: Any = None
-    """mpmath's, where the numbers are of more digits."""
+    """mpmath's context for numbers with more digits than a float."""
 
 
 Started = Callable[[Sequence[Any]], Run]
@@ -67,9 +67,9 @@ class Spent(NamedTuple):
     """Seconds of one run, split by what they are spent on: the machine, a system, a start, or evaluation."""
 
     machine: float
-    """Once a machine: what depends on no body and no start, compilation above all."""
+    """Once a machine: work that depends on no body and no start, mainly compilation."""
     system: float
-    """Once a system: what is made for a body and serves all its starts."""
+    """Once a system: work for a body that serves all its starts."""
     start: float
     """Once a start."""
     evaluation: float
@@ -98,18 +98,18 @@ class Method(ABC):
     parameter: str
     settings: tuple[float, ...]
     kinds: tuple[str, ...] = ()
-    """Names of the kinds of systems that it takes, "ball" and "top" for instance; none: every kind."""
+    """The kinds of systems that it accepts, such as "ball" and "top"; empty: every kind."""
     number: str = "float"
     """"float", or "any" for methods that also run in the mpf of a system over MP(digits)."""
     module: str = ""
     extra: str = ""
-    """The module that is imported, and the optional dependency of this package that installs it."""
+    """The module that it imports, and the optional dependency of this package that installs it."""
     compiled: bool = False
     """Whether a compiler is part of :meth:`build`."""
     order: int | None = None
-    """Of convergence, for a fixed step."""
+    """The order of convergence, for a fixed step."""
     guard: int = 0
-    """Digits that its numbers hold beyond doubles, where the setting is no number of digits."""
+    """The extra digits of its numbers beyond doubles, where the setting is not a number of digits."""
 
     @abstractmethod
     def build(self, kind: Kind, setting: Any) -> Built:

@@ -21,7 +21,7 @@ __all__ = ["METHODS", "Method", "time_scale"]
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 3e-14)
 STEPS = (0.5, 0.25, 0.12, 0.06, 0.03, 0.015)
-"""In units of the time scale of :meth:`Method.ladder`."""
+"""Steps in units of the time scale of :meth:`Method.ladder`."""
 BODIES = ("ball", "top")
 
 _TABLE: tuple[Method, ...] = (

@@ -17,7 +17,9 @@ from jacobian.errors import ArgumentError
 __all__ = ["by_sign", "follow", "solution_of", "split_times"]
 
 Advance = Callable[[list[Any], Any, Any], tuple[list[Any], Any, int]]
-"""(y, h, memory) ↦ (y after a step of h, what helps the next step of the same h, evaluations); memory None: nothing."""
+"""(y, h, memory) ↦ (y after a step h, memory, evaluations). The memory speeds up the next step of the same h; None is
+empty.
+"""
 
 
 def follow(advance: Advance, start: Iterable[Any], times: Iterable[Any], step: Any) -> Solution:
