@@ -26,7 +26,7 @@ class Column:
     long_name: str
     parts: tuple[str, ...] = ()
     flags: tuple[str, ...] = ()
-    """What the numbers 0, 1, … mean, where they are no quantities."""
+    """The meanings of the numbers 0, 1, … of a column of codes."""
 
     def attributes(self) -> dict[str, Any]:
         """The array's attributes, by the conventions of netCDF."""

@@ -44,7 +44,7 @@ QUANTITIES = {
     "quaternion": Quantity("component", ("w", "x", "y", "z"), "1", "rotation from the body frame to space"),
     "contact": Quantity("direction", ("x", "y"), "m", "point of contact, in metres or radii"),
 }
-"""What a result can be asked for: each is the name of an attribute of its own."""
+"""The quantities of a result, each by the name of its attribute."""
 UNITS = "those of SI, or of the consistent set that the body and M were given in"
 
 

@@ -20,7 +20,7 @@ FULL = {
     errno.EDQUOT: "the quota of the disk is used up",
     errno.EFBIG: "the file would be larger than the limit that the system sets (ulimit -f)",
 }
-"""What the system means where there is no room."""
+"""The meanings of the system's errors for lack of room."""
 
 
 def target_of(path: Any, wanted: str, argument: str = "path") -> Path:

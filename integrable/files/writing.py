@@ -121,4 +121,4 @@ FORMATS = {
     ".csv": _Format(_csv, ("pandas",)),
     ".mat": _Format(_mat, ("scipy",)),
 }
-"""What a file's suffix says: who writes it, and the libraries that are needed, of the extra ``io``."""
+"""For each suffix of a file: the function that writes it, and the libraries of the extra ``io`` that it needs."""
