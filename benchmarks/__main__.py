@@ -5,8 +5,8 @@ A benchmark is a module ``benchmarks/bench_<name>.py`` with a docstring, whose f
     def run(smoke: bool) -> list[dict[str, object]]
 
 that measures and returns rows, each a mapping of column name to value (strings, integers, floats; the same columns in
-each row). With ``smoke`` it does the least that passes through all of its code, in seconds. A figure that breaks a
-promise is an exception: the benchmark then fails, and so does this command, after the others have run.
+each row). With ``smoke`` it does the least work that passes through all of its code, in seconds. A figure that breaks a
+promise raises an exception; the command then fails, after the other benchmarks have run.
 """
 
 from __future__ import annotations
@@ -50,13 +50,13 @@ def table(rows: list[dict[str, Any]]) -> str:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the chosen benchmarks; 0 if all went through, 1 if one failed, 2 for a wrong argument."""
+    """Run the chosen benchmarks; 0 if all succeeded, 1 if one failed, 2 for a wrong argument."""
     write_anything()
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks", description="Run the benchmarks and print their tables."
     )
     parser.add_argument("names", nargs="*", metavar="NAME", help="which (default: all)")
-    parser.add_argument("--smoke", action="store_true", help="the least of each, in seconds: only to see that it runs")
+    parser.add_argument("--smoke", action="store_true", help="the least work of each: only to see that it runs")
     parser.add_argument("--list", action="store_true", help="list the benchmarks")
     parser.add_argument("--json", metavar="FILE", help="also write all rows to this file")
     arguments = parser.parse_args(argv)

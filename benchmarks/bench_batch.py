@@ -1,9 +1,10 @@
-"""Batches of genus 2 and 3 beside genus 2 in C and python-flint's Cantor: nanoseconds for an addition or a doubling.
+"""Batches of genus 2 and 3 compared with genus 2 in C and python-flint's Cantor: nanoseconds for an addition or a
+doubling.
 
 Each row is one prime, operation and number N of rows. "kernel" is the compiled loop alone on one thread, "C" the loop
 of benchmarks/c/genus2_batch.c on the same words (compiled here with cc -O3 -march=native; results compared), "array"
-the operator on a DivisorArray on one thread, "threads" how many times faster it is on all. "memory" is the most that
-the operator allocates at a time, in arrays of the result. The last rows are other curves: models of degree 6,
+the operator on a DivisorArray on one thread, "threads" how many times faster it is on all. "memory" is the largest
+amount that the operator allocates, in units of the result's array. The last rows are other curves: models of degree 6,
 primes of two words, GF(2^n) without tables, genus 3 (explicit on degree 7, Cantor on degree 8), tables. "random" are
 ``J.random(rng, size=N)``, "single" ``J.random(rng)``.
 """

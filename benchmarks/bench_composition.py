@@ -36,7 +36,7 @@ def stacked(row: Row) -> tuple[Any, Any]:
 
 
 def kernel(row: Row) -> tuple[Any, Any]:
-    """The same, unrolled (jacobian.inexact.genus2_real)."""
+    """The stacked composition, unrolled (jacobian.inexact.genus2_real)."""
     total = genus2_real.add(*(tuple(map(float, part)) for part in (row.f, row.first, row.second)))[0]
     return total[:2], total[2:]
 
@@ -79,7 +79,7 @@ def draw(table: list[dict[str, object]], stem: Path) -> None:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    # Okabe and Ito's colours, and a shape each
+    # Okabe and Ito's colours, each with its own marker
     styles = {
         "classical": ("#D55E00", "s", "classical solve, L ≡ (V′ − V)/U mod U′"),
         "stacked": ("#0072B2", "o", "both congruences, stacked"),

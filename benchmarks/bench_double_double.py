@@ -1,4 +1,4 @@
-"""Double-double arithmetic beside floats and mpf: an operation, an addition of divisors, the first call.
+"""Double-double arithmetic compared with floats and mpf: an operation, an addition of divisors, the first call.
 
 µs are processor time, the least of several runs; "error" is relative, against the same inputs at 60 digits.
 """

@@ -1,10 +1,10 @@
-"""Ensembles of random balls beside heyoka's ensembles of batches, K = 10 … 10⁵, on one thread and on two.
+"""Ensembles of random balls compared with heyoka's ensembles of batches, K = 10 … 10⁵, on one thread and on two.
 
-Moments in 1 … 3, d in 0 … 1, |M| = 2, all different, 101 times from 0 to T. ``ms`` is wall time a member, set-up of
-the members included, compilation apart, ``processor ms`` that of all threads; ``error`` the largest of γ and M/|M|
-against the torus of 20 members, ``memory`` what the process has grown by, in MB: chunks of 64 MB are asked for. heyoka
-runs batches as wide as the processor takes, at tolerance 1e-15, on as many threads, compiled before (``pip install
-'jacobian-integrable[peers]'``). All of it takes two minutes on an idle machine.
+Moments in 1 … 3, d in 0 … 1, |M| = 2, all different, 101 times from 0 to T. ``ms`` is wall time a member, with the
+set-up of the members and without compilation; ``processor ms`` is that of all threads. ``error`` is the largest of γ
+and M/|M| against the torus of 20 members. ``memory`` is the growth of the process in MB; chunks of 64 MB are requested.
+heyoka runs batches of the processor's width at tolerance 1e-15 on as many threads, compiled before (``pip install
+'jacobian-integrable[peers]'``). The benchmark takes two minutes on an idle machine.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ TOLERANCE = 1e-15
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """Rows (K, T, threads, and of ours and of heyoka's ms, error and memory)."""
+    """Rows (K, T, threads, then ms, error and memory of ours and of heyoka's)."""
     rows: list[dict[str, object]] = []
     warm(smoke)
     for count, until in CASES[:1] if smoke else CASES:
@@ -122,7 +122,7 @@ def heyoka(many: Ensemble, times: np.ndarray, threads: int, wanted: np.ndarray) 
     before, begun, off, grown = resident(), clocks(), 0.0, 0
     for first in range(0, len(many), AT_A_TIME):
         part = many.members[first : first + AT_A_TIME]
-        # whole batches: the last is filled up with the first members
+        # the last batch is filled up with the first members
         order = np.resize(np.arange(len(part)), -(-len(part) // width) * width)
 
         def begun_with(integrator: Any, i: int, part: Any = part, order: Any = order) -> Any:
@@ -154,7 +154,7 @@ def spent_since(begun: tuple[float, float], count: int) -> tuple[float, float]:
 
 
 def resident() -> int:
-    """Bytes of memory that this process has now; 0 where the system does not say."""
+    """The bytes of memory that this process occupies now; 0 where the system does not report it."""
     try:
         return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
     except OSError:

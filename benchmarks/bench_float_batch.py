@@ -1,8 +1,8 @@
-"""Float batches: one divisor added to N others, beside the bare loop in C: states of one ball, complex divisors.
+"""Float batches: one divisor added to N others, compared with the bare loop in C: states of one ball, complex divisors.
 
 ns are processor time of all threads, the least of several runs; "residual" is the largest of |f − V² mod U| over the
-size of its terms, after the addition. The rows "1 thread" and "2 threads" are elapsed time, and
-beside it the processor time of the busiest thread, which is what remains of it where other programs run too.
+size of its terms, after the addition. The rows "1 thread" and "2 threads" have the elapsed time, and the processor time
+of the busiest thread, which other programs disturb less.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from jacobian.batch.sums import FloatSums
 
 REPEATS = 25
 SINGLE = 997
-# of degree 6, with numbers of moderate size
+# f of degree 6, with coefficients of moderate size
 COMPLEX = (0.5 + 1j, -1.0, 0.25j, 1 - 1j, 0.5, 1 + 0.5j, 0.75 - 0.25j)
 
 
@@ -137,12 +137,12 @@ def _threads(few: DivisorArray, size: int, repeats: int) -> list[dict[str, objec
 
 
 def _processor_seconds() -> dict[str, float]:
-    """The processor time of every thread of this process, where Linux tells."""
+    """The processor time of every thread of this process, on Linux."""
     return {str(path): int(path.read_text().split()[0]) / 1e9 for path in Path("/proc/self/task").glob("*/schedstat")}
 
 
 def _compiled(folder: Path, f: Any, first: Any, second: Any) -> Callable[[], Any] | None:
-    # real numbers of degree 6 have no loop of their own in C
+    # there is no C loop for real numbers and degree 6
     if len(f) == 7 and first.dtype == np.float64:
         return None
     source = "complex_batch.c" if first.dtype == np.complex128 else "float_batch.c"

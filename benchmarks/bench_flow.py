@@ -21,7 +21,7 @@ from integrable.systems.system import System
 SCENES = json.loads((Path(__file__).parents[1] / "tests" / "data" / "trajectories.json").read_text())["scenes"]
 FAR = (1e2, 1e4, 1e6, 1e9, 1e12)
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
-# beside the reference scenes: bodies and starts that are hard
+# hard bodies and starts, in addition to the reference scenes
 HARD: dict[str, tuple[System, Any, Any]] = {
     "thinner, I1 = 1e-8": (ChaplyginBall((1e-8, 1, 1.5), 1), *START),
     "1 : 10^4 : 10^8": (ChaplyginBall((1, 1e4, 1e8), 1), *START),
@@ -33,14 +33,15 @@ HARD: dict[str, tuple[System, Any, Any]] = {
     "|M| = 2e4": (ChaplyginBall((1, 2, 3), 0.7), START[0], (3840, 12800, -14880)),
 }
 
-# whose series on the torus has so few terms that the readable loops make it in seconds
+# cases whose series on the torus has so few terms that the readable loops compute it in seconds
 READABLE = ("S1", "S6", "1 : 10^4 : 10^8", "equal moments", "equal to 1e-12", "|M| = 2e4")
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """Rows: error at the reference's times; at far times beside other computations; cost; memory of a stream.
+    """Rows: error at the reference's times; error at far times against other computations; cost; memory of a stream.
 
-    Seconds and microseconds are of processor time, best of several repeats; the load of the compiled loops is apart.
+    Seconds and microseconds are processor time, the best of several repeats; loading the compiled loops is a row of its
+    own.
     """
     begun = perf_counter()
     _flow("S1").at([1000.0])
@@ -84,8 +85,8 @@ def _against_reference(name: str) -> list[dict[str, object]]:
 
 
 def _far(name: str, smoke: bool) -> list[dict[str, object]]:
-    """From the same floats, taken as exact: τ = T/|M| beside 25 digits and the table of counts; t = T/|M| beside the
-    readable loops in 48 digits.
+    """Errors from the same floats, taken as exact: at τ = T/|M| against 25 digits and the table of counts, at t = T/|M|
+    against the readable loops in 48 digits.
     """
     system, state = system_of(name)
     times = np.array(FAR[:2] if smoke else FAR) / float(np.linalg.norm(state.M))
@@ -142,13 +143,13 @@ print(before, used.ru_maxrss, used.ru_utime + used.ru_stime)
 
 
 def _stream(count: int) -> dict[str, object]:
-    """S1 at 1000 points in a unit of time, in a process of its own: peak memory before and with the stream."""
+    """S1 at 1000 points per unit time, in a separate process: peak memory before and with the stream."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.npy"
         command = [sys.executable, "-c", _STREAM, str(path), str(count)]
         before, after, seconds = map(float, subprocess.run(command, check=True, capture_output=True).stdout.split())
         size = path.stat().st_size
-    # kilobytes, on macOS bytes
+    # kilobytes, but bytes on macOS
     unit = 1024.0 if sys.platform != "darwin" else 1024.0 * 1024
     return {
         "what": f"stream of {count} states",

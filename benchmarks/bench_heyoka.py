@@ -1,8 +1,9 @@
-"""heyoka as a comparator of the report beside heyoka as its own users run it (``benchmarks/outside_heyoka.py``).
+"""heyoka as a comparator of the report, and heyoka as its own users run it (``benchmarks/outside_heyoka.py``).
 
-µs of a start and its evaluation at 101 times up to T, in turn in one process. ``ours/outside`` is to be at most 1.3.
-The equations are those of the package on one side, written by hand on the other. ``compact/default``: the evaluation
-in heyoka's ``compact_mode`` over that in its default mode, beside the seconds of building either without a cache.
+Times in µs are those of a start and its evaluation at 101 times up to T, in turn in one process. ``ours/outside`` must
+be at most 1.3. One side has the equations of the package, the other equations written by hand. ``compact/default`` is
+the time of evaluation in heyoka's ``compact_mode`` over that in its default mode; the seconds of building either
+without a cache are listed too.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from integrable.study.rivals import at_times, method_once
 from integrable.study.timing import Timed, interleaved
 
 COMPACT = ("garnier",)
-"""Scenes without equations by hand, where only the modes are compared."""
+"""Scenes without equations written by hand, for which only the modes are compared."""
 
 
 def run(smoke: bool) -> list[dict[str, Any]]:

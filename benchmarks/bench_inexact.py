@@ -1,7 +1,7 @@
-"""Sums in floats of points of any size, and of clusters, against sums of hundreds of digits: what is refused, and the
-error in units of what the last bits of the summands do to the sum.
+"""Sums in floats of points of any size, and of clusters, against sums of hundreds of digits. Columns: refusals, and the
+error in units of the effect of the summands' last bits on the sum.
 
-``python -m benchmarks.bench_inexact --sums 2000 --seed 1`` tries that many for each row.
+``python -m benchmarks.bench_inexact --sums 2000 --seed 1`` tries that many sums for each row.
 """
 
 from __future__ import annotations
@@ -14,9 +14,10 @@ from typing import Any
 from jacobian import RR, HyperellipticCurve, PrecisionLoss
 from tests.jacobian.inexact import inexact_oracle as oracle
 
-# |x| between powers of ten, all points within a factor of it; points within 1e-8 … 1e-1 of each other
+# every size: |x| over several powers of ten; one size: |x| within a factor; cluster: points within 1e-8 … 1e-1 of each
+# other
 KINDS = ("every size", "one size", "cluster")
-# where last bits of the summands move a coefficient of the sum by this part, they may decide its degree
+# if the last bits of the summands change a coefficient of the sum by this fraction, they may decide its degree
 DECIDED = 1 / 50
 
 

@@ -1,8 +1,9 @@
-"""Sums on Kummer surfaces beside the group of the curve: microseconds of processor time for one, on one thread.
+"""Sums on Kummer surfaces compared with the group of the curve: microseconds of processor time each, on one thread.
 
 "sum" and "ladder" are single calls, "sum, array" and "ladder, array" a point of an array of 500; "m·D" is the same
-multiple in the group, compiled where there is such code, "m·D, array" in an array, and "flint m·D" that of Cantor on
-python-flint's polynomials by doubling and adding. "set-up" are the seconds that the forms of a curve take, once.
+multiple in the group, compiled where possible, and "m·D, array" one of an array. "flint m·D" is the multiple by
+doubling and adding with Cantor's algorithm on python-flint's polynomials. "set-up" is the time for the forms of a
+curve, in seconds, once.
 """
 
 from __future__ import annotations

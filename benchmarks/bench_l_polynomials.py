@@ -1,10 +1,10 @@
-"""L-polynomials at all primes up to a bound: processor time and its growth, beside PARI prime by prime.
+"""L-polynomials at all primes up to a bound: processor time and its growth, compared with PARI prime by prime.
 
 "PARI, s" is PARI's ``ellap`` at all primes in genus 1, else its ``hyperellcharpoly`` at a prime of each bit length,
-times the number of such primes, for bounds up to PARI_TO (cypari, where it is installed); "growth" the time for this
-bound over that for a quarter of it. "memory, MB" is the most this process has taken so far. The last rows are what the
-arithmetic of trees was chosen by: a product of matrices in FLINT, the transforms alone that it would take where they
-are kept, and walks from 0 on beside blocks of a forest.
+times the number of such primes, for bounds up to PARI_TO (cypari, where it is installed); "growth" is the time for this
+bound over that for a quarter of it. "memory, MB" is the peak of this process so far. The last rows justify the
+arithmetic of trees. They compare a product of matrices in FLINT with the transforms alone that it would take if they
+were kept, and walks from 0 on with blocks of a forest.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def _bound(genus: int, exponent: int, last: float | None) -> tuple[dict[str, obj
     C = HyperellipticCurve(QQ, CURVES[genus])
     taken, L = _seconds(lambda: C.l_polynomials(1 << exponent))
     if taken > PROMISED.get((genus, exponent), np.inf):
-        raise AssertionError(f"genus {genus}, 2^{exponent}: {taken:.1f} s are more than was promised")
+        raise AssertionError(f"genus {genus}, 2^{exponent}: {taken:.1f} s are more than the promised time")
     row = {
         "what": f"genus {genus}, p ≤ 2^{exponent}",
         "processor, s": taken,
@@ -93,7 +93,7 @@ def _pari(C: HyperellipticCurve, L: Any) -> float | None:
 
 
 def _matrices(bits: int) -> dict[str, object]:
-    """A product of two 5 × 5 matrices of so many bits, and 25 + 25 + 25 transforms that would do."""
+    """A product of two 5 × 5 matrices of this many bits, and the 25 + 25 + 25 transforms that would suffice."""
     from flint import fmpz_mat
 
     from jacobian.finite.product_kernels import kernels
@@ -102,7 +102,7 @@ def _matrices(bits: int) -> dict[str, object]:
     rng = Random(1)
     A, B = (fmpz_mat(5, 5, [rng.getrandbits(bits) for _ in range(25)]) for _ in range(2))
     flint, _ = _seconds(lambda: A * B)
-    # coefficients of 40 bits, whose sums of products stay below two primes
+    # coefficients of 40 bits: sums of their products stay below the product of two primes
     length = max(LEAST, 1 << (2 * bits // 40).bit_length() - 1)
     work, values = (
         Convolutions(next(iter(PRIMES)), length, kernels()),

@@ -1,9 +1,9 @@
-"""Bodies in the laboratory beside Newton's and Euler's equations of the rotation matrix, at 160 bits.
+"""Bodies in the laboratory compared with Newton's and Euler's equations of the rotation matrix, at 160 bits.
 
 200 random balls and as many free bodies: tensors of six masses each in any axes, random orientations, ω of 3 rad/s in
 each component. The equations (:mod:`tests.integrable.laboratory.newton_euler`) share no formula with the package; they
 are integrated by heyoka's Taylor series in reals of 160 bits (``pip install 'jacobian-integrable[peers]'``), to 10⁻³⁶.
-Errors are the largest of all bodies: of the elements of the rotation, of ω beside its size, of the contact in m.
+Errors are the largest over all bodies: of the elements of the rotation, of ω relative to its size, of the contact in m.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from tests.integrable.laboratory.newton_euler import rates
 from tests.integrable.laboratory.test_laboratory import MASS, RADIUS, orthogonal, rotation, tensors
 
 COUNT, BITS, TOLERANCE = 200, 160, "1e-36"
-# of the field: seconds of motion, and the error that is promised
+# for each field: seconds of motion, and the promised error
 CASES = ((RR, 3, 1e-12), (MP(30), 1, 1e-20))
 WIDE = MP(45)
 CONTACT = (0.3, -0.2)
@@ -57,7 +57,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 
 def _integrator() -> Any:
-    """(J, R, ω, whether it rolls, time) ↦ the rotation, ω and the way of the contact, 14 numbers of WIDE."""
+    """(J, R, ω, whether it rolls, time) ↦ the rotation, ω and the displacement of the contact, 14 numbers of WIDE."""
     import heyoka as hy
 
     def real(x: Any) -> Any:
@@ -105,7 +105,7 @@ def _errors(field: Any, J: np.ndarray, R: Any, omega: np.ndarray, ball: bool, ti
 
 
 def _milliseconds(field: Any, J: np.ndarray, R: Any, omega: np.ndarray, ball: bool, time: float) -> float:
-    """Of one body, set-up, rotation, ω and contact."""
+    """The time for one body: set-up, rotation, ω and contact."""
 
     def once() -> None:
         found = _motion(field, J, R, omega, ball).at([time])

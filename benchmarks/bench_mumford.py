@@ -1,8 +1,8 @@
-"""Motions on Jacobians of genus 1 to 8 by additions: set-up, one point near and far, what they lose; and 1000 points up
-to 10⁶ by whatever the flow takes.
+"""Motions on Jacobians of genus 1 to 8 by additions: set-up, one point near and far, and their errors; then 1000 points
+up to 10⁶ by the method that the flow chooses.
 
-Neumann's system on S^n (genus n) with a = 1, 2, …, n + 1 and the Toda lattice of n + 1 particles, in floats; errors at
-10⁶ beside 40 digits from the same floats; processor time, the least of several.
+Neumann's system on S^n (genus n) with a = 1, 2, …, n + 1 and the Toda lattice of n + 1 particles, in floats. Errors at
+10⁶ are against 40 digits from the same floats; times are of the processor, the least of several.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def _row(make: Callable[..., Any], genus: int, repeats: int) -> dict[str, object
 
 
 def _many(flow: MumfordFlow, count: int) -> dict[str, object]:
-    """Many points up to 10⁶: the first time, which may make tables, and again."""
+    """Many points up to 10⁶: a first call, which may make tables, and a second one."""
     times = np.random.default_rng(1).uniform(-1e6, 1e6, count)
     start = time.process_time()
     flow.at(times)

@@ -1,9 +1,10 @@
-"""Systems near their start: a fresh system, state and flow with 101 outputs, beside heyoka built once and additions.
+"""Systems near their start: a fresh system, state and flow with 101 outputs, compared with heyoka, built once, and
+additions.
 
-``ms`` is the least of repeats, ``÷ heyoka`` the same over heyoka's in turn with it, at tolerance 1e-15, and with a
-tolerance of 1e-12 of ours. The walks of all kinds are compiled before. Errors are
-the largest differences of q and p from the states of the additions at T = 100, relative to the largest there. A unit of
-time is |q| of the earth's geodesic, else 1.
+``ms`` is the least of several runs, ``÷ heyoka`` its ratio to heyoka's in turn with it: at tolerance 1e-15, and with a
+tolerance of 1e-12 of ours. The short runs of all kinds are compiled before. Errors are the largest differences of q and
+p from the states by additions at T = 100, relative to the largest there. The unit of time is |q| for the earth's
+geodesic, else 1.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ Row = dict[str, object]
 
 
 def run(smoke: bool) -> list[Row]:
-    """A row for each system, the median and the worst ratio of these, and rows of deformations."""
+    """A row for each system, the median and the worst of their ratios, and rows of deformations."""
     lengths, few = ((1,), 1) if smoke else (LENGTHS, None)
     rows = [_classical(name, *motion, lengths) for name, motion in list((MOTIONS | BESIDE).items())[:few]]
     ratios = [name for name, ratio in rows[0].items() if name.endswith("÷ heyoka") and ratio is not None]

@@ -1,4 +1,4 @@
-"""From which genus NUCOMP is faster than Cantor's step-by-step reduction: microseconds for an addition and a doubling.
+"""NUCOMP compared with Cantor's step-by-step reduction by genus: microseconds for an addition and a doubling.
 
 The constant NUCOMP_GENUS of jacobian/addition/choice.py is read off this table.
 """

@@ -1,8 +1,8 @@
-"""Group orders over large primes: the Cartier–Manin matrix in Õ(√p), then baby steps; and which way is the cheapest.
+"""Group orders over large primes: the Cartier–Manin matrix in Õ(√p), then baby steps; and the cheapest method.
 
-The first rows hold the choice of :mod:`jacobian.finite.hasse_witt` for the matrix against the other way. The others are
-orders of general curves, each checked by 100 random classes of the curve and as many of its twist; "processor, s" is
-the time of all threads, "memory, MB" the most this process has taken so far.
+The first rows compare the method that :mod:`jacobian.finite.hasse_witt` chooses for the matrix with the other one. The
+others are orders of general curves, each checked by 100 random classes of the curve and as many of its twist;
+"processor, s" is the time of all threads, "memory, MB" the peak of this process so far.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ CHOICES = (10**5, 5 * 10**5, 2 * 10**6, 10**7)
 ORDERS = ((10**9, 2), (10**9, 3), (10**12, 2), (10**12, 3), (10**14, 2))
 WORSE = 2.0
 COMPILED = 1.0
-"""Seconds of compilation, once, that the products cost and the recurrence does not."""
+"""The seconds of compilation, once, for the products; the recurrence needs none."""
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
@@ -46,9 +46,9 @@ def _choice(start: int) -> dict[str, object]:
         hasse_witt.PRODUCTS_FROM = chosen
     recurrence, products = seconds
     taken, other = (products, recurrence) if p > chosen else (recurrence, products)
-    # a dozen calls pay for the compilation at most
+    # the compilation must pay within a dozen calls
     if taken > WORSE * other + COMPILED / 12:
-        raise AssertionError(f"p = {p}: {taken:.3f} s are chosen, the other way takes {other:.3f} s")
+        raise AssertionError(f"p = {p}: {taken:.3f} s by the chosen method, the other takes {other:.3f} s")
     return {"p": p, "genus": 2, "recurrence, s": recurrence, "products, s": products}
 
 

@@ -1,8 +1,8 @@
-"""Reduced Tate pairings in genus 1 and 2 with m of 20 to 60 bits over GF(p), m² | p − 1; in genus 1 beside PARI.
+"""Reduced Tate pairings in genus 1 and 2 with m of 20 to 60 bits over GF(p), m² | p − 1; in genus 1 compared with PARI.
 
 y² = x³ + ax over p = A² + 1 has a twist of order A², y² = x⁵ + ax over p = 2d² + 1 one of order 4d⁴ (complex
-multiplication by i and √−2): m divides A and d. "ms" is processor time for one pairing, "m·D, ms" what of it takes the
-check that m annihilates D, "PARI, ms" PARI's ``elltatepairing`` without the last power (cypari, where it is installed).
+multiplication by i and √−2): m divides A and d. "ms" is processor time for one pairing, "m·D, ms" the part of the check
+that m annihilates D, "PARI, ms" PARI's ``elltatepairing`` without the last power (cypari, where it is installed).
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""The flow beside integrators that are built once: twelve scenes at T = 1, 10, 100, 1000; set-up; ensembles; 30 digits.
+"""The flow compared with integrators that are built once: twelve scenes at T = 1, 10, 100, 1000; set-up; ensembles; 30
+digits.
 
 ``ms`` is the clock time of a start with its evaluation, on both sides (:class:`integrable.oracles.method.Spent`): the
 median of runs in turn in one process, with all code compiled before. heyoka's integrator is built once for a kind of
@@ -92,7 +93,7 @@ def grid(T: int) -> list[float]:
 
 
 def runs_of(scene: Scene) -> tuple[dict[str, Callable[[], Timed]], str]:
-    """A run of the flow, "", and of each peer, which are built by a first run; and what a peer said that failed."""
+    """A run of the flow, "", and of each peer, built by a first run; and the error messages of peers that failed."""
     system, state = scene.start(FLOAT_DIGITS)
     runs, said = {"": flow_once(scene, FLOAT_DIGITS, "auto")}, ""
     for name, setting in PEERS.items():
@@ -110,7 +111,7 @@ def runs_of(scene: Scene) -> tuple[dict[str, Callable[[], Timed]], str]:
 
 
 def compared(scene: Scene, T: int) -> tuple[Row, dict[str, Spent]]:
-    """One row, 101 times up to T, and what each side has spent."""
+    """One row, 101 times up to T, and the costs of each side."""
     last = at_times(scene, [T])
     truth = Truth(last, compute(last, 0.0))
     runs, said = runs_of(at_times(scene, grid(T)))

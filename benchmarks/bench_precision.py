@@ -1,4 +1,6 @@
-"""The flow at 30 to 1000 digits beside integrators of any precision: processor seconds, error against more digits."""
+"""The flow at 30 to 1000 digits compared with integrators of any precision: processor seconds, error against more
+digits.
+"""
 
 from __future__ import annotations
 
@@ -16,10 +18,10 @@ from jacobian import MP
 DIGITS = (30, 50, 100, 200, 500, 1000)
 # seconds after which a peer is given up
 PATIENCE = 60
-# how many digits more the run has that errors are against
+# extra digits of the run to which errors refer
 MORE = 20
 
-# prints its seconds, without those of starting Python, and the largest difference of γ and M from its input
+# a script that prints its seconds, without Python's start, and the largest difference of γ and M from its input
 TAYLOR = """
 import sys
 from time import process_time
@@ -88,7 +90,7 @@ def _ours(digits: int, T: int) -> dict[str, object]:
         found = flow.at([T])
         done = process_time()
         seconds.append((ready - start, done - ready))
-    # from the same numbers of the start, rounded to the digits of the run
+    # from the same start, rounded to the digits of the run
     K = MP(digits + MORE)
     more = PreciseFlow(body.body, state, K.dps)
     gamma, M = more.vectors(more.at([T])[1])[0]
@@ -103,7 +105,7 @@ def _row(run: str, digits: int, T: int, setup: object, state: object, error: str
 
 
 def _truth(digits: int, T: int) -> tuple[list[Any], Any]:
-    """γ and M from the exact decimals of the start, as the peers take them."""
+    """γ and M from the exact decimals of the start, as for the peers."""
     body, state = load_scene("chaplygin").start(digits + MORE)
     run = body.flow(state).at([T])
     return [*run.gamma[0], *run.M[0]], MP(digits + MORE)

@@ -1,9 +1,9 @@
 """Far times of motions of genus 1 and 2: a fresh flow with 101 times to T = 1000 and with one at 10⁶, many points, and
 the same by additions in long numbers.
 
-Processor time, the least of several, interleaved with heyoka's, whose integrator is built once: its constants are
-parameters, its state and time are put back. Units of time are |q|/|p| of the earth's geodesic, else 1; errors are
-beside the states of the additions.
+Times are of the processor, the least of several, interleaved with heyoka's. Its integrator is built once, with the
+constants as parameters; a run resets its state and time. The unit of time is |q|/|p| for the earth's geodesic, else 1.
+Errors are against the states by additions.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ GENUS_1: dict[str, tuple[Any, tuple[float, ...], tuple[float, ...]]] = {
     "Lagrange's top": (LagrangeTop(0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
     "spherical pendulum": (SphericalPendulum(), (0.6, 0, -0.8), (0.1, 0.9, 0.075)),
 }
-# integrators end where q is infinite
+# integrators stop where q is infinite
 PAST_INFINITY: dict[str, tuple[Any, tuple[float, ...], tuple[float, ...]]] = {
     "Hénon–Heiles, over the saddle": (HenonHeiles((2.625,), -0.5, -0.25), (0.1, 0.05), (0, 0.1)),
 }

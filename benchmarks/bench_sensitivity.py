@@ -1,13 +1,14 @@
-"""Sensitivities beside the equations of variation, integrated by heyoka.
+"""Sensitivities compared with the variational equations, integrated by heyoka.
 
 Random balls (moments in 1 … 3, d in 0.2 … 3, |M| about 3) up to T = 10⁶, and one beside the separatrix. The
-equations (:mod:`tests.integrable.portrait.variational`) share no formula with the package. As a whole they are
-integrated in long doubles. For farther times they are integrated in doubles over stretches of two units of time, from
-the package's states, and the derivatives over all of them multiplied; what the derivatives of the four integrals say
-of S is put right after each, as a rounding there would grow with the square of time. ``jump`` is how far heyoka's state
-at the end of a stretch is off the package's at most. ``gap`` is the largest
-difference of an element, relative to the largest element, ``median`` that of the middle ball; ``own`` how far the
-integration is off ẋ(t) = S·ẋ(0), so relative (``pip install 'jacobian-integrable[peers]'``).
+equations (:mod:`tests.integrable.portrait.variational`) share no formula with the package. Up to moderate times they
+are integrated as a whole, in long doubles. For longer times they are integrated in doubles over stretches of two units
+of time, from the package's states, and the derivatives are multiplied. After each stretch S is corrected to satisfy the
+derivatives of the four integrals, since rounding errors there would grow with the square of time.
+
+``jump`` is the largest difference of heyoka's state at the end of a stretch from the package's. ``gap`` is the largest
+difference of an element, relative to the largest element, and ``median`` that of the middle ball. ``own`` is the
+relative residual of ẋ(t) = S·ẋ(0) in the integration (``pip install 'jacobian-integrable[peers]'``).
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from integrable.extras import installed
 from tests.integrable.portrait.variational import rates
 
 LONG = np.longdouble
-# bodies and times: as a whole, and in stretches
+# (number of bodies, time): as a whole, and in stretches
 WHOLE, CHAINED = ((50, 100.0), (10, 1e3), (2, 1e4)), ((50, 1e3), (20, 1e4), (5, 1e5), (1, 1e6))
 STRETCH, LANES = 2.0, 8
 BESIDE = ((1e-1, 15.0), (1e-3, 15.0), (1e-5, 15.0))
@@ -60,7 +61,7 @@ def _equations() -> Any:
 
 
 def _integrator() -> Any:
-    """(flow, T) ↦ the state (6,), S (6, 10), and nothing of jumps."""
+    """(flow, T) ↦ the state (6,), S (6, 10), and a jump of 0."""
     import heyoka as hy
 
     equations = _equations()

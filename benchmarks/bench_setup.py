@@ -1,7 +1,7 @@
 """Time of a fresh flow to a first state far away: for bodies of every kind, near the separatrix, and against d.
 
 Milliseconds of processor time, the least of several fresh flows in a warm process, from ``system.flow(state)`` to one
-state at t = 10⁶/|M|, with what it came from. ``python -m benchmarks.bench_setup --figure STEM`` draws the growth.
+state at t = 10⁶/|M|, with its way. ``python -m benchmarks.bench_setup --figure STEM`` draws the growth.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from jacobian.errors import PrecisionLoss
 FAR = 1e6
 TICKS = (0.5, 1, 2, 4)
 SEPARATRIX, MASS = "H1/H2 over a₂, less 1", "d"
-# of the first way of a picture and of others, in the palette of all figures
+# the styles of the ways in a picture, in the palette of all figures
 WAYS = ({"color": BLUE, "marker": "o"}, {"color": ORANGE, "marker": "s"}, {"color": INK, "marker": "^"})
 
 
@@ -43,7 +43,7 @@ def run(smoke: bool) -> Rows:
 
 
 def bodies() -> Iterator[tuple[Any, tuple[System, Any]]]:
-    """Those of ``python -m benchmarks flow``, and a tilted thin one."""
+    """The bodies of ``python -m benchmarks flow``, and a tilted thin one."""
     for name in (*SCENES, *HARD):
         yield name, system_of(name)
 

@@ -27,7 +27,7 @@ from integrable.scene.file import load_scene
 
 SCENES = ("chaplygin", "euler_top", "thin_ball", "tilted_ball")
 TIMES, OUTPUTS = (1.0, 10.0, 100.0, 300.0, 1000.0, 3000.0), (1, 101, 2001, 6001)
-# the times that the costs are measured at: few panels and many, and far from the start
+# the times at which the costs are measured: few panels and many, and far from the start
 NEAR, FAR, TORUS, DENSE = 1.0, 60.0, 1e4, 100.0
 CONSTANTS = ("panel", "start", "torus set-up", "torus each", "torus dense")
 REPEATS = 15
@@ -67,14 +67,14 @@ def summary(lost: list[float]) -> Row:
 
 
 def kept_costs(name: str) -> tuple[float, ...]:
-    """What is taken for the constants, in their order, on one scene."""
+    """The constants in use, in their order, on one scene."""
     body = problem(name)[0].body
     torus = short.torus_cost(min(body.inertia), max(body.inertia), body.d)
     return short.PANEL_COST, short.START_COST, *torus
 
 
 def measured_costs(name: str, repeats: int) -> tuple[float, ...]:
-    """The constants, in their order, on one scene."""
+    """The measured constants, in their order, on one scene."""
     near, far = np.array([NEAR]), np.array([FAR])
     with patch.object(short, "panels_within", lambda *_: 10**6):
         first, last = (1e6 * least_seconds(lambda t=t: fresh(name, "auto").at(t), repeats) for t in (near, far))

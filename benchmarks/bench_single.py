@@ -1,9 +1,10 @@
-"""One class at a time: D + E, 2D and a 122-bit multiple by the operators, beside Cantor on python-flint's polynomials.
+"""One class at a time: D + E, 2D and a 122-bit multiple by the operators, compared with Cantor on python-flint's
+polynomials.
 
 Microseconds, the least of several samples; flint computes on its own objects, without conversions, and multiplies by
-doubling and adding. "call" is the compiled code called on bare coordinates, "kernel" the addition of triples. "Python"
-and "converted", Cantor on python-flint with the conversions there and back, are what a group may run until it has done
-enough work for compiled code; jacobian.addition.cantor_flint.pays, which chooses ("before"), is read off these two.
+doubling and adding. "call" is the compiled code called on bare coordinates, "kernel" the addition of triples. Until a
+group has done enough work for compiled code it runs "Python" or "converted", Cantor on python-flint with conversions of
+arguments and results. The rule of jacobian.addition.cantor_flint.pays, whose choice is "before", is read off these two.
 Results are compared first.
 """
 
@@ -38,7 +39,7 @@ MORE = {
 }
 SCALAR = (1 << 122) - 0x1_2345_6789_ABCD_EF01
 LENGTHS = (17, 31, 61, 89, 127, 255, 521, 1279)
-"""Bits of primes for the comparison of ints with gmpy2's integers."""
+"""The bits of the primes for which ints are compared with gmpy2's integers."""
 
 
 def run(smoke: bool) -> list[dict[str, object]]:

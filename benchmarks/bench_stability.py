@@ -1,8 +1,9 @@
-"""How errors grow over 10 … 10⁸ additions of one divisor, for each way of stepping: error and residual of the curve.
+"""The growth of errors over 10 … 10⁸ additions of one divisor, for each method of stepping: error and residual of the
+curve.
 
 ``python -m benchmarks.bench_stability --figure docs/figures/stability`` also draws it, as .png and .svg. The start is
-the divisor D of the ball (or the top), the step D' a conjugate pair at x = ±iη; truth is D + [n]D' at 60 digits.
-Errors are those of the coefficients of (U, V), the residual is |f − V² mod U| over the size of f.
+the divisor D of the ball (or the top), the step D' a conjugate pair at x = ±iη; the reference is D + [n]D' at 60
+digits. Errors are those of the coefficients of (U, V); the residual is |f − V² mod U| over the size of f.
 """
 
 from __future__ import annotations
@@ -263,7 +264,7 @@ WAYS: dict[str, tuple[Way, int, str]] = {
     "double-double": (_double_double(False), 10**6, "(U, V), double-double"),
     "double-double, retracted": (_double_double(True), 10**6, "double-double, put back every 16"),
 }
-"""Name: (the way, the most additions, what the figure calls it)."""
+"""Name: (the method, the largest number of additions, its label in the figure)."""
 
 
 def measure(problem: Problem, way: str, counts: list[int], truths: dict[int, Any]) -> list[dict[str, Any]]:
@@ -332,7 +333,7 @@ def draw(table: list[dict[str, Any]], stem: Path) -> None:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    # Okabe and Ito's colours, and a shape each
+    # Okabe and Ito's colours, each with its own marker
     styles = dict(zip(
         WAYS,
         (("#0072B2", "o"), ("#332288", "D"), ("#009E73", "^"), ("#D55E00", "s"), ("#CC79A7", "v"), ("#000000", "h"),

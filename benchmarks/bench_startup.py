@@ -1,7 +1,7 @@
-"""Seconds of starting up, each the least of several runs in a fresh interpreter.
+"""Start-up times in seconds, each the least of several runs in a fresh interpreter.
 
-"processor" is the time that the processor was at work on it, which other processes disturb less; "above Python" the
-same without the start of Python itself. Compiling for the first time takes place with an empty cache.
+"processor" is the processor time, which other processes disturb less; "above Python" the same without the start of
+Python itself. Compiling for the first time takes place with an empty cache.
 """
 
 from __future__ import annotations

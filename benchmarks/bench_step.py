@@ -1,4 +1,4 @@
-"""The price of a step: nanoseconds compiled and microseconds interpreted, and how far V² − f mod U has grown."""
+"""The cost of a step: nanoseconds compiled and microseconds interpreted, and the growth of V² − f mod U."""
 
 from __future__ import annotations
 

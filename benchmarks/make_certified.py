@@ -1,8 +1,8 @@
 """Make the data set of certified trajectories: ``python -m benchmarks.make_certified [NAME ...]``.
 
-Motions at 50 times each, in balls of radius 10⁻³⁰ or less that contain them (``enclosure`` of their flows). A motion is
-written to ``build/certified/NAME.json`` when it is done, and the data set from all of these when there are all; run
-again, it goes on. Some ten seconds a motion, a minute or two for one of DEFORMED.
+Motions at 50 times each, in balls of radius 10⁻³⁰ or less that contain them (``enclosure`` of their flows). Each
+finished motion is written to ``build/certified/NAME.json``. The data set is made once all of these exist; an
+interrupted run can be resumed. A motion takes some ten seconds, one of DEFORMED a minute or two.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ SCENES = [
     "near_separatrix_8", "near_separatrix_14",
 ]  # fmt: skip
 DEFORMED = {"tilde": 3.0, "tilde_potential": 3.0, "tilde_poles": 3.0, "check": 3.0, "hat": 1.0, "gyroscopic": 3.0}
-"""Scenes whose equations of motion are enclosed (:mod:`integrable.deformations.enclosed`), and how far."""
+"""Scenes whose equations of motion are enclosed (:mod:`integrable.deformations.enclosed`), and their last times."""
 RANDOM = 24
 TURNS = {True: 3.0, False: 1.0}
-"""Scenes and random motions are followed for so many turns of the body at its angular velocity of the start."""
+"""The length of scenes and random motions, in turns of the body at its initial angular velocity."""
 
 
 def motions() -> dict[str, tuple[Any, Any, str]]:
@@ -97,7 +97,7 @@ def certified(name: str, system: Any, state: Any, text: str) -> dict[str, Any]:
             "t": t,
             "gamma": [decimal(x) for x in run.gamma[k]],
             "M": [decimal(x) for x in run.M[k]],
-            # the balls, and the rounding of what is printed
+            # the radius of the balls, and the rounding of the printed decimals
             "bound": run.radius[k] + 1e-33,
         }
         for k, t in enumerate(at)
