@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from integrable.deformations.enclosed import EnclosedMotion
-from integrable.deformations.equations import STEPS_TO_DIGITS, WalkFirst
+from integrable.deformations.equations import BY_DIGITS, WalkFirst
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits, RoundedRows
 from integrable.motion.trajectory import Way
@@ -34,6 +34,8 @@ __all__ = ["DeformedFlow"]
 GUARD_DIGITS = 18
 ROUNDING = 6
 """Number of digits that the additions of one period may lose."""
+# λ_k above this fraction of their terms lose no essential digits in floats
+ORDINARY = 1e-6
 
 
 def at_its_precision(method: Any) -> Any:
@@ -138,10 +140,19 @@ class DeformedFlow(EnclosedMotion):
 
     def _is_ordinary(self) -> bool:
         """Whether a check in floats already excludes the errors that the set-up could raise."""
-        return False
+        system, state = self.system, self.state
+        if system.field != RR or 0 in system.body.differences or min(system.body.contact) < ORDINARY:
+            return False
+        H, product = (abs(x) for x in system.eigenvalue_sums(system.integrals(state)))
+        large, size = (H + (H * H + 4 * product) ** 0.5) / 2, self._terms()
+        return product > ORDINARY * large * large and large > ORDINARY * size and size < 1 / ORDINARY
 
-    _steps = STEPS_TO_DIGITS
-    """The cost of setting up :attr:`_any_time`, in standard steps of series."""
+    def _terms(self) -> float:
+        """The size of the terms of λ_k."""
+        return float(self.system.field.dot(self.state.M, self.state.M)) * max(self.system.a) ** self.system.degree
+
+    _costs = BY_DIGITS
+    """The costs of :attr:`_any_time` as :class:`WalkFirst` takes them."""
 
     @property
     def _any_time(self) -> Way:
@@ -151,7 +162,7 @@ class DeformedFlow(EnclosedMotion):
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
         if self.system.field != RR or interpreted():
             return self._any_time
-        return WalkFirst(self.system, self.state, lambda: self._any_time, self._steps)
+        return WalkFirst(self, lambda: self._any_time, self._costs)
 
 
 class OnCurves(ManyDigits):

@@ -7,29 +7,26 @@ tape.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 
 from integrable.deformations.hamiltonian import Hamiltonian, Potential, dot
-from integrable.motion.trajectory import Way
+from integrable.motion.trajectory import Motion, Way
+from integrable.mumford.flow import Point
 from integrable.phase.body import Body
 from integrable.phase.state import State, onto_constraints
 from integrable.series.kinds import Formulas, Kind, kind_of
-from integrable.series.near import Near, both_ways
-from integrable.series.steps import FINE, FINEST, Steps, weight
+from integrable.series.near import compiled_walk, finished, quickly, walked
+from integrable.series.steps import FINE
 from integrable.series.symbols import Symbol
 from jacobian.immutable import replaced
 
 __all__ = ["WalkFirst", "right_hand_sides"]
 
-Found = tuple[np.ndarray, np.ndarray]
-# shape of a state: γ, M, and (τ, 0, 0), or (t, 0, 0) in a walk in τ
-SHAPE = 3, 3
-# costs in standard steps of compiled walks (integrable.series.steps.weight): of the set-up of theta functions; of one
-# time by them; of the set-up of two curves in many digits; the largest number of steps (python -m benchmarks near)
-STEPS_TO_THETA, STEPS_A_TIME, STEPS_TO_DIGITS, MOST_STEPS = 600, 4, 8000, 200_000
+# costs in standard steps of series (integrable.series.steps.weight), of a set-up and of a time: by theta functions, by
+# two curves in many digits, and of what is beyond reach in a second (python -m benchmarks near)
+BY_THETA, BY_DIGITS, BY_STEPS = (100, 1), (300, 25), (50_000, 0)
 
 
 def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[Any]]:
@@ -50,14 +47,27 @@ def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[A
     return right_hand_side
 
 
-class WalkFirst:
-    """The :class:`integrable.motion.trajectory.Way` of one call: the walk if it reaches all times, else ``other``."""
+class Equations:
+    """The equations of motion of a system as the walks near a start use them, in t, or in τ unless ``physical``."""
 
-    def __init__(self, system: Hamiltonian, state: State, other: Callable[[], Way], most: int) -> None:
-        self._system, self._state, self._other, self._most = system, state, other, most
+    size = 3
+
+    def __init__(self, system: Hamiltonian, physical: bool) -> None:
+        self._kind = kind_in(system, physical)
+        self._walk_constants = np.array([*constants_of(system), 0.0])
+
+
+class WalkFirst:
+    """The :class:`integrable.motion.trajectory.Way` of one call: the walk if it reaches all times, else ``other``.
+
+    ``costs`` are those of a set-up of ``other`` and of each time, in standard steps.
+    """
+
+    def __init__(self, motion: Motion, other: Callable[[], Way], costs: tuple[int, int]) -> None:
+        self._motion, self._other, self._costs = motion, other, costs
         self.way = "integrated"
 
-    def at(self, times: np.ndarray) -> Found:
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
         found = self.walked(times, True)
         return found or self._left().at(times)
@@ -77,32 +87,30 @@ class WalkFirst:
         self.way = other.way
         return other
 
-    def walked(self, times: np.ndarray, physical: bool) -> Found | None:
+    def walked(self, times: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray] | None:
         """The rows and τ, or unless ``physical`` the rows and t; None if the walk does not reach all times."""
-        kind = kind_in(self._system, physical)
-        most = self._most + STEPS_A_TIME * len(times)
-        given = np.array([*constants_of(self._system), 0.0])
-        start = *self._state.gamma, *self._state.M, 0.0, 0.0, 0.0
-        for steps in (FINE, FINEST):
-            near = _reached(kind, given, start, times, steps, most)
-            if len(near.places) == len(times):
-                rows = np.empty((len(times), *SHAPE))
-                rows[near.places] = near.states
-                flat = rows.reshape(len(times), 9)
-                return np.ascontiguousarray(flat[:, :6]), flat[:, 6].copy() if self._system.body.rolls else times
-        return None
-
-
-def _reached(
-    kind: Kind, given: np.ndarray, start: tuple[float, ...], times: np.ndarray, steps: Steps, most: int
-) -> Near:
-    """The states by the compiled walk, or on the tape until its run time justifies compiling."""
-    walk, begin = kind.walk(steps.orders), perf_counter()
-    along, some = walk or kind.on_tape, most / (walk.weight if walk else weight(kind.rates, steps.orders))
-    near = both_ways(SHAPE, times, steps, lambda t: along(given, start, t, steps, some))
-    if walk is None:
-        kind.pay(perf_counter() - begin)
-    return near
+        system, state = self._motion.system, self._motion.state
+        # after γ and M comes τ, or t in a walk in τ
+        equations, start = Equations(system, physical), Point(state.gamma, (*state.M, 0.0, 0.0, 0.0))
+        compiled = compiled_walk(equations, FINE) is not None
+        # a walk on the tape may take twice as long: its time counts towards compiling
+        most = (self._costs[0] + self._costs[1] * len(times)) * (1 if compiled else 2)
+        found = quickly(equations, start, times, most, None) if len(times) else None
+        if found is not None:
+            states = found.states
+        elif self._costs == BY_THETA and compiled and (np.diff(times * np.sign(times[-1:])) >= 0).all():
+            # it was tried already
+            return None
+        else:
+            near = walked(equations, start, times, most)
+            if self._costs != BY_THETA:
+                near = finished(equations, start, times, near, most)
+            if len(near.places) != len(times):
+                return None
+            states = np.empty_like(near.states)
+            states[near.places] = near.states
+        flat = states.reshape(len(times), 9)
+        return np.ascontiguousarray(flat[:, :6]), flat[:, 6].copy() if system.body.rolls else times
 
 
 def constants_of(system: Hamiltonian) -> tuple[float, ...]:

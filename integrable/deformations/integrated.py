@@ -10,7 +10,7 @@ import numpy as np
 
 from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, widened
 from integrable.deformations.enclosed import EnclosedMotion
-from integrable.deformations.equations import MOST_STEPS, WalkFirst, right_hand_sides
+from integrable.deformations.equations import BY_STEPS, WalkFirst, right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.taylor import evaluate, integrate
 from integrable.motion.precise import rounded
@@ -57,7 +57,7 @@ class IntegratedMotion(EnclosedMotion):
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
         if self.system.field != RR or interpreted():
             return self._equations
-        return WalkFirst(self.system, self.state, lambda: self._equations, MOST_STEPS)
+        return WalkFirst(self, lambda: self._equations, BY_STEPS)
 
     def _kept(self, way: Way, given: np.ndarray, physical: bool, nan: Any) -> Rows:
         if isinstance(way, WalkFirst) and (found := way.walked(given, physical)) is not None:

@@ -32,6 +32,12 @@ class PoleFlow(DeformedFlow):
     NotRepresentable if moments are equal or a λ_k vanishes.
     """
 
+    def _terms(self) -> float:
+        poles = self.system.potential.poles
+        return super()._terms() + max(self.system.a) * sum(
+            b / (x * x) for b, x in zip(poles, self.state.gamma, strict=True)
+        )
+
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
         return CubicCarrier(system, state)
 

@@ -13,20 +13,16 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, at_its_precision
-from integrable.deformations.equations import STEPS_TO_THETA
+from integrable.deformations.equations import BY_THETA
 from integrable.deformations.oval import SeparatedOval, root_of_rounded
 from integrable.deformations.quick_states import quick_way
 from integrable.moving_point.losses import digits_of
 from integrable.phase.body import cross
 from integrable.phase.isometry import lift, roots
 from integrable.phase.state import State
-from jacobian import RR
 from jacobian.errors import ArgumentError, NotRepresentable, shown
 
 __all__ = ["IsometricFlow", "SeparatedFlow"]
-
-# λ_k above this fraction of their terms lose no essential digits in floats
-ORDINARY = 1e-6
 
 if TYPE_CHECKING:
     from integrable.deformations.separated_clock import SeparatedClock
@@ -36,16 +32,7 @@ if TYPE_CHECKING:
 class _QuickFlow(DeformedFlow):
     """A motion that is computed in floats by compiled theta functions."""
 
-    _steps = STEPS_TO_THETA
-
-    def _is_ordinary(self) -> bool:
-        system, state = self.system, self.state
-        if system.field != RR or 0 in system.body.differences or min(system.body.contact) < ORDINARY:
-            return False
-        H, product = (abs(x) for x in system.eigenvalue_sums(system.integrals(state)))
-        large = (H + (H * H + 4 * product) ** 0.5) / 2
-        size = system.body.field.dot(state.M, state.M) * max(system.a) ** system.degree
-        return product > ORDINARY * large * large and large > ORDINARY * size and size < 1 / ORDINARY
+    _costs = BY_THETA
 
     @cached_property
     def _any_time(self) -> Way:

@@ -59,7 +59,7 @@ def walked(system: Walked, state: State, times: np.ndarray, most: float, toleran
     :func:`integrable.series.steps.weight` defines a standard step. The compiled walk is used where it is available.
     Where coarser steps miss the tolerance, the steps used are accurate to the last bits of a float.
     """
-    found = Near(np.empty(0, dtype=np.int64), np.empty((0, 2, system.size)), 0.0)
+    found = _nowhere(system)
     for steps in steps_for(tolerance):
         if steps is FINE or compiled_walk(system, steps) is not None:
             found = _completed(found, system, state, times, steps, most)
@@ -104,7 +104,7 @@ def _walked(system: Walked, state: State, times: np.ndarray, steps: Steps, most:
     given, begin = (*state.q, *state.p), perf_counter()
     some = most / weight(kind.rates, steps.orders) * (1 if walk is None else FASTER)
     along = walk or kind.on_tape
-    found = both_ways((2, system.size), times, steps, lambda t: along(system._walk_constants, given, t, steps, some))
+    found = both_ways(_shape(system), times, steps, lambda t: along(system._walk_constants, given, t, steps, some))
     if walk is None:
         kind.pay(perf_counter() - begin)
     return found
@@ -127,4 +127,10 @@ def both_ways(shape: tuple[int, int], times: np.ndarray, steps: Steps, walk: Cal
 
 
 def _nowhere(system: Walked) -> Near:
-    return Near(np.empty(0, dtype=np.int64), np.empty((0, 2, system.size)), 0.0)
+    return Near(np.empty(0, dtype=np.int64), np.empty((0, *_shape(system))), 0.0)
+
+
+def _shape(system: Walked) -> tuple[int, int]:
+    """The shape of a state: q, p, and for some systems further parts, each of ``system.size`` numbers."""
+    kind = system._kind
+    return 2 if kind is None else kind.count // kind.half, system.size

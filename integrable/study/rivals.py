@@ -86,12 +86,14 @@ def _compile_walks(scene: Scene) -> None:
     """Compiles or loads the walks near the start for systems like that of a scene, which longer use compiles anyway."""
     from integrable.deformations.equations import kind_in
     from integrable.deformations.hamiltonian import Hamiltonian
-    from integrable.series.steps import FINE, steps_for
+    from integrable.series.steps import steps_for
 
     system, _ = scene.start(FLOAT_DIGITS)
     if isinstance(system, Hamiltonian):
-        kind_in(system, True).walk(FINE.orders, compiles=True)
-    elif scene.classical and (kind := system.system._kind) is not None:
+        kinds = [kind_in(system, True)]
+    else:
+        kinds = [system.system._kind] if scene.classical else []
+    for kind in filter(None, kinds):
         for steps in steps_for(None):
             kind.walk(steps.orders, compiles=True)
 

@@ -111,7 +111,7 @@ def test_a_walk_that_is_not_compiled_is_left_to_others() -> None:
             asked.append(len(times))
             return np.zeros((len(times), 6)), times
 
-    first = WalkFirst(system, state, Other, 0)
+    first = WalkFirst(system.motion_through(state), Other, (0, 0))
     assert first.at(np.array([1e9]))[0].shape == (1, 6)
     assert first.way == "other"
     assert asked == [1]

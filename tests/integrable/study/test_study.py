@@ -818,6 +818,7 @@ def test_the_walks_of_the_flow_are_compiled_before_it_is_timed(monkeypatch):
     assert [(name.split("_")[1], *rest) for name, *rest in asked] == [
         ("garnier", ROUGH.orders, True),
         ("garnier", FINE.orders, True),
+        ("tilde", ROUGH.orders, True),
         ("tilde", FINE.orders, True),
     ]
 
