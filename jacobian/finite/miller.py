@@ -34,7 +34,7 @@ def doubled(K: Any, cubic: Any, T: Any, x: Any, y: Any) -> Any:
     (a, b), (X, Y, Z) = cubic, T
     zero, square, YY = sub(K, Z, Z), mul(K, Z, Z), mul(K, Y, Y)
     off = sub(K, mul(K, square, x), X)
-    if Y == zero:
+    if zero == Y:
         return (K.one, K.one, zero), off, square
     XX, twice = mul(K, X, X), add(K, YY, YY)
     bent = dot2(K, add(K, X, X), mul(K, a, square), mul(K, b, square), square)
@@ -52,9 +52,9 @@ def added(K: Any, cubic: Any, T: Any, P: Any, x: Any, y: Any) -> Any:
     (X, Y, Z), (px, py) = T, P
     zero, square = sub(K, Z, Z), mul(K, Z, Z)
     H, r = sub(K, mul(K, px, square), X), sub(K, mul(K, py, mul(K, square, Z)), Y)
-    if Z == zero:
+    if zero == Z:
         return (px, py, K.one), K.one, K.one
-    if H == zero:
+    if zero == H:
         return (K.one, K.one, zero), zero if r == zero else sub(K, x, px), K.one
     z, HH = mul(K, Z, H), mul(K, H, H)
     zz, XH, HHH = mul(K, z, z), mul(K, X, HH), mul(K, HH, H)
@@ -127,7 +127,8 @@ class EllipticFunctions:
     """Miller's functions on a curve with :func:`has_functions`."""
 
     def __init__(self, C: HyperellipticCurve) -> None:
-        p = C.field.p
+        field: Any = C.field
+        p = field.p
         self._half_h = tuple(c * (p + 1) // 2 for c in C.h)
         h = (*self._half_h, 0, 0)
         # Y = lead·(y + h/2) and X = lead·x: Y² = X³ + aX² + bX + c

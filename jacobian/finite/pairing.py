@@ -6,6 +6,9 @@ from (u, v) to (u', v') is div((y − v)/u'). A function is evaluated at the aff
 that is a resultant. Divisors are shifted, D ~ (D + R) − R with random R of degree g, so that they are affine with
 disjoint supports; then no function needs normalising at infinity, and every model works: ramified, split, inert of even
 genus. Small fields are enlarged for the random R, since Miller's functions would vanish at most of their points.
+
+In genus 1 over GF(p) on ramified models the function is evaluated at one point, without shifts
+(:mod:`jacobian.finite.miller`).
 """
 
 from __future__ import annotations
@@ -74,7 +77,7 @@ def tate_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
         )
     at_point = _at_points(D, E, m, "D")
     if at_point is not None:
-        return D.jacobian.field.power(at_point, (q - 1) // m)
+        return pow(at_point, (q - 1) // m, q)
     _check_annihilated(D, m, "D")
     if not D or not E:
         return D.jacobian.field.one
