@@ -91,7 +91,7 @@ def _parser() -> argparse.ArgumentParser:
         "--digits", type=int, metavar="N", help="digits of the run: up to 15 floats, above that multiprecision"
     )
     run.add_argument("--out", metavar="DIR", help="folder for the files (default: runs/<scene>)")
-    run.add_argument("--force", action="store_true", help="write over the result that is in the folder, unasked")
+    run.add_argument("--force", action="store_true", help="overwrite a result in the folder without asking")
     run.add_argument(
         "--format", choices=("png", "svg", "both"), default="png", help="format of the pictures (default: png)"
     )
@@ -156,9 +156,9 @@ def _add_sweep(commands: Any) -> None:
     )
     sweep.add_argument("--out", metavar="FILE", help="a .zarr or .h5 file (default: runs/<scene>-sweep.zarr)")
     sweep.add_argument(
-        "--executor", choices=("processes", "threads"), default="processes", help="what works (default: processes)"
+        "--executor", choices=("processes", "threads"), default="processes", help="kind of workers (default: processes)"
     )
-    sweep.add_argument("--chunk", type=int, metavar="N", help="motions that are computed and kept together")
+    sweep.add_argument("--chunk", type=int, metavar="N", help="number of motions computed and stored together")
     _add_quiet(sweep)
     _add_progress(sweep)
 
@@ -196,7 +196,7 @@ def _add_view(commands: Any) -> None:
     view.add_argument(
         "--until", type=float, metavar="T", help="last time, in the scene's unit (default: its own, or some ten turns)"
     )
-    view.add_argument("--frames", type=int, metavar="N", default=600, help="how many times are drawn (default: 600)")
+    view.add_argument("--frames", type=int, metavar="N", default=600, help="number of times drawn (default: 600)")
 
 
 def _add_report(commands: Any) -> None:
@@ -220,13 +220,13 @@ def _add_report(commands: Any) -> None:
         "--jobs",
         type=int,
         metavar="N",
-        help="truths computed at a time (default: the cores); what is timed runs alone",
+        help="number of truths computed at once (default: the cores); timed rows run alone",
     )
     report.add_argument(
         "--minutes",
         type=float,
         metavar="N",
-        help="begin no row after so many, and write the page with the others named as not measured (default: no limit)",
+        help="begin no row after this many; the page names the others as not measured (default: no limit)",
     )
     report.add_argument(
         "--json",

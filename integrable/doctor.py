@@ -18,9 +18,9 @@ EXTRAS = {
     "scipy": "app", "matplotlib": "app", "tqdm": "app", "plotly": "view", "xarray": "io", "pandas": "io", "h5py": "io",
     "h5netcdf": "io", "zarr": "io", "pyarrow": "io", "argcomplete": "completion", "heyoka": "peers",
 }  # fmt: skip
-"""The libraries that a plain installation has not, and the extra that brings each."""
+"""The libraries that a plain installation lacks, and the extra that installs each."""
 LEAST = 0.2
-"""Seconds for which a thing is done again and again to see how fast it is."""
+"""Seconds for which an operation is repeated to measure its speed."""
 
 
 class Findings(NamedTuple):

@@ -24,7 +24,7 @@ __all__ = ["leave", "shielded", "stand"]
 
 CODE = 130
 SAYING, MOMENT = 0.1, 0.7
-"""Seconds that the line may take, and those that the main thread has for clearing away: a sweep ends within one."""
+"""Seconds allowed for printing the line, and for the main thread's clean-up: a sweep ends within one."""
 
 
 class _Standing:

@@ -1,4 +1,4 @@
-"""What long computations say of themselves while they run: the logger ``jacobian.progress``."""
+"""Progress messages of long computations: the logger ``jacobian.progress``."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from typing import TypeVar
 Thing = TypeVar("Thing")
 
 LOG = logging.getLogger(__name__)
-# seconds until a computation judges how long it will take, from which on that is long, and between two messages
+# seconds until the remaining time is estimated, from which on it counts as long, and between two messages
 FIRST, LONG, SAID_AGAIN = 0.5, 5.0, 5.0
 
 
 class Progress:
-    """Says what part of ``work`` is done and how long the rest takes, every few seconds at level INFO; once, where the
-    rest is long or so much time has gone by, as a warning, which Python shows by itself. ``part``: how many parts are
-    before it, of how many.
+    """Reports the completed part of ``work`` and the remaining time every few seconds, at level INFO. One message is a
+    warning, which Python shows by itself: when the rest is long, or the computation has been. ``part``: the number of
+    parts before this one, and of all.
     """
 
     def __init__(self, name: str, work: float, part: tuple[int, int] = (0, 1)) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 
 __all__ = ["write_anything"]
 
-# one letter for one where a table is aligned by the number of letters
+# one character for one where tables are aligned by their number
 _PLAIN = {
     **dict(zip("αγδηκλνστφωΓΔΣ", "agdeklnstfwGDS", strict=True)),
     **dict(zip("–—−·×∙“”„’‘│─", '---*x*"""\'\'|-', strict=True)),
