@@ -29,7 +29,9 @@ from jacobian.native import kept, machine
 from jacobian.numbers.compiler import interpreted
 
 LOG = logging.getLogger(__name__)
-MODULES = [f"integrable.series.{name}" for name in ("room", "steps_text", "symbols", "tape", "text", "walk_text")]
+MODULES = [
+    f"integrable.series.{name}" for name in ("room", "steps_text", "sums_text", "symbols", "tape", "text", "walk_text")
+]
 ENTRIES = ("start", "series", "advance", "dense")
 # alignment of a room in bytes: a cache line
 LINE = 64

@@ -30,6 +30,13 @@ class Orders(NamedTuple):
     order: int
 
 
+class Side(NamedTuple):
+    """One side of a vector of products: its factors, and the place of their coefficients, in units of that vector."""
+
+    factors: tuple[int, ...]
+    place: int
+
+
 class Room:
     """The positions of a tape's coefficients in memory, in units of vectors of ``lanes`` floats."""
 
@@ -39,52 +46,45 @@ class Room:
         self.lows_of_units = UNITS + order
         begin = self.lows_of_units + wide + 1
         self.groups = [(nodes, square) for nodes, square in _abreast(tape, WIDEST // lanes)]
-        squares = {n for nodes, square in self.groups for n in nodes if square}
+        squares = {nodes: len(nodes) for nodes, square in self.groups if square}
         self.factors = _factors(tape)
-        self.packs = _packs([n for n in self.factors if n not in squares], WIDEST // lanes)
-        self.packs |= {nodes: len(nodes) for nodes, square in self.groups if square}
-        packed = {n for nodes in self.packs for n in nodes}
-        # nodes whose coefficients of all orders are read again and kept; other nodes keep order 0 at most
-        self.kept = {n for n, kind in enumerate(tape.kinds) if kind in (VARIABLE, CONSTANT)}
-        for n in self.factors.keys() - squares - packed:
-            self.kept |= set(self.factors[n])
+        within = {n for nodes in squares for n in nodes}
+        self.packs = _packs([n for n in self.factors if n not in within], WIDEST // lanes) | squares
         # the variables are contiguous, because a step advances all of them at once
         self.begin = begin + -begin % ABREAST
         self.apart = count + -count % ABREAST
         begin = self.begin + (order + max(wide, 0) + 2) * self.apart
-        rest = sorted(self.kept.union(*self.factors.values()) - set(range(count)))
-        self._highs = {n: begin + i * (order + max(wide, 0) + 2) for i, n in enumerate(rest)}
-        begin += len(rest) * (order + max(wide, 0) + 2)
+        # of other nodes only order 0 is kept, hi and lo: constants, and factors of products of the newest coefficients
+        kept = {n for n, kind in enumerate(tape.kinds) if kind == CONSTANT}.union(*self.factors.values())
+        self._highs = {n: begin + 2 * i for i, n in enumerate(sorted(kept - set(range(count))))}
+        begin += 2 * len(self._highs)
         divided = [n for n, kind in enumerate(tape.kinds) if kind in (QUOTIENT, ROOT)]
         self.inverses = {n: begin + 2 * i for i, n in enumerate(divided)}
         self.size = begin + 2 * len(divided)
-        self.copies: dict[int, list[tuple[int, int, int]]] = {}
-        self.sides = {nodes: self._placed(nodes, width, nodes[0] in squares) for nodes, width in self.packs.items()}
+        self.sides = {nodes: self._placed(nodes, width, nodes in squares) for nodes, width in self.packs.items()}
         self.members = {n: nodes for nodes, _ in self.groups for n in nodes}
         self.pack_of = {n: nodes for nodes in self.packs for n in nodes}
 
     def high(self, n: int, k: int) -> int:
         """The position of coefficient k of node n, or of its high part."""
-        return self._highs[n] + k if n >= self.count else self.begin + k * self.apart + n
+        assert self.has(n, k)
+        return self.begin + k * self.apart + n if n < self.count else self._highs[n]
 
     def low(self, n: int, k: int) -> int:
         """The position of the low part of coefficient k of node n."""
-        return self.high(n, self.orders.order + 1 + k)
+        return self.high(n, self.orders.order + 1 + k) if n < self.count else self._highs[n] + 1
 
     def has(self, n: int, k: int) -> bool:
-        """Whether coefficient k of node n is stored."""
-        return n in self.kept or (k == 0 and n in self._highs)
+        """Whether coefficient k of node n is stored by itself."""
+        return n < self.count or (k == 0 and n in self._highs)
 
-    def _placed(self, nodes: tuple[int, ...], width: int, square: bool) -> tuple[tuple[tuple[int, ...], int], ...]:
-        """For each side of a vector of products: the factors, and the position of their contiguous copies."""
+    def _placed(self, nodes: tuple[int, ...], width: int, square: bool) -> tuple[Side, ...]:
+        """The sides of a vector of products; a square has one."""
         wide, order = self.orders
         found = []
         for side in range(1 if square else 2):
-            factors = tuple(self.factors[n][side] for n in nodes)
             self.size += -self.size % width
-            for slot, n in enumerate(factors):
-                self.copies.setdefault(n, []).append((self.size, width, slot))
-            found.append((factors, self.size))
+            found.append(Side(tuple(self.factors[n][side] for n in nodes), self.size // width))
             self.size += width * (order + 1 + max(wide, 0) + 1)
         return tuple(found)
 
@@ -100,11 +100,9 @@ def _factors(tape: Tape) -> dict[int, tuple[int, int]]:
 
 def _packs(nodes: Sequence[int], most: int) -> dict[tuple[int, ...], int]:
     """Nodes whose sums of earlier coefficients are independent and computed in one vector, and the vector's width."""
-    if most < 2 or len(nodes) < 2:
-        return {}
     width = min(most, 4)
     found = [tuple(nodes[i : i + width]) for i in range(0, len(nodes), width)]
-    return {each: width if len(each) > 2 else 2 for each in found}
+    return {each: 1 << (len(each) - 1).bit_length() for each in found}
 
 
 def _abreast(tape: Tape, most: int) -> list[tuple[tuple[int, ...], bool]]:

@@ -70,12 +70,11 @@ def single(kind: Any) -> Any:
 @dataclass(frozen=True)
 class ArrayKind:
     """A C-contiguous array. ``item`` is the kind of its items: floats, integers, longs or double-doubles. Each item
-    takes ``parts`` words, or, an integer of a shorter type, is ``stored`` in that NumPy type."""
+    takes ``parts`` words."""
 
     item: Kind
     ndim: int = 1
     parts: int = 1
-    stored: str = ""
 
     @property
     def leaves(self) -> tuple[str, ...]:
@@ -84,7 +83,7 @@ class ArrayKind:
     @cached_property
     def dtype(self) -> np.dtype[Any]:
         """The NumPy dtype of the array."""
-        return np.dtype(self.stored or ("int64" if self.item in (INT, LONG) else "float64"))
+        return np.dtype(np.int64 if self.item in (INT, LONG) else np.float64)
 
     @cached_property
     def axes(self) -> int:
@@ -94,7 +93,7 @@ class ArrayKind:
     @property
     def memory(self) -> str:
         """The LLVM type that the pointer points to."""
-        return f"i{8 * self.dtype.itemsize}" if self.item in (INT, LONG) else "double"
+        return "i64" if self.item in (INT, LONG) else "double"
 
 
 INTS, FLOATS, WIDES = ArrayKind(INT), ArrayKind(FLOAT), ArrayKind(WIDE, parts=2)
@@ -139,13 +138,9 @@ class TupleKind:
         begin = sum(len(item.leaves) for item in self.items[:index])
         return self.items[index], begin, begin + len(self.items[index].leaves)
 
-    def has(self, name: str) -> bool:
-        """Whether it is a NamedTuple with a field of that name."""
-        return self.named is not None and name in self.named._fields
-
     def field(self, name: str) -> int:
         """The index of a field of a NamedTuple."""
-        if not self.has(name):
+        if self.named is None or name not in self.named._fields:
             raise CompileError(f"{self.named or 'a tuple'} has no field {name}")
         return int(self.named._fields.index(name))
 

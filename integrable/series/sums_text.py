@@ -1,0 +1,298 @@
+"""Sums of products of Taylor coefficients as LLVM text: the coefficients in memory and in registers.
+
+Sums of several nodes are one vector, whose factors are stored side by side. In straight-line code a sum has all its
+terms. In the loop over rounds of AT_ONCE orders, a smaller loop adds the terms of earlier rounds to the sums of all
+orders of a round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from integrable.series.room import Room, Side
+from integrable.series.tape import CONSTANT
+from integrable.series.text import Text, Wide, joined_lanes
+from jacobian.numbers.double_double_steps import fast_two_sum, two_product, two_sum
+
+# number of orders in a round of the loop: a factor is loaded once for all of them
+AT_ONCE = 4
+Term = tuple[int, int, int]
+"""(factor, j, k − j), for the term factor·p_j q_{k−j}."""
+
+
+class Sums:
+    """The coefficients of a room, and the text that sums products of them."""
+
+    def __init__(self, room: Room) -> None:
+        self.room, self.tape = room, room.tape
+        self.wide, self.order = room.orders
+        self.text = Text(room.lanes)
+        # the first order of the loop
+        self._loop = (low := max(self.wide + 1, AT_ONCE)) + (self.order - low) % AT_ONCE
+        # registers: coefficients (node, order, part) and vectors of them (place, order, part)
+        self._recent: dict[tuple[int, int, int], str] = {}
+        self._built: dict[tuple[int, int, int], str] = {}
+        self._sums: dict[int, Wide] = {}
+        # in the loop: sums of a vector of products over earlier rounds, for each order of the round
+        self._before: dict[tuple[int, ...], list[str]] = {}
+        # in the loop: pointers that advance with the order, by the number of floats between consecutive orders
+        self._moving: dict[int, str] = {}
+
+    def _begin_round(self, done: str) -> None:
+        """Begins a round of the loop, which is ``done`` orders after the first one."""
+        strides = {1, self.room.apart, *self.room.packs.values()}
+        self._moving = {n: self._further("%s", done, n * self.room.lanes) for n in sorted(strides)}
+        # registers do not outlast a round
+        self._recent, self._built = {}, {}
+        self._before = {nodes: self._earlier_rounds(nodes, done) for nodes in self.room.packs}
+
+    def _further(self, base: str, count: str, stride: int) -> str:
+        """The pointer ``base`` moved by ``count``·``stride`` floats."""
+        there = self.text.write(f"mul i64 {count}, {stride}")
+        return self.text.write(f"getelementptr double, ptr {base}, i64 {there}")
+
+    def _base(self, k: int, stride: int) -> str:
+        """The pointer from which places of coefficients k are counted."""
+        return self._moving[stride] if self._moving and k >= self._loop else "%s"
+
+    def _hi(self, n: int, k: int) -> str:
+        return self._recent.get((n, k, 0)) or self.text.load(self.room.high(n, k), self._base(k, self.room.apart))
+
+    def _lo(self, n: int, k: int) -> str:
+        return self._recent.get((n, k, 1)) or self.text.load(self.room.low(n, k))
+
+    def _value(self, n: int, k: int) -> Wide:
+        """Coefficient k of node n: (hi, lo) up to the order ``wide``, then (float, "")."""
+        if k and self.tape.kinds[n] == CONSTANT:
+            return self.text.real(0.0), self.text.real(0.0) if k <= self.wide else ""
+        return self._hi(n, k), self._lo(n, k) if k <= self.wide else ""
+
+    def _put(self, n: int, k: int, x: Wide) -> None:
+        room, text, newest = self.room, self.text, x
+        if x[1] and (k == 0 or room.has(n, k)):
+            # float coefficients of higher orders use high parts only; renormalize, or cancellation would leave them
+            # inaccurate
+            x = fast_two_sum(text, *x)
+        if k == 0:
+            newest = x
+        if room.has(n, k):
+            text.store(x[0], room.high(n, k), self._base(k, room.apart))
+            if x[1] and k <= self.wide:
+                text.store(x[1], room.low(n, k))
+        # the next operations use the value before it is renormalized, and so do not wait
+        self._recent[n, k, 0] = newest[0]
+        if x[1]:
+            self._recent[n, k, 1] = newest[1]
+
+    def _put_sides(self, k: int, of_variables: bool) -> None:
+        """Stores coefficients k of the factors of all vectors of products, or of those that are variables alone.
+
+        They are put together in registers, because a load of a vector waits for stores of its parts.
+        """
+        for nodes, width in self.room.packs.items():
+            text = Text(self.room.lanes * width, self.text)
+            for factors, place in self.room.sides[nodes]:
+                if of_variables != (max(factors) < self.room.count):
+                    continue
+                x = self._joined(text, [self._hi(n, k) for n in factors]), ""
+                if k <= self.wide:
+                    x = x[0], self._joined(text, [self._lo(n, k) for n in factors])
+                    x = fast_two_sum(text, *x) if k else x
+                for part, y in enumerate(x):
+                    if y:
+                        self._built[place, k, part] = y
+                        text.store(y, self._place(place, k, part), self._base(k, width))
+
+    def _place(self, place: int, k: int, part: int) -> int:
+        return place + part * (self.order + 1) + k
+
+    # --- sums of products
+
+    def _convolved(self, n: int, begin: int, end: int, k: int) -> Wide | None:
+        """Σ p_j q_{k−j} over begin ≤ j < end, for the factors p, q of a node; None for an empty sum."""
+        p, q = self.room.factors[n]
+        before = self._sum_of_earlier(n, k)
+        terms = [term for term in _terms(p == q, begin, end, k) if not all(term[1:])]
+        # the coefficient computed last comes last
+        terms.sort(key=lambda term: p if term[1] else q)
+        pairs = [(f, self._value(p, i), self._value(q, j)) for f, i, j in terms]
+        if before and not before[1]:
+            # doubling a factor keeps all terms in one sum; the newest term waits for no other
+            pairs = [(1, (self.text.fadd(x[0], x[0]), "") if f == 2 else x, y) for f, x, y in pairs]
+        return _summed(self.text, pairs, k <= self.wide, before) if pairs or before else None
+
+    def _sum_of_earlier(self, n: int, k: int) -> Wide | None:
+        """Σ p_j q_{k−j} over 0 < j < k, for the factors of a node, computed in one vector with those of other nodes."""
+        if k > 1 and n not in self._sums:
+            nodes = self.room.pack_of[n]
+            text, sides = self._vector(nodes), self.room.sides[nodes]
+            if self._before:
+                self._sums |= self._apart(text, nodes, (self._of_round(text, nodes, k), ""))
+            else:
+                self._sums |= self._apart(text, nodes, self._products(text, sides, _terms(len(sides) == 1, 1, k, k), k))
+        return self._sums.get(n)
+
+    def _vector(self, nodes: tuple[int, ...]) -> Text:
+        return Text(self.room.lanes * self.room.packs[nodes], self.text)
+
+    def _group(self, nodes: tuple[int, ...], k: int) -> dict[int, Wide]:
+        """The coefficients k of several products, computed in one vector."""
+        text = Text(self.room.lanes * len(nodes), self.text)
+        if nodes in self.room.sides:
+            sides = self.room.sides[nodes]
+            return self._apart(text, nodes, self._products(text, sides, _terms(len(sides) == 1, 0, k + 1, k), k))
+        sums = [self._sum_of_earlier(n, k) for n in nodes]
+        before = None
+        if k > 1:
+            before = self._joined(text, [x[0] for x in sums if x]), self._joined(text, [x[1] for x in sums if x])
+        factors = [[self.room.factors[n][side] for n in nodes] for side in (0, 1)]
+        pairs = []
+        for _, i, j in _terms(False, 0, 1, k) + (_terms(False, k, k + 1, k) if k else []):
+            x, y = (
+                (self._joined(text, [self._hi(n, o) for n in side]), self._joined(text, [self._lo(n, o) for n in side]))
+                for side, o in zip(factors, (i, j), strict=True)
+            )
+            pairs.append((1, x, y))
+        return self._apart(text, nodes, _summed(text, pairs, True, before))
+
+    def _joined(self, text: Text, parts: list[str]) -> str:
+        """The parts, and the last one again up to the width of the vector."""
+        width = text.lanes // self.room.lanes
+        return joined_lanes(text, parts + parts[-1:] * (width - len(parts)), self.room.lanes)
+
+    def _products(self, text: Text, sides: Sequence[Side], terms: Sequence[Term], k: int) -> Wide:
+        """The sums of several products in one vector; their factors are contiguous in memory."""
+        wide = k <= self.wide
+        pairs = []
+        for f, i, j in terms:
+            x, y = (
+                (self._fetched(text, side, order, 0), self._fetched(text, side, order, 1) if wide else "")
+                for side, order in ((sides[0], i), (sides[-1], j))
+            )
+            pairs.append((f, x, y))
+        return _summed(text, pairs, wide, None)
+
+    def _earlier_rounds(self, nodes: tuple[int, ...], done: str) -> list[str]:
+        """Σ p_j q_{k−j} over those 0 < j < k where both j and k − j are below this round, for each order k of it."""
+        text, width = self._vector(nodes), self.room.packs[nodes]
+        left, right = self.room.sides[nodes][0].place, self.room.sides[nodes][-1].place
+        # terms with j up to this come after the loop, because the newest are among them, and so that the number of
+        # the others is a multiple of AT_ONCE
+        first = AT_ONCE - 1 + self._loop % AT_ONCE
+        sums = [text.real(0.0)] * AT_ONCE
+        name, lines, kind = f"sum{left}", self.text.lines, text.types.double
+        lines += [f"  br label %{name}_begin", f"{name}_begin:"]
+        end = text.write(f"add i64 {done}, {self._loop - first - 1}")
+        lines += [f"  br label %{name}", f"{name}:"]
+        count, further, known, here = text.fresh(), text.fresh(), [text.fresh() for _ in sums], len(lines)
+        more = text.write(f"icmp slt i64 {count}, {end}")
+        lines += [f"  br i1 {more}, label %{name}_terms, label %{name}_end", f"{name}_terms:"]
+        floats, later = width * self.room.lanes, list(known)
+        up, down = self._further("%s", count, floats), self._further(self._moving[width], count, -floats)
+        for j in range(first + 1, first + AT_ONCE + 1):
+            self._add(text, later, AT_ONCE, (up, left + j), (down, right + self._loop - j))
+        lines += [f"  {further} = add i64 {count}, {AT_ONCE}", f"  br label %{name}", f"{name}_end:"]
+        places = f"%{name}_begin ], [ ", f"%{name}_terms ]"
+        lines[here:here] = [
+            f"  {count} = phi i64 [ 0, {places[0]}{further}, {places[1]}",
+            *(
+                f"  {x} = phi {kind} [ {before}, {places[0]}{after}, {places[1]}"
+                for x, before, after in zip(known, sums, later, strict=True)
+            ),
+        ]
+        for j in range(first, 0, -1):
+            self._add(text, known, j, ("%s", left + j), (self._moving[width], right + self._loop - j))
+        return known
+
+    def _add(self, text: Text, sums: list[str], count: int, left: tuple[str, int], right: tuple[str, int]) -> None:
+        """Adds the product of one left factor with consecutive right ones to the first ``count`` sums."""
+        x = text.load(left[1], left[0])
+        for m in range(min(count, AT_ONCE)):
+            y = text.load(right[1] + m, right[0])
+            sums[m] = text.fma(x, y, sums[m])
+
+    def _of_round(self, text: Text, nodes: tuple[int, ...], k: int) -> str:
+        """Σ p_j q_{k−j} over 0 < j < k, from the sum over earlier rounds."""
+        sides, m = self.room.sides[nodes], k - self._loop
+        total = self._before[nodes][m]
+        for j in range(m, 0, -1):
+            for i in (j, k - j):
+                x, y = self._fetched(text, sides[0], i, 0), self._fetched(text, sides[-1], k - i, 0)
+                total = text.fma(x, y, total)
+        return total
+
+    def _apart(self, text: Text, nodes: tuple[int, ...], x: Wide) -> dict[int, Wide]:
+        return {n: (self._part(text, x[0], i), self._part(text, x[1], i)) for i, n in enumerate(nodes)}
+
+    def _part(self, text: Text, x: str, slot: int) -> str:
+        """The number in slot ``slot`` of a vector of several numbers."""
+        kind, lanes = text.types.double, self.room.lanes
+        if not x or text.lanes == lanes:
+            return x
+        if lanes == 1:
+            return text.write(f"extractelement {kind} {x}, i32 {slot}")
+        places = ", ".join(f"i32 {slot * lanes + i}" for i in range(lanes))
+        return text.write(f"shufflevector {kind} {x}, {kind} undef, <{lanes} x i32> <{places}>")
+
+    def _fetched(self, text: Text, side: Side, k: int, part: int) -> str:
+        """Coefficients k of the factors on one side of a group, as one vector."""
+        key = side.place, k, part
+        if key not in self._built:
+            if all((n, k, part) in self._recent for n in side.factors):
+                self._built[key] = self._joined(text, [self._recent[n, k, part] for n in side.factors])
+            else:
+                return text.load(self._place(*key), self._base(k, text.lanes // self.room.lanes))
+        return self._built[key]
+
+
+def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:
+    """The terms of Σ p_j q_{k−j} over begin ≤ j < end; the one with the newest coefficients comes last."""
+    if not square:
+        found = [(1, j, k - j) for j in range(begin, end)]
+    else:
+        found = [(2, j, k - j) for j in range(begin, (k + 1) // 2) if k - j < end]
+        if k % 2 == 0 and begin <= k // 2 < end:
+            found.append((1, k // 2, k // 2))
+    return sorted(found, key=lambda term: max(term[1:]))
+
+
+def _summed(text: Text, pairs: Sequence[tuple[int, Wide, Wide]], wide: bool, before: Wide | None) -> Wide:
+    """``before`` + Σ factor·x·y; terms of factor 2 are summed apart and doubled once."""
+    twice = [(x, y) for f, x, y in pairs if f == 2]
+    once = [(x, y) for f, x, y in pairs if f == 1]
+    if wide:
+        total = _wide_total(text, twice, None) if twice else None
+        if total is not None:
+            total = text.fadd(total[0], total[0]), text.fadd(total[1], total[1])
+        if before is not None:
+            total = before if total is None else text.wide_sum(before, total)
+        return _wide_total(text, once, total)
+    half, rest = _total(text, twice, ""), _total(text, once, before[0] if before else "")
+    if not half:
+        return rest, ""
+    return (text.fma(half, text.real(2.0), rest) if rest else text.fadd(half, half)), ""
+
+
+def _wide_total(text: Text, pairs: Sequence[tuple[Wide, Wide]], total: Wide | None) -> Wide:
+    for x, y in pairs:
+        p, e = two_product(text, x[0], y[0])
+        e = text.fma(x[1], y[0], text.fma(x[0], y[1], e))
+        if total is None:
+            total = p, e
+        else:
+            s, f = two_sum(text, total[0], p)
+            total = s, text.fadd(total[1], text.fadd(e, f))
+    assert total is not None
+    return total
+
+
+def _total(text: Text, pairs: Sequence[tuple[Wide, Wide]], before: str) -> str:
+    """``before`` + Σ x·y in floats, as two partial sums that run in parallel."""
+    sums: list[str] = [before] if before else []
+    for i, ((x, _), (y, _)) in enumerate(pairs):
+        if len(sums) < min(2, max(1, len(pairs) // 2)):
+            sums.append(text.fmul(x, y))
+        else:
+            m = i % len(sums)
+            sums[m] = text.fma(x, y, sums[m])
+    return text.fadd(*sums) if len(sums) == 2 else sums[0] if sums else ""
