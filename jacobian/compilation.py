@@ -13,7 +13,7 @@ from time import perf_counter
 
 from jacobian.batch import DivisorArray
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.fields import CC, GF, QQ, RR
+from jacobian.fields import CC, GF, QQ, RR, Field
 
 QUINTIC, SEXTIC, SEPTIC = [1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 0, 1]
 # h in characteristic 2, by the degree of f
@@ -73,7 +73,7 @@ def two_word_curves() -> dict[str, HyperellipticCurve]:
 
 def float_curves() -> dict[str, HyperellipticCurve]:
     """One curve for each kernel of arrays of floats and of complex numbers."""
-    fields = {"floats": RR, "complex numbers": CC}
+    fields: dict[str, Field] = {"floats": RR, "complex numbers": CC}
     return {
         f"{name}, degree {len(f) - 1}": HyperellipticCurve(K, f)
         for name, K in fields.items()

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from math import inf
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, Literal, SupportsIndex, overload
 
 from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.addition.choice import Kernel, compiled_kernel, explained, kernel
 from jacobian.addition.ladder import by_parts, multiple
 from jacobian.curve.curve import HyperellipticCurve, check_curve
-from jacobian.curve.points import Point
+from jacobian.curve.points import Given, Point
+from jacobian.element import Coefficients, Element, File, Other, Rng, Value
 from jacobian.errors import (
     ArgumentError,
     Infeasible,
@@ -26,8 +27,11 @@ from jacobian.finite.group import FiniteGroup
 from jacobian.law.divisor import Divisor, is_zero_int
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from jacobian.arithmetic.record import LPolynomials
     from jacobian.batch.array import DivisorArray
+    from jacobian.fields.protocol import Field
 
 LONG_OVER_Q, LONG_SCALAR = 20, 4096
 """The bits of a scalar beyond which it is reduced modulo an order first: the class's over QQ, else the group's."""
@@ -35,7 +39,7 @@ COUNTED_AT_ONCE = 1 << 20
 """The largest estimate q^g of a group's size for which computing the order takes less time than a long multiple."""
 
 
-class Jacobian(FiniteGroup):
+class Jacobian(FiniteGroup[Element]):
     """The group of divisor classes of degree 0 of a hyperelliptic curve; get it from ``HyperellipticCurve.jacobian()``.
 
     Exact fields add by the kernel of :mod:`jacobian.addition.choice`, inexact ones by
@@ -48,7 +52,7 @@ class Jacobian(FiniteGroup):
     _double: Callable[[cantor.Triple], cantor.Triple]
     _multiple: Callable[[int, cantor.Triple], cantor.Triple]
 
-    def __init__(self, curve: HyperellipticCurve) -> None:
+    def __init__(self, curve: HyperellipticCurve[Element]) -> None:
         self.curve = check_curve(curve)
         self.field = curve.field
         self.weight_of_zero = cantor.weight_of_zero(curve)
@@ -92,17 +96,19 @@ class Jacobian(FiniteGroup):
     def _value(self) -> tuple[Any, ...]:
         return (self.curve,)
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return _jacobian_of, (self.curve,)
 
     # --- elements
 
-    def zero(self) -> Divisor:
+    def zero(self) -> Divisor[Element]:
         """The identity: (1, 0), with n = ⌈g/2⌉ on a split model."""
         self._check_representable()
         return Divisor(self, (self.field.one,), (), self.weight_of_zero)
 
-    def from_mumford(self, u: Any, v: Any, n: int | None = None) -> Divisor:
+    def from_mumford(
+        self, u: poly.Poly[Element] | Coefficients, v: poly.Poly[Element] | Coefficients | Value, n: int | None = None
+    ) -> Divisor[Element]:
         """The class of the Mumford pair (u, v): ascending coefficients or galois.Poly, u monic, u | v² + hv − f.
 
         deg u ≤ g is kept as it is (v is taken modulo u); a semi-reduced pair with deg u > g is reduced. ``n``, the
@@ -125,13 +131,17 @@ class Jacobian(FiniteGroup):
             )
         return self._reduced(u, v, n)
 
-    def _reduced(self, u: poly.Poly, v: poly.Poly, n: int | None) -> Divisor:
+    def _reduced(self, u: poly.Poly[Element], v: poly.Poly[Element], n: int | None) -> Divisor[Element]:
         """The class of a semi-reduced triple, of any degree, over an exact field; nothing is checked."""
         return self._out(cantor.reduce(self._model, self._in_triple(u, v, n)))
 
     def from_points(
-        self, points: Iterable[Any], *, multiplicities: Iterable[int] | None = None, extension: Any = None
-    ) -> Divisor:
+        self,
+        points: Iterable[Given[Element]],
+        *,
+        multiplicities: Iterable[int] | None = None,
+        extension: Field[Element] | None = None,
+    ) -> Divisor[Element]:
         """The class of Σ P_i minus as many points at infinity, for pairs (x, y) and points at infinity, repeated, or
         with ``multiplicities``. ``extension``: a larger finite field that contains x and y; each point must then come
         with all its conjugates.
@@ -150,32 +160,33 @@ class Jacobian(FiniteGroup):
             return divisor_of_conjugates(self, points, extension)
         return divisor_of_points(self, [self.curve.check_point(point) for point in points])
 
-    def support(self, D: Divisor, extension: Any = None) -> list[tuple[Point, int]]:
+    def support(self, D: Divisor[Element], extension: Field[Element] | None = None) -> list[tuple[Point[Element], int]]:
         """The points of D with multiplicities: see :meth:`jacobian.law.divisor.Divisor.support`."""
         from jacobian.law.conjugates import support
 
         return support(self._own(D, "D"), extension)
 
-    def change_ring(self, K: Any) -> Jacobian:
+    def change_ring(self, K: Field[Other]) -> Jacobian[Other]:
         """The Jacobian of :meth:`jacobian.curve.questions.CurveQuestions.change_ring`."""
         return self.curve.change_ring(K).jacobian()
 
-    def __call__(self, P: Any, Q: Any = None) -> Divisor:
+    def __call__(self, P: Given[Element] | Literal[0], Q: Given[Element] | None = None) -> Divisor[Element]:
         """J(P, Q) is the class of P − Q; J(P) is ``from_points([P])``; J(0) the identity."""
         if Q is None:
             return self.zero() if is_zero_int(P) else self.from_points([P])
-        return self.from_points([P, self.curve.involution(Q)])
+        points: list[Any] = [P, self.curve.involution(Q)]
+        return self.from_points(points)
 
     @overload
-    def random(self, rng: Any = None) -> Divisor: ...
+    def random(self, rng: Rng | None = None) -> Divisor[Element]: ...
 
     @overload
-    def random(self, rng: Any = None, *, size: int) -> DivisorArray: ...
+    def random(self, rng: Rng | None = None, *, size: int) -> DivisorArray[Element]: ...
 
     @overload
-    def random(self, rng: Any, size: int) -> DivisorArray: ...
+    def random(self, rng: Rng | None, size: int) -> DivisorArray[Element]: ...
 
-    def random(self, rng: Any = None, size: int | None = None) -> Divisor | DivisorArray:
+    def random(self, rng: Rng | None = None, size: int | None = None) -> Divisor[Element] | DivisorArray[Element]:
         """A random class: uniform in the group over a finite field, Σ of g random points elsewhere.
 
         ``rng``: a numpy Generator or a random.Random; equal seeds give equal classes, and without one every call
@@ -194,7 +205,7 @@ class Jacobian(FiniteGroup):
 
         return random_divisor(self, rng)
 
-    def points(self) -> Iterable[Divisor]:
+    def points(self) -> Iterable[Divisor[Element]]:
         """All classes, over a small finite field, by trying every reduced (u, v, n)."""
         self._check_representable()
         from jacobian.law.sampling import all_divisors
@@ -203,13 +214,13 @@ class Jacobian(FiniteGroup):
 
     # --- over QQ, at all primes
 
-    def l_polynomials(self, bound: int, file: Any = None, progress: bool = False) -> LPolynomials:
+    def l_polynomials(self, bound: int, file: File | None = None, progress: bool = False) -> LPolynomials:
         """See :meth:`jacobian.curve.questions.CurveQuestions.l_polynomials`."""
         from jacobian.arithmetic.l_polynomials import with_progress
 
         return with_progress(self.curve, bound, file, progress)
 
-    def hasse_witt_matrices(self, bound: int) -> tuple[Any, Any]:
+    def hasse_witt_matrices(self, bound: int) -> tuple[np.ndarray, np.ndarray]:
         """See :meth:`jacobian.curve.questions.CurveQuestions.hasse_witt_matrices`."""
         from jacobian.arithmetic.l_polynomials import hasse_witt_matrices
 
@@ -224,7 +235,7 @@ class Jacobian(FiniteGroup):
                 "move a rational point of the curve to infinity, or extend the field so that the model splits"
             )
 
-    def _check_monic(self, u: poly.Poly) -> poly.Poly:
+    def _check_monic(self, u: poly.Poly[Element]) -> poly.Poly[Element]:
         K = self.field
         if not u:
             raise ArgumentError("u = 0: a monic polynomial is needed")
@@ -234,7 +245,7 @@ class Jacobian(FiniteGroup):
             )
         return u
 
-    def _check_weight(self, n: Any, degree: int) -> int | None:
+    def _check_weight(self, n: SupportsIndex | None, degree: int) -> int | None:
         genus, model = self.curve.genus, self.curve.model
         if model == "inert" and degree % 2:
             raise NotRepresentable(
@@ -253,7 +264,7 @@ class Jacobian(FiniteGroup):
             )
         return n
 
-    def _check_on_curve(self, u: poly.Poly, v: poly.Poly) -> None:
+    def _check_on_curve(self, u: poly.Poly[Element], v: poly.Poly[Element]) -> None:
         K: Any = self.field
         f, h = self.curve.f, self.curve.h
         remainder = poly.mod(K, poly.sub(K, poly.mul(K, v, poly.add(K, v, h)), f), u)
@@ -266,8 +277,9 @@ class Jacobian(FiniteGroup):
 
     def _scales(self, u: poly.Poly, v: poly.Poly) -> poly.Poly:
         """The size of the terms of the remainder: the same division on absolute values, where nothing cancels."""
-        a, h = [abs(c) for c in v], [abs(c) for c in self.curve.h]
-        size = [abs(c) for c in self.curve.f] + [0] * (2 * len(a) + len(h))
+        C: HyperellipticCurve = self.curve
+        a, h = [abs(c) for c in v], [abs(c) for c in C.h]
+        size = [abs(c) for c in C.f] + [0] * (2 * len(a) + len(h))
         for i, x in enumerate(a):
             for terms in (a, h):
                 for j, y in enumerate(terms):
@@ -279,7 +291,7 @@ class Jacobian(FiniteGroup):
 
     # --- the group law
 
-    def add(self, D: Divisor, E: Divisor) -> Divisor:
+    def add(self, D: Divisor[Element], E: Divisor[Element]) -> Divisor[Element]:
         """D + E, for divisors of this Jacobian."""
         if not self.field.exact:
             return self._add_inexact(D, E)
@@ -287,19 +299,19 @@ class Jacobian(FiniteGroup):
             return Divisor(self, *self._sum_of((D.u, D.v, D.n), (E.u, E.v, E.n)))
         return self._out(self._sum_of(self._in(D), self._in(E)))
 
-    def double(self, D: Divisor) -> Divisor:
+    def double(self, D: Divisor[Element]) -> Divisor[Element]:
         """D + D."""
         if not self.field.exact:
             return self._add_inexact(D, D)
         return self._out(self._double(self._in(D)))
 
-    def negate(self, D: Divisor) -> Divisor:
+    def negate(self, D: Divisor[Element]) -> Divisor[Element]:
         """−D."""
         if not self.field.exact:
             return self._negate_inexact(D)
         return self._out(cantor.negate(self._model, self._in(D)))
 
-    def _negate_inexact(self, D: Divisor) -> Divisor:
+    def _negate_inexact(self, D: Divisor[Element]) -> Divisor[Element]:
         K, size = self.field, len(D.u) - 1
         v = poly.mod(K, poly.neg(K, poly.add(K, D.v, self.curve.h)), D.u)
         if D.n is None or self.weight_of_zero is None:
@@ -311,7 +323,7 @@ class Jacobian(FiniteGroup):
 
         return Divisor(self, *composition.negated(self.curve, (D.u, v, n)))
 
-    def _add_inexact(self, D: Divisor, E: Divisor) -> Divisor:
+    def _add_inexact(self, D: Divisor[Element], E: Divisor[Element]) -> Divisor[Element]:
         if not D or not E:
             return D if D else E
         if self._opposite_to_the_bit(D, E):
@@ -321,13 +333,13 @@ class Jacobian(FiniteGroup):
 
         return self._out(composition.add(self._model, self._in(D), self._in(E)))
 
-    def _opposite_to_the_bit(self, D: Divisor, E: Divisor) -> bool:
+    def _opposite_to_the_bit(self, D: Divisor[Element], E: Divisor[Element]) -> bool:
         K = self.field
         if D.u != E.u or D.v != poly.mod(K, poly.neg(K, poly.add(K, E.v, self.curve.h)), E.u):
             return False
         return D.n is None or E.n is None or D.n + E.n == 2 * (self.weight_of_zero or 0) - len(D.u) + 1
 
-    def multiply(self, m: int, D: Divisor) -> Divisor:
+    def multiply(self, m: int, D: Divisor[Element]) -> Divisor[Element]:
         """m·D for any int m, by signed windows (:mod:`jacobian.addition.ladder`), or as one call of compiled code."""
         if m < 0:
             return self.multiply(-m, self.negate(D))
@@ -339,7 +351,7 @@ class Jacobian(FiniteGroup):
         m = self._remainder(m, D)
         return self._out(by_parts(m, self._in(D), self._multiple, self._sum_of)) if m else self.zero()
 
-    def _remainder(self, m: int, D: Divisor) -> int:
+    def _remainder(self, m: int, D: Divisor[Element]) -> int:
         """m > 0, reduced modulo the order of D or of the group if m is long and the order is cheap."""
         q, bits = self.field.order, m.bit_length()
         if q is None and bits > LONG_OVER_Q:
@@ -367,20 +379,20 @@ class Jacobian(FiniteGroup):
 
     # --- to the arithmetic model and back
 
-    def _in(self, D: Divisor) -> cantor.Triple:
+    def _in(self, D: Divisor[Element]) -> cantor.Triple:
         return (D.u, D.v, D.n) if self._move is None else self._in_triple(D.u, D.v, D.n)
 
-    def _in_triple(self, u: poly.Poly, v: poly.Poly, n: int | None) -> cantor.Triple:
+    def _in_triple(self, u: poly.Poly[Element], v: poly.Poly[Element], n: int | None) -> cantor.Triple:
         if self._move is None:
             return u, v, n
         return u, poly.mod(self.field, poly.sub(self.field, v, self._move), u), n
 
-    def _out(self, triple: cantor.Triple) -> Divisor:
+    def _out(self, triple: cantor.Triple) -> Divisor[Element]:
         u, v, n = triple
         if self._move is not None:
             v = poly.mod(self.field, poly.add(self.field, v, self._move), u)
         return Divisor(self, u, v, n)
 
 
-def _jacobian_of(curve: HyperellipticCurve) -> Jacobian:
+def _jacobian_of(curve: HyperellipticCurve[Element]) -> Jacobian[Element]:
     return curve.jacobian()

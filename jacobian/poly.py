@@ -8,15 +8,18 @@ supply faster versions of the four ring operations as ``poly_add``, ``poly_sub``
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
+from jacobian.element import Arithmetic, Element, Rng
 from jacobian.errors import FieldError, entries, shown, written
 
-Poly = tuple[Any, ...]
+Poly = tuple[Element, ...]
 
 
-def coerce(K: Any, values: Any, argument: str = "polynomial", *, constant: bool = False) -> Poly:
+def coerce(
+    K: Arithmetic[Element], values: object, argument: str = "polynomial", *, constant: bool = False
+) -> Poly[Element]:
     """The polynomial of ascending coefficients, or of a polynomial of galois, python-flint or PARI; FieldError names
     ``argument``.
 
@@ -28,7 +31,8 @@ def coerce(K: Any, values: Any, argument: str = "polynomial", *, constant: bool 
         if isinstance(values, (str, bytes, Mapping)) or (single and not constant):
             raise FieldError(f"{argument} = {shown(values)} is not a polynomial: give its coefficients, ascending")
         if single:
-            values = [K.coerce(values, argument)]
+            a: Poly[Element] = (K.coerce(values, argument),)
+            return trim(K, a) if K.exact else a
     a = tuple([K.coerce(value, f"{argument}[{i}]") for i, value in enumerate(entries(values, argument))])
     return trim(K, a) if K.exact else a
 
@@ -45,7 +49,7 @@ def _ascending(values: Any) -> Any:
     return list(values.Vecrev()) if pari else values
 
 
-def to_galois(K: Any, a: Poly) -> Any:
+def to_galois(K: Arithmetic[Element], a: Poly[Element]) -> Any:
     """The galois.Poly of a (descending, as galois has it); FieldError for a field without a galois class."""
     if not hasattr(K, "to_galois"):
         raise FieldError(f"field = {K.name}: galois has finite fields only")
@@ -54,7 +58,7 @@ def to_galois(K: Any, a: Poly) -> Any:
     return galois.Poly(K.to_galois(a[::-1] or (K.zero,)))
 
 
-def trim(K: Any, a: Sequence[Any]) -> Poly:
+def trim(K: Arithmetic[Element], a: Sequence[Element]) -> Poly[Element]:
     """a without zeros at the top, each of them exactly zero."""
     size = len(a)
     while size and a[size - 1] == K.zero:
@@ -62,9 +66,9 @@ def trim(K: Any, a: Sequence[Any]) -> Poly:
     return tuple(a[:size])
 
 
-def add(K: Any, a: Poly, b: Poly) -> Poly:
+def add(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly[Element]:
     """a + b."""
-    fast = getattr(K, "poly_add", None)
+    fast: Callable[..., Poly[Element]] | None = getattr(K, "poly_add", None)
     if fast:
         return fast(a, b)
     if len(a) < len(b):
@@ -73,25 +77,25 @@ def add(K: Any, a: Poly, b: Poly) -> Poly:
     return trim(K, total) if K.exact and len(a) == len(b) else total
 
 
-def neg(K: Any, a: Poly) -> Poly:
+def neg(K: Arithmetic[Element], a: Poly[Element]) -> Poly[Element]:
     """−a."""
     return tuple(map(K.neg, a))
 
 
-def sub(K: Any, a: Poly, b: Poly) -> Poly:
+def sub(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly[Element]:
     """a − b."""
-    fast = getattr(K, "poly_sub", None)
+    fast: Callable[..., Poly[Element]] | None = getattr(K, "poly_sub", None)
     return fast(a, b) if fast else add(K, a, neg(K, b))
 
 
-def scale(K: Any, c: Any, a: Poly) -> Poly:
+def scale(K: Arithmetic[Element], c: Element, a: Poly[Element]) -> Poly[Element]:
     """c·a for an element c; c must not be zero over an exact field."""
     return tuple([K.mul(c, x) for x in a])
 
 
-def mul(K: Any, a: Poly, b: Poly) -> Poly:
+def mul(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly[Element]:
     """a·b, each coefficient one dot product."""
-    fast = getattr(K, "poly_mul", None)
+    fast: Callable[..., Poly[Element]] | None = getattr(K, "poly_mul", None)
     if fast:
         return fast(a, b)
     if not a or not b:
@@ -108,9 +112,9 @@ def mul(K: Any, a: Poly, b: Poly) -> Poly:
     )
 
 
-def divide(K: Any, a: Poly, b: Poly) -> tuple[Poly, Poly]:
+def divide(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> tuple[Poly[Element], Poly[Element]]:
     """(quotient, remainder) of a by b. Over an inexact field the remainder has length min(len a, len b − 1)."""
-    fast = getattr(K, "poly_divmod", None)
+    fast: Callable[..., tuple[Poly[Element], Poly[Element]]] | None = getattr(K, "poly_divmod", None)
     if fast:
         return fast(a, b)
     if not b or b[-1] == K.zero:
@@ -120,7 +124,7 @@ def divide(K: Any, a: Poly, b: Poly) -> tuple[Poly, Poly]:
     if steps <= 0:
         return (), tuple(a)
     monic_divisor = b[-1] == K.one
-    inverse = None if monic_divisor else K.inv(b[-1])
+    inverse = b[-1] if monic_divisor else K.inv(b[-1])
     rest = list(a)
     quotient = [K.zero] * steps
     for i in range(steps - 1, -1, -1):
@@ -131,17 +135,17 @@ def divide(K: Any, a: Poly, b: Poly) -> tuple[Poly, Poly]:
     return tuple(quotient), trim(K, rest[:size]) if K.exact else tuple(rest[:size])
 
 
-def mod(K: Any, a: Poly, b: Poly) -> Poly:
+def mod(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly[Element]:
     """a modulo b."""
     return divide(K, a, b)[1]
 
 
-def quotient(K: Any, a: Poly, b: Poly) -> Poly:
+def quotient(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly[Element]:
     """The quotient of a by b without the remainder: for exact divisions."""
     return divide(K, a, b)[0]
 
 
-def monic(K: Any, a: Poly) -> Poly:
+def monic(K: Arithmetic[Element], a: Poly[Element]) -> Poly[Element]:
     """a over its leading coefficient; the leading coefficient of the result is exactly one."""
     lead = a[-1]
     if lead == K.one:
@@ -150,18 +154,18 @@ def monic(K: Any, a: Poly) -> Poly:
     return (*[K.mul(x, inverse) for x in a[:-1]], K.one)
 
 
-def gcd(K: Any, a: Poly, b: Poly) -> Poly:
+def gcd(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly[Element]:
     """The monic greatest common divisor (exact fields); ``()`` when both are zero."""
     while b:
         a, b = b, mod(K, a, b)
     return monic(K, a) if a else a
 
 
-def half_xgcd(K: Any, a: Poly, b: Poly) -> tuple[Poly, Poly]:
+def half_xgcd(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> tuple[Poly[Element], Poly[Element]]:
     """(d, s): d the monic gcd of a and b, s·b ≡ d modulo a. Exact fields; not both zero."""
     r0, r1 = a, b
-    s0: Poly = ()
-    s1: Poly = (K.one,)
+    s0: Poly[Element] = ()
+    s1: Poly[Element] = (K.one,)
     while len(r1) > 1:
         q, r = divide(K, r0, r1)
         r0, r1 = r1, r
@@ -176,7 +180,9 @@ def half_xgcd(K: Any, a: Poly, b: Poly) -> tuple[Poly, Poly]:
     return (*[K.mul(inverse, x) for x in r0[:-1]], K.one), scale(K, inverse, s0)
 
 
-def xgcd(K: Any, a: Poly, b: Poly) -> tuple[Poly, Poly, Poly]:
+def xgcd(
+    K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]
+) -> tuple[Poly[Element], Poly[Element], Poly[Element]]:
     """(d, r, s): d the monic gcd, d = r·a + s·b. Exact fields; not both zero."""
     d, s = half_xgcd(K, a, b)
     if not a:
@@ -184,7 +190,7 @@ def xgcd(K: Any, a: Poly, b: Poly) -> tuple[Poly, Poly, Poly]:
     return d, quotient(K, sub(K, d, mul(K, s, b)), a), s
 
 
-def resultant(K: Any, a: Poly, b: Poly) -> Any:
+def resultant(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Element:
     """The resultant of two non-zero polynomials over an exact field, by Euclid's algorithm."""
     result = K.one
     while len(b) > 1:
@@ -201,12 +207,12 @@ def resultant(K: Any, a: Poly, b: Poly) -> Any:
     return result
 
 
-def integer(K: Any, m: int) -> Any:
+def integer(K: Arithmetic[Element], m: int) -> Element:
     """The element m·1; ``K.coerce(m)`` differs over GF(p^k), where an int stands for an element."""
     return K.coerce(m % K.characteristic if K.characteristic else m)
 
 
-def evaluate(K: Any, a: Poly, x: Any) -> Any:
+def evaluate(K: Arithmetic[Element], a: Poly[Element], x: Element) -> Element:
     """a(x), by Horner's rule."""
     value = K.zero
     for c in reversed(a):
@@ -214,13 +220,13 @@ def evaluate(K: Any, a: Poly, x: Any) -> Any:
     return value
 
 
-def derivative(K: Any, a: Poly) -> Poly:
+def derivative(K: Arithmetic[Element], a: Poly[Element]) -> Poly[Element]:
     """a'."""
     result = [K.mul(integer(K, i), a[i]) for i in range(1, len(a))]
     return trim(K, result) if K.exact else tuple(result)
 
 
-def shift(K: Any, a: Poly, c: Any) -> Poly:
+def shift(K: Arithmetic[Element], a: Poly[Element], c: Element) -> Poly[Element]:
     """a(x + c), by repeated synthetic division."""
     result = list(a)
     for i in range(len(a)):
@@ -229,29 +235,29 @@ def shift(K: Any, a: Poly, c: Any) -> Poly:
     return tuple(result)
 
 
-def monomial(K: Any, c: Any, degree: int) -> Poly:
+def monomial(K: Arithmetic[Element], c: Element, degree: int) -> Poly[Element]:
     """c·x^degree; ``()`` when c is zero over an exact field."""
     if K.exact and c == K.zero:
         return ()
     return (*([K.zero] * degree), c)
 
 
-def from_roots(K: Any, roots: Iterable[Any]) -> Poly:
+def from_roots(K: Arithmetic[Element], roots: Iterable[Element]) -> Poly[Element]:
     """Π (x − root)."""
-    product: Poly = (K.one,)
+    product: Poly[Element] = (K.one,)
     for root in roots:
         product = mul(K, product, (K.neg(root), K.one))
     return product
 
 
-def through(K: Any, points: Sequence[tuple[Any, Any]]) -> tuple[Poly, Poly]:
+def through(K: Arithmetic[Element], points: Sequence[tuple[Element, Element]]) -> tuple[Poly[Element], Poly[Element]]:
     """(Π (x − x_k), the line through both) for two points (x_k, y_k) with x_1 ≠ x_2; the line has length 2."""
     (x1, y1), (x2, y2) = points
     slope = K.div(K.sub(y1, y2), K.sub(x1, x2))
     return (K.mul(x1, x2), K.neg(K.add(x1, x2)), K.one), (K.sub(y1, K.mul(slope, x1)), slope)
 
 
-def random(K: Any, degree: int, rng: Any, *, monic: bool = False) -> Poly:
+def random(K: Any, degree: int, rng: Rng, *, monic: bool = False) -> Poly:
     """A random polynomial: uniform of degree below ``degree``, or, with ``monic``, uniform monic of that degree."""
     a = tuple([K.random(rng) for _ in range(degree)])
     if monic:
@@ -259,7 +265,7 @@ def random(K: Any, degree: int, rng: Any, *, monic: bool = False) -> Poly:
     return trim(K, a) if K.exact else a
 
 
-def power_mod(K: Any, a: Poly, exponent: int, m: Poly) -> Poly:
+def power_mod(K: Arithmetic[Element], a: Poly[Element], exponent: int, m: Poly[Element]) -> Poly[Element]:
     """a**exponent modulo m."""
     result = mod(K, (K.one,), m)
     for bit in bin(exponent)[2:]:
@@ -269,7 +275,7 @@ def power_mod(K: Any, a: Poly, exponent: int, m: Poly) -> Poly:
     return result
 
 
-def text(K: Any, a: Sequence[Any], variable: str = "x") -> str:
+def text(K: Arithmetic[Element], a: Sequence[Element], variable: str = "x") -> str:
     """a as a formula, the highest power first; long numbers show their ends (:func:`jacobian.errors.written`)."""
     terms = []
     for i in range(len(a) - 1, -1, -1):

@@ -40,6 +40,7 @@ OUTSIDE = {
         "__init__",
         "__main__",
         "compilation",
+        "element",
         "errors",
         "group",
         "immutable",

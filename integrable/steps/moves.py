@@ -189,7 +189,7 @@ class ConicStep(Move):
     def _condition(self, state: State) -> float:
         """The amplification of rounding errors in c, relative to √H2."""
         system, K = self.system, self.system.field
-        if self.x0 is None or not isinstance(K, InexactField):
+        if self.x0 is None or K.exact:
             return 1.0
         u, v = coordinates.to_mumford(system.body, coordinates.to_pairs(system.body, state))
         h1, h2 = system.integrals(state)[2:]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Any, overload
+from typing import Any, Generic, Literal, SupportsIndex, overload
 
 import numpy as np
 
 from jacobian.addition.choice import has_two_word_rows, is_word_sized
 from jacobian.batch.arguments import MOST_ROWS, check_count, check_group, degrees, elements, weights
+from jacobian.element import Element, Rng
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve, entries, one_of, shown, whole, written
 from jacobian.fields import CC, RR
 from jacobian.group import Jacobian
@@ -50,7 +51,7 @@ def engine(J: Jacobian) -> Any:
     return found
 
 
-class DivisorArray(Immutable):
+class DivisorArray(Immutable, Generic[Element]):
     """N divisor classes of one Jacobian. Make one by :meth:`stack`, :meth:`from_arrays` or :meth:`zeros`.
 
     ``A + B``, ``A − B``, ``−A``, ``A.double()``, ``m * A`` for one int or one for each row, ``A.sum()``. A single
@@ -73,7 +74,7 @@ class DivisorArray(Immutable):
 
     __slots__ = ("_engine", "_rows", "jacobian")
 
-    jacobian: Jacobian
+    jacobian: Jacobian[Element]
     _engine: Any
     _rows: Any
 
@@ -81,10 +82,10 @@ class DivisorArray(Immutable):
     # without this, numpy would multiply an array of ints and a DivisorArray element by element
     __array_ufunc__ = None
 
-    def __init__(self, J: Jacobian, rows: Any) -> None:
+    def __init__(self, J: Jacobian[Element], rows: Any) -> None:
         _fill(self, J, engine(J), rows)
 
-    def _like(self, rows: Any) -> DivisorArray:
+    def _like(self, rows: Any) -> DivisorArray[Element]:
         made = DivisorArray.__new__(DivisorArray)
         _fill(made, self.jacobian, self._engine, rows)
         return made
@@ -92,7 +93,9 @@ class DivisorArray(Immutable):
     # --- making
 
     @classmethod
-    def stack(cls, parts: Iterable[Divisor | DivisorArray], J: Jacobian | None = None) -> DivisorArray:
+    def stack(
+        cls, parts: Iterable[Divisor[Element] | DivisorArray[Element]], J: Jacobian[Element] | None = None
+    ) -> DivisorArray[Element]:
         """The rows of Divisors and DivisorArrays, concatenated. ``J`` is needed only for an empty sequence."""
         parts = entries(parts, "parts", "a sequence, [D] for one Divisor,")
         J = None if J is None else check_group(J)
@@ -110,12 +113,14 @@ class DivisorArray(Immutable):
         return cls(J, run.join(arrays))
 
     @classmethod
-    def zeros(cls, J: Jacobian, count: int) -> DivisorArray:
+    def zeros(cls, J: Jacobian[Element], count: int) -> DivisorArray[Element]:
         """``count`` times the identity."""
         return cls(J, engine(check_group(J)).zero(check_count(count)))
 
     @classmethod
-    def from_arrays(cls, J: Jacobian, u: Any, v: Any, n: Any = None, *, check: bool = True) -> DivisorArray:
+    def from_arrays(
+        cls, J: Jacobian[Element], u: Any, v: Any, n: Any = None, *, check: bool = True
+    ) -> DivisorArray[Element]:
         """The classes of Mumford pairs: monic u (N, g + 1) and v (N, g), ascending; on a split model also n (N,).
 
         The arguments are numpy or galois arrays, or nested lists. By default n is ⌈(g − deg u)/2⌉, as in
@@ -137,7 +142,7 @@ class DivisorArray(Immutable):
         return cls(J, rows)
 
     @classmethod
-    def random(cls, J: Jacobian, rng: Any, size: int) -> DivisorArray:
+    def random(cls, J: Jacobian[Element], rng: Rng, size: int) -> DivisorArray[Element]:
         """An array of ``size`` random classes, as :meth:`jacobian.group.Jacobian.random` returns it."""
         size = whole(size, "size", f"the number of classes is an int ≥ 0, {MOST_ROWS} at most", 0, MOST_ROWS)
         run = engine(check_group(J))
@@ -185,7 +190,7 @@ class DivisorArray(Immutable):
         of_rows = getattr(self._engine, "status", None)
         return of_rows(self._rows) if of_rows else np.full(len(self), OK, np.uint8)
 
-    def to_list(self) -> list[Divisor]:
+    def to_list(self) -> list[Divisor[Element]]:
         """The rows as Divisors."""
         return self._engine.to_divisors(self._rows)
 
@@ -196,16 +201,16 @@ class DivisorArray(Immutable):
             raise FieldError(f"field = {K.name}: galois has finite fields only")
         return K.galois(self.u), K.galois(self.v)
 
-    def __iter__(self) -> Iterator[Divisor]:
+    def __iter__(self) -> Iterator[Divisor[Element]]:
         return iter(self.to_list())
 
     @overload
-    def __getitem__(self, key: int | np.integer[Any]) -> Divisor: ...
+    def __getitem__(self, key: int | np.integer[Any]) -> Divisor[Element]: ...
 
     @overload
-    def __getitem__(self, key: slice | list[int] | list[bool] | np.ndarray) -> DivisorArray: ...
+    def __getitem__(self, key: slice | list[int] | list[bool] | np.ndarray) -> DivisorArray[Element]: ...
 
-    def __getitem__(self, key: Any) -> Divisor | DivisorArray:
+    def __getitem__(self, key: Any) -> Divisor[Element] | DivisorArray[Element]:
         if not isinstance(key, slice | list | np.ndarray):
             i = whole(key, "index", f"an int, a slice, a mask of {len(self)} or an array of ints is needed")
             if not -len(self) <= i < len(self):
@@ -235,7 +240,7 @@ class DivisorArray(Immutable):
 
     # --- the group law
 
-    def _operand(self, other: Any) -> Any:
+    def _operand(self, other: object) -> Any:
         """The rows of ``other``, with a single Divisor broadcast to all rows; NotImplemented if it is not a divisor."""
         if not isinstance(other, DivisorArray):
             if not isinstance(other, Divisor):
@@ -250,7 +255,7 @@ class DivisorArray(Immutable):
             raise ArgumentError(f"other: {len(other)} rows beside {len(self)}; as many, or one Divisor, are needed")
         return other._rows
 
-    def __add__(self, other: Any) -> DivisorArray:
+    def __add__(self, other: Divisor[Element] | DivisorArray[Element] | Literal[0]) -> DivisorArray[Element]:
         if other is self:
             return self.double()
         rows = self._operand(other)
@@ -258,26 +263,26 @@ class DivisorArray(Immutable):
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> DivisorArray:
+    def __sub__(self, other: Divisor[Element] | DivisorArray[Element] | Literal[0]) -> DivisorArray[Element]:
         rows = self._operand(other)
         if rows is NotImplemented:
             return NotImplemented
         return self._like(self._engine.add(self._rows, self._engine.negate(rows)))
 
-    def __rsub__(self, other: Any) -> DivisorArray:
+    def __rsub__(self, other: Divisor[Element] | Literal[0]) -> DivisorArray[Element]:
         return -self + other
 
-    def __neg__(self) -> DivisorArray:
+    def __neg__(self) -> DivisorArray[Element]:
         return self._like(self._engine.negate(self._rows))
 
-    def __pos__(self) -> DivisorArray:
+    def __pos__(self) -> DivisorArray[Element]:
         return self
 
-    def double(self) -> DivisorArray:
+    def double(self) -> DivisorArray[Element]:
         """2·A, row by row."""
         return self._like(self._engine.double(self._rows))
 
-    def __mul__(self, scalar: Any) -> DivisorArray:
+    def __mul__(self, scalar: SupportsIndex | Iterable[SupportsIndex]) -> DivisorArray[Element]:
         """m·A for an int m, or m_i·A_i for a sequence of N ints."""
         if isinstance(scalar, Divisor | DivisorArray):
             return NotImplemented
@@ -290,7 +295,7 @@ class DivisorArray(Immutable):
 
     __rmul__ = __mul__
 
-    def sum(self, axis: int | None = None, out: None = None) -> Divisor:
+    def sum(self, axis: int | None = None, out: None = None) -> Divisor[Element]:
         """The sum of all rows, by pairwise summation; the identity if there are none.
 
         ``axis`` and ``out`` are there because ``numpy.sum`` passes them. There is one axis, and no output array is
@@ -331,7 +336,7 @@ def _fill(array: DivisorArray, J: Jacobian, run: Any, rows: Any) -> None:
     _set_rows(array, rows)
 
 
-def _rebuilt(J: Jacobian, u: Any, v: Any, n: Any) -> DivisorArray:
+def _rebuilt(J: Jacobian, u: Any, v: Any, n: Any) -> DivisorArray[Element]:
     return DivisorArray.from_arrays(J, u, v, n, check=False)
 
 

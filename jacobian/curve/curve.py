@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 from jacobian import poly
 from jacobian.curve import latex
-from jacobian.curve.points import INFINITY, INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
+from jacobian.curve.points import INFINITY, INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Given, Point, PointAtInfinity
 from jacobian.curve.questions import CurveQuestions
 from jacobian.curve.rational_points import abscissas
+from jacobian.element import Arithmetic, Coefficients, Element, Rng, Value
 from jacobian.errors import (
     ArgumentError,
     FieldError,
@@ -42,7 +43,7 @@ MOST_BOUND = 10_000
 """The largest numerator and denominator of x: 10^8 x are sieved in half a second."""
 
 
-class HyperellipticCurve(CurveQuestions):
+class HyperellipticCurve(CurveQuestions[Element]):
     """The smooth projective curve y² + h(x)y = f(x) of genus g ≥ 1 over the field K.
 
     ``f``, ``h``: ascending coefficients or a galois.Poly, h also a number; max(deg f, 2 deg h) is 2g+1 or 2g+2 and f
@@ -58,10 +59,12 @@ class HyperellipticCurve(CurveQuestions):
     infinity is, relative to the size of its coefficients.
     """
 
-    def __init__(self, K: Any, f: Any, h: Any = (), infinity_plus: Any = None) -> None:
-        self.field: Field[Any] = check_field(K, "K")
-        self.f: poly.Poly = poly.trim(K, poly.coerce(K, f, "f"))
-        self.h: poly.Poly = poly.trim(K, poly.coerce(K, h, "h", constant=True))
+    def __init__(
+        self, K: Field[Element], f: Coefficients, h: Coefficients | Value = (), infinity_plus: Value | None = None
+    ) -> None:
+        self.field = check_field(K, "K")
+        self.f = poly.trim(K, poly.coerce(K, f, "f"))
+        self.h = poly.trim(K, poly.coerce(K, h, "h", constant=True))
         degree = max(len(self.f) - 1, 2 * len(self.h) - 2)
         self.genus = (degree - 1) // 2
         if self.genus < 1:
@@ -73,7 +76,7 @@ class HyperellipticCurve(CurveQuestions):
         self._set_model(infinity_plus)
         self._check_smooth()
 
-    def _set_model(self, infinity_plus: Any) -> None:
+    def _set_model(self, infinity_plus: Value | None) -> None:
         K, g = self.field, self.genus
         b, c = coefficient(K, self.h, g + 1), coefficient(K, self.f, 2 * g + 2)
         roots = quadratic_roots(K, b, c)
@@ -91,8 +94,8 @@ class HyperellipticCurve(CurveQuestions):
                 f"infinity_plus = {shown(infinity_plus)}: {self!r} is {self.model}, only a split model has ∞₊ and ∞₋"
             )
 
-    def _name_infinity(self, roots: list[Any], chosen: Any) -> tuple[Any, Any]:
-        K = self.field
+    def _name_infinity(self, roots: list[Any], chosen: Value | None) -> tuple[Element, Element]:
+        K: Any = self.field
         if chosen is None:
             finite = K.order is not None
             first, second = sorted(roots, key=lambda z: (z.real, z.imag) if not finite else z, reverse=not finite)
@@ -106,9 +109,10 @@ class HyperellipticCurve(CurveQuestions):
             )
         return matches[0], next(z for z in roots if z is not matches[0])
 
-    def _check_infinity(self, z: Any) -> None:
+    def _check_infinity(self, z: Element) -> None:
         """At a double root z the other partial derivative, f_{2g+1} − h_g z, must not vanish."""
-        K, g = self.field, self.genus
+        K: Any = self.field
+        g = self.genus
         linear, product = coefficient(K, self.f, 2 * g + 1), K.mul(coefficient(K, self.h, g), z)
         scale = None if K.exact else abs(linear) + abs(product)
         if K.is_zero(K.sub(linear, product), scale):
@@ -135,14 +139,14 @@ class HyperellipticCurve(CurveQuestions):
             raise SingularCurve(f"{self!r} has a singular point at {where}: f and h must define a smooth curve")
 
     @cached_property
-    def discriminant(self) -> poly.Poly:
+    def discriminant(self) -> poly.Poly[Element]:
         """h² + 4f, whose roots are the branch points in characteristic other than 2."""
         K = self.field
         four_f = poly.scale(K, poly.integer(K, 4), self.f)
         return poly.add(K, poly.mul(K, self.h, self.h), poly.trim(K, four_f))
 
     @cached_property
-    def arithmetic_model(self) -> HyperellipticCurve:
+    def arithmetic_model(self) -> HyperellipticCurve[Element]:
         """The isomorphic curve on which divisors are added: this one, or its image under y → y + z₀x^(g+1).
 
         The move is made for a ramified model with z₀ ≠ 0 or of formal degree 2g+2; the new equation has deg f = 2g+1
@@ -158,7 +162,7 @@ class HyperellipticCurve(CurveQuestions):
         return HyperellipticCurve(K, f[: 2 * g + 2], h[: g + 1])
 
     @cached_property
-    def principal_parts(self) -> tuple[poly.Poly, poly.Poly]:
+    def principal_parts(self) -> tuple[poly.Poly[Element], poly.Poly[Element]]:
         """(V₊, V₋) of a split model: the polynomial parts of y at ∞₊ and at ∞₋, of degree at most g+1.
 
         They are −h/2 ± the polynomial part of √(h²/4 + f), computed coefficient by coefficient, which also works in
@@ -179,12 +183,12 @@ class HyperellipticCurve(CurveQuestions):
         plus = poly.trim(K, plus) if K.exact else plus
         return plus, poly.neg(K, poly.add(K, plus, self.h))
 
-    def jacobian(self) -> Jacobian:
+    def jacobian(self) -> Jacobian[Element]:
         """The Jacobian of this curve, always the same object (:class:`jacobian.group.Jacobian`)."""
         return self._jacobian
 
     @cached_property
-    def _jacobian(self) -> Jacobian:
+    def _jacobian(self) -> Jacobian[Element]:
         from jacobian.group import Jacobian
 
         return Jacobian(self)
@@ -199,12 +203,12 @@ class HyperellipticCurve(CurveQuestions):
 
     # --- points
 
-    def residual(self, x: Any, y: Any) -> Any:
+    def residual(self, x: Element, y: Element) -> Element:
         """y² + h(x)y − f(x) for raw elements."""
         K = self.field
         return K.sub(K.mul(y, K.add(y, poly.evaluate(K, self.h, x))), poly.evaluate(K, self.f, x))
 
-    def is_on(self, point: Any) -> bool:
+    def is_on(self, point: Given[Element]) -> bool:
         """Whether a pair (x, y) or a PointAtInfinity is on this curve (up to rounding over an inexact field).
 
         PrecisionLoss where the terms of the equation exceed the range of floats, as in :meth:`point` and
@@ -222,14 +226,14 @@ class HyperellipticCurve(CurveQuestions):
         h, f = (value_at(absolute(c), abs(x)) for c in (self.h, self.f))
         return abs(y) * (abs(y) + h) + f
 
-    def _coerce_pair(self, point: Any) -> tuple[Any, Any]:
+    def _coerce_pair(self, point: Any) -> tuple[Element, Element]:
         try:
             x, y = point
         except Exception:
             raise ArgumentError(f"point = {shown(point)}: a pair (x, y) or a PointAtInfinity is needed") from None
         return self.field.coerce(x, "x"), self.field.coerce(y, "y")
 
-    def point(self, x: Any, y: Any) -> AffinePoint:
+    def point(self, x: Element | Value, y: Element | Value) -> AffinePoint[Element]:
         """The point (x, y), or NotOnCurve."""
         x, y = self._coerce_pair((x, y))
         if not self.is_on((x, y)):
@@ -239,7 +243,7 @@ class HyperellipticCurve(CurveQuestions):
             )
         return AffinePoint(x, y)
 
-    def check_point(self, point: Any) -> Point:
+    def check_point(self, point: Given[Element]) -> Point[Element]:
         """``point`` as an AffinePoint or a PointAtInfinity of this curve, or NotOnCurve."""
         if isinstance(point, PointAtInfinity):
             if point not in self.points_at_infinity():
@@ -250,7 +254,7 @@ class HyperellipticCurve(CurveQuestions):
             return point
         return self.point(*self._coerce_pair(point))
 
-    def involution(self, point: Any) -> Point:
+    def involution(self, point: Given[Element]) -> Point[Element]:
         """(x, −y − h(x)); ∞₊ and ∞₋ change places."""
         point = self.check_point(point)
         if isinstance(point, PointAtInfinity):
@@ -263,12 +267,12 @@ class HyperellipticCurve(CurveQuestions):
         return {"ramified": (INFINITY,), "split": (INFINITY_PLUS, INFINITY_MINUS), "inert": ()}[self.model]
 
     @overload
-    def lift_x(self, x: Any, *, all: Literal[False] = False) -> AffinePoint: ...
+    def lift_x(self, x: Element | Value, *, all: Literal[False] = False) -> AffinePoint[Element]: ...
 
     @overload
-    def lift_x(self, x: Any, *, all: Literal[True]) -> list[AffinePoint]: ...
+    def lift_x(self, x: Element | Value, *, all: Literal[True]) -> list[AffinePoint[Element]]: ...
 
-    def lift_x(self, x: Any, *, all: bool = False) -> AffinePoint | list[AffinePoint]:
+    def lift_x(self, x: Element | Value, *, all: bool = False) -> AffinePoint[Element] | list[AffinePoint[Element]]:
         """One affine point with this x, or NotASquare; with ``all`` the list of none, one or two."""
         K, all = self.field, flag(all, "all")
         x = K.coerce(x, "x")
@@ -280,7 +284,7 @@ class HyperellipticCurve(CurveQuestions):
             raise NotASquare(f"x = {written(x)}: no point of {self!r} has this x")
         return points[0]
 
-    def points(self, bound: int | None = None) -> Iterator[Point]:
+    def points(self, bound: int | None = None) -> Iterator[Point[Element]]:
         """All rational points, those at infinity first. Over QQ: with numerator and denominator of x up to ``bound``,
         at most 10,000, found by a sieve over small primes.
 
@@ -289,7 +293,7 @@ class HyperellipticCurve(CurveQuestions):
         """
         return self._points(self._abscissas(bound))
 
-    def _points(self, abscissas: Iterator[Any]) -> Iterator[Point]:
+    def _points(self, abscissas: Iterator[Element]) -> Iterator[Point[Element]]:
         yield from self.points_at_infinity()
         for x in abscissas:
             yield from self.lift_x(x, all=True)
@@ -312,7 +316,7 @@ class HyperellipticCurve(CurveQuestions):
             raise Infeasible(f"bound = {shown(bound)}: up to {MOST_BOUND}, some 10^8 x, they are sieved")
         return iter(sorted(abscissas(self.discriminant, 2 * self.genus + 2, bound)))
 
-    def random_point(self, rng: Any) -> AffinePoint:
+    def random_point(self, rng: Rng) -> AffinePoint[Element]:
         """A random affine point, uniform over a finite field. ``rng``: numpy Generator or random.Random.
 
         Over QQ one of the points of :meth:`points` with bound 12; NotRepresentable when no point is found.
@@ -363,7 +367,7 @@ class HyperellipticCurve(CurveQuestions):
         plus = K.key(self.infinity_plus) if self.model == "split" else None
         return K, tuple(map(K.key, self.f)), tuple(map(K.key, self.h)), plus
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return _from_value, self._value()
 
 
@@ -372,13 +376,13 @@ def _from_value(K: Any, f: Any, h: Any, plus: Any) -> HyperellipticCurve:
     return HyperellipticCurve(K, [K.from_key(c) for c in f], [K.from_key(c) for c in h], chosen)
 
 
-def check_curve(curve: Any) -> HyperellipticCurve:
+def check_curve(curve: HyperellipticCurve[Element]) -> HyperellipticCurve[Element]:
     """``curve``, or an ArgumentError."""
     if not isinstance(curve, HyperellipticCurve):
         raise ArgumentError(f"curve = {shown(curve)}: a HyperellipticCurve is needed")
     return curve
 
 
-def coefficient(K: Any, a: poly.Poly, i: int) -> Any:
+def coefficient(K: Arithmetic[Element], a: poly.Poly[Element], i: int) -> Element:
     """The coefficient of x^i in a, zero beyond its length."""
     return a[i] if 0 <= i < len(a) else K.zero

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Generic, NamedTuple, TypeAlias
 
+from jacobian.element import Element, Value
 from jacobian.errors import shown
 
 
-class AffinePoint(NamedTuple):
+class AffinePoint(NamedTuple, Generic[Element]):
     """The point (x, y); equal to the plain pair."""
 
-    x: Any
-    y: Any
+    x: Element
+    y: Element
 
     def __repr__(self) -> str:
         return f"AffinePoint(x={shown(self.x)}, y={shown(self.y)})"
@@ -34,4 +36,6 @@ INFINITY = PointAtInfinity(0)
 INFINITY_PLUS = PointAtInfinity(1)
 INFINITY_MINUS = PointAtInfinity(-1)
 
-Point = AffinePoint | PointAtInfinity
+Point: TypeAlias = AffinePoint[Element] | PointAtInfinity
+Given: TypeAlias = Iterable[Element | Value] | PointAtInfinity
+"""What is read as a point: a pair (x, y), or a point at infinity."""

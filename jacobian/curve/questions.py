@@ -6,48 +6,58 @@ The base of :class:`jacobian.curve.curve.HyperellipticCurve`. Questions that nee
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Generic, Self
 
 from jacobian import poly
 from jacobian.curve.zeta import ZetaFunction
+from jacobian.element import Element, File, Other, Value
 from jacobian.errors import ArgumentError, JacobianError, SingularCurve, shown
 from jacobian.fields.change import change_of_field
 from jacobian.fields.protocol import Field, check_field
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.immutable import Immutable
 
+if TYPE_CHECKING:
+    import numpy as np
 
-class CurveQuestions(Immutable):
+    from jacobian.arithmetic.record import LPolynomials
+    from jacobian.curve.curve import HyperellipticCurve
+    from jacobian.group import Jacobian
+
+
+class CurveQuestions(Immutable, Generic[Element]):
     """Base of :class:`jacobian.curve.curve.HyperellipticCurve`."""
 
-    field: Field[Any]
-    f: poly.Poly
-    h: poly.Poly
+    field: Field[Element]
+    f: poly.Poly[Element]
+    h: poly.Poly[Element]
     genus: int
     model: str
     infinity_plus: Any
 
-    def _with(self, K: Any, f: poly.Poly, h: poly.Poly, infinity_plus: Any = None) -> Self:
+    def _with(self, K: Any, f: poly.Poly[Element], h: poly.Poly[Element], infinity_plus: Any = None) -> Self:
         return type(self)(K, f, h, infinity_plus)  # type: ignore[call-arg]
 
-    def jacobian(self) -> Any:
+    def jacobian(self) -> Jacobian[Element]:
         """The Jacobian of this curve, always the same object (:class:`jacobian.group.Jacobian`)."""
         raise NotImplementedError
 
     # --- over other fields
 
-    def change_ring(self, K: Any) -> Self:
+    def change_ring(self, K: Field[Other]) -> HyperellipticCurve[Other]:
         """The curve with the same equation over the field K: a reduction of QQ modulo p, a larger finite field or one
         that holds all coefficients, RR, CC or MP(dps).
 
         ∞₊ goes to ∞₊ where possible. FieldError where the coefficients do not lie in K, SingularCurve at a prime of bad
         reduction of this equation (another equation may be good there: :meth:`bad_primes`).
         """
+        from jacobian.curve.curve import HyperellipticCurve
+
         K = check_field(K, "K")
         move = change_of_field(self.field, K)
         f, h = (tuple(move(c) for c in a) for a in (self.f, self.h))
         try:
-            reduced = self._with(K, f, h)
+            reduced: HyperellipticCurve[Other] = HyperellipticCurve(K, f, h)
         except JacobianError as error:
             raise SingularCurve(f"K = {K.name}: {self!r} has bad reduction there: {error}") from None
         if reduced.genus != self.genus:
@@ -56,7 +66,7 @@ class CurveQuestions(Immutable):
                 f"f_{2 * self.genus + 1} and h_{self.genus + 1} vanish"
             )
         if self.model == reduced.model == "split":
-            return self._with(K, f, h, move(self.infinity_plus))
+            return HyperellipticCurve(K, f, h, move(self.infinity_plus))
         return reduced
 
     def bad_primes(self) -> list[int]:
@@ -65,7 +75,7 @@ class CurveQuestions(Immutable):
         """
         return self.jacobian().bad_primes()
 
-    def quadratic_twist(self, d: Any = None) -> Self:
+    def quadratic_twist(self, d: Element | Value | None = None) -> Self:
         """The quadratic twist by d, isomorphic over K(√d), and over K(root of y² + y + d) in characteristic 2.
 
         For F = h² + 4f and odd or no characteristic y² = d·F, in characteristic 2 y² + hy = f + d·h². By default the
@@ -78,23 +88,23 @@ class CurveQuestions(Immutable):
             if K.order is None:
                 raise ArgumentError(f"d = None: over {K.name} there are many twists, say which")
             d = next(x for x in map(K.element, range(K.order)) if x != K.zero and not self._twists_nothing(x))
-        d = K.coerce(d, "d")
-        if (K.is_zero(d) and not even) or (K.exact and self._twists_nothing(d)):
+        by = K.coerce(d, "d")
+        if (K.is_zero(by) and not even) or (K.exact and self._twists_nothing(by)):
             raise ArgumentError(f"d = {shown(d)}: the twist by it is the curve itself, or none; give a non-square")
         if even:
-            return self._with(K, poly.add(K, self.f, poly.scale(K, d, poly.mul(K, self.h, self.h))), self.h)
+            return self._with(K, poly.add(K, self.f, poly.scale(K, by, poly.mul(K, self.h, self.h))), self.h)
         four = poly.integer(K, 4)
         F = poly.add(K, poly.mul(K, self.h, self.h), poly.scale(K, four, self.f))
-        return self._with(K, poly.trim(K, poly.scale(K, d, F)), ())
+        return self._with(K, poly.trim(K, poly.scale(K, by, F)), ())
 
-    def _twists_nothing(self, d: Any) -> bool:
+    def _twists_nothing(self, d: Element) -> bool:
         K: Any = self.field
         b, c = (K.one, d) if K.characteristic == 2 else (K.zero, d)
         return bool(K.is_zero(d)) or len(quadratic_roots(K, b, c)) > 0
 
     # --- over QQ, at all primes
 
-    def l_polynomials(self, bound: int, file: Any = None, progress: bool = False) -> Any:
+    def l_polynomials(self, bound: int, file: File | None = None, progress: bool = False) -> LPolynomials:
         """The L-polynomials at all primes p ≤ ``bound`` of good reduction of this equation, a curve over QQ of genus 1,
         2 or 3, bound ≤ 2^24: :class:`jacobian.arithmetic.record.LPolynomials` (Harvey and Sutherland 2014, 2016).
 
@@ -103,7 +113,7 @@ class CurveQuestions(Immutable):
         """
         return self.jacobian().l_polynomials(bound, file, progress)
 
-    def hasse_witt_matrices(self, bound: int) -> tuple[Any, Any]:
+    def hasse_witt_matrices(self, bound: int) -> tuple[np.ndarray, np.ndarray]:
         """(p, W) for curves over QQ of any genus: primes of good reduction up to the bound, (K,), and W_p modulo p, (K,
         g, g), with L_p(T) ≡ det(1 − T·W_p) (:func:`jacobian.arithmetic.l_polynomials.hasse_witt_matrices`).
         """
@@ -150,7 +160,7 @@ class CurveQuestions(Immutable):
         """L(T), ascending, of degree 2g, with L(0) = 1 and L(1) = #J: the numerator of the zeta function."""
         return list(self.zeta_function().numerator)
 
-    def cartier_manin(self) -> list[list[Any]]:
+    def cartier_manin(self) -> list[list[Element]]:
         """The Cartier–Manin matrix A_ji, the coefficient of x^(ip−j) in F^((p−1)/2), F = h² + 4f (Yui 1978).
 
         Finite fields of odd characteristic (FieldError elsewhere). The time grows like √p over GF(p), p < 2^49, and

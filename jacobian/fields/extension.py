@@ -42,10 +42,10 @@ class ExtensionField(FiniteField):
     def __hash__(self) -> int:
         return hash(("GF", self.p, self.modulus))
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return extension_field, (type(self), self.base, self.modulus)
 
-    def coerce(self, value: Any, argument: str = "value") -> int:
+    def coerce(self, value: object, argument: str = "value") -> int:
         """A whole number in [0, p^k), ascending coefficients [c0, c1, …] of a, or a galois scalar of this field; else
         FieldError. Fractions are coefficients: [1/2] is the inverse of 2.
         """

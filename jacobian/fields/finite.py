@@ -7,8 +7,8 @@ from functools import cached_property
 from random import Random
 from typing import Any, Generic
 
+from jacobian.element import Element, Rng
 from jacobian.errors import NotASquare, written
-from jacobian.fields.protocol import Element
 from jacobian.fields.randomness import random_below
 from jacobian.immutable import Immutable
 
@@ -23,7 +23,7 @@ class FiniteFieldOf(Immutable, Generic[Element]):
     zero: Element
     one: Element
 
-    def coerce(self, value: Any, argument: str = "value") -> Element:
+    def coerce(self, value: object, argument: str = "value") -> Element:
         """The element that ``value`` stands for, or a FieldError that names ``argument``."""
         raise NotImplementedError
 
@@ -65,7 +65,7 @@ class FiniteFieldOf(Immutable, Generic[Element]):
             total = self.add(total, self.mul(x, y))
         return total
 
-    def is_zero(self, x: Element, scale: Any = None) -> bool:
+    def is_zero(self, x: Element, scale: object = None) -> bool:
         """Whether x is zero; a finite field has no use for ``scale``."""
         return bool(x == self.zero)
 
@@ -78,7 +78,7 @@ class FiniteFieldOf(Immutable, Generic[Element]):
         """The element with that :meth:`key`."""
         return key
 
-    def random(self, rng: Any) -> Element:
+    def random(self, rng: Rng) -> Element:
         """A uniform element. ``rng``: numpy Generator or random.Random."""
         return self.element(random_below(rng, self.order))
 

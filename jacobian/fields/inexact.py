@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from math import inf
-from typing import Any
+from typing import Any, Generic
 
+from jacobian.element import Scalar
 from jacobian.errors import PrecisionLoss, written
 from jacobian.immutable import Immutable
 
 
-class InexactField(Immutable):
+class InexactField(Immutable, Generic[Scalar]):
     """Base of RR, CC and MP: bare arithmetic operators, and a zero test that raises PrecisionLoss when it cannot
     decide.
     """
@@ -30,16 +31,16 @@ class InexactField(Immutable):
         return self.name
 
     # the operators themselves: a wrapping method would double the cost
-    add: Any = staticmethod(operator.add)
-    sub: Any = staticmethod(operator.sub)
-    mul: Any = staticmethod(operator.mul)
-    div: Any = staticmethod(operator.truediv)
-    neg: Any = staticmethod(operator.neg)
+    add: Callable[[Scalar, Scalar], Scalar] = staticmethod(operator.add)
+    sub: Callable[[Scalar, Scalar], Scalar] = staticmethod(operator.sub)
+    mul: Callable[[Scalar, Scalar], Scalar] = staticmethod(operator.mul)
+    div: Callable[[Scalar, Scalar], Scalar] = staticmethod(operator.truediv)
+    neg: Callable[[Scalar], Scalar] = staticmethod(operator.neg)  # type: ignore[assignment]
 
-    def inv(self, x: Any) -> Any:
+    def inv(self, x: Scalar) -> Scalar:
         return 1 / x
 
-    def is_zero(self, x: Any, scale: Any = None) -> bool:
+    def is_zero(self, x: Scalar, scale: object = None) -> bool:
         """Whether x, a difference of terms of size ``scale``, is zero.
 
         It is zero up to 16·eps·scale and nonzero from 4096·eps·scale on. In between, and where the scale is beyond the
@@ -59,7 +60,7 @@ class InexactField(Immutable):
             "use more digits"
         )
 
-    def is_rounding(self, x: Any, scale: Any) -> bool:
+    def is_rounding(self, x: Scalar, scale: Any) -> bool:
         """Whether x is a possible rounding error of terms of size ``scale``, up to 10^6·eps·scale; PrecisionLoss where
         the scale is beyond the range of floats.
         """

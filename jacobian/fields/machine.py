@@ -7,8 +7,8 @@ import math
 import sys
 from collections.abc import Sequence
 from operator import mul
-from typing import Any
 
+from jacobian.element import Rng
 from jacobian.errors import FieldError, NotASquare, shown, written
 from jacobian.fields.coercion import is_complex, number
 from jacobian.fields.inexact import InexactField
@@ -18,7 +18,7 @@ from jacobian.fields.randomness import random_float
 DOWN = 2.0**-64
 
 
-class RealField(InexactField):
+class RealField(InexactField[float]):
     """The real numbers in double precision; elements are float. The instance is :data:`jacobian.RR`."""
 
     name = "RR"
@@ -32,17 +32,17 @@ class RealField(InexactField):
     def __hash__(self) -> int:
         return hash("RR")
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return RealField, ()
 
-    def coerce(self, value: Any, argument: str = "value") -> float:
+    def coerce(self, value: object, argument: str = "value") -> float:
         """The nearest float of a real number, as in :meth:`Field.coerce`; FieldError for anything else."""
         x = value if type(value) is float else self._rounded(value, argument)
         if not math.isfinite(x):
             raise FieldError(f"{argument} = {shown(value)} is not finite: give a finite real number")
         return x
 
-    def _rounded(self, value: Any, argument: str) -> float:
+    def _rounded(self, value: object, argument: str) -> float:
         try:
             x = number(value, argument)
             if is_complex(x):
@@ -77,12 +77,12 @@ class RealField(InexactField):
         """x·2^bits; OverflowError beyond the range."""
         return math.ldexp(x, bits)
 
-    def random(self, rng: Any) -> float:
+    def random(self, rng: Rng) -> float:
         """Uniform in [−2, 2)."""
         return random_float(rng)
 
 
-class ComplexField(InexactField):
+class ComplexField(InexactField[complex]):
     """The complex numbers in double precision; elements are complex. The instance is :data:`jacobian.CC`."""
 
     name = "CC"
@@ -99,10 +99,10 @@ class ComplexField(InexactField):
     def __hash__(self) -> int:
         return hash("CC")
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return ComplexField, ()
 
-    def coerce(self, value: Any, argument: str = "value") -> complex:
+    def coerce(self, value: object, argument: str = "value") -> complex:
         """The nearest complex of a number, as in :meth:`Field.coerce`; FieldError for anything else."""
         try:
             z = complex(number(value, argument))
@@ -133,6 +133,6 @@ class ComplexField(InexactField):
         """x·2^bits; OverflowError beyond the range."""
         return complex(math.ldexp(x.real, bits), math.ldexp(x.imag, bits))
 
-    def random(self, rng: Any) -> complex:
+    def random(self, rng: Rng) -> complex:
         """Uniform in the square [−2, 2)²."""
         return complex(random_float(rng), random_float(rng))

@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import copyreg
 from collections.abc import Hashable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
+from jacobian.element import Rng
 from jacobian.errors import FieldError, NotASquare, shown, whole, written
 from jacobian.fields.coercion import is_complex, number, rational
 from jacobian.fields.inexact import InexactField
 from jacobian.fields.randomness import random_below
 
+if TYPE_CHECKING:
+    from mpmath.ctx_mp_python import _mpf
+
+Mpf: TypeAlias = "_mpf"
+
 # a number of this many digits takes half a megabyte
 MOST_DIGITS = 1_000_000
 
 
-class MultiprecisionField(InexactField):
+class MultiprecisionField(InexactField[Mpf]):
     """Numbers of ``dps`` decimal digits; elements are mpf (or mpc) of :attr:`context`. Get one from
     :func:`jacobian.MP`.
 
@@ -54,10 +60,10 @@ class MultiprecisionField(InexactField):
     def __hash__(self) -> int:
         return hash(("MP", self.dps, self.complex))
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return multiprecision_field, (self.dps, self.complex)
 
-    def coerce(self, value: Any, argument: str = "value") -> Any:
+    def coerce(self, value: object, argument: str = "value") -> Any:
         """The element of a number, as in :meth:`Field.coerce`, rounded once; an mpf or mpc of any context is one."""
         if isinstance(value, self._reals) and not self.complex:
             parts = value._mpf_
@@ -121,13 +127,13 @@ class MultiprecisionField(InexactField):
         """x·2^bits."""
         return x * self.context.ldexp(1, bits)
 
-    def random(self, rng: Any) -> Any:
+    def random(self, rng: Rng) -> Any:
         """Uniform in [−2, 2), or in the square of that side."""
         if self.complex:
             return self.context.mpc(self._random_real(rng), self._random_real(rng))
         return self._random_real(rng)
 
-    def _random_real(self, rng: Any) -> Any:
+    def _random_real(self, rng: Rng) -> Any:
         bits = self.context.prec
         return self.context.ldexp(random_below(rng, 1 << bits), 2 - bits) - 2
 

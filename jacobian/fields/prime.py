@@ -33,18 +33,19 @@ class PrimeField(FiniteField):
     def __hash__(self) -> int:
         return hash(("GF", self.p))
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return prime_field, (self.p,)
 
-    def coerce(self, value: Any, argument: str = "value") -> int:
+    def coerce(self, value: object, argument: str = "value") -> int:
         """The residue of a rational number, as in :meth:`Field.coerce`, or an element of this field from galois,
         python-flint or PARI.
         """
         if type(value) is int:
             return value % self.p
-        order = getattr(type(value), "order", None)
-        if order is not None and hasattr(type(value), "irreducible_poly") and order != self.p:
-            raise FieldError(f"{argument} = {written(value)} lies in {type(value).name}, not in {self.name}")
+        kind: Any = type(value)
+        order = getattr(kind, "order", None)
+        if order is not None and hasattr(kind, "irreducible_poly") and order != self.p:
+            raise FieldError(f"{argument} = {written(value)} lies in {kind.name}, not in {self.name}")
         found = residue(value)
         if found is not None and found[1] != self.p:
             raise FieldError(f"{argument} = {written(value)} lies in GF({found[1]}), not in {self.name}")

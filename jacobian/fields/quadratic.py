@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from jacobian.element import Element
 from jacobian.errors import NotASquare
+from jacobian.fields.protocol import Field
 from jacobian.poly import integer
 
 
-def quadratic_roots(K: Any, b: Any, c: Any) -> list[Any]:
+def quadratic_roots(K: Field[Element], b: Element, c: Element) -> list[Element]:
     """The solutions y of y² + b·y = c in the field K: none, one (a double root) or two.
 
     Over an inexact field the discriminant is compared with the size of its terms, and the smaller root follows from the
@@ -17,6 +19,8 @@ def quadratic_roots(K: Any, b: Any, c: Any) -> list[Any]:
     """
     if K.characteristic == 2:
         return _roots_in_characteristic_two(K, b, c)
+    square: Any
+    product: Any
     square, product = K.mul(b, b), K.mul(integer(K, 4), c)
     discriminant = K.add(square, product)
     half = K.inv(integer(K, 2))
@@ -26,6 +30,8 @@ def quadratic_roots(K: Any, b: Any, c: Any) -> list[Any]:
         root = K.sqrt(discriminant)
     except NotASquare:
         return []
+    plus: Any
+    minus: Any
     plus, minus = K.sub(root, b), K.neg(K.add(root, b))
     if K.exact:
         return [K.mul(plus, half), K.mul(minus, half)]
@@ -34,7 +40,7 @@ def quadratic_roots(K: Any, b: Any, c: Any) -> list[Any]:
     return [large, small] if abs(plus) > abs(minus) else [small, large]
 
 
-def _roots_in_characteristic_two(K: Any, b: Any, c: Any) -> list[Any]:
+def _roots_in_characteristic_two(K: Any, b: Element, c: Element) -> list[Element]:
     if K.is_zero(b):
         return [K.sqrt(c)]
     try:

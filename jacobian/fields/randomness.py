@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from jacobian.element import Rng
 from jacobian.errors import ArgumentError, shown
 
 
-def check_rng(rng: Any) -> Any:
+def check_rng(rng: Rng) -> Any:
     """``rng``, or an ArgumentError."""
     # random.Random has getrandbits, numpy's generators have bytes
     known = hasattr(rng, "random") and (hasattr(rng, "getrandbits") or hasattr(rng, "bytes"))
@@ -16,19 +17,20 @@ def check_rng(rng: Any) -> Any:
     return rng
 
 
-def random_float(rng: Any) -> float:
+def random_float(rng: Rng) -> float:
     """Uniform in [−2, 2)."""
     return 4.0 * float(check_rng(rng).random()) - 2.0
 
 
-def random_below(rng: Any, bound: int) -> int:
+def random_below(rng: Rng, bound: int) -> int:
     """A uniform integer in [0, bound), of any size, from a ``numpy.random.Generator`` or a ``random.Random``."""
-    if hasattr(check_rng(rng), "getrandbits"):
-        return int(rng.randrange(bound))
+    source = check_rng(rng)
+    if hasattr(source, "getrandbits"):
+        return int(source.randrange(bound))
     bits = (bound - 1).bit_length()
     size = (bits + 7) // 8
     excess = 8 * size - bits
     while True:
-        value = int.from_bytes(rng.bytes(size), "little") >> excess
+        value = int.from_bytes(source.bytes(size), "little") >> excess
         if value < bound:
             return value

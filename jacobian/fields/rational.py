@@ -8,6 +8,7 @@ from math import isqrt
 from operator import mul
 from typing import Any
 
+from jacobian.element import Rng
 from jacobian.errors import FieldError, NotASquare, shown, written
 from jacobian.fields.coercion import rational
 from jacobian.fields.randomness import random_below
@@ -33,10 +34,10 @@ class RationalField(Immutable):
     def __hash__(self) -> int:
         return hash("QQ")
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return RationalField, ()
 
-    def coerce(self, value: Any, argument: str = "value") -> Fraction:
+    def coerce(self, value: object, argument: str = "value") -> Fraction:
         """The Fraction of a rational number, as in :meth:`Field.coerce`; FieldError otherwise.
 
         A float is refused: 0.1 is not 1/10, so the caller must choose.
@@ -71,7 +72,7 @@ class RationalField(Immutable):
         """Σ x_i y_i."""
         return sum(map(mul, xs, ys), self.zero)
 
-    def is_zero(self, x: Fraction, scale: Any = None) -> bool:
+    def is_zero(self, x: Fraction, scale: object = None) -> bool:
         """Whether x is zero; ``scale`` is not used."""
         return x == 0
 
@@ -83,7 +84,7 @@ class RationalField(Immutable):
                 return root
         raise NotASquare(f"{written(x)} is not the square of a rational number")
 
-    def random(self, rng: Any) -> Fraction:
+    def random(self, rng: Rng) -> Fraction:
         """A fraction of small height: numerator in −20 … 20, denominator in 1 … 6."""
         return Fraction(random_below(rng, 41) - 20, random_below(rng, 6) + 1)
 

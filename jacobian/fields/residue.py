@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from jacobian import poly
-from jacobian.fields.finite import FiniteFieldOf
+from jacobian.fields.finite import FiniteField, FiniteFieldOf
 
 
 class ResidueField(FiniteFieldOf[poly.Poly]):
@@ -13,7 +13,7 @@ class ResidueField(FiniteFieldOf[poly.Poly]):
 
     zero: poly.Poly = ()
 
-    def __init__(self, K: Any, P: poly.Poly) -> None:
+    def __init__(self, K: FiniteField, P: poly.Poly) -> None:
         self.base = K
         self.modulus = P
         self.characteristic = K.characteristic
@@ -21,7 +21,7 @@ class ResidueField(FiniteFieldOf[poly.Poly]):
         self.one = (K.one,)
         self.name = f"{K.name}[x]/({poly.text(K, P)})"
 
-    def coerce(self, value: Any, argument: str = "value") -> poly.Poly:
+    def coerce(self, value: object, argument: str = "value") -> poly.Poly:
         """The constant that ``value`` is in K."""
         return poly.trim(self.base, (self.base.coerce(value, argument),))
 
@@ -71,7 +71,7 @@ class ResidueField(FiniteFieldOf[poly.Poly]):
         return polynomial_number(self.base, index)
 
 
-def polynomial_number(K: Any, index: int) -> poly.Poly:
+def polynomial_number(K: FiniteField, index: int) -> poly.Poly:
     """The polynomial whose coefficients are the digits of ``index`` in base K.order: an enumeration of K[x]."""
     digits = []
     while index:

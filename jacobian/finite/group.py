@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from jacobian.element import Element, Rng
 from jacobian.errors import CurveMismatch, FieldError, shown
 from jacobian.law.divisor import GroupLaw, check_divisor
 
@@ -17,10 +18,10 @@ if TYPE_CHECKING:
     from jacobian.relatives.rational_torsion import RationalTorsion
 
 
-class FiniteGroup(GroupLaw):
+class FiniteGroup(GroupLaw[Element]):
     """Base of :class:`jacobian.group.Jacobian`."""
 
-    def _own(self, D: Any, argument: str) -> Divisor:
+    def _own(self, D: object, argument: str) -> Divisor[Element]:
         """``D``; ArgumentError for anything but a Divisor, CurveMismatch for one of another group."""
         own = check_divisor(D, argument)
         if own.jacobian != self:
@@ -29,19 +30,19 @@ class FiniteGroup(GroupLaw):
 
     # --- scalars
 
-    def fixed_base(self, D: Divisor, window: int = 5) -> FixedBase:
+    def fixed_base(self, D: Divisor[Element], window: int = 5) -> FixedBase:
         """A table of multiples of D: ``table(m)`` and ``m * table`` are m·D, several times as fast as ``m * D``."""
         from jacobian.finite.scalar import FixedBase
 
         return FixedBase(self._own(D, "D"), window)
 
-    def combination(self, scalars: Iterable[int], divisors: Iterable[Divisor]) -> Divisor:
+    def combination(self, scalars: Iterable[int], divisors: Iterable[Divisor[Element]]) -> Divisor[Element]:
         """Σ m_i·D_i, faster than term by term: Straus's method for few terms, Pippenger's for many."""
         from jacobian.finite.scalar import combination
 
         return combination(self, scalars, divisors)
 
-    def frobenius(self, D: Divisor, power: int = 1) -> Divisor:
+    def frobenius(self, D: Divisor[Element], power: int = 1) -> Divisor[Element]:
         """The image of D under (x, y) → (x^(p^power), y^(p^power)); CurveMismatch when the curve is not fixed by it."""
         from jacobian.finite.scalar import frobenius
 
@@ -62,7 +63,7 @@ class FiniteGroup(GroupLaw):
 
         return frobenius_polynomial(self.curve)
 
-    def cartier_manin(self) -> list[list[Any]]:
+    def cartier_manin(self) -> list[list[Element]]:
         """See :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`."""
         from jacobian.finite.slopes import cartier_manin_matrix
 
@@ -98,7 +99,9 @@ class FiniteGroup(GroupLaw):
             raise FieldError(f"field = {self.field.name}: a Jacobian has an order over finite fields")
         return order_bounds(self.field.order, self.curve.genus)
 
-    def order_of(self, D: Divisor, multiple: int | None = None, primes: Iterable[int] | None = None) -> int | float:
+    def order_of(
+        self, D: Divisor[Element], multiple: int | None = None, primes: Iterable[int] | None = None
+    ) -> int | float:
         """The order of D, from a multiple of it (default #J) and its primes
         (:func:`jacobian.finite.orders.order_of`)."""
         from jacobian.finite.orders import order_of
@@ -133,7 +136,7 @@ class FiniteGroup(GroupLaw):
 
         return rational_torsion(self, height)
 
-    def is_divisible(self, D: Divisor, m: int) -> bool:
+    def is_divisible(self, D: Divisor[Element], m: int) -> bool:
         """Whether D = m·E for a class E."""
         from jacobian.finite.structure import is_divisible
 
@@ -143,13 +146,13 @@ class FiniteGroup(GroupLaw):
 
     def log(
         self,
-        base: Divisor,
-        target: Divisor,
+        base: Divisor[Element],
+        target: Divisor[Element],
         *,
         order: int | None = None,
         primes: Iterable[int] | None = None,
         interval: tuple[int, int] | None = None,
-        rng: Any = None,
+        rng: Rng | None = None,
     ) -> int:
         """An m with m·base = target, or NotAMultiple.
 
@@ -161,14 +164,14 @@ class FiniteGroup(GroupLaw):
         own = self._own(base, "base"), self._own(target, "target")
         return discrete_log(*own, order=order, primes=primes, interval=interval, rng=rng)
 
-    def weil_pairing(self, D: Divisor, E: Divisor, m: int) -> Any:
+    def weil_pairing(self, D: Divisor[Element], E: Divisor, m: int) -> Any:
         """e_m(D, E), an m-th root of unity in the field, for m·D = m·E = 0
         (:func:`jacobian.finite.pairing.weil_pairing`)."""
         from jacobian.finite.pairing import weil_pairing
 
         return weil_pairing(self._own(D, "D"), self._own(E, "E"), m)
 
-    def tate_pairing(self, D: Divisor, E: Divisor, m: int) -> Any:
+    def tate_pairing(self, D: Divisor[Element], E: Divisor, m: int) -> Any:
         """The reduced Tate pairing, for m·D = 0 and m | q − 1 (:func:`jacobian.finite.pairing.tate_pairing`)."""
         from jacobian.finite.pairing import tate_pairing
 

@@ -8,75 +8,85 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from operator import index
-from typing import Any, Literal, SupportsIndex
+from typing import TYPE_CHECKING, Any, Generic, Literal, SupportsIndex
 
 from jacobian import poly
 from jacobian.curve import latex
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.curve.points import Point
+from jacobian.curve.points import Given, Point
+from jacobian.element import Coefficients, Element, Other, Rng, Value
 from jacobian.errors import NO_SEQUENCES, ArgumentError, CurveMismatch, FieldError, shown, whole
 from jacobian.fields.change import change_of_field
 from jacobian.fields.protocol import Field
 from jacobian.immutable import Immutable
 
+if TYPE_CHECKING:
+    from typing_extensions import TypeIs
 
-class GroupLaw(Immutable):
+
+class GroupLaw(Immutable, Generic[Element]):
     """A group of divisor classes on ``curve``, over ``field``. Its methods assume divisors of this group, without
     checks.
     """
 
-    curve: HyperellipticCurve
-    field: Field[Any]
+    curve: HyperellipticCurve[Element]
+    field: Field[Element]
     weight_of_zero: int | None
     """n of the identity on a split model, else None."""
 
-    def zero(self) -> Divisor:
+    def zero(self) -> Divisor[Element]:
         """The identity."""
         raise NotImplementedError
 
-    def add(self, D: Divisor, E: Divisor) -> Divisor:
+    def add(self, D: Divisor[Element], E: Divisor[Element]) -> Divisor[Element]:
         """D + E."""
         raise NotImplementedError
 
-    def double(self, D: Divisor) -> Divisor:
+    def double(self, D: Divisor[Element]) -> Divisor[Element]:
         """D + D."""
         raise NotImplementedError
 
-    def negate(self, D: Divisor) -> Divisor:
+    def negate(self, D: Divisor[Element]) -> Divisor[Element]:
         """−D."""
         raise NotImplementedError
 
-    def multiply(self, m: int, D: Divisor) -> Divisor:
+    def multiply(self, m: int, D: Divisor[Element]) -> Divisor[Element]:
         """m·D for any int m."""
         raise NotImplementedError
 
-    def from_mumford(self, u: Any, v: Any, n: int | None = None) -> Divisor:
+    def from_mumford(
+        self, u: poly.Poly[Element] | Coefficients, v: poly.Poly[Element] | Coefficients | Value, n: int | None = None
+    ) -> Divisor[Element]:
         """The class of the Mumford pair (u, v), which is checked."""
         raise NotImplementedError
 
     def from_points(
-        self, points: Iterable[Any], *, multiplicities: Iterable[int] | None = None, extension: Any = None
-    ) -> Divisor:
+        self,
+        points: Iterable[Given[Element]],
+        *,
+        multiplicities: Iterable[int] | None = None,
+        extension: Field[Element] | None = None,
+    ) -> Divisor[Element]:
         """The class of Σ P_i minus as many points at infinity."""
         raise NotImplementedError
 
-    def __call__(self, P: Any, Q: Any = None) -> Divisor:
+    def __call__(self, P: Given[Element] | Literal[0], Q: Given[Element] | None = None) -> Divisor[Element]:
         """The class of P − Q, or of P alone minus a point at infinity."""
         raise NotImplementedError
 
-    def _reduced(self, u: poly.Poly, v: poly.Poly, n: int | None) -> Divisor:
+    def _reduced(self, u: poly.Poly[Element], v: poly.Poly[Element], n: int | None) -> Divisor[Element]:
         """The class of a semi-reduced triple, of any degree, over an exact field."""
         raise NotImplementedError
 
-    def random(self, rng: Any) -> Divisor:
+    def random(self, rng: Rng) -> Divisor[Element]:
         """A random class."""
         raise NotImplementedError
 
-    def support(self, D: Divisor, extension: Any = None) -> list[tuple[Point, int]]:
+    def support(self, D: Divisor[Element], extension: Field[Element] | None = None) -> list[tuple[Point[Element], int]]:
         """The points of D with multiplicities: see :meth:`Divisor.support`."""
         raise NotImplementedError
 
-    def change_ring(self, K: Any) -> GroupLaw:
+    def change_ring(self, K: Field[Other]) -> GroupLaw[Other]:
         """The same group of the curve over another field."""
         raise NotImplementedError
 
@@ -84,12 +94,14 @@ class GroupLaw(Immutable):
         """The number of classes, over a finite field."""
         raise NotImplementedError
 
-    def order_of(self, D: Divisor, multiple: int | None = None, primes: Any = None) -> int | float:
+    def order_of(
+        self, D: Divisor[Element], multiple: int | None = None, primes: Iterable[int] | None = None
+    ) -> int | float:
         """The order of D: see :meth:`Divisor.order`."""
         raise NotImplementedError
 
 
-class Divisor(Immutable):
+class Divisor(Immutable, Generic[Element]):
     """A reduced divisor class (u, v, n) of a Jacobian. Get one from :meth:`jacobian.group.Jacobian.from_mumford` or
     ``from_points``.
 
@@ -104,12 +116,14 @@ class Divisor(Immutable):
 
     __slots__ = ("jacobian", "n", "u", "v")
 
-    u: poly.Poly
-    v: poly.Poly
+    u: poly.Poly[Element]
+    v: poly.Poly[Element]
     n: int | None
-    jacobian: GroupLaw
+    jacobian: GroupLaw[Element]
 
-    def __init__(self, jacobian: GroupLaw, u: poly.Poly, v: poly.Poly, n: int | None) -> None:
+    def __init__(
+        self, jacobian: GroupLaw[Element], u: poly.Poly[Element], v: poly.Poly[Element], n: int | None
+    ) -> None:
         _set_jacobian(self, jacobian)
         _set_u(self, u)
         _set_v(self, v)
@@ -120,7 +134,7 @@ class Divisor(Immutable):
         """The number of affine points, deg u."""
         return len(self.u) - 1
 
-    def support(self, extension: Any = None) -> list[tuple[Point, int]]:
+    def support(self, extension: Field[Element] | None = None) -> list[tuple[Point[Element], int]]:
         """The points of D with their multiplicities: the affine ones by ascending x, then ∞₊ and ∞₋ of a split model.
 
         ``extension``: a larger finite field to find the points in. ``from_points`` of the result is D again. Raises
@@ -129,7 +143,7 @@ class Divisor(Immutable):
         """
         return self.jacobian.support(self, extension)
 
-    def change_ring(self, K: Any) -> Divisor:
+    def change_ring(self, K: Field[Other]) -> Divisor[Other]:
         """The image of D over the field K (:meth:`jacobian.curve.questions.CurveQuestions.change_ring`).
 
         FieldError where u and v have no image, such as modulo a prime at which a point of D goes to infinity.
@@ -158,48 +172,48 @@ class Divisor(Immutable):
         u, v = to_flint(self.jacobian.curve.field, self.u, self.v)
         return u, v
 
-    def __add__(self, other: Divisor | Literal[0]) -> Divisor:
+    def __add__(self, other: Divisor[Element] | Literal[0]) -> Divisor[Element]:
         if not isinstance(other, Divisor):
             return self if is_zero_int(other) else NotImplemented
         return self.jacobian.add(self, self._compatible(other))
 
-    def __radd__(self, other: int) -> Divisor:
+    def __radd__(self, other: int) -> Divisor[Element]:
         # sum([D, E]) begins with the int 0, which stands for the identity as in J(0)
         return self if is_zero_int(other) else NotImplemented
 
-    def __rsub__(self, other: int) -> Divisor:
+    def __rsub__(self, other: int) -> Divisor[Element]:
         return -self if is_zero_int(other) else NotImplemented
 
-    def __sub__(self, other: Divisor | Literal[0]) -> Divisor:
+    def __sub__(self, other: Divisor[Element] | Literal[0]) -> Divisor[Element]:
         if not isinstance(other, Divisor):
             return self if is_zero_int(other) else NotImplemented
         return self.jacobian.add(self, self.jacobian.negate(self._compatible(other)))
 
-    def _compatible(self, other: Divisor) -> Divisor:
+    def _compatible(self, other: Divisor[Element]) -> Divisor[Element]:
         if other.jacobian is not self.jacobian and other.jacobian != self.jacobian:
             raise CurveMismatch(
                 f"divisors of two curves cannot be combined: {self.jacobian.curve!r} and {other.jacobian.curve!r}"
             )
         return other
 
-    def __neg__(self) -> Divisor:
+    def __neg__(self) -> Divisor[Element]:
         return self.jacobian.negate(self)
 
-    def __pos__(self) -> Divisor:
+    def __pos__(self) -> Divisor[Element]:
         return self
 
-    def double(self) -> Divisor:
+    def double(self) -> Divisor[Element]:
         """D + D."""
         return self.jacobian.double(self)
 
-    def order(self, multiple: int | None = None, primes: Any = None) -> int | float:
+    def order(self, multiple: int | None = None, primes: Iterable[int] | None = None) -> int | float:
         """The least m > 0 with m·D = 0; over QQ ``math.inf`` for infinite order (:mod:`jacobian.finite.orders`).
 
         ``multiple``: a known multiple of it, by default #J; ``primes``: its prime factors, if known.
         """
         return self.jacobian.order_of(self, multiple, primes)
 
-    def __mul__(self, scalar: SupportsIndex) -> Divisor:
+    def __mul__(self, scalar: SupportsIndex) -> Divisor[Element]:
         if isinstance(scalar, Divisor):
             return NotImplemented
         return self.jacobian.multiply(check_scalar(scalar), self)
@@ -241,7 +255,7 @@ class Divisor(Immutable):
         facts = [("u", poly.text(K, self.u)), ("v", poly.text(K, self.v)), ("curve", self.jacobian.curve)]
         return named("divisor class", facts if self.n is None else [*facts, ("n", self.n)])
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         K = self.jacobian.curve.field
         return _rebuild, (self.jacobian, tuple(map(K.key, self.u)), tuple(map(K.key, self.v)), self.n)
 
@@ -252,12 +266,12 @@ _set_v = Divisor.__dict__["v"].__set__
 _set_n = Divisor.__dict__["n"].__set__
 
 
-def _rebuild(jacobian: GroupLaw, u: Any, v: Any, n: int | None) -> Divisor:
+def _rebuild(jacobian: GroupLaw[Element], u: Any, v: Any, n: int | None) -> Divisor[Element]:
     K: Any = jacobian.curve.field
     return Divisor(jacobian, tuple(map(K.from_key, u)), tuple(map(K.from_key, v)), n)
 
 
-def is_zero_int(value: Any) -> bool:
+def is_zero_int(value: object) -> TypeIs[Literal[0]]:
     """Whether ``value`` is the int 0, Python's or numpy's, which stands for the identity of any group."""
     if isinstance(value, bool) or not hasattr(value, "__index__"):
         return False
@@ -267,14 +281,14 @@ def is_zero_int(value: Any) -> bool:
         return False
 
 
-def check_divisor(D: Any, argument: str) -> Divisor:
+def check_divisor(D: object, argument: str) -> Divisor:
     """``D``, or an ArgumentError that names ``argument``."""
     if not isinstance(D, Divisor):
         raise ArgumentError(f"{argument} = {shown(D)}: a Divisor is needed")
     return D
 
 
-def check_scalar(scalar: Any, argument: str = "scalar") -> int:
+def check_scalar(scalar: SupportsIndex, argument: str = "scalar") -> int:
     """``scalar`` as an int (numpy integers too), or an ArgumentError that names ``argument``."""
     return scalar if type(scalar) is int else whole(scalar, argument)
 

@@ -166,7 +166,7 @@ def _listed(J: GroupLaw) -> Iterator[Divisor]:
 
 def _local_choices(C: HyperellipticCurve, u: poly.Poly) -> list[tuple[poly.Poly, list[tuple[poly.Poly, poly.Poly]]]]:
     """For each factor P^e of u: (P^e, the pairs (P^e, v) on the curve)."""
-    K = C.field
+    K: Any = C.field
     choices = []
     for P, multiplicity in factor(K, u):
         L = ResidueField(K, P)

@@ -178,7 +178,8 @@ def _of_weight_two(surface: KummerSurface, J: Jacobian, x: Any) -> Iterator[Divi
     else:
         v0, v1 = K.sqrt(first), K.zero
     v = poly.scale(K, K.inv(K.coerce(surface.scale)), poly.trim(K, (v0, v1)))
-    yield J.from_mumford(u, poly.scale(K, K.coerce("1/2"), poly.sub(K, v, poly.mod(K, h, u))))
+    v = poly.scale(K, K.coerce("1/2"), poly.sub(K, v, poly.mod(K, h, u)))
+    yield J.from_mumford(u, v)
 
 
 def _of_less_weight(J: Jacobian, x: Any) -> Iterator[Divisor]:

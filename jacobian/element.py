@@ -1,0 +1,109 @@
+"""Types of arguments and results: the elements of a field, polynomials over it, and what a field reads as a number.
+
+``HyperellipticCurve[Fraction]``, ``Jacobian[int]``, ``Divisor[float]`` name the type of the elements. Without it they
+are of any type.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Protocol, SupportsComplex, SupportsFloat, SupportsIndex, TypeAlias
+
+if TYPE_CHECKING:
+    from os import PathLike
+    from random import Random
+    from typing import Any, Self
+
+    import numpy as np
+    from typing_extensions import TypeVar
+
+    Element = TypeVar("Element", default=Any)
+    Other = TypeVar("Other", default=Any)
+    Scalar = TypeVar("Scalar", bound="Operators", default=Any)
+else:
+    # before Python 3.13 type variables have no defaults; only type checkers need them
+    from typing import TypeVar
+
+    Element, Other, Scalar = TypeVar("Element"), TypeVar("Other"), TypeVar("Scalar")
+
+
+class Operators(Protocol):
+    """A number by its operators: float, complex, mpf."""
+
+    def __add__(self, other: Any, /) -> Self: ...
+
+    def __radd__(self, other: Any, /) -> Self: ...
+
+    def __sub__(self, other: Any, /) -> Self: ...
+
+    def __rsub__(self, other: Any, /) -> Self: ...
+
+    def __mul__(self, other: Any, /) -> Self: ...
+
+    def __rmul__(self, other: Any, /) -> Self: ...
+
+    def __truediv__(self, other: Any, /) -> Self: ...
+
+    def __rtruediv__(self, other: Any, /) -> Self: ...
+
+    def __neg__(self) -> Self: ...
+
+    def __abs__(self) -> Any: ...
+
+
+class Arithmetic(Protocol[Element]):
+    """What polynomials ask of the field of their coefficients."""
+
+    name: str
+    exact: bool
+    characteristic: int
+    zero: Element
+    one: Element
+
+    def coerce(self, value: object, argument: str = "value") -> Element:
+        """The element that ``value`` stands for, or a FieldError that names ``argument``.
+
+        Every field reads rational numbers (:func:`jacobian.fields.coercion.rational`): ints of any kind, fractions,
+        Decimals, and strings such as "3", "-1/3", "0.25" and "1e3". GF(p) takes those whose denominator p does not
+        divide. GF(p^k) writes its elements as ints, so it takes whole numbers only, and lists of coefficients. RR, CC
+        and MP round them once, and read floats too; CC and MP(dps, complex=True) also read complex numbers; exact
+        fields refuse floats, because 0.1 is not 1/10. Arrays without dimensions count as their number. NaN, infinities,
+        bytes, and arrays and sequences are refused.
+        """
+        ...
+
+    def add(self, x: Element, y: Element) -> Element: ...
+
+    def sub(self, x: Element, y: Element) -> Element: ...
+
+    def mul(self, x: Element, y: Element) -> Element: ...
+
+    def neg(self, x: Element) -> Element: ...
+
+    def inv(self, x: Element) -> Element:
+        """1/x; ZeroDivisionError at zero."""
+        ...
+
+    def div(self, x: Element, y: Element) -> Element: ...
+
+    def dot(self, xs: Sequence[Element], ys: Sequence[Element]) -> Element:
+        """Σ x_i y_i, reduced (or rounded) once."""
+        ...
+
+
+class Polynomial(Protocol):
+    """A polynomial of galois, python-flint or PARI."""
+
+    @property
+    def coeffs(self) -> object: ...
+
+
+Number = SupportsFloat | SupportsComplex | SupportsIndex
+"""A number of Python, numpy, mpmath, gmpy2, python-flint or PARI."""
+Value = Number | str
+"""What a field reads: a number, or a string such as "1/3" and "0.25"."""
+Coefficients: TypeAlias = "Iterable[Value | Sequence[Value]] | Polynomial"
+"""What is read as a polynomial; an element of GF(p^k) may be a sequence."""
+File: TypeAlias = "str | PathLike[str]"
+Rng: TypeAlias = "Random | np.random.Generator"
+"""A source of random numbers."""
