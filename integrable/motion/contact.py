@@ -231,7 +231,7 @@ class PreciseContact:
         reals = setup.reals
         with reals:
             rolling, momentum = Rolling(flow, reals.number), setup.bare.momentum
-            back = setup.problem.matrix and reals.row(setup.problem.matrix)
+        back = setup.bare.matrix
 
         def rates(points: list[tuple[Any, ...]]) -> Any:
             rows = [[*gamma, *M] for gamma, M in (vectors(point, momentum, back) for point in points)]

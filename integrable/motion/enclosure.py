@@ -20,15 +20,15 @@ from integrable.motion.precise import PreciseFlow
 from integrable.moving_point import addition
 from integrable.moving_point.addition import opposite
 from integrable.moving_point.balls import BallField, BallTranslations, picard_box, time_after
-from integrable.moving_point.problem import MotionProblem, vectors
+from integrable.moving_point.problem import Problem, vectors
 from integrable.moving_point.translations import Translations
-from integrable.phase.body import Body
 from integrable.phase.enclosure import Enclosure, exact_times, is_bounded, rounded_up, widest
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 from jacobian.progress import Progress
 
 if TYPE_CHECKING:
+    from integrable.phase.body import Body
     from integrable.phase.state import State
 
 # sum of the semi-axes of a panel's ellipse, in half panels
@@ -121,9 +121,8 @@ class BallMotion:
         self._digits = digits
         with self.reals:
             K = self.field = BallField(self.reals)
-            (g1, g2, g3), (m1, m2, m3) = (map(K.coerce, v) for v in (state.gamma, state.M))
-            moved = Body.make(body.inertia, body.d, K)
-            problem = self.problem = MotionProblem(moved, (g1, g2, g3), (m1, m2, m3), state.tilted)
+            given = (*body.inertia, body.d, *state.gamma, *state.M)
+            problem = self.problem = Problem.of(self.reals, given, state.tilted)
             middle = [[x.mid() for x in row] for row in (problem.f, problem.axes)]
             plain = Translations(self.reals, middle[0], middle[1], problem.half_step.mid())
             self._translations = BallTranslations(problem, plain)
@@ -163,7 +162,7 @@ class BallMotion:
         """τ, in the flow's units, at the physical time t (an exact ball), from a guess in the user's units."""
         problem = self.problem
         target = self.field.coerce(t) * problem.time_scale
-        if not problem.tilt and problem.d == 0:
+        if not problem.matrix and problem.d == 0:
             return target
         tau = (self.field.coerce(guess) * problem.time_scale).mid()
         if t == 0:

@@ -18,7 +18,7 @@ from jacobian.errors import PrecisionLoss
 from jacobian.fields.inexact import InexactField
 
 if TYPE_CHECKING:
-    from integrable.moving_point.problem import MotionProblem
+    from integrable.moving_point.problem import Problem
 
 
 MOST_TRIALS = 12
@@ -95,11 +95,11 @@ def time_after(tau: Any, rest: Any, rate: Callable[[Any], Any]) -> Any:
 class BallTranslations:
     """T(eps) of a motion, enclosed."""
 
-    def __init__(self, problem: MotionProblem, plain: Translations) -> None:
+    def __init__(self, problem: Problem, plain: Translations) -> None:
         self._plain = plain
-        one = problem.field.one
+        one = plain.reals.number(1)
         self.f = problem.f
-        self.axes = (*problem.axes[:3], one, one, one, one, problem.field.zero)
+        self.axes = (*problem.axes[:3], one, one, one, one, 0 * one)
         size = len(plain.series)
         self._series, self._roots = (series_of(problem.f, power, size) for power in (-1, 1))
         # a lower bound of the distance to the nearest branch point

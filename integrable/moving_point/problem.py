@@ -1,88 +1,227 @@
-"""A motion before any precision is chosen: its curve, start and units."""
+"""The motion of a body in the units of the flow: its curve, start and scales, in any real numbers.
+
+:func:`problem_row` runs on bare reals and on balls, and is compiled unchanged for double-doubles.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from integrable.moving_point.translations import REACH
-from integrable.phase.body import Body, Vector
-from integrable.phase.coordinates import directions_of, to_mumford, to_pairs
-from integrable.phase.state import State
-from integrable.phase.upright import ChaplyginTransformation
-from jacobian import poly
+from integrable.phase.coordinates import directions_of
+from integrable.phase.upright import parallel
 from jacobian.errors import ArgumentError
+from jacobian.numbers.long_reals import BareReals
+from jacobian.numbers.roots import root
+
+Real = Any
+Row = tuple[Any, ...]
+# positions in a :func:`problem_row` after f, the axes and the start
+START, TIME_SCALE, RATIO, HEAVINESS, MOMENTUM, HALF_STEP, MATRIX, SLOWNESS = 14, 24, 25, 26, 27, 28, 29, 33
+CONTACT, INVARIANTS, ROW = 34, 37, 39
+# number of last bits in which |γ × M|/|M| has no significance
+SPARE_BITS = 15
 
 
-class MotionProblem:
-    """The motion of a body from γ and M, given as numbers of its field, which may be balls.
+class Problem(NamedTuple):
+    """The motion of a body from γ and M. Numbers are those of a :class:`BareReals`, balls, or mpf (:meth:`over`).
 
     ``f`` holds the coefficients of the curve, ascending. ``axes`` and ``start`` are those of
     :mod:`integrable.moving_point.addition`. The unit of x is X = max a_i; times are τ' = 2X|M|·τ and t' = 2X|M|·t.
-    ``time_scale`` is 2X|M|, ``momentum`` |M|, ``ratio`` H1/(H2·X), ``d`` d·X and ``half_step`` half of a basic step.
-    ``upright_momentum`` is M on the upright body. Chaplygin's transformation ``tilt`` maps a tilted state to
-    (γ, M) = 0, and ``matrix`` is its inverse; both are None for an upright state.
+    ``ratio`` is H1/(H2·X), ``d`` d·X, ``time_scale`` 2X|M|, ``momentum`` |M| and ``half_step`` half of a basic step.
+    ``matrix`` is the inverse of Chaplygin's transformation of a tilted state, else None. ``slowness`` is the constant
+    product of 1/g and √((1 − du₁)(1 − du₂)) of the upright motion.
     """
 
-    def __init__(self, body: Body, gamma: Vector, M: Vector, tilted: bool) -> None:
-        K = self.field = body.field
-        # the given vectors satisfy the constraints only up to rounding; restore them to the last digit
-        length = K.sqrt(K.dot(gamma, gamma))
-        gamma = (gamma[0] / length, gamma[1] / length, gamma[2] / length)
-        self.tilt: ChaplyginTransformation | None = None
-        if tilted:
-            self.tilt = ChaplyginTransformation.of(body, gamma, M)
-            body, (gamma, M) = self.tilt.upright, self.tilt.apply_vectors(gamma, M)
-        self.matrix = None if self.tilt is None else self.tilt.inverse_matrix()
-        tilt = K.dot(gamma, M)
-        M = (M[0] - tilt * gamma[0], M[1] - tilt * gamma[1], M[2] - tilt * gamma[2])
-        self.upright_momentum = M
-        h1, h2 = body.integrals(gamma, M)[2:]
-        if h2 == 0:
-            raise at_rest()
-        top, spin = max(body.a), K.sqrt(h2)
-        alphas = tuple(a / top for a in body.a)
-        kappas = (r * c / (top * top) for r, c in zip(body.contact, body.differences, strict=True))
-        self.axes = (*alphas, *kappas, *self._rate(top, spin))
-        self.ratio, self.d = h1 / (h2 * top), body.d * top
-        f: tuple[Any, ...] = (-self.ratio, K.one)
-        for a in alphas:
-            f = poly.mul(K, f, (a, -K.one))
-        self.f = (*poly.mul(K, f, (K.one, -self.d)),)
-        self.time_scale = 2 * top * spin
-        self.momentum = spin
-        self.start = self._moving_point(body, gamma, M, spin)
-        self.half_step = 2 * REACH * min(*alphas, self.ratio) / K.sqrt(-self.f[0])
+    f: Row
+    axes: Row
+    start: Row
+    ratio: Real
+    d: Real
+    time_scale: Real
+    momentum: Real
+    half_step: Real
+    matrix: Row | None
+    slowness: Real
 
     @property
-    def branch_points(self) -> tuple[Any, ...]:
-        """The roots of f."""
+    def branch_points(self) -> Row:
+        """The roots of f; bare reals and balls need their ``with reals`` block."""
         rest = () if self.d == 0 else (1 / self.d,)
         return (*self.axes[:3], self.ratio, *rest)
 
-    def _rate(self, top: Any, spin: Any) -> tuple[Any, Any]:
-        """(α, β) of 1/g, in the units of the flow."""
-        if self.tilt is None:
-            return self.field.one, self.field.zero
-        upright, lean = self.tilt.rate()
-        return upright, lean * top * spin
+    @property
+    def row(self) -> Row:
+        """The same numbers as in a :func:`problem_row`, up to its last that :class:`Problem` has."""
+        matrix = self.matrix or (1, 0, 0, 1)
+        numbers = self.time_scale, self.ratio, self.d, self.momentum, self.half_step
+        return (*self.f, *self.axes, *self.start, *numbers, *matrix, self.slowness)
 
-    def _moving_point(self, body: Body, gamma: Vector, M: Vector, spin: Any) -> tuple[Any, ...]:
-        pairs = to_pairs(body, State(gamma, M))
-        (u0, u1, _), (v0, v1) = to_mumford(body, pairs)
-        top, twice = max(body.a), 2 * spin
-        sigma, nu = zip(*pairs, strict=True)
-        return (u0 / top**2, u1 / top, v0 / (twice * top**2), v1 / (twice * top), *sigma, *(y / twice for y in nu))
+    def over(self, reals: BareReals, field: Any) -> Problem:
+        """The same motion in elements of an MP field; ``reals`` are those of its numbers."""
+        f, axes, start = (reals.elements(field, row) for row in self[:3])
+        ratio, d, time_scale, momentum, half_step, slowness = reals.elements(field, (*self[3:8], self.slowness))
+        matrix = self.matrix and reals.elements(field, self.matrix)
+        return Problem(f, axes, start, ratio, d, time_scale, momentum, half_step, matrix, slowness)
+
+    @staticmethod
+    def of(reals: BareReals, given: Row, tilted: bool) -> Problem:
+        """The problem of the moments, d, γ and M in ``given``. ArgumentError for M = 0; NotRepresentable for a tilted
+        state with M ∥ γ.
+        """
+        with reals:
+            row = reals.row(given)
+            check(row[4:7], row[7:], tilted, reals.bits - SPARE_BITS)
+            found = [reals.number(0)] * ROW
+            problem_row(row, tilted, found)
+            scale, ratio, d, momentum, half_step = found[TIME_SCALE:MATRIX]
+            matrix = tuple(found[MATRIX:SLOWNESS]) if tilted else None
+            return Problem(
+                tuple(found[:6]), tuple(found[6:START]), tuple(found[START:TIME_SCALE]), ratio, d, scale, momentum,
+                half_step, matrix, found[SLOWNESS],
+            )  # fmt: skip
 
 
-def at_rest() -> ArgumentError:
-    """The error raised for M = 0."""
-    return ArgumentError("M = (0, 0, 0): the body is at rest; a flow needs M ≠ 0")
+def problem_row(given: Any, tilted: bool, out: Any) -> None:
+    """Writes the row of a :class:`Problem` to ``out``, from the moments, d, γ and M in ``given``, then r_i =
+    I_i/(I_i + d) of the upright body, and H1 and H2 of the given motion. An upright state has the identity as its
+    matrix.
+    """
+    d = given[3]
+    a = (1 / (given[0] + d), 1 / (given[1] + d), 1 / (given[2] + d))
+    length = 1 / root(given[4] * given[4] + given[5] * given[5] + given[6] * given[6])
+    gamma, M = (given[4] * length, given[5] * length, given[6] * length), (given[7], given[8], given[9])
+    h1, h2 = energies(a, (given[0] * a[0], given[1] * a[1], given[2] * a[2]), d, gamma, M)
+    (r, e), gamma, M, (k, s, p, rise) = made_upright(given, a, gamma, M, (h1, h2), tilted)
+    x, y, u = gamma
+    tilt = x * M[0] + y * M[1] + u * M[2]
+    M = (M[0] - tilt * x, M[1] - tilt * y, M[2] - tilt * u)
+    top, spin = max(a[0], a[1], a[2]), root(M[0] * M[0] + M[1] * M[1] + M[2] * M[2])
+    ratio = put_curve(given, a, (r, e), gamma, M, out)
+    moving_start(a, (r, e), gamma, M, spin, out)
+    across = s * s / p
+    out[12], out[13] = s, d * k * across * top * spin
+    out[TIME_SCALE], out[RATIO], out[HEAVINESS], out[MOMENTUM] = 2 * top * spin, ratio, e * top, spin
+    out[HALF_STEP] = 2 * REACH * min(out[6], out[7], out[8], ratio) / root(-out[0])
+    out[MATRIX], out[MATRIX + 1], out[MATRIX + 2], out[MATRIX + 3] = across, -(s * k), across * rise, s
+    # g² is Σσ², and (1 − du₁)(1 − du₂) = g²·Π(1 − dα_i)
+    out[SLOWNESS] = s * root(r[0] * r[1] * r[2])
+    out[CONTACT], out[CONTACT + 1], out[CONTACT + 2] = r
+    out[INVARIANTS], out[INVARIANTS + 1] = h1, h2
+
+
+def check(gamma: Row, M: Row, tilted: bool, bits: int) -> None:
+    """Raises the errors of a motion without a curve; M ∥ γ is decided with this many bits."""
+    (x, y, z), (a, b, c) = gamma, M
+    square = a * a + b * b + c * c
+    if square == 0:
+        raise ArgumentError("M = (0, 0, 0): the body is at rest; a flow needs M ≠ 0")
+    u, v, w = y * c - z * b, z * a - x * c, x * b - y * a
+    if tilted and (u * u + v * v + w * w) * (1 << 2 * bits) <= square:
+        raise parallel(float(x * a + y * b + z * c))
+
+
+def energies(a: Any, contact: Any, d: Real, gamma: Any, M: Any) -> tuple[Real, Real]:
+    """H1 and H2."""
+    xi, square, h1, h2 = 0 * d, 0 * d, 0 * d, 0 * d
+    for i in range(3):
+        xi += gamma[i] * a[i] * M[i]
+        square += contact[i] * gamma[i] * gamma[i]
+        h1 += a[i] * M[i] * M[i]
+        h2 += M[i] * M[i]
+    return h1 + d * xi * xi / square, h2
+
+
+def made_upright(
+    given: Any, a: Any, gamma: Any, M: Any, energies: tuple[Real, Real], tilted: bool
+) -> tuple[Any, Any, Any, Any]:
+    """((r_i, d), γ, M) of the upright motion, r_i = I_i/(I_i + d), and (k, s, p, dkH1) of Chaplygin's
+    transformation.
+    """
+    I0, I1, I2, d = given[0], given[1], given[2], given[3]
+    (x, y, u), (m0, m1, m2), (h1, h2), zero = gamma, M, energies, 0 * d
+    k, s, p, rise, e = zero, 1 + zero, 1 + zero, zero, d
+    if tilted:
+        c = x * m0 + y * m1 + u * m2
+        w0, w1, w2 = y * m2 - u * m1, u * m0 - x * m2, x * m1 - y * m0
+        k, rest, s, rise = transformation(c, h1, h2, w0 * w0 + w1 * w1 + w2 * w2, d)
+        p = s / root(rest)
+        x, y, u, m0, m1, m2 = (
+            p * (x + k * m0), p * (y + k * m1), p * (u + k * m2),
+            s * (m0 - rise * x), s * (m1 - rise * y), s * (m2 - rise * u),
+        )  # fmt: skip
+        less = d * k * c
+        I0, I1, I2, e = I0 - less, I1 - less, I2 - less, d * rest
+    return ((I0 * a[0], I1 * a[1], I2 * a[2]), e), (x, y, u), (m0, m1, m2), (k, s, p, rise)
+
+
+def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[Real, Real, Real, Real]:
+    """(k, 1 + kc, s, dkH1) of Chaplygin's transformation from the integrals and |γ × M|²
+    (:mod:`integrable.phase.upright`).
+    """
+    if d == 0:
+        return -(c / h2), square / h2, 1 + 0 * c, 0 * c
+    rolling, double = d * h1, 2 * c
+    rest = h2 - rolling
+    whole = root(rest * rest + double * double * rolling)
+    # (whole + rest)(whole − rest) = 4c²dH1, likewise below: sums without cancellation
+    total = rest + whole if rest > 0 else double * double * rolling / (whole - rest)
+    k = -(double / total)
+    below = rest - double * c
+    left = 1 + k * c if below > 0 else double * double * square / ((whole - below) * total)
+    rise = k * rolling
+    return k, left, 1 / root(1 + k * rise), rise
+
+
+def put_curve(given: Any, a: Any, body: Any, gamma: Any, M: Any, out: Any) -> Real:
+    """Writes the coefficients of f = (x − ratio)·Π(α_i − x)·(1 − dX·x), ascending, then α_i and κ_i to ``out``.
+    Returns the ratio H1/(H2·X).
+    """
+    contact, d = body
+    h1, h2 = energies(a, contact, d, gamma, M)
+    top = max(a[0], a[1], a[2])
+    ratio = h1 / (h2 * top)
+    out[0], out[1] = -ratio, 1 + 0 * ratio
+    for i in range(2, 6):
+        out[i] = 0 * ratio
+    for j in range(4):
+        constant, slope = 1 + 0 * ratio, -d * top
+        if j < 3:
+            constant, slope = a[j] / top, -1 + 0 * ratio
+            out[6 + j] = constant
+        for i in range(j + 2, 0, -1):
+            out[i] = constant * out[i] + slope * out[i - 1]
+        out[0] = constant * out[0]
+    # differences of the a_i, from those of the moments, which are exact
+    d01, d12 = (given[1] - given[0]) * a[0] * a[1], (given[2] - given[1]) * a[1] * a[2]
+    d20, unit = (given[0] - given[2]) * a[2] * a[0], 1 / (top * top)
+    out[9] = -contact[0] * d01 * d20 * unit
+    out[10] = -contact[1] * d12 * d01 * unit
+    out[11] = -contact[2] * d20 * d12 * unit
+    return ratio
+
+
+def moving_start(a: Any, body: Any, gamma: Any, M: Any, spin: Real, out: Any) -> None:
+    """Writes the moving point of γ and M to ``out``."""
+    (r0, r1, r2), d = body
+    x, y, u = gamma
+    g = 1 / root(r0 * x * x + r1 * y * y + r2 * u * u)
+    w0, w1, w2 = (y * M[2] - u * M[1]) / spin, (u * M[0] - x * M[2]) / spin, (x * M[1] - y * M[0]) / spin
+    lean = g * d * (a[0] * x * w0 + a[1] * y * w1 + a[2] * u * w2)
+    s0, s1, s2 = g * x, g * y, g * u
+    n0, n1, n2 = w0 + lean * s0, w1 + lean * s1, w2 + lean * s2
+    al0, al1, al2 = out[6], out[7], out[8]
+    out[14] = r0 * s0 * s0 * al1 * al2 + r1 * s1 * s1 * al2 * al0 + r2 * s2 * s2 * al0 * al1
+    out[15] = -(r0 * s0 * s0 * (al1 + al2) + r1 * s1 * s1 * (al2 + al0) + r2 * s2 * s2 * (al0 + al1))
+    out[16] = r0 * s0 * n0 * al1 * al2 + r1 * s1 * n1 * al2 * al0 + r2 * s2 * n2 * al0 * al1
+    out[17] = -(r0 * s0 * n0 * (al1 + al2) + r1 * s1 * n1 * (al2 + al0) + r2 * s2 * n2 * (al0 + al1))
+    out[18], out[19], out[20], out[21], out[22], out[23] = s0, s1, s2, n0, n1, n2
 
 
 def vectors(point: Any, momentum: Any, matrix: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """(γ, M) of a moving point of bare reals, mpf or balls.
 
-    ``momentum`` is |M|; ``matrix`` is that of the :class:`MotionProblem`.
+    ``momentum`` is |M|; ``matrix`` is that of the :class:`Problem`.
     """
     gamma, M = directions_of(point)
     M = (M[0] * momentum, M[1] * momentum, M[2] * momentum)

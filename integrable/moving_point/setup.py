@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from integrable.moving_point.addition import opposite, rate_at, shift
-from integrable.moving_point.bare_problem import BareProblem
-from integrable.moving_point.problem import MotionProblem
+from integrable.moving_point.problem import Problem
 from integrable.moving_point.step_table import StepTable
 from integrable.moving_point.translations import REACH, Translations
 from integrable.phase.body import Body, Vector
 from integrable.phase.precisions import EPS_DIGITS, SET_UP_DIGITS
+from integrable.phase.state import State, onto_constraints
 from integrable.phase.upright import ChaplyginTransformation
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError
@@ -53,17 +53,14 @@ class Setup:
         self.reals = BareReals(self.wide.context.prec + GUARD_BITS)
 
     @cached_property
-    def problem(self) -> MotionProblem:
-        """The motion in the wide precision, in numbers of the wide field."""
-        coerce = self.wide.coerce
-        (g1, g2, g3), (m1, m2, m3) = map(coerce, self._gamma), map(coerce, self._M)
-        body = Body.make(self.body.inertia, self.body.d, self.wide)
-        return MotionProblem(body, (g1, g2, g3), (m1, m2, m3), self._tilted)
+    def bare_problem(self) -> Problem:
+        """The motion in bare reals."""
+        return Problem.of(self.reals, (*self.body.inertia, self.body.d, *self._gamma, *self._M), self._tilted)
 
     @cached_property
-    def bare_problem(self) -> BareProblem:
-        """The motion in bare reals."""
-        return BareProblem.of(self.reals, (*self.body.inertia, self.body.d, *self._gamma, *self._M), self._tilted)
+    def problem(self) -> Problem:
+        """The motion in numbers of the wide field."""
+        return self.bare_problem.over(self.reals, self.wide)
 
     @property
     def floats_given(self) -> tuple[np.ndarray, bool] | None:
@@ -73,10 +70,14 @@ class Setup:
         given = (*self.body.inertia, self.body.d, *self._gamma, *self._M)
         return (np.array(given), self._tilted) if all(isinstance(x, float) for x in given) else None
 
-    @property
+    @cached_property
     def tilt(self) -> ChaplyginTransformation | None:
-        """The transformation of a tilted state to (γ, M) = 0."""
-        return self.problem.tilt
+        """The transformation of a tilted state to (γ, M) = 0, in the wide field."""
+        if not self._tilted:
+            return None
+        body = Body.make(self.body.inertia, self.body.d, self.wide)
+        state = onto_constraints(body, State(self._gamma, self._M, tilted=True))
+        return ChaplyginTransformation.of(body, state.gamma, state.M)
 
     @cached_property
     def time_scale(self) -> Any:
@@ -97,17 +98,18 @@ class Setup:
     def mpf(self) -> View:
         """The motion in numbers of the wide field."""
         reals = self.reals
-        return View(self, lambda x: reals.element(self.wide, reals.number(x)))
+        return View(self, lambda x: reals.element(self.wide, x))
 
     @cached_property
     def bare(self) -> View:
         """The motion in bare reals; compute with them inside a ``with setup.reals`` block."""
-        return View(self, self.reals.number)
+        return View(self, lambda x: x)
 
     @cached_property
     def translations(self) -> Translations:
         """T(eps) for eps of any size."""
-        return Translations(self.reals, self.problem.f, self.problem.axes, self.problem.half_step)
+        problem = self.bare_problem
+        return Translations(self.reals, problem.f, problem.axes, problem.half_step)
 
     @cached_property
     def steps(self) -> StepTable:
@@ -135,14 +137,14 @@ TERMS_A_DIGIT = log(10) / -log(1.4 * REACH)
 
 
 class View:
-    """A motion in one kind of number; ``number`` converts an mpf or a bare real to it. The attributes are ``f``,
+    """A motion in one kind of number; ``number`` converts a bare real to it. The attributes are ``f``,
     ``axes`` and ``start`` of :mod:`integrable.moving_point.addition`, half of a basic step, |M| and the matrix of a
     tilted motion.
     """
 
     def __init__(self, setup: Setup, number: Callable[[Any], Any]) -> None:
         self._setup, self.number = setup, number
-        problem = setup.problem
+        problem = setup.bare_problem
         self.f, self.axes, self.start = (tuple(map(number, row)) for row in (problem.f, problem.axes, problem.start))
         self.half_step, self.momentum = number(problem.half_step), number(problem.momentum)
         self.matrix = None if problem.matrix is None else tuple(map(number, problem.matrix))

@@ -13,7 +13,7 @@ panel are correct.
 
 Wide numbers are double-doubles in compiled code (:mod:`integrable.moving_point.short_compiled`) and bare reals in
 interpreted code (:mod:`integrable.moving_point.short_start`, :mod:`integrable.moving_point.short_steps`). All other
-numbers are floats. Units are those of :class:`integrable.moving_point.problem.MotionProblem`.
+numbers are floats. Units are those of :class:`integrable.moving_point.problem.Problem`.
 """
 
 from __future__ import annotations
@@ -21,9 +21,11 @@ from __future__ import annotations
 from math import floor, frexp, ldexp
 
 from integrable.moving_point.addition import moving_point, put
+from integrable.moving_point.problem import TIME_SCALE
 from integrable.moving_point.short_reading import largest_drift, read_off
 from integrable.moving_point.short_rows import (
     AHEAD,
+    BASIC,
     BEGIN,
     CLOSE,
     FASTEST,
@@ -35,9 +37,7 @@ from integrable.moving_point.short_rows import (
     POINT,
     RADIAN,
     RATE,
-    REACH,
     SHADOW,
-    TAU_UNIT,
     TIME_UNIT,
     Request,
     Row,
@@ -90,7 +90,7 @@ def short_run(room: ShortRoom, rule: Rule, request: Request, given: Row, tilted:
     """Computes the requested states from the moments, d, γ and M in ``given``. Returns 0, or the reason for failure."""
     numbers, wide = room.numbers, room.wide
     set_up(given, tilted, wide, numbers, room.point)
-    scaled(request.times, wide, TIME_UNIT if request.physical else TAU_UNIT, request.high, request.low)
+    scaled(request.times, wide, TIME_UNIT if request.physical else TIME_SCALE, request.high, request.low)
     if not (numbers[CLOSE] <= CLOSEST and numbers[LIFT] <= STEEPEST):
         return LOST
     h = request.half if request.half > 0 else first_half(room)
@@ -114,7 +114,7 @@ def first_half(room: ShortRoom) -> float:
     """Half the length of a panel of this motion. Branch points of very different size may limit the power series but
     not the panels; the length is then doubled until the body turns far enough on it.
     """
-    h, most, longer = panel_half(room.numbers[REACH]), TURN * room.numbers[RADIAN], 0
+    h, most, longer = panel_half(room.numbers[BASIC]), TURN * room.numbers[RADIAN], 0
     while longer < LEVELS and h * 2.0 ** (longer + 1) <= most:
         longer += 1
     room.made[4] = longer if longer >= WORTHWHILE else 0

@@ -5,12 +5,12 @@ from __future__ import annotations
 from math import sqrt
 
 from integrable.moving_point.short_rows import (
-    INVARIANTS,
+    BACK,
+    ENERGIES,
     LOT,
-    MATRIX,
-    MOMENTUM,
     RATE,
     SHAPE,
+    SIZE,
     Request,
     Row,
     Rule,
@@ -170,9 +170,9 @@ def short_state(
     x, y, z = s0 * scale, s1 * scale, s2 * scale
     lean = x * n0 + y * n1 + z * n2
     w0, w1, w2 = n0 - lean * x, n1 - lean * y, n2 - lean * z
-    scale = numbers[MOMENTUM] / sqrt(w0 * w0 + w1 * w1 + w2 * w2)
+    scale = numbers[SIZE] / sqrt(w0 * w0 + w1 * w1 + w2 * w2)
     m0, m1, m2 = (w1 * z - w2 * y) * scale, (w2 * x - w0 * z) * scale, (w0 * y - w1 * x) * scale
-    a, b, c, d = numbers[MATRIX], numbers[MATRIX + 1], numbers[MATRIX + 2], numbers[MATRIX + 3]
+    a, b, c, d = numbers[BACK], numbers[BACK + 1], numbers[BACK + 2], numbers[BACK + 3]
     if b != 0:
         x, y, z, m0, m1, m2 = (
             a * x + b * m0, a * y + b * m1, a * z + b * m2, c * x + d * m0, c * y + d * m1, c * z + d * m2,
@@ -186,7 +186,7 @@ def largest_drift(room: ShortRoom, out: Row, count: int) -> float:
     worst = 0.0
     for i in range(count):
         h1, h2 = invariants(room.numbers, out, 6 * i)
-        for x in (h1 / room.numbers[INVARIANTS], h2 / room.numbers[INVARIANTS + 1]):
+        for x in (h1 / room.numbers[ENERGIES], h2 / room.numbers[ENERGIES + 1]):
             worst = abs(x - 1) if not abs(x - 1) <= worst else worst
     return worst
 

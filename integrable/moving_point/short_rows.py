@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from integrable.moving_point.problem import ROW
 from integrable.moving_point.translations import Expansion, expansion_of
 
 Real = Any
@@ -19,12 +20,12 @@ LEVELS, FINEST = 6, 7
 ORDERS, WIDE_ORDERS, ORDER_GAIN = 16, 9, 140.5
 
 # positions in ``numbers``, the data of a motion in floats, after f and the axes
-CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20
-LIFT, CLOSE, INVARIANTS, SHAPE, PHYSICAL, FASTEST, RADIAN = 21, 22, 23, 25, 32, 33, 34
+CLOCK, SIZE, BACK, BASIC = 14, 15, 16, 20
+LIFT, CLOSE, ENERGIES, SHAPE, PHYSICAL, FASTEST, RADIAN = 21, 22, 23, 25, 32, 33, 34
 NUMBERS = 35
-# positions in ``wide`` after f, the axes and the start: the units of τ and of physical time, and r_i = I_i/(I_i + d)
-TAU_UNIT, TIME_UNIT, CONTACT = 24, 25, 26
-WIDE = 29
+# position in ``wide``, after a problem's row, of the unit of physical time, and the length of ``wide``
+TIME_UNIT = ROW
+WIDE = TIME_UNIT + 1
 # positions in ``point`` after the ten numbers of a moving point: 1/g there; γ and w of the start; the deviation of H2
 RATE, BEGIN, OFF = 10, 11, 17
 # positions in ``seen``, the same for precomputed centres: the distance of the shadow, and the relative correction after
@@ -68,7 +69,7 @@ class ShortRoom(NamedTuple):
     """Working memory."""
 
     wide: Row
-    """f, the axes, the start and the units of time in wide numbers."""
+    """A :func:`~integrable.moving_point.problem.problem_row` in wide numbers, and the unit of physical time."""
     numbers: Row
     points: Row
     steps: Row

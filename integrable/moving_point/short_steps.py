@@ -19,9 +19,9 @@ from integrable.moving_point.addition import (
     settled,
     settled_pair,
 )
+from integrable.moving_point.problem import CONTACT
 from integrable.moving_point.short_rows import (
     AHEAD,
-    CONTACT,
     FINEST,
     HALF,
     LOT,

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from integrable.moving_point.addition import integrate_series
-from integrable.moving_point.bare_problem import BareProblem
 from integrable.moving_point.legendre import LegendreSeries
+from integrable.moving_point.problem import Problem
 from integrable.torus.access import MOST_TURNS, TorusFlow
 from integrable.torus.corners import Corners
 from integrable.torus.long_clock import MultiprecisionTorusClock
@@ -50,7 +50,7 @@ class Unit(NamedTuple):
 class Timed(NamedTuple):
     """A :class:`integrable.torus.lattice.TimedSource`."""
 
-    bare_problem: BareProblem
+    bare_problem: Problem
     wide: Any
     reals: BareReals
     time_scale: Any
@@ -73,7 +73,7 @@ class BodyTorus(TorusFlow):
         slowness = wide.sqrt((1 + u1 + u0) / wide.dot(unit.start[4:7], unit.start[4:7]))
         axes, start = reals.row((*unit.alphas, *unit.kappas, one, none)), reals.row(unit.start)
         zeta, d, scale_, half, momentum, slow = reals.row((unit.zeta, one, scale, none, unit.momentum, slowness))
-        problem = BareProblem((half,) * 6, axes, start, zeta, d, scale_, momentum, half, None, slow)
+        problem = Problem((half,) * 6, axes, start, zeta, d, scale_, momentum, half, None, slow)
         super().__init__(Timed(problem, wide, reals, scale, one), CompiledLoops())
 
     def _made_rates(self, motion: Any) -> Any:
@@ -102,7 +102,7 @@ class BodyTorus(TorusFlow):
 
 
 class RateCurve(NamedTuple):
-    """The attributes of a :class:`integrable.moving_point.problem.MotionProblem` that the series uses."""
+    """The attributes of a :class:`integrable.moving_point.problem.Problem` that the series uses."""
 
     axes: tuple[Any, ...]
     ratio: Any

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from integrable.moving_point.bare_problem import BareProblem
+from integrable.moving_point.problem import Problem
 from integrable.mumford.columns import Column
 from integrable.mumford.fields import cofactor
 from integrable.mumford.motion import Start
@@ -215,7 +215,7 @@ class RealTorus(Corners):
         v = ((v0 + v1 * first) / height, v1 * second / height)
         one, none = K.one, K.zero
         row, point = (*alphas, *kappas, one, none), (*u, *v, *sigmas, *nus)
-        problem = BareProblem((none,) * 6, row, point, (zeta - first) / second, one, one, one, none, None, one)
+        problem = Problem((none,) * 6, row, point, (zeta - first) / second, one, one, one, none, None, one)
         return GivenSource(problem, MP(DIGITS), BareReals(K.bits))
 
     def _made_rates(self, motion: Any) -> Any:

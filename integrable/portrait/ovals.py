@@ -48,7 +48,7 @@ class Level(NamedTuple):
         axes = sorted(range(3), key=lambda i: problem.axes[i])
         a1, a2, a3 = (problem.axes[i] * top for i in axes)
         zeta = min(max(problem.ratio * top, a1), a3)
-        s = problem.tilt.s if problem.tilt else setup.wide.one
+        s = problem.matrix[3] if problem.matrix else setup.wide.one
         return Level((a1, a2, a3), (axes[0], axes[1], axes[2]), zeta, problem.d / top, problem.momentum, s)
 
     @staticmethod

@@ -18,6 +18,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from integrable.moving_point.elliptic_integrals import complete
+from integrable.moving_point.problem import vectors
 from integrable.portrait.angles import start_angles
 from integrable.portrait.ovals import Level, Ovals
 from jacobian.errors import NotRepresentable
@@ -146,7 +147,7 @@ class Portrait(Immutable):
         if self.axis is None:
             return None, None, None
         (turn, rest), pi, number = self.wide_turns, self.level.pi, self._field.coerce
-        momentum = setup.problem.upright_momentum[self.axis]
+        momentum = vectors(setup.problem.start, setup.problem.momentum, None)[1][self.axis]
         sign = pi if momentum > 0 else -pi
         return number(pi * turn), number(sign * rest), number(sign * (turn + rest))
 

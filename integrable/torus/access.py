@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from integrable.moving_point.bare_problem import HEAVINESS, TIME_SCALE
+from integrable.moving_point.problem import HEAVINESS, TIME_SCALE
 from integrable.torus.clock_loops import Clock, ClockSeries
 from integrable.torus.clock_modes import MOST_LOUD, Cutoffs, Tables
 from integrable.torus.corners import Corners

@@ -48,7 +48,7 @@ _PANELS, _ROWS = ArrayKind(FLOAT, 3), ArrayKind(FLOAT, 2)
 LIBRARY = Library(
     "torus",
     {
-        "begun": (lattice.begun_rows, (WIDES, BOOL, WIDES, WIDES, FLOATS, WIDES)),
+        "begun": (lattice.begun_rows, (WIDES, BOOL, WIDES, WIDES, WIDES)),
         "reached": (witness.reached, (KINDS[Line], FLOATS, KINDS[TableRoom], WIDES, FLOATS)),
         "departure": (witness.departure, (_TORUS, KINDS[Line], FLOATS, KINDS[TableRoom], WIDES, FLOATS)),
         "seam": (witness.seam, (_TORUS, FLOATS)),

@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from integrable.moving_point.bare_problem import HEAVINESS, RATIO, TIME_SCALE, problem_row
+from integrable.moving_point.problem import HEAVINESS, RATIO, TIME_SCALE, problem_row
 from integrable.torus import survey as torus_survey
 from integrable.torus.walks import Curve
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
-    from integrable.moving_point.bare_problem import BareProblem
-    from integrable.moving_point.problem import MotionProblem
+    from integrable.moving_point.problem import Problem
     from jacobian.numbers.long_reals import BareReals
 
 
@@ -40,7 +39,7 @@ class Source(Protocol):
     """
 
     @property
-    def bare_problem(self) -> BareProblem: ...
+    def bare_problem(self) -> Problem: ...
     @property
     def wide(self) -> Any: ...
     @property
@@ -61,7 +60,7 @@ class TimedSource(Source, Protocol):
 class GivenSource(NamedTuple):
     """A :class:`Source` made from given values."""
 
-    bare_problem: BareProblem
+    bare_problem: Problem
     wide: Any
     reals: BareReals
     floats_given: tuple[np.ndarray, bool] | None = None
@@ -188,7 +187,7 @@ def best_origin(setup: Source) -> Any:
     return max((setup.reals.number(0), *setup.bare_problem.axes[:3]), key=digits)
 
 
-def oval_ends(problem: MotionProblem | BareProblem, near: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+def oval_ends(problem: Problem, near: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
     """The ovals [α_min, min(ζ, α_mid)] and [max(ζ, α_mid), α_max] on which u1 and u2 move, ζ = h1/(h2·max a).
 
     PrecisionLoss if they come ``near`` each other (the separatrix) or shrink to points: the motion is then not a line
@@ -203,7 +202,7 @@ def oval_ends(problem: MotionProblem | BareProblem, near: Any) -> tuple[tuple[An
 
 class Beginning(NamedTuple):
     """What a torus is made from, in rows of numbers of its loops: a :func:`motion_row` and its ``units``, the curve and
-    the start in these, and the :func:`~integrable.moving_point.bare_problem.problem_row`, in units of its own and only
+    the start in these, and the :func:`~integrable.moving_point.problem.problem_row`, in units of its own and only
     from TIME_SCALE on.
     """
 
@@ -233,10 +232,9 @@ def beginning(setup: Source, loops: Any) -> Beginning:
     return Beginning(units, motion, whole, start, row((0,) * TIME_SCALE + problem.row[TIME_SCALE:]))
 
 
-def begun_rows(given: Row, tilted: bool, constants: Row, problem: Row, numbers: Row, motion: Row) -> bool:
+def begun_rows(given: Row, tilted: bool, constants: Row, problem: Row, motion: Row) -> bool:
     """A ``problem`` row and a ``motion`` row about 0 from moments, d, γ and M; returns whether the numbers have enough
-    digits for that: sizes near 1 and well-separated branch points. ``constants`` are π and 1, ``numbers`` is working
-    memory.
+    digits for that: sizes near 1 and well-separated branch points. ``constants`` are π and 1.
     """
     x, y, z, a, b, c = (float(given[4]), float(given[5]), float(given[6]),
                         float(given[7]), float(given[8]), float(given[9]))  # fmt: skip
@@ -246,7 +244,7 @@ def begun_rows(given: Row, tilted: bool, constants: Row, problem: Row, numbers: 
         return False
     if (u * u + v * v + w * w) < APART * square:
         return False
-    problem_row(given, tilted, problem, numbers)
+    problem_row(given, tilted, problem)
     first, second, third, zeta, d = problem[6], problem[7], problem[8], problem[RATIO], problem[HEAVINESS]
     low, high = min(first, second, third), max(first, second, third)
     middle = max(min(first, second), min(max(first, second), third))

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.moving_point.bare_problem import ROW
-from integrable.moving_point.short_rows import NUMBERS
+from integrable.moving_point.problem import CONTACT, ROW, START, TIME_SCALE
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.torus import clock_modes, walks, witness
 from integrable.torus import survey as torus_survey
@@ -184,13 +183,15 @@ class CompiledLoops:
         if setup.floats_given is None:
             return None
         given, tilted = setup.floats_given
-        wide, numbers = np.zeros((10 + ROW + 12, 2)), np.empty(NUMBERS)
+        wide = np.zeros((10 + ROW + 12, 2))
         wide[:10, 0] = given
         problem, motion = wide[10 : 10 + ROW], wide[10 + ROW :]
-        if not self._entries.begun(wide[:10], tilted, _CONSTANTS, problem, numbers, motion):
+        if not self._entries.begun(wide[:10], tilted, _CONSTANTS, problem, motion):
             return None
         unit_axes = np.concatenate([problem[6:9], _CONSTANTS[1:]])
-        return Beginning(Units(), motion, Curve(problem[:6], problem[6:14], unit_axes), problem[14:24], problem)
+        return Beginning(
+            Units(), motion, Curve(problem[:6], problem[6:14], unit_axes), problem[START:TIME_SCALE], problem[:CONTACT]
+        )
 
     def about_centre(self, motion: Any, out: Any) -> None:
         self._entries.about_centre(motion, 0.0, 1.0, out)

@@ -10,8 +10,8 @@ from __future__ import annotations
 from math import floor, sqrt
 from typing import Any
 
-from integrable.moving_point.bare_problem import MATRIX, MOMENTUM, SLOWNESS, TIME_SCALE
 from integrable.moving_point.elliptic_integrals import mean_slowness, oval_periods
+from integrable.moving_point.problem import MATRIX, MOMENTUM, SLOWNESS, TIME_SCALE
 from jacobian.numbers.roots import root
 
 Real = Any
@@ -212,7 +212,7 @@ def surveyed_rates(
     the turns of both phases in a unit of t and of τ, dτ/dt and dt/dτ in the mean, then the turns of the ``doubled``
     periods in a unit of τ, dt/dτ again, 2π, Σ∫dξ/η and Σ∫ξ dξ/η in a unit of τ.
 
-    ``problem`` is a :func:`~integrable.moving_point.bare_problem.problem_row`, ``motion`` as for
+    ``problem`` is a :func:`~integrable.moving_point.problem.problem_row`, ``motion`` as for
     :func:`survey`, ``units`` the length and the lift of those of the survey.
     """
     length, lift = units

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from integrable.moving_point.addition import moving_point, put, shift
-from integrable.moving_point.bare_problem import BareProblem
-from integrable.moving_point.problem import vectors
+from integrable.moving_point.problem import Problem, vectors
 from integrable.moving_point.short_rows import curve_of, unit_axes
 from integrable.moving_point.translations import REACH, Translations
 from integrable.phase.coordinates import directions_of
@@ -188,7 +187,7 @@ def leg(line: Line, k: int) -> tuple[Real, Real]:
     return (low, first - above) if k == 0 else (high, above)
 
 
-def _in_digits(bare: BareProblem, translations: Translations, tau: float) -> Row:
+def _in_digits(bare: Problem, translations: Translations, tau: float) -> Row:
     """The moving point at τ, in bare reals."""
     step = translations.near(translations.reals.number(tau) * bare.time_scale)
     return shift(bare.f, bare.axes, bare.start, step)

@@ -11,7 +11,7 @@ import pytest
 
 from integrable import ChaplyginBall, EulerTop, load_scene
 from integrable.motion.precise import PreciseFlow
-from integrable.moving_point.bare_problem import TIME_SCALE
+from integrable.moving_point.problem import TIME_SCALE
 from integrable.oracles.reference import taylor
 from integrable.torus import walks, witness
 from integrable.torus.access import TorusFlow, series_between
