@@ -3,14 +3,19 @@
 (function () {
   const motion = JSON.parse(document.getElementById("motion").textContent);
   const count = motion.times.length, last = count - 1;
-  const BLUE = "#0072B2", ORANGE = "#D55E00", GREEN = "#009E73", GREY = "#9a9a9a", INK = "#222222";
+  // the colours of the page, which follow the light or dark theme of the reader; bodies and faint lines have their own
+  const style = getComputedStyle(document.documentElement), named = (name) => style.getPropertyValue("--" + name).trim();
+  const [BLUE, ORANGE, GREEN, INK, PAPER] = ["first", "second", "third", "ink", "paper"].map(named);
+  const GREY = "#9a9a9a", dark = matchMedia("(prefers-color-scheme: dark)").matches;
+  const [BALL, SPHERE, FAINT, PALE] = dark ? ["#4a4438", "#242b33", "#3d4650", "#33566e"] : ["#f3efe6", "#f2f4f7", "#c9ced6", "#a9c8dd"];
   const config = { responsive: true, displayModeBar: false };
   const byId = (id) => document.getElementById(id);
   const column = (rows, k) => rows.map((row) => row[k]);
   const quiet = { hoverinfo: "skip", showlegend: false };
   const hidden = { visible: false };
+  const clear = { paper_bgcolor: PAPER, plot_bgcolor: PAPER, font: { size: 12, color: INK } };
   const bare = { xaxis: hidden, yaxis: hidden, zaxis: hidden, dragmode: "orbit" };
-  const flat = { margin: { l: 48, r: 12, t: 8, b: 40 }, showlegend: false, dragmode: false, font: { size: 12 } };
+  const flat = { ...clear, margin: { l: 48, r: 12, t: 8, b: 40 }, showlegend: false, dragmode: false };
   const updates = [];
 
   // --- shapes
@@ -91,11 +96,11 @@
       }
       return points;
     };
-    const traces = [sphereMesh(0.99, height, "#f3efe6", 1)];
+    const traces = [sphereMesh(0.99, height, BALL, 1)];
     circles.forEach((points, axis) => traces.push(line3(points.map((p) => turned(0, p)), colours[axis], 7)));
     ends.forEach((end, axis) => traces.push(dots3([turned(0, end)], colours[axis], 7)));
     if (rolls) {
-      traces.push(line3(grid(0), "#d0d0d0", 1.5), line3(trail(0), INK, 5));
+      traces.push(line3(grid(0), FAINT, 1.5), line3(trail(0), INK, 5));
     }
     const span = rolls ? reach : 1.25;
     const scene = { ...bare, aspectmode: "manual", aspectratio: rolls ? { x: 2, y: 2, z: 0.5 } : { x: 1, y: 1, z: 1 },
@@ -103,7 +108,7 @@
     scene.xaxis = { visible: false, range: [-span, span] };
     scene.yaxis = { visible: false, range: [-span, span] };
     scene.zaxis = { visible: false, range: rolls ? [-0.05, 2.45] : [-span, span] };
-    Plotly.newPlot("ball", traces, { scene, margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false }, config);
+    Plotly.newPlot("ball", traces, { ...clear, scene, margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false }, config);
     updates.push((frame) => {
       const changes = circles.map((points, axis) => [1 + axis, three(points.map((p) => turned(frame, p)))]);
       ends.forEach((end, axis) => changes.push([4 + axis, three([turned(frame, end)])]));
@@ -114,8 +119,8 @@
 
   if (show("path", motion.contact)) {
     const x = column(motion.contact, 0), y = column(motion.contact, 1);
-    const layout = { ...flat, xaxis: { title: { text: "y, radii" }, zeroline: false, automargin: true },
-                     yaxis: { title: { text: "x, radii" }, zeroline: false, automargin: true } };
+    const layout = { ...flat, xaxis: { title: { text: "y, radii" }, gridcolor: FAINT, zeroline: false, automargin: true },
+                     yaxis: { title: { text: "x, radii" }, gridcolor: FAINT, zeroline: false, automargin: true } };
     // the long way of the path lies along y: that is drawn to the right
     const wide = Math.max(...y) - Math.min(...y), high = Math.max(...x) - Math.min(...x);
     if (wide < 8 * high) layout.yaxis.scaleanchor = "x";
@@ -132,17 +137,17 @@
     const lifted = motion.gamma.map((row) => row.map((value) => 1.012 * value));
     const names = ["γ₁", "γ₂", "γ₃"], ends = [[1.2, 0, 0], [0, 1.2, 0], [0, 0, 1.2]];
     const way = motion.steps ? (rows, colour) => dots3(rows, colour, 2.5) : (rows, colour, width) => line3(rows, colour, width);
-    const traces = [sphereMesh(1, 0, "#f2f4f7", 1)];
-    [0, 1, 2].forEach((axis) => traces.push(line3(circle(axis, 1.004), "#c9ced6", 2)));
+    const traces = [sphereMesh(1, 0, SPHERE, 1)];
+    [0, 1, 2].forEach((axis) => traces.push(line3(circle(axis, 1.004), FAINT, 2)));
     traces.push({ type: "scatter3d", mode: "text", text: names, ...three(ends), textfont: { size: 14, color: INK }, ...quiet });
-    traces.push(way(lifted, "#a9c8dd", 2), way(lifted.slice(0, 1), BLUE, 5), dots3([lifted[0]], ORANGE, 7));
+    traces.push(way(lifted, PALE, 2), way(lifted.slice(0, 1), BLUE, 5), dots3([lifted[0]], ORANGE, 7));
     const box = { visible: false, range: [-1.25, 1.25] };
     const g = motion.gamma[0], eye = { x: 1.05 * g[0] + 0.5, y: 1.05 * g[1] + 0.4, z: 1.05 * g[2] + 0.45 };
     const size = 1.55 / Math.hypot(eye.x, eye.y, eye.z);
     Object.keys(eye).forEach((key) => { eye[key] *= size; });
     Plotly.newPlot("sphere", traces, {
       scene: { ...bare, xaxis: box, yaxis: box, zaxis: box, aspectmode: "cube", camera: { eye } },
-      margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false,
+      ...clear, margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false,
     }, config);
     updates.push((frame) =>
       restyle("sphere", [[6, three(lifted.slice(0, frame + 1))], [7, three([lifted[frame]])]]));
@@ -161,7 +166,7 @@
       const p = motion.points[0];
       traces.push({ x: [p[k]], y: [p[2 + k]], mode: "markers", marker: { color: k ? GREEN : ORANGE, size: 12 }, ...where, ...quiet });
     });
-    const axis = { zeroline: true, zerolinecolor: "#ccc", nticks: 4, automargin: true };
+    const axis = { gridcolor: FAINT, zeroline: true, zerolinecolor: GREY, nticks: 4, automargin: true };
     Plotly.newPlot("ovals", traces, {
       ...flat,
       xaxis: { ...axis, domain: [0, 0.42], title: { text: "x" } }, yaxis: { ...axis, title: { text: "y", standoff: 2 } },
@@ -199,9 +204,9 @@
     };
     const mode = motion.steps ? "markers" : "lines";
     const look = (colour, width) => (motion.steps ? { marker: { color: colour, size: width + 2 } } : { line: { color: colour, width } });
-    const axis = { range: [0, 1], zeroline: false, nticks: 5, constrain: "domain" };
+    const axis = { gridcolor: FAINT, range: [0, 1], zeroline: false, nticks: 5, constrain: "domain" };
     Plotly.newPlot("torus", [
-      { ...broken(last), mode, ...look("#a9c8dd", 1), ...quiet },
+      { ...broken(last), mode, ...look(PALE, 1), ...quiet },
       { ...broken(0), mode, ...look(BLUE, 2), ...quiet },
       { x: [motion.angles[0][0]], y: [motion.angles[0][1]], mode: "markers", marker: { color: ORANGE, size: 12 }, ...quiet },
     ], { ...flat, xaxis: { ...axis, title: { text: "first angle, turns" } },
@@ -274,7 +279,7 @@
     const recorder = new MediaRecorder(stream, { mimeType: kind, videoBitsPerSecond: 8e6 });
     recorder.ondataavailable = (event) => chunks.push(event.data);
     const done = new Promise((resolve) => { recorder.onstop = resolve; });
-    context.fillStyle = "#fff";
+    context.fillStyle = PAPER;
     const each = Math.max(1, Math.round(count / 200));
     recorder.start();
     for (let frame = 0; frame < count; frame += each) {

@@ -155,6 +155,24 @@ def test_the_page_moves_in_a_browser(tmp_path, monkeypatch, capsys, name, width)
 
 
 @pytest.mark.slow
+def test_the_page_follows_the_theme_of_its_reader(tmp_path):
+    pytest.importorskip("plotly")
+    out = view("chaplygin", tmp_path / "ball.html", frames=20)
+    looks = """() => [getComputedStyle(document.body).backgroundColor, getComputedStyle(document.body).color,
+        ...["ball", "sphere", "ovals", "torus"].map(id => document.getElementById(id).layout.paper_bgcolor)]"""
+    seen = {}
+    with opened() as (page, complaints):
+        for scheme in ("light", "dark"):
+            page.emulate_media(color_scheme=scheme)
+            page.goto(out.as_uri())
+            page.wait_for_function("() => window.drawFrame")
+            seen[scheme] = page.evaluate(looks)
+        assert complaints == []
+    assert seen["light"] == ["rgb(255, 255, 255)", "rgb(34, 34, 34)", *["#fff"] * 4]
+    assert seen["dark"] == ["rgb(20, 24, 28)", "rgb(230, 230, 230)", *["#14181c"] * 4]
+
+
+@pytest.mark.slow
 def test_lines_on_the_torus_reach_its_edges(tmp_path):
     """They ended at the last frame before the edge, so that every passage left a gap."""
     pytest.importorskip("plotly")
