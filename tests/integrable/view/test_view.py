@@ -157,7 +157,7 @@ def test_the_page_moves_in_a_browser(tmp_path, monkeypatch, capsys, name, width)
 @pytest.mark.slow
 def test_the_page_follows_the_theme_of_its_reader(tmp_path):
     pytest.importorskip("plotly")
-    out = view("chaplygin", tmp_path / "ball.html", frames=20)
+    out = view("chaplygin", tmp_path / "ball.html", frames=100)
     looks = """() => [getComputedStyle(document.body).backgroundColor, getComputedStyle(document.body).color,
         ...["ball", "sphere", "ovals", "torus"].map(id => document.getElementById(id).layout.paper_bgcolor)]"""
     seen = {}
