@@ -3,7 +3,7 @@
 Let h1 = m1 + Σb_i(a_j + a_k − s)/γ_i² and h2 = m2 + Σb_i/γ_i². The state is a divisor (U, V) of y² = f(x) = φ(x)(h1 −
 xh2 − Σb_ic_i/(x − a_i)), c_i = (a_j − a_i)(a_k − a_i). The other roots ũ_k of f − V² separate: λ_k = h1 − ũ_kh2 are
 constant, H = λ1 + λ2, K = −λ1λ2, and ũ_k' = −V(ũ_k), where ũ_k'² = φ(ũ_k)λ_k − 4Σb_ic_iΠ_{j≠i}(a_j − ũ_k) is a cubic.
-So Z = λ_kũ_k + const moves by the addition of (℘(t), ℘'(t)) on Y² = 4Z³ − g2Z − g3.
+So Z = λ_kũ_k + const moves on Y² = 4Z³ − g2Z − g3 (:mod:`integrable.deformations.oval`).
 
 γ_i = 0 would imply V(a_i)² = −4b_ic_i² < 0, so no γ_i changes sign. ũ_k are the roots of ΣE_i²(x − a_j)(x − a_k), E_i²
 = (b_i/γ_i² + w_i²)/h2 > 0, w = γ × M. They lie on opposite sides of the middle a_i, so the ovals never meet, and the
@@ -16,7 +16,7 @@ from __future__ import annotations
 from typing import Any
 
 from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, at_its_precision
-from integrable.deformations.oval import laurent
+from integrable.deformations.oval import SeparatedOval, root_of_rounded
 from integrable.deformations.separated_flow import interlaced
 from integrable.phase.body import cross
 from integrable.phase.state import State
@@ -124,63 +124,34 @@ class CubicCarrier(CurvesCarrier):
 class _Cubic:
     """The motion u' = y on y² = q(u), along the bounded oval of its start.
 
-    q has degree 3 and leading coefficient 4λ. ``period`` is the period of the motion.
+    q has degree 3 and leading coefficient 4λ. With Z = λu + ``shift``, Z'² = 4Z³ − g2Z − g3 = 4Π(Z − e_i).
     """
 
     def __init__(self, K: Any, q: poly.Poly, scale: Any, u: Any, rate: Any) -> None:
-        self._field, self._scale = K, scale
-        self._shift = q[2] / 12
-        # Z = λu + shift, Y = λu': Y² = 4Z³ − g2Z − g3
-        self._g2 = 12 * self._shift * self._shift - scale * q[1]
+        self._scale, self._shift = scale, q[2] / 12
+        g2 = 12 * self._shift * self._shift - scale * q[1]
         # at u = 0, where Z = shift: λ²q(0) = 4Z³ − g2Z − g3
-        self._g3 = (4 * self._shift * self._shift - self._g2) * self._shift - scale * scale * q[0]
-        self._start = scale * u + self._shift, scale * rate
-        self._series = laurent(K, self._g2, self._g3)
-        z = self._roots()
-        self.period = K.context.pi / K.context.agm((z[2] - z[0]) ** (K.one / 2), (z[2] - z[1]) ** (K.one / 2))
-
-    def _roots(self) -> list[Any]:
-        """The real roots of 4Z³ − g2Z − g3 in ascending order, by Viète's formula with cos 3θ."""
-        K = self._field
-        # rounding may push the cosine beyond 1 at an equilibrium, where the oval is a point
-        cosine = max(-K.one, min(K.one, self._g3 * (27 / self._g2**3) ** (K.one / 2)))
-        turn = K.context.acos(cosine) / 3
-        radius = (self._g2 / 3) ** (K.one / 2)
-        return [radius * K.context.cos(turn + 2 * K.context.pi * k / 3) for k in (1, 2, 0)]
+        g3 = (4 * self._shift * self._shift - g2) * self._shift - scale * scale * q[0]
+        e, z, slope = roots_of_cubic(K, g2, g3), scale * u + self._shift, scale * rate
+        sizes = [root_of_rounded(K, z - x) for x in e]
+        # next to a branch point Z' has the digits that Z − e_i lacks
+        i = min(range(3), key=lambda n: sizes[n])
+        others = sizes[i - 2] * sizes[i - 1]
+        if others:
+            sizes[i] = abs(slope) / (2 * others)
+        self._oval = SeparatedOval(K, e, lambda i, j: e[i] - e[j], sizes, 1 if slope >= 0 else -1)
+        self.period = self._oval.period
 
     def moved(self, t: Any) -> tuple[Any, Any]:
         """(u, u') after a time t from the start."""
-        rest = t - self._field.context.nint(t / self.period) * self.period
-        x, y = self._added(*self._translation(rest)) if rest else self._start
-        return (x - self._shift) / self._scale, y / self._scale
+        r = self._oval.moved(t)
+        return (self._oval.height(r) - self._shift) / self._scale, 2 * r[0] * r[1] * r[2] / self._scale
 
-    def _added(self, x: Any, y: Any) -> tuple[Any, Any]:
-        """The sum of the start (Z, Y) and (x, y), as symmetric functions over (x − Z)² and (x − Z)³.
 
-        The usual formula with the slope of the chord would subtract large numbers at small t.
-        """
-        (z, v), g2, g3 = self._start, self._g2, self._g3
-        gap = x - z
-        total = (2 * x * z - g2 / 2) * (x + z) - g3 - y * v
-
-        def cubic(x: Any, z: Any) -> Any:
-            return (6 * x + 2 * z) * z * z - (x + 3 * z) * g2 / 2 - 2 * g3
-
-        return total / (2 * gap**2), (v * cubic(z, x) - y * cubic(x, z)) / (2 * gap**3)
-
-    def _translation(self, v: Any) -> tuple[Any, Any]:
-        """(℘(v), ℘'(v)), |v| ≤ half a period, from the Laurent series at v/2^m and m doublings."""
-        K, halvings = self._field, 0
-        size = max(abs(self._g2) ** (K.one / 2), abs(self._g3) ** (K.one / 3), abs(self._shift))
-        while v * v * size > 1 / K.coerce(16):
-            v, halvings = v / 2, halvings + 1
-        square, value, slope = v * v, K.zero, K.zero
-        for n in reversed(range(len(self._series))):
-            value = value * square + self._series[n]
-            slope = slope * square + (2 * n + 2) * self._series[n]
-        x, y = 1 / square + square * value, -2 / (square * v) + v * slope
-        for _ in range(halvings):
-            half = (6 * x * x - self._g2 / 2) / y
-            double = half * half / 4 - 2 * x
-            x, y = double, -(y + half * (double - x))
-        return x, y
+def roots_of_cubic(K: Any, g2: Any, g3: Any) -> list[Any]:
+    """The real roots of 4Z³ − g2Z − g3 in ascending order, by Viète's formula with cos 3θ."""
+    # rounding may push the cosine beyond 1 at an equilibrium, where the oval is a point
+    cosine = max(-K.one, min(K.one, g3 * (27 / g2**3) ** (K.one / 2)))
+    turn = K.context.acos(cosine) / 3
+    radius = (g2 / 3) ** (K.one / 2)
+    return [radius * K.context.cos(turn + 2 * K.context.pi * k / 3) for k in (1, 2, 0)]

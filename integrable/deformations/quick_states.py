@@ -19,8 +19,7 @@ from integrable.mumford.elliptic_torus import (
     double_double_row,
     half_turn,
     inverse_factorials,
-    part_of_round,
-    theta_table,
+    terms_of,
 )
 from integrable.torus.access import TorusClock, resolved_spectrum
 from integrable.torus.corners import FIRST_SIZE, resolved
@@ -190,7 +189,9 @@ class QuickClock:
         ahead, across = np.arange(rows // 2 + 1), np.fft.fftfreq(columns, 1 / columns)
         weights = np.where(ahead % (rows // 2) == 0, 1, 2) * np.exp(first * ahead)
         shown = float((weights @ half @ np.exp(second * across)).real)
-        rate = carrier.pace(*(curve.height(curve.moved(x)) for curve, x in zip(carrier.curves, moved, strict=True)))
+        rate = carrier.pace(
+            *(carrier.z(k, curve.moved(x)) for k, (curve, x) in enumerate(zip(carrier.curves, moved, strict=True)))
+        )
         return abs(shown / float(rate) - 1) <= MOST_OFF
 
 
@@ -228,8 +229,7 @@ def packed(carrier: Any) -> Packed:
     numbers = [
         *(x for column in columns for x in column),
         body.d,
-        one.mu,
-        two.mu,
+        *tilde.mu,
         *tilde.lambdas,
         -1 if odd else 1,
         tilde.side,
@@ -241,22 +241,16 @@ def packed(carrier: Any) -> Packed:
         (float(tilde.sizes[0]), float(tilde.sizes[1])),
     )
     rates = Column.of(speed / one.period), Column.of(speed / two.period)
-    return Packed(_track(one), _track(two), frame, order, rates)
+    return Packed(_track(one, tilde.mu[0]), _track(two, tilde.mu[1]), frame, order, rates)
 
 
-def _track(curve: Any) -> Track:
-    """The track of a curve: R_low = ±√(e_middle − e_low)sn, R_middle = √(e_middle − e_low)cn, R_high = ±√(e_high −
-    e_low)dn.
-    """
-    N, (low, middle, high) = curve.field, (curve.low, curve.middle, curve.high)
-    swing, breadth = N.sqrt(curve.height_of_oval), N.sqrt(curve.breadth)
-    side = 1 if curve.start[high] > 0 else -1
-    theta = theta_table(N, swing / breadth, N.sqrt(curve.above) / breadth)
-    phase = part_of_round(N, theta.levels, side * curve.start[low] / swing, curve.start[middle] / swing)
-    two, three, four = theta.at_zero
-    numbers = [side * swing * three / two, swing * four / two, side * breadth * four / three, phase / half_turn()]
-    numbers += [curve.e[i] / curve.mu for i in (low, middle, high)]
-    return Track(double_double_row([*numbers, 1 / curve.mu]), double_double_row(theta.table), inverse_factorials())
+def _track(curve: Any, mu: Any) -> Track:
+    """The track of a curve, whose points are at Z = μz."""
+    numbers = [*curve.factors, curve.since / curve.period]
+    numbers += [curve.e[i] / mu for i in (curve.low, curve.middle, curve.high)]
+    # rows of four coefficients
+    table = curve.table[: 4 * terms_of(curve.nome)]
+    return Track(double_double_row([*numbers, 1 / mu]), double_double_row(table), inverse_factorials())
 
 
 def _pairs(first: Column, second: Column) -> np.ndarray:

@@ -37,6 +37,10 @@ class OnTwoCurves(Protocol):
 
     system: Any
     curves: list[SeparatedOval]
+    mu: list[Any]
+
+    def z(self, k: int, r: Any) -> Any:
+        """z at the roots R_i on curve k."""
 
     @property
     def field(self) -> Any:
@@ -61,7 +65,7 @@ class SeparatedClock:
         self._motion = motion
         K = motion.field
         curves = motion.curves
-        self._since = [curve.since_low() for curve in curves]
+        self._since = [curve.since for curve in curves]
         self._periods = [curve.period for curve in curves]
         # time is measured in radians of the faster phase
         self._unit = 2 * K.context.pi / min(self._periods)
@@ -191,8 +195,8 @@ class SeparatedClock:
         """c_mn as integers in units of 2^−bits, shape (rows + 1, columns + 1)."""
         motion, bits = self._motion, self._bits
         parts = []
-        for curve, weight, n in zip(motion.curves, motion.weights, (rows, columns), strict=True):
-            heights = _heights(curve, n)
+        for k, (curve, weight, n) in enumerate(zip(motion.curves, motion.weights, (rows, columns), strict=True)):
+            heights = [motion.z(k, curve.at(j * motion.field.one / (2 * n))) for j in range(n + 1)]
             parts.append([int(motion.field.context.ldexp(weight * (1 + motion.system.d * z), bits)) for z in heights])
         one = 1 << (3 * bits)
         values = np.array([[isqrt(one // (x + y)) for y in parts[1]] for x in parts[0]], dtype=object)
@@ -271,7 +275,7 @@ def _turns(turns: float, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def extremes(motion: OnTwoCurves) -> tuple[Any, Any]:
     """(smallest, largest) value of 1/g on the torus."""
-    ends = [[curve.e[i] / curve.mu for i in (curve.low, curve.middle)] for curve in motion.curves]
+    ends = [[c.e[i] / mu for i in (c.low, c.middle)] for c, mu in zip(motion.curves, motion.mu, strict=True)]
     return motion.pace(*map(max, ends)), motion.pace(*map(min, ends))
 
 
@@ -284,9 +288,9 @@ def series_sizes(motion: OnTwoCurves, digits: int) -> tuple[int, int]:
     d = motion.system.d
     one, two = motion.curves
     share = motion.weights[1] / motion.weights[0]
-    least = min(two.e[i] / two.mu for i in (two.low, two.middle))
+    least = min(two.e[i] / motion.mu[1] for i in (two.low, two.middle))
     zero = -(1 + share * (1 + d * least)) / d
-    heights = one.imaginary_half(zero * one.mu), two.imaginary_half(None)
+    heights = one.imaginary_half(zero * motion.mu[0]), two.imaginary_half(None)
     turn = 2 * motion.field.context.pi
     strips = [turn * x / curve.period for x, curve in zip(heights, motion.curves, strict=True)]
     rows, columns = (int(digits * log(10) / float(x)) + MARGIN for x in strips)
@@ -301,18 +305,6 @@ def grown(table: np.ndarray, noise: Any) -> tuple[int, int]:
     if abs(table[:, -1 - columns // 16 :]).max() > noise:
         columns = _smooth(columns + columns // 4 + 1)
     return rows, columns
-
-
-def _heights(curve: SeparatedOval, count: int) -> list[Any]:
-    """z at the phases πj/count, j = 0 … count, in wide numbers, by ``count`` additions over half a period."""
-    K = curve.field
-    step, r = curve.translation(curve.period / (2 * count)), curve.at_low()
-    heights = []
-    with K.context.workprec(K.context.prec + GUARD_BITS):
-        for _ in range(count + 1):
-            heights.append(curve.height(r, (curve.low, curve.middle)))
-            r = curve.added(r, step)
-    return heights
 
 
 def _smooth(count: int) -> int:

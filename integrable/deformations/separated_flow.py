@@ -3,7 +3,7 @@
 In ũ_k, the roots of Σ w_i²/(x − a_i), w = γ × M, the flow of H = λ1 + λ2 separates: ũ_k' = y_k, y_k² = λ_kφ(ũ_k), φ(x)
 = 4(dx − 1)Π(a_i − x), with λ_k constant, λ1 > 0 > λ2, and ' = d/dτ, dτ = g dt. Z = μ_k·ũ/(1 − dũ), μ_k = λ_kΠ(1 −
 da_i), brings each curve to Z'² = 4Π(Z − e_i), e_i = μ_k/I_i, on which the motion is an addition
-(:mod:`integrable.deformations.oval`): any τ costs one addition on each curve. (The separation: Tsiganov.)
+(:mod:`integrable.deformations.oval`), written by theta functions: any τ costs the same. (The separation: Tsiganov.)
 """
 
 from __future__ import annotations
@@ -105,9 +105,8 @@ class OvalCarrier(CurvesCarrier):
         e, slope = ([x / spin for x in v] for v in _image(K, state, _rate(system, state), h2))
         gaps, turns = _separated(body, e, slope)
         product = body.contact[0] * body.contact[1] * body.contact[2]
-        self.curves = [
-            _oval(body, value * product, row, turn) for value, row, turn in zip(self.lambdas, gaps, turns, strict=True)
-        ]
+        self.mu = [value * product for value in self.lambdas]
+        self.curves = [_oval(body, mu, row, turn) for mu, row, turn in zip(self.mu, gaps, turns, strict=True)]
         self.signs, self.side = _signs(self.curves, e, slope), 1
         found = self._state(*(curve.start for curve in self.curves))[0]
         self.side = 1 if sum(x * y for x, y in zip(found, state.gamma, strict=True)) > 0 else -1
@@ -136,7 +135,7 @@ class OvalCarrier(CurvesCarrier):
 
     @at_its_precision
     def clock_missing(self, tau: Any, digits: int) -> int:
-        rate = self.pace(*(curve.height(curve.moved(tau)) for curve in self.curves))
+        rate = self.pace(*(self.z(k, curve.moved(tau)) for k, curve in enumerate(self.curves)))
         return digits_of(self.clock(digits).defect(tau, rate)) + digits
 
     def clock(self, digits: int) -> SeparatedClock:
@@ -154,6 +153,10 @@ class OvalCarrier(CurvesCarrier):
         one, two = self.lambdas
         return one / (one - two), -two / (one - two)
 
+    def z(self, k: int, r: Sequence[Any]) -> Any:
+        """z = Z/μ_k at the roots R_i on curve k."""
+        return self.curves[k].height(r) / self.mu[k]
+
     def pace(self, first: Any, second: Any) -> Any:
         """dt/dτ = 1/g from z on both curves: g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k|."""
         one, two = self.weights
@@ -167,7 +170,7 @@ class OvalCarrier(CurvesCarrier):
     @at_its_precision
     def times_of(self, time_of: Any) -> list[Any]:
         """The times of :meth:`SeparatedFlow.translated`."""
-        return [time_of(k, self.field, curve.mu, curve.e) for k, curve in enumerate(self.curves)]
+        return [time_of(k, self.field, mu, c.e) for k, (mu, c) in enumerate(zip(self.mu, self.curves, strict=True))]
 
     @at_its_precision
     def moved(self, times: list[Any]) -> tuple[list[Any], list[Any]]:
@@ -180,11 +183,11 @@ class OvalCarrier(CurvesCarrier):
         one, two = self.curves
         e = [s * c * x * y for s, c, x, y in zip(self.signs, self.roots_of_weights, first, second, strict=True)]
         length = root_of_rounded(K, K.dot(e, e))
-        f = [1 / (1 + body.d * curve.height(r)) for curve, r in zip(self.curves, (first, second), strict=True)]
+        f = [1 / (1 + body.d * self.z(k, r)) for k, r in enumerate((first, second))]
         # ũ2 − ũ1 as a sum without cancellation, since the two lie on opposite sides of the middle a_i
         middle = self._middle
-        gap = f[0] * f[1] * (first[middle] ** 2 / abs(one.mu) + second[middle] ** 2 / abs(two.mu))
-        scale = 2 * length * f[0] * f[1] / (one.mu * two.mu * gap)
+        gap = f[0] * f[1] * (first[middle] ** 2 / abs(self.mu[0]) + second[middle] ** 2 / abs(self.mu[1]))
+        scale = 2 * length * f[0] * f[1] / (self.mu[0] * self.mu[1] * gap)
         n = []
         for i in range(3):
             j, k = (i + 1) % 3, (i + 2) % 3
@@ -294,7 +297,12 @@ def _oval(body: Any, mu: Any, gaps: Any, turn: int) -> SeparatedOval:
     # 1 − dũ = (1 − da_i) − d(ũ − a_i), from the smallest ũ − a_i
     slow = next(r - body.d * x for r, x in sorted(zip(body.contact, gaps, strict=True), key=lambda pair: abs(pair[1])))
     sizes = [root_of_rounded(K, mu * x / (slow * r)) for x, r in zip(gaps, body.contact, strict=True)]
-    return SeparatedOval(K, body.inertia, mu, sizes, turn if mu > 0 else -turn)
+    inertia = body.inertia
+
+    def gap(i: int, j: int) -> Any:
+        return mu * (inertia[j] - inertia[i]) / (inertia[i] * inertia[j])
+
+    return SeparatedOval(K, [mu / x for x in inertia], gap, sizes, turn if mu > 0 else -turn)
 
 
 def _signs(curves: list[SeparatedOval], e: Any, slope: Any) -> list[int]:

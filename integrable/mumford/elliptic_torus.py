@@ -275,7 +275,7 @@ def terms_of(nome: Any) -> int:
     return count
 
 
-def thetas(N: LongField, nome: Any, count: int) -> tuple[list[Any], list[Any], tuple[Any, Any, Any]]:
+def thetas(N: Any, nome: Any, count: int) -> tuple[list[Any], list[Any], tuple[Any, Any, Any]]:
     """Coefficients of harmonics 2n + 1 of θ₂, of harmonics 2n of θ₃, and the values of θ₂, θ₃ and θ₄ at 0.
 
     Coefficients and value of θ₂ are divided by its first coefficient.
@@ -301,12 +301,17 @@ def theta_table(N: LongField, k: Any, k1: Any) -> ThetaTable:
     """The ThetaTable of the modulus k, k² + k₁² = 1; PrecisionLoss near a separatrix."""
     levels = means(N, k1)
     nome = nome_of(N, levels, means(N, k))
-    odd, even, at_zero = thetas(N, nome, terms_of(nome))
+    return ThetaTable(levels, *theta_rows(N, nome, terms_of(nome)))
+
+
+def theta_rows(N: Any, nome: Any, count: int) -> tuple[list[Any], tuple[Any, Any, Any]]:
+    """The table of :func:`theta_quotients` with this many terms, and θ₂, θ₃ and θ₄ at 0."""
+    odd, even, at_zero = thetas(N, nome, count)
     table = []
     for n, (o, e) in enumerate(zip(odd, even, strict=True)):
         sign = 1 - 2 * (n % 2)
         table += [sign * o, o, e, sign * e]
-    return ThetaTable(levels, table, at_zero)
+    return table, at_zero
 
 
 @cache

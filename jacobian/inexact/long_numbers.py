@@ -36,7 +36,7 @@ class Functions:
 
         self._gmpy2: Any = gmpy2
         self.sqrt, self.agm, self.nint = gmpy2.sqrt, gmpy2.agm, gmpy2.rint
-        self.log10, self.cos, self.sin, self.acos = gmpy2.log10, gmpy2.cos, gmpy2.sin, gmpy2.acos
+        self.log10, self.exp, self.cos, self.sin, self.acos = gmpy2.log10, gmpy2.exp, gmpy2.cos, gmpy2.sin, gmpy2.acos
 
     @property
     def prec(self) -> int:
