@@ -27,13 +27,14 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from numbers import Real
 from time import perf_counter
 from typing import Any, NamedTuple
 
 from integrable.extras import command, installed
 from integrable.oracles.body import Solution, body_equations, is_body
 from integrable.oracles.expressions import Kind, recorded
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shown
 
 __all__ = ["Given", "Method", "Problem", "Spent", "kept", "problem_of", "time_scale", "timed_run"]
 
@@ -157,8 +158,8 @@ class Method(ABC):
         refusal = self.refusal(system)
         if refusal:
             raise ArgumentError(refusal)
-        if not setting > 0:
-            raise ArgumentError(f"{self.parameter} = {setting}: give a positive {self.parameter}")
+        if not isinstance(setting, Real) or not float(setting) > 0:
+            raise ArgumentError(f"{self.parameter} = {shown(setting)}: give a positive {self.parameter}")
         kind, given, start = problem_of(system, state)
         return kept(self, kind, setting)(given)(start)
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from contextlib import contextmanager
 from datetime import datetime
 from math import inf
+from numbers import Real
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
@@ -50,9 +51,9 @@ def study_of(
     (default: one per core); timed tasks run alone. No row begins after ``minutes``; the page lists the remaining ones
     as not measured.
     """
-    if minutes is not None and not minutes > 0:
-        raise ArgumentError(f"minutes: {minutes:g} given; a positive number is needed")
-    if jobs is not None and jobs < 1:
+    if minutes is not None and not (isinstance(minutes, Real) and minutes > 0):
+        raise ArgumentError(f"minutes: {shown(minutes)} given; a positive number is needed")
+    if jobs is not None and not (isinstance(jobs, int) and jobs > 0):
         raise ArgumentError(f"jobs: {shown(jobs)} given; at least one process is needed")
     chosen = list(sources) or scene_names()
     scenes = _loaded(chosen)

@@ -79,7 +79,10 @@ def with_progress(C: HyperellipticCurve, bound: int, file: Any = None, progress:
             bar.total = total
             bar.update(done - bar.n)
 
-        return l_polynomials(C, bound, file, tell)
+        found = l_polynomials(C, bound, file, tell)
+        # primes that were counted one by one were not told
+        tell(len(found.p), len(found.p))
+        return found
 
 
 def hasse_witt_matrices(C: HyperellipticCurve, bound: int) -> tuple[Any, Any]:

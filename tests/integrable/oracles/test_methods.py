@@ -371,6 +371,8 @@ def test_refusals() -> None:
         replace(METHODS["heyoka"], module="nosuchmodule").solve(*ball, [1.0], 1e-9)
     with pytest.raises(ArgumentError, match=r"step = -0\.1: give a positive step"):
         METHODS["implicit midpoint"].solve(*ball, [1.0], -0.1)
+    with pytest.raises(ArgumentError, match=r"step = 'a': give a positive step"):
+        METHODS["implicit midpoint"].prepare(*ball, setting="a")
     with pytest.raises(ArgumentError, match="order = 3"):
         moser_veselov((1, 2, 3), 3)
     with pytest.raises(ArgumentError, match=r"tolerance = 2\.0: give a number between 0 and 1"):

@@ -514,8 +514,11 @@ def test_rows_for_which_there_is_no_time_are_named(rows, source, tmp_path):
     study = study_from(data, [rows[0].scene])
     assert f"SciPy DOP853: {sum(row.method == 'SciPy DOP853' for row in rows)}" in page(study)
     assert not study.findings[0].failures
-    with pytest.raises(ArgumentError, match="minutes: -1 given"):
-        study_of([source], out=tmp_path, minutes=-1)
+    for wrong in (-1, "x"):
+        with pytest.raises(ArgumentError, match=f"minutes: {wrong!r} given"):
+            study_of([source], out=tmp_path, minutes=wrong)
+        with pytest.raises(ArgumentError, match=f"jobs: {wrong!r} given"):
+            study_of([source], out=tmp_path, jobs=wrong)
     assert [path.stem for path in (tmp_path / "out" / "rows").glob("*.json")] == [first[0].key]
 
 

@@ -336,6 +336,12 @@ def test_tables(tmp_path):
         L.polynomial(1009)
 
 
+def test_a_bar_counts_all_primes(capsys):
+    pytest.importorskip("tqdm")
+    found = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]).l_polynomials(40, progress=True)
+    assert f"{len(found.p)}/{len(found.p)}" in capsys.readouterr().err
+
+
 def test_what_is_refused():
     C = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1])
     for bound in (1, 2.5, "100", None):
