@@ -268,6 +268,7 @@ def test_special_positions_of_veselova(q, p) -> None:
         assert distance(RR, (path.q[row], path.p[row]), [[float(x) for x in a] for a in expected]) < 1e-14
 
 
+@pytest.mark.slow
 def test_a_long_body_of_veselova_is_on_no_separatrix() -> None:
     """Moments with the ratio 10^16: a branch point is that close to the one where dt/dτ vanishes."""
     system = Veselova((5045965.14, 1.6859436e-09, 1.92284376e-08), field=MP(20))

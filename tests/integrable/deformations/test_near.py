@@ -44,7 +44,9 @@ def assert_rounded(found, true) -> None:
         assert (np.abs(found[:, part] - true[:, part]).max(axis=1) <= 2.3e-16 * sizes).all()
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name == "two poles" else ()) for name in SYSTEMS]
+)
 def test_near_times_are_those_of_thirty_digits(name) -> None:
     system = SYSTEMS[name]
     walks(system)

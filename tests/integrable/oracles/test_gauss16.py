@@ -27,6 +27,9 @@ GAMMA, UPRIGHT, TILTED = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), (1.104, 2.18,
 BODIES = {"ball": (0.7, UPRIGHT), "tilted": (0.7, TILTED), "top": (0, UPRIGHT)}
 
 
+EVERY_BODY = [pytest.param(name, marks=pytest.mark.slow if name == "ball" else ()) for name in BODIES]
+
+
 def problem(name, field=None):
     d, M = BODIES[name]
     options = {} if field is None else {"field": field}
@@ -67,7 +70,7 @@ def test_the_rule_integrates_polynomials_of_twice_its_stages(stages):
             assert abs(sum(a * x**k for a, x in zip(row, rule.nodes, strict=True)) * (k + 1) - c ** (k + 1)) < 1e-38
 
 
-@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("name", EVERY_BODY)
 def test_the_compiled_steps_are_the_readable_ones(name):
     """At a step so long that the method's own error shows: the two agree in it."""
     system, state = problem(name)
@@ -80,7 +83,7 @@ def test_the_compiled_steps_are_the_readable_ones(name):
     assert np.abs(wanted.gamma - exact.gamma).max() > 1e-13
 
 
-@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("name", EVERY_BODY)
 def test_it_is_of_order_sixteen(name):
     system, state = problem(name)
     K = MP(45)
@@ -93,7 +96,7 @@ def test_it_is_of_order_sixteen(name):
     assert np.abs(adapted.gamma - exact.gamma.astype(float)).max() < 2e-15
 
 
-@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("name", EVERY_BODY)
 def test_round_off_does_not_drift(name):
     """Quadratic integrals after 20000 steps of a length without a short binary fraction: no steady change."""
     system, state = problem(name)
@@ -154,7 +157,7 @@ def _whole(time, step):
     return exact_floats.whole_steps(time, step)
 
 
-@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("name", EVERY_BODY)
 def test_the_compiled_equations_are_the_written_ones(name):
     system, state = problem(name)
     kind, given, _ = problem_of(system, state)

@@ -173,7 +173,7 @@ def test_times_in_any_order_and_of_either_sign(name) -> None:
 @pytest.mark.parametrize("name", named(n for n, m in METHODS.items() if not m.kinds))
 @pytest.mark.parametrize(
     "system",
-    [pytest.param(s, marks=() if isinstance(s, (Tilde, Gyroscopic)) else pytest.mark.slow) for s in DEFORMED],
+    [pytest.param(s, marks=() if isinstance(s, Tilde) else pytest.mark.slow) for s in DEFORMED],
     ids=[type(system).__name__ for system in DEFORMED],
 )
 def test_systems_with_equations_of_their_own(name, system) -> None:

@@ -55,7 +55,7 @@ def test_a_run_without_curves_is_an_integration_to_the_last_digit(write):
         ("check", "elliptic curves"),
         ("hat", "elliptic curves"),
         ("gyroscopic", "integrated"),
-        ("tilde_potential", "integrated"),
+        pytest.param("tilde_potential", "integrated", marks=pytest.mark.slow),
     ],
 )
 def test_the_report_of_a_deformed_system(name, method):

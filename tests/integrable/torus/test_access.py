@@ -153,7 +153,7 @@ def test_many_times_keep_the_integrals() -> None:
             assert np.abs(found / expected - 1).max() < max(10 * tolerance, 1e-14)
 
 
-@pytest.mark.parametrize("name", ["near_separatrix_8", "near_separatrix_14"])
+@pytest.mark.parametrize("name", ["near_separatrix_8", pytest.param("near_separatrix_14", marks=pytest.mark.slow)])
 def test_beside_the_separatrix_corners_are_reached_from_both_sides(name) -> None:
     """One walk around the long period multiplies its errors by the factor with which the motion leaves the unstable
     rotation.

@@ -79,7 +79,11 @@ def test_most_days_have_a_curve_of_each_kind():
     [
         ([0, -1, 0, 1], ("torsion", "real period", "endomorphisms over ℂ", "Sato–Tate group")),
         ([1, 0, 0, 0, 0, 0, 0, 1], ("torsion", "real period", "L-polynomials", "endomorphisms over ℂ")),
-        ([1, -1, 0, 0, 0, 0, 0, 0, 0, 1], ("torsion", "real period", "automorphisms over QQ")),
+        pytest.param(
+            [1, -1, 0, 0, 0, 0, 0, 0, 0, 1],
+            ("torsion", "real period", "automorphisms over QQ"),
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_other_genera(f, names):

@@ -328,6 +328,7 @@ def test_nothing_global_is_touched_or_imported():
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
 
 
+@pytest.mark.slow
 def test_the_inverse_looks_at_what_it_returns():
     """Points far out: the divisor found is on the curve and has the requested image, or PrecisionLoss is raised."""
     rng, seen = Random(5), 0
