@@ -12,43 +12,44 @@ from typing import TYPE_CHECKING, Protocol, SupportsComplex, SupportsFloat, Supp
 if TYPE_CHECKING:
     from os import PathLike
     from random import Random
-    from typing import Any, Self
+    from typing import Any
 
     import numpy as np
     from typing_extensions import TypeVar
 
     Element = TypeVar("Element", default=Any)
     Other = TypeVar("Other", default=Any)
-    Scalar = TypeVar("Scalar", bound="Operators", default=Any)
+    # a ball or a top is over the reals where no field is given
+    Coordinate = TypeVar("Coordinate", default=float)
 else:
     # before Python 3.13 type variables have no defaults; only type checkers need them
     from typing import TypeVar
 
-    Element, Other, Scalar = TypeVar("Element"), TypeVar("Other"), TypeVar("Scalar")
+    Element, Other, Coordinate = TypeVar("Element"), TypeVar("Other"), TypeVar("Coordinate")
 
 
-class Operators(Protocol):
-    """A number by its operators: float, complex, mpf."""
+class Real(Protocol):
+    """A real number by its operators: a float, mpf or mpfr, a column of them, a symbol."""
 
-    def __add__(self, other: Any, /) -> Self: ...
+    def __add__(self, other: Any, /) -> Any: ...
 
-    def __radd__(self, other: Any, /) -> Self: ...
+    def __radd__(self, other: Any, /) -> Any: ...
 
-    def __sub__(self, other: Any, /) -> Self: ...
+    def __sub__(self, other: Any, /) -> Any: ...
 
-    def __rsub__(self, other: Any, /) -> Self: ...
+    def __rsub__(self, other: Any, /) -> Any: ...
 
-    def __mul__(self, other: Any, /) -> Self: ...
+    def __mul__(self, other: Any, /) -> Any: ...
 
-    def __rmul__(self, other: Any, /) -> Self: ...
+    def __rmul__(self, other: Any, /) -> Any: ...
 
-    def __truediv__(self, other: Any, /) -> Self: ...
+    def __truediv__(self, other: Any, /) -> Any: ...
 
-    def __rtruediv__(self, other: Any, /) -> Self: ...
+    def __rtruediv__(self, other: Any, /) -> Any: ...
 
-    def __neg__(self) -> Self: ...
+    def __pow__(self, other: Any, /) -> Any: ...
 
-    def __abs__(self) -> Any: ...
+    def __neg__(self) -> Any: ...
 
 
 class Arithmetic(Protocol[Element]):
@@ -100,6 +101,7 @@ class Polynomial(Protocol):
 
 Number = SupportsFloat | SupportsComplex | SupportsIndex
 """A number of Python, numpy, mpmath, gmpy2, python-flint or PARI."""
+Numbers: TypeAlias = "Number | Iterable[Number]"
 Value = Number | str
 """What a field reads: a number, or a string such as "1/3" and "0.25"."""
 Coefficients: TypeAlias = "Iterable[Value | Sequence[Value]] | Polynomial"

@@ -81,6 +81,8 @@ def arguments_of(function: ast.FunctionDef) -> set[str]:
 def _is_text(annotation: ast.expr | None) -> bool:
     named = {x.id for x in ast.walk(annotation) if isinstance(x, ast.Name)} if annotation else set()
     named |= {x.value for x in ast.walk(annotation) if isinstance(x, ast.Constant)} if annotation else set()
+    # Divisor[Element] is written as a Divisor is
+    named -= {"Coordinate", "Element", "Other"}
     by_name = annotation is not None and ast.unparse(annotation).startswith("dict[str, ")
     return by_name or (bool(named - {None}) and named - {None} <= TEXTS)
 

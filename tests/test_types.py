@@ -19,7 +19,7 @@ KNOWN = {
     "RR.sqrt(2.0)": "float",
     "C.field": "Field[int]",
     "J.field": "Field[int]",
-    "ball.field": "Field[Any]",
+    "ball.field": "Field[float]",
     "C.field.order": "int | None",
     "C.genus": "int",
     "C.f": "tuple[int, ...]",
@@ -56,11 +56,18 @@ KNOWN = {
     "many[:1]": "DivisorArray[int]",
     "many.u": "ndarray[tuple[int, int], dtype[Any]]",
     "many.degree": "ndarray[tuple[int], dtype[Any]]",
-    "ball": "ChaplyginBall",
-    "state": "State",
-    "ball.divisor(state)": "Divisor[Any]",
-    "ball.integrals(state)": "tuple[Any, Any, Any, Any, fallback=Integrals]",
-    "ball.translation([1.8, 2.5])(state)": "State",
+    "ball": "ChaplyginBall[float]",
+    "state": "State[float]",
+    "state.gamma": "tuple[float, float, float]",
+    "exact": "ChaplyginBall[Fraction]",
+    "exact.state((1, 0, 0), (0, '1/3', 0)).M": "tuple[Fraction, Fraction, Fraction]",
+    "exact.curve(1, 2).jacobian()": "Jacobian[Fraction]",
+    "ChaplyginBall((1, 2, 3), 2, field=GF(101)).d": "int",
+    "EulerTop((1, 2, 3)).omega(state)": "tuple[float, float, float]",
+    "EulerTop.t_handle()[0].hat_map()(state)": "State[float]",
+    "ball.divisor(state)": "Divisor[float]",
+    "ball.integrals(state)": "tuple[float, float, float, float, fallback=Integrals[float]]",
+    "ball.translation([1.8, 2.5])(state)": "State[float]",
     "ball.flow(state)": "Flow",
     "run": "Trajectory",
     "run.gamma": "ndarray[tuple[int, int], dtype[Any]]",
@@ -73,7 +80,7 @@ KNOWN = {
     "Gyroscopic((1, 2, 4), 0.3).motion_through(start).at([1])": "Trajectory",
     "tilde.field": "Field[Any]",
     "tilde.over(MP(30))": "Tilde",
-    "tilde.translation([1, None])(start)": "State",
+    "tilde.translation([1, None])(start)": "State[Any]",
     "load_scene('chaplygin')": "Scene",
     "integrable.run('chaplygin')": "Trajectory",
     "integrable.sweep('chaplygin', out='chaplygin.zarr')": "Swept",
@@ -81,6 +88,10 @@ KNOWN = {
     "integrable.ensemble(ball, (1, 0, 0), (0, 1, 0)).at([1])": "Trajectories",
 }
 WRONG = {
+    "exact.divisor(state)": "incompatible type",
+    "ball.state((1, 0, 0), 0.5)": "incompatible type",
+    "ChaplyginBall((1, 2, 3), [0.7])": "incompatible type",
+    "ball.translation(1.8)": "incompatible type",
     "J.from_pionts([(0, 1)])": "from_pionts",
     "D + 'E'": "Unsupported operand",
     "D * 'E'": "Unsupported operand",
@@ -113,7 +124,7 @@ SCRIPT = """
 from random import Random
 
 import integrable
-from integrable import ChaplyginBall, Gyroscopic, Tilde, load_scene
+from integrable import ChaplyginBall, EulerTop, Gyroscopic, Tilde, load_scene
 from jacobian import CC, GF, MP, QQ, RR, Divisor, Field, HyperellipticCurve
 from jacobian.batch import DivisorArray
 
@@ -136,6 +147,7 @@ def without_types(D: Divisor, E: Divisor[int]) -> Divisor:
 
 
 ball = ChaplyginBall(inertia=(1, 2, 3), d=0.7)
+exact = ChaplyginBall((1, 2, 3), '1/2', field=QQ)
 state = ball.state(gamma=(0.48, 0.6, 0.64), M=(0.384, 1.28, -1.488))
 run = ball.flow(state).at([0, 1])
 tilde = Tilde((1, 2, 4), 0.7)

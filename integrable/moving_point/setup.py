@@ -39,7 +39,7 @@ class Setup:
     """
 
     def __init__(self, body: Body, gamma: Vector, M: Vector, tilted: bool = False, digits: int | None = None) -> None:
-        field = body.field
+        field: Any = body.field
         self.wide: Any
         if field != RR and (type(field) is not type(MP(15)) or field.complex):
             raise ArgumentError(f"field = {field.name}: a flow runs over RR or MP(digits)")

@@ -7,20 +7,24 @@ other consistent set. Axes are the principal axes of inertia.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple
 
-from jacobian import RR
+from jacobian import RR, poly
+from jacobian.element import Element, Real, Value
 from jacobian.errors import ArgumentError, FieldError, NotASquare, entries, shown, written
 from jacobian.fields.coercion import is_complex
-from jacobian.fields.protocol import check_field
+from jacobian.fields.protocol import Field, check_field
 
-Vector = tuple[Any, Any, Any]
+Vector = tuple[Element, Element, Element]
+
+REALS: Any = RR
+"""The field where none is given; without a type, so that a body has the type of the field that is."""
 
 _unwarned = ContextVar("unwarned", default=False)
 
@@ -29,32 +33,33 @@ class UnphysicalMoments(UserWarning):
     """Principal moments that no distribution of mass has."""
 
 
-class Integrals(NamedTuple):
+class Integrals(NamedTuple, Generic[Element]):
     """The four integrals of the motion: C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M)."""
 
-    C1: Any
-    C2: Any
-    H1: Any
-    H2: Any
+    C1: Element
+    C2: Element
+    H1: Element
+    H2: Element
 
 
 @dataclass(frozen=True)
-class Body:
+class Body(Generic[Element]):
     """Principal moments of inertia and d = m r² over a field; d = 0 is the free rigid body.
 
     ``a`` holds 1/(I_i + d), ``contact`` the numbers 1 − d·a_i = I_i/(I_i + d).
     """
 
-    inertia: Vector
-    d: Any
-    field: Any = RR
+    inertia: Vector[Element]
+    d: Element
+    field: Field[Element] = REALS
 
     @staticmethod
-    def make(inertia: Sequence[Any], d: Any, field: Any) -> Body:
+    def make(inertia: Iterable[Value], d: Value, field: Field[Element]) -> Body[Element]:
         """A Body of checked parameters; ArgumentError names the one that is wrong."""
         check_body_field(field)
-        moments = triple(field, inertia, "inertia")
-        offset = field.coerce(d, "d")
+        K: Any = field
+        moments = triple(K, inertia, "inertia")
+        offset = K.coerce(d, "d")
         if field.characteristic == 0 and offset < 0:
             raise ArgumentError(f"d = {shown(d)} is negative: d = m r² ≥ 0 (0 for the Euler top)")
         # over the reals sums of positive terms do not vanish
@@ -64,28 +69,28 @@ class Body:
         return Body(moments, offset, field)
 
     @cached_property
-    def a(self) -> Vector:
+    def a(self) -> Vector[Element]:
         """a_i = 1/(I_i + d)."""
         K = self.field
         a1, a2, a3 = (K.inv(K.add(moment, self.d)) for moment in self.inertia)
         return a1, a2, a3
 
     @cached_property
-    def contact(self) -> Vector:
+    def contact(self) -> Vector[Element]:
         """1 − d·a_i, computed as I_i·a_i so that thin bodies lose no digits."""
         K = self.field
         r1, r2, r3 = (K.mul(moment, a) for moment, a in zip(self.inertia, self.a, strict=True))
         return r1, r2, r3
 
     @cached_property
-    def differences(self) -> Vector:
+    def differences(self) -> Vector[Element]:
         """(a_i − a_j)(a_i − a_k), zero for an axis whose moment is shared.
 
         a_i − a_j is computed from I_j − I_i, which is exact where the moments are close.
         """
         K = self.field
 
-        def difference(i: int, j: int) -> Any:
+        def difference(i: int, j: int) -> Element:
             return K.mul(K.sub(self.inertia[j], self.inertia[i]), K.mul(self.a[i], self.a[j]))
 
         c1, c2, c3 = (K.mul(difference(i, (i + 1) % 3), difference(i, (i + 2) % 3)) for i in range(3))
@@ -96,22 +101,22 @@ class Body:
         """Whether d ≠ 0."""
         return bool(self.d != self.field.zero)
 
-    def conformal(self, gamma: Vector) -> Any:
+    def conformal(self, gamma: Vector[Element]) -> Element:
         """g⁻² = 1 − d(γ, Aγ), as Σ (1 − d·a_i) γ_i²."""
         K = self.field
         return K.dot(self.contact, [K.mul(x, x) for x in gamma])
 
-    def omega(self, gamma: Vector, M: Vector) -> Vector:
+    def omega(self, gamma: Vector[Element], M: Vector[Element]) -> Vector[Element]:
         """The angular velocity ω = A M + d·n·A γ, n = g²(γ, A M)."""
         K = self.field
         AM = tuple(K.mul(a, x) for a, x in zip(self.a, M, strict=True))
         if not self.rolls:
-            return AM
+            return AM[0], AM[1], AM[2]
         spin = K.mul(self.d, K.div(K.dot(gamma, AM), self.conformal(gamma)))
         w1, w2, w3 = (K.add(x, K.mul(spin, K.mul(a, y))) for x, a, y in zip(AM, self.a, gamma, strict=True))
         return w1, w2, w3
 
-    def integrals(self, gamma: Vector, M: Vector) -> Integrals:
+    def integrals(self, gamma: Vector[Element], M: Vector[Element]) -> Integrals[Element]:
         """C1, C2, H1, H2 at (γ, M)."""
         K = self.field
         return Integrals(K.dot(gamma, gamma), K.dot(gamma, M), K.dot(self.omega(gamma, M), M), K.dot(M, M))
@@ -120,15 +125,14 @@ class Body:
         """(H1, H2) with operators: of real numbers, or of the three columns of many γ and M."""
         (r1, r2, r3), (x1, x2, x3), (m1, m2, m3) = self.contact, gamma, M
         weight = self.d / (r1 * x1 * x1 + r2 * x2 * x2 + r3 * x3 * x3)
-        return energy(self.a, weight, gamma, M), m1 * m1 + m2 * m2 + m3 * m3
+        a: Vector = self.a
+        return energy(a, weight, gamma, M), m1 * m1 + m2 * m2 + m3 * m3
 
-    def polynomial(self, h1: Any, h2: Any) -> tuple[Any, ...]:
+    def polynomial(self, h1: Element, h2: Element) -> poly.Poly[Element]:
         """f(x) = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x h2 − h1), ascending; degree 5, or 4 at d = 0."""
-        from jacobian import poly
-
         K = self.field
         four = poly.integer(K, 4)
-        f: tuple[Any, ...] = (K.neg(K.mul(four, h1)), K.mul(four, h2))
+        f: poly.Poly[Element] = (K.neg(K.mul(four, h1)), K.mul(four, h2))
         for a in self.a:
             f = poly.mul(K, f, (a, K.neg(K.one)))
         if self.rolls:
@@ -136,7 +140,7 @@ class Body:
         return f
 
 
-def check_body_field(field: Any) -> None:
+def check_body_field(field: Field[Element]) -> None:
     """FieldError unless ``field`` is one that bodies are over."""
     if field is not RR and is_complex(check_field(field, "field").zero):
         raise FieldError(f"field = {field.name}: bodies are over RR, MP(dps) or exact fields, not complex numbers")
@@ -166,7 +170,7 @@ def unwarned() -> Iterator[None]:
         _unwarned.reset(before)
 
 
-def energy(a: Sequence[Any], weight: Any, gamma: Sequence[Any], M: Sequence[Any]) -> Any:
+def energy(a: Sequence[Real], weight: Real, gamma: Sequence[Real], M: Sequence[Real]) -> Any:
     """H1 = (ω, M) = (M, AM) + weight·(γ, AM)², weight = d·g², by operators."""
     # written out for speed: every step of a map compares the energies of its image
     (a1, a2, a3), (x1, x2, x3), (m1, m2, m3) = a, gamma, M
@@ -213,7 +217,7 @@ def _check_moment(field: Any, moment: Any, d: Any, i: int) -> None:
         )
 
 
-def square_root(field: Any, x: Any, name: str) -> Any:
+def square_root(field: Field[Element], x: Element, name: str) -> Element:
     """√x, or NotASquare with the name of the quantity."""
     try:
         return field.sqrt(x)

@@ -150,7 +150,8 @@ def integrals_of(body: Body, D: Divisor) -> tuple[Any, Any]:
     """(H1, H2) of the curve 4(1 − dx)Π(a_i − x)(x·H2 − H1) that contains a divisor; CurveMismatch where no curve of the
     body does, to half the digits.
     """
-    K, curve = body.field, D.jacobian.curve
+    K: Any = body.field
+    curve = D.jacobian.curve
     if curve.field == K and not curve.h:
         # −4e3·H1 is the lower end of f; −4H2 or 4dH2 the upper one
         f, (lower, upper) = curve.f, (body.polynomial(K.one, K.zero), body.polynomial(K.zero, K.one))

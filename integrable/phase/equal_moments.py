@@ -40,7 +40,7 @@ class Swing(NamedTuple):
     @staticmethod
     def of(body: Body, gamma: Vector, M: Vector) -> Swing:
         """The data of an upright state. The axes are in the order (equal, equal, other)."""
-        K = body.field
+        K: Any = body.field
         (a, _, a3), (r, _, r3), (g1, g2, g3), (m1, m2, m3) = body.a, body.contact, gamma, M
         ratio = (body.inertia[0] - body.inertia[2]) * a3
         delta = body.d * a * ratio

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, Generic
 
 from integrable.phase.body import Body, Integrals, Vector, cross, triple
 from integrable.phase.made import Made
 from integrable.phase.state import State
-from jacobian import Field
+from jacobian import Field, poly
+from jacobian.element import Element, Value
 from jacobian.errors import (
     ArgumentError,
     FieldError,
@@ -30,34 +31,41 @@ if TYPE_CHECKING:
     from jacobian import Divisor, HyperellipticCurve, Jacobian
 
 
-class PhaseSpace(Made):
+class PhaseSpace(Made, Generic[Element]):
     """The states of a rigid body, by default with (γ, M) = 0. Base of :class:`integrable.systems.system.System`."""
 
-    body: Body
-    radius: Any = None
+    body: Body[Element]
+    radius: Element | None = None
     """The radius of the ball, or None if none was given. Lengths are then in units of the radius."""
 
     @property
-    def field(self) -> Field[Any]:
+    def field(self) -> Field[Element]:
         """The field of the coordinates."""
         return self.body.field
 
     @property
-    def inertia(self) -> Vector:
+    def inertia(self) -> Vector[Element]:
         """Principal moments of inertia I_i."""
         return self.body.inertia
 
     @property
-    def d(self) -> Any:
+    def d(self) -> Element:
         """m r², 0 for the Euler top."""
         return self.body.d
 
     @property
-    def a(self) -> Vector:
+    def a(self) -> Vector[Element]:
         """a_i = 1/(I_i + d)."""
         return self.body.a
 
-    def state(self, gamma: Sequence[Any], M: Sequence[Any], g: Any = None, *, tilted: bool = False) -> State:
+    def state(
+        self,
+        gamma: Iterable[Element | Value],
+        M: Iterable[Element | Value],
+        g: Element | Value | None = None,
+        *,
+        tilted: bool = False,
+    ) -> State[Element]:
         """The State (γ, M). |γ| = 1 and (γ, M) = 0 are checked, exactly over exact fields and to eps^0.6 over inexact
         ones. ``tilted=True`` allows (γ, M) ≠ 0. Divisors, steps and the flow then use Chaplygin's transformation, which
         exists except for M ∥ γ.
@@ -67,26 +75,25 @@ class PhaseSpace(Made):
         """
         K: Any = self.field
         tilted = flag(tilted, "tilted")
-        gamma, M = triple(K, gamma, "gamma"), triple(K, M, "M")
-        tolerance, square = 0 if K.exact else K.eps**0.6, K.dot(gamma, gamma)
+        x: Vector = triple(K, gamma, "gamma")
+        m: Vector = triple(K, M, "M")
+        tolerance, square = 0 if K.exact else K.eps**0.6, K.dot(x, x)
         if _distance(K, square, K.one) > tolerance:
-            raise ArgumentError(
-                f"gamma = {_show(gamma)} has (γ, γ) = {written(square)}: γ is a unit vector{_precision(K)}"
-            )
-        if K.exact and self.body.rolls and self.body.conformal(gamma) == K.zero:
-            raise NotASquare(f"gamma = {_show(gamma)}: 1 − d(γ, Aγ) vanishes in {K.name}, and g is infinite")
+            raise ArgumentError(f"gamma = {_show(x)} has (γ, γ) = {written(square)}: γ is a unit vector{_precision(K)}")
+        if K.exact and self.body.rolls and self.body.conformal(x) == K.zero:
+            raise NotASquare(f"gamma = {_show(x)}: 1 − d(γ, Aγ) vanishes in {K.name}, and g is infinite")
         if not tilted:
-            tilt = K.dot(gamma, M)
+            tilt = K.dot(x, m)
             # computed as |M|, because (M, M) may underflow
-            size = 1 if K.exact else max(K.dot(M, M) ** 0.5, *map(abs, M))
+            size = 1 if K.exact else max(K.dot(m, m) ** 0.5, *map(abs, m))
             if _distance(K, tilt, K.zero) > tolerance * size:
                 raise ArgumentError(
-                    f"M = {_show(M)} has (γ, M) = {written(tilt)}: this system needs (γ, M) = 0{_precision(K)}, "
+                    f"M = {_show(m)} has (γ, M) = {written(tilt)}: this system needs (γ, M) = 0{_precision(K)}, "
                     "or tilted=True"
                 )
-        return State(gamma, M, self._root(gamma, g), tilted=tilted)
+        return State(x, m, self._root(x, g), tilted=tilted)
 
-    def _root(self, gamma: Vector, g: Any) -> Any:
+    def _root(self, gamma: Vector[Element], g: Any) -> Element | None:
         """The root of g² that a state over this field carries: None over the reals and at d = 0."""
         K = self.field
         if not (K.exact and self.body.rolls):
@@ -106,7 +113,7 @@ class PhaseSpace(Made):
             )
         return g
 
-    def integrals(self, state: State) -> Integrals:
+    def integrals(self, state: State[Element]) -> Integrals[Element]:
         """C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M)."""
         state = self._checked(state)
         return self.body.integrals(state.gamma, state.M)
@@ -128,21 +135,21 @@ class PhaseSpace(Made):
 
         return attitude.matrices(gamma, M)
 
-    def omega(self, state: State) -> Vector:
+    def omega(self, state: State[Element]) -> Vector[Element]:
         """The angular velocity ω in the body frame."""
         state = self._checked(state)
         return self.body.omega(state.gamma, state.M)
 
-    def vector_field(self, state: State) -> State:
+    def vector_field(self, state: State[Element]) -> State[Element]:
         """(γ̇, Ṁ) = (γ × ω, M × ω), as a State of derivatives."""
         omega = self.omega(state)
         return State(cross(self.field, state.gamma, omega), cross(self.field, state.M, omega))
 
-    def poisson(self, state: State) -> tuple[tuple[Any, ...], ...]:
+    def poisson(self, state: State[Element]) -> tuple[tuple[Element, ...], ...]:
         """The 6×6 matrix of the brackets of (γ, M)."""
         raise NotImplementedError
 
-    def upright(self, state: State) -> tuple[PhaseSpace, State, ChaplyginTransformation]:
+    def upright(self, state: State[Element]) -> tuple[PhaseSpace[Element], State[Element], ChaplyginTransformation]:
         """(system, state, transformation): the motion of a tilted state as one with (γ̃, M̃) = 0 on another body.
 
         ``transformation.invert`` is the inverse. Raises NotRepresentable at M ∥ γ, NotASquare over a field without the
@@ -154,7 +161,7 @@ class PhaseSpace(Made):
         change = ChaplyginTransformation.of(self.body, state.gamma, state.M)
         return replaced(self, body=change.upright), change.apply(state), change
 
-    def curve(self, h1: Any, h2: Any) -> HyperellipticCurve:
+    def curve(self, h1: Element | Value, h2: Element | Value) -> HyperellipticCurve[Element]:
         """y² = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x·h2 − h1) for values of H1 and H2.
 
         Genus 2 with one point at infinity for d ≠ 0; genus 1 with two for d = 0. SingularCurve (exact fields) where
@@ -163,21 +170,22 @@ class PhaseSpace(Made):
         from jacobian import HyperellipticCurve
 
         K = self.field
-        h1, h2 = K.coerce(h1, "h1"), K.coerce(h2, "h2")
-        check_moving(K, h2)
-        return HyperellipticCurve(K, self.body.polynomial(h1, h2))
+        values = K.coerce(h1, "h1"), K.coerce(h2, "h2")
+        check_moving(K, values[1])
+        f: poly.Poly = self.body.polynomial(*values)
+        return HyperellipticCurve(K, f)
 
-    def group(self, h1: Any, h2: Any) -> Jacobian:
+    def group(self, h1: Element | Value, h2: Element | Value) -> Jacobian[Element]:
         """The group of the motion: the Jacobian of :meth:`curve`, or for d = 0 its generalized Jacobian."""
         curve = self.curve(h1, h2)
         if self.body.rolls:
-            jacobian: Jacobian = curve.jacobian()
+            jacobian: Jacobian[Element] = curve.jacobian()
             return jacobian
         from jacobian.relatives.glued import GeneralizedJacobian
 
         return GeneralizedJacobian(curve)
 
-    def divisor(self, state: State) -> Divisor:
+    def divisor(self, state: State[Element]) -> Divisor[Element]:
         """The divisor (U, V) of a state, in :meth:`group` (of :meth:`upright` for a tilted state).
 
         NotASquare where g² has no root in the field.
@@ -191,7 +199,7 @@ class PhaseSpace(Made):
         u, v = coordinates.to_mumford(self.body, coordinates.to_pairs(self.body, state))
         return self.group(*self.integrals(state)[2:]).from_mumford(u, v)
 
-    def from_divisor(self, D: Divisor, like: State | None = None) -> State:
+    def from_divisor(self, D: Divisor[Element], like: State[Element] | None = None) -> State[Element]:
         """The state with divisor D. Eight states share it; the signs of ``like`` choose one.
 
         Over an exact field ``like`` is used only if D is the divisor of ``like`` up to signs. Otherwise the signs are
@@ -228,13 +236,15 @@ class PhaseSpace(Made):
                 )
         return state
 
-    def separated(self, state: State) -> Separated:
+    def separated(self, state: State[Element]) -> Separated:
         """The canonical coordinates (u, p) of a state (:func:`integrable.phase.separation.to_separated`)."""
         from integrable.phase import separation
 
         return separation.to_separated(self.body, self._checked(state))
 
-    def from_separated(self, u: Sequence[Any], p: Sequence[Any], like: State | None = None) -> State:
+    def from_separated(
+        self, u: Iterable[Value], p: Iterable[Value], like: State[Element] | None = None
+    ) -> State[Element]:
         """The state of (u, p), with the signs of ``like`` or of the field's own roots.
 
         See :func:`integrable.phase.separation.from_separated`.
@@ -247,13 +257,13 @@ class PhaseSpace(Made):
             like = self._checked(like)
         return separation.from_separated(self.body, separation.Separated((u1, u2), (p1, p2)), like)
 
-    def lifts(self, state: State) -> tuple[State, ...]:
+    def lifts(self, state: State[Element]) -> tuple[State[Element], ...]:
         """The eight states that share the divisor of a state, itself first."""
         from integrable.phase import separation
 
         return separation.lifts(self.body, self._checked(state))
 
-    def _checked(self, state: Any) -> State:
+    def _checked(self, state: object) -> State[Element]:
         return check_state(self, state)
 
     @property

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from fractions import Fraction
-from typing import Any
+from typing import Any, Generic
 
 from integrable.phase.body import Vector
+from jacobian.element import Element
 from jacobian.errors import written
 
 MOST_BITS = 14_000
@@ -14,7 +15,7 @@ MOST_BITS = 14_000
 
 
 @dataclass(frozen=True)
-class State:
+class State(Generic[Element]):
     """(γ, M): γ the unit vertical and M the angular momentum about the contact point, both in the body frame.
 
     ``system.state(gamma, M)`` makes one and checks it. Over an exact field with d ≠ 0 the state carries the root ``g``
@@ -22,9 +23,9 @@ class State:
     differ from 0; divisors, steps and the flow then use :mod:`integrable.phase.upright`.
     """
 
-    gamma: Vector
-    M: Vector
-    g: Any = None
+    gamma: Vector[Element]
+    M: Vector[Element]
+    g: Element | None = None
     tilted: bool = False
 
     def __repr__(self) -> str:

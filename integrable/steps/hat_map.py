@@ -9,6 +9,7 @@ from integrable.phase.body import square_root
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
 from integrable.steps.step import Step, checked_signs
+from jacobian.element import Element
 from jacobian.errors import ArgumentError, NotRepresentable
 from jacobian.relatives.signed import reflected
 
@@ -33,7 +34,7 @@ class HatMap(Step):
     def __repr__(self) -> str:
         return f"<hat map on {self.system!r}>"
 
-    def __call__(self, state: State) -> State:
+    def __call__(self, state: State[Element]) -> State[Element]:
         """The image of a state; NotASquare where |Aw| is not in the field, NotRepresentable where it is 0."""
         system, K = self.system, self.system.field
         pairs = coordinates.upright_pairs(system.body, system._checked(state))

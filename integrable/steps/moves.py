@@ -22,8 +22,9 @@ from integrable.steps.guard_digits import (
     tilt_condition,
     with_enough_digits,
 )
-from integrable.steps.step import Step, check_doublings, checked_signs
-from jacobian import poly
+from integrable.steps.step import Abscissa, Step, check_doublings, checked_signs
+from jacobian import Divisor, poly
+from jacobian.element import Element
 from jacobian.errors import ArgumentError, NotRepresentable, one_of, whole, written
 from jacobian.fields.inexact import InexactField
 from jacobian.immutable import replaced
@@ -35,7 +36,7 @@ class Move(Step):
     back.
     """
 
-    def __call__(self, state: State) -> State:
+    def __call__(self, state: State[Element]) -> State[Element]:
         """The image of a state. Over RR and MP guard digits are used where :meth:`condition` or H1 and H2 require them.
 
         PrecisionLoss if H1 or H2 of the image differs from that of the state (by 10⁻⁹ in floats).
@@ -153,7 +154,7 @@ class Keyless(Move):
             pairs = (*pairs, (square_root(K, K.dot(sigma, sigma), "g̃²"), K.zero))
         return coordinates.from_pairs(body, pairs)
 
-    def divisor(self, state: State) -> Any:
+    def divisor(self, state: State[Element]) -> Divisor[Element]:
         """(1/d, 0) − ∞ on the curve of a state, or of its upright body if it is tilted. NotRepresentable at d = 0."""
         system, K = self.system, self.system.field
         if system._checked(state).tilted:
@@ -174,7 +175,7 @@ class ConicStep(Move):
     x0 = 0. x0 = None means the point at infinity; y0 is then c, and the canonical bracket is preserved.
     """
 
-    def __init__(self, system: PhaseSpace, x0: Any, y0: Any, sign: int = 1) -> None:
+    def __init__(self, system: PhaseSpace, x0: Abscissa | None, y0: Abscissa, sign: int = 1) -> None:
         if system.body.rolls:
             raise ArgumentError(f"d = {system.d}: the parabolas of a conic step are the pencil of the curve at d = 0")
         K = system.field

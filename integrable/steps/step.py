@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
+from jacobian.element import Element, Value
 from jacobian.errors import ArgumentError, Infeasible, entries, shown, whole, written
 from jacobian.fields.inexact import InexactField
 from jacobian.immutable import Immutable, replaced
@@ -13,6 +15,8 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
 
 
+Abscissa = Value | complex | Callable[[Any, Any], Any]
+"""A number, or a function of H1 and H2."""
 MOST_MULTIPLE = 10**100
 """The largest multiple over RR and MP: its doublings take some seconds, in about 500 digits."""
 
@@ -24,7 +28,7 @@ class Step(Immutable):
     guarded = False
     """Whether the step is run with guard digits by another step, which checks the result."""
 
-    def __call__(self, state: State) -> State:
+    def __call__(self, state: State[Element]) -> State[Element]:
         """The image of a state."""
         raise NotImplementedError
 
@@ -44,7 +48,7 @@ class Step(Immutable):
         """The possible amplification of rounding errors in a step. Guard digits are added where it is large."""
         return 1.0
 
-    def __matmul__(self, first: Any) -> Composition:
+    def __matmul__(self, first: Step) -> Composition:
         if not isinstance(first, Step):
             return NotImplemented
         return Composition(self, first)
@@ -63,7 +67,7 @@ class Composition(Step):
     def __repr__(self) -> str:
         return f"{self.second!r} @ {self.first!r}"
 
-    def __call__(self, state: State) -> State:
+    def __call__(self, state: State[Element]) -> State[Element]:
         return self.second(self.first(state))
 
     def over(self, system: Any) -> Composition:
@@ -80,7 +84,7 @@ class Composition(Step):
         return Composition(-self.first, -self.second)  # type: ignore[operator]
 
 
-def checked_signs(values: Any, count: int, argument: str) -> tuple[int, ...]:
+def checked_signs(values: Iterable[int] | None, count: int, argument: str) -> tuple[int, ...]:
     """A tuple of ``count`` signs, all 1 for None. ArgumentError names ``argument`` if the values are not signs."""
     if values is None:
         return (1,) * count
@@ -100,7 +104,7 @@ def check_doublings(K: Any, m: int, argument: str) -> None:
         )
 
 
-def checked_multiple(m: Any) -> int:
+def checked_multiple(m: object) -> int:
     """``m`` as an int. ArgumentError if it is 0 or not an integer."""
     value = whole(m, "multiple", "a multiple of a step is an int")
     if value == 0:

@@ -15,7 +15,8 @@ from integrable.phase.precisions import EPS_DIGITS
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
 from integrable.steps.moves import Move
-from jacobian import poly
+from jacobian import Divisor, poly
+from jacobian.element import Element, Real
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, shown
 
 # digits in addition to those of the field, so that a w of moderate size needs no second set-up
@@ -36,7 +37,7 @@ class Shift(Move):
     For a tilted state F is taken at the integrals of :meth:`System.upright`.
     """
 
-    def __init__(self, system: PhaseSpace, F: Callable[[Any, Any], Any]) -> None:
+    def __init__(self, system: PhaseSpace, F: Callable[[Real, Real], Real]) -> None:
         if system.field.exact:
             raise ArgumentError(f"field = {system.field.name}: a time shift runs over RR or MP(digits)")
         if not callable(F):
@@ -68,7 +69,7 @@ class Shift(Move):
         """1: :meth:`plain` chooses its own digits."""
         return 1.0
 
-    def divisor(self, state: State) -> Any:
+    def divisor(self, state: State[Element]) -> Divisor[Element]:
         """T(w) on the curve of a state, or of its upright body."""
         system, (setup, step) = self.system, self._translation(self.system._checked(state))
         if state.tilted:

@@ -6,7 +6,7 @@ and sums of these (Tsiganov, Proposition 1, made precise: D' may depend on the i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +14,9 @@ from integrable.phase import coordinates
 from integrable.phase.jets import apply
 from integrable.phase.space import PhaseSpace
 from integrable.steps.guard_digits import LARGEST, MOST_CONDITION, body_condition, tilt_condition, with_enough_digits
-from integrable.steps.step import Step, check_doublings, checked_multiple, checked_signs
-from jacobian import poly
+from integrable.steps.step import Abscissa, Step, check_doublings, checked_multiple, checked_signs
+from jacobian import Divisor, poly
+from jacobian.element import Element, Real, Value
 from jacobian.errors import ArgumentError, NotASquare, entries, shown, written
 from jacobian.fields.inexact import InexactField
 from jacobian.immutable import replaced
@@ -46,7 +47,7 @@ class Translation(Step):
     def __init__(
         self,
         system: PhaseSpace,
-        points: Sequence[Any],
+        points: Iterable[Abscissa],
         sheets: Sequence[int] | None = None,
         signs: Sequence[int] | None = None,
         multiple: int = 1,
@@ -75,7 +76,7 @@ class Translation(Step):
     def over(self, system: Any) -> Translation:
         return Translation(system, self.points, self.sheets, self.signs, self.multiple)
 
-    def __call__(self, state: State) -> State:
+    def __call__(self, state: State[Element]) -> State[Element]:
         """The image of a state.
 
         Over RR and MP guard digits are used where :meth:`condition` or H1 and H2 of the image require them. Raises
@@ -154,7 +155,7 @@ class Translation(Step):
         total = group.add(SignedDivisor(u, v, pairs, coordinates.kappas(body)), move)
         return coordinates.from_pairs(body, total.pairs)
 
-    def divisor(self, state: State) -> Any:
+    def divisor(self, state: State[Element]) -> Divisor[Element]:
         """[multiple]D' in the group of a state's curve. It exists even if the state has no image over the field."""
         if self.system._checked(state).tilted:
             step, plain, _ = self._transformed(state)
@@ -283,12 +284,13 @@ class Translation(Step):
         return (K.coerce(abs(z) ** 2), -2 * z.real, K.one), (y.real - slope * z.real, slope)
 
 
-def moving_branch_point(h1: Any, h2: Any) -> Any:
+def moving_branch_point(h1: Real, h2: Real) -> Real:
     """The abscissa h1/h2 of the branch point that moves with the integrals, for ``points``."""
-    return h1 / h2
+    abscissa: Real = h1 / h2
+    return abscissa
 
 
-def on_line(c0: Any, c1: Any) -> Callable[[Any, Any], Any]:
+def on_line(c0: Value, c1: Value) -> Callable[[Any, Any], Any]:
     """The abscissa x' that solves h1 − x'h2 = c0 + c1·x', for ``points``. y'² = φ(x')(c0 + c1·x') is then fixed."""
 
     def abscissa(h1: Any, h2: Any) -> Any:
@@ -298,7 +300,7 @@ def on_line(c0: Any, c1: Any) -> Callable[[Any, Any], Any]:
     return abscissa
 
 
-def _abscissas(system: PhaseSpace, points: Sequence[Any]) -> tuple[Any, ...]:
+def _abscissas(system: PhaseSpace, points: Iterable[Abscissa]) -> tuple[Any, ...]:
     K = system.field
     given = entries(points, "points", "a sequence of one or two abscissas x'")
     if len(given) not in (1, 2):

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import Any
 
-from integrable.phase.body import Body, check_body_field, say_unphysical
+from integrable.phase.body import REALS, Body, check_body_field, say_unphysical
 from integrable.phase.state import State
 from integrable.systems.system import System
-from jacobian import RR
+from jacobian import Field
+from jacobian.element import Coordinate, Element, Value
 from jacobian.errors import ArgumentError, shown, written
 from jacobian.immutable import at_once
 
 
-class ChaplyginBall(System):
+class ChaplyginBall(System[Coordinate]):
     """A ball of principal moments ``inertia``, rolling, with d = m r².
 
     Give ``d`` in the unit of the moments (kg·m²), or ``mass`` (kg) and ``radius`` (m); a ``radius`` given with ``d`` is
@@ -23,7 +24,13 @@ class ChaplyginBall(System):
 
     @at_once
     def __init__(
-        self, inertia: Sequence[Any], d: Any = None, *, mass: Any = None, radius: Any = None, field: Any = RR
+        self,
+        inertia: Iterable[Value],
+        d: Value | None = None,
+        *,
+        mass: Value | None = None,
+        radius: Value | None = None,
+        field: Field[Coordinate] = REALS,
     ) -> None:
         check_body_field(field)
         if (d is None) == (mass is None) and (d is not None or radius is None):
@@ -31,14 +38,13 @@ class ChaplyginBall(System):
                 f"d = {shown(d)}, mass = {shown(mass)}, radius = {shown(radius)}: give either d or both mass and radius"
             )
         length = None if radius is None else _not_negative(field, radius, "radius")
-        if d is None:
-            d = _rolling_offset(field, mass, radius)
-        body = Body.make(inertia, d, field)
+        offset: Any = _rolling_offset(field, mass, radius) if d is None else d
+        body = Body.make(inertia, offset, field)
         say_unphysical(body.inertia, field)
         vars(self).update(radius=length, body=body)
 
     @classmethod
-    def example(cls) -> tuple[ChaplyginBall, State]:
+    def example(cls) -> tuple[ChaplyginBall[Coordinate], State[Coordinate]]:
         """A ball of moments (1, 2, 3) with d = 0.7, and a state of it: the scene ``chaplygin``.
 
         >>> ball, state = ChaplyginBall.example()
@@ -54,7 +60,7 @@ class ChaplyginBall(System):
         return {"inertia": self.inertia, "d": self.d, **unit}
 
 
-def _rolling_offset(field: Any, mass: Any, radius: Any) -> Any:
+def _rolling_offset(field: Field[Element], mass: Value | None, radius: Value | None) -> Element:
     if mass is None or radius is None:
         missing = "mass" if mass is None else "radius"
         raise ArgumentError(f"{missing} is missing: d = mass·radius² needs both")
@@ -62,7 +68,7 @@ def _rolling_offset(field: Any, mass: Any, radius: Any) -> Any:
     return field.mul(m, field.mul(r, r))
 
 
-def _not_negative(field: Any, value: Any, name: str) -> Any:
+def _not_negative(field: Any, value: Value, name: str) -> Any:
     found = field.coerce(value, name)
     if field.characteristic == 0 and found < 0:
         raise ArgumentError(f"{name} = {written(found)} is negative: give {name} ≥ 0")

@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterable
 
-from integrable.phase.body import Body, say_unphysical
+from integrable.phase.body import REALS, Body, say_unphysical
 from integrable.phase.state import State
 from integrable.systems.system import System
-from jacobian import RR
+from jacobian import Field
+from jacobian.element import Coordinate, Value
 from jacobian.immutable import at_once
 
 
-class EulerTop(System):
+class EulerTop(System[Coordinate]):
     """The Chaplygin ball's equations at d = 0: γ̇ = γ×ω, Ṁ = M×ω, ω_i = M_i/I_i. Inertia in kg·m²."""
 
     @at_once
-    def __init__(self, inertia: Sequence[Any], *, field: Any = RR) -> None:
+    def __init__(self, inertia: Iterable[Value], *, field: Field[Coordinate] = REALS) -> None:
         body = Body.make(inertia, 0, field)
         say_unphysical(body.inertia, field)
         vars(self).update(body=body)
 
     @classmethod
-    def t_handle(cls) -> tuple[EulerTop, State]:
+    def t_handle(cls) -> tuple[EulerTop[Coordinate], State[Coordinate]]:
         """A T-handle spinning nearly about its middle axis, which turns over periodically, and its state: the scene
         ``t_handle``.
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
+from jacobian.element import Element, Real
 from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -14,14 +15,15 @@ if TYPE_CHECKING:
     from integrable.portrait.diagram import Diagram
     from integrable.steps.hat_map import HatMap
     from integrable.steps.moves import ConicStep, Keyless, Multiplication
+    from integrable.steps.step import Abscissa
     from integrable.steps.time_shift import Shift
     from integrable.steps.translation import Translation
 
 
-class System(PhaseSpace):
+class System(PhaseSpace[Element]):
     """A rigid body and its maps. Base of :class:`ChaplyginBall` and :class:`EulerTop`."""
 
-    def poisson(self, state: State) -> tuple[tuple[Any, ...], ...]:
+    def poisson(self, state: State[Element]) -> tuple[tuple[Element, ...], ...]:
         """The 6×6 matrix of the brackets of (γ, M), for which (γ̇, Ṁ) = g{(γ, M), H1/2}; e*(3) at d = 0.
 
         Also for (γ, M) ≠ 0. NotASquare where g² has no root in the field.
@@ -33,7 +35,7 @@ class System(PhaseSpace):
 
     def translation(
         self,
-        points: Sequence[Any],
+        points: Iterable[Abscissa],
         sheets: Sequence[int] | None = None,
         signs: Sequence[int] | None = None,
         multiple: int = 1,
@@ -52,7 +54,8 @@ class System(PhaseSpace):
         """The 2-torsion map D ↦ D + (1/d, 0) − ∞ (d ≠ 0), Tsiganov's Proposition 2; on (γ, M) its square is (−γ, M)."""
         if not self.body.rolls:
             raise ArgumentError("d = 0: the branch point 1/d is at infinity; the 2-torsion map needs d ≠ 0")
-        return self.translation([self.field.inv(self.d)], signs=signs)
+        middle: Any = self.field.inv(self.d)
+        return self.translation([middle], signs=signs)
 
     def keyless(self, signs: Sequence[int] | None = None) -> Keyless:
         """The 2-torsion map, real for every body, for d = 0 too (:class:`integrable.steps.moves.Keyless`)."""
@@ -66,7 +69,7 @@ class System(PhaseSpace):
 
         return Multiplication(self, factor)
 
-    def conic(self, x0: Any, y0: Any, sign: int = 1) -> ConicStep:
+    def conic(self, x0: Abscissa | None, y0: Abscissa, sign: int = 1) -> ConicStep:
         """The step to the parabola through (x0, y0), at d = 0 (:class:`integrable.steps.moves.ConicStep`)."""
         from integrable.steps.moves import ConicStep
 
@@ -78,14 +81,14 @@ class System(PhaseSpace):
 
         return HatMap(self, signs)
 
-    def shift(self, F: Callable[[Any, Any], Any]) -> Shift:
+    def shift(self, F: Callable[[Real, Real], Real]) -> Shift:
         """The time-1 map of the Hamiltonian F(H1, H2) (:class:`integrable.steps.time_shift.Shift`); RR and
         MP(digits) only."""
         from integrable.steps.time_shift import Shift
 
         return Shift(self, F)
 
-    def flow(self, state: State, kernel: str = "auto") -> Flow:
+    def flow(self, state: State[Element], kernel: str = "auto") -> Flow:
         """The exact motion through a state, set up once (:class:`integrable.motion.flow.Flow`); RR and MP(digits)
         only."""
         from integrable.motion.flow import Flow
@@ -98,6 +101,6 @@ class System(PhaseSpace):
 
         return Diagram(self)
 
-    def motion_through(self, state: State) -> Flow:
+    def motion_through(self, state: State[Element]) -> Flow:
         """The motion of a state, with ``.at(times)`` for physical times: :meth:`flow`; every system has it."""
         return self.flow(state)

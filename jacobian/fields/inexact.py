@@ -7,12 +7,12 @@ from collections.abc import Callable, Hashable
 from math import inf
 from typing import Any, Generic
 
-from jacobian.element import Scalar
+from jacobian.element import Element
 from jacobian.errors import PrecisionLoss, written
 from jacobian.immutable import Immutable
 
 
-class InexactField(Immutable, Generic[Scalar]):
+class InexactField(Immutable, Generic[Element]):
     """Base of RR, CC and MP: bare arithmetic operators, and a zero test that raises PrecisionLoss when it cannot
     decide.
     """
@@ -31,16 +31,16 @@ class InexactField(Immutable, Generic[Scalar]):
         return self.name
 
     # the operators themselves: a wrapping method would double the cost
-    add: Callable[[Scalar, Scalar], Scalar] = staticmethod(operator.add)
-    sub: Callable[[Scalar, Scalar], Scalar] = staticmethod(operator.sub)
-    mul: Callable[[Scalar, Scalar], Scalar] = staticmethod(operator.mul)
-    div: Callable[[Scalar, Scalar], Scalar] = staticmethod(operator.truediv)
-    neg: Callable[[Scalar], Scalar] = staticmethod(operator.neg)  # type: ignore[assignment]
+    add: Callable[[Element, Element], Element] = staticmethod(operator.add)
+    sub: Callable[[Element, Element], Element] = staticmethod(operator.sub)
+    mul: Callable[[Element, Element], Element] = staticmethod(operator.mul)
+    div: Callable[[Element, Element], Element] = staticmethod(operator.truediv)
+    neg: Callable[[Element], Element] = staticmethod(operator.neg)  # type: ignore[assignment]
 
-    def inv(self, x: Scalar) -> Scalar:
+    def inv(self, x: Any) -> Element:
         return 1 / x
 
-    def is_zero(self, x: Scalar, scale: object = None) -> bool:
+    def is_zero(self, x: Any, scale: Any = None) -> bool:
         """Whether x, a difference of terms of size ``scale``, is zero.
 
         It is zero up to 16·eps·scale and nonzero from 4096·eps·scale on. In between, and where the scale is beyond the
@@ -60,7 +60,7 @@ class InexactField(Immutable, Generic[Scalar]):
             "use more digits"
         )
 
-    def is_rounding(self, x: Scalar, scale: Any) -> bool:
+    def is_rounding(self, x: Any, scale: Any) -> bool:
         """Whether x is a possible rounding error of terms of size ``scale``, up to 10^6·eps·scale; PrecisionLoss where
         the scale is beyond the range of floats.
         """
