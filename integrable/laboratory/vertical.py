@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from integrable.laboratory.ways import Along, WideFlow, numbers
-from integrable.motion.symmetric import turns_of
+from integrable.moving_point.arithmetic import LONG
 from integrable.moving_point.legendre import integral
 from integrable.torus.panels import Panels, panel_integrals
 from jacobian import RR
@@ -39,9 +39,9 @@ class Vertical(Along):
         K = self._field
         pace, advance, wide = self._rates
         if K == RR:
-            counts, rest = turns_of(times, pace, wide.zero)
+            counts, rest = LONG.turns_of(times, pace, wide.zero)
             inside = self._path((rest / np.longdouble(float(pace))).astype(float))
-            half = 2 * np.pi * turns_of(counts, advance / 2, wide.zero)[1].astype(float)
+            half = 2 * np.pi * LONG.turns_of(counts, advance / 2, wide.zero)[1].astype(float)
             return self._after(counts, half, inside, np.sin, np.cos)
         context = K.context
         counts = np.array([context.nint(t * pace) for t in times], dtype=object)

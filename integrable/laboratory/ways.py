@@ -13,7 +13,8 @@ import numpy as np
 
 from integrable.laboratory.tensor import cross
 from integrable.motion.flow import Flow
-from integrable.motion.symmetric import PI, SymmetricFlow, turns_of
+from integrable.motion.symmetric import SymmetricFlow
+from integrable.moving_point.arithmetic import LONG
 from integrable.moving_point.setup import Setup
 from integrable.phase.body import Body
 from jacobian import RR
@@ -22,8 +23,6 @@ from jacobian.immutable import replaced
 if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
     from integrable.phase.state import State
-
-TURN = 2 * PI
 
 
 class WideFlow(Flow):
@@ -83,8 +82,8 @@ class Uniform:
             angles = [self._rate * t for t in times]
             c, s = (np.array([f(x) for x in angles], dtype=object) for f in (wide.cos, wide.sin))
             return numbers(self._field, c), numbers(self._field, s)
-        _, turns = turns_of(times, self._rate / (2 * wide.pi), wide.zero)
-        angles = TURN * turns
+        _, turns = LONG.turns_of(times, self._rate / (2 * wide.pi), wide.zero)
+        angles = 2 * LONG.pi * turns
         return np.cos(angles).astype(float), np.sin(angles).astype(float)
 
     def contact(self, times: np.ndarray) -> Any:

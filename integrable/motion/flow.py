@@ -289,11 +289,11 @@ class Flow(BodyMotion):
     @cached_property
     def _rotation(self) -> PrincipalRotation | PreciseClosedForm:
         """The closed form for M along a principal axis with γ orthogonal to it."""
-        from integrable.motion.rotation import PrincipalRotation, RotationForm
+        from integrable.motion.rotation import PrincipalRotation
         from integrable.motion.symmetric_precise import PreciseClosedForm
 
         if self.system.field != RR:
-            return PreciseClosedForm(self.system, self.state, RotationForm)
+            return PreciseClosedForm(self.system, self.state, PrincipalRotation)
         return PrincipalRotation(self.system, self.state)
 
     @cached_property

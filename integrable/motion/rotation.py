@@ -9,29 +9,29 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.motion.symmetric import NEAR, PI, half_turns, long, turns_of, wide
-from integrable.motion.symmetric_precise import ClosedForm
-from integrable.moving_point.elliptic_integrals import FirstKind, complete
+from integrable.motion.symmetric import complete_over, half_turns
+from integrable.moving_point.arithmetic import LONG
+from integrable.moving_point.elliptic_integrals import FirstKind
 from integrable.phase.body import Body
-from integrable.phase.precisions import SET_UP_DIGITS
 from integrable.phase.state import State, rotation_axis
-from jacobian import MP
 
 if TYPE_CHECKING:
     from integrable.phase.space import PhaseSpace
 
 
 class PrincipalRotation:
-    """γ and M at any times, in floats, from a state with a :func:`rotation_axis`; PrecisionLoss beyond 2^50 turns."""
+    """γ and M at any times from a state with a :func:`rotation_axis`, in the arithmetic N of
+    :mod:`integrable.moving_point.arithmetic`. PrecisionLoss where N has no fractions of so many turns.
+    """
 
     way = "closed form"
 
-    def __init__(self, system: PhaseSpace, state: State) -> None:
-        K = MP(SET_UP_DIGITS)
+    def __init__(self, system: PhaseSpace, state: State, N: Any = LONG) -> None:
+        self.numbers, K = N, N.field
         axis = rotation_axis(state)
         assert axis is not None
         self._order = i, j, k = axis, (axis + 1) % 3, (axis + 2) % 3
-        self._momentum, self._rolls = float(state.M[i]), system.body.rolls
+        self._momentum, self._rolls = N.number(K.coerce(state.M[i])), system.body.rolls
         body, (y, z) = Body.make(system.inertia, system.d, K), (K.coerce(state.gamma[n]) for n in (j, k))
         pi, start = K.context.pi, K.context.atan2(-z, y)
         rate = body.a[i] * K.coerce(state.M[i])
@@ -39,21 +39,27 @@ class PrincipalRotation:
         root = K.sqrt(body.contact[j])
         modulus = K.sqrt(body.contact[k]) / root
         less = body.d * (body.inertia[j] - body.inertia[k]) * body.a[j] * body.a[k] / body.contact[j]
-        quarter = complete(modulus, K.one, K.one, K.one, pi, NEAR)
-        self._first_kind = FirstKind(long(modulus), long(less / (1 + modulus)), long(quarter))
-        self._speed, self._pace = long(root * rate), long(2 * quarter / (pi * root))
+        quarter = complete_over(K, modulus, K.one)
+        self._first_kind = FirstKind(N, *map(N.number, (modulus, less / (1 + modulus), quarter)))
+        self._speed, self._pace = N.number(root * rate), N.number(2 * quarter / (pi * root))
         count = int(K.context.nint(start / pi))
-        self._start = self._first_kind.swing(np.array([long(start - count * pi)]))
-        self._flow_turning = root * rate / (4 * quarter), start / (2 * pi) + wide(K, self._start[0]) / (4 * quarter)
+        self._start = self._first_kind.swing(np.array([N.number(start - count * pi)]))
+        self._flow_turning = root * rate / (4 * quarter), start / (2 * pi) + N.wide(self._start[0]) / (4 * quarter)
+
+    def radians(self, t: Any, of_flow: bool) -> Any:
+        """The approximate number of radians until a physical time, or until a time of the flow."""
+        rate = self._flow_turning[0] if of_flow else self._turning[0]
+        return 2 * self.numbers.field.context.pi * abs(t * rate) + 1
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
-        half, part = half_turns(turns_of(times, *self._turning)[1])
-        x = PI * part
+        N = self.numbers
+        half, part = half_turns(N, N.turns_of(times, *self._turning)[1])
+        x = N.pi * part
         if not self._rolls:
             return self._rows(half, x), times
         tau = times * self._pace + (self._first_kind.swing(x) - self._start) / self._speed
-        return self._rows(half, x), tau.astype(float)
+        return self._rows(half, x), N.result(tau)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """γ and M at values of τ, shape (N, 6)."""
@@ -65,49 +71,16 @@ class PrincipalRotation:
             return tau
         _, x = self._at_tau(tau)
         found: np.ndarray = (tau - (self._first_kind.swing(x) - self._start) / self._speed) / self._pace
-        return found.astype(float)
+        return self.numbers.result(found)
 
     def _at_tau(self, tau: np.ndarray) -> tuple[Any, Any]:
-        half, part = half_turns(turns_of(tau, *self._flow_turning)[1])
+        N = self.numbers
+        half, part = half_turns(N, N.turns_of(tau, *self._flow_turning)[1])
         return half, self._first_kind.inverse(2 * self._first_kind.quarter * part)
 
     def _rows(self, half: Any, x: Any) -> np.ndarray:
-        i, j, k = self._order
-        rows, sign = np.zeros((len(x), 6)), 1 - 2 * (half % 2)
-        rows[:, j], rows[:, k], rows[:, 3 + i] = sign * np.cos(x), -sign * np.sin(x), self._momentum
-        return rows
-
-
-class RotationForm(ClosedForm):
-    """The same formulas in the numbers of a wide field K."""
-
-    def __init__(self, system: PhaseSpace, state: State, K: Any) -> None:
-        axis = rotation_axis(state)
-        assert axis is not None
-        self._order = i, j, k = axis, (axis + 1) % 3, (axis + 2) % 3
-        body, self._rolls = Body.make(system.inertia, system.d, K), system.body.rolls
-        super().__init__(K.context, body.contact[k] / body.contact[j], not self._rolls)
-        self._momentum = K.coerce(state.M[i])
-        self._rate = body.a[i] * self._momentum
-        self._flow_rate = self._rate * K.sqrt(body.contact[j])
-        self._start = K.context.atan2(-K.coerce(state.gamma[k]), K.coerce(state.gamma[j]))
-        self._origin = self._integral(self._start)[0]
-
-    def turns(self, t: Any, of_flow: bool) -> Any:
-        pi, period = self._half
-        return abs(t * (self._flow_rate * pi / period if of_flow else self._rate)) + 1
-
-    def at(self, t: Any) -> tuple[list[Any], Any]:
-        theta = self._start + self._rate * t
-        tau = (self._integral(theta)[0] - self._origin) / self._flow_rate
-        return self._row(theta), tau
-
-    def at_tau(self, tau: Any) -> tuple[list[Any], Any]:
-        theta = self._inverse(self._origin + self._flow_rate * tau)
-        return self._row(theta), (theta - self._start) / self._rate
-
-    def _row(self, theta: Any) -> list[Any]:
-        i, j, k = self._order
-        row = [0 * theta] * 6
-        row[j], row[k], row[3 + i] = self.context.cos(theta), -self.context.sin(theta), self._momentum
-        return row
+        (i, j, k), N, sign = self._order, self.numbers, 1 - 2 * (half % 2)
+        rows = np.zeros((len(x), 6)) + 0 * x[:, None]
+        rows[:, j], rows[:, k], rows[:, 3 + i] = sign * N.cos(x), -sign * N.sin(x), self._momentum
+        found: np.ndarray = N.result(rows)
+        return found

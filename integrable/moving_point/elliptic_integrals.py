@@ -1,5 +1,5 @@
-"""Elliptic integrals. Incomplete ones take arrays of floats or long doubles. Complete ones, and periods of two ovals,
-take bare reals and are compiled unchanged.
+"""Elliptic integrals. Incomplete ones take arrays of the numbers of an :mod:`integrable.moving_point.arithmetic`, their
+argument N. Complete ones, and periods of two ovals, take bare reals and are compiled unchanged.
 
 The incomplete integral of the third kind uses duplication (Carlson 1995, *Numerical computation of real or complex
 elliptic integrals*). That of the first kind and the amplitude use descending Landen transformations (Abramowitz &
@@ -19,42 +19,41 @@ from jacobian.numbers.roots import root
 Array = Any
 Real = Any
 Row = Any
-# below this e, arctan(√e)/√e is summed as a series with at most this many terms
-SMALL, TERMS = 1e-3, 8
+# below this e, arctan(√e)/√e is summed as a series
+SMALL = 1e-3
 
 
-def first_kind_swing(x: Array, k: Any, missing: Any) -> Array:
+def first_kind_swing(N: Any, x: Array, k: Any, missing: Any) -> Array:
     """F(x | m) − (2K/π)x for k = √(1 − m) > 0, |x| ≤ π/2. The relative error is of rounding size, although the value
     itself is only of the order of m.
 
     ``missing`` = 1 − k. Descending Landen transformations (Abramowitz & Stegun 17.6) give it; only the changes that
     they make are summed.
     """
-    one = x.dtype.type(1)
-    a, b, difference, total, weight = one, k * one, missing * one, 0 * x, one
+    a, b, difference, total, weight = 1 + 0 * k, k, missing, 0 * x, 1 + 0 * k
     while True:
-        s, c = np.sin(x), np.cos(x)
-        change = -np.arctan2(difference * s * c, a * c * c + b * s * s)
+        s, c = N.sin(x), N.cos(x)
+        change = -N.arctan2(difference * s * c, a * c * c + b * s * s)
         weight /= 2
         total = total + weight * change
         x = 2 * x + change
-        roots = np.sqrt(a) + np.sqrt(b)
-        a, b, difference = (a + b) / 2, np.sqrt(a * b), (difference / roots) ** 2 / 2
-        if abs(difference) <= np.finfo(x.dtype).eps ** 2 * a:
+        roots = N.sqrt(a) + N.sqrt(b)
+        a, b, difference = (a + b) / 2, N.sqrt(a * b), (difference / roots) ** 2 / 2
+        if abs(difference) <= N.eps**2 * a:
             return total / a
 
 
-def carlson_j(x: Array, y: Array, z: Array, p: Array, product: Array) -> Array:
+def carlson_j(N: Any, x: Array, y: Array, z: Array, p: Array, product: Array) -> Array:
     """R_J(x, y, z, p) = (3/2)∫dt/((t+p)√((t+x)(t+y)(t+z))), p > 0; ``product`` = (p − x)(p − y)(p − z) ≥ 0."""
     mean = start = (x + y + z + 2 * p) / 5
     farthest = np.maximum(np.maximum(abs(start - x), abs(start - y)), np.maximum(abs(start - z), abs(start - p)))
-    bound, scale = (np.finfo(start.dtype).eps / 4) ** (-1 / 8) * farthest, 1.0
+    bound, scale = (N.eps / 4) ** (-1 / 8) * farthest, 1 + 0 * N.eps
     dx, dy, dz, total = start - x, start - y, start - z, 0 * start
-    while (bound * scale > mean).any():
-        root_x, root_y, root_z, root_p = np.sqrt(x), np.sqrt(y), np.sqrt(z), np.sqrt(p)
+    while np.any(bound * scale > mean):
+        root_x, root_y, root_z, root_p = N.sqrt(x), N.sqrt(y), N.sqrt(z), N.sqrt(p)
         step = root_x * root_y + root_x * root_z + root_y * root_z
         d = (root_p + root_x) * (root_p + root_y) * (root_p + root_z)
-        total += scale / d * arctan_over(scale**3 * product / d / d)
+        total += scale / d * arctan_over(N, scale**3 * product / d / d)
         x, y, z, p = (x + step) / 4, (y + step) / 4, (z + step) / 4, (p + step) / 4
         mean, scale = (mean + step) / 4, scale / 4
     dx, dy, dz = dx * scale / mean, dy * scale / mean, dz * scale / mean
@@ -64,37 +63,36 @@ def carlson_j(x: Array, y: Array, z: Array, p: Array, product: Array) -> Array:
     series = 1 - 3 * e2 / 14 + e3 / 6 + 9 * e2 * e2 / 88 - 3 * e4 / 22 - 9 * e2 * e3 / 52 + 3 * e5 / 26
     series += 3 * e3 * e3 / 40 - e2 * e2 * e2 / 16 + 3 * e2 * e4 / 20
     series += 45 * e2 * e2 * e3 / 272 - 9 * (e3 * e4 + e2 * e5) / 68
-    return scale * series / (mean * np.sqrt(mean)) + 6 * total
+    return scale * series / (mean * N.sqrt(mean)) + 6 * total
 
 
-def arctan_over(e: Array) -> Array:
+def arctan_over(N: Any, e: Array) -> Array:
     """arctan(√e)/√e for e ≥ 0."""
     # a NaN leaves the other entries unaffected
     most, series = float(np.fmax.reduce(e, axis=None, initial=0)), 0 * e
     if np.fmin.reduce(e, axis=None, initial=SMALL) < SMALL:
         # number of terms that the largest of these arguments needs
         least = max(min(most, SMALL), 1e-300)
-        for n in range(min(TERMS, ceil(log(np.finfo(e.dtype).eps / 4) / log(least))), -1, -1):
-            series = e.dtype.type(1) / (2 * n + 1) - e * series
+        for n in range(ceil((N.bits + 2) * log(2) / -log(least)), -1, -1):
+            series = 1 / (2 * n + 1 + 0 * N.eps) - e * series
     if most < SMALL:
         return series
-    far = np.sqrt(np.maximum(e, SMALL))
-    return np.where(e < SMALL, series, np.arctan(far) / far)
+    far = N.sqrt(np.maximum(e, SMALL))
+    return np.where(e < SMALL, series, N.arctan(far) / far)
 
 
-def amplitude(v: Array, k: Any) -> Array:
+def amplitude(N: Any, v: Array, k: Any) -> Array:
     """x with ∫_0^x dy/√(cos²y + k²sin²y) = v, |x| ≤ π/2, for 0 < k ≤ 1."""
-    one = v.dtype.type(1)
-    a, b, levels = one, k * one, []
+    a, b, levels = 1 + 0 * k, k, []
     while True:
         levels.append((a - b) / (a + b))
-        a, b = (a + b) / 2, np.sqrt(a * b)
-        if abs(a - b) <= np.finfo(v.dtype).eps * a:
+        a, b = (a + b) / 2, N.sqrt(a * b)
+        if abs(a - b) <= N.eps * a:
             break
     x = v * a * 2 ** len(levels)
     for ratio in levels[::-1]:
         # sin(2x' − x) = (c/a) sin x with c/a of the next level
-        x = (x + np.arcsin(np.clip(ratio * np.sin(x), -1, 1))) / 2
+        x = (x + N.arcsin(np.clip(ratio * N.sin(x), -1, 1))) / 2
     return x
 
 
@@ -104,24 +102,23 @@ class FirstKind:
     ``missing`` = 1 − k and ``quarter`` = K are numbers of the same kind as x.
     """
 
-    def __init__(self, k: Any, missing: Any, quarter: Any) -> None:
-        self.k, self.missing, self.quarter = k, missing, quarter
-        self._right_angle = np.arccos(0 * quarter)
+    def __init__(self, N: Any, k: Any, missing: Any, quarter: Any) -> None:
+        self.k, self.missing, self.quarter, self._numbers = k, missing, quarter, N
 
     def swing(self, x: Array) -> Array:
         """F(x | m) − (2K/π)x."""
-        return first_kind_swing(x, self.k, self.missing) if self.missing else 0 * x
+        return first_kind_swing(self._numbers, x, self.k, self.missing) if self.missing else 0 * x
 
     def at(self, x: Array) -> Array:
         """F(x | m)."""
-        return self.quarter / self._right_angle * x + self.swing(x)
+        return 2 * self.quarter / self._numbers.pi * x + self.swing(x)
 
     def inverse(self, v: Array) -> Array:
         """x with F(x | m) = v."""
-        k = self.k
-        x = amplitude(v, k) if k <= 1 else self._right_angle - amplitude(k * (self.quarter - v), 1 / k)
+        k, N = self.k, self._numbers
+        x = amplitude(N, v, k) if k <= 1 else N.pi / 2 - amplitude(N, k * (self.quarter - v), 1 / k)
         # one Newton step removes the rounding error of the transformations
-        return x - (self.at(x) - v) * np.sqrt(np.cos(x) ** 2 + (k * np.sin(x)) ** 2)
+        return x - (self.at(x) - v) * N.sqrt(N.cos(x) ** 2 + (k * N.sin(x)) ** 2)
 
 
 # --- complete integrals, on bare reals

@@ -6,6 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from integrable.moving_point.arithmetic import LongDoubles
 from integrable.moving_point.elliptic_integrals import arctan_over, carlson_j
 
 CONTEXT = mpmath.MPContext()
@@ -35,16 +36,16 @@ def test_the_third_kind_to_its_last_digits(kind, modulus) -> None:
     # where a difference has few digits, the rounded product would not belong to these arguments
     chosen = (p - z) * (p - y) > 1e-4 * p * p
     x, y, z, p, product = (v[chosen] for v in (x, y, z, p, product))
-    found = carlson_j(x, y, z, p, product)
+    found = carlson_j(LongDoubles(kind), x, y, z, p, product)
     right = [CONTEXT.elliprj(*map(exact, row)) for row in zip(x, y, z, p, strict=True)]
     for one, other in zip(found, right, strict=True):
         assert abs(exact(one) / other - 1) < 8 * np.finfo(kind).eps
     for row, value in zip(zip(x, y, z, p, product, strict=True), found, strict=True):
-        assert abs(carlson_j(*row) / value - 1) < 8 * np.finfo(kind).eps
+        assert abs(carlson_j(LongDoubles(kind), *row) / value - 1) < 8 * np.finfo(kind).eps
 
 
 def test_what_is_no_number_leaves_its_neighbours_alone() -> None:
     """The number of terms is chosen for the whole array: a NaN used to make it zero."""
-    found = arctan_over(np.array([0.0, 1e-6, np.nan, 1.0]))
+    found = arctan_over(LongDoubles(float), np.array([0.0, 1e-6, np.nan, 1.0]))
     assert np.isnan(found[2])
     assert np.abs(found[[0, 1, 3]] - [1.0, np.arctan(1e-3) / 1e-3, np.pi / 4]).max() < 1e-15
