@@ -30,12 +30,12 @@ def balls(rng: Random) -> Case:
 
 
 def _contained(names: dict[str, Any]) -> Complaint | None:
-    """Periods and image are balls that contain those of twice the digits, up to periods."""
+    """Checks that the balls of periods and image contain the values at twice the digits, the image up to periods."""
     A, finer = names["A"], AbelBalls(names["C"], 30)
     image = finer(names["D"])
     with finer.periods.cover.numbers.working():
         gap = [x - y for x, y in zip(names["got"], image, strict=True)]
-        # equidistant branch points may be joined by another tree
+        # at other digits a different tree may join equidistant branch points
         vectors = [gap, *zip(*A.periods.big, strict=True)]
         found = [c - round(float(c)) for vector in vectors for c in finer.periods.coordinates(vector)]
         missed = [c for c in found if not c.contains(0)]

@@ -1,8 +1,9 @@
 """Fuzz of wrong arguments: every public callable with values from a zoo in place of one or two of its arguments.
 
-Right is a value, or at once an error of :mod:`jacobian.errors`; an ArgumentError's message is one line that names what
-is wrong. TypeError is Python's for missing and unknown arguments (none is here) and for operators that no operand
-knows. Arguments that are raw elements of hot paths by contract are left out: :data:`zoo.RAW`.
+A call must return a value, or raise an error of :mod:`jacobian.errors` at once; the message of an ArgumentError is one
+line that names what is wrong. Python's own TypeError is right for operators that no operand knows; missing and unknown
+arguments do not occur here. Methods whose arguments are raw elements by contract, for speed, are left out:
+:data:`zoo.RAW`.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ MEMORY = 2 << 30
 
 @cache
 def names() -> dict[str, Any]:
-    """The objects, made once; the program of a failure makes its own."""
+    """The objects, made once; the program that reproduces a failure makes its own."""
     found = made()
     exec(HOSTILE + "\n".join(f"from {module} import {name}" for name, module in IMPORTED.items()), found)
     return found
@@ -34,7 +35,7 @@ def names() -> dict[str, Any]:
 
 @cache
 def targets() -> list[tuple[str, str, tuple[str, ...], frozenset[str]]]:
-    """(text of a callable, whose it is, its arguments, which of them are by keyword alone)."""
+    """(text of a callable, its object, its arguments, those of them that are keyword-only)."""
     found = []
     for name in OBJECTS:
         kind = type(names()[name])
@@ -79,7 +80,7 @@ def bad_argument(rng: Random) -> Case:
 
 
 def _zoo(text: str, argument: str) -> tuple[str, ...]:
-    """The zoo without values that are no mistake but take long: a scene, a search of many thousand turns."""
+    """The zoo without values that are valid but take long: a scene, a search over many thousand turns."""
     right = {("run", "scene"): "'chaplygin'", ("events", "end"): "'1e5'"}.get((text.split(".")[-1], argument))
     return tuple(x for x in ZOO if x != right)
 
@@ -117,9 +118,9 @@ def copied(rng: Random) -> Case:
 
 
 def case(text: str, message: Callable[[Exception], str | None], refusals: Any = (JacobianError,)) -> Case:
-    """A call on the existing objects; its program creates those that it needs."""
+    """A call on the existing objects; the program of the case makes those that the call needs."""
     hostile = HOSTILE if "No" in text else ""
-    # balls along a motion take a second or two a unit of time; what is no such question is refused at once
+    # enclosures take one or two seconds for each unit of time; invalid requests are refused at once
     limit = 20.0 if ".enclosure(" in text else 1.0
     imports = "".join(f"from {IMPORTED[name]} import {name}\n" for name in IMPORTED if name in text)
     setup = lines_for(text) + imports + hostile
@@ -133,7 +134,7 @@ def _names(error: Exception, arguments: set[str]) -> str | None:
         return None if said else "no message"
     if "\n" in said.strip():
         return "a message of more than one line"
-    # an argument, or what the object itself is: "d = 0.7: …"
+    # an argument, or a property of the object itself: "d = 0.7: …"
     named = re.search(r"\w( = |=|:)", said) or any(x in said for x in arguments)
     return None if named else f"the message names nothing: {said[:80]}"
 

@@ -31,8 +31,9 @@ class TooLong(BaseException):
 
 @dataclass(frozen=True)
 class Complaint:
-    """What a judge has against a value: ``expected`` and ``check`` are expressions, ``check`` one of got and expected
-    that ought to be true."""
+    """The objection of a judge to a value: ``expected`` and ``check`` are expressions; ``check``, in terms of got and
+    expected, ought to be true.
+    """
 
     why: str
     expected: str
@@ -44,9 +45,9 @@ Judge = Callable[[dict[str, Any]], "Complaint | None"]
 
 @dataclass(frozen=True)
 class Case:
-    """``setup`` and then ``call`` are what a user would write; ``judge`` takes all names that are bound afterwards,
-    ``got`` the value of the call. ``refusals``: what the call may raise. ``limit``: seconds;
-    ``misuse``: those within which an ArgumentError has to come, where they are fewer.
+    """``setup`` and then ``call`` are the lines that a user would write; ``judge`` receives all names that are bound
+    afterwards, with the value of the call as ``got``. ``refusals``: errors that the call may raise. ``limit``: seconds;
+    ``misuse``: seconds within which an ArgumentError has to be raised, if fewer.
 
     ``given``: names that are bound already, instead of running ``setup``. ``message``: what is wrong about the message
     of a refusal, if anything. ``memory``: bytes that the call may take."""
@@ -64,7 +65,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of a case: one of the words above, the reason, and for a failure the program that shows it."""
+    """The outcome of a case: one of the words above, the reason, and for a failure the program that reproduces it."""
 
     word: str
     why: str = ""
@@ -73,8 +74,8 @@ class Outcome:
 
 
 def run(case: Case) -> Outcome:
-    """Run and judge. An answer over its limit is computed once more, since the first call may have compiled
-    something.
+    """Runs and judges a case. An answer that exceeds its limit is computed once more, since the first call may have
+    compiled something.
     """
     outcome = _run(case)
     return _run(case) if outcome.word == SLOW and outcome.seconds < PATIENCE * case.limit else outcome

@@ -67,7 +67,7 @@ def veselova(c: Any, q: Any, p: Any, exp: Any) -> Rates:
     stretch = dot(q, leaning)
     omega = []
     for x, m, e in zip(q, p, c, strict=True):
-        # of A(M − pull·γ) nothing would be left where moments are very different
+        # A(M − pull·γ) would cancel completely if moments are very different
         omega.append(dot(leaning, [y * m - x * n for y, n in zip(q, p, strict=True)]) / (e * stretch))
     return cross(q, omega), cross(p, omega)
 
@@ -97,8 +97,9 @@ def _square(x: Any) -> Any:
 
 @dataclass(frozen=True)
 class Motion:
-    """A system by its class, what that is called with (numbers and tuples of them) and a start, all floats but the size
-    of a lattice. ``bound``: whether q lies on a quadric; ``tangent``: whether p is tangent to it."""
+    """A system, given by its class and its arguments (numbers and tuples of numbers), and a start: all floats but the
+    size of a lattice. ``bound``: whether q lies on a quadric; ``tangent``: whether p is tangent to it.
+    """
 
     name: str
     module: str
@@ -136,8 +137,9 @@ class Motion:
 
 
 class Integrated:
-    """``rows`` (N, 2n) of q and p, NaN beyond the horizon, and ``floor`` (N,): how far one unit in the last place of
-    every input moves them, q and p beside their sizes."""
+    """``rows`` (N, 2n) of q and p, NaN beyond the horizon, and ``floor`` (N,): the changes of q and p, relative to
+    their sizes, for a change of one unit in the last place of every input.
+    """
 
     def __init__(self, motion: Motion) -> None:
         self.motion = motion
@@ -183,7 +185,7 @@ class Integrated:
 
 
 def beside(errors: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """The largest of each row, the halves measured by the largest of each half of ``rows``."""
+    """The largest error of each row: q relative to the largest q of that row of ``rows``, p to the largest p."""
     half = rows.shape[1] // 2
     found = [
         abs(errors[:, part]).max(axis=1) / np.maximum(abs(rows[:, part]).max(axis=1), 1e-300)

@@ -1,7 +1,7 @@
 """Motions in closed form: tops and upright balls with two equal moments, bodies with three.
 
-All that grows with the time is one angle or two, reduced modulo 2π in 40 digits (tops, three equal moments) or in long
-doubles (balls). Nothing of :mod:`integrable` is imported.
+Only one or two angles grow with the time; they are reduced modulo 2π in 40 digits (tops, three equal moments) or in
+long doubles (balls). Nothing of :mod:`integrable` is imported.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Closed:
         raise NotImplementedError
 
     def rates(self) -> Any:
-        """The sum of the angular velocities that the angles grow with."""
+        """The sum of the rates at which the angles grow."""
         raise NotImplementedError
 
     def rows(self, times: Any) -> np.ndarray:
@@ -111,8 +111,8 @@ class SymmetricBall:
 
     d log M1/dγ1 = ½ d log q/dγ1 with q = g⁻² = q0 − q1γ1², q0 = 1 − da, q1 = d(a1 − a): M1 = K√q. With N = (γ×M)_1,
     γ̇1 = aN and N² = H2 − K²q0 − (H2 − K²q1)γ1²: γ1 is a harmonic oscillation. The direction of (γ2, γ3) turns at
-    −ω1 + γ1(γ2ω2 + γ3ω3)/(1 − γ1²), that of (M2, M3) at −ω1 + M1(M2ω2 + M3ω3)/(H2 − M1²), functions of γ1² with
-    rapidly converging Fourier series in the oscillation's phase: whichever keeps away from its pole is taken.
+    −ω1 + γ1(γ2ω2 + γ3ω3)/(1 − γ1²), that of (M2, M3) at −ω1 + M1(M2ω2 + M3ω3)/(H2 − M1²), functions of γ1² with rapidly
+    converging Fourier series in the oscillation's phase. Of the two, the one that stays away from its pole is used.
     """
 
     def __init__(self, start: Motion) -> None:
@@ -122,7 +122,7 @@ class SymmetricBall:
         return self._rows(self.start.inertia, self.start.d, self.start.gamma, self.start.M, times).astype(float)
 
     def floor(self, times: Any) -> np.ndarray:
-        """The largest change under three changes of all inputs by 2^-50 of themselves, as one of 2^-52."""
+        """The largest effect of three random relative changes of all inputs by 2^-50, scaled to changes of 2^-52."""
         s, wild = self.start, np.random.default_rng(0)
         base, worst = self._rows(s.inertia, s.d, s.gamma, s.M, times), np.zeros(len(times))
         for _ in range(3):
@@ -146,7 +146,7 @@ def _ball_rows(inertia: Any, gamma: Any, M: Any, d: Any, times: Any) -> np.ndarr
     unit = np.sqrt(M @ M)
     M, times = M / unit, times * unit
     first, a = 1 / (inertia[0] + d), 1 / (inertia[1] + d)
-    # 1 − da, a − a1 and d(a1 − a) as products: nothing cancels
+    # 1 − da, a − a1 and d(a1 − a) as products, so that nothing cancels
     q0, gap = inertia[1] * a, (inertia[0] - inertia[1]) * first * a
     q1 = -d * gap
     K = M[0] / np.sqrt(q0 - q1 * gamma[0] ** 2)
@@ -184,13 +184,15 @@ def _ball_rows(inertia: Any, gamma: Any, M: Any, d: Any, times: Any) -> np.ndarr
 
 
 def _partner(u: Any, v: Any, product: Any, area: Any) -> tuple[Any, Any]:
-    """The plane vector with that scalar product with (u, v) and that area beside it."""
+    """The plane vector with the given scalar product and area with (u, v)."""
     square = u * u + v * v
     return (product * u - area * v) / square, (product * v + area * u) / square
 
 
 def _integral(rate: Any, origin: Any, lengths: Any) -> Any:
-    """∫ of an even function of period π from a phase over so long, by its Fourier series from equidistant values."""
+    """∫ of an even function of period π from the phase ``origin`` over each of ``lengths``, by its Fourier series from
+    equidistant values.
+    """
     nodes = 32
     while nodes <= MOST_NODES:
         values = rate(PI * np.arange(nodes, dtype=np.longdouble) / nodes)
@@ -202,14 +204,14 @@ def _integral(rate: Any, origin: Any, lengths: Any) -> Any:
         raise Undecided("a Fourier series has not ended")
     k = np.flatnonzero(abs(series) > 1e-20 * abs(series).max())
     k = k[k > 0].astype(np.longdouble)
-    # sines less those of the origin, as products: short lengths keep all their digits
+    # differences of sines as products: short lengths keep all their digits
     half = np.multiply.outer(lengths, k)
     waves = 2 * np.sin(half) * np.cos(half + 2 * k * origin)
     return series[0] * lengths + waves @ (series[k.astype(int)] / k)
 
 
 def odd_axis(inertia: Any) -> int:
-    """The axis whose moment the two others do not share."""
+    """The axis whose moment differs from the two equal ones."""
     return next((k for k in range(3) if inertia[k - 1] == inertia[k - 2] != inertia[k]), 0)
 
 

@@ -24,7 +24,7 @@ LONGEST = 2000
 
 
 class Obeyed(NamedTuple):
-    """The result of a command line; ``changed`` are the files that differ afterwards."""
+    """The result of a command line; ``changed``: the files that differ afterwards."""
 
     code: Any
     out: str
@@ -41,7 +41,7 @@ def obeyed(scene: str, *arguments: str) -> Obeyed:
         with redirect_stdout(out), redirect_stderr(err):
             try:
                 code: Any = main(arguments)
-            except SystemExit as stop:  # argparse's way out
+            except SystemExit as stop:  # argparse ends with SystemExit
                 code = stop.code
         after = _found()
     changed = sorted(name for name in before.keys() | after.keys() if before.get(name) != after.get(name))
@@ -92,7 +92,7 @@ VARIED = (
 
 
 def _line(rng: Random, text: str) -> str:
-    """A scene with one line spoilt: its value replaced, the line omitted or doubled, or its key misspelt."""
+    """A scene with a mistake in one line: its value replaced, the line omitted or doubled, or its key misspelt."""
     lines = text.splitlines()
     at = rng.choice([i for i, line in enumerate(lines) if re.match(r"\w+ = [^\"]*[^=]", line)])
     key, _, _ = lines[at].partition(" = ")
@@ -103,7 +103,9 @@ def _line(rng: Random, text: str) -> str:
 
 
 def _arguments(rng: Random, name: str, options: dict[str, tuple[str, ...]]) -> list[str]:
-    """An option that will not do, a scene that will not, or a spoilt scene, which may be one, and no place to write."""
+    """An invalid option, an invalid scene, or a changed scene (which may still be valid) with an invalid place for the
+    output.
+    """
     which = rng.randrange(3)
     scene = ("good.toml", rng.choice(SCENES), "scene.toml")[which]
     chosen = ["--out"] if which == 2 else rng.sample(list(options), 1 if which == 0 else rng.randrange(2))
@@ -114,7 +116,7 @@ def _arguments(rng: Random, name: str, options: dict[str, tuple[str, ...]]) -> l
 OPTIONS: dict[str, dict[str, tuple[str, ...]]] = {
     "run": {"--out": OUTS, "--digits": NUMBERS, "--format": ("gif", "", "PNG"), "--colour": ("red",)},
     "view": {
-        "--out": (*OUTS[1:], "folder.toml", ".", "/"),  # a file that is there is replaced
+        "--out": (*OUTS[1:], "folder.toml", ".", "/"),  # without a folder: an existing file is replaced
         "--until": ("nan", "inf", "-inf", "0", "-1", "x", "1e999", ""),
         "--frames": (*NUMBERS, "1", "20001", "1000000000"),
     },
@@ -128,12 +130,12 @@ OPTIONS: dict[str, dict[str, tuple[str, ...]]] = {
 }  # fmt: skip
 
 
-# where options that come after the place are looked at, a place that will do
+# a valid place for the output, where options that follow it are checked
 WHERE = {"run": "file/x", "view": "new.html", "sweep": "new.zarr", "report": "file/x"}
 
 
 def command(name: str) -> Any:
-    """What makes cases of a subcommand."""
+    """The function that makes cases of a subcommand."""
 
     def made(rng: Random) -> Case:
         return case(_line(rng, _shipped(rng.choice(scene_names()))), _arguments(rng, name, OPTIONS[name]))
@@ -142,13 +144,13 @@ def command(name: str) -> Any:
 
 
 def other(rng: Random) -> Case:
-    """No subcommand, or words behind one that takes none."""
+    """No subcommand, or superfluous words after a subcommand."""
     words = ("scenes", "rum", "", "RUN", "run", "view", "sweep", "--what", "--jsn", "a\nb", "-", "\udcff", LONG)
     return case("", [rng.choice(words), rng.choice(words[1:])])
 
 
 def case(scene: str, arguments: list[str]) -> Case:
-    """A command line; whatever it is, it is refused."""
+    """A command line that must be refused."""
     call = f"obeyed({scene!r}, {', '.join(map(repr, arguments))})"
     return Case("from tests.fuzz.command import obeyed", call, judge, (), limit=3.0)
 

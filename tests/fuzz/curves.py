@@ -11,7 +11,7 @@ from jacobian import GF, QQ, ArgumentError, HyperellipticCurve, poly
 
 PRIMES = (2, 3, 5, 7, 11, 13, 101, 251, 65537, 2**31 - 1, 2**32 - 5, 2**61 - 1, 2**63 - 25, 2**64 - 59)
 BIG = (2**64 + 13, 2**127 - 1, 2**255 - 19)
-# (p, k) → an irreducible polynomial, ascending: galois would look one up, and load for seconds
+# (p, k) → an irreducible polynomial, ascending: galois would have to be loaded for seconds to find one
 POWERS = {
     (2, 2): (1, 1, 1),
     (2, 3): (1, 1, 0, 1),
@@ -94,7 +94,7 @@ def random_curve(rng: Random, text: str | None = None, genus: int | None = None,
             continue
         if C.genus == g and C.model == ("ramified" if model == "moved" else model):
             return Curve(curve_lines(text, f, h), C)
-    # no such curve over so small a field
+    # over so small a field there is no such curve: another choice
     return random_curve(rng, None, genus, None)
 
 

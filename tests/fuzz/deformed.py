@@ -16,7 +16,7 @@ from tests.fuzz.case import Case, Complaint, Undecided
 from tests.fuzz.distributions import Motion
 from tests.fuzz.integrated import Integrated, cross, dot, times
 
-# H and K of float states, beside the sizes of their terms
+# allowed errors of H and K of float states, relative to the sizes of their terms
 KEPT = 1e-10
 NAMES = {"tilde": "Tilde", "check": "Check", "hat": "Hat", "gyroscopic": "Gyroscopic"}
 
@@ -44,7 +44,7 @@ def near(name: str, rng: Random) -> Case:
 
 
 def poles(rng: Random) -> Case:
-    """Repelling poles, |M| to 10⁸: motions that go on for ever, so that nothing may be refused."""
+    """Repelling poles, |M| up to 10⁸: these motions never end, so nothing may be refused."""
     from tests.fuzz.flow import judged
 
     b = tuple(random.magnitude(rng, -8, 2) for _ in range(3))
@@ -63,7 +63,9 @@ def poles(rng: Random) -> Case:
 
 
 def potential(name: str, rng: Random) -> Case:
-    """All five terms, some of them 0, of either sign; |M| to 10⁸, beside a potential of its size or of size 1."""
+    """All five terms, of either sign and some of them 0; |M| up to 10⁸, with a potential of comparable size or of size
+    1.
+    """
     start, _ = _start(name, rng)
     size, gamma = random.magnitude(rng, 0, 27), random.unit(rng)
     start = replace(start, gamma=gamma, M=random.cross(gamma, [size * x for x in random.unit(rng)]))
@@ -85,7 +87,7 @@ def potential(name: str, rng: Random) -> Case:
 
 
 def rows_or_end(motion: Any, wanted: list[float]) -> Any:
-    """The states, or what is said where the motion ends."""
+    """The states, or the message if the motion ends before."""
     try:
         return np.hstack([(run := motion.at(wanted)).gamma, run.M])
     except PrecisionLoss as error:
@@ -93,7 +95,7 @@ def rows_or_end(motion: Any, wanted: list[float]) -> Any:
 
 
 def _goes_on(got: Any, start: Motion, oracle: Integrated, wanted: list[float]) -> Complaint | None:
-    """Against the oracle's states; a motion that is said to end must not go on there."""
+    """Compares with the oracle's states; a motion that is said to end must not continue in the oracle."""
     from tests.fuzz.flow import HOPELESS, judged
 
     if not isinstance(got, str):
@@ -116,7 +118,7 @@ def far(name: str, rng: Random) -> Case:
 
 
 def _start(name: str, rng: Random) -> tuple[Motion, float]:
-    """Moments within 2^±4, and for the tilde pair half of the time d."""
+    """Moments between 2^-4 and 2^4; for the tilde pair, d ≠ 0 in half of the cases."""
     inertia = tuple(random.magnitude(rng, -4, 4) for _ in range(3))
     start = random.motion(rng, inertia, rolls=False, tilted=False)
     if name == "tilde" and rng.random() < 0.5:
@@ -126,7 +128,7 @@ def _start(name: str, rng: Random) -> tuple[Motion, float]:
 
 
 def _pace(name: str, start: Motion) -> float:
-    """How much faster than a body of these moments the system is, about."""
+    """About how many times faster the system moves than a body with these moments."""
     return 1.0 if name in ("tilde", "gyroscopic") else 1 / min(start.inertia)
 
 

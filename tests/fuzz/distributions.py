@@ -14,7 +14,7 @@ Vector = tuple[float, float, float]
 
 
 def magnitude(rng: Random, low: int, high: int) -> float:
-    """A number between 2^low and 2^high, its exponent uniform."""
+    """A number between 2^low and 2^high with a uniform exponent."""
     return ldexp(1 + rng.random(), rng.randrange(low, high))
 
 
@@ -54,7 +54,7 @@ class Motion:
 
     @property
     def speed(self) -> float:
-        """|M| max a: about the turns per unit of time."""
+        """|M| max a: roughly the turns per unit of time."""
         return sqrt(dot(self.M, self.M)) / (min(self.inertia) + self.d)
 
     @property
@@ -84,13 +84,13 @@ def general_moments(rng: Random) -> Vector:
 
 
 def symmetric_moments(rng: Random) -> Vector:
-    """Two exactly equal moments, oblate and prolate."""
+    """Two exactly equal moments, oblate or prolate."""
     x, y, _ = general_moments(rng)
     return shuffled(rng, (x, y, y))
 
 
 def close_moments(rng: Random) -> Vector:
-    """Two or three moments that differ by 2^-52 … 2^-10 of themselves."""
+    """Two or three moments with relative differences of 2^-52 … 2^-10."""
     x, y, _ = general_moments(rng)
     third = y * (1 + ldexp(1 + rng.random(), rng.randrange(-52, -10)))
     if rng.random() < 0.3:
@@ -137,7 +137,9 @@ def momentum(rng: Random, upward: Vector, tilted: bool) -> Vector:
 
 
 def _orthogonal(gamma: Vector, v: Vector) -> Vector:
-    """The direction of v less its part along γ, twice for the rounding; of γ × v where little is left."""
+    """The direction of the part of v orthogonal to γ, projected twice because of rounding; of another vector if v is
+    almost parallel to γ.
+    """
     for _ in range(2):
         height = dot(gamma, v)
         x, y, z = (a - height * b for a, b in zip(v, gamma, strict=True))

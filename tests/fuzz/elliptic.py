@@ -12,12 +12,14 @@ from tests.fuzz.closed_forms import Closed
 from tests.fuzz.distributions import Motion
 
 EPS = 2.0**-52
-# decimal digits by SciPy in floats, and of those whom a mismatch sends for a second opinion
+# decimal digits of SciPy's floats, and of the second computation after a mismatch
 FLOATS, WIDE = 15, 30
 
 
 class General(Closed):
-    """``digits`` 40 or more are for multiprecision; below, floats by SciPy, and ``doubted()`` the same in 30 digits."""
+    """With 40 ``digits`` or more, multiprecision; with fewer, SciPy's floats, and ``doubted()`` is the same motion in
+    30 digits.
+    """
 
     def __init__(self, start: Motion, digits: int = 40, sure: bool = False) -> None:
         super().__init__(start, max(digits, 60))
@@ -43,7 +45,7 @@ class General(Closed):
         return [[*x, *m] for x, m in zip(found.gamma.tolist(), found.M.tolist(), strict=True)]
 
     def floor(self, times: Any) -> np.ndarray:
-        """The largest change under three changes of all inputs by 2^-46 of themselves, as one of 2^-52."""
+        """The largest effect of three random relative changes of all inputs by 2^-46, scaled to changes of 2^-52."""
         if self._digits > 40:
             return np.array([EPS * (4 + 4 * self.start.speed * abs(t)) for t in times])
         wild, worst = np.random.default_rng(0), np.zeros(len(times))

@@ -27,7 +27,7 @@ LIMIT = 10.0
 
 
 def summands(curve: Curve, rng: Random) -> str:
-    """Lines that make D and E, in one position of many."""
+    """Lines that make D and E in one of many relative positions."""
     D, E = (f"J.random(Random({rng.randrange(10**6)}))" for _ in range(2))
     P = f"C.random_point(Random({rng.randrange(10**6)}))"
     choices = [
@@ -93,7 +93,7 @@ def _triple(D: Any) -> str:
 
 
 def true(setup: str, checks: list[str], refusals: Any = _only_points, limit: float = LIMIT) -> Case:
-    """A case whose call is a list of statements that must be true."""
+    """A case that calls a list of expressions, all of which must be true."""
 
     def judge(names: dict[str, Any]) -> Complaint | None:
         wrong = [check for check, holds in zip(checks, names["got"], strict=True) if not bool(holds)]
@@ -123,7 +123,7 @@ def axioms(rng: Random) -> Case:
 
 
 def batch(rng: Random) -> Case:
-    """Rows of every shape, in an array and one by one."""
+    """Rows of every shape: as an array, and one by one."""
     curve = random_curve(rng)
     m = rng.randrange(-50, 51) if curve.C.field.order is not None else rng.randrange(-2, 3)
     setup = (
@@ -149,7 +149,7 @@ def batch(rng: Random) -> Case:
 
 
 def counted(rng: Random) -> Case:
-    """#J over tiny fields against all Mumford pairs tried, and the list of classes."""
+    """#J over tiny fields compared with a search through all Mumford pairs, and with the list of classes."""
     text = rng.choice(SMALL)
     K = field_of(text)
     most = max(g for g in range(1, 7) if K.order ** (2 * g) <= MOST_PAIRS)
@@ -197,7 +197,7 @@ def orders(rng: Random) -> Case:
 
 
 def huge_multiples(rng: Random) -> Case:
-    """Scalars of up to 17,000 bits, against the remainder by the order of the group."""
+    """Scalars of up to 17,000 bits compared with their remainders modulo the order of the group."""
     curve = random_curve(rng, rng.choice(MIDDLE + SMALL), rng.choice((1, 2, 2, 3)))
     m = rng.choice((-1, 1)) * (10 ** rng.choice((400, 1300, 5000)) + rng.randrange(10**6))
     setup = curve.setup + f"D, m, N = J.random(Random({rng.randrange(10**6)})), {m:#x}, J.order()\n"

@@ -18,7 +18,7 @@ SAMPLES = 4
 
 
 def lifted(f: Sequence[Any], x: Any, sign: int) -> Point | None:
-    """The point over x, None where f(x) < 0 or the root is that of a branch point."""
+    """The point over x; None where f(x) < 0 or x is a branch point."""
     value = at(f, x)
     if value == 0 or (not isinstance(value, CONTEXT.mpc) and value < 0):
         return None
@@ -26,7 +26,7 @@ def lifted(f: Sequence[Any], x: Any, sign: int) -> Point | None:
 
 
 def pair(f: Sequence[Any], points: Sequence[Point]) -> tuple[Poly, Poly]:
-    """(u, v) of a sum of points, equal ones with their multiplicity, none beside its opposite (Newton; Cantor 1987)."""
+    """(u, v) of a sum of points without opposite ones; equal points count with multiplicity (Newton; Cantor 1987)."""
     u, v = [CONTEXT.one], [CONTEXT.zero]
     for x, y in points:
         here = at(u, x)
@@ -40,7 +40,7 @@ def pair(f: Sequence[Any], points: Sequence[Point]) -> tuple[Poly, Poly]:
 
 
 def reduced(f: Sequence[Any], genus: int, u: Poly, v: Poly) -> tuple[Poly, Poly]:
-    """Steps (u, v) → ((f − v²)/u, −v) until deg u ≤ g, or no step lowers it."""
+    """Steps (u, v) → ((f − v²)/u, −v) until deg u ≤ g or a step no longer lowers it."""
     while len(u) - 1 > genus:
         rest = trimmed(divided(minus(f, product(v, v)), u)[0])
         if len(rest) >= len(u):
@@ -62,8 +62,9 @@ def total(f: Sequence[Any], genus: int, points: Sequence[Point]) -> tuple[Poly, 
 
 
 def rounding(f: Sequence[Any], genus: int, summands: Sequence[Sequence[Point]], eps: float) -> list[Any]:
-    """The largest changes of the coefficients of (u, v) of the sum when those of f and of the summands' u and v are
-    changed by ``eps`` of themselves, points staying on the curve: in ``SAMPLES`` random ways."""
+    """The largest changes of the coefficients of the sum's (u, v), over ``SAMPLES`` random relative changes by ``eps``
+    of the coefficients of f and of the summands' u and v; points stay on the curve.
+    """
     base, rng = flat(total(f, genus, [P for part in summands for P in part])), Random(0)
     worst = [eps * abs(c) for c in base]
     pairs = [pair(f, part) for part in summands]
@@ -94,7 +95,7 @@ def _moved(f: Any, moved_f: Any, points: Any, u: Poly, v: Poly, eps: float, rng:
             power = 1 + sum(d <= 4 * near for d in others)
             apart = CONTEXT.fprod(d for d in others if d > 4 * near)
             shift = rng.choice((-1, 1)) * (abs(at(change, x)) / apart) ** (CONTEXT.one / power)
-        # a wrong ordinate is the right one of a point nearby
+        # a changed ordinate is the right one of a nearby point
         lean = at(slope, x)
         if lean:
             shift += rng.choice((-1, 1)) * min(abs(2 * y * at(noise, abs(x)) / lean), abs(x) / 8)
@@ -104,7 +105,7 @@ def _moved(f: Any, moved_f: Any, points: Any, u: Poly, v: Poly, eps: float, rng:
 
 
 def flat(uv: tuple[Poly, Poly]) -> list[Any]:
-    """The coefficients of u without its leading one, then those of v, as many."""
+    """The coefficients of u without the leading one, then as many of v."""
     u, v = uv
     size = len(u) - 1
     return [*u[:size], *(v + [CONTEXT.zero] * size)[:size]]
@@ -140,7 +141,7 @@ def divided(a: Sequence[Any], monic: Sequence[Any]) -> tuple[Poly, Poly]:
 
 
 def trimmed(a: Poly) -> Poly:
-    """Without leading terms that are zero to all digits but a hundred."""
+    """The polynomial without leading terms that vanish to all but a hundred digits."""
     size = max(abs(c) for c in a)
     while len(a) > 1 and abs(a[-1]) <= size * CONTEXT.mpf(10) ** (100 - CONTEXT.dps):
         a = a[:-1]

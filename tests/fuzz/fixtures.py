@@ -51,7 +51,7 @@ LINES = {
     "diagram": "diagram = ball.diagram()",
     "rolling": "from integrable.systems.on_layer import BodyOnLayer\nlayer = BodyOnLayer((1, 2, 3), 0.7)\n"
     "rolling = layer.flow(layer.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)))",
-    # a step refuses its own arguments, or a state
+    # a step may refuse its own arguments, or a state
     "multiplied": "multiplied = lambda factor: ball.multiplication(factor)(state)",
     "added": "added = lambda multiple: tilde.translation([30, -30], multiple=multiple)(state)",
 }

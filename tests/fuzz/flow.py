@@ -32,7 +32,7 @@ from tests.fuzz.integrated import Integrated
 from tests.fuzz.run import Suite
 
 FREE, FACTOR, HOPELESS = 1e-13, 100, 0.5
-# turns up to which bodies are integrated
+# turns up to which motions are integrated
 NEAR = 10
 
 
@@ -69,8 +69,8 @@ def judged(got: Any, start: Motion, oracle: Any, wanted: list[float]) -> Complai
 def worst_row(
     errors: np.ndarray, truth: np.ndarray, floor: Callable[[], np.ndarray]
 ) -> tuple[int, float, float] | None:
-    """The row that is farthest off what it may be by ``floor``, its error and what is allowed, if there is one; rows of
-    ``truth`` that are NaN are beyond the oracle. Undecided where no row can be judged.
+    """The row whose error exceeds the bound from ``floor`` the most, with its error and the bound; None if no row
+    exceeds it. Rows of ``truth`` that are NaN are beyond the oracle. Raises Undecided where no row can be judged.
     """
     reached = ~np.isnan(truth[:, 0])
     if not reached.any():
@@ -133,7 +133,7 @@ def tilted_ball(rng: Random) -> Case:
 
 
 def many_times(rng: Random) -> Case:
-    """So many times that the compiled torus is used for near ones too."""
+    """Enough times for the compiled torus to be used for near times too."""
     start = motion(rng, general_moments(rng), rolls=rng.random() < 0.7, tilted=rng.random() < 0.3)
     first, last = sorted(times(rng, start, 2, high=NEAR))
     made = case_of(start, Integrated, np.linspace(first, last, 600).tolist())
@@ -142,7 +142,7 @@ def many_times(rng: Random) -> Case:
 
 
 def far(rng: Random) -> Case:
-    """Up to 2^40 turns, 10^12, for motions with a closed form."""
+    """Up to 2^40 ≈ 10^12 turns, for motions with a closed form."""
     moments, oracle, rolls, tilted = rng.choice(
         (
             (symmetric_moments, SymmetricTop, False, True),

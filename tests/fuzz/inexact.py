@@ -24,10 +24,10 @@ from tests.fuzz.run import Suite
 C = exact.CONTEXT
 EPS = {"RR": 2.0**-52, "CC": 2.0**-52, "MP(30)": 1e-30}
 FACTOR, KEPT = 1000, 0.4
-# a degree is decided where the same unit moves no coefficient by that part of itself
+# a degree counts as decided if the same unit changes every coefficient by less than this part of itself
 DECIDED = 1 / 16
 GENERA = (2, 2, 3, 3, 4, 5, 6)
-# abscissas without a point after which others are drawn
+# attempts without a point after which other abscissas are drawn
 MISSES = 200
 
 
@@ -45,7 +45,7 @@ class Setting:
         return [C.convert(c) for c in self.f]
 
     def point(self, x: Any) -> Any:
-        """The point over a float x on a random sheet, or None."""
+        """The point over a float x on a random sheet; None where there is none."""
         return exact.lifted(self.wide, C.convert(x), self.rng.choice((1, -1)))
 
     def abscissa(self, low: int, high: int) -> Any:
@@ -55,7 +55,9 @@ class Setting:
         return complex(size * (2 * self.rng.random() - 1), size * (2 * self.rng.random() - 1))
 
     def points(self, count: int, low: int, high: int) -> list[Any]:
-        """Points with |x| from 2^low to 2^high, or as near to that as the curve has any: f > 0 at 0 and far away."""
+        """Points with |x| from 2^low to 2^high, or as near to that range as the curve has points: f > 0 at 0 and far
+        away.
+        """
         found: list[Any] = []
         missed = 0
         while len(found) < count:
@@ -68,8 +70,8 @@ class Setting:
         return found
 
     def near(self, P: Any, distance: float, sign: int) -> Any:
-        """A point at that relative distance from P or from its opposite, over a number of the field; otherwise P
-        itself.
+        """A point at the given relative distance from P or its opposite, over a number of the field; P itself where
+        there is none.
         """
         x = P[0] * (1 + C.convert(distance))
         x = C.convert(complex(x) if self.field == "CC" else float(x))

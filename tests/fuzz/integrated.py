@@ -22,8 +22,9 @@ EPS = 2.0**-52
 
 
 def body(a: Any, q: Any, d: Any, c: Any, x: Any, m: Any) -> tuple[Any, Any]:
-    """(Ω, Ṁ) of balls and tops, q = I·a = 1 − da, c = (γ, M): d(γ, AM) = c − (γ, QM), of which heavy balls lose
-    nothing, while (γ, AM) is a small difference of terms of the size of M/d there."""
+    """(Ω, Ṁ) of balls and tops, q = I·a = 1 − da, c = (γ, M): d(γ, AM) = c − (γ, QM), which is accurate for heavy
+    balls, while (γ, AM) is a small difference of terms of the size of M/d.
+    """
     spin = (c - dot(x, times(q, m))) / dot(x, times(q, x))
     w = [a[i] * (m[i] + spin * x[i]) for i in range(3)]
     return w, cross(m, w)
@@ -143,7 +144,7 @@ def _poles(b: Any, squares: Any, term: Any) -> Any:
 
 
 def in_potential(kinetic: Any, energy: Any) -> Any:
-    """The equations with a potential V: Ṁ has γ × ½∂V/∂γ more."""
+    """The equations with a potential V: Ṁ has the additional term γ × ½∂V/∂γ."""
 
     def rates(a: Any, q: Any, d: Any, b: Any, x: Any, m: Any) -> tuple[Any, Any]:
         w, momentum = kinetic(a, q, d, 0.0, x, m)
@@ -166,7 +167,7 @@ EQUATIONS = {
     "check in a potential": in_potential(check, check_potential),
     "hat in a potential": in_potential(hat, hat_potential),
 }
-# of how many constants the potential is made; it goes with the square of |M|
+# the number of constants of a potential; they scale with |M|²
 TERMS = {name: 3 if name == "poles" else 5 for name in EQUATIONS if name == "poles" or name.endswith("potential")}
 
 
@@ -193,8 +194,8 @@ def added(x: Any, y: Any) -> list[Any]:
 class Integrated:
     """``rows`` (N, 6) of γ and M/|M(0)|, NaN beyond the horizon, and ``floor`` (N,) as in :class:`closed_forms.Closed`.
 
-    ``equations``: a name above; ``c``: the constant of the gyroscopic terms, the three of the poles or the five of a
-    potential; that of a body is its (γ, M).
+    ``equations``: a name above; ``c``: the constant of the gyroscopic terms, the three constants of the poles, the five
+    of a potential, or (γ, M) of a body.
     """
 
     def __init__(self, start: Motion, equations: str = "body", c: Any = 0.0) -> None:
@@ -206,7 +207,7 @@ class Integrated:
         return self._rows(*map(np.longdouble, (s.inertia, s.d, s.gamma, s.M, self.c)), wanted)
 
     def floor(self, wanted: Any) -> np.ndarray:
-        """The largest change under two changes of all inputs by 2^-46 of themselves, as one of 2^-52."""
+        """The largest effect of two random relative changes of all inputs by 2^-46, scaled to changes of 2^-52."""
         s, wild = self.start, np.random.default_rng(0)
         base, worst = self.rows(wanted), np.zeros(len(wanted))
         for _ in range(2):
@@ -247,7 +248,7 @@ class Integrated:
                 [*gamma, *M / unit],
                 wanted,
             )
-        # motions beyond every extended integrator are left to cases of shorter times
+        # motions beyond every integrator in extended precision are left to cases with shorter times
         wanted = np.where(abs(wanted) * max(a) <= MOST_STEPS / 6, wanted, np.nan)
         if self.equations == "body":
             return _by_taylor(inertia, d, gamma, M / unit, wanted)
@@ -262,7 +263,7 @@ class Integrated:
 
 @cache
 def heyoka() -> Any:
-    """The module, None where it is not installed."""
+    """The module heyoka, None where it is not installed."""
     try:
         import heyoka as found
     except ImportError:

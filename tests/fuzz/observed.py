@@ -25,12 +25,12 @@ def _start(rng: Random, rolls: bool) -> Motion:
     inertia = rng.choice((general_moments, general_moments, symmetric_moments))(rng)
     start = random.motion(rng, inertia, rolls=rolls, tilted=rng.random() < 0.4)
     spread = (max(inertia) + start.d) / min(inertia)
-    # turns of a body that the oracle's panels follow
+    # bodies whose turns the oracle's panels can follow
     return start if spread < 100 else _start(rng, rolls)
 
 
 def integrals(start: Motion, rate: Any, times: list[float]) -> tuple[np.ndarray, np.ndarray]:
-    """∫_0^t of rates of the state, shape (N, k), and what they may be off by, from composite Gauss rules."""
+    """∫_0^t of rates of the state, shape (N, k), and bounds of their errors, by composite Gauss rules."""
     found = []
     for share in (1 / 4, 1 / 7):
         length = share * min(start.inertia) / (min(start.inertia) + start.d) / start.speed
@@ -136,7 +136,7 @@ def straight_contact(rng: Random) -> Case:
 
 
 def attitude(rng: Random) -> Case:
-    """Rows of the rotation: M − cγ, γ × it, γ; ω; and the quaternion of the same rotation."""
+    """The rows of the rotation along M − cγ, γ × (M − cγ) and γ; ω; and the quaternion of the same rotation."""
     start = _start(rng, rng.random() < 0.6)
     wanted = random.times(rng, start, 3, -8, 6)
     call = f"(lambda run: np.hstack([run.attitude.reshape(-1, 9), run.omega, run.quaternion]))(flow.at({wanted}))"
@@ -174,7 +174,7 @@ def _rotations(got: np.ndarray, start: Motion, wanted: list[float]) -> Complaint
 
 
 def events(rng: Random) -> Case:
-    """Zeros of a component, or of its distance from a value, against sign changes of the oracle on a fine grid."""
+    """Zeros of a component, or of its difference from a value, and the oracle's sign changes on a fine grid."""
     start = _start(rng, rng.random() < 0.6)
     first, last = sorted(random.times(rng, start, 2, -1, 5))
     name, k = rng.choice((("gamma", rng.randrange(3)), ("M", rng.randrange(3))))

@@ -27,7 +27,7 @@ FIELDS = ("RR", "RR", "RR", "MP(20)", "MP(50)", "QQ", "GF(2**61 - 1)")
 
 
 def stamp(rng: Random) -> Case:
-    """A system and another, one number of which differs by a part in 10 … 10¹²."""
+    """Two systems that differ in one number, by one part in 10 … 10¹²."""
     name = rng.choice(list(MADE))
     laboratory = name in ("RigidBody", "RollingBall")
     K = rng.choice(FIELDS[:5] if laboratory else FIELDS)
@@ -97,7 +97,7 @@ act()
 
 
 def limited(*words: str) -> Ended:
-    """A sweep or a file under a limit of the size of files, and then without."""
+    """A sweep or a file under a limit of file sizes, and then without the limit."""
     with TemporaryDirectory() as place:
         begun = time.monotonic()
         done = subprocess.run(
@@ -107,7 +107,7 @@ def limited(*words: str) -> Ended:
 
 
 def limit(rng: Random) -> Case:
-    """A limit from no byte to more than there are."""
+    """A limit between no byte and more than are needed."""
     files = ("sweep.h5", "sweep.h5", "sweep.zarr", "saved.h5", "saved.nc", "saved.csv", "saved.mat", "saved.zarr")
     name = rng.choice(files)
     count = rng.choice([1, 7, 50, 400])
@@ -151,7 +151,7 @@ runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)
 
 
 def interrupted(command: str, delay: float, group: bool) -> Ended:
-    """A command that is interrupted after ``delay`` seconds, alone or with its group, as a terminal does it."""
+    """A command that is interrupted after ``delay`` seconds, alone or, as by a terminal, with its process group."""
     with TemporaryDirectory() as place:
         words = [sys.executable, "-c", LISTENING + STARTED, *command.split()]
         running = subprocess.Popen(
@@ -177,7 +177,7 @@ SECONDS = 3.0
 
 
 def interrupt(rng: Random) -> Case:
-    """At once, in the first tenth of a second, or later."""
+    """Interrupts at once, in the first tenth of a second, or later."""
     command = rng.choice(COMMANDS)
     delay = rng.choice([0.0, rng.random() / 100, rng.random() / 10, rng.random() / 2, 4 * rng.random()])
     call = f"interrupted({command!r}, {round(delay, 4)}, {rng.random() < 0.5})"

@@ -17,22 +17,23 @@ from typing import Any, Protocol
 from tests.fuzz.case import FAILURES, RAW, REFUSED, RIGHT, SLOW, UNJUDGED, WRONG, Case, Outcome, run
 
 WORDS = (RIGHT, REFUSED, UNJUDGED, WRONG, RAW, SLOW)
-# largest number of reasons listed per kind; a run of calls has thousands
+# largest number of reasons listed per kind; a run of the suite "calls" has thousands
 REASONS = 8
 SHOWN = {REFUSED: "refused by name", RAW: "raw exceptions", SLOW: "over the time limit"}
 
 
 class Maker(Protocol):
-    """What makes a case of one kind from random numbers."""
+    """A function that makes a case of one kind from random numbers."""
 
     def __call__(self, rng: Random) -> Case: ...
 
 
 @dataclass(frozen=True)
 class Suite:
-    """``kinds``: what makes a case of each kind; ``shares``: how many of them in a round, 1 by default. ``warm``: lines
-    run once before the cases of a kind (of any for ""), without a limit, in which compiled code is made or loaded: an
-    alarm would leave numba in pieces."""
+    """``kinds``: the makers by kind; ``shares``: how many cases of a kind a round has, 1 by default. ``warm``: lines
+    that are run once, without a time limit, before the cases of a kind ("" stands for every kind); compiled code is
+    made or loaded there, since an alarm during compilation would leave numba in an inconsistent state.
+    """
 
     name: str
     kinds: Mapping[str, Maker]
@@ -40,13 +41,13 @@ class Suite:
     warm: Mapping[str, str] = field(default_factory=dict)
 
     def warmed(self, kinds: Sequence[str] = ()) -> None:
-        """What the kinds, or all of them, are warmed by: once for a process."""
+        """Runs the ``warm`` lines of these kinds, or of all, once per process."""
         for kind, text in self.warm.items():
             if not kind or not kinds or kind in kinds:
                 _warm(text)
 
     def kind_of(self, index: int, kinds: Sequence[str]) -> str:
-        """The kind of a case: rounds of all kinds, or of the chosen ones, in which each has its share."""
+        """The kind of a case: cases come in rounds of all kinds, or of the chosen ones, in which each has its share."""
         order = _round(tuple((kind, self.shares.get(kind, 1)) for kind in self.kinds if not kinds or kind in kinds))
         return order[index % len(order)]
 
@@ -57,7 +58,7 @@ class Suite:
 
 @cache
 def _round(shares: tuple[tuple[str, int], ...]) -> list[str]:
-    """Each kind as often as its share, well mixed."""
+    """Each kind as often as its share, evenly mixed."""
     order = [kind for kind, share in shares for _ in range(share)]
     return Random(0).sample(order, len(order))
 
@@ -92,7 +93,7 @@ class Tally:
         self.slowest = max(self.slowest, other.slowest)
 
     def of(self, word: str, kind: str | None = None) -> int:
-        """How many cases (of a kind) ended so."""
+        """The number of cases (of a kind) with this outcome."""
         return sum(n for (k, w), n in self.counts.items() if w == word and kind in (None, k))
 
     @property
@@ -100,8 +101,9 @@ class Tally:
         return any(self.of(word) for word in FAILURES)
 
     def line(self) -> str:
-        """All counts in one line: the sums, then kind by kind with the first reasons of what was not judged (data() has
-        all of them)."""
+        """All counts in one line: the sums, then the kinds, each with the first reasons for cases that were not judged;
+        data() has all reasons.
+        """
         total = sum(self.counts.values())
         sums = ", ".join(f"{self.of(word)} {SHOWN.get(word, word)}" for word in WORDS)
         kinds = dict.fromkeys(kind for kind, _ in self.counts)
@@ -115,7 +117,7 @@ class Tally:
         return f"{kind}: {', '.join(words)}" + (f" ({'; '.join(reasons)})" if reasons else "")
 
     def data(self) -> dict[str, Any]:
-        """The same for a JSON file."""
+        """The same counts for a JSON file."""
         kinds = dict.fromkeys(kind for kind, _ in self.counts)
         return {
             "cases": sum(self.counts.values()),

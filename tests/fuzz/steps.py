@@ -6,9 +6,10 @@ A point (x', Y') is added on Γ_i = g√(1 − da_i)γ_i, n_i = 2√(1 − da_i)
     Γ̃_i = (n_i + cΓ_i)/(2√(dH2) s_i),    ñ_i = −2√(dH2) s_iΓ_i + cΓ̃_i,    s_i = √(x' − a_i)    (Tsiganov),
 
 two points one after the other, in complex numbers. The keyless map is e = γ×M/|M|, γ̃_i = σ_ie_i/(g̃√(1 − da_i)), M̃ =
-|M|γ̃ × (σ_ig√(1 − da_i)γ_i). A multiple of the state's own divisor, for which no such formula stands here, is compared
-with the step over MP(60). Tilted states: H1 and H2 are kept. Over GF(p) the differential of a step takes the field of
-the motion in τ, written out here in Python's ints, to itself, that of a multiple to so many times itself.
+|M|γ̃ × (σ_ig√(1 − da_i)γ_i). Multiples of the state's own divisor have no such formula here; they are compared with the
+step over MP(60). For tilted states, H1 and H2 are kept. Over GF(p), the differential of a step takes the vector field
+of the motion in τ to itself, and that of a multiple m to m times itself; the field is written out here in Python's
+ints.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ def image(start: Motion, gamma: Any, M: Any, points: Any, sheets: Any, factors: 
             if C.re(turned) < 0:
                 G[i], n[i] = -G[i], -n[i]
     else:
-        # one point: the package chooses the other lift
+        # for one point the package chooses the other lift
         G, n = [-x for x in G], [-x for x in n]
     return [C.re(x) for x in body.state(G, n)]
 
@@ -163,7 +164,9 @@ def _case(setup: str, start: Motion, formula: Any) -> Case:
 
 
 def judged(got: np.ndarray, start: Motion, formula: Any) -> Complaint | None:
-    """Against a formula of (γ, M, factors); one unit in the last place of the inputs by three changes of them."""
+    """Compares with a formula of (γ, M, factors); the effect of one unit in the last place is found from three changes
+    of the inputs.
+    """
     gamma, M = _constrained(start.gamma, start.M)
     truth = formula(gamma, M, (1,) * 4)
     size = C.sqrt(sum(m * m for m in M))
@@ -252,7 +255,7 @@ def _same_level(row: list[float], start: Motion) -> Complaint | None:
 
 
 def against_motion(rng: Random) -> Case:
-    """A step over GF(p) and the motion in τ, of bodies, states and points for which all roots are in GF(p)."""
+    """A step over GF(p) and the motion in τ, for bodies, states and points whose roots are all in GF(p)."""
     rolls, multiple = rng.random() < 0.6, rng.choice((1, 1, 2, -3, 7, 10**9, 10**400 + 1))
     name = rng.choice(
         ["two points", "keyless", "multiplication"]
@@ -292,7 +295,9 @@ def against_motion(rng: Random) -> Case:
 
 
 def _exact_body(rng: Random, p: int, rolls: bool, even: bool) -> tuple[tuple[int, int, int], int]:
-    """Three different moments and d, every 1 − da_i a square: I = dt²/(1 − t²); with all κ_i squares if ``even``."""
+    """Three different moments and d with every 1 − da_i a square: I = dt²/(1 − t²). With ``even``, all κ_i are squares
+    too.
+    """
     while True:
         d = rng.randrange(1, p) if rolls else 0
         t = [rng.randrange(2, p - 1) for _ in range(3)]
@@ -307,7 +312,7 @@ def _exact_body(rng: Random, p: int, rolls: bool, even: bool) -> tuple[tuple[int
 
 
 def _exact_state(rng: Random, p: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """γ on the sphere, M across it."""
+    """γ on the sphere, M orthogonal to it."""
     while True:
         x, y = rng.randrange(1, p), rng.randrange(1, p)
         length = 1 + x * x + y * y
@@ -319,7 +324,7 @@ def _exact_state(rng: Random, p: int) -> tuple[tuple[int, ...], tuple[int, ...]]
 
 
 def _exact_step(rng: Random, p: int, name: str, multiple: int, state: Any) -> str | None:
-    """A step of that kind for which a state has an image; None where none was found."""
+    """A step of that kind under which the state has an image; None where none was found."""
     a, d, gamma, M, h1, h2 = state
     draw = lambda: rng.randrange(1, p)  # noqa: E731
     is_square = lambda x: pow(x, (p - 1) // 2, p) == 1  # noqa: E731
@@ -358,7 +363,7 @@ def _moves_alike(got: Any, p: int, inertia: Any, d: int, gamma: Any, M: Any, fac
         return Complaint("H1 and H2 are others", "system.integrals(state)", "system.integrals(got[1]) == expected")
     pushed = [sum(x * y for x, y in zip(row, here, strict=True)) % p for row in rows]
     wanted = [x * (factor or 1) % p for x in there]
-    # a conic step through a plane point leaves the motion of M alone
+    # a conic step through a plane point does not change the motion of M
     if pushed[3 if not factor else 0 :] == wanted[3 if not factor else 0 :]:
         return None
     return Complaint("the motion in τ is another", f"{wanted}", f"{pushed} == expected")

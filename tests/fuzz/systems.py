@@ -1,7 +1,8 @@
 """Fuzz of the systems of ``integrable.classical``: states in floats at near times, at many, and far away.
 
 Errors are judged as in :mod:`tests.fuzz.flow`, with q and p relative to their largest component. Near states are
-compared with integration, far ones with the flow in 30 digits, from inputs changed by less than a float resolves.
+compared with an integration, far ones with the flow in 30 digits; the effect of the inputs' last places is found there
+from changes below the resolution of floats.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ def signed(rng: Random, low: int, high: int) -> float:
 
 
 def axes(rng: Random, count: int, scale: float) -> tuple[float, ...]:
-    """Different positive numbers: of one size, over decades, or some of them close."""
+    """Different positive numbers: of one size, spread over decades, or some of them close."""
     spread = rng.choice((1, 1, 1, 3, 8))
     found = [scale * magnitude(rng, -spread, spread) for _ in range(count)]
     if count > 1 and rng.random() < 0.2:
@@ -55,7 +56,7 @@ def direction(rng: Random, size: int) -> list[float]:
 
 
 def across(rng: Random, normal: list[float], speed: float) -> tuple[float, ...]:
-    """A vector of about that length at right angles to ``normal``."""
+    """A vector of about the length ``speed``, orthogonal to ``normal``."""
     v = direction(rng, len(normal))
     for _ in range(3):
         along = dot(normal, v) / dot(normal, normal)
@@ -180,7 +181,7 @@ def near(name: str, rng: Random) -> Case:
 
 
 def many(name: str, rng: Random) -> Case:
-    """So many times that tables, a torus or one run over all of them may be used."""
+    """Enough times for tables, a torus or one run over all of them."""
     motion = started(rng, name)
     first, last = sorted(times(rng, motion, 2, -3, 6))
     wanted = np.linspace(first, last, 120).tolist()
@@ -188,7 +189,7 @@ def many(name: str, rng: Random) -> Case:
 
 
 class Precise:
-    """``rows`` and ``floor`` as those of :class:`Integrated`, by the flow over MP(30)."""
+    """``rows`` and ``floor`` as in :class:`Integrated`, by the flow over MP(30)."""
 
     def __init__(self, motion: Motion) -> None:
         self.motion = motion

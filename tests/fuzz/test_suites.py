@@ -34,7 +34,7 @@ def test_a_curve_without_points_of_the_size_asked_for_has_others():
 
 
 def test_a_wrong_sign_is_noticed(monkeypatch, capsys):
-    # not with the patch below
+    # warmed before the patch below
     suite_of("flow").warmed()
     right = Flow.at
 
@@ -177,11 +177,11 @@ def test_a_few_cases(name):
     assert not tally.failures, tally.failures[0]
 
 
-# suites and as many cases of them as take about a minute; --cases runs any number
+# suites and the number of cases that takes about a minute; --cases runs any number
 MANY = {"engine": 250, "flow": 400, "systems": 60, "inexact": 300, "calls": 6000, "command": 2000, "outside": 120}
 
 
-# motions whose oracle is a formula; the other oracles take minutes without heyoka
+# kinds whose oracle is a formula; the other oracles take minutes without heyoka
 FORMULAS = (
     "symmetric top", "symmetric ball", "three equal", "top", "close top", "far", "multiprecision", "straight contact",
     "translation", "keyless", "multiplication", "tilted step", "far tilde", "far check", "far hat",

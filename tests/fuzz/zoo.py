@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 def listed(text: str) -> tuple[str, ...]:
-    """The parts between bars and line ends."""
+    """The parts of a text between bars and line ends."""
     return tuple(part.strip() for line in text.strip().splitlines() for part in line.split("¦"))
 
 
@@ -60,12 +60,12 @@ ensemble.d: 0.7 ¦ member: 0 ¦ sweep.what: many ¦ sweep.out: 'run.zarr' ¦ exe
 progress: False ¦ X: 0.5 ¦ zeta: 0.2 ¦ Z: 0.3 ¦ added.multiple: 3
 """)
 )
-# whose methods are called
+# objects whose methods are called
 OBJECTS = listed("""
 C ¦ Q ¦ J ¦ L ¦ D ¦ B ¦ A ¦ N ¦ R ¦ r ¦ U ¦ G ¦ g ¦ S ¦ T ¦ Z ¦ W ¦ Y ¦ ball ¦ top ¦ exact ¦ flow ¦ spin ¦ tilde ¦ hat
 gyro ¦ bent ¦ many ¦ step ¦ keyless ¦ diagram ¦ rolling
 """)
-# what is called itself
+# functions and classes that are called themselves
 CALLED = listed("""
 T ¦ Z ¦ J ¦ R ¦ step ¦ keyless ¦ ball.multiplication(3) ¦ multiplied ¦ added
 """)
@@ -98,7 +98,7 @@ FIXED = {
     "W": ("u", "v"),
     "Y": ("u", "v", "weights"),
 }
-# what no package exports at its top
+# names that are not exported at the top of a package
 IMPORTED = {
     "RayClassGroup": "jacobian.relatives.ray_class",
     "AbelMap": "jacobian.periods.abel",
