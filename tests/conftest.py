@@ -6,8 +6,8 @@ import pytest
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Tests of a file stay in one worker, so set-up and compilation are done once; idle workers take over from busy
-    ones.
+    """Keeps the tests of a file in one worker, so that set-up and compilation are done once; idle workers take files
+    from busy ones.
     """
     if config.getvalue("dist") != "load":
         return None

@@ -6,14 +6,16 @@ import pytest
 
 
 def assert_says(call, kind, begins, contains):
-    """The call raises an error of this kind, whose message begins with the mistake and names what is accepted."""
+    """Asserts that the call raises an error of this kind whose message begins with the mistake and names what is
+    accepted.
+    """
     with pytest.raises(kind, match="^" + re.escape(begins)) as caught:
         call()
     assert contains in str(caught.value)
 
 
 class Raising:
-    """An object that raises its own error whatever is asked of it."""
+    """An object that raises its own error in every operation."""
 
     def __iter__(self):
         raise RuntimeError("no iteration")

@@ -1,7 +1,8 @@
-"""Rooms, arrows and homes: no import leads in a circle, no room is a corridor, every public name has one home.
+"""Rooms, arrows and homes: imports have no cycles, rooms have at most twenty files, every public name has one
+home.
 
-Counted are all imports, those inside functions and under TYPE_CHECKING too. The exceptions are the packages themselves,
-whose public names are imported when they are used, and the facades of pyproject.toml.
+All imports count, including those inside functions and under TYPE_CHECKING. The exceptions are the packages themselves,
+whose public names are imported on first use, and the facades listed in pyproject.toml.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ PACKAGES = ("jacobian", "integrable")
 PAGES = sorted((ROOT / "docs" / "rooms").rglob("*.md"))
 MOST_FILES = 20
 MOST_LINES, MOST_PARAMETERS = 40, 8
-# compiled loops and their callees, where an argument costs only a register
+# compiled loops and the functions that they call, in which an argument costs only a register
 LONG = {
     "integrable.moving_point.short.panel",
     "integrable.moving_point.short_compiled.entry",
@@ -34,7 +35,7 @@ LONG = {
     "jacobian.numbers.words.dot4",
     "jacobian.numbers.words_compiled._dot4",
 }
-# files of a package outside the rooms: below them, above them, or public names of their contents
+# files of a package outside the rooms, which are below the rooms, above them, or collect their public names
 OUTSIDE = {
     "jacobian": {
         "__init__",
@@ -106,7 +107,7 @@ def imported(name: str) -> set[str]:
 
 
 def circles(edges: dict[str, set[str]]) -> list[set[str]]:
-    """The strongly connected parts of more than one module (Kosaraju 1978)."""
+    """The strongly connected components of more than one module (Kosaraju 1978)."""
 
     def reached(start: str, along: dict[str, set[str]], seen: set[str]) -> list[str]:
         order, stack = [], [(start, iter(sorted(along[start])))]
@@ -145,7 +146,9 @@ def test_no_imports_lead_in_a_circle():
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_rooms(package):
-    """Every file lies in a room of at most twenty files, whose ``__init__`` says what is in it; tests have the same."""
+    """Every file lies in a room of at most twenty files whose ``__init__`` describes its contents; the tests have the
+    same rooms.
+    """
     assert {path.stem for path in (ROOT / package).glob("*.py")} == OUTSIDE[package]
     rooms = {path.parent for path in (ROOT / package).rglob("*.py")} - {ROOT / package}
     for room in rooms:
@@ -181,8 +184,8 @@ def test_what_is_public_in_a_room_has_one_home(name):
 
 
 def test_a_class_or_function_of_motions_has_a_name_of_its_own():
-    """No two modules of the rooms that motions are made in define one of the same name, but for those listed: the loops
-    of a walk and the same along a tape, and the state that a walk asks for.
+    """No two modules of the rooms for motions define a class or function of the same name, except those listed: the
+    loops of a walk and of a tape, and the state that a walk needs.
     """
     found = defaultdict(list)
     for module in modules():
@@ -206,7 +209,7 @@ def defined(name: str) -> set[str]:
 
 
 def words_of(name: str) -> set[str]:
-    """The words of a module's code, in its texts too, without its docstrings and the names that it defines."""
+    """The words of a module's code and strings, without its docstrings and the names that it defines."""
     documented = {
         id(node.body[0].value)
         for node in ast.walk(tree(name))
@@ -223,7 +226,7 @@ def words_of(name: str) -> set[str]:
 
 
 def test_nothing_is_there_for_tests_alone():
-    """A function, class or method that no code uses must be for users, and a page must mention it."""
+    """A function, class or method that no code uses must be meant for users, so a page must mention it."""
     pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
     used = {word for page in pages for word in re.findall(r"\w+", page.read_text(encoding="utf-8"))}
     used = used.union(*map(words_of, modules()))
@@ -257,7 +260,7 @@ def test_functions_fit_on_a_screen_and_take_few_arguments():
 
 
 def test_every_room_has_a_page():
-    """In docs/rooms: its purpose, its words, its input and output, where to start reading, and lines that run."""
+    """In docs/rooms: its purpose, its vocabulary, its input and output, where to start reading, and lines that run."""
     pages = {path.relative_to(ROOT / "docs" / "rooms").with_suffix("").as_posix() for path in PAGES}
     folders = {path.parent for name in PACKAGES for path in (ROOT / name).rglob("*") if path.is_file()}
     rooms = {path.relative_to(ROOT).as_posix() for path in folders if "__pycache__" not in path.parts} - set(PACKAGES)

@@ -1,8 +1,8 @@
 """Messages of errors write arguments and their parts by ``shown`` or ``written``, which cannot fail.
 
-``str`` of an int of more than 4300 digits raises a ValueError of Python's own, and a message may not be a page long. A
-name is an argument where a function takes it as a number, or as anything, and where it is made of one by arithmetic or
-by what checks and reads numbers. Attributes are arguments too, unless they are named below.
+``str`` of an int of more than 4300 digits raises Python's own ValueError, and a message must not be a page long. A name
+counts as an argument if a parameter of this name may be a number, or if it is computed from an argument by arithmetic
+or by functions that check and read numbers. Attributes count as arguments too, unless they are listed below.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ WRITERS = {
     "text",
     "suggestion",
 }
-# usual names of arguments, small numbers and parts of messages
+# common names of small numbers and of parts of messages
 NAMES = {"digits", "i", "k", "most", "name", "argument", "wanted", "width"}
-# annotations of types that are no numbers, or that shorten large numbers in their own text
+# annotations of types that are no numbers, or whose own text shortens large numbers
 TEXTS = {
     "Ball", "Body", "Divisor", "Exception", "FormalSum", "GroupLaw", "HyperellipticCurve", "Jacobian",
     "JacobianError", "KummerSurface", "Path", "RayClass", "Step", "System", "bool", "date", "str",
@@ -40,9 +40,10 @@ SMALL = {
     "message", "model", "name", "named", "ndim", "order", "parameter", "path", "place", "prime", "reasons", "region",
     "scene", "shape", "source", "suffix", "system", "target", "time",
 }  # fmt: skip
-# functions that convert a number to another
+# functions that convert one number to another
 READERS = {"abs", "check_scalar", "check_scalars", "coerce", "entries", "list", "map", "sorted", "tuple", "whole"}
-# the compiler and what is compiled, and modules whose messages have what other rooms have checked: floats, digits, rows
+# the compiler and compiled modules, and modules whose messages contain values that other rooms have checked: floats,
+# digits, rows
 LOW = (
     "jacobian.native.", "jacobian.numbers.", "integrable.oracles.", "integrable.ensembles.computing",
     "integrable.ensembles.members", "integrable.motion.contact", "integrable.motion.domain",
@@ -53,7 +54,7 @@ LOW = (
 
 
 def arguments_of(function: ast.FunctionDef) -> set[str]:
-    """The parameters that may be numbers, and the names that numbers made of them have."""
+    """The parameters that may be numbers, and the names of numbers computed from them."""
     given = [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]
     found = {a.arg for a in given if a.arg != "self" and not _is_text(a.annotation)}
     more = True
@@ -92,7 +93,7 @@ def _parts(value: ast.expr) -> list[ast.expr]:
 
 
 def _is_number_of(value: ast.expr, found: set[str]) -> bool:
-    """Whether an expression is an argument, or made of one by arithmetic and by what reads numbers."""
+    """Whether an expression is an argument, or is computed from one by arithmetic and functions that read numbers."""
     match value:
         case ast.Name(id=name):
             return name in found
@@ -113,8 +114,8 @@ def _is_number_of(value: ast.expr, found: set[str]) -> bool:
 
 
 def unsafe(function: ast.FunctionDef) -> Iterator[ast.FormattedValue]:
-    """What the messages raised by a function format without a writer, although it may be a number given by the
-    caller.
+    """The values in messages of a function that are formatted without a writer, although they may be numbers given by
+    the caller.
     """
     statements = [node for node in ast.walk(function) if isinstance(node, ast.Raise)]
     # only floats have a format specification, and their text is short
@@ -130,7 +131,7 @@ def _may_fail(value: ast.expr, found: set[str]) -> bool:
         return value.attr not in SMALL and not value.attr.isupper()
     if isinstance(value, ast.Call):
         inside = [*value.args, *(k.value for k in value.keywords)]
-        # for joined parts the writer is mapped over them
+        # joined parts are safe if a writer is mapped over them
         safe = ast.unparse(value.func) in WRITERS | {"float"} or "map(written, " in ast.unparse(value)
         return not safe and any(_may_fail(x, found) for x in inside)
     if isinstance(value, ast.BinOp):

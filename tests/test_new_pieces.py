@@ -1,4 +1,4 @@
-"""One example of each addition that CONTRIBUTING describes, added as it says: a field, a system, a scene, a
+"""One example of each addition that CONTRIBUTING describes, made in the way described: a field, a system, a scene, a
 comparator.
 """
 
@@ -19,7 +19,7 @@ from integrable.systems.system import System
 from jacobian import RR, Field, HyperellipticCurve, NotASquare
 from tests.integrable.scene_texts import BALL
 
-# --- a field: a class that meets the protocol
+# --- a field: a class that implements the protocol
 
 
 class GaussianRationals:
@@ -89,7 +89,7 @@ def test_a_new_field():
     assert 5 * D == D + D + D + D + D
 
 
-# --- a system: its constants, on the phase space that all share
+# --- a system: its constants, on the common phase space
 
 
 class Marble(System):
@@ -122,7 +122,7 @@ def test_a_new_scene(tmp_path):
     assert (run(path).gamma == true.gamma).all()
 
 
-# --- a comparator: a way to advance, and a row of METHODS
+# --- a comparator: a function that advances a state, and a row of METHODS
 
 
 class Heun(Method):

@@ -18,13 +18,13 @@ from tests.browser import opened
 
 ROOT = Path(__file__).parents[1]
 SITE = Path(os.environ.get("SITE", ROOT / "build" / "site"))
-MOST = 2_000_000  # bytes of a page with all that it loads, but for the pages that move
+MOST = 2_000_000  # the most bytes of a page with all that it loads, except animated pages
 
 pytestmark = pytest.mark.skipif(not (SITE / "index.html").exists(), reason="no site: python docs/build.py makes one")
 
 
 class Page(HTMLParser):
-    """What a page links to, loads and shows."""
+    """The links of a page, the files that it loads, and its text."""
 
     def __init__(self, path: Path) -> None:
         super().__init__()
@@ -64,7 +64,7 @@ def test_every_scene_has_its_page_with_a_picture():
 
 
 def test_the_start_of_a_motion_is_seen_in_its_picture():
-    """A picture keeps few colours; the small dot's is among them."""
+    """The palette of a picture has few colours; the colour of the small dot is one of them."""
     image = pytest.importorskip("PIL.Image")
     loaded = next(load for load in page(SITE / "gallery" / "chaplygin.html").loads if load.endswith("/chaplygin.png"))
     with image.open(SITE / "gallery" / loaded) as picture:
@@ -124,7 +124,7 @@ def test_formulas_are_mathml():
 
 
 def test_the_landing_page_begins_with_a_ball_that_rolls():
-    """Data and script of it are a light part of the page, before its text."""
+    """Its data and script are a small part of the page and come before the text."""
     page_text = (SITE / "index.html").read_text(encoding="utf-8")
     start = page_text.index('<figure class="rolling">')
     ball = page_text[start : page_text.index("</figure>", start)]
@@ -187,7 +187,7 @@ def test_pages_open_in_a_browser(width):
 
 @pytest.mark.slow
 def test_tables_are_sorted_by_a_click():
-    """By run time, the shortest first; by a second click the longest first."""
+    """A click sorts by run time, shortest first; a second click puts the longest first."""
     column = """() => { const t = document.querySelector('.sortable table');
         const k = [...t.tHead.rows[0].cells].findIndex(c => c.textContent.trim() === 'run time');
         t.tHead.rows[0].cells[k].querySelector('button').click();

@@ -1,4 +1,4 @@
-"""What a type checker infers in a user's script: the types of values, and a misspelt name before it runs."""
+"""A type checker on a user's script: it infers the types of values and finds a misspelt name before the script runs."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def test_what_mypy_knows_of_a_script(tmp_path):
     answers: dict[int, str] = {}
     for line, text in re.findall(r"^.*script\.py:(\d+): (.*)$", said, re.MULTILINE):
         answers[int(line) - first] = answers.get(int(line) - first, "") + text
-    # nothing is said of the script itself
+    # mypy has no complaint about the script itself
     assert min(answers) >= 0, said
     for i, (text, kind) in enumerate(KNOWN.items()):
         found = re.sub(r"\b(?:[a-z_]\w*\.)+(?=[A-Za-z])", "", answers[i])

@@ -1,4 +1,4 @@
-"""The style guide of CONTRIBUTING.md as far as a machine can hold it; a person reads the rest."""
+"""The rules of the style guide in CONTRIBUTING.md that a program can check; the others need a reader."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-# made by `integrable report`, whose words are in integrable/study
+# made by `integrable report`, from texts in integrable/study
 MADE = {"docs/error_against_run_time.md"}
 PAGES = sorted(
     str(path.relative_to(ROOT))
@@ -21,7 +21,7 @@ PAGES = sorted(
     )
     if str(path.relative_to(ROOT)) not in MADE
 )
-# words at most; the guide asks for 25 and 99. Pages are held closer than docstrings, which name more
+# the most words; the guide asks for 25 and 99. Limits for pages are lower than for docstrings, which contain more names
 SENTENCE, OF_A_PAGE, PARAGRAPH = 40, 30, 99
 
 
@@ -46,7 +46,9 @@ def paragraphs(text: str) -> Iterator[str]:
 
 
 def sentences(paragraph: str) -> list[str]:
-    """Parts that end with a full stop, a question mark, a colon or a semicolon before what can begin a sentence."""
+    """The parts that end with a full stop, a question mark, a colon or a semicolon before a possible beginning of a
+    sentence.
+    """
     return re.split(r"(?<=[.?!;:])[*\")\]]*\s+(?=[^a-z\W]|[*\[(\"]|X )", paragraph)
 
 
@@ -83,7 +85,7 @@ MODULES = sorted(path for room in ("jacobian", "integrable") for path in (ROOT /
 
 
 def docstrings(tree: ast.Module) -> Iterator[tuple[str, str]]:
-    """(name, text) of the module and of public names in it; lines that are set off are formulas or code."""
+    """(name, text) for the module and its public names, without indented lines, which are formulas or code."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and (text := ast.get_docstring(node)):
             name = getattr(node, "name", "module")
@@ -115,7 +117,7 @@ TUTORIALS = [f"docs/start/{name}.md" for name in ("neither", "bodies", "curves")
 
 @pytest.mark.parametrize("page", ["README.md", "docs/index.md", *TUTORIALS])
 def test_the_front_pages_tell_one_story(page):
-    """Any time is a few additions away: not one, not two, not twenty doublings."""
+    """All say that any time is a few additions away: not one, not two, not twenty doublings."""
     text = " ".join(read(page).lower().split())
     assert "means adding a" in text or "means **adding a" in text
     assert "few additions reach any time" in text
@@ -135,7 +137,7 @@ def test_what_is_too_long_is_found():
 
 
 def glossary_parts() -> list[list[str]]:
-    """The words of the field, and our own."""
+    """The two parts of the glossary: the words of the field, and our own."""
     blocks = re.findall(r"^```\{glossary\}\n(.*?)^```", read("docs/glossary.md"), re.M | re.S)
     return [[line for line in block.splitlines() if line and line[0] != " "] for block in blocks]
 

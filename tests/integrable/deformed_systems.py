@@ -28,7 +28,7 @@ SYSTEMS = {
 
 
 class OverJets:
-    """The scalars of a state as jets in (γ, M), for derivatives of any formula in them."""
+    """The scalars of a state as jets in (γ, M): they give the derivatives of any formula in these scalars."""
 
     def __init__(self, system: Any, state: Any, d: Any = None) -> None:
         self.system, self.state, self.field = system, state, system.field
@@ -42,7 +42,7 @@ class OverJets:
 
     def pair(self) -> Any:
         """(H, K) as jets."""
-        # jets for the one call: values do not change otherwise
+        # constants are jets during this call only
         vars(self.system)["_constants"] = lambda _: self.constant
         try:
             return self.system.pair(self.q, self.terms)
@@ -62,8 +62,8 @@ KINDS = ("tilde", "tilde, d", "check", "hat", "poles")
 
 
 def random_deformation(kind: str, rng: Random, mild: bool = False) -> tuple[Any, State]:
-    """A system over RR that has a flow and a state of it, of one of the ``KINDS``; moments within a factor of 300, of 4
-    if ``mild``.
+    """A system over RR of one of the ``KINDS``, with a flow, and a state of it; the moments are within a factor of 300,
+    or of 4 if ``mild``.
     """
     width = 0.6 if mild else 2.5
     inertia = [10 ** rng.uniform(-width / 2, width / 2) for _ in range(3)]

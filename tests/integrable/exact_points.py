@@ -28,7 +28,7 @@ def over_fields(fields: dict[str, Any] = FIELDS) -> Any:
 
 
 def attempt(make: Callable[[], Any], attempts: int = 2000) -> Any:
-    """The first result of ``make``; special positions and missing roots are skipped."""
+    """The first result of ``make``; attempts that meet special positions or missing roots are skipped."""
     for _ in range(attempts):
         try:
             return make()
@@ -142,7 +142,7 @@ def phase(system: Any, state: Any, numbers: Any = None) -> Phase:
 
 
 def tilted_phase(K: Any, rng: Random, kind: str = "ball") -> tuple[Any, Phase]:
-    """(system, point) at a random (γ, M) = c."""
+    """(system, point) with a random (γ, M) = c."""
     system, state = random_case(K, rng, kind)
     point = phase(system, state)
     N = point.g.field

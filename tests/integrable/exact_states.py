@@ -19,7 +19,7 @@ SYSTEMS = {
 
 
 def systems():
-    """The mark of a test that takes ``system``, a function that makes one: every body over every field."""
+    """The mark of a test with a parameter ``system``, a function that makes one: every body over every field."""
     return pytest.mark.parametrize(
         "system",
         [
@@ -59,7 +59,7 @@ def random_state(system: Any, rng: Any) -> State:
 
 
 def until_defined(make: Callable[[], Any], attempts: int = 200) -> Any:
-    """The first result of ``make`` without NotASquare: half of the abscissas carry no point of the curve."""
+    """The first result of ``make`` without NotASquare: over half of the abscissas there is no point of the curve."""
     for _ in range(attempts):
         try:
             return make()

@@ -137,7 +137,7 @@ def values_over(K):
 
 
 def other_values():
-    """What belongs to no field of FIELDS."""
+    """Values that belong to no field of FIELDS."""
     exact = ChaplyginBall((1, 2, 4), 1, field=GF(10007))
     many = ensemble(ChaplyginBall((1, 2, 4), 0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), d=(0.7, -1, 0.5))
     values = {"scene": load_scene("chaplygin"), "exact ball": exact, "exact step": exact.torsion()}

@@ -27,7 +27,7 @@ repeat = 1
 pictures = ["sphere", "work_precision"]
 sphere = { until = 5, count = 50 }
 """
-# numbers in every form, no title
+# numbers in every form, and no title
 MIXED = """
 system = "chaplygin_ball"
 [body]

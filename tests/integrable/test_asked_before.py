@@ -16,7 +16,7 @@ MOTIONS = [name for name in scene_names() if not load_scene(name).finite_field]
 
 
 def bits(run: Any) -> Any:
-    """The result of a run, or why it is refused."""
+    """The bits of a run, or the message of its refusal."""
     try:
         found = run()
     except (PrecisionLoss, Infeasible) as error:
@@ -25,7 +25,7 @@ def bits(run: Any) -> Any:
 
 
 def same(name: str, digits: int, *requests: Any) -> None:
-    """The first request, then all, then all in another order, and each with a fresh flow."""
+    """Makes the first request, then all, then all in another order, and each with a fresh flow, and compares."""
     system, state = in_doubles(load_scene(name)).start(digits)
     alone = [bits(lambda t=t: system.motion_through(state).at(t)) for t in requests]
     flow = system.motion_through(state)

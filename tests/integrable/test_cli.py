@@ -1,4 +1,4 @@
-"""The command: what it prints, what it writes, and one line for every error."""
+"""The command: its output, its files, and one line for every error."""
 
 from __future__ import annotations
 
@@ -65,9 +65,9 @@ def test_a_run_with_everything(here, capsys):
     captured = capsys.readouterr()
     assert "20 digits" in captured.out
     assert "SciPy DOP853" in captured.out
-    assert "ball: " in captured.err  # the bar
-    assert "8/8" in captured.err  # the truth of doubles among them
-    assert main(["run", "ball.toml", "--force"]) == 0  # and again, over the same files
+    assert "ball: " in captured.err  # the progress bar
+    assert "8/8" in captured.err  # including the truth for doubles
+    assert main(["run", "ball.toml", "--force"]) == 0  # again, over the same files
     assert "ball: " not in capsys.readouterr().err  # no terminal, no bar
 
 
@@ -103,7 +103,7 @@ def test_what_is_wrong_gets_one_line_and_exit_code_2(here, capsys, what):
     (here / "ball.toml").write_text((BALL + REPORT).replace(old, new, 1), encoding="utf-8")
     try:
         code = main(["run", "ball.toml", *options])
-    except SystemExit as stop:  # argparse's way out
+    except SystemExit as stop:  # argparse ends with SystemExit
         code = stop.code
     captured = capsys.readouterr()
     assert code == 2
@@ -145,7 +145,7 @@ def test_an_output_that_cannot_be_written_gets_one_line(here):
 
 
 def test_a_folder_of_too_long_a_name_gets_one_line(here, capsys):
-    """Whether a result is there already was asked before, and ended in an OSError."""
+    """The check for an existing result used to raise an OSError."""
     assert main(["run", "ball.toml", "--quiet", "--out", 300 * "x"]) == 2
     assert capsys.readouterr().err.count("\n") == 1
 
@@ -200,7 +200,7 @@ def test_version_and_help(capsys):
 
 
 def test_the_command_alone_says_what_one_can_do_next(here):
-    """It is not an error, it writes nothing, and every command that it names exists."""
+    """This is no error and writes no file, and every command that the text names exists."""
     done = subprocess.run([sys.executable, "-m", "integrable"], capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     named = [line.split()[1] for line in done.stdout.splitlines() if line.startswith("  integrable ")]
@@ -214,7 +214,7 @@ SCHEMA = Path(integrable.__file__).parent / "schemas" / "result.json"
 
 @pytest.fixture
 def valid():
-    """A check of a result against the published schema."""
+    """A function that checks a result against the published schema."""
     jsonschema = pytest.importorskip("jsonschema")
     schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator.check_schema(schema)
@@ -273,7 +273,7 @@ def test_scenes_as_json(capsys):
 
 
 def test_the_first_row_is_what_people_will_use(here, capsys):
-    """The result comes before its comparisons; and the table names the unit of its times."""
+    """The result comes before the comparisons, and the table names the unit of its times."""
     (here / "ball.toml").write_text(BALL + REPORT, encoding="utf-8")
     assert main(["run", "ball.toml", "--no-plots"]) == 0
     lines = capsys.readouterr().out.splitlines()
@@ -332,7 +332,7 @@ def test_help_fits_the_terminal():
 
 
 def test_no_bar_in_a_file(here):
-    """A bar was drawn into a redirected stderr."""
+    """A bar used to be drawn even if stderr was redirected."""
     line = [sys.executable, "-m", "integrable", "report", "ball.toml", "--quick", "--no-plots"]
     running = subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
     try:

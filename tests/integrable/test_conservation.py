@@ -12,7 +12,7 @@ from jacobian import MP
 K = MP(30)
 GAMMA, M = ("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488")
 TILTED = ("1.104", "2.18", "-0.528")
-# repelling for this start: the kinetic energies are indefinite, and the other sign may attract
+# repelling for this start; the kinetic energies are indefinite, so that the other sign may attract
 POLES = ("0.02", "0.04", "0.06")
 ATTRACTED = ("-0.02", "-0.04", "-0.06")
 
@@ -43,7 +43,7 @@ def drift(system, start, states):
 def start_of(name, system):
     if name != "hat, potential":
         return system.state(GAMMA, M)
-    # a quarter of M: with all of it a pole is met before T = 3
+    # a quarter of M: with the full M a pole is met before T = 3
     return system.state(GAMMA, [K.coerce(x) / 4 for x in M])
 
 
@@ -92,7 +92,7 @@ MAPS = {
 
 @pytest.mark.parametrize("name", MAPS)
 def test_the_integrals_of_every_map(name) -> None:
-    """Four steps; not the identity."""
+    """Along four steps of a map that is not the identity."""
     kind, make = MAPS[name]
     system = SYSTEMS[kind]() if name != "one curve of the tilde pair" else Tilde((1, 2, 4), "0.1", field=K)
     step, states = make(system), [start := system.state(GAMMA, M)]
@@ -108,7 +108,7 @@ def test_the_integrals_of_every_map(name) -> None:
 @pytest.mark.parametrize("kind", [Tilde, Check, Hat])
 @pytest.mark.parametrize("axis", range(3))
 def test_a_vanishing_gamma_on_the_curves(kind, axis) -> None:
-    """Flow and step through γ_i = 0."""
+    """The flow and the step pass through γ_i = 0."""
     system = kind((1, 2, 4), field=K)
     x = ["0.6", "0.8"]
     x.insert(axis, "0")
@@ -129,7 +129,7 @@ def test_a_vanishing_gamma_on_the_curves(kind, axis) -> None:
 
 @pytest.mark.parametrize("small", ["1e-3", "1e-8"])
 def test_a_body_near_the_limit_of_d(small) -> None:
-    """d → 1/max a_i, a moment of inertia going to 0: the tilde flow, its clock and its integrals."""
+    """As d → 1/max a_i a moment of inertia goes to 0: the tilde flow, its clock and its integrals."""
     system = Tilde((small, 1, 2), "0.7", field=K)
     start = system.state(GAMMA, M)
     run = system.flow(start).at(["0.25", "-0.1"])

@@ -24,7 +24,7 @@ def test_a_healthy_installation(capsys):
 
 @pytest.fixture
 def shared(tmp_path):
-    """A folder that both are installed into, ours after the other's."""
+    """A folder into which both are installed, ours after the other one."""
     for package in ("jacobian", "integrable"):
         (tmp_path / package).symlink_to(ROOT / package)
     folder = tmp_path / "jacobian-0.23.dist-info"

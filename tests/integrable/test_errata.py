@@ -40,7 +40,7 @@ def test_every_item_of_the_page_names_a_test() -> None:
 
 
 class Case:
-    """A ball's state with (u, p) in the field, everything with operators."""
+    """A ball's state with (u, p) in the field; all numbers have operators."""
 
     def __init__(self, K, seed, kind="ball") -> None:
         rng = Random(seed)
@@ -72,7 +72,7 @@ class Case:
 
 @over_fields()
 def test_item_1_the_bracket_has_the_other_sign(K) -> None:
-    """chap-poi, chap-br, e3-poi: as printed gΠdH is minus the motion."""
+    """chap-poi, chap-br, e3-poi: with the printed bracket, gΠdH is minus the motion."""
     for kind in ("ball", "top"):
         case = Case(K(), 1, kind)
         system, state, K_ = case.system, case.state, case.K
@@ -85,7 +85,7 @@ def test_item_1_the_bracket_has_the_other_sign(K) -> None:
         motion = (*rate.gamma, *rate.M)
         assert tuple(K_.mul(g, K_.dot(row, slope)) for row in ours) == motion
         assert tuple(K_.mul(g, K_.dot(row, slope)) for row in printed) == tuple(map(K_.neg, motion))
-        # with x-Trans it is the printed one that is not {u, p} = 1
+        # with x-Trans, the printed one does not give {u, p} = 1
         rows = differential(system, lambda s, y: _flat(s.separated(y)), state)
         assert pushed(K_, rows, ours) == canonical_matrix(K_) != pushed(K_, rows, printed)
 
@@ -119,7 +119,7 @@ def test_item_3_the_quadratures_have_no_factor_4(K) -> None:
 
 @over_fields()
 def test_item_3_the_quadratures_of_an_image_neither(K) -> None:
-    """chap-ab2: along the motion of a state the images (ũ, p̃) under a step have Σdũ/ỹ = dτ, Σũ dũ/ỹ = 0."""
+    """chap-ab2: along a motion, the images (ũ, p̃) under a step have Σdũ/ỹ = dτ, Σũ dũ/ỹ = 0."""
     K = K()
     rng = Random(30)
 
@@ -161,7 +161,7 @@ def test_items_4_and_5_the_decomposition_of_H1(K) -> None:
 
 @over_fields()
 def test_items_6_and_7_the_q_coordinates(K) -> None:
-    """The equation of q has "+" for the second "=", and quad-1 is the square of q̇ with 1 + q_l below."""
+    """In the equation of q the second "=" must be "+"; the correct quad-1 is q̇² with 1 + q_l in the denominator."""
     case = Case(K(), 6)
     q = wrapped(case.system, separation.to_chaplygin(case.system.body, case.point).u)
     speed = case.rates(lambda s, y: separation.to_chaplygin(s.body, s.separated(y)).u)
@@ -180,7 +180,7 @@ def test_items_6_and_7_the_q_coordinates(K) -> None:
 
 @over_fields()
 def test_item_8_g_in_the_change_of_time(K) -> None:
-    """The denominator is the product of all three 1 − da_i; read without the "(" that is missing it is not."""
+    """The denominator is the product of all three 1 − da_i; as printed, with a missing "(", it is not."""
     case = Case(K(), 8)
     x = case.x
     above = (1 - x.d * case.u[0]) * (1 - x.d * case.u[1])
@@ -190,7 +190,7 @@ def test_item_8_g_in_the_change_of_time(K) -> None:
 
 
 def _four_points(K, seed):
-    """(N, f, four points of the curve of a case), all abscissas different."""
+    """(N, f, four points of a case's curve with different abscissas)."""
     rng = Random(seed)
 
     def make():
@@ -227,7 +227,7 @@ def test_item_9_the_cubic(K) -> None:
 
 @over_fields()
 def test_item_10_the_cubic_meets_the_curve_in_two_more_points(K) -> None:
-    """g2-y and in-div: the further points are P''_1 and P''_2, no third or fourth one."""
+    """g2-y and in-div: the further points are only P''_1 and P''_2; there is no third or fourth."""
     N, f, points = _four_points(K(), 10)
     P = ()
     for i, (e, y) in enumerate(points):
@@ -269,7 +269,9 @@ def test_right_as_printed_the_integrals_and_the_separation(K) -> None:
 
 @over_fields()
 def test_item_11_one_minus_sign(K) -> None:
-    """y'' = −P and y'' = −φ(ũ)p̃ together make D̃ = −(D + D') and {ũ, p̃} = −1; with one of them D̃ = D + D'."""
+    """y'' = −P and y'' = −φ(ũ)p̃ together give D̃ = −(D + D') and {ũ, p̃} = −1; with only one of them,
+    D̃ = D + D'.
+    """
     K = K()
     rng = Random(11)
 
@@ -299,7 +301,9 @@ def test_item_11_one_minus_sign(K) -> None:
 
 @over_fields()
 def test_item_12_the_curve(K) -> None:
-    """Not monic of degree 2g + 2 with one P∞: degree 5, leading 4dh2; at d = 0 degree 4, genus 1, two P∞."""
+    """It is not monic of degree 2g + 2 with one P∞, but of degree 5 with leading coefficient 4dh2; at d = 0 of degree
+    4, genus 1, with two P∞.
+    """
     ball, top = Case(K(), 12), Case(K(), 12, "top")
     curve = ball.system.curve(ball.h1.value, ball.h2.value)
     assert (curve.genus, len(curve.f) - 1, curve.model) == (2, 5, "ramified")
@@ -399,7 +403,9 @@ def test_item_23_W_is_not_a_change_of_time(K) -> None:
 
 @over_fields()
 def test_items_24_to_26_the_parabola(K) -> None:
-    """comp-int has x'', y'' for x', y'; A_2, A_1 and the constant belong to (f − P²)/U; y'' = +P beside p̃ = −P/φ."""
+    """comp-int has x'', y'' instead of x', y'; A_2, A_1 and the constant belong to (f − P²)/U; y'' = +P contradicts p̃
+    = −P/φ.
+    """
     N, a, (u1, u2, p1, p2), (v1, v2, q1, q2), point = _sphere_case(K(), 24)
     f1, f2 = _phi(N, a, u1), _phi(N, a, u2)
     y1, y2 = f1 * p1, f2 * p2
@@ -413,7 +419,7 @@ def test_items_24_to_26_the_parabola(K) -> None:
         assert -_phi(N, a, x) * q == parabola(x) != -parabola(x)
     rows = [(x * x, x, x / x, y) for x, y in ((u1, y1), (u2, y2), (v1, parabola(v1)), (v2, parabola(v2)))]
     assert _determinant(rows) == 0
-    # the only P' is the plane point (0, 0); with any second one there is no relation
+    # the only P' is the plane point (0, 0); with any second point there is no relation
     rows[2:] = [(N.zero, N.zero, N.one, N.zero), (N.one, N.one, N.one, parabola(N.one) + 1)]
     assert _determinant(rows) != 0
     h1, h2 = (N.constant(h) for h in sphere.sphere_integrals(N.base, a, point))
@@ -476,7 +482,7 @@ def _determinant(rows):
 
 @over_fields()
 def test_items_27_and_28_the_hat_pair(K) -> None:
-    """Ĥ = ν1 + ν2, not half of it, has the printed metric; the printed K̂(u, p) is 4ν1ν2."""
+    """The printed metric belongs to Ĥ = ν1 + ν2, not to half of it; the printed K̂(u, p) is 4ν1ν2."""
     K = K()
     rng = Random(27)
 
@@ -504,19 +510,19 @@ def test_items_27_and_28_the_hat_pair(K) -> None:
 
 @over_fields()
 def test_item_31_the_rolling_constraint_belongs_to_a_vertical_that_points_down(K) -> None:
-    """The point of contact is at ∓rγ from the centre for γ up and down: there the body rests, and about it the momentum
-    is M = Iω + d(ω − (γ, ω)γ), the M of ω = A_γM.
+    """The point of contact is at −rγ from the centre if γ points up, at +rγ if it points down. The body is at rest
+    there, and its momentum about this point is M = Iω + d(ω − (γ, ω)γ), the M of ω = A_γM.
     """
     K = K()
     _, x = tilted_phase(K, Random(31))
     AM = x.AM
     spin = x.d * x.G * dot(x.gamma, AM)
     omega = [m + spin * a * y for m, a, y in zip(AM, x.a, x.gamma, strict=True)]
-    # mass 1 and r² = d: r·r alone occurs
+    # mass 1 and r² = d: only r·r occurs
     inertia = [1 / a - x.d for a in x.a]
 
     def at_contact(direction, sign):
-        """(velocity of the point of contact, momentum about it less M) over r and 1, for v = sign·r ω×γ."""
+        """(velocity of the point of contact over r, momentum about it less M), for v = sign·r ω×γ."""
         arm = [direction * y for y in x.gamma]
         velocity = [sign * y for y in _cross(omega, x.gamma)]
         slip = [v + y for v, y in zip(velocity, _cross(omega, arm), strict=True)]

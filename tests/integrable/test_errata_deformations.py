@@ -114,7 +114,9 @@ def test_item_20_the_pair_at_d_zero_is_two_times_and_a_quarter(upright) -> None:
 
 
 def test_item_21_the_cubic_potential_needs_its_square(upright) -> None:
-    """as + b(s³ − tr A·s²) commutes with the K' of the page; as + b·s³ with neither of the two that are named there."""
+    """as + b(s³ − tr A·s²) commutes with the K' of the page; as + b·s³ commutes with neither of the two functions named
+    there.
+    """
     q, jets = upright.q, upright.jets
     a, b = jets.constant(3), jets.constant(5)
     energy = q.m1 - q.s * q.m2 + a * q.s
@@ -126,7 +128,7 @@ def test_item_21_the_cubic_potential_needs_its_square(upright) -> None:
 
 
 def test_item_22_the_check_hamiltonian_subtracts_twice(upright) -> None:
-    """sH̃ − ξ² (or with Ĥ) does not commute with Ǩ, sH̃ − 2ξ² does."""
+    """Neither sH̃ − ξ² nor sĤ − ξ² commutes with Ǩ; sH̃ − 2ξ² does."""
     q, jets = upright.q, upright.jets
     square = q.xi * q.xi
     second = square * (q.s * q.m1 - square)
@@ -220,7 +222,7 @@ def test_item_28_the_second_hat_integral_is_four_times_the_product(seed) -> None
 
 
 def test_item_29_the_hat_flow_is_the_tilde_flow_of_the_inverse_matrix() -> None:
-    """Not new: γ' = Bγ/|Bγ|, B² = A^∨, takes Ĥ_A to e3·H̃ of A⁻¹; without the map the two differ."""
+    """The hat flow is not new: γ' = Bγ/|Bγ|, B² = A^∨, takes Ĥ_A to e3·H̃ of A⁻¹; without this map the two differ."""
     hat = Hat((1, 4, 9), field=FIELD)
     a1, a2, a3 = hat.a
     tilde, rng = Tilde(hat.a, field=FIELD), Random(4)

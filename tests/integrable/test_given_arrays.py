@@ -13,7 +13,7 @@ TENSOR = np.array([[0.11, 0.01, 0], [0.01, 0.12, 0.02], [0, 0.02, 0.13]])
 
 
 def test_tables_of_pandas_are_read_by_value_and_not_by_label():
-    """A DataFrame iterates over its labels: (1, 2, 3) were taken for three moments without a word."""
+    """A DataFrame iterates over its labels: the labels 1, 2, 3 used to be taken for three moments without an error."""
     pandas = pytest.importorskip("pandas")
     table = pandas.DataFrame(TENSOR, columns=[1, 2, 3], index=[1, 2, 3])
     assert RigidBody(table) == RigidBody(TENSOR)
@@ -76,7 +76,7 @@ def test_members_are_indexed():
 
 @pytest.mark.parametrize("which", [[[0], [0, 1]], np.ma.array([0, 1], mask=[False, True])], ids=["ragged", "masked"])
 def test_what_chooses_nothing_is_refused(which):
-    """Ragged lists were numpy's ValueError; a masked array selected what its mask hides."""
+    """Ragged lists raised numpy's ValueError; a masked array selected the rows that its mask hides."""
     many = ensemble(BALL, STATE.gamma, STATE.M, d=[0.7, 0.8])
     starts = laboratory_ensemble(RollingBall(TENSOR, 1.3, 0.5), np.eye(3), [(1, 2, 3), (3, 2, 1)])
     results = [many.at([0, 1]), starts.at([0, 1]), starts[0].at([0, 1]), BALL.flow(STATE).at([0, 1])]

@@ -1,5 +1,5 @@
-"""Ctrl-C: one line and exit code 130 from the moment the handler is installed, whatever is running; nothing is left
-behind.
+"""Ctrl-C: from the moment the handler is installed it gives one line and exit code 130, whatever is running, and leaves
+nothing behind.
 """
 
 import os
@@ -17,9 +17,9 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="an interrupt of one 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_at_once(command):
-    """An interrupt as soon as the handler is installed: one line, exit code 130, nothing left behind.
+    """An interrupt right after the handler is installed: one line, exit code 130, nothing left behind.
 
-    In the first quarter of a second there used to be tracebacks, exit codes −2, and interrupts without effect.
+    In the first quarter of a second, interrupts used to give tracebacks or exit code −2, or had no effect.
     """
     found = interrupted(command, 0.0, group=True)
     name = command.split()[0].rpartition(".")[2]
@@ -29,7 +29,7 @@ def test_at_once(command):
 @pytest.mark.parametrize("delay", [0.05, 0.15, 0.4, pytest.param(2.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("executor", ["threads", "processes"])
 def test_a_sweep(executor, delay):
-    """A sweep stops without tracebacks of its workers; it used to take six seconds, in which threads continued."""
+    """A sweep stops without tracebacks of its workers; threads used to continue for six seconds."""
     command = f"integrable sweep chaplygin --vary d=0:1:100000 --chunk 5000 --out out.zarr --executor {executor}"
     found = interrupted(command, delay, group=True)
     assert (found.code, found.err, found.out) == (130, "integrable: interrupted\n", "")
@@ -103,7 +103,7 @@ leave(3)
 
 
 def test_what_these_tests_start_listens_where_they_themselves_ignore_interrupts():
-    """Under ``nohup`` they failed, and waited ten minutes for processes that did not end."""
+    """Under ``nohup`` the tests failed, after ten minutes of waiting for processes that did not end."""
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         assert interrupted("integrable scenes", 0.0, group=True).code == 130
@@ -112,7 +112,7 @@ def test_what_these_tests_start_listens_where_they_themselves_ignore_interrupts(
 
 
 def test_interrupts_that_are_ignored_stay_so():
-    """``nohup``, and what a shell starts with &."""
+    """As under ``nohup``, or in a command started with &."""
     done = subprocess.run([sys.executable, "-c", IGNORED], capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (3, "on\n", "")
 
@@ -139,5 +139,5 @@ leave(0)
 
 
 def test_a_command_that_is_over_is_not_killed():
-    """Python's shutdown restores the default handler: a signal in its last 20 milliseconds gave exit code −2."""
+    """Python's shutdown restores the default handler: a signal in the last 20 ms used to give exit code −2."""
     assert interrupted_when_up(SLOW_END) == (0, b"")

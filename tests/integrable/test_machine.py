@@ -40,7 +40,7 @@ def here(tmp_path, monkeypatch):
 
 
 def integrable(*arguments, before="", **environment):
-    """The command in a process of its own, after a line of Python: exit code, output and errors as bytes."""
+    """The command in a separate process, after a line of Python: exit code, stdout and stderr as bytes."""
     code = f"{before}\nimport sys\nfrom integrable.__main__ import main\nsys.exit(main({list(arguments)!r}))"
     clean = {k: v for k, v in os.environ.items() if not k.startswith(("LC_", "LANG", "PYTHONIOENCODING", "PYTHONUTF8"))}
     # the process starts in another folder but must import the same sources
@@ -75,10 +75,10 @@ def test_every_terminal_gets_what_it_can_show(here, terminal):
     assert "Traceback" not in err.decode(encoding)
     title = {"ascii": "Backlund g, inf <= u", "cp1252": "Bäcklund g, inf <= µ", "utf-8": "Bäcklund γ, ∞ ≤ µ"}[encoding]
     assert shown.splitlines()[0] == title
-    # columns stay columns
+    # columns remain aligned
     head, row = (next(line for line in shown.splitlines() if line.startswith(word)) for word in ("setting", "exact"))
     assert len(head) == len(row)
-    # files are UTF-8 whatever the terminal is
+    # files are UTF-8 whatever the terminal's encoding
     folder = here / "runs" / "orbit"
     assert (folder / "report.txt").read_text(encoding="utf-8").startswith("Bäcklund γ, ∞ ≤ µ\n")
     assert json.loads((folder / "result.json").read_text(encoding="utf-8"))["scene"]["title"] == "Bäcklund γ, ∞ ≤ µ"
@@ -210,9 +210,10 @@ for name in ("killpg", "setpgid", "getpgid", "sched_getaffinity", "fork"):
 
 
 def test_a_study_without_what_only_posix_has(here, monkeypatch):
-    """Workers lack it too: sitecustomize runs in every Python that starts.
+    """Worker processes lack the POSIX modules too, since sitecustomize runs in every Python that starts.
 
-    On such a system filelock locks by another call; here, where that does not exist, by the existence of a file.
+    On such a system filelock uses another system call; here, where that call does not exist, it uses the existence of a
+    file.
     """
     (here / "site").mkdir()
     soft = "import filelock; filelock.FileLock = filelock.SoftFileLock\n"
@@ -251,7 +252,7 @@ def test_a_scene_of_a_name_that_windows_forbids(here):
 
 
 def test_rows_of_scenes_whose_names_differ_in_few_letters_are_kept_apart(here):
-    """Two scenes with one key would show the same result."""
+    """With equal keys, two scenes would show the same result."""
     base = load_scene("chaplygin")
     names = ("ä", "ö", "Ball", "ball", "ba ll", "ba_ll", "con", "con.x")
     keys = [row.key for name in names for row in tasks_of(replace(base, name=name), name, "quick")]
@@ -260,7 +261,7 @@ def test_rows_of_scenes_whose_names_differ_in_few_letters_are_kept_apart(here):
 
 
 def test_a_name_that_is_no_text_is_written_as_text(here):
-    """A file's name in another encoding reaches Python as surrogates, which no file of text may have."""
+    """A file's name in another encoding reaches Python as surrogates, which text files cannot contain."""
     name = os.fsdecode(b"b\xe4ll.toml")
     (here / name).write_text(ORBIT.replace('title = "Bäcklund γ, ∞ ≤ µ"', ""), encoding="utf-8")
     code, out, err = integrable("run", name, PYTHONIOENCODING="utf-8")
@@ -293,12 +294,12 @@ def test_each_run_of_a_method_is_a_piece_of_its_own(here):
 
 
 def test_the_truth_of_many_times_is_many_pieces(here):
-    """With mpmath alone it takes half a minute, during which the bar should move."""
+    """With mpmath alone the truth takes half a minute, during which the bar should move."""
     given = load_scene("ball.toml")
     many = replace(given, times=replace(given.times, given=tuple(range(50))))
     labels = []
     report, _ = measure(many, 20, labels.append)
-    # of the scene's own numbers, and of doubles, which DOP853 gets
+    # from the scene's own numbers, and from doubles, which DOP853 receives
     assert labels.count("truth, 30 digits") == 6
     assert len(labels) == pieces_of_work(many, 20)
     assert report.rows[0].error_gamma < 1e-18

@@ -1,4 +1,4 @@
-"""γ_i = 0, u1 = u2, equal moments, H1/H2 at its ends and at a2, thin and heavy bodies: right, or a named error."""
+"""γ_i = 0, u1 = u2, equal moments, H1/H2 at its extremes and at a2, thin and heavy bodies: right, or a named error."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def state_without(system, axis, rng):
 @KINDS
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_a_vanishing_gamma(kind, axis) -> None:
-    """Steps, the bracket and the divisor are regular at γ_i = 0; (u, p) is refused, u_k = a_i being a branch point."""
+    """Steps, the bracket and the divisor are regular at γ_i = 0; (u, p) is refused: u_k = a_i is a branch point."""
     K, rng = GF(2**61 - 1), Random(axis)
 
     def make():
@@ -63,8 +63,8 @@ def test_a_vanishing_gamma(kind, axis) -> None:
 
 @KINDS
 def test_equal_roots_of_U(kind) -> None:
-    """u1 = u2: the divisor is twice a point; steps and the divisor sum hold, (u, p) is refused by name."""
-    # −1 must be a square: over the reals u1 = u2 = a2 only
+    """u1 = u2: the divisor is twice a point; steps agree with sums of divisors, and (u, p) is refused by name."""
+    # a field in which −1 is a square: over the reals only u1 = u2 = a2 is possible
     K, rng = GF(509), Random(1)
     found = 0
     while found < 3:
@@ -88,7 +88,7 @@ def test_equal_roots_of_U(kind) -> None:
 @pytest.mark.parametrize("axis", [0, 1, 2])
 @KINDS
 def test_permanent_rotations(kind, axis) -> None:
-    """H1/H2 = a_i, M along an axis: the curve is singular, and exact steps say so; the keyless map holds."""
+    """H1/H2 = a_i, M along an axis: exact steps report that the curve is singular; the keyless map still exists."""
     K, rng = GF(2**61 - 1), Random(2)
 
     def make():
@@ -128,7 +128,7 @@ def test_real_permanent_rotations_step_or_say_why_not(system, axis) -> None:
 @pytest.mark.parametrize("moments", [(1, 1, 2), (2, 1, 1), (1, 2, 1), (2, 2, 2)])
 @KINDS
 def test_equal_moments(kind, moments) -> None:
-    """Real steps work on states; a computation of γ from a divisor says why it cannot."""
+    """Real steps of states exist; γ cannot be computed from a divisor, and the error says why."""
     system = ChaplyginBall(moments, 0.7) if kind == "ball" else EulerTop(moments)
     state = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     steps = [system.translation([0.3j, -0.3j]), system.keyless(), system.shift(lambda h1, h2: h1 * h2 / 8)]
@@ -191,7 +191,7 @@ def test_the_separatrix(kind) -> None:
 
 
 def test_the_separatrix_of_a_real_ball() -> None:
-    """H1/H2 = a2 at d ≠ 0: steps keep the integrals, the flow is that of the equations of motion."""
+    """H1/H2 = a2 at d ≠ 0: steps keep the integrals, and the flow agrees with the equations of motion."""
     ball, gamma = ChaplyginBall((1, 2, 3), 0.7), (0.48, 0.6, 0.64)
     e, f = (0.8, 0.0, -0.6), (-0.36, 0.8, -0.48)
 
@@ -201,7 +201,7 @@ def test_the_separatrix_of_a_real_ball() -> None:
 
     A, B, both = height(e), height(f), height([x + y for x, y in zip(e, f, strict=True)])
     mixed = (both - A - B) / 2
-    # the roots of the quadratic form on the plane of γ
+    # the zeros of the quadratic form on the plane orthogonal to γ
     slope = -(mixed + (mixed * mixed - A * B) ** 0.5) / B
     state = ball.state(gamma, [x + slope * y for x, y in zip(e, f, strict=True)])
     h1, h2 = ball.integrals(state)[2:]
@@ -224,9 +224,10 @@ def test_the_separatrix_of_a_real_ball() -> None:
 
 @pytest.mark.parametrize("small", [1e-3, 1e-8, 1e-12])
 def test_the_limit_of_d(small) -> None:
-    """d → 1/max a_i: a moment goes to 0, 1/d to a branch point; steps keep the integrals, and at 0 there is no body.
+    """As d → 1/max a_i, a moment goes to 0 and 1/d to a branch point; steps keep the integrals, and in the limit there
+    is no body.
 
-    The addition of (1/d, 0) loses the digits of 1 − da_i, its closed form :meth:`System.keyless` does not.
+    The addition of (1/d, 0) loses the digits of 1 − da_i; its closed form, :meth:`System.keyless`, does not.
     """
     ball = ChaplyginBall((small, 1, 2), 0.7)
     state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
@@ -245,7 +246,7 @@ def test_the_limit_of_d(small) -> None:
 
 @pytest.mark.parametrize("field", [RR, GF(2**61 - 1), GF(7, 3, [4, 0, 6, 1])], ids=str)
 def test_d_zero_is_the_top(field) -> None:
-    """A ball of d = 0: the top's states, divisors, brackets, steps and flow."""
+    """A ball with d = 0 has the top's states, divisors, brackets, steps and flow."""
     ball, top = ChaplyginBall((1, 2, 4), 0, field=field), EulerTop((1, 2, 4), field=field)
     if field.exact:
         rng = Random(6)
@@ -305,7 +306,7 @@ def test_poles_at_a_vanishing_gamma_are_refused_by_name(K, name) -> None:
 
 @pytest.mark.parametrize("name", ["tilde", "tilde, d"])
 def test_equal_abscissas_of_a_deformation(name) -> None:
-    """ũ1 = ũ2: the integrals commute, the two points are refused by name."""
+    """ũ1 = ũ2: the integrals commute, and the two points are refused by name."""
     system, rng, found = SYSTEMS[name](GF(61)), Random(8), 0
     K = system.field
     while found < 2:
@@ -329,7 +330,7 @@ def test_equal_abscissas_of_a_deformation(name) -> None:
 @pytest.mark.parametrize("axis", [0, 1, 2])
 @pytest.mark.parametrize("name", ["tilde", "tilde, d", "check", "hat"])
 def test_permanent_rotations_of_a_deformation(name, axis) -> None:
-    """M along an axis, H1/H2 = a_i: K = 0, a curve degenerates, and points and steps say so; the bracket holds."""
+    """M along an axis, H1/H2 = a_i: K = 0 and a curve degenerates: points and steps report it; the bracket holds."""
     system = SYSTEMS[name](GF(2**61 - 1))
     K, rng = system.field, Random(axis)
     gamma = state_without(system.rigid, axis, rng)
@@ -346,7 +347,7 @@ def test_permanent_rotations_of_a_deformation(name, axis) -> None:
 
 @KINDS
 def test_characteristic_three(kind) -> None:
-    """In GF(3^5) the int 4 stands for another element than 1 + 1 + 1 + 1: divisors and steps are right there too."""
+    """In GF(3^5) the int 4 is not the element 1 + 1 + 1 + 1; divisors and steps are right there too."""
     K, rng = GF(3, 5, [1, 2, 0, 0, 0, 1]), Random(5)
 
     def make():

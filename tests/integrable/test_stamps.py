@@ -1,4 +1,6 @@
-"""A stamp is the system by value: another parameter, another stamp; and a repr is the call that makes the system."""
+"""A stamp identifies a system by value: a different parameter gives a different stamp. A repr is the call that makes
+the system.
+"""
 
 import dataclasses
 import json
@@ -80,7 +82,7 @@ def inexact(kind):
 
 
 def changed(given):
-    """The arguments with one number in turn another one."""
+    """The arguments with one number changed, for each number in turn."""
     for name, value in given.items():
         if name == "n":
             yield {**given, name: value + 1}
@@ -103,7 +105,7 @@ def made(kind, given, K):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         if FIELDS["GF(7^5)"] == K:
-            # its ints are its elements
+            # ints stand for elements of this field
             given = {name: _whole(value) for name, value in given.items()}
         return kind(**given, field=K)
 
@@ -163,7 +165,7 @@ def test_what_a_repr_looks_like():
 
 
 class Heavier(ChaplyginBall):
-    """A system of a user's own, with an argument that ``arguments`` does not have."""
+    """A user's own system, with an argument that ``arguments`` lacks."""
 
     def __init__(self, inertia, d, extra=0.0, *, field=RR):
         super().__init__(inertia, d, field=field)
@@ -200,7 +202,7 @@ def test_a_sweep_sees_every_parameter(kind, given, tmp_path):
 
 
 def test_a_stamp_tells_times_from_members(tmp_path):
-    """The same bytes, divided in two other ways."""
+    """Times and members with the same bytes, divided differently."""
     pytest.importorskip("h5py")
     out, rows = tmp_path / "out.h5", np.tile([*GAMMA, *M, 1, 2, 3], 2)
     sweep(ensemble(EulerTop((1, 2, 3)), GAMMA, M), times=rows[:10], out=out, executor="threads", chunk=1)

@@ -1,4 +1,4 @@
-"""One time, in any form; runs and files that a scene may ask for."""
+"""Single times in every form; the runs and files that a scene may request."""
 
 from decimal import Decimal
 from fractions import Fraction

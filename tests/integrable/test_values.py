@@ -74,7 +74,7 @@ def test_arrays_of_results_cannot_be_written_to(what):
 
 
 def _asked(run, name):
-    """A quantity of a run, None where the system has none."""
+    """A quantity of a run; None where the system does not have it."""
     try:
         return getattr(run, name, None)
     except NotRepresentable:

@@ -1,4 +1,4 @@
-"""A motion by a chosen method, whichever its flow would use: the only place that knows how to force one."""
+"""Motions by a chosen method instead of the flow's own choice; only this module knows how to force one."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from jacobian.errors import PrecisionLoss
 
 
 class Forced:
-    """``at(times)`` of a flow by a ``way`` of its own: "torus" or "additions", as ``Path.way`` says, or "tables".
-    PrecisionLoss where the motion has no such way.
+    """A flow whose ``at(times)`` uses the given ``way``: "torus" or "additions", as in ``Path.way``, or "tables".
+    Raises PrecisionLoss where the motion cannot be computed in this way.
     """
 
     def __init__(self, flow: MumfordFlow, way: str) -> None:
@@ -42,12 +42,12 @@ def forced(flow: MumfordFlow, way: str) -> Forced:
 
 
 def has_torus(flow: MumfordFlow) -> bool:
-    """Whether far times of a motion in floats are read off a torus."""
+    """Whether a torus is used for far times of a motion in floats."""
     return flow._torus is not None
 
 
 def made_torus(flow: MumfordFlow) -> Any:
-    """A torus of the motion that has not been checked."""
+    """A torus of the motion, without the usual check."""
     return flow._made_torus()
 
 
@@ -57,7 +57,9 @@ def confirmed(flow: MumfordFlow, torus: Any) -> bool:
 
 
 def walks(monkeypatch: pytest.MonkeyPatch, way: str) -> None:
-    """States near the start by the "compiled" walk of each kind of system, made if need be, or by its "tape"."""
+    """States near the start are computed by the "compiled" walk of each kind of system, made if necessary, or by its
+    "tape".
+    """
 
     def walk(system: Any, steps: Any) -> Any:
         kind = system._kind if way == "compiled" else None

@@ -23,8 +23,8 @@ def small_fields(*without):
 
 
 def genus_two_rows(fields):
-    """(name, model, with_h) for every field, with and without h where the characteristic is odd; of the largest fields
-    one model every day, as smaller ones take the same ways.
+    """(name, model, with_h) for every field, with and without h where the characteristic is odd; for the largest fields
+    one model is tested every day, since smaller fields take the same paths.
     """
     return [
         pytest.param(
@@ -44,7 +44,7 @@ def triple(D):
 
 
 def random_curve(K, genus, seed, *, model=None, with_h=False):
-    """The first smooth curve of this genus (and model) from a seeded generator."""
+    """The first smooth curve of this genus (and model) from a generator with this seed."""
     return next_curve(K, genus, Random(f"{K.name} {genus} {model} {with_h} {seed}"), model=model, with_h=with_h)
 
 

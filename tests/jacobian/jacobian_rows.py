@@ -63,7 +63,7 @@ def _rows():
                 if model == "inert" and genus % 2:
                     continue
                 for with_h in (True,) if K.characteristic == 2 else (False, True):
-                    # y → y + z x^(g+1) brings an h of degree g+1 with it outside characteristic 2
+                    # outside characteristic 2, y → y + z x^(g+1) would produce an h of degree g+1
                     if with_h or model != "moved":
                         yield Row(name, model, genus, with_h)
 
@@ -82,7 +82,7 @@ def _random_curve(row, rng):
 
 
 def moved(C, z):
-    """The curve in the coordinates of y → y − z x^(g+1): of formal degree 2g+2, with one point at infinity."""
+    """The curve after y → y − z x^(g+1): its formal degree is 2g+2, and it has one point at infinity."""
     K, move = C.field, poly.monomial(C.field, z, C.genus + 1)
     f = poly.add(K, C.f, poly.mul(K, move, poly.sub(K, C.h, move)))
     return HyperellipticCurve(K, f, poly.sub(K, C.h, poly.add(K, move, move)))

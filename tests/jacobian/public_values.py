@@ -42,7 +42,7 @@ def curve_over(K):
 
 
 def values_over(K):
-    """{what: value} for a field of FIELDS."""
+    """{description: value} for a field of FIELDS."""
     C = curve_over(K)
     J = C.jacobian()
     D = J.from_points([(0, 1)]) if K is QQ else J.random(Random(1))

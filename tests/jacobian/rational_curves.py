@@ -4,7 +4,7 @@ from jacobian import QQ, HyperellipticCurve, poly
 
 
 def curve_through(branch_points, points, K=QQ):
-    """y² = Π(x − e)·g(x) with the least g that takes it through the points (x, y)."""
+    """y² = Π(x − e)·g(x) with g of the lowest degree for which the points (x, y) are on the curve."""
     f = poly.from_roots(K, [K.coerce(e) for e in branch_points])
     rest, product = (), (K.one,)
     for x, y in points:
@@ -27,7 +27,7 @@ def pair_of(curve, P, Q):
 
 
 def pairs_of(curve, points):
-    """(u, v) of every P + Q with P ≠ ιQ, for the points and their opposites, branch points and doubled ones too."""
+    """(u, v) of every P + Q with P ≠ ιQ, for the points and their opposites, including branch points and P = Q."""
     K = curve.field
     points = list(dict.fromkeys(Q for x, y in points for Q in ((x, y), (x, K.neg(y)))))
     sums = [(P, Q) for i, P in enumerate(points) for Q in points[i:]]

@@ -1,4 +1,4 @@
-"""Curves y² = x⁷ + … over GF(p) and split models of genus 3, and their classes that are not general."""
+"""Curves y² = x⁷ + … over GF(p), split models of genus 3, and special classes of both."""
 
 from random import Random
 
@@ -30,7 +30,7 @@ def with_branch_points(p, model="ramified"):
 
 
 def special_classes(C, rng):
-    """0, points in common, opposite and twice, every weight, classes of order 2."""
+    """0, classes with common, opposite and double points, every weight, classes of order 2."""
     J = C.jacobian()
     P, Q, R, S, T = (C.random_point(rng) for _ in range(5))
     i = C.involution

@@ -51,7 +51,7 @@ def test_every_kernel_of_arrays_of_floats_is_listed():
         rows = engine(C.jacobian())
         assert type(rows) is FloatRows
         compilation.batch(C)
-        # what the loops are compiled for: the type of the columns and the number of coefficients
+        # the loops are compiled for the type of the columns and the number of coefficients
         kinds.add((str(rows.sums.dtype), len(rows.sums._f)))
     assert kinds == {("float64", 6), ("float64", 7), ("complex128", 7)}
 
@@ -61,7 +61,7 @@ def test_the_kernels_of_orders_are_listed(monkeypatch):
     used = []
     monkeypatch.setattr(Products, "last", lambda work, *given: used.append(work.beta) or [1, 2])
     compilation.order(C)
-    # so that there is a doubling
+    # so that a doubling occurs
     assert used == [1024, 1024]
 
 

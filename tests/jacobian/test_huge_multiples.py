@@ -1,4 +1,4 @@
-"""Multiples by huge numbers: by the order if it is quickly found, in parts, or refused with the reason."""
+"""Multiples by huge numbers: by the order if it is found quickly, in parts, or refused with a reason."""
 
 from random import Random
 
@@ -19,7 +19,7 @@ E = SMALL((0, 1))
 
 
 def test_elements_of_small_order():
-    """Ten to the 100,000 took 21 s; the order of the element gives the multiple."""
+    """The multiple by 10^100,000 used to take 21 s; it follows from the order of the element."""
     assert FIVE.jacobian.zero() == HUGE * FIVE
     assert (HUGE + 2) * FIVE == 2 * FIVE
     assert -(HUGE + 2) * FIVE == -2 * FIVE
@@ -28,7 +28,7 @@ def test_elements_of_small_order():
 
 @pytest.mark.parametrize("bits", [PART - 1, PART, PART + 1, 2 * PART, 3 * PART + 7])
 def test_scalars_are_taken_in_parts(bits):
-    """Any group will do: here the integers."""
+    """This works in any group; here in the integers."""
     for m in (1 << (bits - 1), (1 << bits) - 1, Random(bits).getrandbits(bits) | 1 << (bits - 1)):
         most = []
 

@@ -1,4 +1,4 @@
-"""Which modules are loaded when, measured in a fresh interpreter."""
+"""The modules that are loaded by an operation, measured in a fresh interpreter."""
 
 import subprocess
 import sys
@@ -41,7 +41,7 @@ def test_nothing_heavy_is_loaded(code):
 
 
 def test_the_import_alone_loads_little():
-    """No optional package, no kernel, nothing of the library that only some fields or groups need."""
+    """No optional package, no kernel, and no module that only some fields or groups need."""
     later = (
         "gmpy2",
         "flint",

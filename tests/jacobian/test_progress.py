@@ -27,7 +27,7 @@ def test_a_short_rest_says_nothing(caplog):
 
 
 def test_what_takes_longer_than_it_seemed_is_a_warning_too(caplog, monkeypatch):
-    """A search whose end always seemed near used to run without any visible message."""
+    """A search whose end always seemed near used to run without any message."""
     monkeypatch.setattr(progress, "perf_counter", iter([0.0, 1.0, 7.0, 20.0]).__next__)
     going = progress.Progress("a search", 10)
     with caplog.at_level(logging.INFO, "jacobian.progress"):

@@ -26,7 +26,7 @@ ROWS = {
 }
 TORSION = {label: row for label, row in ROWS.items() if "torsion" in row}
 LEADING = {label: row for label, row in ROWS.items() if "leading" in row}
-# the list has (2, 2): test_a_class_of_order_three_that_the_list_lacks
+# the list has (2, 2); see test_a_class_of_order_three_that_the_list_lacks
 MISSED = "784.c.614656.1"
 EVERY_DAY = ("196.a.21952.1", "277.a.277.2", "360.a.6480.1", "587.a.587.1", "8281.a.8281.1", "25913.a.25913.1")
 
@@ -78,14 +78,16 @@ def test_the_regulator_is_that_of_the_l_function(label):
     classes = [J.from_mumford(*given) for given in row.get("classes", [])]
     found = float(regulator(classes))
     assert relation(classes) is None
-    # where one is published test_torsion has found the same
+    # if a torsion group is published, test_torsion has checked it
     torsion = prod(row["torsion"]) if "torsion" in row else J.rational_torsion().found.order
     expected = float(row["leading"]) * torsion**2 / float(real_period(period_balls(C, 20)))
     assert abs(found / expected - 1) < 1e-12
 
 
 def test_heights_of_generators():
-    """Magma's, as a user published it (pastebin.com/y4LzSyME), and the LMFDB's tests of its page of 25913.a.25913.1."""
+    """Magma's height, as a user published it (pastebin.com/y4LzSyME), and the heights in the LMFDB's tests of its page
+    of 25913.a.25913.1.
+    """
     D = HyperellipticCurve(QQ, [5, 1, 0, 0, 0, 1]).jacobian().from_mumford([1, 1, 1], [2])
     found = canonical_height(D, 30).mid().fmpq()
     assert abs(Fraction(int(found.p), int(found.q)) - Fraction("1.91676497996095562630531698693")) < 1e-28

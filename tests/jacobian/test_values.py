@@ -39,12 +39,12 @@ def attributes(value):
 
 
 def assert_sealed(value):
-    """Nothing of a value can be set or deleted, and the error names what."""
+    """No attribute of a value can be set or deleted, and the error names the attribute."""
     for name in (*attributes(value), "something_new"):
         for change in (lambda name=name: setattr(value, name, None), lambda name=name: delattr(value, name)):
             with pytest.raises((AttributeError, TypeError)) as error:
                 change()
-            # tuples with names have Python's own messages
+            # named tuples have Python's own messages
             assert name in str(error.value) or isinstance(value, tuple)
             if isinstance(value, Immutable) and not hasattr(type(value), "__dataclass_fields__"):
                 assert "make a new one" in str(error.value)

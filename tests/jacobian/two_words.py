@@ -1,4 +1,4 @@
-"""Fields of two words, and the classes that a kernel must add one by one."""
+"""Fields of two words, and the special classes, which a kernel adds one by one."""
 
 from jacobian import GF
 
@@ -12,7 +12,7 @@ SMALL = {"GF(3)": GF(3), "GF(5)": GF(5), "GF(4)": GF(2, 2, (1, 1, 1)), "GF(8)": 
 
 
 def special_classes(C, rng):
-    """0, points in common and opposite, weights below 2, both points at infinity."""
+    """0, classes with common and opposite points, weights below 2, both points at infinity."""
     J = C.jacobian()
     P, Q, R = (C.random_point(rng) for _ in range(3))
     points = ((P, Q), (P, R), (P, P), (C.involution(P), Q), (C.involution(P), C.involution(Q)), (Q, R))

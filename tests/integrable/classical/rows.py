@@ -98,12 +98,12 @@ def exact_henon_heiles(K, rng, n, barriers=None):
 
 
 def exact_barriers(K, rng, n):
-    """The first axis has none."""
+    """Barriers on all axes but the first."""
     return exact_henon_heiles(K, rng, n, [K.zero, *different(K, rng, n - 1)])
 
 
 def exact_body(make):
-    """A body of three random moments, and a random state where s has a root."""
+    """A body with three random moments, and a random state at which s has a square root."""
 
     def case(K, rng, n):
         def found():
@@ -177,7 +177,7 @@ def neumann(K, n):
 
 
 def two_gaps(K, n):
-    """The edges are near −2, −1, 0, 1, 2, over 16: it changes in about a unit of time."""
+    """The edges are near −1/8, −1/16, 0, 1/16 and 1/8, so that the motion changes within about a unit of time."""
     system = TwoGaps((0, "-5/256", 0), K)
     return system, system.state(("-7/32", "9/128"), ("1/128", "1/256"))
 
@@ -258,7 +258,7 @@ def integrated(system, state, time, steps, order=20):
             return [*found.q, *found.p]
 
         def constrained(z):
-            # the equations of motion of spheres are unstable off the constraints, which rounding leaves
+            # off the constraints, which rounding violates, the equations of motion on spheres are unstable
             found = system._constrained(L, point(z))
             return [*found.q, *found.p]
 

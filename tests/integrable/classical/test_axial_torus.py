@@ -58,7 +58,7 @@ def started(name):
 
 @pytest.mark.parametrize("name", MOTIONS)
 def test_the_closed_form_has_the_states_of_additions(name) -> None:
-    """Signs of every branch, in both directions, the start itself, and after 2^40 periods."""
+    """Every branch of the signs: in both directions, at the start itself, and after 2^40 periods."""
     flow = (lambda system, state: system.flow(state))(*started(name))
     times = [0, 0.5, -1.25, 7.5, -40, 1e3, 2.0**20, -(2.0**40) - 0.5]
     found, true = forced(flow, "torus").at(times), forced(flow, "additions").at(times)
@@ -78,9 +78,9 @@ def test_few_far_times_are_in_closed_form(name) -> None:
 @pytest.mark.parametrize(
     ("system", "q", "p"),
     [
-        (TOP, (0, 0, 1), (0, 0, 3)),  # asleep
-        (TOP, (0, 0, 1), (0, 0, 1.5)),  # and unstable
-        (TOP, (0, 0, 1), (0, 0, 2)),  # the fastest that is not stable
+        (TOP, (0, 0, 1), (0, 0, 3)),  # a sleeping top
+        (TOP, (0, 0, 1), (0, 0, 1.5)),  # an unstable sleeping top
+        (TOP, (0, 0, 1), (0, 0, 2)),  # the fastest spin that is not stable
         (PENDULUM, (0, 0, 1), (0, 0, 0)),
         (PENDULUM, (0, 0, -1), (0, 0, 0)),
         (PENDULUM, (1e-30, 0, -1), (0, 0, 0)),
@@ -101,7 +101,9 @@ SIGNS = [*range(10), "alpha", "beta"]
 @pytest.mark.parametrize("sign", SIGNS)
 @pytest.mark.parametrize("name", ["pendulum", "top", "top, turning back", "top beside the upper vertical"])
 def test_a_wrong_sign_is_noticed(name, sign, monkeypatch) -> None:
-    """Of either rate, the start, both parts of the constant, the zeros of g, and what z is read off."""
+    """One of the following has a wrong sign: a rate, the start, a part of the constant, the zeros of g, or the source
+    of z.
+    """
     right = axial_torus._turning
 
     def wrong(*given):

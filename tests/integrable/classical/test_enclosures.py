@@ -35,12 +35,12 @@ LONGER = [("ellipsoid", 3), ("toda", 5), ("barriers", 2)]
 def truth(system, state, times):
     """The states at 60 digits; the inputs count as exact."""
     fine = system.over(MP(DIGITS))
-    # not checked: the same floats meet constraints to the digits of floats only
+    # not checked: floats meet the constraints to their own digits only
     return MumfordFlow(fine, fine._inside(fine.field, state)).at([fine.field.coerce(t) for t in times])
 
 
 def contained(found, path) -> bool:
-    """Whether every ball has a number within 1e-55 of the one of many digits, which is rounded."""
+    """Whether every ball has a number within 1e-55 of the one with many digits, which is itself rounded."""
     with REALS:
         pairs = [(x, y) for a, b in ((found.q, path.q), (found.p, path.p)) for x, y in zip(a.flat, b.flat, strict=True)]
         return all((x - REALS.number(y)).overlaps(flint.arb(0, 1e-55) * (1 + abs(x))) for x, y in pairs)
@@ -82,7 +82,7 @@ def test_higher_genus(genus, make) -> None:
 
 @pytest.mark.parametrize(("name", "n"), [("neumann", 2), ("garnier", 3), ("toda", 4), ("lagrange", 3)])
 def test_few_bits_make_wide_balls_that_contain_the_motion(name, n, monkeypatch) -> None:
-    """Their only errors are rounding and truncation, both of the size of the balls."""
+    """Rounding and truncation are the only errors, and both are of the size of the balls."""
     monkeypatch.setattr(enclosure, "OF_GENUS", 0)
     monkeypatch.setattr(balls.EnclosedTranslations, "_order", lambda self: self.field.bits // 6 + 4)
     system, state = REAL[name](RR, n)
@@ -94,7 +94,7 @@ def test_few_bits_make_wide_balls_that_contain_the_motion(name, n, monkeypatch) 
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("complex", [False, True])
 def test_translations_are_those_of_the_taylor_series(sign, complex) -> None:
-    """The points found from integrals are those of the motion, with the data that it carries."""
+    """The points found from integrals, with their data, are those of the motion."""
     system, state = REAL["lagrange" if complex else "ellipsoid"](MP(40), 3)
     place = system.flow(state)._place
     with balls.Balls(300, complex) as K:
@@ -109,7 +109,7 @@ def test_translations_are_those_of_the_taylor_series(sign, complex) -> None:
 
 
 def test_balls_of_times() -> None:
-    """E of a ball of times holds those of all times in it."""
+    """E of a ball of times contains E of every time in it."""
     system, state = REAL["neumann"](MP(40), 3)
     with balls.Balls(300) as K:
         near = balls.EnclosedPlace(K, system.flow(state)._place).translations()._series
@@ -147,7 +147,9 @@ def test_lost_bits_are_made_up_for(monkeypatch) -> None:
 
 
 def test_values_of_tau() -> None:
-    """Of linear time they are times; of Veselova's body, whose clock has no bounds, they are what there is."""
+    """Where t is linear in τ, they are times; for Veselova's body, whose clock has no bounds, only values of τ are
+    accepted.
+    """
     system, state = REAL["neumann"](RR, 2)
     flow = system.flow(state)
     assert flow.enclosure_at_tau([2.5]) == flow.enclosure([2.5])
@@ -163,7 +165,7 @@ def test_values_of_tau() -> None:
 
 
 def test_the_ball_has_its_own() -> None:
-    """The ball's own enclosure and that of the layer, by the formulas of genus 2, overlap."""
+    """The ball's own enclosure and the layer's, which uses the formulas of genus 2, overlap."""
     system = BodyOnLayer((1, 2, 3), 0.7)
     state = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     own = system.flow(state).enclosure([0.5], digits=12)
@@ -192,8 +194,8 @@ def test_waves(edges) -> None:
 @pytest.mark.parametrize(
     ("system", "q", "p", "time"),
     [
-        (LagrangeTop(0.7), (1e-100, 0, 1), (0, 0, 0.5), 250.0),  # asleep, all but 1e-100
-        (Neumann((1, 2, 4)), (0, 0, 1), (1e-100, 0, 0), 140.0),  # at rest, all but 1e-100
+        (LagrangeTop(0.7), (1e-100, 0, 1), (0, 0, 0.5), 250.0),  # a sleeping top but for 1e-100
+        (Neumann((1, 2, 4)), (0, 0, 1), (1e-100, 0, 0), 140.0),  # at rest but for 1e-100
     ],
 )
 def test_what_leaves_an_unstable_rest(system, q, p, time) -> None:

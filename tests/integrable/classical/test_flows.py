@@ -26,7 +26,7 @@ REST = Point((1.0, 0.0), (0.0, 0.0))
 
 
 def error_in_many_digits(name, n, time, steps, order):
-    """The error of all coordinates with their signs, relative to an integration."""
+    """The error of all coordinates, signs included, relative to an integration."""
     K = MP(38)
     system, state = REAL[name](K, n)
     path = system.flow(state).at([time])
@@ -52,10 +52,10 @@ def test_floats_against_forty_digits(name, n, time) -> None:
     path = system.flow(state).at([time])
     K = MP(40)
     fine = system.over(K)
-    # the same floats, which meet |q| = 1 to the digits of floats only; the ball by additions, beside its own flow
+    # the same floats, which meet |q| = 1 to their own digits only; for the ball, additions besides its own flow
     start = fine._constrained(K, fine._inside(K, state))
     exact = getattr(fine, "by_additions" if name == "ball" else "flow")(start).at([time])
-    # compiled, a body's own flow rounds more than once
+    # the compiled flow of a body rounds more than once
     bound = 2e-15 if name in ("ball", "top") else 4e-16
     for a, b in ((path.q, exact.q), (path.p, exact.p)):
         assert np.abs(a - b.astype(float)).max() <= bound * np.abs(a).max()
@@ -80,7 +80,7 @@ def test_group_property_reversal_and_integrals(name, n) -> None:
 @pytest.mark.parametrize("size", [2.0**100, 2.0**-100])
 @pytest.mark.parametrize("count", [1, 24])
 def test_bodies_turn_faster_in_proportion_to_their_momentum(size, count) -> None:
-    """γ(t) of (γ, cM) is γ(ct) of (γ, M): the clock has no unit of its own."""
+    """γ(t) from (γ, cM) is γ(ct) from (γ, M): the clock has no unit of its own."""
     ball, body = BodyOnLayer((1, 2, 3), 0.7), Veselova((1, 2, 3))
     for system, flow in ((body, body.flow), (ball, ball.by_additions)):
         state = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
@@ -93,7 +93,7 @@ def test_bodies_turn_faster_in_proportion_to_their_momentum(size, count) -> None
 
 @pytest.mark.parametrize("d", [1e-9, 1e-12, 1e-40])
 def test_light_balls_by_additions(d) -> None:
-    """The constants of the curve share all digits of a float: periods need that many more, and the clock is a
+    """The constants of the curve agree in all digits of a float: periods need as many digits more, and the clock is a
     series.
     """
     ball = BodyOnLayer((1, 2, 3), d)
@@ -118,8 +118,8 @@ ESCAPING, BOUND = ((0.0625, -0.125), (0.03125, 0.0625)), ((0.01, -0.06), (0.005,
     "name", ["bound", "bound behind a barrier", "escaping", "escaping behind a barrier", "garnier"]
 )
 def test_many_times_are_those_one_by_one(name) -> None:
-    """In genus 2 they are read off the real torus: behind a barrier too, and where q_0 crosses the saddle. There a
-    point passes infinity, and other roots of f are complex.
+    """In genus 2 they are read off the real torus, also behind a barrier and where q_0 crosses the saddle: there a
+    point passes infinity, and some roots of f are complex.
     """
     system, state = REAL["garnier"](RR, 2)
     if name != "garnier":
@@ -135,7 +135,7 @@ def test_many_times_are_those_one_by_one(name) -> None:
 
 
 def test_threads_may_share_a_flow(monkeypatch) -> None:
-    """A result made by two threads at once is made twice, and is the same."""
+    """If two threads need a result at once, both compute it, and the results agree."""
     system, state = REAL["neumann"](RR, 2)
     flow = system.flow(state)
     with LongField(200) as K:
@@ -163,7 +163,7 @@ def test_a_flow_at_its_start_returns_it():
 @pytest.mark.parametrize(
     ("q", "p"),
     [
-        (("0.6", "0.8", 0, 0), (0, 0, 1, "0.5")),  # on two coordinate planes, and crossing them
+        (("0.6", "0.8", 0, 0), (0, 0, 1, "0.5")),  # on two coordinate planes, crossing them
         ((1, 0, 0, 0), (0, 0, 0, 0)),  # an equilibrium
         (("0.6", "0.8", 0, 0), ("0.8", "-0.6", 0, 0)),  # in the plane of two axes for ever
         (("0.6", 0, "0.8", 0), (0, 0, 0, 0)),  # from rest
@@ -181,12 +181,12 @@ def test_special_positions_of_neumann(q, p) -> None:
 @pytest.mark.parametrize(
     ("system", "q", "p"),
     [
-        (Garnier((0, 1, 3)), (0, 0, 0), (0, 0, 0)),  # at rest, which is unstable here
+        (Garnier((0, 1, 3)), (0, 0, 0), (0, 0, 0)),  # at an unstable rest
         (Garnier((0, 1, 3), 1, -4), (0, 0.5, 0), (0.25, 0, 0)),  # on two coordinate planes
         (Garnier((-1, -2), 2, 1), (0.5, 0), (0, 0)),  # along one axis for ever
         (Garnier((0, 1), 1, 1), (0, 1), (0, 1)),  # from the unstable rest back to it
         (HenonHeiles((1,), "-1/2", "-1/4"), ("1/12", 0), (0, 0)),  # to the saddle
-        (HenonHeiles((1,), "-1/2", "-1/4", 0, ("1/8",)), (0, 0.5), (0, 0)),  # a barrier, from rest
+        (HenonHeiles((1,), "-1/2", "-1/4", 0, ("1/8",)), (0, 0.5), (0, 0)),  # with a barrier, from rest
         (HenonHeiles((1,)), (0, 0), (0, 0)),
         (HenonHeiles((1,), "-1/2", "-1/4"), (0.125, 0), (0, 0)),  # along q_0 for ever
         (HenonHeiles((1,), "-1/2", "-1/4"), (0.125, 0), (0, 0.25)),
@@ -227,7 +227,7 @@ def test_a_cubic_potential_is_left_and_entered_again() -> None:
         (LagrangeTop("7/10"), (0, 0, 1), (0.25, 0.5, 1.5)),  # through the vertical
         (LagrangeTop("7/10"), (0, 0, -1), (0.25, 0.5, 1.5)),
         (LagrangeTop("7/10"), (0, 0, 1), (0, 0, 1.5)),  # a sleeping top
-        (LagrangeTop("7/10"), (0, 0, 1), (1e-9, 0, 1.5)),  # nearly a sleeping top, unstable at this spin
+        (LagrangeTop("7/10"), (0, 0, 1), (1e-9, 0, 1.5)),  # nearly a sleeping top, which is unstable at this spin
         (LagrangeTop("7/10"), (1, 0, 0), (1, 0, 1)),  # a steady precession: the pair rests, γ turns
         (LagrangeTop("7/10"), (1, 0, 0), (1, 1e-12, 1)),
         (LagrangeTop(2), ("3/5", 0, "4/5"), (0, 0, 0)),  # in a vertical plane, to the vertical
@@ -254,12 +254,12 @@ def test_special_positions_of_axes(system, q, p) -> None:
         ((1, 0, 0), (0, "0.6", "0.8")),  # from an axis
         (("0.6", "0.8", 0), ("0.8", "-0.6", 0)),
         (("0.6", "0.8", 0), (0, "1e-30", 1)),  # nearly in a plane
-        pytest.param(("0.6", 0, "0.8"), (0, 1, 0), marks=pytest.mark.slow),  # unstable, and near it
+        pytest.param(("0.6", 0, "0.8"), (0, 1, 0), marks=pytest.mark.slow),  # near an unstable rotation
         pytest.param(("0.6", 0, "0.8"), ("1e-12", 1, "-0.75e-12"), marks=pytest.mark.slow),
     ],
 )
 def test_special_positions_of_veselova(q, p) -> None:
-    """If an oval is a point the clock is still a series; if both have met it is a quadrature."""
+    """If an oval is a point, the clock is still a series; if the two ovals have met, it is a quadrature."""
     system, fine = Veselova((1, 2, 4)), Veselova((1, 2, 4), MP(30))
     start = fine._constrained(fine.field, Point(*(tuple(map(fine.field.coerce, x)) for x in (q, p))))
     path = system.flow(system.state(*(list(map(float, x)) for x in start))).at([1.5, -1.5])
@@ -270,7 +270,7 @@ def test_special_positions_of_veselova(q, p) -> None:
 
 @pytest.mark.slow
 def test_a_long_body_of_veselova_is_on_no_separatrix() -> None:
-    """Moments with the ratio 10^16: a branch point is that close to the one where dt/dτ vanishes."""
+    """Moments with a ratio of 10^16: a branch point is close to the one where dt/dτ vanishes."""
     system = Veselova((5045965.14, 1.6859436e-09, 1.92284376e-08), field=MP(20))
     state = system.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
     run = system.flow(state).at([system.field.coerce("2.5e-8")])
@@ -314,7 +314,7 @@ def test_a_coordinate_ellipse_closes() -> None:
     system = Ellipsoid((1, 2, 4))
     state = system.state((0, 2**0.5, 0), (1, 0, 0))
     length = 4 * context.sqrt(2) * context.ellipe(context.mpf(1) / 2)
-    # (0, √2, 0) in floats is put on the ellipsoid
+    # the floats of (0, √2, 0) are projected onto the ellipsoid
     path = system.flow(state).at([float(length / 4), float(length / 2), float(length)])
     assert np.abs(path.q - [[1, 0, 0], [0, -(2**0.5), 0], [0, 2**0.5, 0]]).max() < 2e-15
     assert np.abs(path.p[2] - [1, 0, 0]).max() < 2e-15
@@ -350,7 +350,7 @@ def test_geodesics_from_the_ends_of_axes(p) -> None:
 
 
 def test_a_geodesic_on_the_triaxial_earth() -> None:
-    """10 000 km and ten thousand times round, with semi-axes in km: all of an earth whose axes nearly agree."""
+    """10 000 km and ten thousand times round, with semi-axes in km that nearly agree."""
     axes = ("40681077.7", "40680197.6", "40408308.7")
     fine = Ellipsoid(axes, MP(30))
     q, p = (("4000", "3000", "4000"), ("0.3", "0.5", "-0.8"))
@@ -364,7 +364,7 @@ def test_a_geodesic_on_the_triaxial_earth() -> None:
 
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_the_lattice_at_rest_stays(n) -> None:
-    """All gaps closed: every point of the divisor on a double point of the curve."""
+    """All gaps are closed: every point of the divisor is at a double point of the curve."""
     system = TodaLattice(n)
     path = system.flow(system.state([0] * n, [0.5] * n)).at([4.0])
     assert np.abs(path.q - 2).max() < 1e-14
@@ -372,7 +372,9 @@ def test_the_lattice_at_rest_stays(n) -> None:
 
 
 def test_a_lattice_with_closed_gaps() -> None:
-    """Opposite neighbours: the motion of two particles, with one of three points on the curve's double points."""
+    """Opposite neighbours move like two particles: one of three points of the divisor is at a double point of the
+    curve.
+    """
     p = (1, -1, 1, -1)
     system = TodaLattice(4)
     path = system.flow(system.state([0] * 4, p)).at([1.5, 1e5])
@@ -414,7 +416,7 @@ def test_a_lattice_with_closed_gaps() -> None:
         (lambda: Veselova((1, 2, 3)).state((1, 0, 0), (1, 0, 0)), "(γ, M) = 0"),
         (lambda: Veselova((1, 2, 3)).state((1, 1, 0), (0, 0, 1)), "|γ| = 1"),
         (lambda: Veselova((1, 2, 3)).state((1, 0, 0), (0, 0, 0)), "M ≠ 0"),
-        # of any size of q and p
+        # for q and p of any size
         (lambda: Ellipsoid((40681077.7, 40680197.6, 40408308.7)).state((6371, 0, 0), (0, 0.6, 0.8)), "Σq_i²/a_i = 1"),
         (lambda: Neumann((1, 2, 4)).state((2, 0, 0), (0, 1e6, 0)), "|q| = 1"),
         (lambda: Neumann((1, 2, 4)).state((1, 0, 0), (100, 1e6, 0)), "(q, p) = 0"),
@@ -481,7 +483,7 @@ def test_states_are_states_in_any_unit(size) -> None:
 
 
 def test_steps_along_geodesics_take_the_point_of_their_quadric() -> None:
-    """The tangent meets Σy²/(a − λ) = 1 at q + hp, and from the new state back; all integrals stay."""
+    """The tangent meets Σy²/(a − λ) = 1 at q + hp, also backwards from the new state; all integrals are kept."""
     system, state = REAL["ellipsoid"](RR, 3)
     a, h = np.array(system.constants), 0.375
     new = system.discrete(state, h)
@@ -576,8 +578,9 @@ def test_constraints_beyond_floats_are_refused_by_name() -> None:
 
 @pytest.mark.parametrize("first", [0.0, 1e-60])
 def test_far_along_an_unstable_plane(first) -> None:
-    """A state of the plane q_1 = 0 stays there, although all nearby states leave it and return with another period.
-    Rounding used to move it off, in all precisions alike. A state near it stays near up to t = 1500.
+    """A state in the plane q_1 = 0 stays there, although all nearby states leave the plane and return with another
+    period. Rounding used to move it off the plane, at every precision. A state near the plane stays near up to t =
+    1500.
     """
     a, alpha, beta = (0.0024411904061804155, 3.923886183455546e-05), 6.786038102469164, 0.04350103948664341
     q, p = 0.0369312856466665, -0.012792476786878755
@@ -591,7 +594,7 @@ def test_far_along_an_unstable_plane(first) -> None:
 
 @pytest.mark.parametrize(("size", "times"), [(2, 3), (3, 2)])
 def test_a_lattice_that_repeats_a_smaller_one_moves_as_that(size, times) -> None:
-    """Most of its gaps are closed, and the pair lies in as many double points of the curve: far away too."""
+    """Most gaps are closed, and as many points of the pair are at double points of the curve, at far times too."""
     q, p = (0.3, -0.8, 0.5)[:size], (0.7, 0.2, -0.4)[:size]
     small, large = TodaLattice(size), TodaLattice(size * times)
     far = [1e5, 1e9, 1e14]

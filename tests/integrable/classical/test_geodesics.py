@@ -27,8 +27,8 @@ def on_spheroid(c, a, b, lat, lon):
 
 @pytest.mark.parametrize("case", range(len(KARNEY["cases"])))
 def test_lengths_and_directions_are_those_of_geographiclib(case):
-    """Two axes that differ by 1e-22 of themselves stand for the spheroid's equal ones; GeographicLib is right to 15 nm,
-    here its numbers are floats, of 1e-14 degrees.
+    """Two axes with a relative difference of 1e-22 stand for the spheroid's equal ones. GeographicLib is right to 15
+    nm, and its numbers here are floats, with steps of 1e-14 degrees.
     """
     K, given = MP(30), KARNEY["cases"][case]
     c = K.context
@@ -46,7 +46,7 @@ def test_lengths_and_directions_are_those_of_geographiclib(case):
 
 
 def departing(earth, rng, length):
-    """A state with |p| = length at a random point in a random direction, and where it is at time 1."""
+    """A state with |p| = length at a random point in a random direction, and its position at time 1."""
     a = np.array([float(x) for x in earth.constants])
     q, p = rng.normal(size=len(a)), rng.normal(size=len(a))
     q /= np.sqrt((q * q / a).sum())
@@ -109,14 +109,14 @@ def test_where_newton_steps_for_a_length_alternate_it_is_found():
 
 
 SLOW = [
-    # doubled steps each overshot by almost as much as the one before: minutes, then a refusal
+    # doubled steps overshot by almost as much every time, which led to a refusal after minutes
     (
         (0.46572207114444303, 0.034994824104107335, 0.18009290735929562),
         (0.15086287286409777, -0.15091748830616616, 0.23255084485618627),
         (0.012438332353369573, -0.0027110536602145806, -0.01217455186570281),
         29.9,
     ),
-    # where dt/dτ is a thirtieth of its mean, steps fell short for ever: a refusal
+    # where dt/dτ is a thirtieth of its mean, steps always fell short, which led to a refusal
     (
         (0.0009296452510845072, 0.0011492904447045111, 3.2941629829952653e-06, 0.0003276980146131546),
         (-0.0006240848224694259, 0.01926754331469173, -0.0010297446746154223, 0.010780769773115172),

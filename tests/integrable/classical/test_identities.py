@@ -31,7 +31,7 @@ def bare_in(system, u):
 @over_fields()
 @over_formulas
 def test_the_vector_field_is_a_mumford_field(K, name, n) -> None:
-    """dU/dt, dV/dt by jets = the field of the stated direction; df/dt = 0; every integral is constant."""
+    """dU/dt and dV/dt, by jets, are the field of the stated direction; df/dt = 0; every integral is constant."""
     K = K()
     system, state = EXACT[name](K, Random(n), n)
     N, jets = moving(K, state, system.vector_field(state))
@@ -108,7 +108,7 @@ def test_a_step_keeps_the_integrals_and_adds_a_point(K, name, n, sheet) -> None:
 @over_fields()
 @pytest.mark.parametrize("n", [3, 4, 5])
 def test_a_chain_comes_back_from_its_pair(K, n) -> None:
-    """Euclid's algorithm on (A, U): p and the ratios of e^q, without a root."""
+    """Euclid's algorithm on (A, U) gives p and the ratios of e^q without a root."""
     K = K()
     system, state = EXACT["toda"](K, Random(n), n)
     N = system.numbers

@@ -45,7 +45,7 @@ def test_the_equation_exactly(K, gaps) -> None:
 
     f, u, v = attempt(make)
     of_x, of_t = directions_of_waves(K, f)
-    # the pair, then the pair with its derivative along x in jets, again and again
+    # the pair, then repeatedly the pair with its derivative along x in jets
     N, pair, steps = K, (u, v), []
     for _ in range(3):
         rate = rates(N, lifted(N, f), *pair, lifted(N, of_x))
@@ -71,7 +71,7 @@ def twice(K, x):
 
 
 def inner(x, n):
-    """The slope along all n directions of a jet over jets over …: an n-th derivative."""
+    """The slope along all n directions of nested jets: an n-th derivative."""
     for _ in range(n):
         x = x.slopes[0]
     return x
@@ -137,7 +137,7 @@ def test_reversal_shape_and_bounds(edges, gamma, signs) -> None:
     ],
 )
 def test_many_points_at_one_time(edges, gamma, signs, count, reach) -> None:
-    """From the torus or from tables, compared with additions, near and far, at several t at once."""
+    """Values from the torus or from tables compared with additions, near and far, at several t at once."""
     ours, fine = wave(edges, gamma, signs), wave(edges, gamma, signs, MP(30))
     x, t = np.random.default_rng(count).uniform(-reach, reach, count), np.array([0.0, -1e3 / 3])
     x[:2] = 0.0, 1e-3
@@ -150,7 +150,7 @@ def test_many_points_at_one_time(edges, gamma, signs, count, reach) -> None:
 
 
 def test_many_points_of_a_narrow_band_are_those_of_additions() -> None:
-    """Tables of double-double numbers would not hold it, and there is no torus beside a double edge."""
+    """Tables of double-double numbers are not accurate enough, and with a double edge there is no torus."""
     for edges, gamma in (((0, 1, 2, 3, 3 + 1e-7, 4, 5), (1.5, 3 + 1e-7, 4.5)), ((-1, -1, 0.5, 1, 2), (0, 1.5))):
         ours, x = wave(edges, gamma, [1] * len(gamma)), np.linspace(-3, 3, 25)
         assert ours.at(x, 0.25).tolist() == [ours._value(a, 0.25) for a in x.tolist()]
@@ -195,7 +195,7 @@ def spectral(u, length, t, steps):
     h = t / steps
     half = np.exp(0.5j * h * k**3)
 
-    # the upper third is left to the products
+    # products need the upper third
     kept = 3j * k * (np.arange(len(k)) < len(u) / 3)
 
     def rate(a):
@@ -294,7 +294,7 @@ def test_closed_gaps_and_bands_leave_no_trace() -> None:
 
 
 def test_a_soliton_before_a_periodic_wave_is_a_solution() -> None:
-    """One band closed: the residual of the equation by differences of long numbers."""
+    """One band is closed; the residual of the equation, by differences of long numbers."""
     K = MP(60)
     u, h = wave((-1, -1, 0, 1, 2), (-0.5, 1.5), (1, 1), K), K.coerce("1e-8")
     x, t = K.coerce("0.25"), K.coerce("0.5")
@@ -314,18 +314,20 @@ def test_a_soliton_in_a_gap_above_the_potential() -> None:
 
 
 def test_a_narrow_band_is_no_double_edge() -> None:
-    """Solitons in a row, so far apart that the eigenvalue comes as near to the band as the band is narrow."""
+    """Solitons in a row, so far apart that the eigenvalue is as close to the band as the band is narrow."""
     width = 2.0**-50
     u, fine = (wave((-1, width - 1, 0), (-0.25,), (1,), *K) for K in ((), (MP(40),)))
     x, t = np.array([17.5, 1e3, -1e5]), np.array([0, 10.0, -1e3])
     assert np.abs(u.at(x, t) - fine.at(x, t).astype(float)).max() < 4e-16
-    # K(1 − width) = log(4/√width): the distance
+    # the distance of solitons: K(1 − width) = log(4/√width)
     period = 2 * np.log(4 / np.sqrt(width))
     assert abs(u.at(5 * period) - u.at(0.0)) < 1e-11
 
 
 def test_a_soliton_too_far_away_is_refused() -> None:
-    """On the way to t its eigenvalue comes so near its edge that no digit is left: −2 at x = 4t, not 0."""
+    """On the way to t its eigenvalue comes so near its edge that no digit is left: u would be 0 at x = 4t instead of
+    −2.
+    """
     u = wave((-1, -1, 0), (0,), (1,))
     assert abs(u.at(40.0, 10.0) + 2) < 1e-14
     for x, t in ((4e6, 1e6), (4000, 1000), (900, 0)):

@@ -1,4 +1,4 @@
-"""Kowalevski's top beside an integration: its divisors run along a straight line."""
+"""Kowalevski's top compared with an integration: its divisors run along a straight line."""
 
 import pytest
 
@@ -8,7 +8,7 @@ from tests.integrable.classical.rows import integrated
 
 
 def test_divisors_run_along_a_straight_line() -> None:
-    """The pair of the state that was integrated is the sum of the first one and T(t)."""
+    """The pair of the integrated state is the sum of the first pair and T(t)."""
     system = KowalevskiTop(MP(36))
     start = system.state(("12/25", "3/5", "16/25"), ("1/2", "3/4", "-5/4"))
     (found,) = system.line(start, 0.75)

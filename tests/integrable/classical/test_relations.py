@@ -1,4 +1,4 @@
-"""Systems that are each other with another clock."""
+"""Systems that have the same motions with different clocks."""
 
 import numpy as np
 import pytest
@@ -134,7 +134,7 @@ def test_veselova_is_the_limit_of_the_ball_of_large_d(d) -> None:
 
 
 def test_motions_of_balls_tend_to_that_of_veselova() -> None:
-    """In proportion to 1/d, d < 0, where the moments 1/a_i − d are positive."""
+    """The difference is proportional to 1/d; for d < 0 the moments 1/a_i − d are positive."""
     K, a = MP(30), ("1/2", 1, "7/4")
     veselova = Veselova([K.inv(K.coerce(x)) for x in a], K)
     gamma, M = ("12/25", "3/5", "16/25"), ("2/5", "-6/5", "33/40")

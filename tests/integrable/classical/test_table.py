@@ -28,12 +28,12 @@ COINCIDING, POTENTIALS = (
     "test_both_points_of_a_pair_at_one_branch_point",
     "test_special_positions_in_quartic_and_cubic_potentials",
 )
-# of genus 1 there is one point
+# in genus 1 there is only one point
 AXIS = [(FLOWS, "test_special_positions_of_axes"), None, *2 * [(FLOWS, "test_special_positions_of_axes")]]
 QUADRIC = [(FLOWS, POTENTIALS), (FLOWS, COINCIDING), *2 * [(FLOWS, POTENTIALS)]]
 SPECIAL = {
     "ball": BODY,
-    # an axis with a barrier is not crossed, and a_i is no branch point; nothing else is special to it
+    # an axis with a barrier is not crossed, and its a_i is no branch point; no other position is special
     "barriers": [None, None, (FLOWS, POTENTIALS), None],
     "ellipsoid": [
         (FLOWS, "test_geodesics_from_the_ends_of_axes"),
@@ -50,7 +50,7 @@ SPECIAL = {
         *2 * [(FLOWS, "test_special_positions_of_neumann")],
     ],
     "pendulum": AXIS,
-    # its ovals are gaps, which meet nowhere but close
+    # its ovals are gaps, which never meet but may close
     "toda": [
         (FLOWS, "test_a_lattice_with_closed_gaps"),
         None,
@@ -58,7 +58,7 @@ SPECIAL = {
         None,
     ],
     "top": BODY,
-    # its gaps stay apart, and closed ones are solitons, which kdv has
+    # its gaps stay apart, and closed ones are solitons, which belong to kdv
     "two_gaps": [(WAVES, "test_a_wave_at_one_place_from_the_edges_of_its_gaps"), None, None, None],
     "veselova": [
         (FLOWS, "test_special_positions_of_veselova"),

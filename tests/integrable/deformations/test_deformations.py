@@ -259,7 +259,7 @@ def motion(system):
     "name", [pytest.param(n, marks=pytest.mark.slow if "potential" in n else ()) for n in SYSTEMS if n not in GEODESIC]
 )
 def test_the_integrals_are_conserved_to_thirty_digits(name) -> None:
-    """Drift ≤ 1e-25 at T = 3 of an extrapolation integrator; the geodesic flows are in the next test."""
+    """An extrapolation integrator drifts by 1e-25 at most up to T = 3; the geodesic flows are in the next test."""
     system, start = in_digits(SYSTEMS[name], 34)
     if "potential" in name:
         # the kinetic energies are indefinite: with the other sign the poles attract, and γ_i reaches 0 in finite time
@@ -279,7 +279,7 @@ def _arguments(system):
 
 @pytest.mark.parametrize("name", GEODESIC)
 def test_the_flow_on_elliptic_curves_against_an_integration_at_thirty_digits(name) -> None:
-    """γ and M with their signs, ≤ 1e-25 at τ = 3, and the integrals of both."""
+    """γ and M, signs included, agree to 1e-25 at τ = 3, and both keep the integrals."""
     system, start = in_digits(SYSTEMS[name], 34)
     K = system.field
     rates = motion(system)
@@ -301,7 +301,7 @@ def test_the_flow_on_elliptic_curves_against_an_integration_at_thirty_digits(nam
 
 
 def test_physical_time_of_the_tilde_flow_against_an_integration_at_thirty_digits() -> None:
-    """γ and M at t = 3 and t = −2, d ≠ 0, ≤ 1e-25: the clock t = ∫dτ/g, and the curves."""
+    """γ and M at t = 3 and t = −2 for d ≠ 0 agree to 1e-25, which checks the clock t = ∫dτ/g and the curves."""
     system, start = in_digits(SYSTEMS["tilde, d"], 34)
     K = system.field
     run = system.flow(start).at([3, 0, -2])
@@ -329,7 +329,7 @@ def test_physical_time_far_out_and_over_floats() -> None:
 
 @pytest.mark.parametrize("name", ["tilde, potential", "gyroscopic"])
 def test_what_has_no_curves_is_integrated(name) -> None:
-    """motion_through: floats and 25 digits agree with each other and keep the integrals of the start."""
+    """By motion_through: floats and 25 digits agree with each other and keep the integrals of the start."""
     from jacobian import RR
 
     runs = []
@@ -363,8 +363,8 @@ def test_a_pole_that_attracts_ends_the_motion_with_a_named_error() -> None:
 
 @pytest.mark.parametrize("d", [0, 0.3])
 def test_fast_motions_turn_back_before_a_pole(d) -> None:
-    """ "The motion ends": coefficients of the series of a fast one were beyond floats. In another unit of time M, V and
-    t go with a number, its square and its inverse.
+    """Fast motions were refused with "the motion ends" since coefficients of their series exceeded the range of
+    floats. In another unit of time, M, V and t are multiplied by a number, its square and its inverse.
     """
     inertia, terms = (0.9, 15.5, 3.6), (-0.004, 0.7, 0.7, 0.02, 0.05)
     gamma, unit = (0.48, 0.05, -0.87), 2.0**24

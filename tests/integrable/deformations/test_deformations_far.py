@@ -1,4 +1,5 @@
-"""The deformations at any time: integrals, signs and digits far out, against the group of the curves and integrations.
+"""The deformations at any time: integrals, signs and digits at far times, compared with the group of the curves and
+with integrations.
 
 Inputs count as exact, so floats and multiprecision numbers with the same values have the same motion.
 """
@@ -64,7 +65,7 @@ def distance(run, other):
 
 @pytest.mark.parametrize("inertia", [(0.1, 6, 9), (1, 2, 4), (0.5, 2, 9)], ids=str)
 def test_the_integrals_are_kept_at_times_at_which_they_were_lost(inertia) -> None:
-    """H was off by 6e-4 at t = 1e5 and by all of it at 1e7, by 6e-6 at 1e12; the third was a TypeError there."""
+    """The error of H was 6e-4 at t = 1e5, 100 % at 1e7 and 6e-6 at 1e12; the third body raised a TypeError there."""
     system = Tilde(inertia)
     start = system.state(*START)
     run = system.flow(start).at([1e3, 1e5, 1e7, 1e12])
@@ -72,7 +73,7 @@ def test_the_integrals_are_kept_at_times_at_which_they_were_lost(inertia) -> Non
 
 
 def test_forty_digits_are_forty_digits_at_1e8() -> None:
-    """K was off by 3e-3."""
+    """The error of K was 3e-3."""
     field = MP(40)
     system = Tilde(("15.36", "0.107", "18.51"), field=field)
     start = system.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
@@ -98,12 +99,12 @@ def test_random_bodies_keep_their_integrals_at_any_time(kind) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_floats_are_the_rounded_motion_of_forty_digits(kind) -> None:
-    """From the same floats: signs and values of γ and M at 1e5 and 1e8, to a rounding."""
+    """From the same floats, signs and values of γ and M at 1e5 and 1e8 agree to one rounding."""
     rng = Random(3)
     for _ in range(3):
         system, start = random_deformation(kind, rng)
         exact = system.over(MP(40))
-        # as given: the constraints hold to a rounding of floats
+        # unchanged: the constraints hold to the rounding of floats
         same = State(*(tuple(map(exact.field.coerce, v)) for v in (start.gamma, start.M)))
         run, truth = system.flow(start).at([1e5, -1e8]), exact.flow(same).at([1e5, -1e8])
         assert distance(run, truth) < 1e-15
@@ -121,7 +122,7 @@ def test_times_add_up_and_go_back(kind) -> None:
     for row in range(2):
         assert max(abs(again.gamma[row] - first.gamma[row + 1])) < 1e-35
         assert max(abs(again.M[row] - first.M[row + 1])) < 1e-35 * max(abs(first.M[row + 1]))
-    # the rounding of 45 digits, 1e9 later
+    # the effect of rounding to 45 digits after 1e9 units of time
     assert max(abs(again.gamma[2] - start.gamma)) < 1e-30
     assert max(abs(again.M[2] - start.M)) < 1e-30 * max(abs(np.array(start.M)))
 
@@ -139,7 +140,7 @@ def _exactly(K, state):
 
 @pytest.mark.parametrize("kind", ["tilde", "tilde, d", "check", "hat"])
 def test_far_states_are_multiples_in_the_group_of_the_curves(kind) -> None:
-    """P_k(n) = P_k(0) + n·(P_k(1) − P_k(0)) by doubling in `jacobian`, n = 10⁸, and the flow at that time."""
+    """P_k(n) = P_k(0) + n·(P_k(1) − P_k(0)) by doubling in `jacobian`, for n = 10⁸, is the flow at time n."""
     system, start = random_deformation(kind, Random(5))
     system, count = system.over(MP(120)), 10**8
     start = system.state(*_exactly(system.field, start))
@@ -195,7 +196,7 @@ def test_special_positions_far_out(kind, start) -> None:
     make = {"tilde": Tilde, "tilde, d": partial(Tilde, d=0.7), "check": Check, "hat": Hat}[kind]
     system, (gamma, M) = make((1.0, 2.0, 4.0)), SPECIAL[start]
     if M is None:
-        # (γ, AM) of 1e-6
+        # with (γ, AM) about 1e-6
         x, a = np.array(gamma), np.array(system.a)
         M = np.cross(x, a * x) + 1e-6 * np.cross(x, np.cross(x, a * x))
     x = np.array(gamma) / np.linalg.norm(gamma)
@@ -211,7 +212,7 @@ def test_a_turning_point_has_as_many_digits_as_the_field() -> None:
     runs = []
     for digits in (60, 90):
         system = Tilde((1, 2, 4), field=MP(digits))
-        # γ of floats: made a unit vector inside
+        # γ in floats is normalized inside
         start = State(*(tuple(map(system.field.coerce, v)) for v in ((0.6, 0.0, 0.8), (0.8, 0.5, -0.6))))
         runs.append(system.flow(start).at([1.5, 1e6]))
     assert distance(*runs) < 1e-58
@@ -229,7 +230,7 @@ def test_nearly_equal_moments_far_out() -> None:
 
 
 def test_a_resonance_of_the_two_phases_is_no_small_divisor() -> None:
-    """The phases of this motion have the frequencies 2 : 1 to all digits; t(τ) is compared with a short way back."""
+    """The frequencies of this motion have the ratio 2 : 1 to all digits; t(τ) is compared with a short way back."""
     field = MP(30)
     system = Tilde((1, 2, 4), "0.7", field=field)
     start = _resonant(system)
@@ -243,7 +244,7 @@ def test_a_resonance_of_the_two_phases_is_no_small_divisor() -> None:
 
 
 def _resonant(system):
-    """M turned about γ until the periods are as 2 : 1."""
+    """M turned about γ until the ratio of the periods is 2 : 1."""
     K = system.field
     gamma = [K.coerce(x) for x in ("0.48", "0.6", "0.64")]
     first = [K.coerce(x) for x in ("0.384", "1.28", "-1.488")]
@@ -268,7 +269,7 @@ def _resonant(system):
 @pytest.mark.parametrize(
     ("inertia", "d", "gamma", "M", "times"),
     [
-        # two nearly equal moments; a peaked 1/g; times far below the motion's; a d beside which the moments vanish
+        # two nearly equal moments; a peaked 1/g; times far below that of the motion; moments negligible compared with d
         (
             (38.47, 0.0278, 0.0278 * (1 + 1e-13)),
             0.748,
@@ -319,7 +320,7 @@ def test_a_clock_runs_on_both_kinds_of_long_numbers() -> None:
 
 @pytest.mark.parametrize("spoiled", ["integrals", "signs"])
 def test_what_is_wrong_at_any_precision_is_refused(monkeypatch, spoiled) -> None:
-    """A motion that loses H, and one with other signs at each precision, which H and K cannot detect."""
+    """A motion that loses H, and one whose signs differ between precisions, which H and K cannot detect."""
     right, precisions = OvalCarrier.point, []
 
     def wrong(self, tau):
@@ -382,7 +383,7 @@ def test_an_integration_that_loses_the_integrals_is_refused(monkeypatch) -> None
 
 
 def test_steps_on_the_curves_keep_the_integrals_too() -> None:
-    """200 times a translation near the identity, added on the curves: the integrals hold as well as for the flow."""
+    """Two hundred small translations on the curves keep the integrals as well as the flow does."""
     system = Tilde((1, 2, 4))
     start = system.state(*START)
     lambdas = [

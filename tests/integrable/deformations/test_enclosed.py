@@ -18,7 +18,7 @@ REALS = BallReals(400)
 
 
 def truth(system, state, times):
-    """The states at 50 digits, of floats that count as exact."""
+    """The states at 50 digits; the floats of the start count as exact."""
     exact = system.over(MP(50))
     K = exact.field
     start = State(*(tuple(map(K.coerce, v)) for v in (state.gamma, state.M)))
@@ -54,7 +54,9 @@ def test_what_begins_at_rest_is_moved_by_its_potential():
 
 @pytest.mark.parametrize(("name", "size", "time"), [("tilde, d", 1e-9, 2.0**25), ("tilde, potential", 1e-8, 0.03125)])
 def test_a_slow_start_takes_no_more_steps(name, size, time):
-    """The unit of time of τ̇ = g is not that of a slow motion, and |M| at the start is none where a potential pulls."""
+    """The unit of time in which τ̇ = g is not that of a slow motion, nor does |M| at the start give one if a potential
+    acts.
+    """
     system = SYSTEMS[name](RR)
     state = system.state(START[0], [size * x for x in START[1]])
     found = system.motion_through(state).enclosure([time], digits=12)
@@ -67,7 +69,7 @@ def test_a_slow_start_takes_no_more_steps(name, size, time):
 
 @pytest.mark.parametrize("order", [2, 5])
 def test_what_the_series_leave_out_is_in_the_balls(order):
-    """If a series is truncated much too early, the balls are wide and still contain the motion."""
+    """If a series is truncated much too early, the balls are wide but still contain the motion."""
     system = SYSTEMS["check"](RR)
     state = system.state(*START)
     march = enclosed._March(system, state, 200)
@@ -110,7 +112,9 @@ def test_digits_are_a_number_of_them():
 
 
 def test_bits_that_m_outgrows_its_unit_by_are_there_from_the_start(monkeypatch) -> None:
-    """Poles raise |M| = 1e-100 to about 0.1 at once: these bits are not a loss, and one attempt provides them."""
+    """Poles raise |M| = 1e-100 to about 0.1 at once: the bits for this are no loss of digits, and the first attempt has
+    them.
+    """
     tried, made = [], enclosed._March.__init__
 
     def counted(march, system, state, bits):

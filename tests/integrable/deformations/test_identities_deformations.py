@@ -121,7 +121,7 @@ def test_the_angular_velocity_is_half_the_gradient(K, name) -> None:
 @over_fields()
 @pytest.mark.parametrize("name", ["tilde", "tilde, d"])
 def test_at_c_not_zero_the_tilde_pair_does_not_commute(K, name) -> None:
-    """{H̃, K̃} = 0 fails at (γ, M) ≠ 0: the negative control."""
+    """The negative control: {H̃, K̃} = 0 fails at (γ, M) ≠ 0."""
     system, rng = SYSTEMS[name](K()), Random(23)
     base = system.field
     state = random_state(system.rigid, rng)

@@ -28,7 +28,7 @@ TIMES = np.array([3.0, -1.25, 0.0, 0.5, 3.0, 7.5])
 
 
 def walks(system) -> None:
-    """The walks of a kind in t and τ, compiled if need be."""
+    """The walks of the system's kind in t and in τ, compiled if necessary."""
     for physical in (True, False):
         assert kind_in(system, physical).walk(FINE.orders, compiles=True) is not None
 
@@ -38,7 +38,7 @@ def rows(run):
 
 
 def assert_rounded(found, true) -> None:
-    """γ and M right to the last bits of the largest of each."""
+    """γ and M are right to the last bits of the largest component of each."""
     for part in (slice(0, 3), slice(3, 6)):
         sizes = np.abs(true[:, part]).max(axis=1)
         assert (np.abs(found[:, part] - true[:, part]).max(axis=1) <= 2.3e-16 * sizes).all()
@@ -60,7 +60,7 @@ def test_near_times_are_those_of_thirty_digits(name) -> None:
     by_tau, truly = motion.at_tau(TIMES), many.at_tau(TIMES)
     assert_rounded(rows(by_tau), rows(truly))
     assert np.abs(by_tau.times - truly.times.astype(float)).max() <= 1e-15 * np.abs(by_tau.times).max()
-    # the kept rows of a run with refused ones are the same
+    # a run with refused rows has the same other rows
     assert np.array_equal(rows(motion.at(TIMES, strict=False)), rows(run))
 
 

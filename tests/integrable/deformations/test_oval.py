@@ -34,7 +34,7 @@ def translation(K, z, s):
 
 @pytest.mark.parametrize("K", [GF(2**61 - 1), GF(7, 3, [4, 0, 6, 1])], ids=str)
 def test_exactly(K):
-    """In any order of the e_i; a sum of three is one sum or the other, signs included."""
+    """For every order of the e_i, signs included; adding E twice is adding its double."""
     rng, N, done = Random(1), JetField(K, 0), 0
     while done < 10:
         e, (z, w) = [K.random(rng) for _ in range(3)], (K.random(rng) for _ in range(2))

@@ -35,7 +35,7 @@ def motion(system):
 
 @pytest.mark.parametrize(("poles", "pieces"), [(("0.02", "0.04", "0.06"), 12), (("2", "4", "6"), 25)])
 def test_against_an_integration_at_thirty_digits(poles, pieces) -> None:
-    """γ and M at t = 1, ≤ 1e-25, and at t = 0 to the last digit."""
+    """γ and M agree to 1e-25 at t = 1, and to the last digit at t = 0."""
     system, start = case(poles, MP(32))
     run = system.flow(start).at([1, 0])
     y = extrapolate(motion(system), [*start.gamma, *start.M], system.field.coerce(1), pieces=pieces)
@@ -68,8 +68,8 @@ def test_random_starts_and_moments_keep_the_integrals_far_out() -> None:
 
 @pytest.mark.parametrize("size", [10**4, 10**5, 10**7])
 def test_ovals_that_nearly_touch_do_not_end_the_motion(size) -> None:
-    """Ovals b/M² apart: at t = 5/size compared with an integration in the unit of time 1/size, ≤ 1e-18 plus a
-    rounding.
+    """The ovals are b/M² apart. States at t = 5/size agree to 1e-18 and rounding with an integration in the unit of
+    time 1/size.
     """
     K = MP(20)
     poles, M = [K.coerce(b) for b in ("0.02", "0.04", "0.06")], [K.coerce(m) for m in START[1]]
@@ -95,7 +95,7 @@ def test_the_motion_of_large_momenta_that_was_refused(digits) -> None:
 
 
 def test_an_equilibrium_is_no_end_of_the_motion() -> None:
-    """M = 0 at the minimum of the potential: each oval is a point to rounding, and the state does not move."""
+    """M = 0 at the minimum of the potential: up to rounding each oval is a point, and the state does not move."""
     context = K.context
     system = Tilde((1, 2, 4), potential=[K.coerce(x) for x in (0, 0, 2, 4, 6)], field=K)
 

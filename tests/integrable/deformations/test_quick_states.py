@@ -1,6 +1,4 @@
-"""States of the pairs in compiled double-doubles, compared with the readable additions, which share no code with
-them.
-"""
+"""States of the pairs in compiled double-doubles compared with the readable additions; the two share no code."""
 
 import numpy as np
 import pytest
@@ -46,14 +44,14 @@ def test_compiled_states_are_those_of_the_readable_additions(system, start, monk
 
     monkeypatch.setattr(RoundedRows, "at_tau", unwanted)
     found = flow.at_tau(TAU)
-    # both are rounded once
+    # both have been rounded once
     assert np.abs(np.hstack([found.gamma, found.M]) - readable).max() <= 2.3e-16 * np.abs(readable).max()
 
 
 @pytest.mark.parametrize("size", [1e-60, 1e-6, 5e5, 1e60])
 @pytest.mark.parametrize("system", PAIRS.values(), ids=PAIRS.keys())
 def test_the_unit_of_time_does_not_matter(system, size, monkeypatch) -> None:
-    """Coefficients of ℘ in powers of v² leave the range of floats for |M| = 5e5 already."""
+    """For |M| = 5e5 the coefficients of ℘ in powers of v² would already leave the range of floats."""
     flow = system.flow(system.state(START[0], [size * x for x in START[1]]))
     tau = TAU / size
     readable = by_additions(flow, tau, monkeypatch)
@@ -80,7 +78,7 @@ def test_far_times_and_what_is_off_go_the_readable_way(monkeypatch) -> None:
     flow = system.flow(system.state(*START))
     tau = np.array([2.0, 1e12])
     assert np.array_equal(np.hstack([flow.at_tau(tau).gamma, flow.at_tau(tau).M]), flow._curves.at_tau(tau))
-    # a sign that H and K do not depend on is detected by the farthest state, a changed size by H and K of all
+    # the farthest state detects a sign on which H and K do not depend; H and K of all states detect a changed size
     truth = flow._curves.at_tau(TAU)
     for column, factor in ((1, -1.0), (2, 1 + 1e-15)):
         flow = system.flow(system.state(*START))
@@ -110,7 +108,7 @@ def test_compiled_times_are_those_of_the_readable_clock(name, monkeypatch) -> No
     found = flow.at(TAU)
     assert np.abs(np.hstack([found.gamma, found.M]) - readable).max() <= 2.3e-16 * np.abs(readable).max()
     assert np.abs(found.tau - tau).max() <= 2.3e-16 * np.abs(tau).max()
-    # and not one time only
+    # this is no accident of a single time
     assert np.array_equal(flow.at(TAU[4:5]).gamma[0], found.gamma[4])
 
 
@@ -144,7 +142,7 @@ def test_compiled_times_of_bodies_at_random(seed, monkeypatch) -> None:
     found = flow.at(times)
     for rows, true in ((found.gamma, readable[:, :3]), (found.M, readable[:, 3:])):
         assert np.abs(rows - true).max() <= 2.3e-16 * np.abs(true).max()
-    # τ is known to some 1e-18 of a turn
+    # τ is known to about 1e-18 of a turn
     period = float(max(curve.period for curve in flow._curves.many.carrier.curves))
     assert np.abs(found.tau - tau).max() <= 2.3e-16 * np.abs(tau).max() + 4e-18 * period
 

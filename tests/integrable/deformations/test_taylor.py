@@ -39,7 +39,7 @@ START = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
 
 
 def _run(tape: Tape, values):
-    """Evaluates a tape, node by node."""
+    """Evaluates a tape node by node."""
     found = list(values)
     for kind, p, q, constant in list(zip(*tape[:4], strict=True))[len(values) :]:
         operations = {
@@ -105,7 +105,7 @@ def test_compiled_and_interpreted_series_agree_with_extrapolation(name) -> None:
 
 @pytest.mark.parametrize("digits", [18, 35])
 def test_closed_solutions_near_and_far_in_any_order(digits) -> None:
-    # y = (cos t, −sin t), and z = 1/(1 + t) by a quotient
+    # y = (cos t, −sin t), and z = 1/(1 + t) from a quotient
     tape = recorded(lambda y: [y[1], -y[0], -y[2] / y[3], 0 * y[0] + 1], 4)
     times = [K.coerce(t) for t in (30, -0.5, 1e-3, 30, 7)]
     rows = taylor.integrate(K, tape, [K.one, K.zero, K.one, K.one], times, digits)

@@ -124,7 +124,7 @@ def test_a_step_on_one_curve_leaves_the_other_point_and_its_inverse_leads_back()
         assert system.divisor(double) == system.divisor(step(image))
 
 
-# --- over the reals: a step on each curve with x_k where the image is real
+# --- over the reals: a step on each curve with an x_k for which the image is real
 
 
 REAL = {"tilde": (30, -30), "tilde, d": (None, -30), "check": (30, -30), "hat": (30, -30)}
@@ -167,7 +167,7 @@ def test_a_real_step(name) -> None:
 
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_a_large_multiple_of_a_real_step(name) -> None:
-    """10⁶ + 1 times, which took floats seconds, equals the engine's sum; 1000 times equals 1000 steps."""
+    """10⁶ + 1 times, which once took seconds in floats, equals the engine's sum; 1000 times equals 1000 steps."""
     system, state = real_case(name)
     step = system.translation(REAL[name], multiple=10**6 + 1)
     image = step(state)

@@ -1,4 +1,4 @@
-"""Many motions at once agree with single flows, member by member, even if others are refused."""
+"""Many motions at once agree with single flows, member by member, even if other members are refused."""
 
 import re
 
@@ -64,7 +64,7 @@ def test_members_are_single_flows(tilted, until, two_threads):
 
 
 def single(many, k, times):
-    """A single flow whose clock has the same tolerance as an ensemble's."""
+    """A single flow whose clock has the tolerance of an ensemble's clock."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(short, "DRIFT", short.DRIFT_OF_MANY)
         patch.setattr(short, "PACE", short.PACE_OF_MANY)

@@ -48,7 +48,7 @@ def test_short_runs_make_no_motion(monkeypatch):
 
 
 def test_special_motions_and_refused_ones():
-    """ω constant, M vertical and nearly so, far times: equal to the member's own motion, to the bit."""
+    """Constant ω, vertical and nearly vertical M, far times: equal to the member's own motion, to the bit."""
     ball, R = BODIES["ball"], STARTS[0]
     axis = R @ ball.axes[:, 0]
     omega = [0 * axis, axis, lean(TENSOR, R, [0, 0, 0.7]), OMEGA[0], OMEGA[1], 1e200 * OMEGA[0]]

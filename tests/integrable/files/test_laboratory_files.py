@@ -22,7 +22,7 @@ FREE = RigidBody((1, 2, 3)).motion(np.eye(3), OMEGA)
 
 
 def read_back(path):
-    """{name: array}, and what is said of it all."""
+    """({name: array}, the description of the whole file)."""
     if path.suffix in (".nc", ".zarr"):
         xarray = pytest.importorskip("xarray")
         store = {"engine": "zarr", "consolidated": False} if path.suffix == ".zarr" else {}
@@ -39,7 +39,7 @@ def read_back(path):
         table = pandas.read_parquet(path)
         return table, table.attrs
     said = dict(line[2:].split(": ", 1) for line in path.read_text(encoding="utf-8").splitlines() if line[0] == "#")
-    # as Python reads numbers, in every version of pandas
+    # numbers read by Python's ``float``, whatever the version of pandas
     return pandas.read_csv(path, comment="#", dtype=str).map(float), {k: json.loads(v) for k, v in said.items()}
 
 

@@ -77,7 +77,7 @@ def read_by_pandas(path, shape):
         lines = path.read_text(encoding="utf-8").splitlines()
         attributes = dict(line[2:].split(": ", 1) for line in lines if line.startswith("# "))
         attributes = {name: json.loads(value) for name, value in attributes.items()}
-        # as Python reads numbers, in every version of pandas
+        # numbers read by Python's ``float``, whatever the version of pandas
         table = pandas.read_csv(path, comment="#", dtype=str).map(float)
         table = table.set_index(["member", "time"] if len(shape) == 2 else "time")
     units = {"time": attributes["units"]["time"], "M": attributes["units"]["M_1"]}
@@ -222,7 +222,7 @@ except ArgumentError as error:
 
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_a_full_disk_leaves_what_was_there(suffix, tmp_path):
-    """The system refuses files of more than three kilobytes, as on a full disk."""
+    """The operating system refuses files of more than three kilobytes, as on a full disk."""
     pytest.importorskip("resource")
     needs(suffix)
     path = tmp_path / f"run{suffix}"

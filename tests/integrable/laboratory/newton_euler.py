@@ -1,8 +1,8 @@
 """Newton's and Euler's equations in the laboratory, for many bodies at once; no formula is shared with the package.
 
 The centre obeys mv̇ = F, the spin Jω̇ + ω × Jω = (−rz) × F, and rolling v = rω × z gives F: with d = mr²,
-(J + d(1 − zzᵀ))ω̇ = −ω × Jω, J turning with the body; d = 0 is a free one. Extrapolated midpoint steps (Gragg 1965,
-Bulirsch and Stoer 1966) in numbers of any kind.
+(J + d(1 − zzᵀ))ω̇ = −ω × Jω, where J turns with the body; d = 0 is a free body. Extrapolated midpoint steps (Gragg
+1965, Bulirsch and Stoer 1966) in numbers of any kind.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Moving pictures of runs."""
+"""Animated pictures of runs."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_a_frame_for_each_time(motion, tmp_path):
 
 
 def test_the_vertical_goes_on_its_sphere(tmp_path):
-    """The second panel: its trail grows."""
+    """The trail in the second panel grows."""
     path = tmp_path / "run.gif"
     BALL.at(np.linspace(0, 3, 9)).animate(path)
     inked = []

@@ -41,7 +41,7 @@ def tensors(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def beside(J, R, omega, time, ball=True, steps=20):
-    """The largest difference of R, of ω relative to its size, and of the contact, at ``time``, and the methods used."""
+    """The largest differences of R, ω (relative to its size) and the contact at ``time``, and the methods used."""
     count = len(J)
     d = np.full(count, np.longdouble(MASS) * np.longdouble(RADIUS) ** 2 * ball)
     truth = integrated(*(x.astype(np.longdouble) for x in (J, d, R, omega, np.full(count, RADIUS))), time, steps)
@@ -83,7 +83,7 @@ def test_two_hundred_random_bodies(ball):
 
 
 def lean(J, R, spin):
-    """ω in the laboratory such that M about the point of contact is ``spin``."""
+    """ω in the laboratory for which M about the point of contact is ``spin``."""
     return np.linalg.solve(R @ J @ R.T + MASS * RADIUS**2 * np.diag([1, 1, 0]), spin)
 
 
@@ -124,7 +124,7 @@ def test_a_vertical_momentum_and_nearly_vertical_ones():
 
 
 def test_the_path_of_a_vertical_momentum_after_many_periods():
-    """Compared with Simpson's rule along the path, some periods forth and back."""
+    """Compared with Simpson's rule along the path, over some periods forwards and backwards."""
     rng = np.random.default_rng(6)
     R = rotation(rng)
     J = tensor((0.05, 0.12, 0.15), rotation(rng))
@@ -174,12 +174,12 @@ def test_many_digits(ball):
 @pytest.mark.slow
 @pytest.mark.parametrize("ball", [True, False])
 def test_many_digits_of_other_bodies(ball):
-    """Of 200 of each kind: ``python -m benchmarks laboratory``."""
+    """A few bodies; ``python -m benchmarks laboratory`` takes 200 of each kind."""
     assert max(off_in_digits(ball, seed) for seed in (81, 82, 83)) < 1e-24
 
 
 def orthogonal(K, table):
-    """A rotation to all digits of K near one of floats, an array of mpf (Björck and Bowie 1971)."""
+    """The rotation to all digits of K near one in floats, as an array of mpf (Björck and Bowie 1971)."""
     table = np.frompyfunc(K.coerce, 1, 1)(table)
     for _ in range(3):
         table = (table + inverse(table).T) / 2
@@ -234,14 +234,14 @@ def test_momentum_stays_where_it_is_at_any_epoch():
 
 
 def test_phases_do_not_keep_the_rounding_of_the_momentum():
-    """The same floats at 30 digits: M = Iω is not rounded on the way, so all digits are right after 10⁹ s."""
+    """Compared with the same floats at 30 digits: M = Iω is not rounded, so all digits are right after 10⁹ s."""
     start = (0.384, 0.64, -0.496)
     exact = RigidBody((1, 2, 3), field=MP(30)).motion(UP, start).at([1e9])
     assert abs(RigidBody((1, 2, 3)).motion(UP, start).at([1e9]).omega_body - exact.omega_body).max() < 1e-15
 
 
 class Unmade:
-    """A class like SciPy's Rotation, where one of its instances is wanted."""
+    """Stands for a class like SciPy's Rotation that is given instead of an instance."""
 
     def as_matrix(self):
         return UP

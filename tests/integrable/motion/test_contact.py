@@ -1,4 +1,6 @@
-"""The point of contact: its velocity r ω×γ in the axes of space, uniform across the momentum, exact at any time."""
+"""The point of contact: its velocity is r ω×γ in the axes of space; orthogonally to the momentum it moves uniformly;
+paths are right at any time.
+"""
 
 import numpy as np
 import pytest
@@ -25,8 +27,8 @@ def flow(request):
 
 
 def rolled(flow, times, pace=1.0):
-    """(x, y) by SciPy's DOP853 from the equations of motion and v = r ω×γ, turned into space by the attitude; ``pace``
-    are turns in a unit of time.
+    """(x, y) by SciPy's DOP853 from the equations of motion and v = r ω×γ, turned into space by the attitude; ``pace``:
+    turns per unit of time.
     """
     system, size = flow.system, np.linalg.norm(flow.state.M)
     radius = system.radius or 1.0
@@ -103,7 +105,7 @@ def test_far_away_the_torus_and_the_way_there_agree(flow, monkeypatch):
 
 @pytest.mark.parametrize(("start", "accuracy"), [(1e8, 3e-13), (1e9, 1e-12)])
 def test_at_any_distance(flow, start, accuracy):
-    # between two far times, by panels of their own
+    # between two far times, by separate panels
     end = start + 20
     run = flow.at([start, end])
 
@@ -150,7 +152,7 @@ def any_flow(request):
 
 
 def fastest(flow):
-    """The most that |ω| can be: (Iω, ω) ≤ H1."""
+    """An upper bound of |ω|: (Iω, ω) ≤ H1."""
     return (flow.system.integrals(flow.state).H1 / min(flow.system.inertia)) ** 0.5
 
 
@@ -169,7 +171,7 @@ def test_paths_of_all_kinds_of_bodies(any_flow):
 
 
 def test_paths_do_not_depend_on_how_they_are_asked_for(any_flow, monkeypatch):
-    """By panels along the motion and by a Fourier series; at times and at values of τ."""
+    """Panels along the motion and a Fourier series agree, as do times and values of τ."""
     times = np.array([60.0, -20.0, 30.0]) / fastest(any_flow)
     path = any_flow.at(times).contact
     gamma, momentum = any_flow.state.gamma, any_flow.state.M
@@ -183,7 +185,7 @@ def test_paths_do_not_depend_on_how_they_are_asked_for(any_flow, monkeypatch):
 
 @pytest.mark.parametrize("t", [1e8, 1e12])
 def test_far_away_the_path_goes_on(any_flow, t):
-    """On average like that of a ball with three equal moments 1/ζ − d; the rest is bounded."""
+    """On average the path is that of a ball with three equal moments 1/ζ − d; the difference is bounded."""
     rate = fastest(any_flow)
     t /= rate
     here = any_flow.at([t, -t]).contact
@@ -218,8 +220,8 @@ def test_a_heavy_ball_in_multiprecision():
 @pytest.mark.slow
 @pytest.mark.parametrize("tilted", [False, True], ids=["upright", "tilted"])
 def test_far_away_in_multiprecision(tilted, monkeypatch):
-    """A Fourier series on the torus, compared with quadrature along the motion, more digits, and floats; 1e9 never
-    ended before.
+    """A Fourier series on the torus, compared with quadrature along the motion, more digits, and floats; t = 1e9 used
+    to take for ever.
     """
     momentum = (1, 1.28, 1.488) if tilted else (0.384, 1.28, -1.488)
     ball = ChaplyginBall((1, 2, 3), 50.0)
@@ -241,7 +243,7 @@ def test_far_away_in_multiprecision(tilted, monkeypatch):
 
 
 def test_on_the_separatrix_a_far_path_in_multiprecision_is_refused():
-    """No torus, no series: it was integrated over 200 panels, for minutes."""
+    """There is no torus, hence no series: the path used to be integrated over 200 panels, for minutes."""
     ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(20))
     run = ball.flow(ball.state(("0.6", 0, "0.8"), (0, 1, 0))).at([300])
     with pytest.raises(PrecisionLoss, match=r"no Fourier series .* ask for times nearer to 0"):

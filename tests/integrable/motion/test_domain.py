@@ -1,4 +1,6 @@
-"""The bodies and states that floats accept: inside the domain they are answered, outside refused at once by name."""
+"""The bodies and states that floats accept: requests inside this domain are answered, others are refused at once by
+name.
+"""
 
 from __future__ import annotations
 
@@ -98,7 +100,7 @@ def test_nearly_equal_moments_keep_all_digits(name) -> None:
     torus = TorusFlow(flow.setup, CompiledLoops())
     rows, _ = torus.at(np.array(times))
     assert np.abs(rows - exact(inertia, d, times)).max() < 2e-15
-    # a long spin: forth and back through another start
+    # a long time: forwards and back from another start
     (far,), _ = torus.at(np.array([1e6]))
     start = flow.system.state(tuple(far[:3]), tuple(far[3:]))
     back = flow.system.flow(start, kernel="compiled").at([-1e6, -1e6 + 3.0])
@@ -135,7 +137,7 @@ def test_the_largest_ratio_and_the_lightest_ball_are_answered() -> None:
 
 
 def exact_motion(system, gamma, M, tilted, times):
-    """The motion from any start by Taylor series, as :func:`exact`."""
+    """The motion from any start by Taylor series, as in :func:`exact`."""
     K = MP(60)
     g, m = [K.coerce(x) for x in gamma], [K.coerce(x) for x in M]
     length, lean = K.sqrt(K.dot(g, g)), 0 if tilted else K.dot(g, m)
@@ -164,7 +166,7 @@ def test_moments_and_d_of_any_scales_keep_all_digits(seed) -> None:
     rows, _ = torus.at(times)
     rows[:, 3:] /= np.linalg.norm(M)
     assert np.abs(rows - exact_motion(system, gamma, M, tilted, times)).max() < 5e-15
-    # forth and back through another start, to the accuracy of its floats
+    # forwards and back from another start, to the accuracy of that start in floats
     (far,), _ = torus.at(np.array([1e5 * times[0]]))
     start = system.state(far[:3].tolist(), far[3:].tolist(), tilted=tilted)
     back = system.flow(start, kernel="compiled").at([-1e5 * times[0]])
@@ -180,7 +182,7 @@ HEAVY = {
 
 @pytest.mark.parametrize("name", HEAVY)
 def test_cells_are_few_where_some_branch_points_are_close(name) -> None:
-    """Centres below all branch points alone would need up to 1e9 cells."""
+    """If all centres were below the branch points, up to 1e9 cells would be needed."""
     inertia, d = HEAVY[name]
     setup = flow_of(inertia, d).setup
     torus = TorusFlow(setup, CompiledLoops())
@@ -210,7 +212,7 @@ def test_moments_of_the_largest_ratio_are_answered_or_refused_at_once(seed) -> N
 
 
 def test_what_takes_too_long_in_floats_is_refused_at_once() -> None:
-    """1/d and the a_i of two moments within 2e-7 of each other, two within 1e-10: double-doubles do not close."""
+    """1/d and two a_i are within 2e-7 of each other, two of them within 1e-10: no torus closes in double-doubles."""
 
     def flow_from(d, gamma, M):
         system, gamma = ChaplyginBall((9.8e4, 1e-5, 0.021), d), np.array(gamma) / np.linalg.norm(gamma)
@@ -231,9 +233,7 @@ def test_what_takes_too_long_in_floats_is_refused_at_once() -> None:
 
 
 def test_the_corners_of_a_very_heavy_ball_close_in_double_doubles() -> None:
-    """1/d and the a_i of two moments within 2e-6 of each other: far times used to be refused, near ones needed
-    multiprecision.
-    """
+    """1/d is within 2e-6 of two a_i: far times used to be refused, and near ones needed multiprecision."""
     system, gamma = ChaplyginBall((9.8e4, 1e-5, 0.21), 160_000), np.array((0.469, 0.717, 0.551))
     gamma, M = gamma / np.linalg.norm(gamma), np.array([-0.457, -1.695, -0.799])
     flow = system.flow(system.state(gamma.tolist(), (M - gamma * (gamma @ M)).tolist()))
@@ -260,7 +260,7 @@ def test_the_command_says_it_in_one_line(tmp_path, capsys) -> None:
 
 
 def test_nearly_equal_moments_of_a_rotation_have_a_basis() -> None:
-    """Translations of all centres are parallel there, as far as floats tell: the search divided by zero."""
+    """In floats, the translations of all centres are parallel there: the search used to divide by zero."""
     top = EulerTop((0.0057145586283730175, 0.005711781037631545, 0.005711781068494241))
     gamma = (0.8576226493448597, 0.5142794875655687, 0.0)
     momentum = (3.0759214329919927e-13, -3.725592069384504e-13, 10.618810453629719)

@@ -129,7 +129,9 @@ def test_a_ball_of_times_holds_the_states_of_all_of_them(balls) -> None:
 
 @pytest.mark.parametrize("size", [1e-30, 1e-3, 0.5, 3.0])
 def test_translations_are_enclosed_at_every_precision(size) -> None:
-    """The balls of few bits contain the midpoints of many: the bounds of series and Newton's iteration hold."""
+    """Balls with few bits contain the midpoints of balls with many: the bounds of series and of Newton's iteration
+    hold.
+    """
     system, state = motion_of(*CASES["ball"])
     few, many = (BallMotion(system.body, state, bits, 10) for bits in (120, 400))
     for eps in (size, -size):
@@ -184,7 +186,9 @@ def test_times_too_far_for_panels_are_refused() -> None:
 
 
 def test_times_share_the_panels_that_they_pass(monkeypatch):
-    """Times cost the panels to the farthest plus one each, not those from the start for each; the balls overlap."""
+    """The cost of several times is the panels up to the farthest and one more for each, not all panels anew for each;
+    the balls overlap.
+    """
     ball = ChaplyginBall((1, 2, 3), 0.7)
     flow = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)))
     panels = []

@@ -35,7 +35,7 @@ def test_a_jump_is_refused():
 
 
 def test_rounding_is_refused_before_it_is_halved_away():
-    """Twelve halvings of panels whose convergence only rounding prevents took 4095 panels."""
+    """Panels whose convergence only rounding prevented were halved twelve times, into 4095 panels."""
     rng, asked = np.random.default_rng(3), 0
 
     def noisy(t):
@@ -98,7 +98,7 @@ def test_two_zeros_at_the_edge_of_two_panels_are_two():
 def test_a_heavy_body_spins_faster_than_its_momentum_says():
     heavy = ChaplyginBall((1, 2, 3), 1e6)
     flow = heavy.flow(heavy.state(GAMMA, (0.9, 1.0, 0.3), tilted=True))
-    # panels as long as |M| alone would make them, 10⁶, are no series
+    # with a length chosen by |M| alone, 10⁶, the series of panels do not converge
     found = flow.events(lambda gamma, M: M[:, 0], 0, 1e3)
     sample = flow.at(np.linspace(0, 1e3, 20001)).M[:, 0]
     assert len(found) == (np.diff(np.sign(sample)) != 0).sum() > 3

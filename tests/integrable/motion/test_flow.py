@@ -52,7 +52,7 @@ def test_floats_against_the_reference(name, kernel) -> None:
     ids=["S2", "S1", "S1 to 1000"],
 )
 def test_fifty_digits_against_the_reference(name, last) -> None:
-    """All the digits that the reference has: 1e-35."""
+    """To all digits of the reference: 1e-35."""
     field = MP(50)
     system, state, times, states = reference(name, field)
     chosen = [i for i, t in enumerate(times) if t <= last]
@@ -187,7 +187,7 @@ def test_special_bodies_and_starts_against_a_taylor_integration(name) -> None:
 
 @pytest.mark.parametrize("name", ["gamma_2 = 0", "gamma_1 = gamma_2 = 0", "thin ball", "axes in another order"])
 def test_few_near_times_keep_what_is_promised(name) -> None:
-    """|t||M| = 3 … 150 by "auto": additions in floats are used as far as they and their clock keep 1e-13."""
+    """|t||M| = 3 … 150 by "auto": additions in floats are used where they and their clock are accurate to 1e-13."""
     system, gamma, M = SPECIAL[name]
     state = system.state(gamma, M)
     flow, precise = system.flow(state), PreciseFlow(system.body, state, 17)
@@ -228,7 +228,7 @@ def test_flows_are_for_the_reals() -> None:
 
 
 def test_the_small_translation_keeps_its_digits_down_to_nothing() -> None:
-    """T(ε) added in doubles, compared with 45 digits: no loss as ε → 0, where U' has an almost double root."""
+    """T(ε) added in doubles compared with 45 digits: no loss as ε → 0, although U' has an almost double root."""
     system, state, _, _ = reference("S1")
     setup = system.flow(state, kernel="python").setup
     for exponent in range(16):

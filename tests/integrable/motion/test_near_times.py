@@ -122,7 +122,7 @@ def test_a_separatrix_is_a_short_run_about_centres_of_more_digits(name) -> None:
     state = system.state(gamma, M)
     flow = system.flow(state)
     times, tau = np.array([t, 0.1 * t, -0.3 * t]), np.array([0.5 * t, -0.2 * t])
-    # cases that need as many digits as errors may grow by, without panels
+    # without panels: with as many more digits as errors may grow by
     precise, size = flow._precise, float(np.linalg.norm(state.M))
     for run, true in ((flow.at(times), precise.at(times)[0]), (flow.at_tau(tau), precise.at_tau(tau))):
         assert run.way == "short run"
@@ -142,7 +142,7 @@ BESIDE = {
 
 @pytest.mark.parametrize("name", [*SEPARATRIX, *BESIDE])
 def test_beside_a_separatrix_panels_in_double_doubles_lose_no_more_than_inputs(name) -> None:
-    """Input errors grow by up to 10^14, those of U and V would by the square of that."""
+    """Input errors grow by up to 10^14; the errors of U and V would grow by the square of this."""
     system, gamma, M, t = (SEPARATRIX | BESIDE)[name]
     state = system.state(gamma, M)
     times, runs = np.array([t, 0.6 * t, -0.4 * t]), ShortRuns(system, state)
@@ -152,12 +152,12 @@ def test_beside_a_separatrix_panels_in_double_doubles_lose_no_more_than_inputs(n
     assert abs(found[0] - true)[:, :3].max() < 2e-14
     assert abs(found[0] - true)[:, 3:].max() < 2e-14 * float(np.linalg.norm(M))
     if name in SEPARATRIX:
-        # there double-doubles have too few digits
+        # at these times double-doubles have too few digits
         assert runs.at(4 * times) is None
 
 
-# hundreds of panels beside the separatrix of a heavy ball, whose branch points are close together: 6e-12 off where the
-# shadow was put on the level of the motion itself, 1e-11 where nothing was
+# hundreds of panels beside the separatrix of a heavy ball, whose branch points are close together: the error was 6e-12
+# when the shadow was put on the level of the motion itself, and 1e-11 when nothing was
 HEAVY = {
     597: (
         (1.019281468602172, 1.4474190531258602, 2.928171698369475),
@@ -229,7 +229,9 @@ def unit(rng):
 
 
 def test_no_node_of_a_panel_loses_three_digits():
-    """Found by fuzz: one node of a thin body's panel was off by 2.7e-13, its last coefficients by 1e-14."""
+    """Found by fuzz: the error at one node of a thin body's panel was 2.7e-13, that of the panel's last coefficients
+    1e-14.
+    """
     top = EulerTop((4.117414606429112e-06, 0.001181372970212736, 0.00046549475323938737))
     gamma = (-0.7214901633968287, 0.25235123105979845, 0.6448029158620654)
     state = top.state(gamma, (-0.10953585313738312, 0.17045231282117532, 0.1676465563778494), tilted=True)

@@ -39,14 +39,14 @@ def ball(digits: int, inertia=(1, 2, 3), d="0.7", start=START, tilt=0):
 
 
 def largest(K, run, other) -> float:
-    """The largest difference of γ and M, in numbers of K."""
+    """The largest difference of γ and of M, in numbers of K."""
     pairs = (*zip(run.gamma.flat, other.gamma.flat, strict=True), *zip(run.M.flat, other.M.flat, strict=True))
     return max(abs(K.coerce(x) - K.coerce(y)) for x, y in pairs)
 
 
 @pytest.mark.parametrize("d", ["1e-8", "1e-12", "1e-20"])
 def test_a_clock_that_hardly_varies_keeps_its_digits(d) -> None:
-    """1/g = 1 + O(d): variations that floats cannot tell from rounding still need many nodes."""
+    """1/g = 1 + O(d): variations that floats cannot distinguish from rounding still need many nodes."""
     runs = []
     for digits in (30, 45):
         system, state = ball(digits, d=d)
@@ -64,7 +64,7 @@ def test_a_heavy_ball_is_told_the_time_by_its_torus() -> None:
     floats = ChaplyginBall((1, 2, 3), 1000)
     rounded = floats.state(*([float(x) for x in v] for v in START))
     other = floats.flow(rounded).at(times)
-    # the rounded inputs are others
+    # the rounded inputs are different
     assert np.abs(run.gamma.astype(float) - other.gamma).max() < 1e-7
 
 
@@ -100,7 +100,7 @@ def test_every_kind_of_numbers_gives_the_same_digits(kind, monkeypatch) -> None:
 
 
 def test_times_on_the_torus_by_every_kind_of_numbers(monkeypatch) -> None:
-    # the scene's reduced periods have a half that lies beyond all numbers
+    # the translation by half of one of this scene's reduced periods is infinite
     found = []
     for kind in (BareReals, MpmathReals):
         monkeypatch.setattr(setups, "BareReals", kind)
@@ -129,7 +129,7 @@ HEAVY_START = (
 
 
 def heavy_setup(digits: int) -> Setup:
-    """The set-up of a ball beyond double-double numbers: its clock takes 15,000 values of 1/g for a few turns."""
+    """The set-up of a ball beyond double-double numbers: its clock needs 15,000 values of 1/g for a few turns."""
     system = ChaplyginBall(*HEAVY)
     state = system.state(*HEAVY_START)
     return Setup(system.body, state.gamma, state.M, digits=digits)
@@ -164,12 +164,12 @@ def test_values_that_double_double_numbers_have_too_few_digits_for_are_made_with
 
 
 def test_what_floats_leave_to_more_digits_takes_no_second() -> None:
-    """With values of 1/g in multiprecision each took three quarters of a second or more."""
+    """With values of 1/g in multiprecision every motion took three quarters of a second or more."""
     system = ChaplyginBall(*HEAVY)
     flow = system.flow(system.state(*HEAVY_START))
     times = [380.1479591886898, -5045549.602646869, -2516822.66596671, -93769.63370811127]
     began = process_time()
-    # a short run leads there too
+    # a short run reaches these times too
     rows, found = flow._precise.at(np.array(times))
     assert process_time() - began < 10
     slow = PreciseFlow(system.body, flow.state, 20)
@@ -209,9 +209,7 @@ def test_the_torus_takes_over_far_away_and_agrees() -> None:
 
 
 def test_beside_a_separatrix_the_torus_waits_until_it_costs_less_than_counting_steps() -> None:
-    """The cost of its tables grows near the separatrix: here they take half a second, as long as some ten thousand
-    steps.
-    """
+    """The cost of its tables grows near the separatrix: here they take half a second, as long as ten thousand steps."""
     system, state = ball(16, start=((0, 0, 1), ("0.01", "1", 0)))
     carrier = PreciseFlow(system.body, state, 16).carrier
     setup = carrier.setup
@@ -258,7 +256,7 @@ def test_the_unstable_rotation_against_the_exact_motion(digits) -> None:
 
 @pytest.mark.parametrize("t", [50, 100, 200])
 def test_the_digits_lost_are_those_that_the_curve_foretells(t) -> None:
-    """The same rotation at 100 digits beside 250: no more is lost, and not much less."""
+    """The same rotation at 100 digits and at 250: as many digits are lost as the curve predicts, or slightly fewer."""
     system = ChaplyginBall((1, 2, 3), 0.7)
     state = system.state((0, 0, 1), (0, 1, 0))
     problem = system.body, state.gamma, state.M, False
@@ -313,7 +311,7 @@ def test_a_certificate_of_a_tilted_ball_with_two_equal_moments_far_away(digits) 
 @pytest.mark.parametrize("digits", [15, 30])
 @pytest.mark.parametrize("inertia", [(1, 2, 2), (2, 2, 2)])
 def test_a_certificate_of_equal_moments_shares_no_closed_form(inertia, digits, monkeypatch) -> None:
-    """It used to be compared with the same closed form in more digits, whose mistakes agree."""
+    """The motion used to be compared with the same closed form in more digits, which has the same mistakes."""
     system, state = ball(digits, inertia, tilt=0.7)
     assert (system.flow(state).certify([1e3, -1e9]).digits >= digits - 3).all()
     true = Swing.clock
@@ -437,7 +435,9 @@ def test_one_time_alone_goes_another_way_where_its_rule_does_not_resolve(monkeyp
 
 
 def test_a_body_of_very_different_moments_that_takes_too_many_values_is_refused_by_name() -> None:
-    """Found by fuzz: 1/g after given translations was sent to a compiled loop with other arguments, a TypeError."""
+    """Found by fuzz: 1/g after given translations was computed by a compiled loop with different arguments, which
+    raised a TypeError.
+    """
     ball = ChaplyginBall((8.273628774282642e-10, 2.327949170355821e-11, 0.049038183644058375), 13.772366268411727)
     state = ball.state(
         (-0.7151500585883254, -0.21478530610510715, 0.6651523629834372),

@@ -1,4 +1,4 @@
-"""The costs of a torus that "auto" assumes, and how far the clock of short runs is accurate."""
+"""The costs of a torus that "auto" assumes, and the accuracy of the clock of short runs."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from integrable.motion.short import FREE, ROLLING, THIN, ShortRuns, panels_withi
 
 
 def test_the_costs_of_a_torus_follow_from_its_clock() -> None:
-    """For d = 0 there is no clock; moments that differ much relative to d give 1/g many modes; tenths of d do not
-    matter.
+    """For d = 0 there is no clock; if moments differ much relative to d, 1/g has many modes; a change of d by tenths
+    does not matter.
     """
     bodies = ((1.0, 3.0, 0.0), (1.0, 3.0, 0.7), (1e-4, 1.5, 1.0), (0.1, 0.3, 1e3))
     assert [torus_cost(*body) for body in bodies] == [FREE, ROLLING, THIN, ROLLING]
@@ -25,7 +25,7 @@ def test_a_torus_that_is_cheap_leaves_fewer_panels_and_many_times_more() -> None
 
 @pytest.mark.parametrize(("inertia", "d", "T"), [((1e-4, 1.0, 1.5), 1.0, 100.0), ((1.0, 2.0, 3.0), 0.7, 300.0)])
 def test_the_clock_of_many_panels_has_no_rate_that_rounding_gives_it(inertia, d, T) -> None:
-    """Rounding increases all σ at a node by a common factor, on thin balls by hundreds of roundings: 10⁻¹³ in γ
+    """Rounding changes all σ at a node by a common factor, for thin balls by hundreds of roundings: γ was off by 10⁻¹³
     here.
     """
     ball = ChaplyginBall(inertia, d)

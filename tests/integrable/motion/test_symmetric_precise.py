@@ -61,7 +61,7 @@ def test_near_the_start_it_is_what_additions_give(name) -> None:
 @pytest.mark.parametrize("name", BODIES)
 def test_far_away_two_precisions_agree(name) -> None:
     flow = _flow(name)
-    # the same numbers: put onto the constraints again they would differ by 1e-51
+    # the same numbers: projected onto the constraints again they would differ by 1e-51
     wider = Flow(widened(flow.system, MP(50)), flow.state)
     times = [K.coerce("1e40"), K.coerce("-3e7")]
     assert _gap(flow.at(times), wider.at(times)) <= 1e-29
@@ -72,7 +72,7 @@ def test_far_away_two_precisions_agree(name) -> None:
     (symmetric_moments, SymmetricTop, False), (equal_moments, EqualMoments, True)
 ])  # fmt: skip
 def test_far_away_it_is_a_product_of_rotations(moments, oracle, rolls) -> None:
-    """Three equal moments at 5700 took 14.5 s. At 10^30 turns the oracle has 100 digits."""
+    """Three equal moments at t = 5700 used to take 14.5 s. At 10^30 turns the oracle has 100 digits."""
     rng = Random(5)
     for _ in range(6):
         start = motion(rng, moments(rng), rolls=rolls, tilted=True)

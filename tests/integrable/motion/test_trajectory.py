@@ -139,7 +139,7 @@ def test_trajectories_of_deformations_are_values() -> None:
         run.gamma[0, 0] = 1.0
 
 
-# --- rows that cannot be had
+# --- rows that cannot be computed
 
 
 BEYOND = {
@@ -197,7 +197,7 @@ def test_all_rows_may_be_had_or_refused() -> None:
 @pytest.mark.parametrize("method", ["at", "at_tau"])
 def test_runs_with_refused_rows_are_values(method) -> None:
     asked = getattr(motion(BALL), method)
-    # few near times use another method as long as there is no torus
+    # as long as there is no torus, few near times use another method
     asked([1e6])
     run = asked([1.0, 1e30], strict=False)
     assert run == asked([1.0, 1e30], strict=False)
@@ -262,7 +262,7 @@ def test_what_would_take_minutes_is_refused_alone() -> None:
 
 
 def test_rows_that_are_refused_together_only() -> None:
-    """More than three at once are refused: the nearest are kept, whatever single rows give."""
+    """If more than three rows at once are refused, the nearest are kept, whatever happens to single rows."""
 
     def compute(values):
         if len(values) > 3:

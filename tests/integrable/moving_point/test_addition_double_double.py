@@ -1,7 +1,7 @@
 """The loops of the flow in double-double arithmetic compared with the same loops on mpf, on easy and hard bodies.
 
-Both get the same inputs, those that two floats hold; what a body does to errors is measured by running the loop on mpf
-again from inputs changed by 1e-31 of their size.
+Both have the same inputs, which fit into two floats. The growth of errors along a motion is measured by a second run of
+the loop on mpf, from inputs with relative changes of 1e-31.
 """
 
 from functools import cache, reduce
@@ -75,7 +75,7 @@ def setup_of(name):
 
 
 def exact(array):
-    """The values that two floats hold, as numbers of the field."""
+    """The values of pairs of floats, as numbers of the field."""
     return double_double.unpack(array, K.coerce)
 
 

@@ -12,8 +12,8 @@ P = 2**61 - 1
 
 
 class Residue:
-    """A number modulo 2^61 − 1 for formulas written with operators. What chooses between formulas sees its size as an
-    int, a float factor as 0: whatever is not zero is large.
+    """A number modulo 2^61 − 1 for formulas written with operators. Where formulas choose by size, its size is the int
+    and a float factor counts as 0: everything that is not zero is large.
     """
 
     def __init__(self, value):

@@ -33,7 +33,7 @@ def test_the_third_kind_to_its_last_digits(kind, modulus) -> None:
     kappa2 = np.maximum(k2, 1) + 10 ** generator.uniform(-8, 1, 2 * count)
     x, y, z, p = c * c, c * c + k2 * s * s, 1 + 0 * s, c * c + kappa2 * s * s
     product = (p - x) * (p - y) * (p - z)
-    # where a difference has few digits, the rounded product would not belong to these arguments
+    # cases in which no difference has few digits: otherwise the rounded product would belong to other arguments
     chosen = (p - z) * (p - y) > 1e-4 * p * p
     x, y, z, p, product = (v[chosen] for v in (x, y, z, p, product))
     found = carlson_j(LongDoubles(kind), x, y, z, p, product)

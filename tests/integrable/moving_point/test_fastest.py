@@ -12,7 +12,7 @@ from integrable.motion import short
 @pytest.mark.parametrize("inertia", [(1, 2, 3), (3, 1, 2), (0.01, 0.02, 0.0299), (1, 30, 900)])
 @pytest.mark.parametrize("d", [1e-6, 0.7, 40.0])
 def test_no_run_that_leads_to_its_end_is_given_up(inertia, d, monkeypatch) -> None:
-    """A limit of some more panels than a run has taken suffices for it, even if its pace is estimated too low."""
+    """A limit slightly above the number of a run's panels is enough for it, even if its pace is underestimated."""
     ball = ChaplyginBall(inertia, d)
     generator = np.random.default_rng(1)
     found = 0

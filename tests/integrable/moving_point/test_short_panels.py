@@ -22,7 +22,7 @@ from jacobian.numbers.long_reals import BareReals
 
 
 def test_nodes_are_sums_that_are_done_abreast_and_interpolate_like_chebyshevs() -> None:
-    """No node is made from another of its lot, and jumps between panels are measured at ±1."""
+    """No node depends on another node of its group, and jumps between panels are measured at ±1."""
     nodes = rule().nodes
     assert max(LOT, len(SUMS) - LOT) <= LANES
     assert all(0 <= first < LOT for first, _ in SUMS[LOT:])
@@ -47,7 +47,7 @@ MOTIONS = {
     "very different moments": (ChaplyginBall((1, 1e4, 1e8), 0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), False),
     "top": (EulerTop((1, 2, 3)), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), True),
 }
-# what is different at an axis with κ = 0: its translations are put back on their divisors
+# cases of an axis with κ = 0, where translations are projected back onto their divisors
 EQUAL = {
     "the least equal": (ChaplyginBall((1, 1, 3), 0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), False),
     "the largest equal": (ChaplyginBall((3, 1, 3), 0.7), (0.48, 0.6, 0.64), (1.0, 0.3, -0.8), True),
@@ -56,7 +56,7 @@ EQUAL = {
 
 @pytest.mark.parametrize("name", MOTIONS)
 def test_compiled_runs_are_interpreted_ones(name) -> None:
-    """As many times as lanes, fewer and more, in either direction, and where a panel begins, ends and has its nodes."""
+    """As many times as lanes, fewer and more, in either direction, and at the ends and nodes of panels."""
     system, gamma, M, tilted = MOTIONS[name]
     state = system.state(gamma, M, tilted=tilted)
     setup = system.flow(state).setup
@@ -96,7 +96,7 @@ def test_all_but_equal_moments_are_gone_through_too(apart) -> None:
 
 @pytest.mark.parametrize("name", MOTIONS)
 def test_translations_of_panels_are_wide(name) -> None:
-    """By half a panel, and by the least part of it that nodes take."""
+    """By half a panel, and by the smallest step between nodes."""
     system, gamma, M, tilted = MOTIONS[name]
     state = system.state(gamma, M, tilted=tilted)
     wide, floats, made = np.zeros((GIVEN + WIDES, 2)), np.zeros(FLOATS), np.zeros(MADE, dtype=np.intp)
@@ -113,7 +113,7 @@ def test_translations_of_panels_are_wide(name) -> None:
 
 
 def first_steps(given, tilted, wide, floats, made, found):
-    """The translations by half a panel and by the least part of it, f, the axes and half a panel, compiled."""
+    """The translations by half a panel and by the smallest step, f, the axes and half a panel, compiled."""
     for i in range(GIVEN):
         wide[i] = given[0, i]
     room = new_room(wide[GIVEN:], floats, made)
@@ -168,7 +168,7 @@ def remainder(f, point, a):
 
 @pytest.mark.parametrize(("inertia", "most"), [((1.0, 1e4, 1e8), 100), ((1e8, 1e4, 1.0), 200)])
 def test_small_branch_points_do_not_shorten_panels(inertia, most) -> None:
-    """They limit only the series of translations: the body turns little on so short a panel."""
+    """They limit only the series of translations; the body turns little during so short a panel."""
     system = ChaplyginBall(inertia, 0.7)
     state = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     times = np.linspace(-10, 10 / np.linalg.norm(system.omega(state)), 21)

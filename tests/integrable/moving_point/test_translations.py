@@ -34,7 +34,7 @@ def test_the_expansion_in_time_solves_the_integrals_in_x(ball, digits) -> None:
     with setup.reals as reals:
         for part in ("0.9", "-0.4", "1e-7", "1e-90"):
             eps = setup.bare.half_step * reals.number(setup.wide.coerce(part))
-            # so small that Newton's series are short: doubled back below
+            # so small that Newton's series are short; the result is doubled back below
             doublings, term_bits = few.plan(eps)
             small = eps / 2**doublings
             m, r = few.centre(small, term_bits)
@@ -62,7 +62,7 @@ def test_translations_add_up(ball) -> None:
 
 @pytest.mark.parametrize("name", ["ball", "top", "moments nearly equal", "thin"])
 def test_the_rate_is_read_off_the_height_above_infinity(name) -> None:
-    """Every two digits of 1 − dα cost three: a thin ball shows why the formula is not used there."""
+    """Two digits of 1 − dα cost three digits: a thin ball shows why that formula is not used."""
     setup = setup_of(BODIES[name], 40)
     bare, reals = setup.bare, setup.reals
     with reals:
@@ -91,7 +91,7 @@ def test_the_coefficients_of_a_legendre_series_are_those_of_the_matrix(count) ->
 
 @pytest.mark.parametrize("ball", BODIES.values(), ids=BODIES.keys())
 def test_the_expansion_of_compiled_loops_is_the_readable_one(ball) -> None:
-    """In one go, and its last orders after the others."""
+    """In one call, and in two: the last orders after the others."""
     setup, count = setup_of(ball, 50), 14
     with setup.reals as reals:
         expected = expansion(setup.bare.f, count)

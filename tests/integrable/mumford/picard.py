@@ -1,4 +1,4 @@
-"""Picard's iteration on the equations of motion of a pair, in python-flint's power series: an oracle of the series of
+"""Picard's iteration on the equations of motion of a pair, in python-flint's power series: an oracle for the series of
 :mod:`integrable.mumford.series`.
 """
 
@@ -42,7 +42,7 @@ class PicardSeries:
     """A motion near a pair: coefficients of U, V, of the second-kind datum Ω, of the third-kind integrals
     ∫n(x_e)/U(x_e)dτ of points x_e (0 at the pair) and of the σ and ν of lifts, ascending in time.
 
-    ``radius``: about that of convergence, a float.
+    ``radius``: roughly the radius of convergence, a float.
     """
 
     def __init__(self, field: LongField, rows: list[list[Any]], size: int) -> None:

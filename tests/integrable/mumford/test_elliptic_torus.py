@@ -44,7 +44,7 @@ def flow_of(name):
 
 @pytest.mark.parametrize("name", MOTIONS)
 def test_the_closed_form_has_the_states_of_additions(name) -> None:
-    """Both directions and 2^40 rounds, the lifts at all branch points in turn."""
+    """In both directions, after 2^40 rounds, and with lifts at each of the branch points."""
     flow, times = flow_of(name), [0.5, -1.25, 7.5, -40, 1e3, 2.0**20, -(2.0**40) - 0.5]
     assert has_torus(flow)
     found, true = forced(flow, "torus").at(times), forced(flow, "additions").at(times)
@@ -94,7 +94,7 @@ def test_a_wrong_sign_is_noticed(name, sign, monkeypatch) -> None:
 
     assert has_torus(flow_of(name))
     monkeypatch.setattr(EllipticTorus, "__init__", wrong)
-    # a motion that does not use it has no error
+    # a motion that does not use it cannot notice
     assert has_torus(flow_of(name)) != bool(noticed)
 
 

@@ -45,7 +45,7 @@ def pair_of(K, degree, rng):
 
 
 def along(K, u, v, of_u, of_v):
-    """The pair as jets with these slopes."""
+    """The pair as jets with the slopes ``of_u`` and ``of_v``."""
     N = JetField(K, 1)
     return N, *(tuple(Jet(N, x, (y,)) for x, y in zip(a, b, strict=True)) for a, b in ((u, of_u), (v, of_v)))
 
@@ -53,7 +53,7 @@ def along(K, u, v, of_u, of_v):
 @over_fields()
 @DEGREES
 def test_a_direction_is_the_velocity_of_the_sums(K, degree) -> None:
-    """Σ x_i^k x_i'/y_i = c_k, and the rate of the second-kind datum for k = g; f stays; the fields commute."""
+    """Σ x_i^k x_i'/y_i = c_k, and the rate of the second-kind datum for k = g; f is constant; the fields commute."""
     K, rng = K(), Random(degree)
     curve, points, u, v = pair_of(K, degree, rng)
     c = [K.random(rng) for _ in points]

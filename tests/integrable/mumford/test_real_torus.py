@@ -78,7 +78,7 @@ def test_many_times_are_those_of_additions(case):
     system, state = CASES[case]
     flow = system.flow(state)
     assert has_torus(flow)
-    # turns of a phase grow with the speed over the size
+    # the turns of a phase are proportional to speed over size
     unit = max(map(abs, state.q)) / max(map(abs, state.p)) if isinstance(system, Ellipsoid) else 1.0
     times = [unit * t for t in TIMES]
     found, true = forced(flow, "torus").at(times), forced(flow, "additions").at(times)
@@ -90,7 +90,7 @@ def test_many_times_are_those_of_additions(case):
 def test_floats_at_a_million_periods_are_right(case):
     system, state = case
     flow = system.flow(state)
-    # periods are some units of time
+    # periods are a few units of time
     times = [1e6, 3e6 + 0.5, -1e7]
     found = flow.at(times)
     assert found.way == "torus"
@@ -98,7 +98,7 @@ def test_floats_at_a_million_periods_are_right(case):
 
 
 def with_datum(system, state, kind, value):
-    """The start of a motion that carries one datum more."""
+    """The start of a motion that carries one more datum."""
 
     def place(N):
         start = system._start(N, system._constrained(N, system._inside(N, state)))
@@ -117,10 +117,10 @@ def test_data_that_are_not_the_time_are_left_to_additions():
 
 @pytest.mark.parametrize("case", range(len(GEODESICS)))
 def test_the_clock_of_a_geodesic_is_right_after_many_turns(case):
-    """The mean of dt/dτ is a determinant of integrals; the former sum over a grid failed at 2^26 turns."""
+    """The mean of dt/dτ is a determinant of integrals; the sum over a grid used before failed at 2^26 turns."""
     system, state = geodesic(*GEODESICS[case])
     flow = system.flow(state)
-    # a round takes about as long as the way around at this speed
+    # a period is about the time once around the ellipsoid at this speed
     around = float(max(system.constants)) ** 0.5 / max(map(abs, state.p))
     times = [2.0**40 * around, -(2.0**46) * around]
     found, true = flow.at(times), forced(flow, "additions").at(times)
@@ -175,7 +175,7 @@ def test_cells_that_do_not_fit_are_left_to_additions(monkeypatch):
 
     def rough(self, forward, most):
         walk(self, forward, most)
-        # of every other corner
+        # the states of every other corner
         self.states[::20, 0] += 1e-10
 
     monkeypatch.setattr(Corners, "_walk", rough)

@@ -1,4 +1,4 @@
-"""Motions near a pair: by their points, against Picard's iteration on the equations of motion."""
+"""Motions near a pair: their points compared with Picard's iteration on the equations of motion."""
 
 import pytest
 
@@ -35,7 +35,7 @@ def test_points_move_as_the_equations_say(genus, degree, complex) -> None:
 
 @pytest.mark.parametrize(("genus", "degree"), [(1, 3), (2, 5), (2, 6), (3, 7), (3, 8)])
 def test_recurrences_have_the_coefficients_of_picards_iteration(genus, degree) -> None:
-    """Of U, V and two lifts; Ω, which Picard's iteration has too, is none of them."""
+    """Coefficients of U, V and two lifts; Ω, which Picard's iteration has too, is not among them."""
     with LongField(BITS) as K:
         f, points, direction = case(K, genus, degree)
         (u, v), ends = through(K, *points), [K.coerce(-7), K.coerce(-2)]
@@ -44,7 +44,7 @@ def test_recurrences_have_the_coefficients_of_picards_iteration(genus, degree) -
         right = taylor(K, f, (u, v), direction, ORDER, lifts=lifts).rows
         del right[2 * genus]
         for one, two in zip(found, right, strict=True):
-            # differences of large numbers lose two bits an order; tables have more to spare, and half as many orders
+            # differences of large numbers lose two bits per order; tables have more spare bits and half as many orders
             assert all(
                 abs(x - y) <= 2.0 ** (2 * k + 32 - BITS) * abs(y) for k, (x, y) in enumerate(zip(one, two, strict=True))
             )

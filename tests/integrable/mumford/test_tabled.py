@@ -54,7 +54,7 @@ SLOW = {"Neumann on S⁵": lambda: flow_of(Neumann((1, 2, 3, 4, 5, 6)), True)}
 
 
 def memory(genus: int) -> Space:
-    """Room for sums of numbers of any kind."""
+    """Working memory for sums of numbers of any kind."""
     rows = [np.empty(2 * genus + 3, dtype=object) for _ in range(4)]
     matrix = np.empty((genus, genus + 1), dtype=object)
     return Space(matrix, *rows, np.empty((genus, 2 * genus + 1)), np.empty(2 * genus + 1))
@@ -92,7 +92,7 @@ def test_a_pair_is_moved_onto_the_curve() -> None:
             pair_sums.retract(problem, row, space)
             off.append(max(abs(x) for x in space.turned[:, 6]))
     assert abs(row - np.array([*u[:-1], *v])).max() < 1e-7
-    # the right sides of the rows that are made orthogonal
+    # the right-hand sides of the rows that are made orthogonal
     assert off[0] > 1e-12
     assert off[1] < 1e-14
     assert off[2] < 1e-20

@@ -52,7 +52,7 @@ def test_far_states_are_those_of_additions(name) -> None:
 
 @compiled
 def test_few_far_times_do_not_wait_for_theta_functions() -> None:
-    """And they have the same bits."""
+    """Their bits are those of the states that theta functions give."""
     times = np.linspace(1e6, 1e6 + 40, TIMES_TO_THETA)
     many, few = flow_of("two complex roots").at(times), flow_of("two complex roots").at(times[:-1])
     assert (many.way, few.way) == ("torus", "additions")
@@ -64,7 +64,7 @@ def test_few_far_times_do_not_wait_for_theta_functions() -> None:
 @pytest.mark.parametrize("which", range(2))
 @pytest.mark.parametrize("name", MOTIONS)
 def test_what_is_wrong_is_noticed(name, which) -> None:
-    """The sign of a lift, the direction of a phase, its value at the start, and its frequency."""
+    """A wrong sign of a lift, direction of a phase, phase at the start, or frequency."""
     flow = flow_of(name)
 
     def torus():
@@ -116,7 +116,9 @@ def test_the_source_interpreted_in_long_numbers_is_what_is_compiled() -> None:
 
 
 def test_cycles_are_periods_of_the_curve() -> None:
-    """In integral coordinates of a basis by other ways, symplectic; A is real, Im τ is reduced."""
+    """In a basis found by other means, the cycles have integral coordinates and are symplectic; A is real, Im τ is
+    reduced.
+    """
     f = (0.5, -1, 0.25, 2, 1, -1)
     K = MP(36)
     other = periods(HyperellipticCurve(K, [K.coerce(c) for c in f]))

@@ -28,7 +28,7 @@ MOTIONS = {
     "Veselova": (Veselova((1, 2, 3)), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
     "Veselova, other oval": (Veselova((4, 2, 1)), (0.48, -0.6, 0.64), (0.384, 1.28, 0.912)),
 }
-# the lifts that a motion carries
+# (motion, index of a lift that it carries)
 LIFTS = [(name, k) for name in MOTIONS for k in range({"Toda": 0, "Garnier": 2}.get(name, 3))]
 
 
@@ -62,7 +62,7 @@ def test_a_wrong_sign_of_a_period_is_noticed(name, place, monkeypatch) -> None:
 
 
 def with_corners(monkeypatch, change) -> None:
-    """All corners of a torus but the start are changed, after walks that close."""
+    """Changes all corners of a torus but the start, after its walks have closed."""
     walk = Corners._walk
 
     def changed(self, forward, most):
@@ -103,7 +103,7 @@ def test_a_lift_that_is_read_with_the_wrong_sign_is_noticed(name, which) -> None
 @pytest.mark.parametrize("phases", [(-1, 1), (1, -1), (-1, -1)])
 @pytest.mark.parametrize("name", MOTIONS)
 def test_a_phase_that_runs_back_is_noticed(name, phases, monkeypatch) -> None:
-    """Either of them, or both: the direction of the motion."""
+    """One phase runs backwards, or both do, which reverses the motion."""
     right = Corners.turns_along
 
     def wrong(self, first, second):

@@ -47,7 +47,7 @@ def test_the_shipped_trajectory_to_its_digits():
 @pytest.mark.parametrize("inertia", list(permutations((1.0, 2.0, 3.5))))
 @pytest.mark.parametrize("seed", range(3))
 def test_every_order_of_the_axes(inertia, seed):
-    """M round the largest or the smallest axis, of either sign, γ not normal to M, times of either sign."""
+    """M near the largest or the smallest axis, of either sign; γ not orthogonal to M; times of either sign."""
     rng = np.random.default_rng(seed)
     system, state = top(inertia, *rng.normal(size=(2, 3)).tolist())
     times = [0.7, -2.3, 0.0, 6.1]

@@ -72,7 +72,7 @@ def test_the_rule_integrates_polynomials_of_twice_its_stages(stages):
 
 @pytest.mark.parametrize("name", EVERY_BODY)
 def test_the_compiled_steps_are_the_readable_ones(name):
-    """At a step so long that the method's own error shows: the two agree in it."""
+    """With a step so long that the method's own error is visible, the two have the same error."""
     system, state = problem(name)
     times = [1.75 * k for k in (1, 2, 3, 4)] + [4.0, -1.75, -3.0]
     found = gauss16(system, state, times, step=1.75)
@@ -91,7 +91,7 @@ def test_it_is_of_order_sixteen(name):
     errors = [np.abs(steps_of(name, K, 8, [2], Fraction(2, n)).gamma - exact.gamma).max() for n in (8, 12)]
     slope = float(K.context.log(errors[0] / errors[1]) / K.context.log(1.5))
     assert slope == pytest.approx(16, abs=1)
-    # and the method with a tolerance is the same one
+    # the method with a tolerance is the same method
     adapted = gauss16(system, state, [2.0], tolerance=1e-18)
     assert np.abs(adapted.gamma - exact.gamma.astype(float)).max() < 2e-15
 

@@ -1,4 +1,4 @@
-"""The comparators: one interface, what each conserves, and its order as the slope of error over its setting."""
+"""The comparators: one interface, what each conserves, and its order as the slope of the error over its setting."""
 
 from __future__ import annotations
 
@@ -46,12 +46,12 @@ PROBLEMS = {
     "top, tilted": (TOP, TOP.state(GAMMA, TILTED, tilted=True)),
 }
 DEFORMED = [Tilde((1, 2, 3), 0.7), Check((1, 2, 3)), Hat((1, 2, 4)), Gyroscopic((1, 2, 3), 0.4)]
-# the order of the method of order 16 is beyond floats: tests/integrable/oracles/test_gauss16.py
+# floats cannot show order 16: tests/integrable/oracles/test_gauss16.py does
 STEPPING = [name for name, method in METHODS.items() if method.parameter == "step" and method.order != 16]
 
 
 def named(names):
-    """Parameters for methods, without those that need an uninstalled package."""
+    """Parameters for these methods, without methods that need a package that is not installed."""
     missing = pytest.mark.skipif
     return [pytest.param(n, marks=missing(not METHODS[n].installed, reason=METHODS[n].module)) for n in names]
 
@@ -389,7 +389,9 @@ MOVING = [name for name in scene_names() if load_scene(name).steps is None]
 
 @pytest.mark.parametrize("scene", MOVING)
 def test_the_recorded_equations_are_those_of_the_system(scene) -> None:
-    """In 30 digits, away from the recorded state; systems of one class, whatever their constants, are of one kind."""
+    """In 30 digits, at other states than the recorded one; all systems of a class are of one kind, whatever their
+    constants.
+    """
     K = MP(30)
     system, state = load_scene(scene).start(30)
     moved = [x * (1 + K.coerce(Fraction(1 + i, 1000))) for i, x in enumerate((*state.gamma, *state.M))]
@@ -416,7 +418,7 @@ def test_all_balls_are_of_one_kind_and_all_tops() -> None:
 
 
 def test_an_integrator_is_built_once_for_all_bodies() -> None:
-    """Compilation happens once per machine and is no part of a start."""
+    """Compilation happens once per machine, not at every start."""
 
     class Slow(type(METHODS["SciPy DOP853"])):
         def build(self, kind, setting):

@@ -117,7 +117,7 @@ def test_right_hand_side_is_the_equation_of_motion():
     gamma /= np.linalg.norm(gamma)
     omega = np.linalg.solve(
         np.diag(inertia + d) - d * np.outer(gamma, gamma), M
-    )  # M = Iω + dω − d(γ,ω)γ, no g in sight
+    )  # M = Iω + dω − d(γ,ω)γ, a formula without g
     wanted = np.concatenate([np.cross(gamma, omega), np.cross(M, omega)])
     got = right_hand_side(inertia, d)(0.0, np.concatenate([gamma, M]))
     assert np.allclose(got, wanted, rtol=0, atol=1e-14)

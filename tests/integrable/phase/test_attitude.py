@@ -63,7 +63,7 @@ def test_quaternions_at_half_turns(axis, angle):
 
 
 def test_a_rotation_where_the_momentum_is_almost_vertical():
-    """Found by fuzz: x kept 3e-13 along γ where the horizontal part is 4e-4 of M."""
+    """Found by fuzz: x had a component of 3e-13 along γ where the horizontal part of M was 4e-4 of it."""
     ball = ChaplyginBall((42.275297297021154, 59.00030949561692, 94.55369296661846), 7.106769750752151e-05)
     M = (-1.3291845487028283e-06, 1.692269492780872e-07, 0.003051815342714443)
     run = ball.flow(ball.state((0.0, 0.0, 1.0), M, tilted=True)).at([-386.68632197844244, 7448.0665147098825, 617.4])

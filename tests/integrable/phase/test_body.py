@@ -1,4 +1,4 @@
-"""Bodies and states: constants, and one line for every bad input."""
+"""Bodies and states: constants, and one line for every invalid input."""
 
 from __future__ import annotations
 

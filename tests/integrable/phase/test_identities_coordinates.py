@@ -310,7 +310,7 @@ def test_regular_coordinates(K, kind) -> None:
 @over_fields()
 @KINDS
 def test_the_rates_of_the_pairs_are_hamiltonian(K, kind) -> None:
-    """Those that time shifts are held against: d(σ, ν)/ds = {(σ, ν), F} for (2F_1, −2F_2) = (first, −second)."""
+    """The rates with which time shifts are compared: d(σ, ν)/ds = {(σ, ν), F} for (2F_1, −2F_2) = (first, −second)."""
     K = K()
     system, state = attempt(lambda: random_case(K, Random(15), kind))
     N = JetField(K, 0)
@@ -339,7 +339,7 @@ def _flat_pairs(system, state):
 
 
 def test_special_positions_of_the_separated_coordinates() -> None:
-    """γ_i = 0 and u1 = u2 have named errors in (u, p), and are regular for divisors; conjugate u has one too."""
+    """In (u, p), γ_i = 0 and u1 = u2 raise errors that name them, as do conjugate u; for divisors they are regular."""
     ball = ChaplyginBall((1, 2, 3), 0.7)
     K = GF(10007)
     exact = EulerTop((1, 2, 3), field=K)
@@ -387,14 +387,14 @@ def test_real_round_trips_from_thin_to_heavy_bodies() -> None:
         state = ball.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
         back = ball.from_separated(*ball.separated(state), like=state)
         for x, y in zip((*back.gamma, *back.M), (*state.gamma, *state.M), strict=True):
-            # u_k = a_i + (a part as small as 1 − da_i): its digits cancel
+            # u_k − a_i is as small as 1 − da_i, and loses digits by cancellation
             assert abs(x - y) < 1e-38 * max(1, float(d)) ** 3
 
 
 @pytest.mark.parametrize("field", [RR, MP(40)], ids=["floats", "40 digits"])
 @pytest.mark.parametrize("kind", ["ball", "top"])
 def test_the_map_back_on_bare_reals_is_that_over_fields(kind, field) -> None:
-    """γ and M/|M| from σ = γ̂ and ν = n̂/(2|M|), as compiled loops take them, beside ``from_pairs``."""
+    """γ and M/|M| from σ = γ̂ and ν = n̂/(2|M|), the arguments of compiled loops, compared with ``from_pairs``."""
     system = ChaplyginBall((1, 2, 3), 0.7, field=field) if kind == "ball" else EulerTop((1, 2, 3), field=field)
     gamma, M = ([field.coerce(x) for x in v] for v in (("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488")))
     pairs = coordinates.to_pairs(system.body, State(tuple(gamma), tuple(M)))

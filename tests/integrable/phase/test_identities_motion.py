@@ -113,7 +113,7 @@ def test_jacobi_identity(K, kind) -> None:
 
 @over_fields()
 def test_a_wrong_structure_fails_the_jacobi_identity(K) -> None:
-    """The checker is no tautology: without the term d·g(M, Aγ)γ_k the ball's bracket is not Poisson."""
+    """The check can fail: without the term d·g(M, Aγ)γ_k the ball's bracket is not Poisson."""
     K = K()
     system, state, _ = tilted_state(K, 5, "ball")
 
@@ -168,7 +168,7 @@ def test_decomposition_of_H1(K) -> None:
 
 
 def test_differences_agree_with_jets_and_converge_with_the_digits() -> None:
-    """Over inexact fields brackets are difference quotients of sixth order: {H1, H2} = 0 and {u1, p1} = 1."""
+    """Over inexact fields brackets are made of difference quotients of order six: {H1, H2} = 0 and {u1, p1} = 1."""
     from integrable import ChaplyginBall
 
     ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(40))
@@ -182,7 +182,7 @@ def test_differences_agree_with_jets_and_converge_with_the_digits() -> None:
 
 
 def test_jets_are_derivatives() -> None:
-    """Jets of x²/(1 + y) and of a root, against the rules of differentiation."""
+    """Jets of x²/(1 + y) and of a root agree with the rules of differentiation."""
     from jacobian import QQ
 
     N = JetField(QQ, 2)

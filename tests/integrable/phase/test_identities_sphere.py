@@ -235,8 +235,8 @@ def test_a_conic_through_a_point_that_moves_with_another_integral_is_not_canonic
     [(3, name) for name in ("(x0, 0)", "(x0, y0)", "(x0, F(f/φ))", "∞", "not canonical")] + [(4, "(x0, y0)")],
 )
 def test_conic_steps_of_more_points(K, size, name) -> None:
-    """N = 3, 4 points on y² = φ(x)(x^(N−1)h_1 + … + h_N), deg φ = N + 1: the h_j are kept, and the bracket,
-    but for y0 = h_N at x0 ≠ 0.
+    """N = 3, 4 points on y² = φ(x)(x^(N−1)h_1 + … + h_N), deg φ = N + 1: the h_j are kept, and so is the bracket except
+    for y0 = h_N at x0 ≠ 0.
     """
     from jacobian.fields.factor import roots
 
@@ -515,7 +515,7 @@ def test_the_hat_pair_on_the_phase_space(K) -> None:
 
 
 def test_functions_of_elements_with_operators() -> None:
-    """``apply`` gives jets to a function that is written with operators."""
+    """``apply`` passes jets to a function that is written with operators."""
     from jacobian import GF
 
     K = GF(10007)

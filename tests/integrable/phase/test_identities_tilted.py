@@ -94,7 +94,7 @@ def test_at_d_zero_gamma_is_projected_and_M_stays(K) -> None:
 @over_fields()
 @KINDS
 def test_the_vector_field_goes_over(K, kind) -> None:
-    """d(γ̃, M̃)/dt = s(1 − dkn)·(the upright body's own motion), with k, s, p constant."""
+    """d(γ̃, M̃)/dt is s(1 − dkn) times the upright body's own rate, with constant k, s, p."""
     for v in cases(K(), 5, kind):
         x, y, rate = v.x, v.y, v.s * (1 - v.x.d * v.k * v.n)
         gamma, M = cross(x.gamma, x.omega), cross(x.M, x.omega)

@@ -1,4 +1,4 @@
-"""Diagrams compared with random states, and rates of divergence compared with the motion itself."""
+"""Diagrams compared with random states; rates of divergence compared with the motion itself."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_neighbours_of_the_unstable_rotation_part_at_its_rate(ball, tilt):
     M = (np.array(ball.inertia) + ball.d) * omega - ball.d * (gamma @ omega) * gamma
     state = ball.state(gamma, M, tilted=True)
     rate = float(ball.diagram().divergence(ball.diagram().place(state)[0])) * np.linalg.norm(M)
-    # a departure from the rotation, over some e-foldings
+    # a small deviation from the rotation, over a few e-foldings
     nudge = 1e-8 * np.array([1.0, -0.7, 0.4])
     run = ball.flow(ball.state(gamma, M + nudge - (nudge @ gamma) * gamma, tilted=True)).at(
         np.linspace(6, 9, 100) / rate

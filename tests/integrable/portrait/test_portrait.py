@@ -46,7 +46,7 @@ def test_means_of_a_long_run(name):
     i, j, k = p.axis, (p.axis + 1) % 3, (p.axis + 2) % 3
     assert abs(mean_turning(np.arctan2(gamma[:, k], gamma[:, j]), run.times) - p.spin) < 1e-5
     assert abs(mean_turning(np.arctan2(M[:, k], M[:, j]), run.times) - p.polhode) < 1e-5
-    # M̃ rests in space; another vector that does gives the azimuth of the axis about it
+    # M̃ is constant in space; a second constant vector gives the azimuth of the axis about M̃
     unit = M[0] / np.linalg.norm(M[0])
     still = run.attitude
     z = still[0] @ unit
@@ -82,7 +82,7 @@ def test_angles_go_on_with_the_frequencies(name):
 
 
 def test_actions_are_those_whose_derivatives_are_the_frequencies():
-    """H1/2 generates τ: its change beside those of J is 2πν, by differences at 40 digits."""
+    """H1/2 generates τ: its derivatives with respect to J are 2πν, by differences at 40 digits."""
     K = MP(40)
     ball = ChaplyginBall((1, 2, 3), "0.7", field=K)
 
@@ -129,7 +129,7 @@ def test_the_mean_of_g_on_the_separatrix_is_that_of_the_rotation():
 
 @pytest.mark.parametrize("name", ["low", "high", "unsorted", "top"])
 def test_levels_in_floats_are_those_of_a_motion(name):
-    """All of Chaplygin's transformation from c²/H2 and ζ, and its periods in floats beside those of a set-up."""
+    """Chaplygin's transformation follows from c²/H2 and ζ; its periods in floats are those of a set-up."""
     flow = flow_of(name)
     _, c, _, h2 = flow.system.integrals(flow.state)
     wide = Level.of(flow.setup)

@@ -48,7 +48,7 @@ def test_sections_to_the_digits_of_the_field():
 
 
 def test_beside_the_separatrix():
-    """An oval's series then has 32768 terms, which are summed for some of the crossings at a time."""
+    """The series of an oval has 32768 terms there, which are summed for a few crossings at a time."""
     ball = ChaplyginBall((1, 2, 3), 0.7)
     flow = ball.flow(ball.state((0, 0, 1), (0.001, 1, 0)))
     assert flow.portrait.distance < 1e-5

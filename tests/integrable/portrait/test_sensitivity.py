@@ -1,4 +1,4 @@
-"""Derivatives of states compared with the equations of variation, and identities that they satisfy at any time."""
+"""Derivatives of states compared with the variational equations, and identities that hold for them at any time."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_fifty_bodies():
 @pytest.mark.slow
 @pytest.mark.parametrize("near", [1e-1, 1e-3, 1e-5])
 def test_beside_the_separatrix(near):
-    """On the torus large integrals nearly cancel there; the loss is detected."""
+    """On the torus, large integrals nearly cancel near the separatrix; this loss is detected."""
     gaps, sizes, ways = beside([(1, 2, 3)], (0.7,), [(0.6, 0, 0.8)], [(0, 2, 0.3 * near)], 15.0, 80)
     assert sizes[0] > 100
     assert gaps[0] < 2e-12
@@ -102,11 +102,11 @@ def test_many_digits_at_any_time():
     more = exact.flow(exact.state(exact_gamma, M, tilted=True)).sensitivity(times)
     assert more.way == "differences"
     size = abs(found.matrix).max(axis=(1, 2))[:, None, None]
-    # the floats of γ are 1e-17 off: that times the derivatives of the derivatives
+    # the rounding of γ, 1e-17, times the second derivatives
     assert (abs(found.matrix - more.matrix.astype(float)) / size).max() < 1e-9
     assert (abs(found.matrix - more.matrix.astype(float)) / size)[0].max() < 1e-14
     assert (abs(found.secular - more.secular.astype(float)) / size)[0].max() < 1e-13
-    # to the digits of the field
+    # a start that meets the constraints to the digits of the field
     omega = exact.flow(exact.state(exact_gamma, M, tilted=True)).at(times)
     moved = np.hstack([np.cross(omega.gamma, omega.omega), np.cross(omega.M, omega.omega)])
     start = exact.flow(exact.state(exact_gamma, M, tilted=True)).at([0])
@@ -116,7 +116,7 @@ def test_many_digits_at_any_time():
 
 @pytest.mark.slow
 def test_the_parts_of_a_ball_in_many_digits():
-    """Its σ is of the modes of 1/g there, in floats of a grid."""
+    """For a ball, σ is computed there from the modes of 1/g, which come from a grid in floats."""
     gamma, M = (0.0, 0.6, 0.8), (0.5, 1.25, 0.25)
     ball, exact = ChaplyginBall((1, 2, 3), 0.75), ChaplyginBall((1, 2, 3), "0.75", field=MP(18))
     found = ball.flow(ball.state(gamma, M, tilted=True)).sensitivity([1e3])

@@ -46,7 +46,9 @@ def test_the_lines_add_up_to_the_motion(name):
 
 
 def test_what_lines_a_quantity_has():
-    """Of an upright ball: the axis that M circles has γ at odd m₁ and even m₂, M at even ones (signs of a turn)."""
+    """For an upright ball, along the axis that M circles, the lines of γ have odd m₁ and even m₂, those of M even ones
+    (signs after a period).
+    """
     found, axis = spectrum_of("upright"), flow_of("upright").portrait.axis
     for values, parity in ((found.gamma[:, axis], (1, 0)), (found.M[:, axis], (0, 0)), (found.omega[:, axis], (0, 0))):
         strong = abs(values) > 1e-12 * abs(values).max()
@@ -55,7 +57,7 @@ def test_what_lines_a_quantity_has():
 
 
 def test_a_steady_precession_has_few_lines():
-    """Nearly about the axis of the largest moment M rests in the body, and γ turns: one line each."""
+    """In a rotation almost about the axis of the largest moment, M rests in the body and γ turns: one line each."""
     ball = EulerTop((1, 2, 3))
     found = ball.flow(ball.state((1, 0, 0), (0, 1e-4, 1))).spectrum()
     strong = abs(found.gamma).max(axis=1) > 1e-3

@@ -1,7 +1,7 @@
-"""The equations of motion and of variation written out, and extrapolated midpoint steps for them (Gragg 1965).
+"""The equations of motion and the variational equations written out, with extrapolated midpoint steps (Gragg 1965).
 
-It shares no formula with the package: δq, δn and δω are computed in turn, in numbers of any kind. A table has the
-columns γ, M and then, for each of ten inputs (γ(0), M(0), I, d), δγ and δM.
+They share no formula with the package: δq, δn and δω are computed in turn, for numbers of any kind. A table has the
+rows (γ, M) and, for each of the ten inputs γ(0), M(0), I and d, (δγ, δM).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 
 def rates(I: Any, d: Any, table: Any) -> Any:  # noqa: E741
-    """Of tables (K, 11, 6) for moments (K, 3) and d (K,)."""
+    """The rates of tables (K, 11, 6) for moments (K, 3) and d (K,)."""
     gamma, M = table[:, 0, :3], table[:, 0, 3:]
     d = d[:, None]
     a = 1 / (I + d)
@@ -35,7 +35,7 @@ def rates(I: Any, d: Any, table: Any) -> Any:  # noqa: E741
 
 
 def sensitivities(I: Any, d: Any, gamma: Any, M: Any, time: Any, steps: int, columns: int = 9) -> tuple[Any, Any]:  # noqa: E741
-    """(states (K, 6), ∂ (K, 6, 10)) at ``time``; the columns of γ(0) for tangents of the sphere."""
+    """(states (K, 6), ∂ (K, 6, 10)) at ``time``; the columns of γ(0) are for tangents of the sphere."""
     count = len(I)
     zero = 0 * (I[:, 0] + time)
     table = np.zeros((count, 11, 6), dtype=I.dtype) + zero[:, None, None]

@@ -1,6 +1,6 @@
 """Taylor series of any equations in flint's power series: an integrator that shares no code with the package's motions.
 
-Coefficient k + 1 of the solution is that of the rates at the series up to k, over k + 1.
+Coefficient k + 1 of the solution is coefficient k of the rates of the series so far, divided by k + 1.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class SeriesNumbers:
     exact = False
 
     class context:
-        """Functions by name."""
+        """The functions of series by their names in formulas."""
 
         @staticmethod
         def exp(x):
@@ -47,7 +47,7 @@ class SeriesNumbers:
 
 
 def by_series(rates: Callable[[Any, Sequence[Any]], list[Any]], y0: Sequence[float], time: float) -> list[str]:
-    """The state at a time, right to some 32 digits over some time scales."""
+    """The state at a time, right to about 32 digits over a few time scales."""
     before = flint.ctx.prec, flint.ctx.cap
     flint.ctx.prec = BITS
     try:

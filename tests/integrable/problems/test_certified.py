@@ -37,7 +37,7 @@ def test_the_file_is_what_its_schema_says():
 
 
 def test_a_motion_with_the_name_of_a_scene_is_that_scene():
-    """Bodies and descriptions are written in the file for readers in other languages: those of the one list."""
+    """The bodies and descriptions in the file, for readers in other languages, are those of the package's list."""
     for name in set(certified_names()) & set(scene_names()):
         motion, (system, state) = certified(name), load_scene(name).start(15)
         assert motion.about == " ".join(load_scene(name).description.split())
@@ -49,7 +49,7 @@ def test_a_motion_with_the_name_of_a_scene_is_that_scene():
 
 @pytest.mark.parametrize("name", ["random_01", "random_06", "heavy"])
 def test_the_other_motions_are_problems_too(name):
-    """They start at doubles, 1e-16 from the strings of the first row."""
+    """They start from doubles, which differ from the strings of the first row by 1e-16."""
     motion, one = certified(name), problem(name)
     assert one.times == motion.times
     assert one.description == motion.about
@@ -65,7 +65,7 @@ def test_floats_of_the_flow_agree(name):
     flow = system.motion_through(state) if motion.system in DEFORMED else system.flow(state)
     found = flow.at([motion.times[k] for k in (0, 1, 25, 49)])
     scale = max(abs(float(x)) for x in motion.M[0])
-    # the start is rounded to doubles here, which next to a separatrix grows
+    # here the start is rounded to doubles, and next to a separatrix the rounding error grows
     bound = 1e-4 if "separatrix" in name else 1e-8
     for row, k in enumerate((0, 1, 25, 49)):
         assert max(abs(x - float(y)) for x, y in zip(found.gamma[row], motion.gamma[k], strict=True)) < bound
@@ -74,7 +74,7 @@ def test_floats_of_the_flow_agree(name):
 
 @pytest.mark.parametrize("name", ["chaplygin", "tilted_ball", "euler_top", "random_01", "random_04"])
 def test_an_integrator_that_shares_no_code_agrees_within_the_bounds(name):
-    """Taylor series at 40 digits from the first row; the digits of that row are what limits the comparison."""
+    """Taylor series at 40 digits from the first row; the digits of that row limit the comparison."""
     motion = certified(name)
     system, _ = motion.start()
     exact = type(system)(motion.inertia, **({"d": motion.d} if motion.d else {}), field=MP(40))
@@ -87,7 +87,7 @@ def test_an_integrator_that_shares_no_code_agrees_within_the_bounds(name):
 
 @pytest.mark.parametrize("name", ["tilde", "check", "hat", "tilde_poles"])
 def test_deformations_are_where_their_curves_say(name):
-    """The balls come from Taylor series; additions on two elliptic curves at 40 digits share nothing with them."""
+    """The balls come from Taylor series, with which additions on two elliptic curves at 40 digits share nothing."""
     motion = certified(name)
     system, _ = motion.start()
     exact = system.over(MP(40))
@@ -97,7 +97,7 @@ def test_deformations_are_where_their_curves_say(name):
     run = exact.motion_through(start).at([K.coerce(motion.times[k]) for k in (1, 20)])
     scale = max(abs(K.coerce(x)) for x in motion.M[0])
     for row, k in enumerate((1, 20)):
-        # the start is known to 34 digits, which the motion magnifies
+        # the start is known to 34 digits, and the motion magnifies its error
         for x, y in zip(run.gamma[row], motion.gamma[k], strict=True):
             assert abs(x - K.coerce(y)) < 1e-30
         for x, y in zip(run.M[row], motion.M[k], strict=True):

@@ -17,13 +17,13 @@ over_problems = pytest.mark.parametrize("name", TWELVE)
 
 
 def starts(name, count=3):
-    """A problem, and others from random starts."""
+    """A problem, and the same with random starts."""
     given, rng = problem(name), np.random.default_rng(TWELVE.index(name))
     return [given, *(given.another(rng) for _ in range(count))]
 
 
 def distance_from_series(one: Problem, time: float, digits: int) -> float:
-    """The distance of the solution from another integrator's, in its radii and at least in its last digits."""
+    """The distance of the solution from another integrator's, in units of its radii, at least of its last digits."""
     found = one.truth(time, digits)
     expected = by_series(one.rates, one.y0, time)
     scale = np.abs(found.y.astype(float)).max()
@@ -80,7 +80,7 @@ def test_the_jacobian_beside_differences_of_fifty_digits(name) -> None:
 
 @over_problems
 def test_the_rates_move_no_integral(name) -> None:
-    """The slope of each along the right-hand side, by differences, and its drift along the true motion."""
+    """For each integral, its slope along the right-hand side, by differences, and its drift along the true motion."""
     for one in starts(name):
         first = one.invariants(one.y0)
         assert first.shape == (len(one.invariant_names),)

@@ -8,7 +8,7 @@ CALLS = []
 
 
 def runge_kutta(problem, times, tolerance):
-    """The classical method, with a step that depends on the tolerance."""
+    """The classical Runge–Kutta method with a step that depends on the tolerance."""
     longest = 0.5 * problem.time_scale * tolerance**0.25
     y, now, rows = problem.y0, 0.0, []
     for end in times:
@@ -33,7 +33,7 @@ def compiling(problem, times, tolerance):
 
 
 def failing(problem, times, tolerance):
-    """A solver that gives up at tight tolerances and returns NaN just before."""
+    """A solver that gives up at tight tolerances, and returns NaN at slightly wider ones."""
     if tolerance < 1e-6:
         raise FloatingPointError("the step size is too small")
     return np.full((len(times), len(problem.y0)), 1.0 if tolerance > 1e-5 else np.nan)

@@ -1,4 +1,4 @@
-"""Races: errors and times are as stated, failures stay in the race, the page stands alone."""
+"""Races: errors and times are as stated, failures stay in the race, and the page needs no other file."""
 
 import json
 import re
@@ -90,8 +90,8 @@ def test_a_run_that_would_take_too_long_is_not_made() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["neumann", "kdv_two_gaps", "tilted_ball", "toda_5"])
 def test_every_rival_takes_doubles_of_any_length(name) -> None:
-    """The start is not exactly a unit vector, and the methods receive it unchanged: tight ones come near the
-    solution.
+    """The start is not exactly a unit vector, and the methods receive it unchanged: with tight tolerances they come
+    near the solution.
     """
     one = problem(name)
     other = one.another(np.random.default_rng(3))
@@ -114,7 +114,7 @@ def test_the_files_stand_alone(run, tmp_path) -> None:
     assert page.count("<svg viewBox") == 1 + len({one.method for one in found.courses[0].runs})
     for words in ("error (relative)", "run time", "rounding of the inputs", "the truth's radius", "SciPy DOP853"):
         assert words in page
-    # a mark for each run with figures, on the diagram and none off it
+    # one mark for each run with figures, and no mark outside the diagram
     drawn = [one for one in found.courses[0].runs if one.error is not None]
     assert page.count("<title>") == 1 + len(drawn)
     for points in re.findall(r'<polyline points="([^"]*)"', page):

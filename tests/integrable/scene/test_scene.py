@@ -72,7 +72,8 @@ def test_spaced_times():
     log = Times(first=Fraction(1, 10), until=Fraction(1000), count=5, spacing="log")
     assert log.floats() == pytest.approx([0.1, 1, 10, 100, 1000])
     assert log.floats()[-1] == 1000
-    assert [float(time) for time in log.at(40)] == log.floats()  # the same doubles at any number of digits
+    # the times are the same doubles at any number of digits
+    assert [float(time) for time in log.at(40)] == log.floats()
 
 
 def test_a_scene_is_frozen_and_describes_itself_as_plain_data():
@@ -204,7 +205,7 @@ def test_scene_is_what_load_scene_returns(write):
     ("name", "read"), [("a\nb", "a_b"), ("c\udcff", "c_"), ("d\u2028e", "d_e"), ("f\x1b[31mg", "f_[31mg")]
 )
 def test_a_name_with_a_line_break_or_bytes_that_are_no_letters(name, read, tmp_path):
-    """UnicodeEncodeError where an .h5 file was made of it, and messages of two lines."""
+    """Such names led to a UnicodeEncodeError in .h5 files and to messages of two lines."""
     pytest.importorskip("h5py")
     path = tmp_path / f"{name}.toml"
     path.write_text((files("integrable") / "scenes" / "chaplygin.toml").read_text(encoding="utf-8"), encoding="utf-8")

@@ -58,7 +58,7 @@ coordinates = { until = 2, count = 30 }
 
 
 def short(name, *times):
-    """A shipped scene, in doubles, at these times."""
+    """A shipped scene in doubles with two times."""
     scene = load_scene(name)
     return in_doubles(replace(scene, times=replace(scene.times, given=times, count=0), report=None))
 
@@ -133,7 +133,7 @@ def run_of(system):
 @pytest.mark.parametrize(
     ("system", "name"),
     [
-        # the equations of each are compiled, in seconds: of three every day
+        # compiling the equations of each takes seconds: three every day
         pytest.param(system, name, marks=pytest.mark.slow if name[-2:] == "16" and system not in COMPILED else ())
         for system in CLASSICAL
         for name in ("SciPy DOP853", "Gauss-Legendre 6", "Gauss-Legendre 16", "heyoka")
@@ -211,7 +211,7 @@ def test_what_is_for_bodies_alone_is_refused(tmp_path):
 
 
 def test_next_to_a_pole_a_row_is_measured_by_itself() -> None:
-    """q_0 = 1803 at t = 81, p_0 = 153061: input errors and rounding count relative to these."""
+    """At t = 81, q_0 = 1803 and p_0 = 153061: the effects of inputs and of rounding are relative to these."""
     system = ClassicalSystem(HenonHeiles.with_frequencies(1, 1.25))
     state = system.state((0.1, 0.05), (0, 0.1))
     times = [80.0, 81.0]

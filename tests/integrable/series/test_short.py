@@ -1,5 +1,5 @@
-"""Short runs in floats along Taylor series, compared with additions in 40 digits, and where they must give way to
-them.
+"""Short runs in floats along Taylor series compared with additions in 40 digits, and cases in which they must be
+refused.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def way_of_walks(request, monkeypatch) -> None:
 
 
 SERIES = [case for case in CASES if case[0] not in ("ball", "top")]
-# unsorted, of both signs, twice the same
+# unsorted, of both signs, one of them twice
 TIMES = [12.0, -3.5, 0.0, 0.25, 40.0, -25.0, 12.0]
 
 
@@ -56,7 +56,7 @@ def runs_short(path) -> bool:
 
 
 def assert_rounded(path, expected) -> None:
-    """Right to the last bits of each row's largest number."""
+    """Every row is right to the last bits of its largest number."""
     for found, true in zip((path.q, path.p), expected, strict=True):
         assert (np.abs(found - true).max(axis=1) <= 2e-16 * np.abs(true).max(axis=1)).all()
 
@@ -68,7 +68,7 @@ def test_near_times_are_those_of_forty_digits(name, n) -> None:
     path = flow.at(TIMES)
     assert runs_short(path)
     assert_rounded(path, by_additions(system, state, TIMES))
-    # one by one, and far ones beside near ones
+    # near times one by one; then together with far ones
     assert np.array_equal(np.concatenate([flow.at(t).q for t in TIMES[:3]]), path.q[:3])
 
 
@@ -105,7 +105,7 @@ def test_what_rests_rests() -> None:
 
 @pytest.mark.parametrize("size", [1e-8, 1e-25, 1e-125])
 def test_small_motions_of_a_lattice(size) -> None:
-    """What double-doubles keep of e^(q_2 − q_1) is 1 there, what moves is beyond."""
+    """In double-doubles e^(q_2 − q_1) is 1 there; the motion is in digits beyond those."""
     system = TodaLattice(3)
     state = system.state([size * x for x in (0.3, -0.5, 0.1)], [size * x for x in (0.2, 0.1, -0.7)])
     times = np.array([0.5, -3.0, 20.0])
@@ -117,7 +117,7 @@ def test_small_motions_of_a_lattice(size) -> None:
 
 
 def test_what_is_left_of_forces_that_cancel() -> None:
-    """From rest, one rounding away from equilibrium of all forces: p grows from about 1e-17."""
+    """From rest, where the forces cancel but for one rounding: p grows from about 1e-17."""
     rng = Random(3)
     for _ in range(6):
         beta = -rng.uniform(0.5, 3)
@@ -138,7 +138,7 @@ def test_units_of_time_do_not_matter(size) -> None:
 
 
 def test_beyond_a_pole_it_is_no_series() -> None:
-    """q_0 of a star over the saddle is at infinity near t = 6.6; before that series have it, then theta functions."""
+    """Of a star beyond the saddle, q_0 = ∞ near t = 6.6: times before that are found by series, later ones are not."""
     star = HenonHeiles.with_frequencies(1, 1.25)
     state = star.state((0.1, 0.05), (0, 0.1))
     flow, times = star.flow(state), [3.0, 8.0, -2.0, 1e2]
@@ -151,7 +151,7 @@ def test_beyond_a_pole_it_is_no_series() -> None:
 
 @pytest.mark.parametrize("count", [1, 101])
 def test_far_times_cost_no_walk(count) -> None:
-    """If the last of the times is far, a single series shows it."""
+    """If the last of the times is far, a single series is enough to notice."""
     system, state = REAL["neumann"](RR, 2)
     flow = system.flow(state)
     places, *_ = flow._near(np.linspace(1e5, 1e6, count))
@@ -159,7 +159,9 @@ def test_far_times_cost_no_walk(count) -> None:
 
 
 def test_steps_are_short_enough_for_terms_in_floats() -> None:
-    """The series of this pendulum fall late and then fast: one walk is enough, whose terms in floats are small."""
+    """The terms of this pendulum's series decrease late, but then fast: one walk is enough, whose terms in floats are
+    small.
+    """
     system = SphericalPendulum()
     state = system.state((0.48, 0.6, -0.64), (0.75, -0.6, 0))
     times = np.array([100.0, 400.0])
@@ -170,7 +172,7 @@ def test_steps_are_short_enough_for_terms_in_floats() -> None:
 
 
 def test_what_an_instability_has_blown_up_is_not_handed_out() -> None:
-    """The pendulum leaves the vertical like 1e-25 e^t: floats of 20 or 30 digits have lost it at t = 80."""
+    """The pendulum leaves the vertical like 1e-25 e^t: numbers of 20 or 30 digits are all wrong at t = 80."""
     system = SphericalPendulum()
     flow = system.flow(system.state((1e-25, 0, 1), (0, 1e-25, 0)))
     times = [10.0, 150.0]
@@ -187,7 +189,7 @@ def test_bad_and_no_times() -> None:
 
 
 class Foreign(Garnier):
-    """Its equations of motion use a function that takes floats only."""
+    """A system whose equations of motion use a function of floats only."""
 
     def _vector_field(self, N, state):
         return Point(state.p, tuple(math.copysign(1.0, x) for x in state.q))
@@ -213,7 +215,7 @@ def test_steps_for_few_of_them_are_right_to_the_last_bits_and_go_no_further() ->
 
 
 def test_walks_that_share_an_error_are_not_taken_for_right() -> None:
-    """Terms in floats were off by 3e-16 in one walk and by 4.4e-16 of the same sign in the other."""
+    """The errors of terms in floats had the same sign in both walks: 3e-16 in one, 4.4e-16 in the other."""
     system, time = SphericalPendulum(), 57.64737010567073
     q = (0.9073889848172207, -0.3362041320318375, -0.25221421815015194)
     start = Point(q, (1.4631451189757265, 5.1490700211285905, -1.5998180278513123))
@@ -222,14 +224,14 @@ def test_walks_that_share_an_error_are_not_taken_for_right() -> None:
 
 
 def test_walks_share_no_terms_in_floats_about_the_start() -> None:
-    """Within the first step both had the same ones: where the forces of large constants cancel, and where all of p is
-    beside a zero, rows were off by some last bits.
+    """Within the first step both walks used the same terms: rows were off by a few last bits where the forces of large
+    constants cancel, and where all of p is near zero.
     """
     large = Neumann((2e12 + 1, 2e12 + 2, 2e12 + 4))
     times = np.linspace(0.2, 0.2375, 16)
     state = large.state((0.48, 0.6, 0.64), (0.4, 0.32, -0.6))
     assert_rounded(large.flow(state).at(times), by_additions(large, state, times))
-    # at rest after these times
+    # the motion comes to rest after these times
     fine, system = Garnier((-1,), 1, -3, MP(40)), Garnier((-1,), 1, -3)
     for turn in np.linspace(0.1, 0.25, 25):
         before = fine.flow(fine.state((0.7,), (0,))).at([-turn])
@@ -253,7 +255,7 @@ def test_a_tape_has_its_constants_first_and_operations_by_kind() -> None:
 
 
 def test_roots_and_constants_that_are_no_floats() -> None:
-    """y' = √(1 + y²)/3, y = sinh(t/3), with a third that is no float."""
+    """y' = √(1 + y²)/3, y = sinh(t/3), where 1/3 is no float."""
     formulas = Formulas(lambda N, y: (N.sqrt(1 + y[0] * y[0]) / N.coerce(3), N.zero), lambda N, y: y, 2, 2, 1)
     kind = Kind("growing", formulas)
     for walk in (kind.on_tape, kind.walk(WIDE, compiles=True)):
@@ -276,7 +278,9 @@ def test_a_convolution_is_its_sum(k) -> None:
 
 @pytest.mark.parametrize("speed", [1e28, 1e55])
 def test_walks_with_the_same_steps_do_not_agree_in_what_is_wrong(speed) -> None:
-    """A great circle, as all forces are nothing beside q·|p|²: both walks were off by 4e-12 after 3000 radians."""
+    """A great circle, since all forces are negligible compared with q·|p|²: both walks were off by 4e-12 after 3000
+    radians.
+    """
     system = Neumann((1, 2.5, 3))
     state = system.state((0.6, 0, 0.8), (0.4 * speed, 0.7 * speed, -0.3 * speed))
     found = system.flow(state).at([1000 / speed, 3000 / speed])

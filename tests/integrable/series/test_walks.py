@@ -1,6 +1,4 @@
-"""Compiled walks of kinds of systems: compared with the interpreted tape, with a tolerance, and when they are
-compiled.
-"""
+"""Compiled walks of kinds of systems: comparison with the interpreted tape, tolerances, and the time of compilation."""
 
 from __future__ import annotations
 
@@ -38,7 +36,7 @@ def both(path):
 
 
 def off(found, true):
-    """The largest difference relative to the largest q, or p."""
+    """The largest difference of q relative to the largest q, or of p relative to the largest p."""
     return (np.abs(found - true).max(axis=-1) / np.abs(true).max(axis=-1)).max()
 
 
@@ -61,7 +59,7 @@ def test_a_walk_is_the_same_for_times_in_any_order(monkeypatch) -> None:
     there = both(flow.at(times))
     mixed = np.random.default_rng(1).permutation(50)
     assert np.array_equal(both(flow.at(times[mixed])), there[mixed])
-    # lists, integers, one number; back in time
+    # lists, integers, a single number; backwards in time
     assert np.array_equal(both(flow.at([0, 9])), there[[0, -1]])
     assert np.array_equal(both(flow.at(9.0)), there[-1:])
     back = system.flow(system.state(state.q, tuple(-y for y in state.p))).at(-times)
@@ -95,7 +93,9 @@ def test_a_tolerance_is_kept_and_its_estimate_is_one(name, n, monkeypatch) -> No
 
 
 def test_what_a_tolerance_does_not_hold_for_is_right_to_the_last_bits(monkeypatch) -> None:
-    """An instability turns 1e-16 of plain steps into 1e-3; steps in double-doubles are accurate."""
+    """An instability magnifies the rounding of steps in floats from 1e-16 to 1e-3; steps in double-doubles are
+    accurate.
+    """
     walks(monkeypatch, "compiled")
     system = SphericalPendulum()
     state = system.state((1e-5, 0.0, 1.0), (0.0, 1e-5, 0.0))
@@ -114,7 +114,7 @@ def test_no_tolerances(bad) -> None:
 
 
 def spiral() -> Formulas:
-    """x' = −y/3, y' = x/3, with q and p as they are."""
+    """x' = −y/3, y' = x/3 with (x, y) = (q, p)."""
     return Formulas(lambda N, y: (-(y[1] / 3), y[0] / 3), lambda N, y: tuple(y), 2, 2, 1)
 
 
@@ -156,7 +156,7 @@ def test_the_compiled_loop_is_the_readable_one() -> None:
         found.append(out)
         assert said[0] == 5
         assert said[1] == 0
-    # but for logarithms, which the compiled one reads off the bits
+    # up to logarithms, which the compiled walk computes from the bits
     assert np.abs(found[0] - found[1]).max() <= 4.5e-16
 
 
@@ -182,7 +182,9 @@ EDGES = {
 
 @pytest.mark.parametrize("name", EDGES)
 def test_the_edges_of_a_walk(name, monkeypatch) -> None:
-    """Compared with 40 digits by additions, both ways in time: times beyond a walk are computed by other methods."""
+    """Compared with additions in 40 digits, forwards and backwards in time; times beyond a walk are computed by other
+    methods.
+    """
     walks(monkeypatch, "compiled")
     system, q, p, time = EDGES[name]
     state, K, times = system.state(q, p), MP(40), [time, -time / 3, 0.0]
@@ -200,14 +202,14 @@ def test_floats_of_a_state_are_taken_as_they_are_and_all_others_are_looked_at() 
     for q, p in (((math.nan, 1.0, 0.0), (0.0, 0.0, 0.0)), ((1.0, 0.0), (0.0, 0.0)), ((1.0, 1.0, 0.0), (0.0, 0.0, 0.0))):
         with pytest.raises(ArgumentError):
             system.state(q, p)
-    # a state is one that state(q, p) returns, or is like it
+    # two tuples are no state
     with pytest.raises(ArgumentError):
         system.flow(((0.6, 0.8, 0.0), (0.4, -0.3, 1.0)))
 
 
 @pytest.mark.parametrize("size", [1e-9, 1.0, 1e4, 1e9])
 def test_long_units_of_time_are_walked_as_far(size, monkeypatch) -> None:
-    """A geodesic of the earth in kilometres: the walk stopped at 65,536 units, with rows off before."""
+    """A geodesic of the earth in kilometres: the walk used to stop at 65,536 units of time, after wrong rows."""
     walks(monkeypatch, "compiled")
     system = Ellipsoid((size * size, 2 * size * size, 4 * size * size))
     state = system.state((size, 0.0, 0.0), (0.0, 0.6, 0.8))
@@ -220,7 +222,9 @@ def test_long_units_of_time_are_walked_as_far(size, monkeypatch) -> None:
 
 
 def test_parts_of_sums_that_cancel_are_made_apart() -> None:
-    """Floats of higher orders were made of high parts that were a hundred roundings off: 7e-16 after 400 radians."""
+    """Higher orders in floats were computed from high parts that were wrong by a hundred roundings: 7e-16 after 400
+    radians.
+    """
     system = SphericalPendulum()
     state = system.state((0.48, 0.6, -0.64), (0.75, -0.6, 0.0))
     walk = system._kind.walk(FINEST.orders, compiles=True)
@@ -230,7 +234,9 @@ def test_parts_of_sums_that_cancel_are_made_apart() -> None:
 
 
 def test_a_walk_ends_where_its_rows_say_that_the_last_is_lost() -> None:
-    """Plain steps lose 5e-11 of Neumann's point up to t = 100: a tolerance of 1e-12 was walked for to the end."""
+    """Steps in floats lose 5e-11 of Neumann's point up to t = 100: with a tolerance of 1e-12 the whole walk used to be
+    made in vain.
+    """
     system, state = REAL["neumann"](RR, 2)
     steps = steps_for(1e-13)[0]
     walk, times = system._kind.walk(steps.orders, compiles=True), np.linspace(0, 300, 301)
@@ -246,7 +252,7 @@ def test_a_walk_ends_where_its_rows_say_that_the_last_is_lost() -> None:
 
 
 def test_barriers_of_nothing_are_none() -> None:
-    """They used to be terms of 0 that divide by q_1: a walk from q_1 = 0 had no step."""
+    """They used to be terms 0/q_1², so that a walk from q_1 = 0 could not begin."""
     system = HenonHeiles((1.0,), -0.5, -0.25)
     state = system.state((0.05, 0.0), (0.01, 0.02))
     walk, times = system._kind.walk(WIDE, compiles=True), np.linspace(0, 10, 11)

@@ -1,4 +1,4 @@
-"""A time shift without divisors: the equations of motion of the pairs, rational in them, by extrapolation."""
+"""A time shift without divisors: the rational equations of motion of the pairs, integrated by extrapolation."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tests.integrable.steps.extrapolation import extrapolated
 
 
 def shifted(system, F, state):
-    """The time-1 map of F(H1, H2) (Gragg 1965; Bulirsch and Stoer 1966), with guard digits on the way."""
+    """The time-1 map of F(H1, H2) (Gragg 1965; Bulirsch and Stoer 1966), computed with guard digits."""
     K = system.field
     h1, h2 = system.integrals(state)[2:]
     jets = JetField(K, 2)
@@ -33,7 +33,7 @@ def shifted(system, F, state):
 
 
 def pair_rates(body, f, y, first, second):
-    """d/ds of (σ1, ν1, …, ν3) along (Σdu/y, Σu du/y) = (first, −second)·ds, rational in the pairs and f.
+    """d/ds of (σ1, ν1, …, ν3) along (Σdu/y, Σu du/y) = (first, −second)·ds, as rational functions of the pairs and f.
 
     From U' = (V(x)U(0) − V(0)U(x))/x for (1, 0) and U' = V for (0, −1), each with V² + UW = f kept.
     """

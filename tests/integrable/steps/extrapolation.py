@@ -1,6 +1,6 @@
 """An integrator of any precision: the modified midpoint rule, extrapolated (Gragg 1965; Bulirsch and Stoer 1966).
 
-For numbers with operators: floats, mpf. Only the right-hand side of the equations is used.
+For numbers with operators, floats or mpf. Only the right-hand side of the equations is used.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ Rates = Callable[[list[Any]], Sequence[Any]]
 def extrapolated(
     rate: Rates, y: Sequence[Any], step: Any, tolerance: Any, columns: int = 60
 ) -> tuple[list[Any], int] | None:
-    """(y after ``step``, columns of the table used): 2, 4, 6, … parts until the result changes by ``tolerance`` at
-    most; None where that many columns do not do.
+    """(y after ``step``, columns of the table used): 2, 4, 6, … parts until the result changes by at most
+    ``tolerance``; None where this takes more than the given columns.
     """
     rows: list[list[list[Any]]] = []
     start = rate(list(y))

@@ -25,7 +25,7 @@ START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
 WIDE = MP(60)
 EPS = RR.eps
 
-# the last number: the map's own amplification of a change of the state
+# the last number: the factor by which the map amplifies a change of the state
 EXTREME = {
     "pair at 1e-12": (BALL, {"points": [1e-12j, -1e-12j]}, 10),
     "pair at 1e-12, top": (TOP, {"points": [1e-12j, -1e-12j]}, 10),
@@ -47,7 +47,7 @@ EXTREME = {
 
 
 def _truth(system, options, state, count=1):
-    """The states in 60 digits and more, of the numbers that the floats are."""
+    """The states in 60 digits or more, from the exact values of the floats."""
     wide = widened(system, MP(320) if options["points"][0] == 1e-200j else WIDE)
     step, states = wide.translation(**options), [onto_constraints(wide, state)]
     for _ in range(count):
@@ -80,7 +80,8 @@ def test_an_orbit_in_floats_does_not_feed_its_rounding_back(name, count) -> None
         assert _error(ours, true) <= growth * EPS * max(1, n if "times" in name else 1)
 
 
-# bodies, states and maps of a random hunt that lost 2 to 9 digits in the numbers of the field, H1 and H2 kept or not
+# bodies, states and maps from a random search: in the numbers of the field they lost 2 to 9 digits, whether or not H1
+# and H2 were kept
 LOSING = {
     "3 times, thin": (
         (0.41075658520714636, 2.802272148555119, 0.004192309984901445),
@@ -164,7 +165,7 @@ def test_what_the_numbers_of_a_field_lose_is_computed_with_more_digits(name, fie
 
 
 def test_steps_of_all_kinds_on_all_kinds_of_bodies() -> None:
-    """Right to rounding, of wide distributions, upright and tilted; or refused by name."""
+    """Bodies of wide distributions, upright and tilted: images are right to rounding or refused by name."""
     rng, tried, refused = Random(5), 0, 0
     while tried < 60:
         system, state, _ = random_motion(rng)
@@ -179,7 +180,7 @@ def test_steps_of_all_kinds_on_all_kinds_of_bodies() -> None:
             continue
         starts = [onto_constraints(wide, state)]
         for k in range(6):
-            # what the image owes to the last digit of the state
+            # the effect of the state's last digit on the image
             v = [*starts[0].gamma, *starts[0].M]
             v[k] *= 1 + WIDE.context.mpf(2) ** -53
             starts.append(onto_constraints(wide, State(tuple(v[:3]), tuple(v[3:]), tilted=state.tilted)))
@@ -287,7 +288,7 @@ def test_the_double_of_one_point_is_two_steps_exactly() -> None:
 
 
 def test_an_image_that_lost_digits_without_a_large_condition_is_made_again() -> None:
-    # found by fuzz: H1 and H2 agreed to 4e-13, γ to 5e-11; one ulp of the inputs turns it by 1e-13
+    # found by fuzz: H1 and H2 agreed to 4e-13 but γ to 5e-11; one ulp of the inputs changes γ by 1e-13
     body = ChaplyginBall((7.224848711972044, 154058.83667820314, 150.75219193946626), 219372.22681163336)
     start = (0.9158403751911175, -0.3239266314249799, 0.2372929510614643)
     state = body.state(start, (0.0005287120130907244, 0.0015951828985413187, 0.00013698853779160443))
@@ -296,7 +297,7 @@ def test_an_image_that_lost_digits_without_a_large_condition_is_made_again() -> 
 
 
 def test_a_branch_point_of_the_state_taken_twice_adds_up_to_zero() -> None:
-    # found by fuzz: H1/H2 of a rotation about an axis is one of the a_i, and the tangent there is vertical
+    # found by fuzz: for a rotation about an axis, H1/H2 is one of the a_i, where the tangent is vertical
     body = ChaplyginBall((84172.0298444276, 64659.23334272831, 26291.59073387261), 13161.45396954562)
     state = body.state((0.0, -1.0, 0.0), (-282452.38348754134, 0.0, 0.0))
     step = body.translation([1.0273956718853618e-05, 1.0273956718853618e-05], (-1, 1))
@@ -305,7 +306,7 @@ def test_a_branch_point_of_the_state_taken_twice_adds_up_to_zero() -> None:
 
 
 ROTATIONS = {
-    # the numbers that a fuzz run took 2 and 6 s to refuse
+    # found by fuzz: these were refused only after 2 and 6 s
     "torsion": (
         ChaplyginBall((13011.933986124652, 29623244.584335998, 317728.35604925413), 213594042.58120823),
         ((0.0, 0.9912235678822623, -0.1321962120287807), (0.0306795085306764, 0.0, 0.0)),
@@ -323,7 +324,7 @@ ROTATIONS = {
 
 @pytest.mark.parametrize("name", ROTATIONS)
 def test_a_rotation_about_a_principal_axis_is_translated(name) -> None:
-    """Its divisor passes the double point of its curve; the direct formula of the pairs does not know of it."""
+    """Its divisor passes the double point of its curve; the direct formula of the pairs does not involve the curve."""
     system, start, options = ROTATIONS[name]
     state = system.state(*start)
     step = system.torsion() if options["points"] is None else system.translation(**options)
@@ -335,7 +336,7 @@ def test_a_rotation_about_a_principal_axis_is_translated(name) -> None:
     size = max(map(abs, state.M))
     for ours, right, scale in zip((*image.gamma, *image.M), true, [1] * 3 + [size] * 3, strict=True):
         assert abs(ours - right) <= 1e-14 * scale
-    # and again it is one: nothing is off the axis
+    # the image is such a rotation again: M is exactly along the axis
     assert [x == 0 for x in image.M] == [x == 0 for x in state.M]
 
 
@@ -366,7 +367,7 @@ def _in_both(system, state):
 
 @pytest.mark.parametrize("points", [(0.1j, -0.1j), (1j, -1j), (0.02j, -0.02j), (1.8, 2.5)], ids=str)
 def test_usual_steps_in_floats_keep_the_integrals_to_rounding(points) -> None:
-    """Steps whose condition is small are right in floats: no guard digits, which take ten times as long."""
+    """Well-conditioned steps are right in floats without guard digits, which would take ten times as long."""
     rng = Random(7)
     ball = ChaplyginBall((1, 2, 3), 0.7)
     step = ball.translation(points)

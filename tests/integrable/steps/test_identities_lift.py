@@ -1,4 +1,4 @@
-"""The signs: the lift of the sum at every branch point, its matrix, and the D' that have one."""
+"""The signs: the lift of the sum at every branch point, its matrix, and the D' that have a lift."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class SignLaw:
         self.points = self.x.a if kind == "top" else (*self.x.a, 1 / self.x.d)
 
     def random(self, rng):
-        """The double of a random divisor, of either sign at every e."""
+        """The double of a random divisor, with either sign at every e."""
         P, Q = self.curve.random_point(rng), self.curve.random_point(rng)
         D = 2 * self.group.from_points([(P.x, P.y), (Q.x, Q.y)])
         if len(D.u) != 3:
@@ -93,7 +93,7 @@ def test_the_lift_law_is_a_commutative_group_law(K, kind) -> None:
     """s_e'' = P(e)/(b3s_es'_e), s_e''² = U''(e), at all of a_i and 1/d: associative, commutative, inverse
     (−D, s), doubling; on divisors the sum of the group, at d = 0 that of the generalized Jacobian.
 
-    s ↦ −s makes the law with "−" of it; which of the two is the continuous one: test_the_continuous_choice_of_signs.
+    s ↦ −s turns it into the law with "−". For the continuous one of the two see test_the_continuous_choice_of_signs.
     """
     make = law_case(K(), 21, kind, 3)
 
@@ -156,7 +156,7 @@ def test_the_matrix_of_every_axis(K, kind) -> None:
     b3 = L[1]
     s = [N.sqrt(evaluate(u1, e)) for e in x.a]
     upper = [(evaluate(L, e) / (b3 * t), 1 / (b3 * t)) for e, t in zip(x.a, s, strict=True)]
-    # Γ and n are r times the pairs
+    # Γ and n are r times the coordinates of the pairs
     Gamma = [a * sigma + b * nu for (a, b), (sigma, nu) in zip(upper, pairs, strict=True)]
     assert dot(x.A, [y * y for y in Gamma]) == 1
     plain = [-b3 * t * sigma + b3 * e * y for t, (sigma, _), e, y in zip(s, pairs, x.a, Gamma, strict=True)]
@@ -252,7 +252,7 @@ def test_which_images_are_over_the_field(K, kind) -> None:
 
 
 def _is_over_the_field(step, state):
-    """Whether the image is; None at a special position."""
+    """Whether the image is over the field; None at a special position."""
     try:
         image = step(state)
     except NotASquare:

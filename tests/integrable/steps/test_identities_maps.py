@@ -76,7 +76,7 @@ def test_the_cubic_and_the_lift_of_the_sum(K, kind) -> None:
     for i, e in enumerate(wrapped(system, system.a)):
         (sigma, nu), (sigma2, nu2) = pairs[i], after[i]
         s = N.sqrt(evaluate(u1, e))
-        # the image is this one up to the common sign of each axis
+        # the image agrees with this up to one sign for each axis
         first = (nu + evaluate(L, e) * sigma) / (b3 * s)
         assert first in (sigma2, -sigma2)
         sign = 1 if first == sigma2 else -1
@@ -207,7 +207,7 @@ def test_the_defect_of_the_two_form(K, kind) -> None:
     (x, p) = defect
     assert two_form == [[K.sub(K.mul(x[i], p[j]), K.mul(x[j], p[i])) for j in range(4)] for i in range(4)]
     if K.order > 10**6:
-        # over a small field it may vanish by accident
+        # over a small field the defect may vanish by accident
         assert any(any(y != K.zero for y in row) for row in two_form)
 
 
@@ -216,7 +216,7 @@ def _flat(point):
 
 
 def _through(system, step, x):
-    """(ũ, p̃) of (u, p) through the sum of divisors alone."""
+    """(ũ, p̃) as functions of (u, p), computed by the sum of divisors alone."""
     point = Separated((x[0], x[1]), (x[2], x[3]))
     u, v = separation.separated_to_mumford(system.body, point)
     h1, h2 = separation.integrals(system.body, point)

@@ -54,7 +54,7 @@ def test_the_keyless_map(K) -> None:
 
 @over_fields()
 def test_the_keyless_map_is_the_printed_one(K) -> None:
-    """The squares γ̃_i² and the M̃_i of chap-keyless, for some choice of the σ."""
+    """γ̃_i² and M̃_i as printed in chap-keyless, for some choice of the σ."""
     K = K()
     system, state, _, _, _ = step_case(K, 12, "ball", lambda s, _: s.keyless(), squares=True)
     x = phase(system, state)
@@ -89,7 +89,7 @@ def test_the_keyless_map_of_the_top(K) -> None:
 
 
 def test_the_keyless_map_is_real_for_every_body() -> None:
-    """Real images, from thin to heavy bodies and for equal moments."""
+    """Images are real for bodies from thin to heavy, and for equal moments."""
     for moments, d in (((1, 2, 3), 0.7), ((1, 1, 2), 0.3), ((2, 2, 2), 5), ((1, 2, 3), 1e-6), ((1, 2, 3), 1e4)):
         ball = ChaplyginBall(moments, d)
         state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))

@@ -1,4 +1,4 @@
-"""Time shifts, compositions, moves of tilted states: to the digits of the field."""
+"""Time shifts, compositions and moves of tilted states, to the digits of the field."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tests.integrable.steps.equations_of_pairs import shifted
 @pytest.mark.parametrize("factor", [10**400, -(10**5000)], ids=["10^400", "-10^5000"])
 @pytest.mark.parametrize("K", [None, MP(30)], ids=["RR", "MP(30)"])
 def test_multiples_without_end_are_refused_at_once_over_the_reals(factor, K) -> None:
-    """10**400 was an OverflowError, and a larger multiple never ended."""
+    """A multiple of 10**400 raised an OverflowError, and a larger one never ended."""
     ball = ChaplyginBall((1, 2, 3), 1) if K is None else ChaplyginBall((1, 2, 3), 1, field=K)
     with pytest.raises(Infeasible, match="factor = "):
         ball.multiplication(factor)
@@ -33,14 +33,14 @@ def test_multiples_without_end_are_refused_at_once_over_the_reals(factor, K) -> 
 
 
 def test_a_multiple_of_four_hundred_digits_over_a_finite_field() -> None:
-    # a field of 10⁴ elements has special positions among so many doublings
+    # in a field of 10⁴ elements so many doublings would meet special positions
     exact, factor = ChaplyginBall((1, 2, 3), 1, field=GF(2**61 - 1)), 10**400 + 1
     start = random_state(exact, Random(1))
     assert exact.divisor(exact.multiplication(factor)(start)) == factor * exact.divisor(start)
 
 
 def test_time_shifts() -> None:
-    """Shifts of any F(h1, h2) are the flow for F = H1/2, commute, and are undone by −F."""
+    """The shift by F = H1/2 is the flow; shifts by any F(h1, h2) commute and are undone by −F."""
     for system in (
         ChaplyginBall((1, 2, 3), "0.7", field=MP(20)),
         EulerTop((1, 2, 3), field=MP(20)),
@@ -83,7 +83,7 @@ def test_a_shift_adds_what_the_equations_integrate_to(kind, F) -> None:
     system, gamma, M = SHIFTED[kind]
     state, size = onto_constraints(system, State(gamma, M)), sum(m * m for m in M) ** 0.5
     step = system.shift(HAMILTONIANS[F])
-    # the equations over MP(25): their floats lose digits of heavy bodies
+    # the equations over MP(25), since in floats they lose digits for heavy bodies
     wide = type(system)(system.inertia, *([system.d] if system.d else []), field=MP(25))
     start = onto_constraints(wide, state)
     image, expected = step(state), shifted(wide, HAMILTONIANS[F], start)
@@ -97,7 +97,9 @@ def test_a_shift_adds_what_the_equations_integrate_to(kind, F) -> None:
 
 
 def test_far_shifts_have_their_digits() -> None:
-    """10⁶ and 10²⁰ turns on: compared with the flow in more digits, and with the closed form of the top about M."""
+    """After 10⁶ and 10²⁰ turns: compared with the flow in more digits, and with the closed form of a top that turns
+    about M.
+    """
     ball, top = ChaplyginBall((1, 2, 3), 0.7), EulerTop((1, 2, 3))
     state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     for tau in (1e6, -1e6, 1e20):
@@ -122,7 +124,7 @@ def test_far_shifts_have_their_digits() -> None:
     "system", [ChaplyginBall((1, 2, 3), "0.7", field=MP(20)), EulerTop((1, 2, 3), field=MP(20))], ids=["ball", "top"]
 )
 def test_time_shifts_preserve_brackets(system) -> None:
-    """By difference quotients; exactly: test_the_rates_of_the_pairs_are_hamiltonian."""
+    """By difference quotients; test_the_rates_of_the_pairs_are_hamiltonian does so exactly."""
     state = system.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
     brackets, target = image_brackets(system, system.shift(lambda h1, h2: h1 * h2 / 8), state)
     assert max(_distance(x, y) for x, y in zip(brackets, target, strict=True)) < 1e-13
@@ -133,7 +135,7 @@ def _distance(x, y):
 
 
 def test_a_shift_adds_one_divisor_along_an_orbit_of_steps() -> None:
-    """T depends on the integrals alone: it is the same at a state and at its image under a step."""
+    """T depends on the integrals alone, and is the same at a state and at its image under a step."""
     ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(30))
     state = ball.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
     shift, step = ball.shift(lambda h1, h2: h1 + h2 / 3), ball.translation(["1.8", "2.5"])
@@ -200,7 +202,7 @@ def test_the_continuous_choice_of_signs(system) -> None:
     errors = []
     for eta in (4e-3, 2e-3):
         image = system.translation([x0 + eta * 1j, x0 - eta * 1j], signs=signs)(state)
-        # the sum of ∫dx/y from x0 − iη to x0 + iη is 2η/√(−f(x0)) to third order, by either sheet
+        # ∫dx/y from x0 − iη to x0 + iη is 2η/√(−f(x0)) up to third order, on either sheet
         delta = 2 * eta / abs(_value(system, h1, h2, x0)) ** 0.5
         shifts = [system.shift(lambda a, b, t=t: t * (a - x0 * b) / 2)(state) for t in (delta, -delta)]
         errors.append(min(_distance(image.gamma, x.gamma) for x in shifts))

@@ -1,5 +1,4 @@
-"""Every step over small fields, where special positions are as common as others: the textbook's image, or a named
-refusal."""
+"""Every step over small fields, where special positions are common: the textbook's image, or a refusal by name."""
 
 from __future__ import annotations
 
@@ -39,7 +38,7 @@ ADDED = {
 
 @pytest.mark.parametrize("name", ADDED)
 def test_images_of_bodies_are_sums_of_the_textbook(name) -> None:
-    # both 2-torsion maps need three more roots in the field
+    # the two 2-torsion maps need three more roots in the field
     rng, right, refused, wanted = Random(name), 0, 0, 10 if name in ("(1/d, 0)", "keyless") else 40
     while right < wanted:
         rolls = name in ("one point", "(1/d, 0)", "keyless") or rng.random() < 0.5
@@ -61,14 +60,14 @@ def test_images_of_bodies_are_sums_of_the_textbook(name) -> None:
         assert body.energies(image.gamma, image.M) == body.energies(gamma, M)
         start = body.pair(gamma, M, state.g)
         if name == "keyless":
-            # of singular curves too
+            # for singular curves too
             move = [-points[0] % p, 1], [0]
         else:
             move = start if points is None else _pair(system.translation(points).divisor(state))
         move = textbook.opposite(p, move) if m < 0 else move
         total = textbook.opposite(p, start) if points is None and m < 0 else start
         for _ in range(count):
-            # None: a partial sum of fewer points, which says nothing of the whole
+            # None: a partial sum has fewer points, from which nothing follows for the whole sum
             total = total and textbook.sum_of(p, f, total, move)
         if total is not None:
             assert body.pair(image.gamma, image.M, image.g) == total
@@ -81,7 +80,9 @@ def _pair(D):
 
 
 def test_conic_steps_are_members_of_the_pencil() -> None:
-    """P = V + cU through (x0, y0): what y − P leaves, or no such member, U(x0) = 0 or a point at infinity."""
+    """The remaining zeros of y − P for P = V + cU through (x0, y0); or a refusal where U(x0) = 0 or a point is at
+    infinity.
+    """
     rng, right, refused = Random(1), 0, 0
     while right < 150 or refused < 20:
         p, inertia, _, gamma, M = drawn(rng, False)
@@ -121,7 +122,7 @@ def test_points_that_no_state_of_a_deformation_has_are_refused_by_name(points, m
 
 
 def test_images_of_deformations_are_chords_and_tangents() -> None:
-    """Both points of the image are those of the state with m(x', ±Y') added one by one."""
+    """Both points of the image are those of the state after m additions of (x', ±Y')."""
     rng, right, refused = Random(1), 0, 0
     while right < 60:
         p, inertia, d, gamma, M = drawn(rng, rng.random() < 0.5)

@@ -1,5 +1,6 @@
-"""What each step does to the motion, exactly: the differential of the map takes the field of the motion in τ to itself,
-to a multiple of itself, or to another field. By jets over finite fields."""
+"""The effect of each step on the motion, exactly, by jets over finite fields: the differential of the map takes the
+vector field of the motion in τ to itself, to a multiple of itself, or to another field.
+"""
 
 from __future__ import annotations
 
@@ -85,7 +86,7 @@ def test_a_multiple_of_the_own_divisor_moves_so_many_times_as_fast(K, kind, fact
 
 @over_fields()
 def test_a_conic_step_through_a_plane_point_commutes_with_no_motion_of_gamma(K) -> None:
-    """Finite x0: M moves on as before, γ does not, though H1 and H2 are kept."""
+    """For finite x0 the motion of M is unchanged, that of γ is not, although H1 and H2 are kept."""
     K = K()
     apart = 0
     for seed in range(5):
@@ -93,13 +94,13 @@ def test_a_conic_step_through_a_plane_point_commutes_with_no_motion_of_gamma(K) 
         assert system.integrals(image) == system.integrals(state)
         assert in_t[3:] == met[3:]
         apart += in_t[:3] != met[:3]
-    # over GF(7^3) one may agree by accident
+    # over GF(7^3) they may agree in one case by accident
     assert apart >= 4
 
 
 @over_fields()
 def test_a_conic_step_commutes_with_the_flows_of_its_own_bracket(K) -> None:
-    """Finite x0: in (u, p), with those of H1 and H2 for {u_i, p_j} = (u_i − x0)δ_ij."""
+    """For finite x0, in (u, p), it commutes with the flows of H1 and H2 for {u_i, p_j} = (u_i − x0)δ_ij."""
     K, rng = K(), Random(2)
 
     def case():
@@ -137,7 +138,7 @@ def test_a_conic_step_commutes_with_the_flows_of_its_own_bracket(K) -> None:
 def test_the_hat_map_changes_the_integrals_and_takes_the_motion_to_another(K) -> None:
     K = K()
     (in_t, _), (met, _), system, state, image = pushed_and_met(K, "top", lambda s, r: s.hat_map())
-    # with the bracket kept the field of H1 becomes that of H1 ∘ hat_map⁻¹
+    # since the bracket is kept, the field of H1 becomes that of H1 ∘ hat_map⁻¹
     brackets, target = image_brackets(system, system.hat_map(), state)
     assert brackets == target
     before, after = (system.integrals(x) for x in (state, image))
@@ -177,7 +178,7 @@ def test_sums_on_two_curves_commute_with_the_motion_in_tau_and_at_d_0_in_t(K, na
     "system", [ChaplyginBall((1, 2, 3), "0.7", field=MP(20)), EulerTop((1, 2, 3), field=MP(20))], ids=["ball", "top"]
 )
 def test_a_shift_commutes_with_the_motion_in_tau(system, F) -> None:
-    """Over MP, as no finite field has shifts; in t at d = 0 only."""
+    """Over MP, since finite fields have no shifts; in t it commutes at d = 0 only."""
     start, step = system.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488")), system.shift(F)
 
     def moved(state, name):
@@ -192,7 +193,9 @@ def test_a_shift_commutes_with_the_motion_in_tau(system, F) -> None:
 
 @pytest.mark.parametrize(("point", "least"), [((2, 5), 0.01), ((0.1, 0.3), 0.1)])
 def test_a_conic_step_and_the_flow_of_a_real_top(point, least) -> None:
-    """As measured when the page said that every step commutes: 0.012 and 0.105 at t = 0.3."""
+    """The documentation once said that every step commutes; the differences at t = 0.3 were measured as 0.012 and
+    0.105.
+    """
     top = EulerTop((1, 2, 3))
     start = top.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
 

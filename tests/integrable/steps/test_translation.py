@@ -55,14 +55,14 @@ def test_the_eight_lifts_share_a_divisor(system) -> None:
 
 @systems()
 def test_without_a_model_the_roots_are_those_of_the_field(system) -> None:
-    """from_divisor(D) is one of the lifts of a state (with g of either sign), always the same one."""
+    """from_divisor(D) is always the same one of the lifts of a state (with g of either sign)."""
     system, rng = system(), Random(11)
     K = system.field
     for _ in range(10):
         state = random_state(system, rng)
         found = system.from_divisor(system.divisor(state))
         assert system.divisor(found) == system.divisor(state)
-        # (γ, M, g) and (−γ, −M, −g) are one set of pairs up to signs
+        # (γ, M, g) and (−γ, −M, −g) have the same pairs up to signs
         other = replace(found, M=tuple(map(K.neg, found.M)), g=None if found.g is None else K.neg(found.g))
         assert found in system.lifts(state) or other in system.lifts(state)
         assert {system.from_divisor(system.divisor(x)) for x in system.lifts(state)} == {found}
@@ -75,7 +75,7 @@ def test_without_a_model_gamma_is_positive(system) -> None:
     for image in images:
         assert image.gamma == pytest.approx(START[0], abs=1e-13)
         assert pytest.approx(START[1], abs=1e-13) == image.M
-    # where γ_i = 0 the sign is that of (γ × M)_i
+    # where γ_i = 0, the sign is determined by (γ × M)_i
     for M in ((1, 0.8, -0.6), (-1, 0.8, -0.6)):
         image = system.from_divisor(system.divisor(system.state((0, 0.6, 0.8), M)))
         assert image.gamma == pytest.approx((0, 0.6, 0.8), abs=1e-13)
@@ -93,7 +93,7 @@ def test_a_divisor_of_another_system_is_refused() -> None:
 
 
 def test_a_divisor_that_does_not_determine_its_state_is_refused() -> None:
-    """The moments agree to 10⁻⁴ relative to d: half of the digits of (U, V) do not determine γ."""
+    """The moments differ by 10⁻⁴ relative to d: (U, V) with half of the digits does not determine γ."""
     heavy = ChaplyginBall((1, 2, 3), 1e4)
     with pytest.raises(PrecisionLoss, match="does not determine"):
         heavy.from_divisor(heavy.divisor(heavy.state(*START)))
@@ -163,7 +163,7 @@ def test_n_steps_lead_back_to_the_start_for_n_the_order_of_the_divisor() -> None
             for _ in range(n):
                 orbit.append(step(orbit[-1]))
         except (NotASquare, NotRepresentable):
-            # no such points on the curve, or a multiple of weight below two on the way
+            # no such points on the curve, or one of the multiples has a weight below two
             continue
         if n < 3:
             continue
@@ -174,7 +174,7 @@ def test_n_steps_lead_back_to_the_start_for_n_the_order_of_the_divisor() -> None
 
 
 def _order(D, size: int) -> int:
-    """The order of D, from that of the group."""
+    """The order of D, found from the order of the group."""
     for prime in range(2, 499):
         while size % prime == 0 and not (size // prime) * D:
             size //= prime
@@ -182,7 +182,7 @@ def _order(D, size: int) -> int:
 
 
 def _state_on_smooth_curve(system, rng):
-    """Over a small field h1/h2 meets one of the a_i now and then."""
+    """A random state; over a small field h1/h2 is sometimes one of the a_i, and such states are skipped."""
     while True:
         state = random_state(system, rng)
         try:
@@ -279,7 +279,7 @@ def _constrained(K, start):
 
 
 def test_a_real_orbit_turns_through_every_sign_of_gamma() -> None:
-    """1000 steps of the 2 x conjugate-pair map: γ_i changes sign repeatedly, and the divisor sum is kept throughout."""
+    """1000 steps by twice a conjugate pair: every γ_i changes sign repeatedly, and the divisors are always the sums."""
     step, state = RR_BALL.translation([0.3j, -0.3j]), RR_BALL.state(*START)
     orbit = [state]
     for _ in range(300):
@@ -292,7 +292,7 @@ def test_a_real_orbit_turns_through_every_sign_of_gamma() -> None:
 
 @pytest.mark.parametrize("system", [RR_BALL, RR_TOP], ids=["ball", "top"])
 def test_the_conjugate_pair_is_the_flow_to_second_order(system) -> None:
-    """{±iη} is the H1 flow with δ = η/√(a1a2a3h1) + O(η³): slope 3 in η."""
+    """The step by {±iη} is the flow of H1 with δ = η/√(a1a2a3h1) + O(η³): the slope in η is 3."""
     state = system.state(*START)
     flow = system.flow(state, kernel="python")
     h1 = system.integrals(state).H1

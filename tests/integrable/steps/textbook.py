@@ -98,8 +98,9 @@ def opposite(p: int, D: Pair) -> Pair:
 
 
 def sum_of(p: int, f: Poly, D: Pair, E: Pair) -> Pair | None:
-    """The (U, V) of degree two with P² − f = b·U_D·U_E·U, P ≡ −V mod U, for a P through D and E: D + E for f of odd
-    degree, and of even degree in the generalized Jacobian. None where there is none."""
+    """The (U, V) of degree two with P² − f = b·U_D·U_E·U, P ≡ −V mod U, for a P through D and E: this is D + E for f of
+    odd degree, and for even degree the sum in the generalized Jacobian. None where there is none.
+    """
     found, both = [], times(p, D[0], E[0])
     for P in through(p, D, len(both) - 2):
         if divided(p, less(p, P, E[1]), E[0])[1]:
@@ -120,7 +121,7 @@ def _residue(p: int, P: Poly, u: Poly) -> Poly:
 
 
 def member(p: int, f: Poly, D: Pair, P: Poly) -> Pair | None:
-    """The remaining zeros of y − P beside (U, P), reflected: None if it has a point at infinity."""
+    """The zeros of y − P other than (U, P), reflected; None if one of them is at infinity."""
     quotient = divided(p, less(p, times(p, P, P) if P else [], f), D[0])[0]
     if len(quotient) != 3:
         return None

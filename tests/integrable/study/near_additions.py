@@ -1,7 +1,7 @@
-"""One addition in floats where D' is near D or near −D: its error by the distance, of a scene's own divisor.
+"""The error of one addition in floats by the distance of D' from D or −D, for the divisor of a scene.
 
-D' is the divisor of the same motion at the time τ = δ of the flow; D + D' is nearly a doubling, D' − D nearly zero.
-Over the reals no Bäcklund map takes such a D' (2D has no real image), so this is a sum of divisors and not an orbit.
+D' is the divisor of the same motion at τ = δ, so that D + D' is nearly a doubling and D' − D nearly zero. No real
+Bäcklund map adds such a D' (2D has no real image), so these are sums of divisors, not orbits.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ DIGITS = 60
 
 
 def near_additions(scene: Scene) -> dict[str, Any]:
-    """For each δ the errors of U in D + D' and in D' − D, relative to 1 + |coefficient|; or the error's text."""
+    """For each δ the errors of U in D + D' and in D' − D, relative to 1 + |coefficient|, or the text of a refusal."""
     exact, state = scene.start(DIGITS)
     rounded, _ = scene.start(FLOAT_DIGITS)
     D, flow = exact.divisor(state), exact.flow(state)

@@ -1,4 +1,4 @@
-"""Pictures made from artificial reports, inspected by their contents; no global state is touched."""
+"""Pictures of artificial reports, checked by their contents; no global state is changed."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def test_work_precision_of_nothing_is_still_a_picture():
 
 @pytest.mark.parametrize(("times", "side"), [((0.04, 0.6), "right"), ((0.6, 7.0), "left")])
 def test_the_label_of_the_floor_is_where_no_marks_are(times, side):
-    """It used to lie on the mark of the compiled run: the side was chosen by only one of two marks at the same
+    """The label used to cover the mark of the compiled run: its side was chosen by only one of two marks at that
     height.
     """
     flow = [Row("divisor flow", "floats", error_gamma=1.5e-14, total=time, digits=15) for time in reversed(times)]
@@ -120,7 +120,7 @@ def test_what_is_not_imported(module, stays_out):
 
 
 def test_no_two_methods_look_alike():
-    """One colour each, and one marker with one filling each: a picture can be read without colours."""
+    """Each has its own colour, and its own marker or filling: a picture can be read without colours."""
     assert set(METHODS) <= set(LOOKS)
     assert len({colour for colour, _, _ in LOOKS.values()}) == len(LOOKS)
     assert len({(marker, filled) for _, marker, filled in LOOKS.values()}) == len(LOOKS)

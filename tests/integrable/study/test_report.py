@@ -1,4 +1,4 @@
-"""The report: its figures compared with independent ones, its table, its JSON."""
+"""The report: its numbers compared with independent ones, its table, its JSON."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_rows_are_what_was_asked_for(measured):
 def test_errors_and_drifts_are_of_the_size_they_should_be(measured):
     _, report, _, _ = measured
     floats, _, precise, loose, tight = report.rows
-    # from the same doubles: nothing but the method's own error
+    # from the same doubles, so that only the method's own error remains
     assert floats.error_gamma < 1e-15 * (1 + 7.5)
     assert floats.error_M < 1e-15 * (1 + 7.5)
     assert max(floats.drift.values()) < 1e-15
@@ -120,7 +120,7 @@ def test_digits_of_the_run_are_measured_even_if_not_listed():
 
 
 def test_the_own_result_is_there_before_truth_and_rivals():
-    """Its row comes first, with its trajectory for pictures; then every line of the table in order."""
+    """The row of the package comes first, with its trajectory for pictures; then every line of the table in order."""
     labels, said = [], []
     watch = Watch(lambda line: said.append((line, list(labels))), lambda run: said.append((run, list(labels))))
     asked = replace(ASKED, digits=(15, 25), truth_digits=40)
@@ -136,14 +136,14 @@ def test_the_own_result_is_there_before_truth_and_rivals():
 
 
 def test_an_error_is_against_the_motion_of_the_doubles_the_method_got():
-    """It used to be relative to the motion of decimal fractions, which the method never received: 1.5e-14 for
+    """It used to be relative to the motion from decimal fractions, which the method never received: 1.5e-14 instead of
     5.7e-17.
     """
     scene = replace(short(), times=Times(given=(Fraction(1000),)))
     report, _ = measure(replace(scene, report=replace(ASKED, tolerances=(), steps=(), repeat=1)), 15, lambda _: None)
     assert report.rows[0].error_gamma < 1e-15
     assert report.floor[0] > 1e-13
-    # at more digits the scene's own fractions are what a run starts from, and what it is held against
+    # with more digits a run starts from the scene's own fractions, and is compared with the motion from these
     fine, trajectory = measure(
         replace(scene, report=replace(ASKED, tolerances=(), steps=(), repeat=1)), 25, lambda _: None
     )
@@ -176,7 +176,7 @@ def test_a_method_that_gives_up_keeps_its_line():
 
 
 def test_a_method_that_returns_no_number_is_said_to(monkeypatch):
-    """It was compared with the truth, and its error written as NaN."""
+    """It used to be compared with the truth, and its error was written as NaN."""
     nothing = Solution(np.full((3, 3), np.nan), np.full((3, 3), np.nan), 7)
     monkeypatch.setattr("integrable.study.measure.dop853", lambda *_, **__: nothing)
     asked = replace(ASKED, digits=(15,), tolerances=(Fraction("1e-5"),), steps=(), repeat=1)

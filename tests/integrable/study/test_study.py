@@ -45,7 +45,7 @@ from tests.integrable.scene_texts import EXACT, ORBIT, TOP
 
 ROOT = Path(__file__).parents[3]
 PARTS = ("machine", "system", "setup", "evaluation")
-# the same few rows as the fixture `rows`, run by a process of its own that says which it has written
+# the rows of the fixture `rows`, run in a separate process that prints each key after writing it
 SCRIPT = """
 import sys
 from integrable.scene.file import load_scene
@@ -90,7 +90,7 @@ def done(tmp_path_factory):
     kept = ("SciPy DOP853", "Gauss-Legendre 6", "implicit midpoint", "closed elliptic form", FLOW, "Bäcklund steps")
     every = [r for r in planned([scene], [str(source)], "quick") if r.method in kept or r.kind in ("truth", "floor")]
     rows = [r for r in every if r.kind != "first answer" and r.setting != "compiled"]
-    # their results are tested, not the speed of this machine
+    # the tests are about results, not about the speed of this machine
     rows = [replace(r, limits=replace(r.limits, run=60.0)) for r in rows]
     store = Store(folder / "out")
     return rows, run_tasks(rows, store, 2), store
@@ -104,7 +104,7 @@ def start(tmp_path, source, folder):
 
 
 def numbers(folder):
-    """The results in the rows of a folder, without quantities that depend on the clock."""
+    """The results in the rows of a folder, without times that were measured."""
     clocked, found = ("seconds", *PARTS, "total", "flow", "mad", "runs", "check"), {}
     for path in sorted((folder / "rows").glob("*.json")):
         content = json.loads(path.read_text(encoding="utf-8"))
@@ -164,7 +164,7 @@ def test_errors_are_what_theory_says(done):
 
 def test_what_is_kept_is_read_and_what_is_stale_is_measured_again(done, monkeypatch, tmp_path):
     rows, contents, store = done
-    monkeypatch.setattr(runner._Worker, "take", None)  # nothing is left to do
+    monkeypatch.setattr(runner._Worker, "take", None)  # no row is left to do
     assert run_tasks(rows, store, 1) == contents
     row = next(row for row in rows if row.kind == "flow")
     assert store.read(row.key, row.stamp) == contents[row.key]
@@ -229,18 +229,18 @@ def test_failures_are_rows_that_say_why(rows, done, tmp_path):
         return Task(scene, source, "comparator", method, f"step {value}", value, LIMITS["quick"], truth.key, **needs)
 
     wild = comparator("implicit midpoint", 1000.0)
-    endless = comparator("implicit midpoint", 1e-5)  # trials of a tenth of what they may take
+    endless = comparator("implicit midpoint", 1e-5)  # its trial may take a tenth of the limit
     kept = done[1][truth.key]
     store = Store(tmp_path)
     store.write(truth.key, truth.stamp, kept)
     contents = run_tasks([truth, wild, endless], store, 1)
     assert contents[wild.key]["status"] == contents[endless.key]["status"] == "failed"
     assert contents[wild.key]["error"].startswith("PrecisionLoss: step = ")
-    # told from a short trial; beside much else that trial itself is too long
+    # predicted from a short trial; on a busy machine the trial itself may be too long
     assert contents[endless.key]["error"].startswith(("not run: a whole run would take", "not run: a trial took more"))
     assert (contents[endless.key]["stopped"], contents[wild.key]["stopped"]) == (True, False)
     assert json.loads((tmp_path / "rows" / f"{wild.key}.json").read_text(encoding="utf-8"))["result"] is None
-    # a row beyond its limit is given up, and a greater cost is not tried
+    # a row that exceeds its limit is given up, and more expensive settings are not tried
     slow = comparator("Gauss-Legendre 6", 0.001)
     slower = comparator("Gauss-Legendre 6", 0.0001, cheaper=slow.key)
     contents = run_tasks([truth, replace(slow, limits=replace(LIMITS["quick"], task=0.0))], store, 1)
@@ -315,7 +315,7 @@ def test_a_scene_in_doubles_has_doubles_and_in_more_digits_its_constraints():
 
 
 def test_special_positions_are_kept_in_doubles():
-    """The scenes that are about an exact position keep it when γ and M are rounded and γ made a unit vector again."""
+    """Scenes about an exact special position keep it when γ and M are rounded and γ is normalized again."""
 
     def started(name):
         system, state = in_doubles(load_scene(name)).start(50)
@@ -347,7 +347,7 @@ def test_a_ball_of_mass_and_radius_has_in_doubles_the_d_of_doubles():
 
 @pytest.mark.parametrize("name", ["chaplygin", "euler_top"])
 def test_the_truth_and_every_comparator_begin_from_the_same_numbers(name, monkeypatch):
-    """Doubles as they are, or in more digits the same doubles with the constraints restored."""
+    """These are the doubles unchanged or, in more digits, the same doubles with the constraints restored."""
     scene = load_scene(name)
     scene = replace(scene, times=replace(scene.times, given=(Fraction("0.1"),), count=0))
     rows = tasks_of(scene, name, "quick")
@@ -481,7 +481,7 @@ def test_a_row_and_the_flow_are_compared_by_run_times_in_turn(done):
 
 
 def test_timed_rows_are_of_one_run(done, source, tmp_path):
-    """Rows of another machine, commit or day make no page, and those of another day are measured again."""
+    """No page is made from rows of another machine, commit or day, and rows of another day are measured again."""
     rows, contents, _ = done
     every = [contents[row.key] for row in rows]
     timed = next(row for row in rows if row.kind == "comparator")
@@ -501,7 +501,7 @@ def test_timed_rows_are_of_one_run(done, source, tmp_path):
 
 
 def test_rows_for_which_there_is_no_time_are_named(rows, source, tmp_path):
-    """They are not stored, the page has all the others, and a run without a limit measures them."""
+    """They are not stored, the page has all other rows, and a run without a limit measures them."""
     store = Store(tmp_path / "out")
     first = [row for row in rows if row.kind == "truth"]
     kept = run_tasks(first, store, 1)
@@ -599,7 +599,7 @@ def test_a_miss_of_the_floor_is_told_with_its_cause_and_silent_errors_are_found(
 
 
 def test_at_one_time_the_fastest_that_is_near_enough_stands_beside_the_flow(done, monkeypatch):
-    """Multiprecision is accurate enough and slow, the midpoint rule never accurate enough."""
+    """Multiprecision is accurate enough but slow, and the midpoint rule never accurate enough."""
     row = replace(done[0][0], kind="horizon", method=FLOW, setting="T = 10", value=10)
     for names, peer in (
         (("implicit midpoint", "closed elliptic form"), "closed elliptic form"),
@@ -622,9 +622,9 @@ def test_at_one_time_the_fastest_that_is_near_enough_stands_beside_the_flow(done
     ("errors", "chosen", "tried"),
     [
         ((1e-3, 1e-9, 1e-13, 2e-14), 2, 3),
-        ((1e-3, 1e-9, 5e-13, 2e-12), 2, 3),  # the smallest steps add up their rounding
+        ((1e-3, 1e-9, 5e-13, 2e-12), 2, 3),  # at the smallest steps rounding accumulates
         ((1e-3, 1e-9, 3e-12, 2e-12), None, 2),
-        ((1e-3, 1e-9, 3e-10, 1e-9), None, 1),  # nothing cheaper can do it
+        ((1e-3, 1e-9, 3e-10, 1e-9), None, 1),  # no cheaper setting is accurate enough
     ],
 )
 def test_the_cheapest_setting_that_is_near_enough_is_found_from_the_most_accurate(
@@ -664,7 +664,7 @@ def test_settings_slower_than_the_fastest_so_far_are_not_run(done, monkeypatch):
     method = replace(METHODS["SciPy DOP853"], name=task.method, settings=(1e-4, 1e-6, 1e-8, 1e-10))
     seconds = dict(zip(method.settings, (0.1, 0.3, 0.9, 1.5), strict=True))
     runs, found, _ = fake(monkeypatch, task, method, {}, seconds, fastest=0.5)
-    assert runs == [1e-8, 1e-6, 1e-4]  # 1e-10 takes three times the fastest
+    assert runs == [1e-8, 1e-6, 1e-4]  # 1e-10 would take three times as long as the fastest
     assert found == (1e-4, 0.1)
     assert fake(monkeypatch, task, method, {}, seconds, fastest=0.04)[1:] == (None, {"slower": 0.08})
 
@@ -687,7 +687,7 @@ def test_multiprecision_is_tried_only_where_nothing_else_is_near_enough(done, mo
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no alarms on this system")
 def test_a_trial_that_goes_on_for_ever_is_ended(done, monkeypatch):
-    """LSODA with a coarse tolerance beside a pole makes its steps smaller and smaller."""
+    """LSODA with a coarse tolerance makes its steps smaller and smaller near a pole."""
 
     class Endless(type(METHODS["SciPy LSODA"])):
         def build(self, kind, setting):
@@ -755,7 +755,7 @@ def test_run_times_that_scatter_are_marked(done):
 
 
 def test_what_is_timed_runs_alone(rows, tmp_path, monkeypatch):
-    """Truths and floors are computed in parallel, and nothing runs beside a timing."""
+    """Truths and floors are computed in parallel, but nothing runs during a timing."""
     together, begin = [], runner._Worker.take
 
     def take(self, task, store, finished):
@@ -785,7 +785,7 @@ def test_what_is_timed_runs_alone(rows, tmp_path, monkeypatch):
 
 
 def test_what_scatters_is_measured_again_and_machines_costs_are_no_part_of_a_ratio():
-    """A compilation that takes a second, and starts whose run times scatter at first."""
+    """One row includes a compilation that takes a second; the run times of starts scatter at first."""
     clock = iter([1.0, 9.0, 4.0, *[2.0] * 20])
 
     def once():
@@ -800,7 +800,7 @@ def test_what_scatters_is_measured_again_and_machines_costs_are_no_part_of_a_rat
 
 
 def test_what_the_flow_costs_once_a_machine_is_what_its_first_use_had(done, monkeypatch):
-    """Later rows of the process show that figure too, not the cost in a warm process."""
+    """Later rows of the process show the same figure, not the cost in a warm process."""
     spent = iter([Spent(0.0, 2.0, 1.0, 4.0), *[Spent(0.0, 0.5, 0.25, 0.5)] * 100])
     rows = done[0]
     monkeypatch.setattr(rivals, "_KEPT", {})
@@ -813,7 +813,7 @@ def test_what_the_flow_costs_once_a_machine_is_what_its_first_use_had(done, monk
 
 
 def test_the_walks_of_the_flow_are_compiled_before_it_is_timed(monkeypatch):
-    """Garnier's system was measured on the tape, which a walk replaces after some seconds of use."""
+    """Garnier's system used to be timed on the tape, which the compiled walk replaces after some seconds of use."""
     asked = []
     monkeypatch.setattr(Kind, "walk", lambda kind, orders, compiles=False: asked.append((kind.name, orders, compiles)))
     for name in ("chaplygin", "garnier", "tilde"):
@@ -838,7 +838,7 @@ def test_two_in_a_ratio_run_in_turn():
 
 
 def test_the_sites_pages_are_made_of_the_report_alone(done, tmp_path):
-    """report.json suffices for the one screen, the lost rows and a page per scene."""
+    """report.json suffices for the overview, the lost rows and a page for each scene."""
     spec = spec_from_file_location("measured_pages", ROOT / "docs" / "site" / "measured.py")
     pages = module_from_spec(spec)
     spec.loader.exec_module(pages)
@@ -950,8 +950,8 @@ def test_the_report_goes_to_stdout_as_the_schema_says(tmp_path, capsys):
 
 
 def test_an_orbit_over_the_reals_is_held_against_its_floor(tmp_path):
-    """The page of one that keeps its integrals could not be written: its rows have no method, unlike those of a
-    motion.
+    """The page of an orbit that keeps its integrals could not be written: unlike the rows of a motion, its rows have no
+    method.
     """
     path = tmp_path / "orbit.toml"
     path.write_text(ORBIT, encoding="utf-8")
@@ -999,7 +999,7 @@ def test_additions_near_a_divisor_keep_their_digits_and_near_its_opposite_lose_t
     ("name", "adds"), [("tilde_poles", True), ("hat", True), ("tilde_potential", False), ("gyroscopic", False)]
 )
 def test_what_adds_on_two_elliptic_curves_is_a_divisor_flow(name, adds) -> None:
-    """In repelling poles too: they were labelled as integrated."""
+    """Also in repelling poles, where they used to be labelled as integrated."""
     scene = load_scene(name)
     assert (moved_by(scene.start(16)[0]) != INTEGRATED) is adds
     methods = {row.method for row in tasks_of(scene, name, "quick") if row.kind == "flow"}
@@ -1032,7 +1032,9 @@ def test_a_report_is_published_by_one_command(tmp_path):
 
 
 def test_what_is_published_is_of_one_report():
-    """The page is what this code makes of the JSON, peers.md has its table, and both say where others are faster."""
+    """This code makes the published page from the JSON, peers.md has the same table, and both say where others are
+    faster.
+    """
     docs = ROOT / "docs"
     data = json.loads((docs / "error_against_run_time.json").read_text(encoding="utf-8"))
     study = study_from(data, [load_scene(name) for name in data["scenes"]])

@@ -1,4 +1,4 @@
-"""What remains of a sweep when files cannot be written, and when its folder is damaged."""
+"""The remains of a sweep whose files cannot be written, or whose folder is damaged."""
 
 import json
 import subprocess
@@ -45,8 +45,8 @@ swept(sys.argv[1])
     ("suffix", "limits", "kept"), [(".h5", (0, 200, 3000, 20000, 50000, 80000), 3), (".zarr", (0, 200, 400), 0)]
 )
 def test_a_limit_of_the_size_of_files_is_one_error(suffix, limits, kept, tmp_path):
-    """``ulimit -f``: RuntimeError "Can't decrement id ref count" and a segmentation fault, of HDF5's library. The
-    chunks survive; a folder without anything to resume from does not.
+    """With ``ulimit -f``, HDF5's library raised a RuntimeError "Can't decrement id ref count" and ended with a
+    segmentation fault. Chunks are kept; a folder with nothing to resume from is removed.
     """
     pytest.importorskip("resource")
     pytest.importorskip("h5py" if suffix == ".h5" else "zarr")
@@ -93,12 +93,12 @@ def test_a_damaged_journal_is_named(suffix, what, tmp_path):
     (tmp_path / f"out{suffix}.part" / "journal.json").write_text(JOURNALS[what], encoding="utf-8")
     with pytest.raises(ArgumentError, match=r"\.part' has a journal that is damaged; give another name, or remove it"):
         swept(out)
-    # existing files are for the user to remove
+    # existing files are left for the user to remove
     assert (tmp_path / f"out{suffix}.part").exists()
 
 
 def damaged(suffix):
-    """{what: what is done to the folder of chunks 0, 1 and 2}"""
+    """{name of a damage: the function that does it to the folder of chunks 0, 1 and 2}"""
     if suffix == ".h5":
         return {
             "cut": lambda folder: cut(folder / "00000001.npz"),
@@ -134,7 +134,7 @@ def test_a_damaged_chunk_is_computed_again(suffix, what, tmp_path):
 
 @needs_hdf5
 def test_refused_members_are_counted_once(tmp_path):
-    """In chunks that are resumed, and in one that is computed again."""
+    """Both in chunks that are resumed and in a chunk that is computed again."""
     many = ensemble(EulerTop((1, 2, 3)), GAMMA, np.array([M, (0, 0, 0)] * 4))
     out = tmp_path / "out.h5"
     with pytest.raises(SweepStopped, match="3 of 4 chunks are kept"):

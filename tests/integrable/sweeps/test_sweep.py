@@ -1,4 +1,4 @@
-"""Sweeps: every member once, equal to the serial result to the bit, whatever fails in between."""
+"""Sweeps: every member is computed once and equals the serial result to the bit, whatever fails in between."""
 
 import os
 import re
@@ -104,7 +104,7 @@ def test_an_ensemble_is_swept(tmp_path):
 
 @needs_zarr
 def test_a_chunk_of_more_members_than_there_are_is_one_chunk(tmp_path):
-    """An int of 5001 digits was a ValueError of Python's own; and the same sweep by either number goes on."""
+    """An int of 5001 digits raised Python's own ValueError; a sweep begun with one number goes on with the other."""
     many, out = serial(), tmp_path / "out.zarr"
     found = sweep(many, times=[1, 2], out=out, executor="threads", chunk=10**5000)
     assert sweep(many, times=[1, 2], out=out, executor=Dead(), chunk=len(many)) == found
@@ -234,7 +234,7 @@ except ArgumentError as error:
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_full_disk_is_one_line(scene, suffix, tmp_path):
-    """The system refuses files of more than 1500 bytes; the chunk is computed again when there is space."""
+    """The operating system refuses files of more than 1500 bytes; the chunk is computed again when there is space."""
     pytest.importorskip("resource")
     out = tmp_path / f"out{suffix}"
     words = [sys.executable, "-c", FULL, str(tmp_path / "ball.toml"), str(out), suffix]

@@ -1,4 +1,4 @@
-"""The default objects: a body and a state of it without a parameter."""
+"""The default objects: a body and a state of it without arguments."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ def test_the_example_is_the_first_scene():
 
 
 def test_the_t_handle_is_its_scene_and_turns_over_and_back():
-    """It spins about almost its middle axis, so that M₂ goes from nearly |M| to nearly −|M| and back."""
+    """It spins nearly about its middle axis, so that M₂ goes from almost |M| to almost −|M| and back."""
     top, state = EulerTop.t_handle()
     scene = load_scene("t_handle")
     assert top == EulerTop([float(x) for x in scene.inertia])

@@ -24,7 +24,7 @@ def test_the_flow_of_a_body_has_what_every_flow_of_the_layer_has(d) -> None:
 
 
 def test_enclosures_and_the_time_of_the_flow() -> None:
-    """Balls at τ hold the states at the times there; τ beside the body's own run."""
+    """Balls at values of τ contain the states at the corresponding times; τ is compared with the body's own run."""
     flow = BodyOnLayer((1, 2, 3), 0.7).flow(BodyOnLayer((1, 2, 3), 0.7).state(*STATE))
     ball = ChaplyginBall((1, 2, 3), 0.7)
     run = ball.flow(ball.state(*STATE)).at_tau([1.25])

@@ -1,4 +1,4 @@
-"""States with (γ, M) ≠ 0: Chaplygin's transformation exactly, and the flow, the steps and the divisors behind it."""
+"""States with (γ, M) ≠ 0: Chaplygin's transformation exactly, and the flow, steps and divisors that use it."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_the_clock_of_a_tilted_body_is_a_function_of_the_transformed_state() -> 
 
 
 def test_the_vector_field_is_mapped_to_that_of_the_other_body() -> None:
-    """d(γ̃, M̃)/dt̃ of the transformed state is the upright body's own motion, over GF(p)."""
+    """Over GF(p), d(γ̃, M̃)/dt̃ at the transformed state is the upright body's own rate."""
     system, rng = SYSTEMS["ball"](GF(2**61 - 1)), Random(4)
     K = system.field
     for _ in range(10):
@@ -149,7 +149,7 @@ def test_parallel_momentum_is_refused_by_name(system, c) -> None:
 
 
 def test_parallel_momentum_is_no_equilibrium() -> None:
-    """At M = cγ the motion is γ̇ = cg²γ × Aγ, that of the momentum of a free top: not at rest unless γ is an axis."""
+    """At M = cγ, γ̇ = cg²γ × Aγ: γ moves like the momentum of a free top, and rests only along an axis."""
     system, rng = SYSTEMS["ball"](GF(2**61 - 1)), Random(5)
     K = system.field
     gamma = until_defined(lambda: system.state(unit_vector(K, rng), (0, 0, 0))).gamma
@@ -177,7 +177,7 @@ def test_steps_keep_the_four_integrals_and_come_back(system) -> None:
         step = system.translation([system.field.random(rng), system.field.random(rng)], multiple=2)
         try:
             return state, step, step(state)
-        except (NotRepresentable, SingularCurve):  # g is infinite at the image, or h1/h2 is a branch point
+        except (NotRepresentable, SingularCurve):  # g is infinite at the image, or h1/h2 is at a branch point
             raise NotASquare("no image") from None
 
     for _ in range(4):
@@ -208,7 +208,7 @@ def test_real_steps_keep_the_integrals(name) -> None:
     for point in orbit:
         assert tuple(BALL.integrals(point)) == pytest.approx(tuple(BALL.integrals(state)), abs=1e-10)
     if name == "2-torsion":
-        # γ̃ → −γ̃ after two: (γ, M) itself comes back after four
+        # two steps take γ̃ to −γ̃, and four steps (γ, M) to itself
         assert orbit[4].gamma == pytest.approx(state.gamma, abs=1e-12)
         assert pytest.approx(state.M, abs=1e-12) == orbit[4].M
 

@@ -45,7 +45,7 @@ def test_a_flat_body_is_no_reason_to_warn(kind, moments):
 @pytest.mark.filterwarnings("error")
 def test_nothing_is_said_where_there_is_no_order_nor_twice():
     EulerTop((1, 5, 3), field=GF(101))
-    # moments of a Hamiltonian, not of a body
+    # these are parameters of a Hamiltonian, not moments of a body
     Tilde((1, 2, 4)).over(MP(20))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

@@ -1,5 +1,5 @@
-"""Random access on the torus, compared with the table of counts and quadrature at more digits, on every kind of
-body.
+"""Random access on the torus, for every kind of body, compared with the table of counts and with quadrature in more
+digits.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ from tests.integrable.torus.translations import directed
 
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
 BALL = ChaplyginBall((1, 2, 3), 0.7)
-# in cells of a torus of two periods of 2700 and 83000
+# in cells of a torus with the two periods 2700 and 83000
 CELLS = [700.0, 1500.0, 3300.0, -475.0]
 
 
 def beside_the_separatrix(size: float):
-    """M turned by ``size`` from the middle axis: H1/H2 is within size² of a2."""
+    """M turned away from the middle axis by ``size``: H1/H2 is within size² of a2."""
     return BALL, (0, 0, 1), (size, (1 - size * size) ** 0.5, 0)
 
 
-# name: system, γ, M, error of a component of γ in floats that is allowed
+# name: system, γ, M, allowed error of a component of γ in floats
 SCENES = {
     "S1": (BALL, *START, 4e-16),
     "S2": (EulerTop((1, 2, 3)), *START, 4e-16),
@@ -73,7 +73,7 @@ def scene(name: str):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_any_tau_against_the_table_of_counts_at_25_digits(name) -> None:
-    """τ|M| up to 10^6, forth and back: other additions, in other numbers."""
+    """τ|M| up to 10^6, forwards and backwards, compared with different additions in different numbers."""
     system, state, spin, tolerance = scene(name)
     tau = np.array([0.0, 1.0, -30.0, 1e3, 1e6]) / spin
     rows = system.flow(state, kernel="compiled").at_tau(tau)
@@ -101,7 +101,7 @@ def test_any_time_against_quadrature_at_25_digits(name) -> None:
 
 
 def test_branch_points_within_a_millionth_of_each_other() -> None:
-    """m r² = 10⁶ times the moments: series about centres that close leave the range of floats, the torus does not."""
+    """m r² = 10⁶ times the moments: series about such close centres leave the range of floats, the torus does not."""
     system = ChaplyginBall((1, 2, 3), 1e6)
     state = system.state(*START)
     times = np.array([1e5, -3e5])
@@ -113,7 +113,7 @@ def test_branch_points_within_a_millionth_of_each_other() -> None:
 
 @pytest.mark.parametrize("name", ["S1", "S2", "(γ, M) = 1.5", "gamma_2 = 0", "moments 1 : 10^4 : 10^8"])
 def test_the_error_does_not_grow_with_the_time(name) -> None:
-    """T = 10^6 … 10^12 beside 48 digits, by the same series in the readable loops."""
+    """T = 10^6 … 10^12 compared with 48 digits, by the same series in the readable loops."""
     system, state, _, _ = scene(name)
     times = [1e12, -1e9, 1e6]
     compiled, readable = (system.flow(state, kernel=kernel).at(times) for kernel in ("compiled", "python"))
@@ -134,7 +134,7 @@ def test_times_of_both_kinds_are_inverse_to_each_other(name) -> None:
 
 
 def test_times_where_the_rate_is_small_are_found() -> None:
-    """dt/dτ between 0.005 and 0.8: Newton's steps on t(τ) lead far beyond the interval that holds τ."""
+    """dt/dτ is between 0.005 and 0.8: Newton's steps for t(τ) lead far outside the interval that contains τ."""
     inertia = (0.012610148496156943, 0.000317709828175106, 3.066569934542356e-08)
     system = ChaplyginBall(inertia, 0.007079772687684559)
     M = (9.482780840851529e-05, 9.132973933864779e-05, -0.0004312515144772873)
@@ -155,9 +155,7 @@ def test_many_times_keep_the_integrals() -> None:
 
 @pytest.mark.parametrize("name", ["near_separatrix_8", pytest.param("near_separatrix_14", marks=pytest.mark.slow)])
 def test_beside_the_separatrix_corners_are_reached_from_both_sides(name) -> None:
-    """One walk around the long period multiplies its errors by the factor with which the motion leaves the unstable
-    rotation.
-    """
+    """Errors of a walk around the long period grow by the factor with which the motion leaves the unstable rotation."""
     scene = load_scene(name)
     system, state = scene.start(15)
     flow = system.flow(state, kernel="compiled")
@@ -172,7 +170,7 @@ def test_beside_the_separatrix_corners_are_reached_from_both_sides(name) -> None
 
 @pytest.mark.parametrize("name", ["near_separatrix_8", "near_separatrix_14", "1e-14 beside the separatrix"])
 def test_beside_the_separatrix_one_walk_over_the_corners_is_enough(monkeypatch, name) -> None:
-    """The place where the walks must meet is known before them; a start there is the worst case."""
+    """The place where the walks must meet is known in advance; a start there is the worst case."""
     walks, walk = [], Corners._walk
 
     def counted(corners, forward, most) -> None:
@@ -191,7 +189,7 @@ def test_beside_the_separatrix_one_walk_over_the_corners_is_enough(monkeypatch, 
 @pytest.mark.parametrize("d", [0.0, 0.25, 0.5])
 @pytest.mark.parametrize("gap", [0.0, 1e-14, 1.0])
 def test_where_walks_meet_is_a_column_whatever_floats_tell_apart(d, gap) -> None:
-    """Ends of ovals that are one float, a start at a far end, and the root 1/d there."""
+    """Ends of ovals that are the same float, a start at a far end, and the root 1/d there."""
     motion = np.array(
         [0.0, 1.0, 1.0 + gap, 2.0 + gap, 0.0, 1.0, 2.0 + gap, 1.0 + gap, d, 3.0, d * (2 + gap) or 1.0, 0.0]
     )
@@ -203,7 +201,9 @@ def test_where_walks_meet_is_a_column_whatever_floats_tell_apart(d, gap) -> None
 
 
 def test_the_corners_of_the_cells_close() -> None:
-    """A walk around either period of the torus leads back, to what the polynomials of a translation leave out."""
+    """A walk around either period of the torus leads back, up to the truncation error of the polynomials of a
+    translation.
+    """
     system, state, _, _ = scene("S1")
     setup = system.flow(state).setup
     assert TorusFlow(setup, CompiledLoops()).closure < 1e-26
@@ -211,7 +211,7 @@ def test_the_corners_of_the_cells_close() -> None:
 
 
 def test_directions_are_polynomials() -> None:
-    """T(s, cs) from the table against Newton's method in the wide precision."""
+    """T(s, cs) from the table compared with Newton's method in the wide precision."""
     system, state, _, _ = scene("S1")
     setup = system.flow(state).setup
     torus = TorusFlow(setup, ReadableLoops(setup))
@@ -286,7 +286,7 @@ def test_a_grid_that_is_too_coarse_is_noticed() -> None:
 
 
 def in_long(samples: np.ndarray) -> np.ndarray:
-    """Double-doubles, with their last axis, as long doubles; these as they are."""
+    """Double-doubles, whose parts are along the last axis, as long doubles; long doubles unchanged."""
     return samples[..., 0].astype(np.longdouble) + samples[..., 1] if samples.dtype == np.float64 else samples
 
 
@@ -319,7 +319,9 @@ def test_a_finer_grid_takes_what_the_coarser_one_knows(d, tilted) -> None:
     ],
 )
 def test_one_over_g_from_a_root_of_f_is_that_from_the_axes(name) -> None:
-    """U'' at the root 1/d, where f vanishes, against σ₁, σ₂, σ₃ of the sum: U loses too much on a thinner ball."""
+    """U'' at the root 1/d, where f vanishes, compared with σ₁, σ₂, σ₃ of the sum; for a thinner ball U loses too many
+    digits.
+    """
     system, state, _, _ = scene(name)
     corners = Corners(system.flow(state).setup, CompiledLoops(), 1 << 16)
     sizes = 4 * corners.sizes[0], 2 * corners.sizes[1]
@@ -337,7 +339,7 @@ def test_one_over_g_of_thinner_and_tilted_balls_is_had_from_the_axes() -> None:
 
 
 def test_a_tilted_state_without_a_tilt_has_the_clock_of_an_upright_one() -> None:
-    """(γ, M) = 0 in a state made as a tilted one: half of the grid was empty, and multiprecision was used."""
+    """A state made as a tilted one may have (γ, M) = 0: half of the grid was empty, and multiprecision was used."""
     ball = ChaplyginBall((0.013839669882170155, 0.002377476045841977, 0.016785435607574308), 1.0475366205208094e-09)
     gamma, momentum = (-1.0, 0.0, 0.0), (0.0, -1.3580771168322964e-06, -4.319558273040246e-06)
     times = [402449.2727409653, -2e6]
@@ -349,8 +351,8 @@ def test_a_tilted_state_without_a_tilt_has_the_clock_of_an_upright_one() -> None
 
 @pytest.mark.parametrize("d", [1e4, 1e6, 1e10])
 def test_what_a_torus_of_a_heavy_ball_is_held_against_is_right(d) -> None:
-    """Additions to the start compared with 40 digits; at 10⁶ they were off by 1, and every torus had to be checked in
-    multiprecision.
+    """Additions to the start are compared with 40 digits. At d = 10⁶ their error used to be 1, and every torus had to
+    be checked in multiprecision.
     """
     ball = ChaplyginBall((1, 2, 3), d)
     state = ball.state(*START)
@@ -363,7 +365,7 @@ def test_what_a_torus_of_a_heavy_ball_is_held_against_is_right(d) -> None:
 
 
 class AnotherQuadrant(CompiledLoops):
-    """Loops whose torus has γ and M with the signs of another quadrant."""
+    """Loops whose torus gives γ and M the signs of another quadrant."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -379,7 +381,7 @@ class AnotherQuadrant(CompiledLoops):
 
 
 def test_a_wrong_torus_of_a_heavy_ball_is_noticed() -> None:
-    """Both the rough comparison and the one in multiprecision refuse it."""
+    """Both the rough comparison and the comparison in multiprecision refuse it."""
     ball = ChaplyginBall((1, 2, 3), 1e6)
     setup = ball.flow(ball.state(*START)).setup
     TorusFlow(setup, CompiledLoops())
@@ -388,7 +390,7 @@ def test_a_wrong_torus_of_a_heavy_ball_is_noticed() -> None:
 
 
 def test_digits_are_asked_only_about_what_double_doubles_left_open(monkeypatch) -> None:
-    """At 1e-14 from a separatrix additions lose all but four digits at one time in four."""
+    """At a distance of 1e-14 from a separatrix, additions lose all but four digits at one of four times."""
     asked, in_digits = [], witness._in_digits
 
     def counted(bare, translations, tau):
@@ -400,7 +402,7 @@ def test_digits_are_asked_only_about_what_double_doubles_left_open(monkeypatch) 
     setup = system.flow(system.state(gamma, M)).setup
     torus = TorusFlow(setup, CompiledLoops())
     assert len(asked) == 1
-    # a state that is off by what digits see and the rough comparison does, too
+    # an error in a state that is large enough for both comparisons is noticed
     tau = witness.witnesses(torus._turns)
     found, reached = torus._rows_at_tau(tau), torus.reached(tau)
     assert witness.confirmed(setup, tau, found, reached)
@@ -409,16 +411,16 @@ def test_digits_are_asked_only_about_what_double_doubles_left_open(monkeypatch) 
 
 
 def test_rounding_of_samples_is_no_decay_to_wait_for() -> None:
-    # found by fuzz: grids were doubled up to the last, of samples good to 1e-15 that were to show 1e-17
+    # found by fuzz: grids were doubled up to the limit, because samples with errors of 1e-15 should have shown 1e-17
     def needed(size: int, rounding: float, noise: float) -> int:
         smooth = 1 / (1.2 + np.cos(2 * np.pi * np.arange(size) / size))
         dust = rounding * np.random.default_rng(1).standard_normal((size, 16))
         return needed_sizes(spectrum(smooth[:, None] + dust), (noise, 1e-9))[0]
 
-    # decay is waited for as before, and so is rounding that another doubling averages away
+    # grids are still doubled while modes decay, and while another doubling averages rounding away
     assert needed(64, 1e-15, 1e-17) == 128
     assert needed(1024, 1e-12, 1e-14) == 2048
-    # a hundredth of it takes ten thousand times as many samples
+    # a hundredth of the rounding takes ten thousand times as many samples
     assert needed(1024, 1e-12, 1e-16) >= 1024 * 1024
 
 
@@ -478,13 +480,13 @@ def test_a_sphere_turns_uniformly(system, tilted) -> None:
 
 
 def test_beside_an_unstable_rotation_that_leans():
-    """Found by fuzz: a centre 1e-12 from two branch points left γ off by 1e-9, on the level of H1 and H2."""
+    """Found by fuzz: with a centre 1e-12 from two branch points γ was off by 1e-9, although H1 and H2 were right."""
     gamma = (0.665817876407031, -0.46571762171010955, -0.5829182209242656)
     M = (0.0001928783849990436, -1.3474401459314787e-10, 3.2074637229059564e-10)
     top = EulerTop((0.16064541664973253, 0.1465348903800803, 0.7130523785399245))
     found = top.flow(top.state(gamma, M, tilted=True)).at([1e7, *CELLS])
     digits = EulerTop(top.inertia, field=MP(30))
-    # as long as doubles make it
+    # with the length that the doubles have
     length = digits.field.sqrt(sum(digits.field.coerce(x) ** 2 for x in gamma))
     start = digits.state([x / length for x in gamma], M, tilted=True)
     truth = digits.flow(start).at([1e7, *CELLS])
@@ -492,13 +494,13 @@ def test_beside_an_unstable_rotation_that_leans():
 
 
 def test_cells_that_do_not_fit(monkeypatch):
-    """Corners that are off by 1e-12 show on the borders of their cells, and the motion is left to multiprecision."""
+    """Errors of 1e-12 in corners are visible on the borders of the cells, and the motion is left to multiprecision."""
     flow = BALL.flow(BALL.state(*START))
     walk = Corners._walk
 
     def rough(self, forward, most):
         walk(self, forward, most)
-        # of every other corner
+        # the states of every other corner
         self.states[::20, 0] += 1e-12
 
     monkeypatch.setattr(Corners, "_walk", rough)
@@ -507,8 +509,8 @@ def test_cells_that_do_not_fit(monkeypatch):
 
 
 def test_a_torus_of_close_moments_is_right_where_a_coordinate_plane_is_passed():
-    """M₂ was off by 1e-10 of |M| near γ₂ = 0 where far times were asked for too, with moments 1e-9 of each other apart:
-    the cells fitted in floats, and H1 and H2 hardly depend on a small M₂.
+    """With relative differences of moments of 1e-9, M₂ was wrong by 1e-10 of |M| near γ₂ = 0 if far times were
+    requested too. In floats the cells fitted, and H1 and H2 hardly depend on a small M₂.
     """
     system = EulerTop((1996.3869996547544, 1996.666046398925, 1996.3869984863165))
     state = system.state(
@@ -524,7 +526,7 @@ def test_a_torus_of_close_moments_is_right_where_a_coordinate_plane_is_passed():
 
 
 class FromMoreDigits(CompiledLoops):
-    """Loops that leave the beginning of a torus to more digits."""
+    """Loops without a beginning of a torus of their own: it is computed in more digits."""
 
     def begun(self, setup):
         return None

@@ -59,7 +59,7 @@ def test_the_clock_of_multiprecision_agrees_with_counting_steps(start) -> None:
     ids=["thin", "beside the separatrix", "tilted", "tilted, about another axis", "tilted, along an axis"],
 )
 def test_modes_from_both_ovals_are_those_of_the_clock_that_counts_steps(ball, start, tilted) -> None:
-    """The first oval below ζ or above it, with and without lean, and a start at which two σ vanish."""
+    """The first oval is below or above ζ, the body is upright or tilted, and at one start two σ vanish."""
     state = ball.state(*start, tilted=tilted)
     problem = (ball.body, state.gamma, state.M, tilted)
     setup = Setup(*problem, digits=18)
@@ -74,7 +74,7 @@ def test_modes_from_both_ovals_are_those_of_the_clock_that_counts_steps(ball, st
 
 @pytest.mark.parametrize("inertia", [(1, 2, 2), (2, 2, 1)])
 def test_modes_of_a_tilted_ball_with_two_equal_moments_are_not_taken_for_none(inertia) -> None:
-    """The tilt term is 0/0 there: omitting it gave wrong states at far times."""
+    """The term of the tilt is 0/0 there: omitting it gave wrong states at far times."""
     ball = ChaplyginBall(inertia, 1)
     state = ball.state(START[0], (1.104, 2.18, -0.528), tilted=True)
     with pytest.raises(PrecisionLoss, match="two moments of this body are equal"):
@@ -89,7 +89,7 @@ def test_modes_of_a_tilted_ball_with_two_equal_moments_are_not_taken_for_none(in
 
 @pytest.mark.parametrize("digits", [20, 45, 300])
 def test_a_series_of_many_digits_leaves_to_floats_what_they_hold(digits) -> None:
-    """Modes that fall as those of 1/g do, against their sum term by term in twice the digits."""
+    """A series whose modes decrease like those of 1/g, compared with its sum term by term in twice the digits."""
     import flint
 
     K, rng = MP(2 * digits), np.random.default_rng(digits)
@@ -110,7 +110,7 @@ def test_a_series_of_many_digits_leaves_to_floats_what_they_hold(digits) -> None
     angles = [(K.coerce(a), K.coerce(b)) for a, b in rng.uniform(0, 1, (4, 2)).tolist()]
 
     def swing(a, b) -> object:
-        # with those of −(k, m), which are conjugate
+        # together with the conjugate modes of −(k, m)
         terms = [
             (context.expjpi(2 * (k * a + m * b)) - 1) * c / (context.mpc(0, 2) * context.pi * (k * nu[0] + m * nu[1]))
             for (k, m), c in modes.items()
@@ -126,7 +126,7 @@ def test_a_series_of_many_digits_leaves_to_floats_what_they_hold(digits) -> None
 
 @pytest.mark.parametrize(("inertia", "apart"), [((1, 2, 2), 28), ((2, 2, 1), 22), ((1, 3, 1), 28)])
 def test_a_place_on_a_tiny_oval_is_known_or_asked_for_in_more_digits(inertia, apart) -> None:
-    """Far states of a tilted ball with two moments 10^-28 apart were off by 10^-20 of 30 digits, without an error."""
+    """At 30 digits, far states of a tilted ball with two moments 10^-28 apart were off by 10^-20, without an error."""
     K = MP(30)
     moved = [K.coerce(x) for x in inertia]
     k = next(k for k in range(3) if inertia.count(inertia[k]) == 2)
@@ -138,7 +138,7 @@ def test_a_place_on_a_tiny_oval_is_known_or_asked_for_in_more_digits(inertia, ap
     assert max(abs(gamma[0] - run.gamma[0])) < 1e-29
     assert max(abs(M[0] - run.M[0])) < 1e-28
     if apart == 28:
-        # and at those of equal moments, where their difference has not yet been seen
+        # the state with equal moments: at this time the difference has had no effect yet
         other = ChaplyginBall(inertia, 1, field=K)
         there = other.flow(other.state(state.gamma, state.M, tilted=True)).at([10**9])
         assert max(abs(there.gamma[0] - run.gamma[1])) < 1e-18
@@ -146,9 +146,9 @@ def test_a_place_on_a_tiny_oval_is_known_or_asked_for_in_more_digits(inertia, ap
 
 @pytest.mark.parametrize("d", ["1e-10", "1e-15", "1e-20", "1e-150"])
 def test_tables_of_a_light_ball_are_no_larger_than_those_of_another(d) -> None:
-    """All its modes but one are below the digits of the first tables, whose noise used to be mistaken for slow decay.
+    """All modes but one are below the digits of the first tables, whose noise used to be taken for slow decay.
 
-    At a hundred digits that led to thousands of columns, which were refused; stepping to far times then never ended.
+    At a hundred digits this led to thousands of columns, which were refused, and then steps to far times never ended.
     """
     K = MP(20)
     setups = [
@@ -177,13 +177,13 @@ def test_the_arithmetic_geometric_mean_gives_the_periods_of_quadrature(ball) -> 
 
 
 def test_the_period_of_a_shrunk_oval_is_a_residue() -> None:
-    """α1 = α2 is an isolated double point: 2∫ → 2π/√|f/(x − α)²|, and nearly equal moments lead there."""
+    """At an isolated double point α1 = α2, 2∫ → 2π/√|f/(x − α)²|; nearly equal moments lead to such points."""
     setup = setup_of(ChaplyginBall((1, 1, 2), 0.7), *START)
     second = setup_of(ChaplyginBall((1, 1 + 1e-9, 2), 0.7), *START)
     K = setup.wide
     point = max(ovals(setup), key=lambda oval: -(oval.end - oval.start))
     a = point.start
-    # f/(x − a)² from the other roots and the leading coefficient
+    # f/(x − a)² is the product over the other roots with the leading coefficient
     rest = setup.problem.f[5]
     for e in sorted(setup.problem.branch_points, key=lambda e: abs(e - a))[2:]:
         rest *= a - e
@@ -194,7 +194,7 @@ def test_the_period_of_a_shrunk_oval_is_a_residue() -> None:
 
 
 def test_half_periods_are_differences_of_branch_points() -> None:
-    """T(Λ_k/2) has order two: its V' vanishes, and U' has branch points as roots."""
+    """T(Λ_k/2) has order two: its V' is 0, and the roots of U' are branch points."""
     setup = setup_of(BALL, *START)
     for low, high, period in ovals(setup):
         u0, u1, v0, v1 = translation(setup, [c / 2 for c in period])[:4]
@@ -205,7 +205,7 @@ def test_half_periods_are_differences_of_branch_points() -> None:
 
 @pytest.mark.parametrize("d", [0.7, 0], ids=["ball", "top"])
 def test_a_period_leads_back_up_to_signs(d) -> None:
-    """At d = 0 too, where the periods of x dx/y differ by the residue at infinity."""
+    """Also at d = 0, where the periods of x dx/y differ by the residue at infinity."""
     setup = setup_of(ChaplyginBall((1, 2, 3), d), *START)
     for oval in ovals(setup):
         third = translation(setup, [c / 3 for c in oval.periods])
@@ -219,7 +219,7 @@ def test_a_period_leads_back_up_to_signs(d) -> None:
 
 
 def test_directions_add_up() -> None:
-    """T(ε, cε) at two centres against the general translation."""
+    """T(ε, cε) about two centres compared with the general translation."""
     setup = setup_of(BALL, *START)
     K = setup.wide
     s, w = K.coerce("0.1"), K.coerce("0.07")
@@ -254,7 +254,9 @@ def test_the_basis_of_the_lattice_is_unimodular_and_cells_are_within_reach(ball)
     ids=["ball", "thin", "moments nearly equal", "tilted"],
 )
 def test_the_mean_of_the_clock_is_that_of_its_samples(ball, start, tilted) -> None:
-    """A determinant of complete elliptic integrals against the mean over grids, which nears it geometrically."""
+    """A determinant of complete elliptic integrals compared with the mean over grids, which converges to it
+    geometrically.
+    """
     state = ball.state(*start, tilted=tilted)
     setup = Setup(ball.body, state.gamma, state.M, tilted, digits=25)
     loops = ReadableLoops(setup, setup.digits)
@@ -268,7 +270,7 @@ def test_the_mean_of_the_clock_is_that_of_its_samples(ball, start, tilted) -> No
 
 
 def test_the_general_complete_elliptic_integral() -> None:
-    """Against mpmath: cel(k, p, 1, 1) = Π(1 − p | 1 − k²), cel(k, 1, 1, k²) = E, cel(k, 1, 1, 1) = K."""
+    """Compared with mpmath: cel(k, p, 1, 1) = Π(1 − p | 1 − k²), cel(k, 1, 1, k²) = E, cel(k, 1, 1, 1) = K."""
     K = MP(60)
     for k, p in (("0.3", "0.2"), ("0.9", "4"), ("1e-8", "1e-6"), ("5", "0.01")):
         k, p = K.coerce(k), K.coerce(p)
@@ -294,7 +296,7 @@ def test_ovals_that_nearly_meet_keep_the_digits_of_their_periods() -> None:
 
 
 def test_the_separatrix_has_no_compact_torus_and_is_followed_while_it_pays() -> None:
-    """H1/H2 = a2: e^(λt) exceeds every digit of a float by t = 400; more digits reach further."""
+    """H1/H2 = a2: at t = 400 errors have grown by e^(λt), beyond all digits of a float; more digits reach further."""
     ball = ChaplyginBall((1, 2, 3), 0.7)
     flow = ball.flow(ball.state((0, 0, 1), (0, 1, 0)))
     with pytest.raises(PrecisionLoss, match="met"):
@@ -306,7 +308,7 @@ def test_the_separatrix_has_no_compact_torus_and_is_followed_while_it_pays() -> 
     assert run.gamma[1] == pytest.approx(
         [-float(MP(30).context.sin(angle)), 0, float(MP(30).context.cos(angle))], abs=1e-13
     )
-    # this rotation has a closed form; what tends to one has not
+    # this rotation has a closed form, but motions that tend to a rotation have none
     ball = ChaplyginBall((1, 2, 5), 1)
     flow = ball.flow(ball.state((2 / 3, -1 / 3, 2 / 3), (1, -0.5, -1.25)))
     with pytest.raises(PrecisionLoss, match=r"loses more than \d+ digits .* times nearer to 0"):
@@ -329,7 +331,7 @@ def test_isolated_double_points_leave_the_torus_compact(inertia, gamma, M) -> No
 
 
 def test_far_times_against_the_same_motion_in_multiprecision() -> None:
-    """T = 10^6 and 10^9 at 30 digits, by an independent series on the torus and the table of counts."""
+    """T = 10^6 and 10^9 at 30 digits, by an independent series on the torus and by the table of counts."""
     times = [1e6, 1e9]
     found = BALL.flow(BALL.state(*START), kernel="compiled").at(times).gamma
     K = MP(30)
@@ -343,7 +345,7 @@ def test_far_times_against_the_same_motion_in_multiprecision() -> None:
 
 
 def test_modes_that_rounding_has_drowned_are_not_looked_for_among_more(monkeypatch) -> None:
-    """Twice and four times as many modes used to be computed, for half a minute, before the same refusal."""
+    """Twice and four times as many modes used to be computed, for half a minute, only to be refused in the same way."""
     body = Veselova((12.488247637324774, 1.46209256319696e-10, 12.253046214624495))
     gamma = (-0.6266829347572684, 0.6372198491462872, 0.44857481331211685)
     M = (0.00010323665044658085, 0.00017293937154728905, -0.00010144072253290405)
@@ -361,7 +363,7 @@ def test_modes_that_rounding_has_drowned_are_not_looked_for_among_more(monkeypat
 
 
 def test_a_far_time_needs_modes_for_its_digits_after_the_point_alone():
-    """At 10⁴⁵ of a set-up of 90 digits: the same τ to 1e-35 by modes to 40 digits, a quarter of those to all."""
+    """At t = 10⁴⁵ with a set-up of 90 digits, modes to 40 digits give the same τ to 1e-35: a quarter as many."""
     body = ChaplyginBall((1, 2, 3), "0.7", field=MP(90))
     state = body.state(*([body.field.coerce(str(x)) for x in v] for v in START))
     setup = Setup(body.body, state.gamma, state.M, digits=90)
@@ -376,7 +378,7 @@ def test_a_far_time_needs_modes_for_its_digits_after_the_point_alone():
 
 
 def test_an_interrupted_far_time_leaves_the_digits_as_they_were(monkeypatch):
-    """Ctrl-C at t = 1e308: nearer times stayed as slow as that one."""
+    """After Ctrl-C at t = 1e308, nearer times used to be as slow as that one."""
     ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(30))
     flow = ball.flow(ball.state(*([ball.field.coerce(str(x)) for x in v] for v in START)))
     before = flow.at([2]).gamma[0].tolist()
@@ -396,7 +398,7 @@ def test_an_interrupted_far_time_leaves_the_digits_as_they_were(monkeypatch):
 
 
 def test_near_times_have_the_first_digits_again_after_a_far_one():
-    """After t = 1e308 they used to take ten times as long for ever; and a second far time needs no second set-up."""
+    """After t = 1e308 they used to take ten times as long ever after. A second far time needs no second set-up."""
     ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(30))
     state = ball.state(*([ball.field.coerce(str(x)) for x in v] for v in START))
     flow, alone = ball.flow(state), ball.flow(state)

@@ -29,7 +29,7 @@ def rotated(axis, angles, vectors):
 
 
 def closed_form(inertia, axis, gamma, M, times, tilted):
-    """γ and M of a top with two equal moments, the third being that of ``axis``: floats of shape (N, 6)."""
+    """γ and M of a top with two equal moments, whose third is that of ``axis``: floats of shape (N, 6)."""
     with mpmath.workdps(DIGITS):
         own, other = mpmath.mpf(inertia[axis]), mpmath.mpf(inertia[axis - 1])
         gamma, M = [mpmath.mpf(x) for x in gamma], [mpmath.mpf(x) for x in M]
@@ -49,7 +49,7 @@ def closed_form(inertia, axis, gamma, M, times, tilted):
 
 
 def random_top(rng):
-    """(inertia, axis, γ, M, tilted) of a top with two equal moments, rather wide."""
+    """(inertia, axis, γ, M, tilted) of a top with two equal moments, from a wide distribution."""
     axis, tilted = int(rng.integers(3)), bool(rng.integers(2))
     inertia = [10 ** rng.uniform(-2, 2)] * 3
     inertia[axis] *= 10 ** rng.uniform(-1.5, 1.5)
@@ -63,7 +63,7 @@ def random_top(rng):
 
 
 def errors_of(rng):
-    """The errors of γ and M/|M| of a random top at 20 times up to 1e5 either way, in roundings of 1e-16."""
+    """The errors of γ and M/|M| of a random top at 20 times between −1e5 and 1e5, in roundings of 1e-16."""
     inertia, axis, gamma, M, tilted = random_top(rng)
     system = EulerTop(inertia)
     times = 10 ** rng.uniform(1, 5, 20) * rng.choice([-1, 1], 20)
@@ -94,7 +94,7 @@ def test_many_random_tops_with_two_equal_moments() -> None:
 
 
 def test_tops_whose_moments_differ_by_many_orders() -> None:
-    # γ turns about the symmetry axis so much faster than θ that its mean has to be counted from the start
+    # γ turns about the symmetry axis so much faster than θ that its mean must be taken from the start
     rng = np.random.default_rng(113)
     for _ in range(60):
         inertia, axis, gamma, M, tilted = random_top(rng)
@@ -124,7 +124,7 @@ FAR_APART = {
         (-3.066552142729015, 69.43499177978656, -4.330535393533118),
         0.0003018181119889511,
     ),
-    # found by fuzz: φ follows θ 1e8 times as fast, and is to be known where neither has moved far
+    # found by fuzz: φ turns 1e8 times as fast as θ, and is needed at times at which neither has turned far
     "a needle that does not spin": (
         (0.016926823621980943, 6340922685.460267, 6340922685.460267),
         147838.9033062529,
@@ -155,7 +155,7 @@ def test_balls_whose_moments_differ_by_many_orders(name) -> None:
     ball = ChaplyginBall(inertia, d)
     run = ball.flow(ball.state(gamma, M), kernel="compiled").at([time, 1e9 * time])
     right = reference.taylor(ball.body, restored(MP(50), gamma, M, tilted=False), [time], digits=30)
-    # long doubles of a swing of θ that φ follows 4e5 times as fast
+    # long doubles, for a swing of θ during which φ turns 4e5 times as fast
     assert np.abs(run.gamma[0] - right.gamma[0].astype(float)).max() < 1e-13
     assert np.abs(run.M[0] - right.M[0].astype(float)).max() < 1e-13 * np.linalg.norm(M)
     alone = ball.flow(ball.state(gamma, M), kernel="compiled").at([time])
@@ -236,7 +236,7 @@ def test_special_motions_with_two_equal_moments(name) -> None:
     run = ball.flow(state, kernel="compiled").at(times)
     assert np.abs(run.gamma - right.gamma.astype(float)).max() < 3e-16
     assert np.abs(run.M - right.M.astype(float)).max() < 1e-15
-    # by default: a short run, or the same closed form where M is along an axis or all moments are equal
+    # the default is a short run, or the same closed form if M is along an axis or all moments are equal
     near = ball.flow(state).at(times)
     assert np.abs(near.gamma - run.gamma).max() < 4e-15
     assert np.abs(near.M - run.M).max() < 4e-15
@@ -269,7 +269,7 @@ def test_a_symmetric_body_too_far_away_is_refused() -> None:
 
 @pytest.mark.parametrize("d", [0, 0.6])
 def test_few_turns_of_a_tiny_momentum_are_not_too_far_away(d) -> None:
-    """M across the axis: φ does not turn but for jumps, at the rate 0 that any time is near by."""
+    """M is orthogonal to the axis: φ only jumps, so that its mean rate is 0 and no time is far."""
     rows = []
     for unit in (1, 1e-30):
         ball = ChaplyginBall((1, 30, 1), d) if d else EulerTop((1, 30, 1))
@@ -306,7 +306,7 @@ def test_a_wrong_sign_of_a_period_is_noticed(name, place, monkeypatch) -> None:
 
 
 class WrongCorners(CompiledLoops):
-    """The corners of a walk that closes, with a wrong sign everywhere but at the start."""
+    """The corners of a closed walk with a wrong sign everywhere but at the start."""
 
     def __init__(self, axis: int) -> None:
         super().__init__()
@@ -340,7 +340,7 @@ def test_a_flow_without_a_torus_to_trust_goes_the_next_way(monkeypatch) -> None:
 
 @pytest.mark.parametrize("loops", [lambda setup: CompiledLoops(), ReadableLoops])
 def test_the_signs_of_every_region_are_those_of_the_walk(loops) -> None:
-    # ζ below and above the middle axis, every order of the moments
+    # ζ below and above the middle axis, for every order of the moments
     for inertia in ((1, 2, 3), (3, 1, 2), (2, 3, 1)):
         ball = ChaplyginBall(inertia, 0.7)
         for gamma, M in (
@@ -353,7 +353,7 @@ def test_the_signs_of_every_region_are_those_of_the_walk(loops) -> None:
 
 
 def test_a_start_at_the_end_of_the_swing_of_a_body_that_hardly_spins() -> None:
-    # found by fuzz: θ = π/2 rounded to beyond it turned φ by 7e-12
+    # found by fuzz: rounding took θ beyond π/2, which changed φ by 7e-12
     inertia, d = (53053.053061136634, 53053.053061136634, 46219.24961653579), 0.002017929182472763
     gamma, M = (0.0, -0.19033512337582564, 0.9817191761443337), (0.0, 104198.09836584321, 0.0)
     ball, times = ChaplyginBall(inertia, d), [-0.004174995157132701, 0.07, 19.0]
@@ -364,7 +364,7 @@ def test_a_start_at_the_end_of_the_swing_of_a_body_that_hardly_spins() -> None:
 
 
 def test_a_tilted_needle_whose_clock_swings_widely() -> None:
-    # found by fuzz: θ − θ₀ is small though its clock may differ from the mean by more
+    # found by fuzz: the clock of θ may deviate from its mean by more than θ − θ₀
     inertia, d = (0.05786006517951956, 569825497814.925, 569825497814.925), 12862.788305941547
     gamma = (-0.4462505273466137, 0.8948980184244874, 0.0042430487618258135)
     M = (-0.005203122456366258, -0.007587598710789265, -0.002102423055535908)

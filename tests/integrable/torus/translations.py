@@ -1,5 +1,5 @@
-"""The real periods of a motion's curve, and translations in any direction, in the wide precision of a flow: without the
-charts, cells and tables that :mod:`integrable.torus` makes of them.
+"""The real periods of a motion's curve, and translations in any direction, in the wide precision of a flow, without the
+charts, cells and tables of :mod:`integrable.torus`.
 """
 
 from __future__ import annotations
@@ -17,13 +17,12 @@ from jacobian.periods.matrix import Oval
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
-# Newton's steps from the leading order to a float, or from a float to some hundred digits
+# steps of Newton's method from the leading order to a float, or from a float to a few hundred digits
 PASSES = 6
 
 
 def ovals(setup: Setup) -> list[Oval]:
-    """The ovals that u1 and u2 run through (:func:`integrable.torus.lattice.oval_ends`), each with its periods 2∫dx/y
-    and 2∫x dx/y.
+    """The ovals of u1 and u2 (:func:`integrable.torus.lattice.oval_ends`), each with its periods 2∫dx/y and 2∫x dx/y.
 
     An oval may be a point, an isolated double point of the curve: its periods are then residues. At d = 0 the periods
     of x dx/y differ by the residue at infinity.
@@ -38,8 +37,8 @@ def ovals(setup: Setup) -> list[Oval]:
 def translation(setup: Setup, period: Any) -> tuple[Any, ...]:
     """T(w) for w = (Σ∫dx/y, Σ∫x dx/y), as a moving point with κ = 1.
 
-    The sum of two in the directions (1, c), c = 0 and −1 in units of max a: there f < 0, and the branch points are on
-    one side.
+    It is the sum of two translations in the directions (1, c) with c = 0 and c = −max a, where f < 0 and all branch
+    points are on one side.
     """
     parts = [(centre, eps) for centre, eps in ((setup.wide.zero, period[0] + period[1]), (-1, -period[1])) if eps != 0]
     first, *rest = (directed(setup, centre, eps) for centre, eps in parts)
@@ -73,7 +72,7 @@ def in_floats(setup: Setup, eps: float) -> tuple[Any, ...]:
 
 
 def centred(step: Any, x0: Any) -> tuple[Any, ...]:
-    """A translation in the abscissa x, from the same one in x − x0."""
+    """The translation in the abscissa x, given in x − x0."""
     u0, u1, v0, v1, *pairs = step
     return (u0 - u1 * x0 + x0 * x0, u1 - 2 * x0, v0 - v1 * x0, v1, *pairs)
 

@@ -1,4 +1,4 @@
-"""The animated page: its numbers are those of the motion, and it moves in a browser."""
+"""The animated page: its numbers are those of the motion, and it works in a browser."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tests.browser import opened
 
 @pytest.mark.parametrize("name", ["chaplygin", "euler_top", "tilted_ball", "different_moments"])
 def test_the_points_lie_on_the_curve_and_their_angles_on_a_line(name):
-    """The angles are integrals along the ovals, made without the flow: that they grow with τ is Abel's theorem."""
+    """The angles are integrals along the ovals, computed without the flow; by Abel's theorem they are linear in τ."""
     scene = load_scene(name)
     system, state = scene.start(15)
     rate = float(np.linalg.norm(system._omega_along(np.array([state.gamma]), np.array([state.M]))))
@@ -50,7 +50,7 @@ def test_a_curve_without_two_ovals_is_refused_by_name():
     [("chaplygin", 20, "the 20 frames"), ("thin_ball", 600, "the 600 frames"), ("heavy_ball", 600, "rounding")],
 )
 def test_why_there_is_no_torus(name, frames, why):
-    """Few frames for a long motion were mistaken for lost digits."""
+    """A long motion with few frames used to be taken for one that loses digits."""
     content = shown(name, frames=frames)
     assert "angles" not in content
     assert len(content["missing"]) == 1
@@ -58,7 +58,7 @@ def test_why_there_is_no_torus(name, frames, why):
 
 
 def test_the_ball_rolls_without_slipping():
-    """The centre of the ball moves with ω × (the radius upwards), as the numbers of the page have it."""
+    """In the numbers of the page, the centre of the ball has the velocity ω × (the radius upwards)."""
     content = shown("chaplygin", until=0.5, frames=200)
     turning = np.array(content["turning"]).reshape(-1, 3, 3)
     contact = np.array(content["contact"])
@@ -67,10 +67,10 @@ def test_the_ball_rolls_without_slipping():
     omega = np.einsum("nij,nj->ni", turning, system.flow(state).at(np.linspace(0, 0.5, 200)).omega)
     way = np.gradient(contact, 0.5 / 199, axis=0)[5:-5]
     assert abs(way - np.stack([omega[:, 1], -omega[:, 0]], axis=1)[5:-5]).max() < 2e-2 * abs(way).max()
-    assert (abs(turning[:, 2] - np.array(content["gamma"])) < 1e-4).all()  # up, seen from the body, is γ
+    assert (abs(turning[:, 2] - np.array(content["gamma"])) < 1e-4).all()  # the upward direction in the body is γ
 
 
-SLOW = {"separatrix"}  # its states take more digits than floats have
+SLOW = {"separatrix"}  # its states need more digits than floats have
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in scene_names()])
@@ -121,7 +121,7 @@ def test_wrong_arguments_get_one_line(tmp_path, monkeypatch, capsys, options, sa
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "width"), [("chaplygin", 1280), ("chaplygin", 390), ("hat", 1280), ("keyless", 1280)])
 def test_the_page_moves_in_a_browser(tmp_path, monkeypatch, capsys, name, width):
-    """No console error, no external request, the slider moves the drawing, and so does Play."""
+    """There are no console errors or external requests; the slider and Play move the drawing."""
     pytest.importorskip("plotly")
     monkeypatch.chdir(tmp_path)
     assert main(["view", name, "--frames", "100"]) == 0
@@ -139,14 +139,15 @@ def test_the_page_moves_in_a_browser(tmp_path, monkeypatch, capsys, name, width)
         )
         after = page.evaluate(drawn)
         assert before != after
-        page.select_option("#speed", "0.25")  # a busy machine must not reach the end before the second click
+        # slow, so that the motion does not end before the second click on a busy machine
+        page.select_option("#speed", "0.25")
         page.click("#play")
         page.wait_for_function("() => Number(document.getElementById('slider').value) > 40")
         page.click("#play")
         assert page.text_content("#play") == "Play"
         assert page.text_content("#time") != ""
         assert page.evaluate("document.documentElement.scrollWidth") <= width
-        # fingers hit what is 44 pixels high
+        # controls for fingers are at least 44 pixels high
         heights = "() => [...document.querySelectorAll('#controls > :not(output)')].map(e => e.offsetHeight)"
         assert all(height == 0 or height >= 44 for height in page.evaluate(heights))
         unnamed = "() => [...document.querySelectorAll('.plot')].filter(p => !p.getAttribute('aria-label')).length"
@@ -174,7 +175,7 @@ def test_the_page_follows_the_theme_of_its_reader(tmp_path):
 
 @pytest.mark.slow
 def test_lines_on_the_torus_reach_its_edges(tmp_path):
-    """They ended at the last frame before the edge, so that every passage left a gap."""
+    """The lines used to end at the last frame before an edge, so that every crossing left a gap."""
     pytest.importorskip("plotly")
     out = view("chaplygin", tmp_path / "ball.html", frames=100)
     with opened() as (page, complaints):
@@ -190,7 +191,7 @@ def test_lines_on_the_torus_reach_its_edges(tmp_path):
 
 @pytest.mark.slow
 def test_the_captions_are_of_the_body_that_is_shown(tmp_path):
-    """The caption of a top used to describe a ball that rolls on a plane."""
+    """The caption for a top used to describe a ball that rolls on a plane."""
     pytest.importorskip("plotly")
     text = {
         name: view(name, tmp_path / f"{name}.html", frames=20).read_text(encoding="utf-8")

@@ -1,6 +1,6 @@
 """A second Cantor for comparison, written from the papers on python-flint's polynomials.
 
-Cantor 1987 with h as in Koblitz 1989: compose with two extended gcds, reduce one step after the other. The weight at
+Cantor 1987 with h as in Koblitz 1989: composition by two extended gcds, then reduction step by step. The weight at
 infinity of split models as in Galbraith, Harrison and Mireles Morales 2008.
 """
 

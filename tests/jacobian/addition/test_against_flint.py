@@ -1,4 +1,4 @@
-"""Every addition, by whichever kernel and by the Python one, against a second Cantor on python-flint's polynomials."""
+"""Every addition, by compiled kernels and in Python, compared with a second Cantor on python-flint's polynomials."""
 
 from random import Random
 
@@ -14,14 +14,16 @@ ADDITIONS = 100_000
 
 
 def compare(row, additions, rng):
-    """A walk through the group, in steps of a class, its predecessor, a class of the pool, opposites and doubles."""
+    """A walk through the group, whose steps are sums with the predecessor or with a class of the pool, opposites and
+    doubles.
+    """
     J = row.curve.jacobian()
     other_cantor = FlintCantor(row.curve.arithmetic_model)
     add, double, _ = python_kernel(row.curve.arithmetic_model)
     A, B = row.pool[0], row.pool[1]
     for count in range(additions):
         if row.K == QQ and count % 4 == 0:
-            # heights grow fourfold with a doubling: start again
+            # a doubling multiplies heights by four: start again
             A, B = rng.choice(row.pool), rng.choice(row.pool)
         other = rng.choice([B, A, -A, rng.choice(row.pool)])
         total = A + other

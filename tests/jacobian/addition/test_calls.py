@@ -19,7 +19,8 @@ SMALL_ROWS = [
     pytest.param(
         *(name, genus, model, with_h),
         id=f"{name}-g{genus}-{model}-{'h' if with_h else '0'}",
-        # larger groups use the same code: GF(9) and GF(8) on elliptic curves, genus 3 over GF(3) are tried every day
+        # larger groups use the same code; GF(9) and GF(8) on elliptic curves and genus 3 over GF(3) are tested every
+        # day
         marks=pytest.mark.slow if (K.order > 5 and genus > 1) or (K.order == 4 and genus == 3) else (),
     )
     for name, K in SMALL.items()
@@ -29,7 +30,7 @@ SMALL_ROWS = [
     if model != "inert" or genus == 2
     for with_h in ((True,) if K.characteristic == 2 else (False, True))
 ]
-# primes of every length that a word has room for, the largest below 2^63 among them
+# primes of every length that fits into a word, including the largest one below 2^63
 PRIMES = (3, 5, 65537, 2**31 - 1, 2**31 + 11, 2**61 - 1, 2**62 + 135, 2**63 - 25)
 
 
@@ -131,7 +132,7 @@ KERNELS = {
 def test_multiples_add_up(name, seed, m, n):
     C = KERNELS[name].arithmetic_model
     kernel, rng = word_kernel(C), Random(seed)
-    # few points, so that classes have common ones
+    # few points, so that classes have points in common
     points = [C.random_point(rng) for _ in range(3)]
     J = C.jacobian()
     a, b = (triple(J.from_points(rng.choices(points, k=rng.randrange(C.genus + 1)))) for _ in range(2))
@@ -175,7 +176,7 @@ def test_which_kernel_a_curve_gets():
     f = [3, 1, 4, 1, 5, 1]
     assert type(word_kernel(HyperellipticCurve(K, f))) is LineKernel
     assert type(word_kernel(HyperellipticCurve(K, [*f, 4]))) is LineKernel
-    # the formulas for short equations want h = 0 and, in degree 5, a monic f
+    # the formulas for short equations need h = 0 and, in degree 5, a monic f
     assert type(word_kernel(HyperellipticCurve(K, [*f[:5], 2]))) is WordKernel
     assert type(word_kernel(HyperellipticCurve(K, f, [1]))) is WordKernel
     assert type(word_kernel(HyperellipticCurve(K, [1, 0, 3, 1]))) is WordKernel

@@ -21,7 +21,9 @@ CURVE = HyperellipticCurve(GF(10007), [3, 1, 4, 1, 5, 1])
 
 @pytest.fixture
 def fresh(monkeypatch):
-    """A process that has not added yet and switches after 1000 additions, or 5000 if nothing is cached."""
+    """Sets the process to the state before any addition: it switches after 1000 additions, or 5000 if nothing is
+    cached.
+    """
     monkeypatch.setattr(choice.PROCESS, "additions", 0)
     monkeypatch.setattr(choice, "READY", 1000)
     monkeypatch.setattr(choice, "COLD", 5000)
@@ -42,7 +44,7 @@ def test_work_makes_the_change(fresh):
     sums += [E := E + D for _ in range(300)]
     assert owner(J) is LineKernel
     assert J._double.__self__ is J._multiple.__self__ is J._sum_of.__self__
-    # whoever kept the old kernel uses the new one
+    # a kept reference to the old kernel leads to the new one
     assert counted.__self__._sum_of == J._sum_of
     add = python_kernel(CURVE).sum_of
     total = (D.u, D.v, D.n)
@@ -162,7 +164,8 @@ def test_compile_at_once(caplog):
 
 
 def test_a_moved_model_is_compiled_too():
-    # of formal degree 6 with one point at infinity: added on another equation, shown in its own coordinates
+    # formal degree 6 with one point at infinity: additions use another equation, results are in the curve's own
+    # coordinates
     C = Row("GF(7)", "moved", 2, True).curve
     assert C.arithmetic_model is not C
     J = C.jacobian()

@@ -45,7 +45,7 @@ class CountingField:
 
 
 def random_curve(K, model, with_h, rng):
-    """A curve of genus 2 with any leading coefficient of f and, with ``with_h``, any h ≠ 0 of full length or less."""
+    """A curve of genus 2 with any leading coefficient of f and, if ``with_h``, any h ≠ 0."""
     while True:
         C = next_curve(K, 2, rng, model=model, with_h=with_h)
         if bool(C.h) == with_h:
@@ -150,7 +150,7 @@ def test_counts_of_lange_for_degree_five():
 
 
 def test_counts_beyond_the_tables():
-    # a doubling takes two products more with a coefficient f4, one more with h = x² + x + 1
+    # a doubling takes two more products with a coefficient f4, and one more with h = x² + x + 1
     assert operation_counts([7, 5, 11, 13, 17, 1]) == ("1I + 22M + 3S", "1I + 24M + 5S")
     assert operation_counts([7, 5, 11, 13, 0, 1], [1, 1, 1]) == ("1I + 22M + 3S", "1I + 23M + 5S")
 
@@ -186,7 +186,7 @@ def test_special_cases_go_to_cantor(monkeypatch, rng):
     """Opposite and common points, tangents at branch points, weights below two: Cantor handles each correctly."""
     C = HyperellipticCurve(GF(101), [0, 24, 0, 1, 0, 1])
     J = C.jacobian()
-    # whatever has been compiled in this session
+    # the Python kernel, even if others have been compiled in this session
     J._adopt(python_kernel(C))
     P, Q, R = (C.random_point(rng) for _ in range(3))
     branch = C.point(0, 0)

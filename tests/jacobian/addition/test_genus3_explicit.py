@@ -111,7 +111,7 @@ CURVES = {(p, curve): curve(p, "walk") for p in PRIMES for curve in (septic, oct
 def test_sums_and_multiples(p, curve, seed, m, n):
     C = CURVES[p, curve]
     rng, J, every = Random(seed), C.jacobian(), kernels(C)
-    # few points, so that classes share some
+    # few points, so that classes have points in common
     points = [C.random_point(rng) for _ in range(4)]
     a, b = (triple(J.from_points(rng.choices(points, k=rng.randrange(4)))) for _ in range(2))
     for _ in range(4):

@@ -57,7 +57,7 @@ def test_many_points_are_one_semi_reduced_pair(row, rng):
 
 
 def test_thousands_of_points(rng):
-    """As a single pair their time would grow with the cube of their number, to hours."""
+    """As a single pair they would take hours, since the time grows with the cube of their number."""
     C = HyperellipticCurve(GF(101), [1, 2, 0, 3, 0, 0, 1])
     J, P, Q = C.jacobian(), C.random_point(rng), C.random_point(rng)
     assert C.model == "split"
@@ -105,7 +105,7 @@ def test_both_points_at_infinity(row, rng):
     assert J.from_points([plus, plus]) == difference
     assert J.from_points([P, plus]) + J.from_points([C.involution(P), minus]) == J.zero()
     assert C.involution(plus) == minus
-    # the steps at infinity: n runs through its whole range and returns
+    # steps by a class at infinity: n runs through its whole range and returns
     total = J.zero()
     for m in range(1, 3 * g + 4):
         total = total + difference
@@ -118,7 +118,9 @@ def test_both_points_at_infinity(row, rng):
     "row", [row for row in FINITE if row.values[0].model == "split" and row.values[0].genus % 2 == 0]
 )
 def test_the_other_name_for_infinity_is_the_same_group(row, rng):
-    """For even g, where D∞ is symmetric, the reduced pairs are the same and the weights change sides."""
+    """Exchanging ∞₊ and ∞₋: for even g, where D∞ is symmetric, the reduced pairs are the same and the weights are
+    exchanged.
+    """
     C = row.curve
     twin = HyperellipticCurve(C.field, C.f, C.h, infinity_plus=C.infinity_minus)
     assert twin != C

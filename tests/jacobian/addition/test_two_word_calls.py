@@ -47,7 +47,7 @@ def test_every_pair_and_ladder_of_a_small_group(name, model):
 
 
 def with_two_torsion_points(K, model):
-    """A curve of which the points at x = 2 and x = 3 are their own opposites, and these points."""
+    """A curve on which the points at x = 2 and x = 3 are their own opposites, and these points."""
     rng, degree = Random(K.order), 5 if model == "ramified" else 6
     branches = poly.mul(K, (K.neg(2), 1), (K.neg(3), 1))
     while True:
@@ -95,7 +95,7 @@ CURVES = {f"{name}, {model}": short_curve(K, model, "walk") for name, K in LONG.
 def test_sums_and_multiples(name, seed, m, n):
     C = CURVES[name]
     kernel, rng, J = of(C), Random(seed), C.jacobian()
-    # few points, so that classes share some
+    # few points, so that classes have points in common
     points = [C.random_point(rng) for _ in range(3)]
     count = (0, 2) if C.model == "inert" else (0, 1, 2)
     a, b = (J._in(J.from_points(rng.choices(points, k=rng.choice(count)))) for _ in range(2))

@@ -1,5 +1,6 @@
-"""Points over GF(p^k), counted for the tests by nothing of the package: squares are squared and marked, F is evaluated
-everywhere. p is odd and divides neither a denominator of F nor its discriminant."""
+"""Points over GF(p^k), counted without the package: all elements are squared to mark the squares, and F is evaluated
+everywhere. p is odd and divides neither a denominator of F nor its discriminant.
+"""
 
 from itertools import product
 
@@ -17,7 +18,7 @@ def modulus(p, k):
 
 
 def times(a, b, low, p):
-    """Products in GF(p)[t]/(t^k + …), coefficient by coefficient: of arrays or ints."""
+    """Products in GF(p)[t]/(t^k + …), coefficient by coefficient, of arrays or ints."""
     k = len(low)
     total = [sum(a[i] * b[n - i] for i in range(max(0, n - k + 1), min(n + 1, k))) for n in range(2 * k - 1)]
     for n in range(2 * k - 2, k - 1, -1):
@@ -44,7 +45,9 @@ def points(F, p, k):
 
 
 def counts(L, p, most):
-    """p^k + 1 − Σ α^k, k = 1 … most, for Π (1 − αT) = L of ascending coefficients: Newton's identities for all of L."""
+    """p^k + 1 − Σ α^k for k = 1 … most, where Π (1 − αT) = L has ascending coefficients: Newton's identities for all of
+    L.
+    """
     c = [*L, *[0] * most]
     sums = [0]
     for k in range(1, most + 1):

@@ -14,7 +14,7 @@ from tests.jacobian.test_published_curves import ROWS
 from tests.jacobian.test_published_curves import curve as published
 
 CURVES = {
-    # f, h, the algebra over ℂ, over QQ
+    # f, h, the algebra over ℂ, the algebra over QQ
     "generic": ([1, -1, 0, 0, 0, 1], [], "QQ", "QQ"),
     "fifth roots of unity": ([1, 0, 0, 0, 0, 1], [], "QQ[x]/(x^4 + x^3 + x^2 + x + 1)", "QQ"),
     "X_1(13)": ([0, 0, 0, 0, 1, 1], [1, 1, 0, 1], "M_2(QQ)", "QQ(√-3)"),
@@ -40,7 +40,7 @@ def test_known_algebras(name):
 
 
 def test_quaternions():
-    """20736.l.373248.1 has those of discriminant 6 over the closure (LMFDB)."""
+    """Over the closure, 20736.l.373248.1 has the quaternions of discriminant 6 (LMFDB)."""
     C = published(ROWS["20736.l.373248.1"])
     result = seen(endomorphisms(C), C.l_polynomials(400))
     assert result.geometric.name == "quaternion algebra of discriminant 6"
@@ -68,7 +68,7 @@ def test_the_matrices_are_a_ring_with_one(name):
 
 
 def test_the_mean_of_the_square_of_a1_is_the_rank_over_the_rationals():
-    """Costa, Fité & Sutherland 2019; to the accuracy that 1000 primes give."""
+    """Costa, Fité & Sutherland 2019, to the accuracy of 1000 primes."""
     for name in CURVES:
         C = curve(name)
         found = len(endomorphisms(C, 60).rational)
@@ -83,14 +83,16 @@ def test_l_polynomials_of_another_curve_contradict():
 
 
 def test_norms():
-    """That of X_0(23) at 2, of real multiplication by √5; a square; (x² + x + 3)(x² − x + 3), whose roots have √−11."""
+    """Norms for X_0(23) at 2, with real multiplication by √5; of a square; of (x² + x + 3)(x² − x + 3), whose roots
+    contain √−11.
+    """
     assert [is_norm([1, 1, 3, 2, 4], d) for d in (5, 2, 1)] == [True, False, False]
     assert all(is_norm([1, 2, 7, 6, 9], d) for d in (1, 2, 5, -3))
     assert [is_norm([1, 0, 5, 0, 9], d) for d in (1, -11, -7, 2)] == [True, True, False, False]
 
 
 def test_hilberts_symbol():
-    """Against solutions of ax² + by² = z² modulo p^4 that are primitive."""
+    """Compared with primitive solutions of ax² + by² = z² modulo p^4."""
     for a, b in product((-3, -2, -1, 1, 2, 3, 5, 6), repeat=2):
         for p in (2, 3, 5):
             modulus = 2**6 if p == 2 else p**3

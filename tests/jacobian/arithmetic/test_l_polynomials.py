@@ -22,7 +22,7 @@ from jacobian.arithmetic.residues import primes_up_to
 from jacobian.finite import counting
 from tests.jacobian.arithmetic.point_counts import counts, points
 
-# every degree, h = 0 and not, any leading coefficient, fractions, F(0) = 0, CM, split Jacobians
+# every degree, h = 0 and h ≠ 0, any leading coefficient, fractions, F(0) = 0, CM, split Jacobians
 EVERY_DAY = [
     ([1, -1, 0, 1], []),
     ([0, 2, 3], [1, 0, 5]),
@@ -102,7 +102,7 @@ def test_two_thousand_pairs_of_pari(seed):
 
 @pytest.mark.parametrize(("f", "h"), EVERY_DAY)
 def test_orders_are_those_of_random_classes(f, h):
-    """L_p(1) annihilates random classes, up to primes that the forest reaches only; a_1 is within Weil's bound."""
+    """L_p(1) annihilates random classes, also at primes that only the forest reaches; a_1 is within Weil's bound."""
     C = HyperellipticCurve(QQ, f, h)
     L, g, rng = C.l_polynomials(6000), C.genus, Random(3)
     for p, row in zip(L.p.tolist(), L.coefficients.tolist(), strict=True):
@@ -122,20 +122,20 @@ def check_points(C, L, p, degrees):
 
 @pytest.mark.parametrize(("f", "h"), EVERY_DAY)
 def test_functional_equation(f, h):
-    """The upper half of L_p is made from the lower: it says how many points there are over GF(p^(g+1)) … GF(p^2g)."""
+    """The upper half of L_p, made from the lower half, gives the numbers of points over GF(p^(g+1)) … GF(p^2g)."""
     C = HyperellipticCurve(QQ, f, h)
     g, L = C.genus, C.l_polynomials(100)
     for p in L.p[(L.p > 2) & (L.p <= {1: 100, 2: 17, 3: 7}[g])].tolist():
         check_points(C, L, p, range(1, 2 * g + 1))
     if g == 2:
-        # beyond 16g²: by the forest, and not by counting
+        # beyond 16g² by the forest, not by counting
         check_points(C, L, 67 if 67 in L.p else 71, (1, 2, 3))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2, 200, 3))
 def test_genus_3_by_points_over_two_fields_below_500(seed):
-    """Beyond the 62 where counting in the package ends: a_1 everywhere, a_2 at 20 primes, a_3 at one."""
+    """Beyond 62, where counting in the package ends: a_1 at all primes, a_2 at 20 of them, a_3 at one."""
     rng = Random(seed)
     C = random_curve(rng, 3)
     L = C.l_polynomials(500)
@@ -147,7 +147,7 @@ def test_genus_3_by_points_over_two_fields_below_500(seed):
 
 
 def test_torsion_divides_all_orders():
-    """Of published curves, and of two whose classes of order 5 and 7 are known; torsion injects at odd primes."""
+    """For published curves, and for two with known classes of order 5 and 7; torsion injects at odd primes."""
     rows = [row for row in PUBLISHED if "torsion" in row]
     assert len(rows) == 55
     given = [(row["f"], row["h"], int(np.prod(row["torsion"]))) for row in rows]
@@ -179,7 +179,7 @@ def test_all_published_curves():
 
 @pytest.mark.parametrize("g", [1, 2, 3, 4, 6])
 def test_matrices_are_those_of_the_power(g):
-    """Against coefficients of F^((p−1)/2), from blocks of any size: one walk, many trees."""
+    """Compared with coefficients of F^((p−1)/2), for blocks of any size: one walk, or many trees."""
     flint = pytest.importorskip("flint")
     rng = Random(g)
     for _ in range(2):
@@ -216,7 +216,7 @@ class Killed(Exception):
 
 @pytest.mark.parametrize("after", [60, 400, 1500])
 def test_a_run_that_is_killed_goes_on(monkeypatch, tmp_path, after):
-    """From the last state, with trees and without, to the same result."""
+    """It goes on from the last saved state, with trees and without, to the same result."""
     C, path = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]), tmp_path / "run.npz"
     wanted = C.l_polynomials(20_000)
     monkeypatch.setattr(forest, "WALKED_TO", 1 << 10)
@@ -250,7 +250,7 @@ HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]).l_polynomials(1 << 15, file=sys.argv
 
 
 def test_a_process_that_is_killed_leaves_a_state_to_go_on_from(monkeypatch, tmp_path):
-    """By SIGKILL, which no process can catch, whether it is writing just then or not."""
+    """Killed by SIGKILL, which no process can catch, whether or not it is writing at that moment."""
     C, path = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]), tmp_path / "run.npz"
     process = subprocess.Popen([sys.executable, "-c", RUN, str(path)], cwd=Path(__file__).parents[3])
     try:
@@ -283,7 +283,7 @@ def test_a_file_that_is_no_state(tmp_path):
 
 @pytest.mark.parametrize("path", [(0, 1), iter(()), 3, "", "a\0b", "\ud800"])
 def test_a_path_that_is_none(path):
-    """A raw TypeError of pathlib; found by the fuzz suite of calls."""
+    """Found by the fuzz suite of calls: this raised pathlib's own TypeError."""
     L = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]).l_polynomials(10)
     for call in (lambda: L.curve.l_polynomials(10, file=path), lambda: L.to_csv(path)):
         with pytest.raises(ArgumentError, match="give the name of a file"):
@@ -358,7 +358,7 @@ def test_what_is_refused():
 
 
 def test_small_bounds():
-    """No primes at all that are taken together, and 2 where the equation is good there."""
+    """No primes are left to be treated together; 2 is included where the equation is good there."""
     C = HyperellipticCurve(QQ, [0, 0, 0, 0, 0, 1], [1])
     assert C.l_polynomials(2).p.tolist() == [2]
     assert C.l_polynomials(2).polynomial(2) == counting.frobenius_polynomial(C.change_ring(GF(2)))[::-1]

@@ -1,4 +1,4 @@
-"""Sato–Tate groups: their moments, curves with known groups; pictures, Dirichlet coefficients, the command."""
+"""Sato–Tate groups: their moments, and curves with known groups; pictures, Dirichlet coefficients, the command."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jacobian.__main__ import main
 from jacobian.arithmetic.command import bound_of, curve_of, polynomial_of
 from jacobian.arithmetic.sato_tate import groups, moment, moments_of_groups, over_the_rationals, sato_tate_groups
 
-# with identity component U(1)², SU(2), U(1), SU(2)², U(1) × SU(2), USp(4); of E² and of X₁(13) by construction
+# identity components U(1)², SU(2), U(1), SU(2)², U(1) × SU(2), USp(4); those of E² and X₁(13) are known by construction
 KNOWN = [
     ([1, -1, 0, 0, 0, 1], [], "USp(4)"),
     ([1, 0, 0, 0, 0, 1], [], "Fac"),
@@ -37,7 +37,9 @@ def test_there_are_52_groups_with_integral_moments():
 
 
 def test_moments_that_are_counted_otherwise():
-    """a_1 of USp(4): closed walks in its Weyl chamber; of SU(2) and U(1): Catalan and central binomial numbers."""
+    """Moments of a_1 by combinatorics: for USp(4), closed walks in its Weyl chamber; for SU(2) and U(1), Catalan and
+    central binomial numbers.
+    """
     found = moments_of_groups(8)
     assert found["USp(4)"][:4] == [_walks(n) for n in (2, 4, 6, 8)]
     one = groups(1)
@@ -50,7 +52,7 @@ def test_moments_that_are_counted_otherwise():
 
 
 def _walks(n):
-    """Of n steps ±e₁, ±e₂ from (2, 1) back to it within x > y > 0 (Grabiner and Magyar 1993)."""
+    """The number of walks of n steps ±e₁, ±e₂ from (2, 1) back to it within x > y > 0 (Grabiner and Magyar 1993)."""
     counts = {(2, 1): 1}
     for _ in range(n):
         after = {}
@@ -88,10 +90,12 @@ def test_what_is_too_few_or_not_known():
 
 
 def test_dirichlet_coefficients():
-    """Multiplicative, with the recurrence of each Euler factor; of y² + y = x³ − x those of its newform of level 37."""
+    """They are multiplicative and satisfy the recurrence of each Euler factor; those of y² + y = x³ − x belong to its
+    newform of level 37.
+    """
     C = HyperellipticCurve(QQ, [0, -1, 0, 1], [1])
     L = C.l_polynomials(200)
-    # 37 is split or not multiplicative: 1 − a_37 T, a_37 = 37 − the affine smooth points of the cubic
+    # 37 is a prime of multiplicative reduction: 1 − a_37 T, a_37 = 37 − the number of affine smooth points of the cubic
     smooth = [(x, y) for x in range(37) for y in range(37) if (y * y + y - x**3 + x) % 37 == 0]
     node = [(x, y) for x, y in smooth if (2 * y + 1) % 37 == 0 and (3 * x * x - 1) % 37 == 0]
     assert len(node) == 1
@@ -107,7 +111,7 @@ def test_dirichlet_coefficients():
 
 
 def test_dirichlet_coefficients_of_genus_2():
-    """At p² from the number of points over GF(p²): a_1² − a_2 in the power series of 1/L_p."""
+    """The coefficient at p² is a_1² − a_2, from the power series of 1/L_p and the number of points over GF(p²)."""
     L = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]).l_polynomials(2000)
     a = L.dirichlet_coefficients()
     for p in (3, 5, 7, 11, 43):

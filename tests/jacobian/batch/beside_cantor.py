@@ -1,4 +1,4 @@
-"""Rows of arrays beside Cantor's algorithm in Python, whatever the rows are made of."""
+"""Rows of arrays of any kind compared with Cantor's algorithm in Python."""
 
 from functools import cache
 from random import Random
@@ -15,7 +15,7 @@ def sums(J, A, B):
 
 
 def assert_equal_to_cantor(J, classes):
-    """Sums and differences of every pair, doubles and opposites of every class."""
+    """Checks sums and differences of every pair, and doubles and opposites of every class."""
     C, each = DivisorArray.stack(classes, J), np.arange(len(classes))
     A, B = C[np.repeat(each, len(each))], C[np.tile(each, len(each))]
     inside, outside = [J._in(D) for D in classes], cache(J._out)
@@ -28,7 +28,7 @@ def assert_equal_to_cantor(J, classes):
 
 
 def random_rows(J, count, seed, base=40):
-    """Sums of two random classes out of ``base``: general rows with equal, opposite and weightless ones among them."""
+    """Sums of two random classes out of ``base``: general rows, including equal, opposite and zero ones."""
     rng = Random(seed)
     points = [] if J.curve.model == "inert" else [J.from_points([J.curve.random_point(rng)])]
     classes = [J.random(rng) for _ in range(base)] + [J.zero(), *points]
@@ -46,7 +46,7 @@ def cantor_of(A, B):
 
 
 def assert_rows_equal_cantor(J, count, sample):
-    """Special and general rows beside the compiled Cantor, a sample beside Cantor in Python."""
+    """Compares special and general rows with the compiled Cantor, and a sample with Cantor in Python."""
     A, B = random_rows(J, count, 1), random_rows(J, count, 2)
     B = DivisorArray.stack([B[: count // 2], A[count // 2 : count // 2 + 50], -A[count // 2 + 50 : count // 2 + 100]])
     A = A[: len(B)]

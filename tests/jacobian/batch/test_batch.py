@@ -1,4 +1,4 @@
-"""Arrays of divisors: equal to Cantor, row by row, on every pair of small groups and in every special case."""
+"""Arrays of divisors equal Cantor's sums row by row, for every pair of small groups and every special case."""
 
 import pickle
 from random import Random
@@ -25,7 +25,7 @@ MODELS = ("ramified", "split", "inert")
 
 @pytest.fixture
 def context(request, monkeypatch):
-    """Makes batches over every prime field run on the context of this name."""
+    """Makes batches over every prime field use the context of this name."""
     kind = CONTEXTS[request.param]
     monkeypatch.setattr(compiled_rows, "word_context", lambda p: kind(*word_context(p, kind.bits)))
     return kind
@@ -68,7 +68,7 @@ def test_pools_of_special_classes(row):
     assert_equal_to_cantor(J, row.pool if row.K != QQ else row.pool[:4])
 
 
-# --- large primes: explicit formulas beside Cantor
+# --- large primes: explicit formulas compared with Cantor
 
 
 def large_curve(name, model, monic=False):
@@ -91,7 +91,7 @@ def test_rows_over_large_primes(name, model):
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", PRIMES)
 def test_a_million_rows(name, model):
-    """All of them beside the compiled Cantor, a sample beside Cantor in Python: residual 0."""
+    """All rows are compared with the compiled Cantor, a sample with Cantor in Python: residual 0."""
     assert_rows_equal_cantor(large_curve(name, model).jacobian(), 1_000_000, 3000)
 
 
@@ -184,7 +184,7 @@ def test_mixes_of_special_rows(pairs, repeat):
 
 
 def test_equal_rows_are_doubled():
-    """A + A as two arrays: the only rows of full weight that go to Cantor have a branch point."""
+    """A + A as two arrays: the only rows of full weight that Cantor adds have a branch point."""
     A = DivisorArray.stack(POOL * 50)
     B = DivisorArray.stack(POOL * 50)
     assert (A.double() == (A + B)).all()

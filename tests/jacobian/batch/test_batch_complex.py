@@ -1,4 +1,4 @@
-"""Batches over the complex numbers, and over the floats for degree 6, beside single additions and 50 digits."""
+"""Batches over the complex numbers, and over the floats for degree 6, compared with single additions and 50 digits."""
 
 import pickle
 from random import Random
@@ -25,7 +25,7 @@ from jacobian.batch.sums import RANGE, FloatSums
 from jacobian.inexact import genus2_complex, genus2_real
 
 FIFTY = {RR: MP(50), CC: MP(50, complex=True)}
-# the field, f, h: coefficients that floats hold
+# the field, f, h, with coefficients that are exact floats
 CURVES = {
     "complex quintic": (CC, (0.5 + 1j, -1.0, 0.25j, 1 - 1j, 0.5, 1 + 0.5j), ()),
     "complex quintic with h": (CC, (2.0, 1j, 1.0, -0.5, 1.0, 1j), (0.5j, 1.0, -0.25 + 1j)),
@@ -51,7 +51,7 @@ def curves(name):
 
 
 def random_point(curve, precise, units, rng):
-    """A point with |x| of about 1 in units of x; real where the field is."""
+    """A point with |x| about 1 in units of x; real if the field is."""
     K = precise.field
     while True:
         x = rng.uniform(-2, 2) if curve.field == RR else complex(rng.uniform(-1.5, 1.5), rng.uniform(-1.5, 1.5))
@@ -74,8 +74,8 @@ def rounded(J, D):
 
 
 def distance(found, true, units):
-    """The difference of the numbers of two divisors of equal weights, relative to the size of the true ones, in
-    units.
+    """The difference of the coefficients of two divisors of equal weight in these units, relative to the size of the
+    true ones.
     """
     assert (len(found.u), found.n) == (len(true.u), true.n)
     points = len(true.v)
@@ -87,7 +87,7 @@ def distance(found, true, units):
 
 @pytest.mark.parametrize("name", CURVES)
 def test_sums_of_random_divisors(name):
-    """One to one, one to many, doubles: as accurate as single additions, and none left to them."""
+    """One to one, one to many, doubles: as accurate as single additions, to which no row is left."""
     curve, precise, units = curves(name)
     rng, J, wide = Random(name), curve.jacobian(), precise.jacobian()
     size = BLOCK + 40
@@ -113,7 +113,7 @@ def test_sums_of_random_divisors(name):
 
 @pytest.mark.parametrize("name", CURVES)
 def test_special_rows(name):
-    """Sums that drop in weight are reported; with opposite points beside others, and of doubled branch points, not."""
+    """Sums of lower weight are reported, but not sums with opposite points and others, or of doubled branch points."""
     curve, precise, units = curves(name)
     rng, J = Random(name), precise.jacobian()
     P, Q, R = (random_point(curve, precise, units, rng) for _ in range(3))
@@ -177,7 +177,7 @@ def test_doubled_branch_points(degree):
 
 
 def test_the_complex_kernel_gives_the_real_one():
-    """On real numbers, f of degree 5: all branches of both, generic rows, equal ones, opposite points."""
+    """On real numbers, f of degree 5, in all branches of both kernels: generic and equal rows, opposite points."""
     wide = HyperellipticCurve(FIFTY[RR], poly.from_roots(FIFTY[RR], [-2, -0.5, 0, 1, 1.5]))
     f = tuple(map(float, wide.f))
     rng, J = Random(5), wide.jacobian()
@@ -197,7 +197,7 @@ def test_the_complex_kernel_gives_the_real_one():
 
 
 def single(J, D, E):
-    """(the status of D + E, and the sum by the Jacobian's own addition)."""
+    """(the status of D + E, the sum by the Jacobian's own addition)."""
     try:
         return 0, J.add(D, E)
     except PrecisionLoss:
@@ -208,7 +208,7 @@ def single(J, D, E):
 
 @pytest.mark.parametrize("name", CURVES)
 def test_arrays_row_by_row(name):
-    """Every pair of a pool with one, two and no points, weights at infinity and opposites: as single additions."""
+    """Pairs of divisors of two, one and no points, weights at infinity and opposites agree with single additions."""
     curve, precise, units = curves(name)
     rng, J, wide = Random(name), curve.jacobian(), precise.jacobian()
     pool = []
@@ -220,7 +220,7 @@ def test_arrays_row_by_row(name):
             pool += [rounded(J, D)] if i < 2 else []
             pool += [Divisor(J, rounded(J, D).u, rounded(J, D).v, 0)] if i == 2 and curve.model == "split" else []
     opposite = -pool[0]
-    # so near the opposite that the sum is 0, undecided, or has few digits
+    # so near to the opposite that the sum is 0, undecided, or has few digits
     pool += [
         Divisor(J, opposite.u, (opposite.v[0], opposite.v[1] * (1 + k * RR.eps)), opposite.n)
         for k in (0, 4, 256, 2**14)
@@ -324,8 +324,8 @@ def test_what_is_refused():
 
 @pytest.mark.parametrize("K", [RR, CC], ids=str)
 def test_points_of_very_different_sizes_are_added_as_one_by_one(K):
-    """A point at 5e-6 beside one at 6e5 lost ten digits silently: 1 to 3 rows in 100 with |x| from 2^-20 to 2^20 were
-    off by more than 1e-6.
+    """A point at 5e-6 with another at 6e5 used to lose ten digits silently: of rows with |x| from 2^-20 to 2^20, 1 to 3
+    in 100 were off by more than 1e-6.
     """
     rng = np.random.default_rng(17)
     C = HyperellipticCurve(K, [K.coerce(x) for x in (1.6, 1.5, 1.1, 0.9, 1.1, 0.6)])
@@ -357,7 +357,7 @@ def random_rows(f, half, complex_too, count, rng):
 
 
 def residuals(f, half, rows):
-    """|f − V² mod U| beside the size of its terms, row by row, V that of y + half."""
+    """|f − V² mod U| relative to the size of its terms, row by row, where V is that of y + half."""
     u0, u1, v0, v1 = rows
     high = half[2] - u1 * half[3]
     v0, v1 = v0 + half[0] - u0 * high, v1 + half[1] - u1 * high - u0 * half[3]
@@ -380,8 +380,8 @@ def residuals(f, half, rows):
     ids=str,
 )
 def test_ten_thousand_rows_are_on_the_curve_as_single_sums_are(K, f, h):
-    """No row is off by more than 1e-13 (2e-12 before rows beyond 2^-46 were added again), and almost none is added
-    singly.
+    """No row is off by more than 1e-13 (it was 2e-12 before rows beyond 2^-46 were added again), and almost no row is
+    added singly.
     """
     half = np.array([*h, 0, 0, 0, 0][:4]) / 2
     F = np.array([*f, 0][:7]) + np.convolve(half, half)

@@ -1,4 +1,4 @@
-"""The two-halves formulas of genus 2 and 3: no word overflows."""
+"""The formulas of genus 2 and 3 before and after the inversion: no word overflows."""
 
 from fractions import Fraction
 

@@ -1,4 +1,4 @@
-"""Batches over the floats beside single additions: generic rows, special rows, odd units, h ≠ 0."""
+"""Batches over the floats compared with single additions: generic and special rows, unusual units, h ≠ 0."""
 
 from fractions import Fraction
 from random import Random
@@ -61,7 +61,7 @@ def columns(divisors):
 
 @pytest.mark.parametrize("name", CURVES)
 def test_sums_of_random_divisors(name):
-    """One to one, one to many, doubles; more than a block of them."""
+    """One to one, one to many, doubles, in more than one block."""
     curve, precise, unit = curves(name)
     rng, J = Random(name), precise.jacobian()
     size = BLOCK + 40
@@ -94,7 +94,7 @@ def test_sums_of_random_divisors(name):
 
 @pytest.mark.parametrize("name", ["easy", "with h"])
 def test_sums_that_drop_in_weight_are_reported(name):
-    """0, and one point; beside them sums with opposite points, of weight 2, are right."""
+    """Sums that are 0 or one point are reported; sums of weight 2 with opposite points are right."""
     curve, precise, unit = curves(name)
     rng, J = Random(7), precise.jacobian()
     sums = FloatSums(curve)
@@ -142,7 +142,7 @@ def rounded(J, D):
 
 
 def distance(found, true):
-    """Between the numbers of two divisors; they have the same weight."""
+    """The distance of the coefficients of two divisors of the same weight."""
     assert len(found.u) == len(true.u)
     size = max(1, *(abs(float(x)) for x in (*true.u, *true.v)))
     return max(abs(float(x - y)) / size for x, y in zip((*found.u, *found.v), (*true.u, *true.v), strict=True))
@@ -150,7 +150,7 @@ def distance(found, true):
 
 @pytest.mark.parametrize("name", ["easy", "with h"])
 def test_arrays_of_every_weight(name):
-    """Every pair of divisors of weight 2, 1, 0, opposite ones included: as with 50 digits."""
+    """Every pair of divisors of weight 2, 1 and 0, including opposite ones, agrees with 50 digits."""
     _, found, true = divisors_of_every_weight(name)
     pairs = [(i, j) for i in range(len(true)) for j in range(len(true))]
     first, second = (DivisorArray.stack([found[pair[k]] for pair in pairs]) for k in (0, 1))
@@ -170,7 +170,7 @@ def test_arrays_of_every_weight(name):
 
 
 def test_multiples_and_sums():
-    """As accurate as single ones: multiples come near infinity and lose digits there in any arithmetic."""
+    """They are as accurate as single ones: multiples come near infinity, where any arithmetic loses digits."""
     _, found, true = divisors_of_every_weight("easy")
     A = DivisorArray.stack(found)
     scalars = [0, 1, -1, 2, 3, -4, 3, 2, -2, -3, 4, 0, 4]
@@ -202,7 +202,7 @@ def test_arrays_and_divisors_are_the_same_numbers():
 
 
 def test_a_row_without_digits_is_lost_alone():
-    """Between 0 and a sum: D + E for E a few units in the last place from −D."""
+    """If E is a few units in the last place from −D, D + E cannot be decided; only this row is lost."""
     J, found, _ = divisors_of_every_weight("easy")
     D = next(D for D in found if D.degree == 2)
     near = Divisor(J, D.u, (-D.v[0], -D.v[1] * (1 + 4 * RR.eps)), None)

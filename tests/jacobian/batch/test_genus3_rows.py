@@ -1,4 +1,4 @@
-"""Arrays of genus 3 by explicit formulas: equal to Cantor, row by row, on all of small groups and in special cases."""
+"""Arrays of genus 3 by explicit formulas equal Cantor's sums row by row, in small groups and special cases."""
 
 from random import Random
 
@@ -22,7 +22,7 @@ CONTEXTS = {Lazy32: 2**29 - 3, Wide32: 2**31 - 1, Lazy64: 2**61 - 1, Wide64: 2**
 
 
 def group(p, with_h=False):
-    """f has any leading coefficient."""
+    """The Jacobian of a curve whose f has any leading coefficient."""
     J = random_curve(GF(p), 3, "rows", model="ramified", with_h=with_h).jacobian()
     assert type(array.engine(J).formulas) is Septic
     return J
@@ -59,7 +59,7 @@ def test_rows_over_large_primes(p):
 @pytest.mark.slow
 @pytest.mark.parametrize("p", CONTEXTS.values())
 def test_many_rows(p):
-    """All of them beside the compiled Cantor, a sample beside Cantor in Python: residual 0."""
+    """All rows are compared with the compiled Cantor, a sample with Cantor in Python: residual 0."""
     assert_rows_equal_cantor(group(p, with_h=True), 200_000, 1000)
 
 

@@ -15,7 +15,7 @@ from tests.jacobian.group_curves import random_curve
 
 FIELDS = {
     "Wide64": GF(2**61 - 1),
-    # p − 1 is divisible by 2^56: roots by Tonelli and Shanks take all their steps
+    # p − 1 is divisible by 2^56, so that the algorithm of Tonelli and Shanks takes all its steps
     "27·2^56+1": GF(27 * 2**56 + 1),
     "Wide32": GF(2**31 - 1),
     "Double": GF(2**49 - 81),
@@ -71,8 +71,8 @@ def test_classes_are_uniform(model):
 
 @pytest.mark.parametrize("model", ["ramified", "split"])
 def test_the_bound_of_weil_on_all_characters_of_a_group(model):
-    """The bound proven in the docstring, for all characters of a cyclic group: their sums over the affine points are
-    the discrete Fourier transform of the points' multiplicities, and k-fold sums have its k-th powers.
+    """The bound proven in the docstring holds for all characters of a cyclic group. Their sums over the affine points
+    are the discrete Fourier transform of the points' multiplicities; for k-fold sums these are its k-th powers.
     """
     J, logarithms = cyclic_group(model)
     C, found = J.curve, sampler(engine(J))

@@ -1,4 +1,4 @@
-"""Arrays over primes of two words: equal to Cantor, row by row, on small groups and in every special case."""
+"""Arrays over primes of two words equal Cantor's sums row by row, in small groups and every special case."""
 
 import pickle
 from random import Random
@@ -19,7 +19,7 @@ from tests.jacobian.two_words import LONG, MODELS, PRIMES, SMALL, special_classe
 
 
 def with_and_without_h(fields):
-    """Each name, twice where h may be 0."""
+    """(name, with_h) for every field; without h only where h may be 0."""
     return [(name, h) for name, K in fields.items() for h in ([True] if K.characteristic == 2 else [False, True])]
 
 
@@ -73,7 +73,7 @@ def test_special_rows_of_genus_3(p):
 
 @pytest.mark.parametrize("p", PRIMES)
 def test_mixes_of_rows_of_genus_3(p):
-    """Sums beside Cantor's; f has any leading coefficient, and h is not 0."""
+    """Sums compared with Cantor's, for any leading coefficient of f and h ≠ 0."""
     J = random_curve(GF(p), 3, "long", model="ramified", with_h=True).jacobian()
     assert type(array.engine(J)) is TwoWordRows
     A, B = random_rows(J, 300, 1, base=8), random_rows(J, 300, 2, base=8)

@@ -255,7 +255,7 @@ def test_bad_points():
 @pytest.mark.parametrize(("f", "h"), [([1, 0, 2, 0, 0, 1], []), ([1, 8, -2, -7, 16, 1, -6, 4, 1], [1, 1])])
 @pytest.mark.parametrize("K", [RR, CC], ids=str)
 def test_what_floats_do_not_reach_is_on_no_curve(K, f, h, x):
-    """f(x) is infinite: y = 0 used to be found over it, and every pair was on the curve."""
+    """Where f(x) is infinite, y = 0 used to be found, and every pair counted as on the curve."""
     C = HyperellipticCurve(K, f, h)
     with pytest.raises(PrecisionLoss):
         C.lift_x(x)
@@ -270,7 +270,7 @@ def test_what_floats_do_not_reach_is_on_no_curve(K, f, h, x):
 
 
 def test_no_point_at_all():
-    # −1 times a sum of squares has no real point
+    # y² = −1 times a sum of squares has no real point
     C = HyperellipticCurve(RR, [-1, 0, -1, 0, -1, 0, -1])
     with pytest.raises(NotRepresentable, match=r"no affine point"):
         C.random_point(Random(1))

@@ -73,7 +73,7 @@ def test_texts():
     ("K", "genera"),
     [(GF(p), (1, 2, 3)) for p in (3, 5, 7, 11, 23)]
     + [(GF(p), (1, 2)) for p in (47, 101, 251)]
-    # in genus 1 some curves over GF(9) overflow any stack of PARI 2.15.4 and 2.17.4
+    # without genus 1: some curves over GF(9) overflow any stack of PARI 2.15.4 and 2.17.4
     + [(K, (2, 3)) for K in (NINE, GF(5, 2), GF(3, 3))],
     ids=str,
 )

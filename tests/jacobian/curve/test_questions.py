@@ -112,7 +112,7 @@ def test_both_points_at_infinity_keep_their_names():
 
 
 def test_what_is_not_shared_evenly_at_infinity_stays_above():
-    """On a curve that splits over GF(49) only, ∞₊ − ∞₋ is a class over that field alone."""
+    """On a curve that splits over GF(49) only, ∞₊ − ∞₋ is a class over GF(49), but not over GF(7)."""
     K, L = GF(7), GF(7, 2)
     C = HyperellipticCurve(K, [1, 1, 0, 0, 1, 0, 3])
     above = C.change_ring(L)
@@ -162,7 +162,7 @@ def test_a_twist_has_the_other_points():
 
 
 def test_the_matrix_of_cartier_and_manin():
-    """Against its definition, and p-rank and slopes against the polynomial of Frobenius (Yui 1978)."""
+    """Compared with its definition; p-rank and slopes compared with the polynomial of Frobenius (Yui 1978)."""
     kinds = set()
     for C in curves(5, 60, [GF(3), GF(5), GF(7), GF(11), GF(3, 2), GF(2), GF(2, 3)]):
         K, p = C.field, C.field.characteristic
@@ -186,7 +186,7 @@ def test_the_matrix_of_cartier_and_manin():
 
 
 def test_supersingular_curves():
-    """y² = x⁵ + 1 for p ≡ 2, 3, 4 modulo 5 (Ibukiyama, Katsura and Oort 1986), and not for 1."""
+    """y² = x⁵ + 1 is supersingular for p ≡ 2, 3, 4 modulo 5 (Ibukiyama, Katsura and Oort 1986), and not for p ≡ 1."""
     for p in (7, 13, 17, 19, 23, 29):
         assert HyperellipticCurve(GF(p), [1, 0, 0, 0, 0, 1]).is_supersingular()
     for p in (11, 31, 41):
@@ -241,7 +241,8 @@ def test_what_has_no_zeta_function_is_refused():
         HyperellipticCurve(GF(7), TEN).change_ring(7)
 
 
-# --- what other systems got wrong: the numbers of their issues --------------------------------------------------------
+# --- curves on which other systems were wrong, with the numbers of their issues
+# --------------------------------------------------------
 
 
 def test_sage_42349_the_class_of_a_point_less_itself():
@@ -251,7 +252,7 @@ def test_sage_42349_the_class_of_a_point_less_itself():
 
 
 def test_sage_an_equation_of_formal_degree_six_that_is_ramified():
-    """y² + 2x³y = −x⁶ + x⁵ + 1 is y² = x⁵ + 1 after y → y − x³, and hangs there."""
+    """y² + 2x³y = −x⁶ + x⁵ + 1 is y² = x⁵ + 1 after y → y − x³; Sage never ended on it."""
     C = HyperellipticCurve(GF(11), [1, 0, 0, 0, 0, 1, -1], [0, 0, 0, 2])
     assert C.model == "ramified"
     J = C.jacobian()
@@ -279,7 +280,7 @@ def test_sage_37101_two_points_at_infinity():
     [(3, [1, 2, 0, 0, 0, 2, 2], [1, 0, -1, 0, 9]), (11, [4, 4, 8, 4, 3, 3, 5], [1, 2, 0, 22, 121])],
 )
 def test_magma_76_l_polynomials_of_small_fields(p, f, expected):
-    """Its curves, then random ones: where counting, lifting and tables each have their own smallest cases."""
+    """The curves of the issue, then random ones, in the smallest cases of counting, lifting and tables."""
     assert HyperellipticCurve(GF(p), f).l_polynomial() == expected
     for C in curves(p, 6, [GF(p)]):
         above = [C.change_ring(GF(p, n)) for n in range(1, C.genus + 1)]

@@ -1,4 +1,4 @@
-"""Points of small height over QQ, compared with trying all x one by one."""
+"""Points of small height over QQ, compared with a search through all x."""
 
 from fractions import Fraction
 from random import Random
@@ -30,7 +30,9 @@ def test_denominators_of_the_equation():
 
 
 def test_a_million_points_are_tried():
-    """points(1000) took 53 s to the first point; 19 points of y² = 278271081x² … (Stahlke 1997) are known to 10^4."""
+    """points(1000) used to take 53 s to the first point; for y² = 278271081x² … (Stahlke 1997), 19 points up to height
+    10^4 are known.
+    """
     C = HyperellipticCurve(QQ, [1, 0, 0, 0, 0, 1])
     found = list(C.points(10_000))
     assert found[1:] == [(-1, 0), (0, 1), (0, -1)]
@@ -39,7 +41,7 @@ def test_a_million_points_are_tried():
 
 
 def test_points_of_large_height_are_found():
-    """Points are planted: f = v² − (ax − b)·w has (b/a, v(b/a))."""
+    """The points are chosen: f = v² − (ax − b)·w has (b/a, v(b/a))."""
     for a, b in ((997, 1000), (1000, -999), (9973, 9967)):
         # v = 1 + x, w = x⁴ + 3
         f = [1 + 3 * b, 2 - 3 * a, 1, 0, b, -a]

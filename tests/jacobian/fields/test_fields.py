@@ -1,4 +1,4 @@
-"""Fields: axioms on raw elements, square roots, coercion at the border, randomness, identity and pickling."""
+"""Fields: axioms on raw elements, square roots, coercion of users' values, randomness, identity and pickling."""
 
 import pickle
 from fractions import Fraction
@@ -139,7 +139,7 @@ def test_tables_equal_digits_and_galois(K):
         assert K.power(x, 13) == slow.power(x, 13)
 
 
-# --- galois at the border
+# --- galois's elements as users' values
 
 
 def test_galois_classes_and_scalars():
@@ -329,7 +329,7 @@ def test_a_degree_without_a_modulus_to_be_found_is_refused_at_once(k):
 
 
 def test_large_degrees_are_found_or_refused():
-    """GF(3, 500) took minutes; the two tests of irreducibility agree."""
+    """GF(3, 500) used to take minutes; the two tests of irreducibility agree."""
     K = GF(3, 500)
     assert K.order == 3**500
     with pytest.raises(Infeasible, match=r"k = 1000: .* takes minutes or hours; give a modulus"):

@@ -1,4 +1,4 @@
-"""python-flint's polynomials in reference cycles, and what is kept of their rings."""
+"""python-flint's polynomials in reference cycles, and the lifetime of their rings."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Long primes, long exponents and impossibly large counts: answered soon, or refused by name."""
+"""Long primes, long exponents and impossibly large counts: a quick answer, or a refusal by name."""
 
 from random import Random
 

@@ -1,4 +1,4 @@
-"""Square roots in residue fields, all elements against their squares."""
+"""Square roots in residue fields, checked for the squares of all elements."""
 
 import pytest
 
@@ -25,7 +25,7 @@ def test_square_roots_of_all_elements(K, degree):
 
 
 def _irreducible(K, degree):
-    """The monic irreducible polynomials of degree at most 3, as those without a root."""
+    """The monic irreducible polynomials of a degree up to 3, where these are the ones without a root."""
     from itertools import product
 
     from jacobian import poly

@@ -1,5 +1,5 @@
-"""Points, zeta functions and twists compared with trying all pairs (x, y), in tables that share nothing with our
-fields.
+"""Points, zeta functions and twists compared with a search through all pairs (x, y), in tables that share nothing with
+the package's fields.
 """
 
 from functools import cache
@@ -67,7 +67,7 @@ def embedding(K, n):
 
 
 def points(C, n):
-    """The number of points over GF(q^n): pairs (x, y), and the values of y/x^(g+1) at infinity."""
+    """The number of points over GF(q^n): all pairs (x, y), and all values of y/x^(g+1) at infinity."""
     K, g = C.field, C.genus
     into, field = embedding(K, n), tables(K.characteristic, n * K.degree)
     sums, products = field

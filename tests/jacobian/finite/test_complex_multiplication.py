@@ -16,7 +16,7 @@ def cyclotomic(K, degree, a, lead=1):
 
 
 def next_prime(start, residue, modulus):
-    """The least prime p > start with p ≡ residue."""
+    """The least prime p > start with p ≡ residue modulo ``modulus``."""
     p = start - start % modulus + residue
     while p <= start or not is_prime(p):
         p += modulus
@@ -33,7 +33,9 @@ def test_small_primes_against_counted_points(degree, primes):
 
 
 def test_all_twists_come_out():
-    """The ten curves y² = x⁵ + a over GF(p) have ten different Frobenius polynomials, each of one of the candidates."""
+    """The ten curves y² = x⁵ + a over GF(p) have ten different Frobenius polynomials, each of them among the
+    candidates.
+    """
     p = next_prime(10**4, 1, 10)
     found = {tuple(cyclotomic(GF(p), 5, a).jacobian().frobenius_polynomial()) for a in range(1, 60)}
     assert found == set(map(tuple, complex_multiplication._candidates(p, 5)))

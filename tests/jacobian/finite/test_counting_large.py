@@ -110,7 +110,7 @@ def test_hasse_witt_over_extensions(p, k, genus):
 
 
 def test_the_recurrence_gives_the_coefficients_of_the_power(monkeypatch):
-    """Two computations of the same matrix, on both sides of the prime where the method changes."""
+    """Two computations of the same matrix agree on both sides of the prime where the method changes."""
     for p, genus in ((20_011, 2), (20021, 3), (20_011, 20), (19_997, 2)):
         C = random_curve(GF(p), genus, "recurrence")
         found = []
@@ -169,7 +169,7 @@ def test_supersingular_curves_where_orders_alone_decide_little(p, prime, expecte
 
 
 def test_a_curve_with_many_automorphisms():
-    # #J = (p+1)³ with the structure (420, 420, 420): the orders of elements leave 37 polynomials
+    # ##J = (p+1)³ with the structure (420, 420, 420): orders of elements leave 37 polynomials possible
     C = HyperellipticCurve(GF(419), [0, 1, 0, 0, 0, 0, 0, 0, 1])
     assert search(C) == power_of([419, 0, 1], 3)
 
@@ -256,7 +256,9 @@ def test_what_is_not_compiled_ends_where_counting_does(monkeypatch):
 
 
 def test_genus_1_by_pari_and_by_search(monkeypatch):
-    """All models; off the main thread and without cypari the search answers. Ctrl-C remains Python's."""
+    """For all models; the search is used outside the main thread and without cypari. The handler of Ctrl-C remains
+    Python's.
+    """
     pytest.importorskip("cypari")
     p, rng = 2**30 - 35, Random(3)
     curves = [

@@ -99,7 +99,7 @@ def test_kangaroos_make_few_jumps(monkeypatch):
     for seed in range(trials):
         m = rng.randrange(width)
         assert kangaroo(base, m * base, 0, width - 1, Random(seed)) == m
-    # 2√w are expected, and the traps that lie between add a little
+    # 2√w are expected, and a few more because of the distances between traps
     assert additions < trials * 4 * 1024
 
 

@@ -1,4 +1,6 @@
-"""Coefficients of F^((p−1)/2) in Õ(√p): against the recurrence, against complex multiplication, at every size of p."""
+"""Coefficients of F^((p−1)/2) in time Õ(√p), compared with the recurrence and with complex multiplication, at every
+size of p.
+"""
 
 import logging
 import os
@@ -57,7 +59,7 @@ def test_the_step_grows_with_the_root_within_the_memory():
 
 @pytest.mark.parametrize("p", [2**49 - 81, 10**14 + 31, 10**12 + 39])
 def test_products_modulo_large_primes_are_those_of_integers(p):
-    """The values at the end of the doubling, and shifts of them, for primes beyond the reach of a full run."""
+    """The values at the end of the doubling, and their shifts, for primes beyond the reach of a full run."""
     assert is_prime(p)
     rng, beta, d = Random(p), 2048, 5
     ratios = [rng.randrange(p) for _ in range(d)]
@@ -97,7 +99,7 @@ def test_frobenius_modulo_p_is_that_of_the_recurrence(genus, model, monkeypatch)
 @pytest.mark.parametrize(
     "f",
     [
-        # roots at 0, 1, 2, …, all of them rational, and none but 0; h² + 4f of degree 6 with a root
+        # only rational roots 0, 1, 2, …; only the rational root 0; h² + 4f of degree 6 with a root
         [0, 24, -50, 35, -10, 1],
         [0, 3, 0, 0, 0, 1],
         [0, -120, 274, -225, 85, -15, 1],
@@ -147,7 +149,7 @@ def test_orders_annihilate_the_curve_and_its_twist(p, genus, model):
 
 
 def test_all_candidates_that_annihilate_a_class_are_found():
-    """Classes of small order match many candidates: no correct one may be missed."""
+    """Many candidates annihilate classes of small order; none of them may be missed."""
     C = HyperellipticCurve(GF(103), [0, 1, 0, 0, 0, 0, 0, 0, 1])
     p, side = 103, Side(C, 1)
     a = weil.leading([counting.count_points(C) - p - 1])
@@ -185,7 +187,7 @@ def test_progress_is_logged(caplog, monkeypatch):
 
 
 def test_a_first_order_says_nothing_of_the_hours_that_compilation_seemed_to_show(tmp_path):
-    """Compilation by numba took seven seconds, and the progress line predicted "0 % done, about 2879 s left"."""
+    """While numba compiled for seven seconds, the progress line used to predict "0 % done, about 2879 s left"."""
     asked = "from jacobian import *; print(HyperellipticCurve(GF(10**7 + 19), [1, -1, 0, 0, 0, 1]).jacobian().order())"
     places = {"NUMBA_CACHE_DIR": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
     run = subprocess.run(

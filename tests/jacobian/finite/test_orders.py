@@ -1,4 +1,4 @@
-"""Orders of classes compared with walking through the cyclic group, and factoring of integers."""
+"""Orders of classes compared with a walk through the cyclic group, and factoring of integers."""
 
 import json
 from math import gcd, inf, lcm, prod
@@ -144,7 +144,7 @@ def test_a_number_too_hard_to_factor():
 
 
 def test_curves_with_a_long_discriminant():
-    """The first ran for hours, the second never ended; the primes of the third are found."""
+    """The first used to run for hours and the second never ended; the primes of the third are found."""
     for a in (10**40 + 7, 10**5000 + 7):
         with pytest.raises(Infeasible, match="give its prime factors"):
             HyperellipticCurve(QQ, [a, 10**39 + 9, 0, 0, 0, 1]).bad_primes()

@@ -39,7 +39,7 @@ FULL = [
 
 @pytest.fixture(params=FULL)
 def full(request):
-    """(J, m, generators): all of J[m] is rational."""
+    """(J, m, generators): where all of J[m] is rational."""
     K, f, m = request.param
     J = HyperellipticCurve(K, f).jacobian()
     T = J.torsion(m)
@@ -55,7 +55,7 @@ def test_weil_is_bilinear_alternating_and_non_degenerate(full):
         assert K.power(value, m) == K.one
         assert K.mul(value, table[j, i]) == K.one
         assert i != j or value == K.one
-    # sums and multiples: the value is that of the table
+    # the value for sums and multiples is that from the table
     for _ in range(2):
         a, b = ([rng.randrange(m) for _ in basis] for _ in range(2))
         expected = K.one
@@ -143,7 +143,7 @@ def test_the_weil_pairing_of_branch_points_counts_those_in_common():
     J = HyperellipticCurve(GF(p), split_product(p, xs, 1)).jacobian()
     for (a, b), (c, d) in list(product(combinations(xs, 2), repeat=2))[::5]:
         D, E = J.from_points([(a, 0), (b, 0)]), J.from_points([(c, 0), (d, 0)])
-        # (−1)^(number in common) (Mumford 1984)
+        # (−1)^(number of points in common) (Mumford 1984)
         assert J.weil_pairing(D, E, 2) == pow(-1, len({a, b} & {c, d}), p)
 
 

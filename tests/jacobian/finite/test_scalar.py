@@ -1,4 +1,4 @@
-"""Fixed bases, linear combinations and Frobenius against the plain sums, over the table of fields and models."""
+"""Fixed bases, linear combinations and Frobenius compared with plain sums, over the table of fields and models."""
 
 from random import Random
 

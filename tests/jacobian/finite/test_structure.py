@@ -1,4 +1,4 @@
-"""Invariant factors, generators, torsion and divisibility, against complete lists of small groups."""
+"""Invariant factors, generators, torsion and divisibility, compared with complete lists of small groups."""
 
 from collections import Counter
 from math import gcd, prod
@@ -74,7 +74,7 @@ def test_log_has_the_coordinates_of_all_classes(C):
 
 
 def test_log_in_subgroups():
-    """In torsion subgroups, outside of which other classes lie, and over QQ."""
+    """In torsion subgroups, which do not contain all classes, and over QQ."""
     J = HyperellipticCurve(GF(31), [1, 0, 0, 0, 0, 0, 1]).jacobian()
     whole, halves = J.structure(), J.torsion(2)
     assert whole.invariants == (3, 3, 12, 12)

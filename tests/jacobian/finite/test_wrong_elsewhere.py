@@ -44,7 +44,7 @@ def counted(p, f):
     ],
 )
 def test_l_polynomials_over_small_fields(p, f, points, L):
-    """a_1 = N_1 − p − 1 and a_2 = (N_2 − p² − 1 + a_1²)/2, from both counts; by every method available here."""
+    """a_1 = N_1 − p − 1 and a_2 = (N_2 − p² − 1 + a_1²)/2, from both counts, and by every method of the package."""
     assert counted(p, f) == points
     first = points[0] - p - 1
     assert [1, first, (points[1] - p * p - 1 + first**2) // 2, p * first, p * p] == L

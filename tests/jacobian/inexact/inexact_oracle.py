@@ -1,9 +1,9 @@
 """Sums of points on y² = f(x), deg f = 2g + 1, with hundreds of digits, and the effect of rounding of the summands on
 them.
 
-Shares nothing with the package: Newton's interpolation through distinct points and Cantor's reduction step, on mpmath's
-numbers. The conditioning is found by trial: the coefficients of the summands are changed by a unit of the last bit, and
-their points projected back onto the curve.
+The oracle shares nothing with the package: it uses Newton's interpolation through distinct points and Cantor's
+reduction step, on mpmath's numbers. The conditioning is found by changes of the summands' coefficients by one unit of
+the last bit, after which their points are projected back onto the curve.
 """
 
 import mpmath
@@ -75,7 +75,9 @@ def total(f, genus, points):
 
 
 def moved(f, points, eps, rng):
-    """Points of the curve near the given ones, for the coefficients of (u, v) moved by up to eps, relatively."""
+    """Points of the curve near the given ones, which belong to relative changes of the coefficients of (u, v) by up to
+    eps.
+    """
     u, v = ([c * (1 + eps * rng.uniform(-1, 1)) for c in part] for part in through(points))
     u[-1] = WIDE.one
     slope = [i * c for i, c in enumerate(u)][1:]
@@ -90,7 +92,7 @@ def moved(f, points, eps, rng):
 
 
 def conditioning(f, genus, summands, eps, rng, trials=3):
-    """The sum (u, v), and how far its coefficients move with the last bits of the summands; None if even its degree
+    """The sum (u, v) and the changes of its coefficients with the last bits of the summands; None if even its degree
     changes.
     """
     u, v = total(f, genus, [point for points in summands for point in points])
@@ -99,7 +101,7 @@ def conditioning(f, genus, summands, eps, rng, trials=3):
         try:
             near = total(f, genus, [point for points in summands for point in moved(f, points, eps, rng)])
         except ZeroDivisionError:
-            # last bits decide whether two points coincide or are opposite
+            # the last bits decide whether two points coincide or are opposite
             return (u, v), None
         if len(near[0]) != len(u):
             return (u, v), None
@@ -108,7 +110,9 @@ def conditioning(f, genus, summands, eps, rng, trials=3):
 
 
 def share(found, exact, shift, eps):
-    """The error of (u, v) in units of its conditioning and its own rounding, u and v each at the size of the points."""
+    """The error of (u, v) relative to its conditioning and its own rounding, where u and v are each scaled by the size
+    of the points.
+    """
     u, v = exact
     m = len(u) - 1
     radius = max(abs(c) ** (WIDE.one / (m - i)) for i, c in enumerate(u[:-1]))

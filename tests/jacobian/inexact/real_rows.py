@@ -1,4 +1,4 @@
-"""Random real curves of genus 2, pairs of divisors at every distance, and their sums by the chord through four points.
+"""Random real curves of genus 2, pairs of divisors at every distance, and their sums by the cubic through four points.
 
 The oracle shares nothing with the package: it moves coincident and opposite points apart by 1e-70 and works
 with 240 digits.
@@ -19,7 +19,7 @@ EXACTLY = None
 DISTANCES = (*range(16), EXACTLY)
 WORST, TYPICAL = 1e-10, 1e-13
 
-# variant: how the points (P2, Q2) of D' stand to the points (P, Q) of D = P + Q; "-" marks opposite points
+# variant: the points near which (P2, Q2) of D' lie, in terms of the points (P, Q) of D; "-" marks opposite points
 VARIANTS = {
     "near D": ("near", "near"),
     "near -P, near Q": ("near -", "near"),

@@ -1,4 +1,4 @@
-"""Split models of odd genus over floats and long numbers, points at infinity included: as over QQ."""
+"""Split models of odd genus over floats and long numbers, including points at infinity, agree with those over QQ."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FIELDS = {"RR": RR, "MP(30)": MP(30), "CC": CC}
 
 
 def classes(curve, rng):
-    """Classes of every weight, from points, opposite ones among them, and either point at infinity."""
+    """Classes of every weight, made of points, some of them opposite, and of either point at infinity."""
     J, points, far = curve.jacobian(), rational_points(curve), curve.points_at_infinity()
     found = [J.zero(), *(J.from_points([P] * curve.genus) for P in far)]
     for weight in range(1, curve.genus + 1):

@@ -42,7 +42,9 @@ def test_sixty_digits_at_every_distance(variant, k):
 
 @pytest.mark.parametrize("k", range(0, 13, 2))
 def test_translations_near_the_identity(k):
-    """D' with an almost double root and v of size 10^k: D moves by 10^-k, with an absolute error of rounding size."""
+    """D' with an almost double root and v of size 10^k moves D by 10^-k, with an absolute error of the size of
+    rounding.
+    """
     ball = ChaplyginBall(inertia=(1, 2, 3), d=0.7)
     setup = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))).setup
     wide, eps = setup.wide, setup.floats.half_step * 10.0**-k
@@ -61,7 +63,7 @@ def test_translations_near_the_identity(k):
 
 
 def test_other_units_cost_little():
-    """x in thousandths and y in ten-thousandths of their unit: the bound on the worst error stays."""
+    """With x in thousandths and y in ten-thousandths of a unit the bound on the worst error still holds."""
     for variant, k in (("near D", 0), ("near D", 8), ("near D", None), ("near -P, other generic", 6)):
         for row in rows(variant, k):
             f = [c * 1e8 / 1e3**i for i, c in enumerate(row.f)]
@@ -97,7 +99,8 @@ def into(J, D):
 def assert_equal(found, exact, scale=1):
     """Equal weights, and coefficients equal to 1e6 eps relative to the largest of all.
 
-    The square: coefficients of a sum with points far out change faster with the summands than they grow.
+    It is relative to the square of the largest, since coefficients of a sum with far points change faster with the
+    summands than they grow.
     """
     K = found.jacobian.field
     assert len(found.u) == len(exact.u)

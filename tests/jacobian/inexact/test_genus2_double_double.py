@@ -1,4 +1,4 @@
-"""The kernel on bare reals in double-double arithmetic, at every distance and on every special case."""
+"""The kernel on bare reals in double-double arithmetic, at every distance and in every special case."""
 
 from collections import Counter
 from fractions import Fraction
@@ -63,7 +63,7 @@ def test_at_every_distance(variant):
 
 @pytest.mark.parametrize("curve", [QUINTIC, QUARTIC], ids=["quintic", "quartic"])
 def test_special_cases_on_rational_points(curve):
-    """Branch points, doubles, common and opposite points: against the general formula with 60 digits."""
+    """Branch points, doubles, common and opposite points, compared with the general formula in 60 digits."""
     K = MP(60)
     f = (*curve.f, *[QQ.zero] * (6 - len(curve.f)))
     pairs = pairs_of(curve, known_points(curve))
@@ -105,7 +105,7 @@ def test_only_sums_of_floats_are_contracted():
     ("small", "large", "expected"), [(2.0**-110, 1.0, True), (2.0**-90, 1.0, False), (2.0**-110, -3.0, True)]
 )
 def test_negligible(small, large, expected):
-    """The low part may hold digits far below those of the number: a sum may differ where nothing is added."""
+    """The low part may contain digits far below the number's last: a sum with a negligible number may then differ."""
     found = np.zeros(1, dtype=np.int64)
     LOOPS.adds_nothing(double_double.pack([Fraction(small), Fraction(large)]), found)
     assert bool(found[0]) is expected

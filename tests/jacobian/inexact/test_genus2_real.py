@@ -1,4 +1,6 @@
-"""The kernel on bare reals beside its oracle, jacobian.inexact.composition: on every special case, and compiled."""
+"""The kernel on bare reals, interpreted and compiled, compared with its oracle jacobian.inexact.composition in every
+special case.
+"""
 
 from collections import Counter
 from itertools import product
@@ -38,7 +40,7 @@ def test_translations_near_the_identity(k):
 
 
 def test_a_chord_between_divisors_that_are_apart_solves_its_congruence():
-    """L·U ≡ q(V' − V) modulo U', for any curve; and a common abscissa is reported."""
+    """L·U ≡ q(V' − V) modulo U' for any curve; a common abscissa is reported."""
     random = Random(11)
     for _ in range(200):
         first, second = (tuple(QQ.coerce(random.randint(-9, 9)) for _ in range(4)) for _ in range(2))
@@ -126,7 +128,7 @@ def test_transfer_polynomials_carry_the_sum():
 
 
 def test_compiled_kernel_equals_the_interpreted_one():
-    """To the rounding that fused multiplications change; compiled here anew, not read from a cache."""
+    """Up to the rounding that fused multiplications change; the kernel is compiled anew, not read from a cache."""
     from jacobian.inexact.compiled import JIT
 
     @numba.njit(fastmath=JIT["fastmath"], error_model=JIT["error_model"])

@@ -1,5 +1,5 @@
-"""Inexact sums of points of any size: composition commutes with x → λx, and is as accurate as its summands' last
-bits.
+"""Inexact sums of points of any size: composition commutes with x → λx, and is as accurate as the last bits of the
+summands.
 """
 
 from fractions import Fraction
@@ -45,7 +45,7 @@ def into(J, points):
 
 
 def sums(K, genus, seed, count, low, high):
-    """(curve, D, E, sum or None where it is refused, oracle's f, points of D, of E)"""
+    """(curve, D, E, the sum or None where it is refused, the oracle's f, points of D, points of E)"""
     rng = Random(f"{seed} {genus}")
     for _ in range(count):
         f = a_curve(rng, genus, low, high)
@@ -58,7 +58,7 @@ def sums(K, genus, seed, count, low, high):
         yield total, [oracle.wide(c) for c in f], parts, rng
 
 
-# --- what went wrong ------------------------------------------------------------------------------------------------
+# --- earlier errors ------------------------------------------------------------------------------------------------
 
 
 def test_a_near_point_and_a_far_one():
@@ -212,7 +212,7 @@ def a_cluster(rng, genus):
 
 
 def share_of_rounding(f, genus, parts, rng):
-    """The largest part of a coefficient of the sum that one unit in the last place of the summands changes."""
+    """The largest relative change of a coefficient of the sum for one unit in the last place of the summands."""
     (u, v), shift = oracle.conditioning([oracle.wide(c) for c in f], genus, parts, eps(RR), rng)
     if shift is None:
         return 1
@@ -238,8 +238,8 @@ def test_clusters_lose_a_degree_only_where_rounding_decides_it(genus):
 
 
 def test_sums_that_the_summands_decide_are_not_refused():
-    """Two divisors of points of all sizes, some last bits apart: intermediate quantities are noise, but the sum is
-    not.
+    """Two divisors of points of all sizes that differ in a few last bits: intermediate quantities are noise, but the
+    sum is not.
     """
     f = [
         1.9735734294493752, -1.736960634477068, 1.5636799215323527, -0.8108116040666382, -0.44489478676557326,
@@ -285,7 +285,7 @@ def test_the_way_onto_the_curve_may_be_crooked():
 
 @pytest.mark.parametrize("genus", [2, 3, 4])
 def test_a_summand_taken_away_again(genus):
-    """D + E − E is D, or refused: D + E was rounded. D may have come back with points near infinity beside it."""
+    """D + E − E is D or is refused, since D + E was rounded; points near infinity may be added to D."""
     rng, refused = Random(f"away again {genus}"), 0
     for _ in range(8):
         f = a_curve(rng, genus)
@@ -370,7 +370,7 @@ def test_a_repeated_point_and_its_opposite_cancel_to_rounding():
 
 
 def test_points_that_coefficients_cannot_hold_are_refused():
-    """v of {2, 3e8, 1e9} is of size 1e22: in floats it does not determine y(2) = 12."""
+    """v through x = 2, 3e8 and 1e9 has the size 1e22, which in floats does not determine y(2) = 12."""
     J = HyperellipticCurve(RR, [1, 2, 0, 3, 0, 1, 0, 1]).jacobian()
     points = [J.curve.lift_x(x) for x in (2.0, 3e8, 1e9)]
     with pytest.raises(PrecisionLoss, match=r"x=2\.0"):

@@ -1,4 +1,4 @@
-"""Projection onto the curve: exact division, quadratic convergence, least length, and stability over many steps."""
+"""Projection onto the curve: exact division, quadratic convergence, shortest distance, stability over many steps."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_the_residual_is_squared(f, off):
 
 
 def test_at_a_divisor_of_two_branch_points():
-    """V = 0: nothing to divide by, U alone moves."""
+    """V = 0: there is nothing to divide by, and only U is changed."""
     f = (K.coerce(0), K.coerce(4), K.coerce(0), K.coerce(-5), K.coerce(0), K.coerce(1))  # x(x²−1)(x²−4)
     near = (K.coerce(2) + K.coerce("1e-9"), K.coerce(-3), K.coerce("1e-9"), K.coerce(0))  # (x − 1)(x − 2)
     assert norm(f, retracted(f, near)) < 1e-16
@@ -108,7 +108,9 @@ def test_compiled_in_floats_and_double_doubles():
 
 
 def test_many_additions_stay_on_the_curve():
-    """The Euler top of scene S2 and the conjugate pair at ±0.3i: a step whose sums leave the curve exponentially."""
+    """The Euler top of scene S2 with the conjugate pair at ±0.3i, a step whose sums depart from the curve
+    exponentially.
+    """
     from integrable import EulerTop
 
     top = EulerTop((1, 2, 3))

@@ -1,4 +1,4 @@
-"""Small fields: all classes listed, their number compared with the zeta function, closure, and uniform sampling."""
+"""Small fields: lists of all classes, their number compared with the zeta function, closure, and uniform sampling."""
 
 from collections import Counter
 from math import prod
@@ -62,7 +62,7 @@ def test_points_against_the_count(name, genus, model):
 @pytest.mark.parametrize("model", ["ramified", "split", "inert"])
 @pytest.mark.parametrize("name", ["GF(2)", "GF(4)", "GF(5)", "GF(9)"])
 def test_the_functional_equation_predicts_the_next_count(name, model):
-    """χ_J is made from the first g counts; #C(GF(q^(g+1))) checks all of it."""
+    """χ_J is computed from the first g counts; #C(GF(q^(g+1))) checks all of it."""
     C = random_curve(SMALL[name], 2, model, Random(f"zeta {name} {model}"))
     q = C.field.order
     chi = C.jacobian().frobenius_polynomial()
@@ -98,7 +98,7 @@ def test_random_is_uniform(name, genus, model, rng):
 
 
 def test_random_is_uniform_where_points_generate_a_subgroup(rng):
-    # sage-gf5-order16: the rational points generate 8 of 16 classes
+    # the case sage-gf5-order16: its rational points generate 8 of 16 classes
     assert_uniform(HyperellipticCurve(GF(5), [3, 4, 1, 4, 2, 1]).jacobian(), rng)
 
 
@@ -114,7 +114,7 @@ def assert_uniform(J, rng):
 
 
 def test_random_reaches_both_halves_of_a_large_group():
-    """Over a large field: classes that are not twice another class have the expected frequency."""
+    """Over a large field, classes that are not twice another class have the expected frequency."""
     p = 2**61 - 1
     C = HyperellipticCurve(GF(p), [0, -4, 0, 5, 0, -1])
     J = C.jacobian()

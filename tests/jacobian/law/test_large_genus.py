@@ -30,7 +30,7 @@ def test_sums_of_places_are_uniform(name, monkeypatch):
 
 @pytest.mark.parametrize("genus", [13, 40])
 def test_random_classes_in_large_genus(genus):
-    """Rejection keeps one of 2^g pairs: genus 50 never ended."""
+    """Rejection would keep one of 2^g pairs, and never ended in genus 50."""
     f = [Random(3).randrange(101) for _ in range(2 * genus + 1)]
     J = HyperellipticCurve(GF(101), [*f, 1]).jacobian()
     D, E = J.random(Random(1)), J.random(Random(2))
@@ -54,7 +54,7 @@ def test_classes_of_a_large_group_are_not_listed():
 
 
 def test_a_point_a_million_times():
-    """Adding it one at a time took minutes."""
+    """One addition after the other took minutes."""
     J = HyperellipticCurve(GF(101), [1, 0, 0, 0, 0, 1]).jacobian()
     assert J.from_points([(0, 1)] * 10**4) == 10**4 * J((0, 1))
     with pytest.raises(ArgumentError, match="points: 1000000 of them are added one by one, 100000 at most"):

@@ -11,7 +11,7 @@ from jacobian.finite.counting import count_points
 DATA = json.loads((Path(__file__).parents[2] / "data" / "jacobian_cases.json").read_text(encoding="utf-8"))
 CASES = DATA["cases"]
 
-# these cases need something not implemented yet: the Kummer surface
+# these cases need features that are not implemented yet: the Kummer surface
 LATER = {"kummer_order"}
 
 
@@ -96,7 +96,7 @@ def test_rational_torsion(case):
     J = curve_of(case).jacobian()
     expected = case["expected"]
     if "D" not in case["inputs"]:
-        # only the structure is published: the group must then divide #J(F_p) at every good prime
+        # if only the structure is published, the order must divide #J(F_p) at every good prime
         orders = [reduced_order(case, p) for p in (5, 7, 11, 13)]
         assert all(order % expected["torsion_order"] == 0 for order in orders if order)
         return

@@ -63,7 +63,7 @@ def test_they_go_with_isomorphisms_and_the_last_is_the_discriminant(K):
 
 
 def test_the_curve_whose_invariants_vanish():
-    """y² = x⁵ + 1 has only the last, and y² = x⁵ − x, y² = x⁶ + 1 are other curves."""
+    """For y² = x⁵ + 1 all invariants but the last vanish; y² = x⁵ − x and y² = x⁶ + 1 are other curves."""
     C = HyperellipticCurve(QQ, [1, 0, 0, 0, 0, 1])
     assert igusa_invariants(C)[:4] == (0, 0, 0, 0)
     assert g2_invariants(C) == (0, 0, 0)
@@ -72,7 +72,7 @@ def test_the_curve_whose_invariants_vanish():
 
 
 def test_the_second_and_third_kind_of_invariants():
-    """J2 = 0 ≠ J4 and J2 = J4 = 0 ≠ J6 over a small field, told apart by what is left."""
+    """J2 = 0 ≠ J4 and J2 = J4 = 0 ≠ J6 over a small field: the other invariants distinguish the curves."""
     K, rng, kinds = GF(7), Random(1), {}
     while len(kinds) < 3:
         try:

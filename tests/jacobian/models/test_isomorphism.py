@@ -35,7 +35,7 @@ def random_curve(K, genus, rng):
 
 
 def random_isomorphism(C, rng):
-    """Also with c = 0, which keeps infinity in its place."""
+    """A random isomorphism, sometimes with c = 0, which fixes infinity."""
     K = C.field
     while True:
         matrix = [K.random(rng) if rng.random() < 0.7 else K.zero for _ in range(4)]
@@ -183,7 +183,7 @@ def test_standard_equations():
 
 
 def roots_of_branches(C):
-    """x of the affine points with P = ιP, by trying all of a small field; of no large one."""
+    """Whether an affine point with P = ιP is rational: by a search through a small field, by a gcd over a large one."""
     K = C.field
     if K.order > 200:
         branches = C.discriminant

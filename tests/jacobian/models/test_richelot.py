@@ -10,7 +10,7 @@ from jacobian.models.standard import without_h
 
 
 def curves(K, count, rng, dependent=False):
-    """Curves y² = G₁G₂G₃ of genus 2, also with a linear G₁, and with a G₃ in the span of the others."""
+    """Curves y² = G₁G₂G₃ of genus 2, sometimes with a linear G₁, or with G₃ in the span of the others."""
     while count:
         first, second, third = (poly.random(K, 3, rng) for _ in range(3))
         if rng.random() < 0.3:
@@ -75,7 +75,7 @@ def test_all_fifteen():
 
 
 def a_chain(C, length):
-    """Successive isogenies, none the dual of the one before, or None."""
+    """Successive isogenies, none of them dual to the one before; None where there is no such chain."""
     chain = []
     for _ in range(length):
         curve = chain[-1].target if chain else C

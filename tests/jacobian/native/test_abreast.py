@@ -1,4 +1,4 @@
-"""Rounds of a loop done at once beside the same rounds one after the other."""
+"""Iterations of a loop in lanes compared with the same iterations one after the other."""
 
 from math import ceil, floor, frexp
 
@@ -17,7 +17,9 @@ from jacobian.numbers.sums import plus_product
 
 
 def branches(xs, n, out, counts):
-    """Conditions of some lanes: branches with and without an else, one in another, values chosen, items of tuples."""
+    """Conditions that hold in some lanes: branches with and without else, nested branches, conditional values, items of
+    tuples.
+    """
     for i in abreast(n, len(xs)):
         x, steps = xs[i], 0
         y = x
@@ -72,7 +74,7 @@ def apart(total, x):
 
 
 def sums(f, points, steps, out):
-    """Sums of divisors, some of them opposite, whose sum takes another branch."""
+    """Sums of divisors, some of which are opposite, so that their sum takes another branch."""
     curve = f[0], f[1], f[2], f[3], f[4], f[5]
     for i in abreast(0, len(points) // 4):
         k = 4 * i
@@ -126,7 +128,7 @@ def test_branches_of_some_lanes(count, n):
     found = out.copy(), counts.copy()
     branches(xs.tolist(), n, out, counts)
     LOOPS.branches(xs, n, *found)
-    # rounds before n are left alone
+    # iterations before n are not touched
     assert found[0].tolist() == pytest.approx(out.tolist(), rel=1e-15)
     assert found[1].tolist() == counts.tolist()
 
@@ -135,7 +137,7 @@ def test_branches_of_some_lanes(count, n):
 def test_items_of_two_numbers(kind):
     """Bit for bit the results of the single numbers."""
     rng, count, parts = np.random.default_rng(3), 7, 1 if kind == "floats" else 2
-    # of number, item and part
+    # indices of number, item and part
     xs, ys = rng.uniform(0.5, 2, (2, 2, count, parts)) * [1, 2.0**-55][:parts]
     both = [np.ascontiguousarray(np.moveaxis(rows, 0, -1)).reshape(count, 2 * parts) for rows in (xs, ys)]
     out, single = np.zeros((3, 2 * parts)), np.zeros((2, 3, parts))
@@ -153,7 +155,7 @@ def test_items_of_two_numbers_have_one_way():
 
 
 def exactly(numbers):
-    """Double-doubles as numbers of the precision that is set."""
+    """Double-doubles as numbers of the current precision."""
     return [mp.mpf(high) + mp.mpf(low) for high, low in numbers.tolist()]
 
 
@@ -167,7 +169,7 @@ def test_double_doubles_of_some_lanes():
 
 
 def test_additions_of_divisors():
-    """One sum in four is of nearly opposite divisors: each lane follows its own branch."""
+    """Every fourth sum is of nearly opposite divisors: each lane follows its own branch."""
 
     def divisor(x1, x2, sign):
         y1, y2 = (sign * mp.sqrt(((x**3 + 3) * x + 1) * x + 10) for x in (x1, x2))

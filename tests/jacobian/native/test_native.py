@@ -1,4 +1,4 @@
-"""Compiled loops beside the same loops interpreted: every statement and operator, and what is refused."""
+"""Compiled loops compared with the same loops interpreted: every statement and operator, and the refusals."""
 
 import json
 import math
@@ -56,7 +56,7 @@ def real_numbers(x, y, n):
 
 
 def ways(n, row):
-    """Loops with every kind of exit, conditions that must not be computed, both kinds of while."""
+    """Loops with every kind of exit, conditions that must not be evaluated, both kinds of while."""
     total, seen, k = 0, 0.0, 0
     for i in range(n - 1, -1, -2):
         if i % 5 == 3:
@@ -86,7 +86,7 @@ def ways(n, row):
 
 
 def widened(n):
-    """A variable that is an integer at first, and an early end."""
+    """A variable that is first an integer and later a float, and an early return."""
     x, name = 0, (1, 2.0)
     for k in range(n):
         x += k / 2
@@ -169,7 +169,7 @@ def again(way, x, y):
 
 
 def functions(x, y):
-    """A function as an argument, passed on: each compiled separately, with results of different kinds."""
+    """A function that is passed on as an argument: compiled separately for each, with results of different kinds."""
     (a, n), (b, m) = twice(smaller, x, y)
     c, d = twice(larger, x, y)
     return a, b, c, d, n + m
@@ -204,7 +204,7 @@ def same(found, true):
 
 @pytest.mark.parametrize("size", [1, 1e-9, 1e9])
 def test_sums_of_products(size):
-    """To the digits of double-doubles relative to the sum of the sizes of the terms, and twice that."""
+    """Right to the digits of double-doubles relative to the sum of the terms' sizes, or to twice these digits."""
     rng = Random(5)
     for count in range(1, 30):
         xs, ys = ([Fraction(rng.getrandbits(104) - (1 << 103), 1 << 100) for _ in range(count)] for _ in range(2))
@@ -333,7 +333,7 @@ def test_words_made_beforehand():
 
 
 def test_libraries_that_are_forgotten_leave_the_others_alone():
-    """An engine frees the target machine it was made with."""
+    """An engine frees the target machine with which it was made."""
     import gc
 
     kept_one = Library("test_forgotten", {"widened": (widened, (INT,))}, SPECIAL)
@@ -472,7 +472,9 @@ def test_objects_are_kept_until_a_source_changes(tmp_path):
 
 
 def test_a_number_is_looked_at_wherever_it_is_made(tmp_path):
-    """A constant of a file without functions of the loops, computed from one in another that the loops do not name."""
+    """A constant in a file without functions of the loops is computed from a constant in another file, which the loops
+    do not name.
+    """
     (tmp_path / "loops_there.py").write_text(SOURCE)
     (tmp_path / "numbers_there.py").write_text("from others_there import HALF\nFACTOR = 2 * HALF\n")
     (tmp_path / "others_there.py").write_text("HALF = 3\n")
@@ -482,7 +484,7 @@ def test_a_number_is_looked_at_wherever_it_is_made(tmp_path):
 
 
 def test_entries_that_are_called_otherwise_are_made_again(tmp_path):
-    """The compiled code is in one file, the way it is called in another."""
+    """The compiled code is in one file, and the way to call it in another."""
     lines = SOURCE.splitlines(keepends=True)
     (tmp_path / "numbers_there.py").write_text("def times(n):\n    return n + n\n")
     called = "from numbers_there import times\n" + "".join(x for x in lines if "FACTOR" not in x and "def " not in x)
@@ -493,8 +495,8 @@ def test_entries_that_are_called_otherwise_are_made_again(tmp_path):
 
 
 def test_every_source_of_the_compiler_is_looked_at():
-    """The modules that a fresh process imports from this package to compile, except those that any import of it
-    loads.
+    """These are the modules of this package that a fresh process imports in order to compile, except those that any
+    import loads.
     """
     needed = "import jacobian.native.library, jacobian.native.special, jacobian.native.modular, jacobian.native.binary"
     names = "import sys; print(*[m for m in sys.modules if m.startswith('jacobian.') and sys.modules[m].__file__])"
@@ -510,7 +512,9 @@ def test_every_source_of_the_compiler_is_looked_at():
 
 
 def test_sources_that_are_compiled_are_looked_at(monkeypatch):
-    """Those of the compiler too: an object is invalid after a change of the multiplication of double-doubles."""
+    """The sources that the compiler compiles count too: after a change of the multiplication of double-doubles an
+    object is invalid.
+    """
     from integrable.torus.compiled import LIBRARY
 
     assert LIBRARY.survey

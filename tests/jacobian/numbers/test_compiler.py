@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-# numba tries each folder it may use: none of these is writable
+# numba tries several folders, none of which is writable here
 NOWHERE = """
 from numba.core import caching
 def refused(self):
@@ -123,7 +123,7 @@ def test_groups_and_batches_where_nothing_is_compiled():
 
 
 def test_there_is_nothing_to_compile_beforehand():
-    """If nothing would be kept or compiled, the command says so at once."""
+    """If nothing would be kept on disk or compiled, the command says so at once."""
     code = "import sys; from jacobian.__main__ import main; sys.exit(main(['compile']))"
     for before, environment, said in (
         (NOWHERE, {}, "no folder to keep compiled code in; set NUMBA_CACHE_DIR to a folder that can be written to"),

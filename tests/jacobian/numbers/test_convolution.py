@@ -1,4 +1,4 @@
-"""Convolutions by transforms on floats: compared with integers, at the limits of every bound."""
+"""Convolutions by transforms on floats, compared with integers at the limits of every bound."""
 
 import numpy as np
 import pytest

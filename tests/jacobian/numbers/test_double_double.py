@@ -79,7 +79,7 @@ def evaluate(xs, ys, floats, rows, relations):
 
 
 def polynomials(table, points, out):
-    """A variable that is an integer or a float at first; in-place operators; rows and items of arrays."""
+    """Variables that are first an integer or a float; in-place operators; rows and items of arrays."""
     for i in range(len(table)):
         total, last, point = 0, 1.0, points[0]
         for k in range(len(table[i])):
@@ -104,7 +104,7 @@ LOOPS = Library(
 
 
 def check(triples):
-    """Every operation on every (x, y, float), x, y as pairs, all nonzero: to the bounds, and normalized."""
+    """Every operation on every (x, y, float), all nonzero, with x and y as pairs: within the bounds, and normalized."""
     first, second = (np.array([row[k] for row in triples]) for k in (0, 1))
     floats = np.array([row[2] for row in triples])
     out, relations = np.empty((len(triples), len(OPERATIONS), 2)), np.empty((len(triples), 10), dtype=np.int64)
@@ -141,7 +141,7 @@ def normalized(high, low):
 
 def random_number(rng, exponents):
     high = rng.choice((-1, 1)) * rng.uniform(1, 2) * 2.0 ** rng.randint(*exponents)
-    # every distance between the parts: right below, with a gap of zeros, none
+    # every distance between the parts: adjacent, with a gap of zeros, no low part
     kind = rng.randrange(4)
     low = 0.0 if kind == 0 else high * rng.uniform(-1, 1) * 2.0 ** -(53 if kind < 3 else rng.randint(54, 120))
     return normalized(high, low)
@@ -193,7 +193,7 @@ def test_in_place_and_mixed_variables():
 
 
 def test_no_instruction_of_double_doubles_may_be_contracted():
-    """An optimizer that contracts or reorders sums would take the error terms for zero; floats may be contracted."""
+    """An optimizer that contracts or reorders sums would find the error terms to be zero; in floats it may contract."""
     text = {}
     for kinds in ((WIDES, WIDES, FLOATS, TABLES, ArrayKind(INT, 2)), (FLOATS, FLOATS)):
         program = Program(SPECIAL)

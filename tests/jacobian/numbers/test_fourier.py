@@ -1,4 +1,4 @@
-"""The discrete Fourier transform of real samples on bare reals: interpreted floats, compiled double-doubles."""
+"""The discrete Fourier transform of real samples on bare reals: interpreted floats and compiled double-doubles."""
 
 from __future__ import annotations
 

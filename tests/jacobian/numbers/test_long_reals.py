@@ -1,4 +1,4 @@
-"""Bare reals and balls compared with mpmath, and that they restore the precision they found."""
+"""Bare reals and balls compared with mpmath; afterwards the precision is as before."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ def test_every_inverse_modulo_a_small_prime(p):
 
 
 class Long(int):
-    """A natural number below 2^128, as compiled code has it: a shift by 128 bits or more is undefined there."""
+    """A natural number below 2^128 as in compiled code, where shifts by 128 bits or more are undefined."""
 
     def __lshift__(self, n):
         assert 0 <= n < 128

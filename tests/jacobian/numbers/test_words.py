@@ -152,7 +152,7 @@ def test_products_of_floats(p):
         for terms, total, found in zip((1, 2, 3, 4), totals, four_dots(K, *x), strict=True):
             assert found == int(found)
             assert (int(found) - total) % p == 0
-            # a half and three roundings of a quotient below 16·p for each product
+            # for each product, one half and three roundings of a quotient below 16·p
             assert abs(found) <= terms * 3.6 * p
         settled = least(K, x[0])[1]
         assert (int(settled) - a) % p == 0

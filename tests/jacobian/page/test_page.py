@@ -1,4 +1,4 @@
-"""The page of a curve: the LMFDB's curves, curves of other genera, the command, and what is refused."""
+"""The page of a curve: the LMFDB's curves, curves of other genera, the command, and refusals."""
 
 from __future__ import annotations
 

@@ -6,7 +6,8 @@ from jacobian import CC, QQ, HyperellipticCurve, poly
 
 
 def random_curve(rng, g, kind):
-    """Over QQ with small coefficients, over CC, or over QQ with its branch points in clusters 1e-6 wide; no inert one.
+    """A curve over QQ with small coefficients, over CC, or over QQ with branch points in clusters 1e-6 wide; never an
+    inert one.
 
     Those over QQ have a rational point, above x = 0 or at a branch point.
     """

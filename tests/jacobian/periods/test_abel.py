@@ -25,7 +25,7 @@ from jacobian.periods.abel import AbelMap, periods, real_periods
 from jacobian.periods.matrix import symplectic_basis
 from jacobian.periods.roots import simple_roots
 
-# name: (f, real roots of f as decimal strings, or None where they are to be found)
+# name: (f, the real roots of f as decimal strings, or None if they must be computed)
 FIFTH = ["1", "0", "0", "0", "0", "1"]
 REAL_CURVES = {
     "five real roots": ("1", ["0", "1", "2", "3", "4"]),
@@ -42,7 +42,7 @@ def _curve(K, name):
 
 
 def _whole(coordinates, tolerance):
-    """The coordinates as integers, which they are to the tolerance."""
+    """The coordinates as integers; asserts that they are, within the tolerance."""
     rounded = [int(mpmath.nint(c)) for c in coordinates]
     assert max(abs(c - m) for c, m in zip(coordinates, rounded, strict=True)) < tolerance
     return rounded
@@ -53,7 +53,7 @@ def _columns(P):
 
 
 def _assert_same_lattice(P, Q, tolerance):
-    """P's columns are integral in Q's basis, and the change of basis is unimodular."""
+    """Asserts that P's columns are integral in Q's basis, and that the change of basis is unimodular."""
     matrix = mpmath.matrix([_whole(Q.coordinates(column), tolerance) for column in _columns(P)])
     assert abs(abs(mpmath.det(matrix)) - 1) < 1e-9
 
@@ -201,7 +201,7 @@ def test_abels_theorem(K, genus, degree, with_h):
         D = J.from_mumford((-x, 1), (poly.evaluate(F, p, x),))
         total = [s + t for s, t in zip(total, A(D), strict=True)]
     if C.model == "split":
-        # every class was that of P with a weight at ∞₊: 2n + 1 − 2⌈g/2⌉ too many
+        # every image was that of P and of a weight at ∞₊: 2n + 1 − 2⌈g/2⌉ images of ∞₊ too many
         excess = 2 * D.n + 1 - 2 * ((genus + 1) // 2)
         total = (
             [s - len(zeros) * excess * a for s, a in zip(total, A._from_infinity(), strict=True)] if excess else total
@@ -212,7 +212,7 @@ def test_abels_theorem(K, genus, degree, with_h):
 @pytest.mark.parametrize("K", [CC, MP(30, complex=True)], ids=str)
 @pytest.mark.parametrize("genus", [1, 2, 3])
 def test_the_point_at_infinity_plus(K, genus):
-    """y − V₊ has its d zeros, a zero of order g+1−d at ∞₊ and a pole of order g+1 at ∞₋."""
+    """y − V₊ has d zeros, a zero of order g+1−d at ∞₊ and a pole of order g+1 at ∞₋."""
     A, _ = _random_map(K, genus, 2 * genus + 2, True)
     C, g = A.curve, genus
     plus = C.principal_parts[0]
@@ -262,7 +262,7 @@ def test_the_inverse_to_two_hundred_digits():
 def test_symplectic_bases():
     rng = Random(6)
     for size in (2, 4, 6, 8):
-        # the crossings of a chain of cycles, seen in another basis
+        # the intersection numbers of a chain of cycles in another basis
         change = [[int(i == j) for j in range(size)] for i in range(size)]
         for _ in range(3 * size):
             (i, j), sign = rng.sample(range(size), 2), rng.choice((-1, 1))
@@ -307,7 +307,7 @@ def test_bad_input():
         A(_curve(RR, "a rolling ball").jacobian().zero())
     with pytest.raises(CurveMismatch, match="not a divisor class"):
         A(0)
-    # what takes working numbers or unchecked classes is not public
+    # methods with internal numbers or unchecked classes as arguments are not public
     assert {name for name in dir(A) if not name.startswith("_") and callable(getattr(A, name))} == {
         "check_divisor",
         "check_image",
@@ -330,7 +330,9 @@ def test_nothing_global_is_touched_or_imported():
 
 @pytest.mark.slow
 def test_the_inverse_looks_at_what_it_returns():
-    """Points far out: the divisor found is on the curve and has the requested image, or PrecisionLoss is raised."""
+    """For far points, the divisor that is found is on the curve and has the requested image, or PrecisionLoss is
+    raised.
+    """
     rng, seen = Random(5), 0
     A = AbelMap(HyperellipticCurve(RR, [1, 2, 0, 3, 0, 1, 0, 1]))
     for size in (1e3, 6.7e7):

@@ -29,7 +29,7 @@ def _case(name):
 
 
 def _is_period(A, z):
-    """Whether the balls may be a period, and are small."""
+    """Whether the balls may contain a period, and are small."""
     with A.periods.cover.numbers.working():
         coordinates = A.periods.coordinates(z)
         return all((c - round(float(c))).contains(0) and float(c.rad()) < 1e-12 for c in coordinates)

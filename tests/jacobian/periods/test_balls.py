@@ -50,7 +50,7 @@ def test_riemann_s_relations_hold_as_balls(g, kind):
 
 
 def test_edges_of_very_different_length_cross_too():
-    # directions at a common end were compared without their lengths: 2 and 2e-5 here
+    # directions at a common end used to be compared without their lengths, here 2 and 2e-5
     roots = [Fraction(x, 10**6) for x in (122288, 465101, 465104, 465107)]
     P = period_balls(HyperellipticCurve(QQ, poly.from_roots(QQ, roots)), 15)
     Q = periods(HyperellipticCurve(MP(30), poly.from_roots(MP(30), [MP(30).coerce(e) for e in roots])))
@@ -119,7 +119,9 @@ def test_they_span_the_lattice_that_is_found_in_multiprecision(g):
     ("f", "vanishing"), [([3, 1, 4, 1, -5, 9, 2], 0), ([7, 1, 1, 0, 2, 0, 0, 1], 1), ([1, 5, -2, *[3] * 7, 1], 10)]
 )
 def test_reduced_matrices_are_ready_for_theta(f, vanishing):
-    """Of the even theta constants of a hyperelliptic curve 0, 1 and 10 vanish in genus 2, 3, 4 (Mumford 1984)."""
+    """In genus 2, 3 and 4, the number of even theta constants of a hyperelliptic curve that vanish is 0, 1 and 10
+    (Mumford 1984).
+    """
     P = period_balls(HyperellipticCurve(QQ, f), 30)
     g = P.cover.genus
     tau, matrix = siegel_reduced(P)

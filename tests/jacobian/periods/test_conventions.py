@@ -33,7 +33,7 @@ def test_a_curve_with_h_is_half_as_large():
 
 @pytest.mark.parametrize(("f", "h"), CURVES)
 def test_a_change_of_cycles_is_found(f, h):
-    """Products of elementary symplectic matrices, which another program may have applied."""
+    """A change by products of elementary symplectic matrices, as another program may have made."""
     rng = Random(7)
     for P in (period_balls(HyperellipticCurve(QQ, f, h)), periods(HyperellipticCurve(CC, f, h))):
         g = P.cover.genus
@@ -60,7 +60,9 @@ def test_what_is_no_period_matrix():
 
 
 def test_the_real_period_of_an_elliptic_curve():
-    """37.a1 of the LMFDB: 5.9869172924639192596640199589; with all points of order two real it is twice the oval's."""
+    """37.a1 of the LMFDB has 5.9869172924639192596640199589: if all points of order two are real, this is twice the
+    period of the oval.
+    """
     found = real_period(period_balls(HyperellipticCurve(QQ, [0, -1, 0, 1], [1])))
     assert abs(float(found) - 5.9869172924639193) < 1e-14
     (oval,) = real_periods(HyperellipticCurve(RR, [0, -1, 0, 1], [1]))
@@ -68,8 +70,8 @@ def test_the_real_period_of_an_elliptic_curve():
 
 
 def test_the_real_period_is_a_sum_over_ovals():
-    """With 2g + 1 real branch points J(ℝ) has 2^g components, each the torus of the ovals but one: Ω is 2^g times its
-    volume, the determinant of the periods of dx/(2y), x dx/(2y) along g bounded ovals.
+    """With 2g + 1 real branch points, J(ℝ) has 2^g components, each of which is the torus of all ovals but one. Ω is
+    2^g times the volume of this torus: the determinant of the periods of dx/(2y), x dx/(2y) along g bounded ovals.
     """
     f = [0, 4, 0, -5, 0, 1]
     ovals = real_periods(HyperellipticCurve(RR, f))

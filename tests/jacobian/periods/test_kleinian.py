@@ -26,7 +26,7 @@ ALL = [
     ([1, 2, 3, 0, 1, 0, 0, 0, 5], []),
 ]
 GENUS_2 = ALL[2:6]
-# exact, with a step of 2^-40 too
+# exact floats, also after a step of 2^-40
 Z, STEP = (0.3125 + 0.21875j, -0.171875 + 0.328125j), 2.0**-40
 
 

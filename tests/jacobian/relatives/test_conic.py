@@ -81,7 +81,7 @@ def test_steps_at_one_abscissa_compose_in_the_fibre_group(row):
 
 @pytest.mark.parametrize("f", [(1, 1, 0, 3, 1), (2, 1, 3, 1), (1, 0, 2, 1, 1, 4, 1), (1, 2, 0, 4, 1, 2)], ids=str)
 def test_the_pencil_is_all_of_its_class(f):
-    """Every semi-reduced pair of degree g+1 over GF(5), by enumeration, sorted by its class."""
+    """All semi-reduced pairs of degree g+1 over GF(5), enumerated and grouped by their classes."""
     C = HyperellipticCurve(GF(5), f)
     K, classes = C.field, {}
     for lower in product(range(5), repeat=C.genus + 1):
@@ -131,7 +131,7 @@ def test_rational_numbers_and_pickles():
 
 @pytest.mark.parametrize("K", [RR, MP(40)], ids=str)
 def test_real_steps(K):
-    """y² = −4(x−1)(x−2)(x−3)(x−4) and a sextic: the step is undone by its inverse, and two make their composition."""
+    """y² = −4(x−1)(x−2)(x−3)(x−4) and a sextic: steps have inverses, and two give their composition."""
     for roots in ((1, 2, 3, 4), (1, 2, 3, 4, 5, 7)):
         f = poly.scale(K, K.coerce(-4), poly.from_roots(K, map(K.coerce, roots)))
         C = HyperellipticCurve(K, f)

@@ -1,4 +1,4 @@
-"""Extensions of Jacobians of any genus: the axioms with all data, and against the Jacobian."""
+"""Extensions of Jacobians of any genus: the axioms with all data, and comparison with the Jacobian."""
 
 from random import Random
 
@@ -86,7 +86,7 @@ def test_associative_commutative_with_an_inverse(degree) -> None:
 
 @DEGREES
 def test_data_keep_their_invariants(degree) -> None:
-    """κσ² = U(e), κσν = V(e); κσσ̄ = Π(x_i − x₀); multiples by doubling and one by one."""
+    """κσ² = U(e), κσν = V(e); κσσ̄ = Π(x_i − x₀); multiples by doubling equal repeated sums."""
     rng = Random(degree)
     group, curve = group_of(degree, rng)
     A = element(group, curve, rng)
@@ -112,7 +112,7 @@ def test_the_pairs_add_as_in_the_jacobian(degree) -> None:
 
 
 def test_lifts_are_the_pairs_of_the_signed_group() -> None:
-    """In genus 2: the sign-resolved group is a special case; signs agree up to a common one."""
+    """In genus 2: the sign-resolved group is a special case; signs agree up to a common sign."""
     rng = Random(1)
     group, curve = group_of(5, rng)
     signed = SignedGroup(curve, [kind.e for kind in group.kinds[:2]])
@@ -131,7 +131,7 @@ def test_lifts_are_the_pairs_of_the_signed_group() -> None:
 
 @pytest.mark.parametrize("degree", [5, 6, 7, 9])
 def test_long_numbers_against_rational_ones(degree) -> None:
-    """A sum, a double and their data over QQ, and the same in 400 bits."""
+    """A sum, a double and their data over QQ agree with those in 400 bits."""
     from fractions import Fraction
 
     kinds = [Lift(Fraction(0)), SecondKind() if degree % 2 else ThirdKind(Fraction(1))]
@@ -165,7 +165,7 @@ def test_long_numbers_against_rational_ones(degree) -> None:
 
 
 def test_a_pair_comes_back_onto_its_curve() -> None:
-    """Newton's method: the remainder of f − V² modulo U is squared, down to rounding."""
+    """Newton's method squares the remainder of f − V² modulo U, down to rounding."""
     with LongField(300) as L:
         group = ExtendedGroup(L, poly.from_roots(L, map(L.coerce, (-1, 0, 1, 2, 3, 5, 8))))
         xs = [L.coerce(x) for x in (9, 10, 12)]

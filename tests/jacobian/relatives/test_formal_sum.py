@@ -1,4 +1,6 @@
-"""Formal sums, divisors of functions and Abel's polynomial: against series at points, classes, and each other."""
+"""Formal sums, divisors of functions and Abel's polynomial, compared with series at points, with classes, and with each
+other.
+"""
 
 from collections import Counter
 from random import Random
@@ -25,7 +27,7 @@ from tests.jacobian.jacobian_rows import ROWS
 
 TABLE = [row for row in ROWS if row.genus <= 3 and row.field in ("GF(7)", "GF(2^8)", "GF(2^61-1)")]
 TABLE += [row for row in ROWS if row.genus == 2 and row.field == "QQ"]
-# with all their points at infinity: one, two, none
+# all numbers of points at infinity: one, two, none
 SMALL = {
     "ramified": HyperellipticCurve(GF(7), [1, 2, 0, 3, 0, 1]),
     "split": HyperellipticCurve(GF(7), [1, 2, 0, 3, 0, 0, 1]),
@@ -71,7 +73,7 @@ def series(C, P):
         x, y = [K.zero, K.zero, *zero], [P.y, K.one, *zero]
         unknown, slope = x, K.sub(K.mul(P.y, h[1] if len(h) > 1 else K.zero), f[1])
     for i in range(1, TERMS):
-        # as long as the coefficient is missing, the equation has what it is times the slope left
+        # while the coefficient is missing, the residual of the equation is the coefficient times the slope
         left = [K.add(p, q) for p, q in zip(times(K, y, y), times(K, value_of(K, h, x), y), strict=True)]
         unknown[i] = K.div(K.sub(value_of(K, f, x)[i], left[i]), slope)
     return x, y
@@ -87,7 +89,7 @@ def order(C, function, P, local):
 
 @pytest.mark.parametrize("name", SMALL)
 def test_multiplicities_are_orders_of_power_series(name):
-    """At every rational affine point, branch points and common factors among them."""
+    """At every rational affine point, including branch points and common factors."""
     C, rng = SMALL[name], Random(f"series {name}")
     K, orders = C.field, Counter()
     local = {P: series(C, P) for P in C.points() if isinstance(P, AffinePoint)}
@@ -104,7 +106,9 @@ def test_multiplicities_are_orders_of_power_series(name):
 
 @pytest.mark.parametrize("row", TABLE, ids=str)
 def test_the_divisor_of_a_product(row):
-    """div(FG) = div F + div G, at infinity too; div F is principal, that of the conjugate its mirror image."""
+    """div(FG) = div F + div G, also at infinity; div F is principal, and the divisor of the conjugate is its mirror
+    image.
+    """
     C, rng = row.curve, Random(f"product {row}")
     for _ in range(4):
         F, G = function_of(C.field, rng), function_of(C.field, rng)
@@ -152,7 +156,7 @@ def test_abel_s_polynomial_and_the_intersection_divisor(row):
         both = FormalSum.from_divisor(D) + FormalSum.from_divisor(E)
         assert (both + found.rest).is_principal()
         assert found.rest.divisor() == -(D + E)
-        # the points are where y = P(x) meets the curve, those of both divisors among them
+        # these are the points where y = P(x) meets the curve, including those of both divisors
         assert found.abel == poly.sub(K, poly.mul(K, found.P, poly.add(K, found.P, C.h)), C.f)
         assert found.points.degree == len(found.abel) - 1
         assert found.points.effective

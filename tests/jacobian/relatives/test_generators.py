@@ -28,7 +28,7 @@ def test_a_lattice_grows_to_the_one_that_holds_all_classes():
 
 
 def test_the_index_is_kept():
-    """No class outside the group is divided: 2D and 3E generate a group of index 6."""
+    """No class is divided beyond the group: 2D and 3E generate a subgroup of index 6."""
     found = generators([2 * D, 3 * E, 2 * D + 3 * E, J.zero()])
     assert close(found.regulator, 36 * regulator([D, E]))
     assert close(generators([4 * D, 6 * D]).regulator, 4 * regulator([D]))

@@ -1,4 +1,4 @@
-"""The generalized Jacobian with modulus ∞₊ + ∞₋: its axioms exactly, its refusals, and inexact compared with exact."""
+"""The generalized Jacobian with modulus ∞₊ + ∞₋: axioms, refusals, inexact results compared with exact ones."""
 
 from itertools import product
 from random import Random
@@ -81,7 +81,7 @@ def test_multiples(K):
 
 
 def test_it_is_an_extension_of_the_elliptic_curve():
-    """(P + Q) − (R + S) is zero on the elliptic curve for more classes than in the group itself: the kernel is G_m."""
+    """More classes (P + Q) − (R + S) are zero on the elliptic curve than in the group itself: the kernel is G_m."""
     K = GF(7)
     curve = HyperellipticCurve(K, [1, 2, 0, 1, 1])
     J, E = GeneralizedJacobian(curve), curve.jacobian()
@@ -228,7 +228,7 @@ def test_opposite_points_and_pickling():
 
 @pytest.mark.parametrize("seed", range(4))
 def test_multiples_are_repeated_sums(seed):
-    # on inert models too, where the kernels of a Jacobian would never come to an end
+    # also on inert models, on which the kernels of a Jacobian would never end
     rng = Random(seed)
     J = random_group(GF(5, 3), rng)
     D, total = random_class(J, rng), J.zero()

@@ -88,7 +88,7 @@ def test_heights_are_quadratic(name):
     exact, few = canonical_height(D, 40), canonical_height(D, 5)
     assert height.contains(exact)
     assert few.contains(height)
-    # the limit that it is
+    # its definition as a limit
     surface = kummer_surface(D.jacobian.curve)
     assert abs(log(max(map(abs, surface.point(32 * D)))) / 1024 - float(height)) < 0.02
 
@@ -120,7 +120,7 @@ def test_a_split_jacobian_has_the_height_of_its_elliptic_curve():
 
 
 def test_a_regulator_of_rank_two():
-    """The same with 389a, y² = 4X³ + 4X² − 8X + 1, above X = 0 and 1: pairings are doubled."""
+    """The same for 389a, y² = 4X³ + 4X² − 8X + 1, with points above X = 0 and 1: pairings are doubled."""
     J = HyperellipticCurve(QQ, [1, 0, -8, 0, 4, 0, 4]).jacobian()
     classes = [J(J.curve.point(x, 1), J.curve.point(-x, -1)) for x in (0, 1)]
     found = regulator(classes)
@@ -142,7 +142,7 @@ def test_relations_are_found_and_exact():
 
 
 def test_heights_do_not_depend_on_the_equation():
-    """y → 3y/2 and x → x + 1."""
+    """They are unchanged by y → 3y/2 and x → x + 1."""
     heights = []
     for f, x in (
         ([1, 2, 0, 0, 0, 1], 0),

@@ -46,7 +46,7 @@ def test_every_pair_of_a_small_group(p, model, with_h):
     C = random_curve(GF(p), 2, "pseudo", model=model, with_h=with_h)
     S, every = PseudoGroup(C), list(C.jacobian().points())
     images = [S.point(D) for D in every]
-    # D and −D meet, no others
+    # D and −D have the same image, and no other classes
     assert len(set(images)) == len({frozenset((D, -D)) for D in every})
     some = every[:: max(1, len(every) // 16)]
     assert_that_sums_are_those_of_the_group(S, [(D, E) for D in some for E in some])

@@ -37,7 +37,7 @@ def test_published_groups(name):
 
 @pytest.mark.parametrize("case", of_kind("torsion"))
 def test_groups_that_the_lmfdb_has(case):
-    """In the models of its pages: among them 16, 18, 22, 27, 29, 2 × 12, 2 × 14, 2 × 2 × 4."""
+    """The models of its pages, whose groups include 16, 18, 22, 27, 29, 2 × 12, 2 × 14, 2 × 2 × 4."""
     torsion = curve_of(case).jacobian().rational_torsion()
     assert torsion.proven
     assert list(torsion.found.invariants) == case["expected"]["torsion_structure"]
@@ -62,14 +62,14 @@ def test_groups_with_classes_of_order_two(f, invariants):
 
 
 def test_other_models_have_the_same_group():
-    """X1(13) with a Weierstrass form without h, and with ∞₊ elsewhere."""
+    """X1(13) in a Weierstrass form without h, and with another point as ∞₊."""
     F = HyperellipticCurve(QQ, [0, 0, 0, 0, 1, 1], [1, 1, 0, 1]).discriminant
     for C in (HyperellipticCurve(QQ, F), HyperellipticCurve(QQ, F[::-1])):
         assert C.jacobian().rational_torsion().found.invariants == (19,)
 
 
 def test_points_of_great_height_are_not_needed():
-    """Of height 1 there is none, and the whole group is found."""
+    """No point has height 1, and still the whole group is found."""
     f, _, _ = PUBLISHED["order 29"]
     shifted = poly.shift(QQ, tuple(map(QQ.coerce, f)), QQ.coerce("1/97"))
     torsion = HyperellipticCurve(QQ, shifted).jacobian().rational_torsion(height=1)
@@ -77,7 +77,7 @@ def test_points_of_great_height_are_not_needed():
 
 
 def test_what_is_not_found_is_not_called_proven():
-    """y² = x⁷ + 1 with x + 1/97 for x, in genus 3: only points are searched for."""
+    """y² = x⁷ + 1 with x + 1/97 for x: in genus 3 only points are searched for."""
     f = poly.shift(QQ, tuple(map(QQ.coerce, [1, 0, 0, 0, 0, 0, 0, 1])), QQ.coerce("1/97"))
     torsion = HyperellipticCurve(QQ, f).jacobian().rational_torsion(height=1)
     assert torsion.bound == (14,)
@@ -85,9 +85,10 @@ def test_what_is_not_found_is_not_called_proven():
     assert not torsion.proven
 
 
-# Of each the group was missed or not proven as long as points of small height alone were looked for. y² = f(x²) has the
-# quotients y² = f(x) and y² = x³f(1/x); they were glued from curves with these orders along their classes of order two
-# (Howe, Leprévost & Poonen 2000, proposition 4), and some are Richelot-isogenous to those. 63 is theirs
+# A search for points of small height alone did not find, or not prove, the groups of these curves. y² = f(x²) has the
+# quotients y² = f(x) and y² = x³f(1/x). These curves are glued from quotients with the given orders along their classes
+# of order two (Howe, Leprévost & Poonen 2000, proposition 4), or are Richelot-isogenous to such curves; the one of
+# order 63 is from that paper
 FAR_FROM_POINTS = [
     ([375, 0, 97, 0, 8], [0, 1, 0, 1], (24,)),
     ([-146398496, 0, 79136353, 0, -197570, 0, 897], [], (63,)),
@@ -113,7 +114,7 @@ def test_groups_far_from_small_points(f, h, invariants):
 
 @pytest.mark.parametrize("name", ["X1(13)", "X0(26)", "X1(16)"])
 def test_classes_come_back_from_the_kummer_surface(name):
-    """All weights, of a split and a ramified model; a point of the surface of another curve does not come back."""
+    """Classes of all weights on a split and a ramified model; points of another curve's surface have no class."""
     f, h, _ = PUBLISHED[name]
     J = HyperellipticCurve(QQ, f, h).jacobian()
     surface = kummer_surface(J.curve)

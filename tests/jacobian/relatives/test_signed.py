@@ -41,7 +41,7 @@ def random_pair(group, rng):
 
 
 def elements(group, rng, count):
-    """Lifts where the roots exist, doubles of twists, and twists, by turns; κ differs from 1 in the last."""
+    """Alternately lifts (where the roots exist), doubles of twists, and twists, which have κ ≠ 1."""
     found = []
     while len(found) < count:
         u, v = random_pair(group, rng)
@@ -68,7 +68,9 @@ def single_point(group, rng):
 
 
 class Tried:
-    """Counts the blocks that ran through: ``with tried:``. Over GF(101) a sum may have less than full weight."""
+    """Counts the blocks ``with tried:`` that ended without a refusal: over GF(101) a sum may have less than full
+    weight.
+    """
 
     def __init__(self, p):
         self.p, self.count = p, 0
@@ -174,7 +176,7 @@ def test_single_points(p):
 
 @pytest.mark.parametrize("p", PRIMES)
 def test_two_single_points_add_up_as_if_one_by_one(p):
-    """Q general, Q = P and Q a branch point, where σ = 0; a point and its opposite are refused."""
+    """A general Q, Q = P, and a branch point Q, where σ = 0; a point and its opposite are refused."""
     rng = Random(f"two single {p}")
     group = group_over(p, 5, rng)
     K, checked = group.field, 0
@@ -199,7 +201,9 @@ def test_two_single_points_add_up_as_if_one_by_one(p):
 
 @pytest.mark.parametrize("p", PRIMES)
 def test_a_point_is_added_by_a_reflection(p):
-    """c = (Y' − V(x'))/U(x') and ρ = −√f₅σ': the sum of the general law, signs included, for D' a branch point too."""
+    """c = (Y' − V(x'))/U(x') and ρ = −√f₅σ': this is the sum of the general law, signs included, also if D' is a branch
+    point.
+    """
     rng = Random(f"reflection {p}")
     group = group_over(p, 5, rng)
     K, checked = group.field, 0
@@ -211,7 +215,7 @@ def test_a_point_is_added_by_a_reflection(p):
                 total = group.add(A, P)
             except NotRepresentable:
                 continue
-            # at the branch point that is added both σ and ν of the parabola vanish
+            # at the added branch point both σ and ν of the parabola vanish
             kept = [i for i, e in enumerate(group.branch_points) if e != x]
             lead = K.neg(K.sqrt(group.curve.f[5]))
             turned = reflected(K, [sheared(K, A.pairs, c)[i] for i in kept], [K.mul(lead, P.pairs[i][0]) for i in kept])
@@ -243,7 +247,7 @@ def test_a_step_of_the_conic_group_is_a_reflection(p):
 
 
 def _branch_points_of(group):
-    """Lifted divisors (e, 0) at those branch points where the roots exist."""
+    """Lifted divisors (e, 0) of the branch points where the roots exist."""
     for e in group.branch_points:
         try:
             yield group.lift((group.field.neg(e), group.field.one), ())
@@ -277,7 +281,7 @@ def test_multiples(p, degree):
 
 @pytest.mark.parametrize(("p", "degree"), CASES)
 def test_branch_points_inside_a_summand(p, degree):
-    """σ = 0 there, and the sum has its right sign still: associativity goes through it."""
+    """σ = 0 there, but the sum still has the right sign, which associativity checks."""
     rng = Random(f"branch {p} {degree}")
     group = group_over(p, degree, rng)
     K, checked = group.field, 0
@@ -322,7 +326,7 @@ def test_named_errors():
 
     with pytest.raises(NotRepresentable, match="vanishes at a branch point"):
         group.twist(*beside(P))
-    # two divisors through one branch point: their sum loses it, and either order
+    # two divisors through one branch point, which the sum does not contain, in either order
     first, second = (SignedDivisor(*beside(X), ((K.one, K.one),) * 3, (K.one,) * 3) for X in (P, Q))
     with pytest.raises(NotRepresentable):
         group.add(first, second)
