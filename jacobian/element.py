@@ -51,6 +51,18 @@ class Real(Protocol):
 
     def __neg__(self) -> Any: ...
 
+    def __abs__(self) -> Any: ...
+
+    def __lt__(self, other: Any, /) -> Any: ...
+
+    def __le__(self, other: Any, /) -> Any: ...
+
+    def __gt__(self, other: Any, /) -> Any: ...
+
+    def __ge__(self, other: Any, /) -> Any: ...
+
+    def __float__(self) -> float: ...
+
 
 class Arithmetic(Protocol[Element]):
     """What polynomials ask of the field of their coefficients."""
@@ -107,5 +119,9 @@ Value = Number | str
 Coefficients: TypeAlias = "Iterable[Value | Sequence[Value]] | Polynomial"
 """What is read as a polynomial; an element of GF(p^k) may be a sequence."""
 File: TypeAlias = "str | PathLike[str]"
+Table: TypeAlias = "Iterable[Value | Iterable[Value]]"
+"""A vector, or a matrix by its rows."""
+Rows: TypeAlias = "SupportsIndex | slice | Sequence[int] | np.ndarray"
+"""What chooses rows: an int one of them, a slice or an array several."""
 Rng: TypeAlias = "Random | np.random.Generator"
 """A source of random numbers."""

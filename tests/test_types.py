@@ -71,6 +71,10 @@ KNOWN = {
     "ball.flow(state)": "Flow",
     "run": "Trajectory",
     "run.gamma": "ndarray[tuple[int, int], dtype[Any]]",
+    "run[0]": "State[Any]",
+    "run[1:]": "Trajectory",
+    "Neumann((1, 2, 4))": "Neumann",
+    "RigidBody((1, 2, 3)).motion(np.eye(3), (1, 2, 3)).at([1]).omega": "ndarray[tuple[Any, ...], dtype[Any]]",
     "run.times": "ndarray[tuple[int], dtype[Any]]",
     "run.attitude": "ndarray[tuple[int, int, int], dtype[Any]]",
     "ball.flow(state).at([1], strict=False).status": "ndarray[tuple[int], dtype[Any]]",
@@ -93,6 +97,15 @@ WRONG = {
     "ChaplyginBall((1, 2, 3), [0.7])": "incompatible type",
     "ball.translation(1.8)": "incompatible type",
     "J.from_pionts([(0, 1)])": "from_pionts",
+    "ball.flow(state).at('1')": "incompatible type",
+    "ball.flow(state).at([1, None])": "List item 1 has incompatible type",
+    "ball.flow(exact.state((1, 0, 0), (0, 1, 0)))": "incompatible type",
+    "Neumann((1, 2, 4)).state((0.6, 0, 0.8), 1)": "incompatible type",
+    "tilde.flow(start).at_tau('1')": "incompatible type",
+    "integrable.ensemble(exact, (1, 0, 0), (0, 1, 0))": "incompatible type",
+    "integrable.ensemble(ball, (1, 0, 0), (0, 1, 0)).at('1')": "incompatible type",
+    "RigidBody((1, 2, 3)).motion(np.eye(3), 1.0)": "incompatible type",
+    "run[0].times": "times",
     "D + 'E'": "Unsupported operand",
     "D * 'E'": "Unsupported operand",
     "D + over(QQ).jacobian().zero()": 'Unsupported operand types for + ("Divisor[int]" and "Divisor[Fraction]")',
@@ -124,7 +137,9 @@ SCRIPT = """
 from random import Random
 
 import integrable
-from integrable import ChaplyginBall, EulerTop, Gyroscopic, Tilde, load_scene
+import numpy as np
+from integrable import ChaplyginBall, EulerTop, Gyroscopic, RigidBody, Tilde, load_scene
+from integrable.classical.neumann import Neumann
 from jacobian import CC, GF, MP, QQ, RR, Divisor, Field, HyperellipticCurve
 from jacobian.batch import DivisorArray
 

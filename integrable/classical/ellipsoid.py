@@ -15,14 +15,16 @@ y_i ↦ √(a_i/(a_i − l))·y_i leads back. The tangent backwards from the new
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, uhlenbeck
 from jacobian import RR, poly
+from jacobian.element import Value
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
+from jacobian.fields.protocol import Field
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, Lift, SecondKind
 
@@ -39,7 +41,7 @@ class Ellipsoid(MumfordSystem):
 
     _constraint_names = ("Σq_i²/a_i = 1", "Σq_i p_i/a_i = 0", "p ≠ 0")
 
-    def __init__(self, a: Any, field: Any = RR) -> None:
+    def __init__(self, a: Iterable[Value], field: Field = RR) -> None:
         self._set_up(field, a, "a", 2)
         if not field.exact and not all(isinstance(x, complex) or x > 0 for x in self.constants):
             raise ArgumentError(f"a = {shown(a)}: the squares of the semi-axes are positive")
@@ -109,15 +111,15 @@ class Ellipsoid(MumfordSystem):
             "Joachimsthal": self._over_axes(N, p, p) * N.dot(normal, normal),
         }
 
-    def discrete(self, state: Point, h: Any) -> Point:
+    def discrete(self, state: Point, h: Value) -> Point:
         """The state after a step that agrees with time ``h`` to second order and preserves the integrals.
 
         It is the :meth:`step` of the λ < 0 whose ellipsoid the tangent meets at q + hp; h < 0 is a step back.
         """
-        h = self._time_step(h)
+        step = self._time_step(h)
 
         def read(L: LongField) -> Point:
-            inner, length = self._constrained(L, self._inside(L, state)), L.coerce(h)
+            inner, length = self._constrained(L, self._inside(L, state)), L.coerce(step)
             reached = [x + length * v for x, v in zip(*inner, strict=True)]
             squares, a, x = [y * y for y in reached], self._constants_in(L), L.zero
             for _ in range(MOST_STEPS):
@@ -129,7 +131,7 @@ class Ellipsoid(MumfordSystem):
                 if not move > L.eps * abs(x):
                     return self._moved(L, inner, x, length)
                 x = x - move
-            raise PrecisionLoss(f"h = {shown(h)}: the quadric that the step leads to was not found")
+            raise PrecisionLoss(f"h = {shown(step)}: the quadric that the step leads to was not found")
 
         return self._settled(read)
 

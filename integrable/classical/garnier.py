@@ -10,12 +10,15 @@ the genus is n, the number of axes. For α > 0 all motions are bounded.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
 from jacobian import RR
+from jacobian.element import Value
 from jacobian.errors import ArgumentError, shown
+from jacobian.fields.protocol import Field
 
 
 class Garnier(QuadricSystem):
@@ -26,7 +29,7 @@ class Garnier(QuadricSystem):
     The squared frequencies at rest are −αa_i − β.
     """
 
-    def __init__(self, a: Any, alpha: Any = 1, beta: Any = 0, field: Any = RR) -> None:
+    def __init__(self, a: Iterable[Value], alpha: Value = 1, beta: Value = 0, field: Field = RR) -> None:
         self._set_up(field, a, "a", 1)
         self.parameters = (self.field.coerce(alpha, "alpha"), self.field.coerce(beta, "beta"))
         if self.parameters[0] == self.field.zero:

@@ -18,8 +18,9 @@ from typing import Any
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
 from jacobian import RR, poly
+from jacobian.element import Value
 from jacobian.errors import ArgumentError, entries, shown
-from jacobian.fields.protocol import check_field
+from jacobian.fields.protocol import Field, check_field
 
 
 class HenonHeiles(QuadricSystem):
@@ -39,7 +40,7 @@ class HenonHeiles(QuadricSystem):
         beta: Any = 0,
         gamma: Any = 0,
         barriers: Any = None,
-        field: Any = RR,
+        field: Field = RR,
     ) -> None:
         self._set_up(field, a, "a", 1)
         axes = len(self.constants)
@@ -55,7 +56,7 @@ class HenonHeiles(QuadricSystem):
         self.size = axes + 1
 
     @classmethod
-    def with_frequencies(cls, first: Any, second: Any, field: Any = RR) -> HenonHeiles:
+    def with_frequencies(cls, first: Value, second: Value, field: Field = RR) -> HenonHeiles:
         """The system with H = ½(p_0² + p_1² + ω_0²q_0² + ω_1²q_1²) + 2q_0³ + q_0q_1², for frequencies ω_0, ω_1."""
         K = check_field(field, "field")
         A, B = (K.mul(x, x) for x in (K.coerce(first, "first"), K.coerce(second, "second")))

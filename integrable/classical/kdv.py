@@ -13,7 +13,7 @@ that shrinks to a point, e_{2j−1} = e_{2j}, is the eigenvalue of a soliton. A 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -25,8 +25,9 @@ from integrable.phase.enclosure import ball_digits, exact_times, widest
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import RR, poly
+from jacobian.element import Value
 from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
-from jacobian.fields.protocol import check_field
+from jacobian.fields.protocol import Field, check_field
 from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended
 
@@ -53,7 +54,7 @@ class KdV(Made):
     ``KdV((0, 1, 2)).wave(kdv.state([1.5])).at(x, t)``. The unit of u is that of the edges, 1/length².
     """
 
-    def __init__(self, edges: Any, field: Any = RR) -> None:
+    def __init__(self, edges: Iterable[Value], field: Field = RR) -> None:
         self.field = check_field(field, "field")
         if not self.field.exact:
             long_digits(self.field)

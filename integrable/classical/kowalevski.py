@@ -23,7 +23,7 @@ from integrable.mumford.motion import MumfordMotion, Start
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, normalized
 from jacobian import RR, poly
 from jacobian.errors import NotRepresentable, one_or_more
-from jacobian.fields.protocol import check_field
+from jacobian.fields.protocol import Field, check_field
 
 
 class KowalevskiTop(MumfordSystem):
@@ -33,7 +33,7 @@ class KowalevskiTop(MumfordSystem):
     constants = ()
     _constraint_names = ("|γ| = 1",)
 
-    def __init__(self, field: Any = RR) -> None:
+    def __init__(self, field: Field = RR) -> None:
         self.field = check_field(field, "field")
 
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:

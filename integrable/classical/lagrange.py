@@ -15,7 +15,8 @@ from typing import Any
 from integrable.classical.axial import AxialSystem, Axis, heavy
 from integrable.mumford.flow import Point
 from jacobian import RR
-from jacobian.fields.protocol import check_field
+from jacobian.element import Value
+from jacobian.fields.protocol import Field, check_field
 
 
 class LagrangeTop(AxialSystem):
@@ -26,7 +27,7 @@ class LagrangeTop(AxialSystem):
 
     _constraint_names = ("|γ| = 1",)
 
-    def __init__(self, j: Any = 1, field: Any = RR) -> None:
+    def __init__(self, j: Value = 1, field: Field = RR) -> None:
         self.field = check_field(field, "field")
         self.parameters = (self.field.coerce(j, "j"),)
 

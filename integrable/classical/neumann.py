@@ -10,13 +10,15 @@ branch point a_i, with κ = f₁'(a_i). So signs are determined, also where the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
 from integrable.mumford.system import on_sphere, uhlenbeck
 from jacobian import RR
+from jacobian.element import Value
+from jacobian.fields.protocol import Field
 
 
 class Neumann(QuadricSystem):
@@ -28,7 +30,7 @@ class Neumann(QuadricSystem):
 
     _constraint_names = ("|q| = 1", "(q, p) = 0")
 
-    def __init__(self, a: Any, field: Any = RR) -> None:
+    def __init__(self, a: Iterable[Value], field: Field = RR) -> None:
         self._set_up(field, a, "a", 2)
 
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
@@ -59,11 +61,11 @@ class Neumann(QuadricSystem):
         a, squares = self._constants_in(N), [x * x for x in state.q]
         return {"F": uhlenbeck(a, state, squares), "H": (N.dot(state.p, state.p) + N.dot(a, squares)) / 2}
 
-    def discrete(self, state: Point, h: Any) -> Point:
+    def discrete(self, state: Point, h: Value) -> Point:
         """The state after the :meth:`step` of λ = −1/h², time ``h`` to second order; h < 0 is a step back."""
         genus = self.size - 1
-        h = self._time_step(h)
-        sign = 1 if (h > 0) == (genus % 2 == 0) else -1
-        new = self.step(state, self.curve_point(state, -1 / (h * h), sign))
+        step = self._time_step(h)
+        sign = 1 if (step > 0) == (genus % 2 == 0) else -1
+        new = self.step(state, self.curve_point(state, -1 / (step * step), sign))
         # a step back takes the negative roots
-        return new if h > 0 else Point(tuple(-x for x in new.q), tuple(-y for y in new.p))
+        return new if step > 0 else Point(tuple(-x for x in new.q), tuple(-y for y in new.p))

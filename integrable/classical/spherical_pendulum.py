@@ -17,7 +17,7 @@ from integrable.classical.axial import AxialSystem, Axis, heavy
 from integrable.mumford.flow import Point
 from integrable.mumford.system import on_sphere
 from jacobian import RR
-from jacobian.fields.protocol import check_field
+from jacobian.fields.protocol import Field, check_field
 
 
 class SphericalPendulum(AxialSystem):
@@ -25,7 +25,7 @@ class SphericalPendulum(AxialSystem):
 
     _constraint_names = ("|q| = 1", "(q, p) = 0")
 
-    def __init__(self, field: Any = RR) -> None:
+    def __init__(self, field: Field = RR) -> None:
         self.field = check_field(field, "field")
 
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:

@@ -13,15 +13,16 @@ uniformly.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, SupportsIndex
 
 from integrable.mumford.fields import exponential, exponential_less_one, log_of
 from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point_minus_infinity
 from integrable.mumford.system import MumfordSystem, Spectral, all_of
 from jacobian import RR, poly
+from jacobian.element import Value
 from jacobian.errors import one_of, whole
-from jacobian.fields.protocol import check_field
+from jacobian.fields.protocol import Field, check_field
 from jacobian.relatives.extended import Extended
 
 
@@ -31,7 +32,7 @@ class TodaLattice(MumfordSystem):
     Over an exact field, which has no exponentials, the q of a state are e^{q_k}.
     """
 
-    def __init__(self, n: Any, field: Any = RR) -> None:
+    def __init__(self, n: SupportsIndex, field: Field = RR) -> None:
         self.field = check_field(field, "field")
         self.size = whole(n, "n", "the number of particles is an int ≥ 2", 2)
         self.constants = ()
@@ -149,11 +150,11 @@ class TodaLattice(MumfordSystem):
                 above, below = below, (*[c / rest[size - 2 - k] for c in rest[: size - 2 - k]], N.one)
         return p, links
 
-    def discrete(self, state: Point, h: Any) -> Point:
+    def discrete(self, state: Point, h: Value) -> Point:
         """The state after the :meth:`step` of λ = 1/h, time ``h`` to first order; its centre of mass is exact."""
-        h = self._time_step(h)
-        new = self.step(state, self.curve_point(state, 1 / h))
-        shift = (sum(state.q) + h * sum(state.p) - sum(new.q)) / self.size
+        step = self._time_step(h)
+        new = self.step(state, self.curve_point(state, 1 / step))
+        shift = (sum(state.q) + step * sum(state.p) - sum(new.q)) / self.size
         return Point(tuple(x + shift for x in new.q), new.p)
 
     def step(self, state: Point, point: Sequence[Any], sheet: int = 1) -> Point:

@@ -13,14 +13,15 @@ The second line is the equation of order four. s_1, s_2, s_3 are its constants, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from integrable.mumford.flow import Point
 from integrable.mumford.system import MumfordSystem, Spectral, all_of
 from jacobian import RR, poly
+from jacobian.element import Value
 from jacobian.errors import ArgumentError, entries, shown
-from jacobian.fields.protocol import check_field
+from jacobian.fields.protocol import Field, check_field
 from jacobian.relatives.extended import Extended
 
 
@@ -42,7 +43,7 @@ class TwoGaps(MumfordSystem):
     size = 2
     constants = ()
 
-    def __init__(self, sums: Any, field: Any = RR) -> None:
+    def __init__(self, sums: Iterable[Value], field: Field = RR) -> None:
         self.field = check_field(field, "field")
         wanted = "three numbers: the first three elementary symmetric functions of the five edges"
         given = entries(sums, "sums", wanted)

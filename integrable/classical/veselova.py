@@ -13,12 +13,15 @@ of Neumann's system with the constants I_i.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from integrable.mumford.bodies import BodySystem
 from integrable.mumford.flow import Point
 from jacobian import RR
+from jacobian.element import Value
 from jacobian.errors import ArgumentError, shown
+from jacobian.fields.protocol import Field
 
 
 class Veselova(BodySystem):
@@ -27,7 +30,7 @@ class Veselova(BodySystem):
     ``Veselova((1, 2, 3)).flow(system.state(q, p)).at(times)``; ``omega(state)`` is the angular velocity.
     """
 
-    def __init__(self, inertia: Any, field: Any = RR) -> None:
+    def __init__(self, inertia: Iterable[Value], field: Field = RR) -> None:
         self._set_up_moments(field, inertia)
         K = self.field
         if not K.exact and not all(isinstance(x, complex) or x > 0 for x in self.constants):

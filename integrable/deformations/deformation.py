@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.phase.state import State
+from jacobian.element import Value
 from jacobian.errors import ArgumentError, NotRepresentable
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class Deformation(Hamiltonian):
         return two_curves.from_divisors(self, D, None if like is None else self._checked(like))
 
     def translation(
-        self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1
+        self, points: Sequence[Value | None], sheets: Sequence[int] | None = None, multiple: int = 1
     ) -> CurveTranslation | IsometricStep:
         """The map that adds a point of fixed abscissa on each curve; it is a Poisson map and preserves H and K.
 

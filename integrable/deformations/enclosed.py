@@ -109,7 +109,8 @@ class _March:
         self._flint = flint
         self.reals = BallReals(bits)
         with self.reals:
-            wide = system.over(BallField(self.reals))
+            balls: Any = BallField(self.reals)
+            wide = system.over(balls)
             start = onto_constraints(wide, state)
             self._rolls, zero = system.body.rolls, wide.field.zero
             self._point = [*start.gamma, *start.M, *([zero] if self._rolls else [])]

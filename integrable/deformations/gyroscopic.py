@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import Any, Self
 
 from integrable.deformations.deformation import Deformation
 from integrable.deformations.hamiltonian import Potential, Scalars, combination, product
 from jacobian import RR
+from jacobian.element import Value
+from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
 
 
@@ -19,7 +21,7 @@ class Gyroscopic(Deformation):
 
     further = ("c",)
 
-    def __init__(self, inertia: Sequence[Any], c: Any, *, field: Any = RR) -> None:
+    def __init__(self, inertia: Iterable[Value], c: Value, *, field: Field = RR) -> None:
         self._build(inertia, 0, None, field)
         self.c = field.coerce(c, "c")
 
@@ -27,7 +29,7 @@ class Gyroscopic(Deformation):
     def arguments(self) -> dict[str, Any]:
         return {**super().arguments, "c": self.c}
 
-    def over(self, field: Any) -> Self:
+    def over(self, field: Field) -> Self:
         return replaced(super().over(field), c=field.coerce(self.c, "c"))
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:

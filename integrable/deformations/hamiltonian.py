@@ -9,7 +9,7 @@ nonholonomic Chaplygin ball", with the corrections of docs/errata.md.)
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
@@ -20,7 +20,9 @@ from integrable.phase.space import check_state
 from integrable.phase.state import State
 from integrable.systems.chaplygin_ball import ChaplyginBall
 from jacobian import RR
+from jacobian.element import Value
 from jacobian.errors import ArgumentError, NotRepresentable, shown
+from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
@@ -157,7 +159,7 @@ class Hamiltonian(Made):
     further: ClassVar[tuple[str, ...]] = ()
     """The names of further constants."""
 
-    def _build(self, inertia: Sequence[Any], d: Any, potential: Sequence[Any] | None, field: Any = RR) -> None:
+    def _build(self, inertia: Iterable[Value], d: Value, potential: Sequence[Value] | None, field: Field = RR) -> None:
         # the moments are parameters of a Hamiltonian, not those of a ball
         with unwarned():
             self.rigid = ChaplyginBall(inertia, d, field=field)
@@ -169,7 +171,7 @@ class Hamiltonian(Made):
         return self.rigid.body
 
     @property
-    def field(self) -> Field[Any]:
+    def field(self) -> Field:
         """The field of the coordinates."""
         return self.rigid.field
 
@@ -183,11 +185,11 @@ class Hamiltonian(Made):
         """The d of the bracket."""
         return self.rigid.d
 
-    def state(self, gamma: Sequence[Any], M: Sequence[Any], g: Any = None) -> State:
+    def state(self, gamma: Iterable[Value], M: Iterable[Value], g: Value | None = None) -> State:
         """The state (γ, M); |γ| = 1 and (γ, M) = 0 are checked as by :meth:`System.state`."""
         return self.rigid.state(gamma, M, g)
 
-    def over(self, field: Any) -> Self:
+    def over(self, field: Field) -> Self:
         """The same Hamiltonian over another field, to which its numbers are converted."""
         potential = self.potential
         with unwarned():

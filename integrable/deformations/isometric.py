@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.deformation import Deformation
 from integrable.deformations.hamiltonian import DeformedIntegrals, Potential, Scalars, combination, poles, product
 from integrable.phase.state import State
 from jacobian import RR
+from jacobian.element import Value
+from jacobian.fields.protocol import Field
 
 if TYPE_CHECKING:
     from integrable.deformations.deformed_flow import DeformedFlow
@@ -18,7 +20,9 @@ if TYPE_CHECKING:
 class IsometricDeformation(Deformation):
     """A pair on e*(3) at d = 0, isometric to the tilde pair of A⁻¹: the base class of :class:`Check`, :class:`Hat`."""
 
-    def __init__(self, inertia: Sequence[Any], *, potential: Sequence[Any] | None = None, field: Any = RR) -> None:
+    def __init__(
+        self, inertia: Iterable[Value], *, potential: Sequence[Value] | None = None, field: Field = RR
+    ) -> None:
         self._build(inertia, 0, potential, field)
 
     degree = 2
@@ -57,7 +61,7 @@ class IsometricDeformation(Deformation):
         return unlifted(self, self.curves_of().from_divisor(D, model))
 
     def translation(
-        self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1
+        self, points: Sequence[Value | None], sheets: Sequence[int] | None = None, multiple: int = 1
     ) -> IsometricStep:
         """The step of the tilde pair of A⁻¹ (:class:`integrable.deformations.two_curves.CurveTranslation`).
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.deformation import Deformation
 from integrable.deformations.hamiltonian import Potential, Scalars, combination, poles, product
 from integrable.phase.state import State
 from jacobian import RR
+from jacobian.element import Value
+from jacobian.fields.protocol import Field
 
 if TYPE_CHECKING:
     from integrable.deformations.deformed_flow import DeformedFlow
@@ -23,7 +25,7 @@ class Tilde(Deformation):
     """
 
     def __init__(
-        self, inertia: Sequence[Any], d: Any = 0, *, potential: Sequence[Any] | None = None, field: Any = RR
+        self, inertia: Iterable[Value], d: Value = 0, *, potential: Sequence[Value] | None = None, field: Field = RR
     ) -> None:
         self._build(inertia, d, potential, field)
 

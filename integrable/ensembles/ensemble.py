@@ -3,21 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from integrable.ensembles.computing import COLUMNS, computed, held
 from integrable.ensembles.members import Members, broadcast, time_rows, times_of_some
 from integrable.ensembles.trajectories import Trajectories
+from jacobian.element import Numbers, Table
 from jacobian.errors import ArgumentError, flag, shown, whole
+
+if TYPE_CHECKING:
+    from integrable.deformations.hamiltonian import Hamiltonian
+    from integrable.phase.space import PhaseSpace
 
 __all__ = ["Ensemble", "ensemble"]
 
 CHUNK_BYTES = 1 << 26
 
 
-def ensemble(system: Any, gamma: Any, M: Any, *, inertia: Any = None, d: Any = None, tilted: bool = False) -> Ensemble:
+def ensemble(
+    system: PhaseSpace[float] | Hamiltonian,
+    gamma: Table,
+    M: Table,
+    *,
+    inertia: Table | None = None,
+    d: Numbers | None = None,
+    tilted: bool = False,
+) -> Ensemble:
     """Many motions of ``system``, over RR: γ and M of shape (K, 3), and the moments ``inertia``, shape (K, 3), and
     ``d``, shape (K,), where the members differ in them; each may also be one value for all. A refused member does not
     affect the others: :meth:`Ensemble.at` has the reasons. ArgumentError for shapes that do not broadcast, another
@@ -29,7 +42,7 @@ def ensemble(system: Any, gamma: Any, M: Any, *, inertia: Any = None, d: Any = N
 class Ensemble(Members):
     """The result of :func:`ensemble`."""
 
-    def at(self, times: Any, *, out: np.ndarray | None = None) -> Trajectories:
+    def at(self, times: Numbers, *, out: np.ndarray | None = None) -> Trajectories:
         """The states of all members at physical times of any order, sign and size.
 
         Times have shape (N,), the same for all members, or (K, N). Motions over a few turns are short runs, whose times
@@ -48,7 +61,7 @@ class Ensemble(Members):
             raise ArgumentError("out is read-only: an array that can be written to is needed")
         return Trajectories(self, given, out, computed(self.system, self.members, self.tilted, given, out))
 
-    def chunks(self, times: Any, members: int | None = None) -> Iterator[Trajectories]:
+    def chunks(self, times: Numbers, members: int | None = None) -> Iterator[Trajectories]:
         """Yields the results of :meth:`at` for ``members`` members at a time, in order.
 
         Memory is needed for one such chunk only, 64 MB by default.

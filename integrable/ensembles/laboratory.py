@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -22,6 +23,7 @@ from integrable.motion.short import MOST_TIMES
 from integrable.phase import attitude
 from integrable.phase.body import Body
 from jacobian import RR
+from jacobian.element import Numbers, Rows
 from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, chosen, floats, several, shown, whole
 from jacobian.immutable import Record, read_only, replaced
 from jacobian.numbers.compiler import interpreted
@@ -92,7 +94,7 @@ class LaboratoryEnsemble(Record):
     def __iter__(self) -> Iterator[LaboratoryMotion]:
         return map(self.motion, range(len(self)))
 
-    def __getitem__(self, which: Any) -> Any:
+    def __getitem__(self, which: Rows) -> Any:
         """The motion of one member, or the members chosen by a slice, an array of indices or a Boolean mask."""
         if not several(which):
             return self.motion(member_number(which, len(self)))
@@ -113,7 +115,7 @@ class LaboratoryEnsemble(Record):
         found: LaboratoryMotion = self.body.motion(self.orientations[member], self.omega[member], *place)
         return found
 
-    def at(self, times: Any) -> LaboratoryRuns:
+    def at(self, times: Numbers) -> LaboratoryRuns:
         """Orientations and ω of all members at times in s, in any order, of any sign and size: shape (N,), the same for
         all, or (K, N).
 
@@ -298,7 +300,7 @@ class LaboratoryRuns(Runs, Exported):
     def _usual(self) -> tuple[str, ...]:
         return usual(self.ensemble.body)
 
-    def _frame(self, quantities: Any) -> Frame:
+    def _frame(self, quantities: Iterable[str] | None) -> Frame:
         dims, coordinates = self._dimensions()
         variables = columns_of(dims, self, quantities)
         variables["status"] = status_column(dims[:1], self.status, self.reasons)

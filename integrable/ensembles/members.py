@@ -17,6 +17,7 @@ from integrable.phase.body import Body
 from integrable.systems.euler_top import EulerTop
 from integrable.systems.system import System
 from jacobian import RR
+from jacobian.element import Rows
 from jacobian.errors import ArgumentError, chosen, floats, several, shown, whole
 from jacobian.immutable import Record, replaced
 
@@ -45,7 +46,7 @@ class Members(Record):
         heads = ["I1", "I2", "I3", "d", "γ1", "γ2", "γ3", "M1", "M2", "M3"]
         return table(repr(self), ["member", *heads], [(k, *row) for k, row in enumerate(self.members.tolist())])
 
-    def __getitem__(self, which: Any) -> Any:
+    def __getitem__(self, which: Rows) -> Any:
         """The motion of one member, or the members chosen by a slice, an array of indices or a Boolean mask."""
         if not several(which):
             return self.flow(member_number(which, len(self)))

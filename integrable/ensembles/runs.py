@@ -9,6 +9,7 @@ import numpy as np
 
 from integrable.ensembles.members import member_number, times_of_some
 from integrable.files.frame import Column
+from jacobian.element import Rows
 from jacobian.errors import ArgumentError, chosen, several
 from jacobian.immutable import Record, read_only, replaced
 
@@ -49,7 +50,7 @@ class Runs(Record):
         """The members with status 0."""
         return self._some(np.flatnonzero(self.status == 0))
 
-    def __getitem__(self, which: Any) -> Any:
+    def __getitem__(self, which: Rows) -> Any:
         """A member (raises its refusal as a whole), or some members."""
         if several(which):
             return self._some(np.arange(len(self))[chosen(which, len(self))])

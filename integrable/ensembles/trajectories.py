@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
 
@@ -125,7 +126,7 @@ class Trajectories(Runs, Exported):
             return rates
         return attitude.quaternions(system._attitude_along(gamma, M))
 
-    def _frame(self, quantities: Any) -> Frame:
+    def _frame(self, quantities: Iterable[str] | None) -> Frame:
         dims, coordinates = self._dimensions()
         rows = statuses(self.status, self._partial, self._rows.shape[1])
         words = ("refused", *WORDS)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import os
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from jacobian.element import File
 from jacobian.immutable import Record
 
 if TYPE_CHECKING:
@@ -28,26 +29,26 @@ class Exported(Record):
         """The quantities written by default."""
         return USUAL
 
-    def _asked(self, quantities: Any) -> Frame:
+    def _asked(self, quantities: Iterable[str] | None) -> Frame:
         return self._frame(self._usual if quantities is None else quantities)
 
-    def _frame(self, quantities: Any) -> Frame:
+    def _frame(self, quantities: Iterable[str]) -> Frame:
         """The frame to write."""
         raise NotImplementedError
 
-    def to_xarray(self, quantities: Any = None) -> Any:
+    def to_xarray(self, quantities: Iterable[str] | None = None) -> Any:
         """An ``xarray.Dataset`` with dimensions, units and a description of the motion as attributes."""
         from integrable.files.frame import dataset
 
         return dataset(self._asked(quantities))
 
-    def to_dataframe(self, quantities: Any = None) -> Any:
+    def to_dataframe(self, quantities: Iterable[str] | None = None) -> Any:
         """A ``pandas.DataFrame`` with a row for each state and columns ``gamma_1`` …; ``attrs`` has the units."""
         from integrable.files.frame import dataframe
 
         return dataframe(self._asked(quantities))
 
-    def save(self, path: str | os.PathLike[str], quantities: Any = None) -> None:
+    def save(self, path: File, quantities: Iterable[str] | None = None) -> None:
         """Write a .nc, .h5, .zarr, .parquet, .csv or .mat file, completely or not at all.
 
         Numbers of MP(digits) can only be written to .csv. See :func:`integrable.files.writing.save`.

@@ -12,6 +12,7 @@ import numpy as np
 
 from integrable.extras import needed
 from integrable.files.whole import target_of, whole_file
+from jacobian.element import File
 from jacobian.errors import ArgumentError, shown, whole
 
 SUFFIXES = (".gif", ".mp4")
@@ -22,7 +23,7 @@ COLORS = ("#1b6ca8", "#b03a2e", "#1e8449")
 POINTS = 121
 
 
-def animate(run: Any, path: Any, fps: int) -> None:
+def animate(run: Any, path: File, fps: int) -> None:
     """:meth:`integrable.laboratory.motion.LaboratoryRun.animate`."""
     needed("matplotlib", "animate")
     from matplotlib.animation import FFMpegWriter, FuncAnimation, PillowWriter

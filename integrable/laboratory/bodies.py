@@ -9,13 +9,14 @@ its contact path the one in metres.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterable
 from math import ceil, log10
 from typing import Any
 
 import numpy as np
 
 from integrable.laboratory.motion import LaboratoryMotion
-from integrable.laboratory.tensor import cross, matrix, principal, rotation
+from integrable.laboratory.tensor import Orientation, cross, matrix, principal, rotation
 from integrable.laboratory.vertical import Vertical
 from integrable.laboratory.ways import Along, Uniform, WideFlow, numbers
 from integrable.phase.body import Body, say_unphysical, triple, unwarned
@@ -25,7 +26,9 @@ from integrable.phase.state import State
 from integrable.systems.chaplygin_ball import ChaplyginBall
 from integrable.systems.euler_top import EulerTop
 from jacobian import MP, RR
+from jacobian.element import Real, Table, Value
 from jacobian.errors import ArgumentError, entries, shown
+from jacobian.fields.protocol import Field
 
 # extra digits of a set-up, and of a flow, beyond those of MP(digits)
 GUARD, INNER = 15, 5
@@ -41,13 +44,13 @@ class RigidBody(Made):
     axes of the tensor.
     """
 
-    mass: Any = None
-    radius: Any = None
+    mass: Real | None = None
+    radius: Real | None = None
 
-    def __init__(self, inertia: Any, *, field: Any = RR) -> None:
+    def __init__(self, inertia: Table, *, field: Field = RR) -> None:
         self._wide = _wide_field(field)
-        self.field = field
-        eps = field.eps
+        K: Any = field
+        self.field, eps = K, K.eps
         self._tensor = matrix(self._wide, inertia, "inertia", "three moments or a 3×3 tensor", moments=True)
         self._principal = principal(self._wide, self._tensor, eps)
         say_unphysical([float(x) for x in self._principal.moments], RR)
@@ -57,11 +60,11 @@ class RigidBody(Made):
         self._free_moments = self._principal.moments
 
     @property
-    def axes(self) -> Any:
+    def axes(self) -> np.ndarray:
         """The principal axes in the axes of the tensor, as columns, shape (3, 3)."""
         return numbers(self.field, self._principal.axes)
 
-    def motion(self, orientation: Any, omega: Any) -> LaboratoryMotion:
+    def motion(self, orientation: Orientation, omega: Iterable[Value]) -> LaboratoryMotion:
         """The motion from an orientation and an angular velocity.
 
         ``orientation`` takes vectors in the axes of the tensor to the laboratory: a 3×3 matrix or SciPy's Rotation.
@@ -123,7 +126,7 @@ class RollingBall(RigidBody):
     in kg and ``radius`` in m; ``field`` RR or MP(digits). ``moments`` and ``axes`` as of a :class:`RigidBody`.
     """
 
-    def __init__(self, inertia: Any, mass: Any, radius: Any, *, field: Any = RR) -> None:
+    def __init__(self, inertia: Table, mass: Value, radius: Value, *, field: Field = RR) -> None:
         super().__init__(inertia, field=field)
         K = self._wide
         wide = []
@@ -135,7 +138,7 @@ class RollingBall(RigidBody):
         self._d = self._mass * self._radius**2
         self._free_moments = tuple(x + self._d for x in self._principal.moments)
         self.mass, self.radius = field.coerce(mass), field.coerce(radius)
-        if sum(self._principal.moments) > 2 * self._d * (1 + 8 * field.eps):
+        if sum(self._principal.moments) > 2 * self._d * (1 + 8 * self.field.eps):
             warnings.warn(
                 f"inertia: its moments add up to {float(sum(self._principal.moments))}, more than 2·mass·radius² = "
                 f"{float(2 * self._d)}: some of the mass is outside the ball",
@@ -149,7 +152,9 @@ class RollingBall(RigidBody):
     def _value(self) -> tuple[Any, ...]:
         return *super()._value(), self._mass, self._radius
 
-    def motion(self, orientation: Any, omega: Any, contact: Any = (0, 0)) -> LaboratoryMotion:
+    def motion(
+        self, orientation: Orientation, omega: Iterable[Value], contact: Iterable[Value] = (0, 0)
+    ) -> LaboratoryMotion:
         """The motion from an orientation, an angular velocity and a point of contact.
 
         ``orientation`` takes vectors in the axes of the tensor to the laboratory, whose z is up: a 3×3 matrix or

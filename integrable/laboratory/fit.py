@@ -8,6 +8,7 @@ by γ × ψ and M by M × ψ; changes of ω and I change the momentum of the sta
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ import numpy as np
 from integrable.extras import needed
 from integrable.laboratory.tensor import matrices_of
 from jacobian import RR
+from jacobian.element import Numbers
 from jacobian.errors import ArgumentError, floats, shown, written
 from jacobian.immutable import Record
 
@@ -58,7 +60,7 @@ class OrientationFit(Record):
         return f"<OrientationFit: ratios {first:.8g} and {second:.8g}, rms {self.rms:.2g} rad>"
 
 
-def fitted(guess: Any, times: Any, orientations: Any) -> OrientationFit:
+def fitted(guess: Any, times: Numbers, orientations: Iterable[object]) -> OrientationFit:
     """The motion nearest to measured orientations, from a guess; see the method of the motion."""
     needed("scipy", "fitted")
     from scipy.optimize import least_squares

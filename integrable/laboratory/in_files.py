@@ -4,6 +4,7 @@ body.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -38,13 +39,13 @@ def about_body(body: Any, **more: Any) -> dict[str, Any]:
     return {**made_of(body, given), **more}
 
 
-def columns_of(dims: tuple[str, ...], run: Any, quantities: Any) -> dict[str, Column]:
+def columns_of(dims: tuple[str, ...], run: Any, quantities: Iterable[str] | None) -> dict[str, Column]:
     """Quantities of one run or of many, along ``dims``."""
     names = checked(quantities, QUANTITIES)
     return columns(dims, {name: getattr(run, name) for name in names}, QUANTITIES)
 
 
-def run_frame(run: Any, quantities: Any) -> Frame:
+def run_frame(run: Any, quantities: Iterable[str] | None) -> Frame:
     """A :class:`integrable.laboratory.motion.LaboratoryRun`, along "time"."""
     time = Column(("time",), run.times, "s", "physical time t")
     return Frame(("time",), {"time": time}, columns_of(("time",), run, quantities), about_body(run.motion.body))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from integrable.files.exported import Exported
 from integrable.laboratory.ways import numbers
 from integrable.phase import attitude
 from jacobian import RR
+from jacobian.element import File, Numbers, Real
 from jacobian.errors import ArgumentError, NotRepresentable, chosen, one_or_more, several, shown, whole
 from jacobian.immutable import Immutable, read_only, replaced
 
@@ -44,7 +46,7 @@ class LaboratoryMotion(Immutable):
     def _value(self) -> tuple[Any, ...]:
         return self.body, tuple(self._start.ravel().tolist()), tuple(self._spin.tolist()), self._contact
 
-    def at(self, times: Any) -> LaboratoryRun:
+    def at(self, times: Numbers) -> LaboratoryRun:
         """The motion at times in s, in any order, of any sign and size, shape (N,).
 
         PrecisionLoss where floats do not suffice for that time.
@@ -61,7 +63,7 @@ class LaboratoryMotion(Immutable):
         portrait: Portrait = self.flow.portrait
         return portrait
 
-    def fitted(self, times: Any, orientations: Any) -> OrientationFit:
+    def fitted(self, times: Numbers, orientations: Iterable[object]) -> OrientationFit:
         """The motion of a free body nearest to orientations measured at ``times``, with this one as the guess: its
         start and the ratios of its moments, about the same principal axes (SciPy; :mod:`integrable.laboratory.fit`).
 
@@ -81,10 +83,10 @@ class Instant(NamedTuple):
     ``omega`` (3,) in the axes of the laboratory, ``contact`` (2,), None for a free body.
     """
 
-    time: Any
-    matrix: Any
-    omega: Any
-    contact: Any
+    time: Real
+    matrix: np.ndarray
+    omega: np.ndarray
+    contact: np.ndarray | None
 
 
 class LaboratoryRun(Exported):
@@ -94,13 +96,19 @@ class LaboratoryRun(Exported):
     :class:`Instant`; a slice or an array of numbers or truth values gives the run at some of the times.
     """
 
-    def __init__(self, motion: LaboratoryMotion, times: Any) -> None:
+    def __init__(self, motion: LaboratoryMotion, times: np.ndarray) -> None:
         self.motion, self.times = motion, times
 
     def __len__(self) -> int:
         return len(self.times)
 
-    def __getitem__(self, which: Any) -> Any:
+    @overload
+    def __getitem__(self, which: int | np.integer) -> Instant: ...
+
+    @overload
+    def __getitem__(self, which: slice | Sequence[int] | np.ndarray) -> LaboratoryRun: ...
+
+    def __getitem__(self, which: Any) -> Instant | LaboratoryRun:
         if not several(which):
             row = whole(which, "row", f"the rows are 0 … {len(self) - 1}", -len(self), len(self) - 1)
             contact = None if self.motion._contact is None else self.contact[row]
@@ -130,12 +138,12 @@ class LaboratoryRun(Exported):
 
         return usual(self.motion.body)
 
-    def _frame(self, quantities: Any) -> Frame:
+    def _frame(self, quantities: Iterable[str]) -> Frame:
         from integrable.laboratory.in_files import run_frame
 
         return run_frame(self, quantities)
 
-    def animate(self, path: Any, fps: int = 25) -> None:
+    def animate(self, path: File, fps: int = 25) -> None:
         """Write a moving picture of the run, a frame for each time, to ``path``, a .gif or (with ffmpeg) .mp4.
 
         It shows the body as it turns with ω, γ on its sphere in the axes of the tensor, and the path of a ball's point
@@ -169,7 +177,7 @@ class LaboratoryRun(Exported):
         return numbers(field, matrices) @ axes.T, numbers(field, omega) @ axes.T
 
     @cached_property
-    def matrices(self) -> Any:
+    def matrices(self) -> np.ndarray:
         """Rotations from the axes of the tensor to the laboratory, shape (N, 3, 3)."""
         return read_only(self._found[0])
 
@@ -184,7 +192,7 @@ class LaboratoryRun(Exported):
         return Rotation.from_matrix(self.matrices.astype(float))
 
     @cached_property
-    def quaternion(self) -> Any:
+    def quaternion(self) -> np.ndarray:
         """The ``matrices`` as unit quaternions (w, x, y, z), shape (N, 4).
 
         The first has w ≥ 0; of the two signs, each later one has that closer to the previous quaternion.
@@ -192,17 +200,17 @@ class LaboratoryRun(Exported):
         return read_only(going_on(attitude.quaternions(self.matrices)))
 
     @cached_property
-    def omega(self) -> Any:
+    def omega(self) -> np.ndarray:
         """The angular velocity in the axes of the laboratory, shape (N, 3), in rad/s."""
         return read_only(np.einsum("nij,nj->ni", *self._found))
 
     @property
-    def omega_body(self) -> Any:
+    def omega_body(self) -> np.ndarray:
         """The angular velocity in the axes of the tensor, shape (N, 3), in rad/s."""
         return read_only(self._found[1])
 
     @cached_property
-    def contact(self) -> Any:
+    def contact(self) -> np.ndarray:
         """(x, y) of the point of contact in the laboratory, shape (N, 2), in m; NotRepresentable for a free body."""
         motion = self.motion
         if motion._contact is None:
@@ -212,13 +220,13 @@ class LaboratoryRun(Exported):
         return read_only(path + numbers(field, np.array(motion._contact, dtype=object)))
 
     @cached_property
-    def centre(self) -> Any:
+    def centre(self) -> np.ndarray:
         """(x, y, z) of the centre of the ball, shape (N, 3), in m."""
         height = np.full((len(self), 1), self.motion.body.radius)
         return read_only(np.hstack([self.contact, height]))
 
 
-def going_on(quaternions: Any) -> Any:
+def going_on(quaternions: np.ndarray) -> np.ndarray:
     """The same rotations, shape (…, N, 4), with signs such that each quaternion is close to the previous one."""
     steps = np.sum(quaternions[..., 1:, :] * quaternions[..., :-1, :], axis=-1)
     turned = np.where(steps >= 0, 1, -1)

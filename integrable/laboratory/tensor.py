@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from jacobian.errors import ArgumentError, entries, shown
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+    from jacobian.element import Table
 
 # allowed violation, relative to the largest entry, of symmetry and of I₁ + I₂ ≥ I₃: data from drawings are rounded
 ROUNDED = 1e-9
@@ -18,6 +23,8 @@ SWEEPS = 60
 
 Matrix = np.ndarray[tuple[int, int], np.dtype[Any]]
 """Shape (3, 3), of mpf."""
+
+Orientation: TypeAlias = "Table | Rotation"
 
 
 class Principal(NamedTuple):
@@ -86,7 +93,7 @@ def diagonalised(K: Any, table: Matrix) -> tuple[Any, Matrix]:
     return np.diagonal(table), axes
 
 
-def rotation(K: Any, orientation: Any) -> Matrix:
+def rotation(K: Any, orientation: Orientation) -> Matrix:
     """The rotation nearest to an orientation, a matrix from the axes of the body to those of the laboratory, or
     SciPy's.
 

@@ -25,12 +25,13 @@ from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State, rotation_axis
 from integrable.phase.upright import leaning
 from jacobian import RR
+from jacobian.element import Number, Numbers, Real
 from jacobian.errors import ArgumentError, PrecisionLoss, one_of
 from jacobian.immutable import at_once, replaced
 from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from integrable.motion.integral import TorusIntegral
     from integrable.motion.precise import PreciseFlow, RoundedRows
@@ -103,7 +104,7 @@ class Flow(BodyMotion):
 
         return Portrait(self.system, self.state, self.setup)
 
-    def stream(self, path: str | os.PathLike[str], start: Any, end: Any, count: int) -> None:
+    def stream(self, path: str | os.PathLike[str], start: Number, end: Number, count: int) -> None:
         """Write the states at ``count`` equally spaced times from start to end to ``path``, a .npy file of float64 rows
         (t, γ1, γ2, γ3, M1, M2, M3), in bounded memory: shape (count, 7), read with ``numpy.load``.
 
@@ -113,7 +114,7 @@ class Flow(BodyMotion):
 
         stream(self, path, start, end, count)
 
-    def certify(self, times: Any, digits: int | None = None) -> Trajectory:
+    def certify(self, times: Numbers, digits: int | None = None) -> Trajectory:
         """The states of :meth:`at`, each compared with a run at more digits.
 
         The Trajectory has ``error``, the larger of the differences in γ and in M/|M|, and ``digits``, how many decimal
@@ -125,7 +126,7 @@ class Flow(BodyMotion):
 
         return certified(self, times, digits)
 
-    def enclosure(self, times: Any, digits: int | None = None) -> Enclosure:
+    def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
         """Proven bounds of the states at physical times: balls of radius at most 10^(−digits) that contain them.
 
         The inputs count as exact; ``digits`` are by default those of the field, 15 for RR. The cost of a time grows
@@ -140,7 +141,7 @@ class Flow(BodyMotion):
             self.system.body, self.state, list(given), ball_digits(self.system.field, digits), self.setup.time_scale
         )
 
-    def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> Enclosure:
+    def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> Enclosure:
         """:meth:`enclosure` at values of the flow's own time: a few additions for any τ."""
         from integrable.motion.enclosure import enclosure_at_tau
         from integrable.phase.enclosure import ball_digits
@@ -149,7 +150,7 @@ class Flow(BodyMotion):
         return enclosure_at_tau(self.system.body, self.state, list(given), ball_digits(self.system.field, digits))
 
     def events(
-        self, condition: Callable[[np.ndarray, np.ndarray], np.ndarray], start: Any, end: Any, direction: int = 0
+        self, condition: Callable[[np.ndarray, np.ndarray], np.ndarray], start: Number, end: Number, direction: int = 0
     ) -> Trajectory:
         """The states between two physical times at which ``condition`` changes sign, in order of time.
 
@@ -162,7 +163,7 @@ class Flow(BodyMotion):
 
         return events(self, condition, start, end, direction)
 
-    def sensitivity(self, times: Any) -> Sensitivity:
+    def sensitivity(self, times: Numbers) -> Sensitivity:
         """∂(γ, M)/∂(γ(0), M(0), I, d) at physical times, to rounding at any time
         (:mod:`integrable.portrait.sensitivity`).
 
@@ -189,7 +190,7 @@ class Flow(BodyMotion):
 
         return lines_of(self)
 
-    def residual_growth(self, counts: Any) -> list[tuple[int, Any]]:
+    def residual_growth(self, counts: Iterable[int]) -> list[tuple[int, Real]]:
         """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""
         from integrable.motion.residual import residual_growth
 

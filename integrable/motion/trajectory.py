@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, overload
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from integrable.motion.refusals import Rows, common_reasons, kept_rows, refused_
 from integrable.moving_point.setup import Setup
 from integrable.phase.state import State
 from jacobian import RR
+from jacobian.element import Numbers
 from jacobian.errors import (
     ArgumentError,
     NotRepresentable,
@@ -80,7 +81,7 @@ class Motion(Immutable):
     def __init__(self, system: Any, state: State) -> None:
         self.system, self.state = system, state
 
-    def at(self, times: Any, *, strict: bool = True) -> Trajectory:
+    def at(self, times: Numbers, *, strict: bool = True) -> Trajectory:
         """The states at physical times t, in any order, of any sign and size: a Trajectory of shape (N,).
 
         One row that cannot be computed refuses the call (PrecisionLoss, Infeasible). With ``strict=False`` the other
@@ -88,11 +89,11 @@ class Motion(Immutable):
         """
         return self._run(self._checked(times, "times"), flag(strict, "strict"), physical=True)
 
-    def at_tau(self, tau: Any, *, strict: bool = True) -> Trajectory:
+    def at_tau(self, tau: Numbers, *, strict: bool = True) -> Trajectory:
         """The states at values of the flow's own time τ, dτ = g dt (τ = t at d = 0); ``strict`` as for :meth:`at`."""
         return self._run(self._checked(tau, "tau"), flag(strict, "strict"), physical=False)
 
-    def physical_time(self, tau: Any) -> Times:
+    def physical_time(self, tau: Numbers) -> Times:
         """t(τ) = ∫_0^τ dτ/g for an array of τ."""
         given = self._checked(tau, "tau")
         if not self.system.body.rolls:
@@ -113,7 +114,7 @@ class Motion(Immutable):
         """The method for the states at these times, values of τ unless ``physical``."""
         raise NotImplementedError
 
-    def _prepare(self, times: Any) -> None:
+    def _prepare(self, times: Numbers) -> None:
         """Compute the set-up for states at these times, so that it can be timed separately."""
         self._way_to(self._checked(times, "times"), physical=True)
 
@@ -238,7 +239,13 @@ class Trajectory(Exported):
     def __len__(self) -> int:
         return len(self._rows)
 
-    def __getitem__(self, which: Any) -> Any:
+    @overload
+    def __getitem__(self, which: int | np.integer) -> State: ...
+
+    @overload
+    def __getitem__(self, which: slice | Sequence[int] | np.ndarray) -> Trajectory: ...
+
+    def __getitem__(self, which: Any) -> State | Trajectory:
         """The State of one row (NotRepresentable for one that was refused), or the Trajectory of those that a slice, or
         an array of numbers or truth values chooses.
         """
@@ -261,7 +268,7 @@ class Trajectory(Exported):
         """
         return joined(self, *others)
 
-    def _frame(self, quantities: Any) -> Frame:
+    def _frame(self, quantities: Iterable[str]) -> Frame:
         from integrable.files.quantities import trajectory_frame
 
         return trajectory_frame(self, quantities)

@@ -7,11 +7,12 @@ many times by tables. The rest is computed by additions in long numbers (:mod:`i
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple
 
 from integrable.mumford.motion import MumfordMotion, Start
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import RR
+from jacobian.element import Element, Number, Numbers, Real
 from jacobian.errors import ArgumentError, PrecisionLoss, one_or_more
 from jacobian.immutable import Record, at_once, read_only
 from jacobian.inexact.long_field import LongField
@@ -45,11 +46,11 @@ SERIES, TORUS, ADDITIONS = "series", "torus", "additions"
 GENERA_TABLED = range(3, 7)
 
 
-class Point(NamedTuple):
+class Point(NamedTuple, Generic[Element]):
     """A state: positions ``q``, and momenta or velocities ``p``."""
 
-    q: tuple[Any, ...]
-    p: tuple[Any, ...]
+    q: tuple[Element, ...]
+    p: tuple[Element, ...]
 
 
 class Path(Record):
@@ -59,14 +60,16 @@ class Path(Record):
     estimate of the largest error relative to the largest component of q, or of p, at the same time.
     """
 
-    times: Any
-    q: Any
-    p: Any
+    times: np.ndarray
+    q: np.ndarray
+    p: np.ndarray
     way: str
     estimate: float
 
     @at_once
-    def __init__(self, times: Any, q: Any, p: Any, way: str = ADDITIONS, estimate: float = ROUNDED) -> None:
+    def __init__(
+        self, times: np.ndarray, q: np.ndarray, p: np.ndarray, way: str = ADDITIONS, estimate: float = ROUNDED
+    ) -> None:
         vars(self).update(times=read_only(times), q=read_only(q), p=read_only(p), way=way, estimate=estimate)
 
     def __len__(self) -> int:
@@ -103,7 +106,7 @@ class MumfordFlow:
     def _place(self, N: LongField) -> Start:
         return self.system._start(N, self._inner(N))
 
-    def at(self, times: Any) -> Path:
+    def at(self, times: Numbers) -> Path:
         """The states at the given times: one number or a sequence of numbers, in any order, of any sign and size.
 
         Floats are accurate to their last bits, numbers of MP(digits) to their digits; see
@@ -210,7 +213,7 @@ class MumfordFlow:
     def _given(self, times: Any, name: str = "times") -> list[Any]:
         return [self.system.field.coerce(t, f"{name}[{i}]") for i, t in enumerate(one_or_more(times, name))]
 
-    def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
+    def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
         """Enclosures of the states at times: balls that provably contain them, of relative radius at most 10^(−digits).
 
         The radius is relative to the largest component of q, or of p, at the start or at that time. The inputs count as
@@ -222,7 +225,7 @@ class MumfordFlow:
 
         return enclosed_path(self, self._given(times), digits)
 
-    def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> EnclosedPath:
+    def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> EnclosedPath:
         """:meth:`enclosure` at values of τ, in which the motion has the direction ``system.direction``.
 
         ``times`` of the result is None if t is not linear in τ.
@@ -231,7 +234,7 @@ class MumfordFlow:
 
         return enclosed_path(self, self._given(tau, "tau"), digits, in_tau=True)
 
-    def tau_near(self, time: Any, digits: int) -> Any:
+    def tau_near(self, time: Number, digits: int) -> Real:
         """τ, as a long number, at a time of a motion that carries its clock."""
         return self._motion.tau_at(time, digits, self._clock)
 

@@ -148,7 +148,7 @@ class QuadricSystem(MumfordSystem):
 
     def _differ(self, x: Any, y: Any) -> bool:
         """Whether two numbers differ; over an inexact field, by more than rounding."""
-        K = self.field
+        K: Any = self.field
         return bool(x != y if K.exact else abs(x - y) > OFF * K.eps * abs(y))
 
     def _roots(self, roots: Any) -> list[Any]:

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from inspect import signature
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 from integrable.mumford.fields import padded
 from integrable.mumford.flow import MumfordFlow, Point, element, long_digits
@@ -22,6 +22,7 @@ from integrable.phase.jets import JetField
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import RR, Divisor, HyperellipticCurve, poly
+from jacobian.element import Element, Real, Value
 from jacobian.errors import (
     ArgumentError,
     JacobianError,
@@ -32,7 +33,7 @@ from jacobian.errors import (
     shown,
     whole,
 )
-from jacobian.fields.protocol import check_field
+from jacobian.fields.protocol import Field, check_field
 from jacobian.immutable import replaced
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
@@ -62,7 +63,7 @@ class MumfordSystem(Made):
     ``size`` is the number of q. Constants that are axes must be different.
     """
 
-    field: Any
+    field: Field
     constants: tuple[Any, ...]
     parameters: tuple[Any, ...] = ()
     size: int
@@ -153,7 +154,7 @@ class MumfordSystem(Made):
         given = (self.constants, *self.parameters) if self.constants else self.parameters
         return dict(zip(names, given, strict=True))
 
-    def over(self, field: Any) -> Any:
+    def over(self, field: Field) -> Self:
         """The same system over another field, to which its constants and parameters are converted."""
         own = {
             name: tuple(map(check_field(field, "field").coerce, getattr(self, name)))
@@ -161,7 +162,7 @@ class MumfordSystem(Made):
         }
         return replaced(self, field=field, **own)
 
-    def state(self, q: Any, p: Any) -> Point:
+    def state(self, q: Iterable[Value], p: Iterable[Value]) -> Point:
         """The state with these q and p; ArgumentError if it does not satisfy the constraints of the system."""
         state = self._floats(q, p)
         if state is not None:
@@ -249,7 +250,7 @@ class MumfordSystem(Made):
         """f, u and v of a state, with all coefficients in ascending order."""
         return Spectral(*(tuple(map(self._bare, a)) for a in self._formula(self._spectral, state)))
 
-    def divisor(self, state: Point) -> Divisor:
+    def divisor(self, state: Point[Element]) -> Divisor[Element]:
         """The class of the state's pair in the Jacobian of its curve."""
         f, u, v = self.spectral(state)
         return HyperellipticCurve(self.field, f).jacobian().from_mumford(u, v)
@@ -259,11 +260,11 @@ class MumfordSystem(Made):
         found = self._formula(self._integrals, state)
         return {name: tuple(map(self._bare, x)) if isinstance(x, tuple) else self._bare(x) for name, x in found.items()}
 
-    def vector_field(self, state: Point) -> Point:
+    def vector_field(self, state: Point[Element]) -> Point[Element]:
         """The derivatives (q', p') by the equations of motion."""
         return self._outside(self._formula(self._vector_field, state))
 
-    def direction(self, genus: int) -> tuple[Any, ...]:
+    def direction(self, genus: int) -> tuple[Real, ...]:
         """The direction c of the motion, Σ_i x_i^k dx_i/y_i = c_k dτ."""
         wanted = f"the genus of a curve of {self!r} is an int, 1 … {self.size}"
         genus = whole(genus, "genus", wanted, 1, self.size)
@@ -355,12 +356,12 @@ class MumfordSystem(Made):
             raise ArgumentError(f"tolerance = {shown(tolerance)}: {wanted}")
         return float(tolerance)
 
-    def curve_point(self, state: Point, x: Any, sign: int = 1) -> tuple[Any, Any]:
+    def curve_point(self, state: Point[Element], x: Value, sign: int = 1) -> tuple[Element, Element]:
         """The point (x, ±√f(x)) on the curve of a state, for a step; NotASquare if f(x) has no root in the field."""
         K, sign = self.field, one_of(sign, "sign", (1, -1), "give 1 or -1")
-        x = K.coerce(x, "x")
-        y = K.sqrt(poly.evaluate(K, self.spectral(state).f, x))
-        return x, y if sign > 0 else K.neg(y)
+        at = K.coerce(x, "x")
+        y = K.sqrt(poly.evaluate(K, self.spectral(state).f, at))
+        return at, y if sign > 0 else K.neg(y)
 
     def _time_step(self, h: Any) -> Any:
         """h as an element of the field, RR or MP(digits); ArgumentError if its square is 0."""
@@ -404,7 +405,7 @@ class MumfordSystem(Made):
 
     def _settled(self, read: Callable[[LongField], Point]) -> Point:
         """The state that ``read`` computes in long numbers, rounded to the digits of the field."""
-        K = self.field
+        K: Any = self.field
         rows = settled_digits(read, K.dps or ROUNDED_TO_FLOATS)
         return Point(*(tuple(element(K, c) for c in row) for row in rows))
 

@@ -24,6 +24,7 @@ from integrable.portrait.growth import growth
 from integrable.portrait.variations import Variation, gradient
 from integrable.torus.series import TorusSeries, needed_sizes, spectrum, together
 from jacobian import MP, RR
+from jacobian.element import Numbers
 from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.immutable import Record, read_only
 
@@ -88,7 +89,7 @@ class Sensitivity(Record):
         return f"<Sensitivity at {len(self)} times, by {self.way}>"
 
 
-def sensitivity(flow: Any, times: Any) -> Sensitivity:
+def sensitivity(flow: Any, times: Numbers) -> Sensitivity:
     """The sensitivity of a :class:`~integrable.motion.flow.Flow` at times of its field: on its torus where floats and a
     torus suffice, else by differences of motions in more digits.
     """

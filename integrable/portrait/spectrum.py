@@ -37,7 +37,9 @@ class Spectrum(Record):
     quantity at time t is the real part of Σ a·e^(2πift). The line 0 is the mean.
     """
 
-    def __init__(self, modes: Any, frequencies: Any, gamma: Any, M: Any, omega: Any) -> None:
+    def __init__(
+        self, modes: np.ndarray, frequencies: np.ndarray, gamma: np.ndarray, M: np.ndarray, omega: np.ndarray
+    ) -> None:
         self.modes, self.frequencies = modes, frequencies
         self.gamma, self.M, self.omega = gamma, M, omega
 

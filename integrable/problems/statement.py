@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -18,6 +18,7 @@ from integrable.problems.motion import UnitMotion
 from integrable.problems.starts import another
 from integrable.scene.data import Scene
 from integrable.scene.doubles import in_doubles
+from jacobian.element import Number, Numbers, Value
 from jacobian.errors import ArgumentError, JacobianError, shown, whole
 from jacobian.immutable import replaced
 
@@ -77,7 +78,7 @@ class Problem:
 
     # --- the equations
 
-    def rhs(self, t: Any, y: Any) -> np.ndarray:
+    def rhs(self, t: Number, y: Sequence[Number] | np.ndarray) -> np.ndarray:
         """f(y) for states of shape (…, n), float64 or complex128; t, which solvers pass, is not used."""
         given = np.asarray(y)
         if given.ndim == 1 and given.dtype == np.float64:
@@ -85,7 +86,7 @@ class Problem:
             return np.array(self.rates(Arrays(), given.tolist()))
         return stacked(self.rates(Arrays(), columns(given)))
 
-    def jacobian(self, t: Any, y: Any) -> np.ndarray:
+    def jacobian(self, t: Number, y: Sequence[Number] | np.ndarray) -> np.ndarray:
         """∂f_i/∂y_j at states of shape (…, n): shape (…, n, n), to rounding (by complex steps: Squire & Trapp 1998)."""
         given = np.asarray(y, dtype=float)
         moved = given[..., None, :] + 1j * STEP * np.eye(given.shape[-1])
@@ -101,7 +102,7 @@ class Problem:
             return list(system.rates_in(numbers, y))
         return body_equations([numbers.coerce(x) for x in system.inertia], numbers.coerce(system.d))(y)
 
-    def invariants(self, y: Any) -> np.ndarray:
+    def invariants(self, y: Sequence[Number] | np.ndarray) -> np.ndarray:
         """The integrals of the motion at states of shape (…, n): shape (…, k), named by ``invariant_names``."""
         return stacked(self._invariants(columns(np.asarray(y, dtype=float))).values())
 
@@ -141,7 +142,7 @@ class Problem:
         """The time in which q or p changes by about its own size, at the start."""
         return time_scale(*self.motion.start(FLOAT_DIGITS))
 
-    def condition(self, t: Any) -> np.ndarray:
+    def condition(self, t: Numbers) -> np.ndarray:
         """The condition number of the state at times t, with respect to relative changes of the inputs.
 
         It is Σ|x ∂y/∂x| over all constants and components x of the start, with q and p relative to their sizes.
@@ -164,7 +165,7 @@ class Problem:
             break
         return max(found.gamma, found.M)
 
-    def error(self, y: Any, truth: Truth) -> np.ndarray:
+    def error(self, y: Sequence[Number] | np.ndarray, truth: Truth) -> np.ndarray:
         """The largest error over the components at each time of ``truth``; infinite where y is not finite.
 
         Errors of γ are absolute, those of M relative to |M|; those of q and p are relative to the largest component at
@@ -173,7 +174,7 @@ class Problem:
         given = np.asarray(y, dtype=float)
         return np.where(np.isfinite(given).all(axis=-1), self.relative(given - truth.y, truth), np.inf)
 
-    def relative(self, differences: Any, truth: Truth) -> np.ndarray:
+    def relative(self, differences: np.ndarray, truth: Truth) -> np.ndarray:
         """Differences from a truth (for example its radius), scaled as :meth:`error` scales errors."""
         gaps, sizes = (np.abs(np.asarray(x).astype(float)) for x in (differences, truth.y))
         half, found = len(self.y0) // 2, []
@@ -186,7 +187,7 @@ class Problem:
 
     # --- the solution
 
-    def truth(self, t: Any, digits: int = 16, proven: bool = False) -> Truth:
+    def truth(self, t: Numbers, digits: int = 16, proven: bool = False) -> Truth:
         """The solution at times t, as a :class:`Truth`. The times are doubles, taken as exact, in any order and shape.
 
         ``digits`` are relative to the largest component of q, and of p. ``proven`` asks for ball arithmetic, which is
@@ -209,7 +210,7 @@ class Problem:
 
     # --- other starts
 
-    def starting(self, y0: Any) -> Problem:
+    def starting(self, y0: Iterable[Value]) -> Problem:
         """The same equations with another start. Its doubles must satisfy the constraints exactly, or ArgumentError."""
         given = np.asarray(y0, dtype=float)
         if given.shape != self.y0.shape or not np.isfinite(given).all():

@@ -14,6 +14,7 @@ from integrable.mumford.flow import Path, Point
 from integrable.mumford.system import MumfordSystem
 from integrable.phase.enclosure import EnclosedPath
 from integrable.phase.state import State
+from jacobian.element import Numbers
 from jacobian.immutable import replaced
 
 __all__ = ["ClassicalMotion", "ClassicalRun", "ClassicalSystem"]
@@ -104,12 +105,12 @@ class ClassicalMotion:
     def _prepare(self, times: Any) -> None:
         """Does nothing: the method depends on the times, and its set-up is part of their computation."""
 
-    def at(self, times: Any) -> ClassicalRun:
+    def at(self, times: Numbers) -> ClassicalRun:
         """The states at times."""
         found = self._flow.at(times)
         return ClassicalRun(found.times, found.q, found.p, found.way)
 
-    def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
+    def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
         """Proven bounds of the states at times, from the system's flow."""
         return self._flow.enclosure(times, digits)
 

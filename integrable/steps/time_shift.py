@@ -37,7 +37,7 @@ class Shift(Move):
     For a tilted state F is taken at the integrals of :meth:`System.upright`.
     """
 
-    def __init__(self, system: PhaseSpace, F: Callable[[Real, Real], Real]) -> None:
+    def __init__(self, system: PhaseSpace, F: Callable[..., Real]) -> None:
         if system.field.exact:
             raise ArgumentError(f"field = {system.field.name}: a time shift runs over RR or MP(digits)")
         if not callable(F):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -27,6 +27,7 @@ from integrable.sweeps.grid import Grid
 from integrable.sweeps.jobs import BodyJob, SceneJob, done
 from integrable.sweeps.orphans import processes
 from integrable.sweeps.store import Layout, Store
+from jacobian.element import File, Numbers, Value
 from jacobian.errors import ArgumentError, JacobianError, flag, one_of, shown, whole
 from jacobian.numbers.threads import threads
 
@@ -69,9 +70,9 @@ class Swept:
 def sweep(
     what: Scene | Ensemble | str | os.PathLike[str],
     *,
-    vary: Any = None,
-    times: Any = None,
-    out: str | os.PathLike[str],
+    vary: Mapping[str, str | Iterable[Value]] | None = None,
+    times: Numbers | None = None,
+    out: File,
     executor: Executor | str = "processes",
     chunk: int | None = None,
     progress: bool = False,

@@ -11,6 +11,7 @@ from integrable.phase.body import unwarned
 from integrable.phase.enclosure import EnclosedPath, Enclosure, ball_digits
 from integrable.phase.state import State, onto_constraints
 from jacobian import MP, RR, Divisor
+from jacobian.element import Numbers
 from jacobian.errors import ArgumentError, shown, written
 from jacobian.immutable import Immutable
 
@@ -94,16 +95,16 @@ class BodyPath(Immutable):
     def _value(self) -> tuple[Any, ...]:
         return self.system, self.start
 
-    def at(self, times: Any) -> Path:
+    def at(self, times: Numbers) -> Path:
         """The states at times."""
         run = self._flow.at(times)
         return Path(run.times, run.gamma, run.M, run.way)
 
-    def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
+    def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
         """Proven bounds of the states at times."""
         return _enclosed(self._flow.enclosure(times, digits))
 
-    def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> EnclosedPath:
+    def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> EnclosedPath:
         """:meth:`enclosure` at values of τ."""
         return _enclosed(self._flow.enclosure_at_tau(tau, digits))
 

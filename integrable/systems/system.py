@@ -81,7 +81,7 @@ class System(PhaseSpace[Element]):
 
         return HatMap(self, signs)
 
-    def shift(self, F: Callable[[Real, Real], Real]) -> Shift:
+    def shift(self, F: Callable[..., Real]) -> Shift:
         """The time-1 map of the Hamiltonian F(H1, H2) (:class:`integrable.steps.time_shift.Shift`); RR and
         MP(digits) only."""
         from integrable.steps.time_shift import Shift
