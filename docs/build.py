@@ -1,7 +1,7 @@
 """Build the site: ``python docs/build.py [FOLDER]`` (default: build/site), with the extra ``docs`` installed.
 
-The pages of this folder are laid out beside those that are generated — gallery, error against run time, reference — and
-Sphinx makes HTML of all of them. A warning is an error, and so is what a cell raises. The folder can be published as it is.
+The pages of this folder are combined with generated ones: gallery, error against run time, reference. Sphinx makes HTML
+of all of them. A warning is an error, and so is an exception in a cell. The folder can be published as it is.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 sys.path.insert(0, str(DOCS / "site"))
 
-# pages from outside this folder, and what they are called in the site
+# pages from outside this folder, with their names in the site
 OTHERS = {
     "README.md": "readme.md",
     "CONTRIBUTING.md": "contributing.md",
@@ -30,7 +30,7 @@ OTHERS = {
     "benchmarks/README.md": "benchmarks.md",
     "tests/data/README.md": "test_data.md",
 }
-# of this folder, those that are no pages, or not as they are
+# files of this folder that are not pages, or not pages in this form
 LEFT_OUT = {
     "site",
     "build.py",
@@ -40,12 +40,12 @@ LEFT_OUT = {
     "error_against_run_time.md",
     "error_against_run_time.json",
 }
-# those with a place of their own or in no page as they are; the rest is "How it works"
+# pages with a place of their own, and those that are generated; the rest is "How it works"
 PLACED = {"glossary", "peers", "errata", "cite", "scenes", "index", "more", "README", "error_against_run_time"}
 
 
 def lay_out(source: Path) -> None:
-    """The pages as Sphinx takes them, in the folder ``source``."""
+    """Writes the pages in the form that Sphinx reads into the folder ``source``."""
     import gallery
     import measured
     import reference
@@ -73,7 +73,7 @@ def lay_out(source: Path) -> None:
 
 
 def write(source: Path, page: str, origin: Path) -> None:
-    """The file ``origin`` as ``page`` of the site, its links turned to where pages are there."""
+    """The file ``origin`` as ``page`` of the site, with its links changed to the site's."""
     target = source / page
     target.parent.mkdir(parents=True, exist_ok=True)
     if origin.suffix != ".md":

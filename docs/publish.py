@@ -1,7 +1,7 @@
 """Publish a report: ``python docs/publish.py [FOLDER]``, the folder of ``integrable report`` (default: runs/report).
 
 Copies its JSON and figures here, writes their page, puts the first table of it into peers.md, and draws the picture of
-the README. ``python docs/publish.py --again`` writes the page anew from the JSON that is here, after a change of words.
+the README. ``python docs/publish.py --again`` writes the page again from the published JSON, after a change of words.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def page_of(data: dict[str, Any], docs: Path = DOCS) -> str:
 
 
 def publish(folder: Path | None, docs: Path = DOCS) -> None:
-    """Replace what is published in ``docs`` by the report in ``folder``; None: its page and table alone."""
+    """Replace what is published in ``docs`` by the report in ``folder``; if None, only its page and table."""
     published = docs / "error_against_run_time.json"
     if folder is not None:
         shutil.copyfile(folder / "report.json", published)

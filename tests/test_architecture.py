@@ -30,7 +30,6 @@ LONG = {
     "integrable.moving_point.short_compiled.entry",
     "integrable.moving_point.short_reading.short_state",
     "jacobian.inexact.stacked._second_polynomial",
-    "jacobian.arithmetic.one_word.dot4",
     "jacobian.numbers.tables_compiled._dot4",
     "jacobian.numbers.words.dot4",
     "jacobian.numbers.words_compiled._dot4",

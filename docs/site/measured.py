@@ -29,7 +29,7 @@ scene lists. Run times count a start and its evaluation, on both sides; the last
 the tooltip of a cell names the method.
 """
 CLAIMS = "Each claim is measured; [details](details.md) and the pages of the scenes have the figures."
-# from this ratio on, a cell looks like that
+# the class of a cell from each ratio on
 LOOKS = ((100.0, "far-ahead"), (1.0, "ahead"), (0.01, "behind"), (0.0, "far-behind"))
 
 

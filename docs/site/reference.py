@@ -79,7 +79,7 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
     ),
     "genus": (
         "Motions of any genus",
-        "Systems on y² = f(x) of any genus, one file each, and what they share ([how](../mumford.md)).",
+        "Systems on y² = f(x) of any genus, one file each, and their common base ([how](../mumford.md)).",
         [
             *(f"integrable.classical.{path.stem}" for path in sorted(CLASSICAL.glob("[a-z]*.py"))),
             "integrable.mumford.system",
@@ -106,7 +106,7 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
     ),
     "problems": (
         "Problems with known solutions",
-        "Initial value problems to hold an integrator against, and races on them.",
+        "Initial value problems to test an integrator on, and races on them.",
         [
             "integrable.problems.catalogue",
             "integrable.problems.statement",
@@ -116,7 +116,7 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
     ),
     "scenes": (
         "Scenes, runs and pages",
-        "Runs described as data, and what is made of them.",
+        "Runs described as data, and their results.",
         [
             "integrable.scene.data",
             "integrable.scene.orbit",

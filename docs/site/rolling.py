@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 LAST, STEP = 60, 0.1
-"""Time units that are shown, as in docs/figures/front.png, and between two frames: the ball turns by 0.08 rad at most."""
+"""The length shown, as in docs/figures/front.png, and the interval between frames, in units of time: the ball turns by
+at most 0.08 rad.
+"""
 MOST = 200_000  # bytes: the page has to be light
 
 HTML = """\

@@ -17,6 +17,7 @@ from integrable.mumford.fields import cofactor, exponential
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, normalized
+from integrable.portrait.separated import Form, Separation
 from jacobian import poly
 from jacobian.errors import PrecisionLoss
 from jacobian.relatives.extended import Extended, Lift, PointLift
@@ -90,6 +91,17 @@ class AxialSystem(MumfordSystem):
 
     def _direction(self, N: Any, genus: int) -> Sequence[Any]:
         return (N.one,)
+
+    def _separation(self, N: Any, state: Point) -> Separation:
+        """p dq is z' dz/(1 − z²); the horizontal part turns at the rate w + ½m₁/(1 − z) − ½m₂/(1 + z)."""
+        axis, vertical = self._axis(N, state), (N.one, -N.one)
+        (m1, m2), action = axis.m, Form(poly.neg(N, self._curve(N, state)), vertical)
+        turn = Form(((m2 - m1) / 2, -(m1 + m2) / 2), vertical)
+        return Separation([Form((N.one,))], (N.one,), action, [(turn, axis.w)], (self._momentum(N, state),))
+
+    def _momentum(self, N: Any, state: Point) -> Any:
+        """Table: the momentum of the angle of the horizontal part."""
+        raise NotImplementedError
 
     def _ends(self, N: Any, axis: Axis) -> list[tuple[Any, Any]]:
         """The points of the two lifts: ((1, −im₁), (−1, −im₂))."""

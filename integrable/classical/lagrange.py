@@ -62,6 +62,10 @@ class LagrangeTop(AxialSystem):
         c = state.p[2]
         return self._parameters_in(N)[0] * c, N.dot(*state), c
 
+    def _momentum(self, N: Any, state: Point) -> Any:
+        # γ turns against the body
+        return -state.p[2]
+
     def _curve(self, N: Any, state: Point) -> tuple[Any, ...]:
         found = self._integrals(N, state)
         return heavy(N, found["h"], (found["L"], -found["c"]))

@@ -50,6 +50,9 @@ class SphericalPendulum(AxialSystem):
         along = self._integrals(N, state)["L"]
         return Axis(z, rate, (x, y), (a, b), (along, -along), N.zero)
 
+    def _momentum(self, N: Any, state: Point) -> Any:
+        return self._integrals(N, state)["L"]
+
     def _curve(self, N: Any, state: Point) -> tuple[Any, ...]:
         found = self._integrals(N, state)
         return heavy(N, found["h"], (found["L"],))

@@ -19,6 +19,7 @@ from integrable.mumford.fields import exponential, exponential_less_one, log_of
 from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point_minus_infinity
 from integrable.mumford.system import MumfordSystem, Spectral, all_of
+from integrable.portrait.separated import Form
 from jacobian import RR, poly
 from jacobian.element import Value
 from jacobian.errors import one_of, whole
@@ -89,6 +90,10 @@ class TodaLattice(MumfordSystem):
 
     def _direction(self, N: Any, genus: int) -> Sequence[Any]:
         return (*[N.zero] * (genus - 1), N.coerce(poly.integer(N, -1)))
+
+    def _action(self, N: Any, state: Point) -> Form:
+        """−x dμ/μ = −xΔ' dx/y, where μ + 1/μ = Δ."""
+        return Form((N.zero, *poly.neg(N, poly.derivative(N, self._trace(N, state)))))
 
     def _vector_field(self, N: Any, state: Point) -> Point:
         if N.exact:  # the q are exponentials

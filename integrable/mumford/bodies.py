@@ -24,6 +24,7 @@ from integrable.mumford.flow import TORUS, MumfordFlow, Path, Point
 from integrable.mumford.motion import Start
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, on_sphere
 from integrable.phase.body import cross
+from integrable.portrait.separated import Form, Separation
 from jacobian import MP, RR, poly
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.numbers.long_reals import BareReals
@@ -127,6 +128,12 @@ class BodySystem(MumfordSystem):
     def _time_rate(self, N: Any, u: poly.Poly) -> Any:
         (p, q), (first, second, third) = self._light(N), self._weights(N)
         return N.sqrt(first * second * third / (p * p - p * q * u[1] + q * q * u[0]))
+
+    def _separation(self, N: Any, state: Point) -> Separation:
+        (p, q), (a, b, c) = self._light(N), self._weights(N)
+        forms = [Form((N.one,)), Form((N.zero, N.one))]
+        root = N.sqrt(a * b * c)
+        return Separation(forms, self._direction(N, 2), factor=lambda x: N.sqrt(root / (p + q * x)))
 
     def _start(self, N: Any, state: Point) -> Start:
         f, u, v = self._spectral(N, state)

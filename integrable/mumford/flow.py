@@ -6,10 +6,11 @@ many times by tables. The rest is computed by additions in long numbers (:mod:`i
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple
 
-from integrable.mumford.motion import MumfordMotion, Start
+from integrable.mumford.motion import MumfordMotion, Start, settled_digits
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import RR
 from jacobian.element import Element, Number, Numbers, Real
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
     from integrable.mumford.tabled import TabledStates
     from integrable.mumford.theta_torus import ThetaTorus
     from integrable.phase.enclosure import EnclosedPath
+    from integrable.portrait.separated import SeparatedTorus
+    from integrable.portrait.torus_portrait import TorusPortrait
     from integrable.series.near import Near
 
 # a torus is rejected if its states differ by more than this from those of the equations of motion
@@ -233,6 +236,27 @@ class MumfordFlow:
         from integrable.mumford.enclosure import enclosed_path
 
         return enclosed_path(self, self._given(tau, "tau"), digits, in_tau=True)
+
+    @cached_property
+    def portrait(self) -> TorusPortrait:
+        """The motion as a whole: frequencies, actions and angles (:mod:`integrable.portrait.torus_portrait`).
+
+        NotRepresentable if the points of the pair do not turn in g real ovals, PrecisionLoss next to a separatrix.
+        """
+        from integrable.portrait.torus_portrait import TorusPortrait
+
+        return TorusPortrait(self._settled_on_torus)
+
+    def _settled_on_torus(self, read: Callable[[SeparatedTorus], Any]) -> list[list[Any]]:
+        """What ``read`` finds on the torus in separated coordinates, to the digits of the field."""
+        found = settled_digits(lambda N: read(self._separated(N)), self.digits)
+        return [[element(self.system.field, x) for x in row] for row in found]
+
+    def _separated(self, N: LongField) -> SeparatedTorus:
+        from integrable.portrait.separated import SeparatedTorus
+
+        inner = self._inner(N)
+        return SeparatedTorus(N, self.system._spectral(N, inner), self.system._separation(N, inner))
 
     def tau_near(self, time: Number, digits: int) -> Real:
         """τ, as a long number, at a time of a motion that carries its clock."""

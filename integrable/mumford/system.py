@@ -21,6 +21,7 @@ from integrable.mumford.motion import Start, settled_digits
 from integrable.phase.jets import JetField
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.portrait.separated import Form, Separation
 from jacobian import RR, Divisor, HyperellipticCurve, poly
 from jacobian.element import Element, Real, Value
 from jacobian.errors import (
@@ -129,6 +130,15 @@ class MumfordSystem(Made):
     def _time_rate(self, N: Any, u: poly.Poly) -> Any:
         """Table: dt/dτ at a pair; 1 if t is linear in τ."""
         return N.one
+
+    def _action(self, N: Any, state: Point) -> Form | None:
+        """Table: the form whose sum over the pair is p dq, without the angles about an axis; None if there is none."""
+        return None
+
+    def _separation(self, N: Any, state: Point) -> Separation:
+        """Table, if t is not linear in τ or there are angles about an axis: the forms that are known along a motion."""
+        forms = [Form((*[N.zero] * j, N.one)) for j in range(self._genus())]
+        return Separation(forms, self._direction(N, len(forms)), self._action(N, state))
 
     complex_data = False
     """Whether the data of the motion are complex; if so, ``_start`` and ``_back`` receive complex numbers."""

@@ -35,23 +35,9 @@ def equation_of(C: HyperellipticCurve, to_word: Any) -> Any:
     return genus2_words.short_equation(C, to_word) or genus3_words.short_equation(C, to_word)
 
 
-def _of_model(step: Any) -> Any:
-    """A step of genus 2, whose version for the model is chosen at compile time."""
-    return lambda b, K, C, *arguments: b.call(genus2_words.STEPS[step][C.kind.named], [K, C, *arguments])
-
-
-def _of_genus(step: Any) -> Any:
-    """A step whose version for the genus is chosen at compile time."""
-    of, genus = two_word_steps.STEPS[step], two_word_steps.GENUS
-    return lambda b, K, C, *arguments: b.call(of[genus[C.kind.named]], [K, C, *arguments])
-
-
 def _library(name: str, context: type, model: type, entries: dict[str, tuple[Any, ...]]) -> Library:
-    special = modular.MODULAR if context is TwoWords else binary.binary_functions()
-    special = special | {step: _of_model(step) for step in genus2_words.STEPS}
-    special |= {step: _of_genus(step) for step in two_word_steps.STEPS}
     functions = {each: (getattr(two_word_loops, each), (CONTEXTS[context], *kinds)) for each, kinds in entries.items()}
-    return Library(f"{model.__name__.lower()}_{name}_of_{context.__name__.lower()}", functions, special)
+    return Library(f"{model.__name__.lower()}_{name}_of_{context.__name__.lower()}", functions)
 
 
 def _single(context: type, model: type) -> Library:

@@ -68,13 +68,12 @@ def _desk(g: int, p: int) -> Any:
 def _library() -> Any:
     from jacobian.arithmetic.decision_kernels import decide
     from jacobian.arithmetic.desk import Desk
-    from jacobian.arithmetic.one_word import OPERATIONS
     from jacobian.native.kinds import INT, INTS, ArrayKind, record
     from jacobian.native.library import Library
 
     rows = ArrayKind(INT, 2)
     desk = record(Desk, INTS, rows, rows, INTS, INTS, rows, INTS, rows, rows)
-    return Library("decisions", {"decide": (decide, (rows, rows, desk, rows, INT, INT))}, OPERATIONS)
+    return Library("decisions", {"decide": (decide, (rows, rows, desk, rows, INT, INT))})
 
 
 def counted(C: HyperellipticCurve, p: int) -> list[int]:

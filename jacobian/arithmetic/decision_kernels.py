@@ -16,7 +16,7 @@ from typing import Any
 
 from jacobian.addition.cantor_words import negate_class
 from jacobian.arithmetic.desk import class_at, copy, multiply, plus, same, set_class
-from jacobian.arithmetic.one_word import OneWord
+from jacobian.numbers.words import OneWord
 
 MOST = 64
 """The largest number of candidates that are kept."""

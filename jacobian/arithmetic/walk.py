@@ -206,7 +206,6 @@ def steps(size: int, shape: Any, group: Any, room: Any) -> None:
 def _library() -> Any:
     from jacobian.native.kinds import EIGHTS, INT, INTS, TupleKind, record
     from jacobian.native.library import Library
-    from jacobian.native.special import SPECIAL
 
     kinds = TupleKind((INT,) * 4), INTS, record(Group, *[EIGHTS] * 6), record(Room, *[EIGHTS] * 5), EIGHTS, EIGHTS
-    return Library("walks_to_p", {"walk": (walk, kinds)}, SPECIAL)
+    return Library("walks_to_p", {"walk": (walk, kinds)})

@@ -195,10 +195,9 @@ def invert_range(start: int, size: int, p: int, inverses: Any) -> None:
 def _library() -> Any:
     from jacobian.native.kinds import INT, INTS
     from jacobian.native.library import Library
-    from jacobian.native.special import SPECIAL
 
     entries = {"recurrence_on_words": (recurrence_on_words, (INTS, INT, INTS, INTS, INTS))}
-    return Library("Cartier-Manin", entries, SPECIAL)
+    return Library("Cartier-Manin", entries)
 
 
 # --- small matrices over a field

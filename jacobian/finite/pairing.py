@@ -6,6 +6,9 @@ from (u, v) to (u', v') is div((y − v)/u'). A function is evaluated at the aff
 that is a resultant. Divisors are shifted, D ~ (D + R) − R with random R of degree g, so that they are affine with
 disjoint supports; then no function needs normalising at infinity, and every model works: ramified, split, inert of even
 genus. Small fields are enlarged for the random R, since Miller's functions would vanish at most of their points.
+
+In genus 1 over GF(p) on ramified models the function is evaluated at one point, without shifts
+(:mod:`jacobian.finite.miller`).
 """
 
 from __future__ import annotations
@@ -23,6 +26,7 @@ from jacobian.fields import GF
 from jacobian.fields.change import change_of_field
 from jacobian.fields.flint_polynomials import conversions
 from jacobian.finite.counting import irreducible
+from jacobian.finite.miller import EllipticFunctions, has_functions
 from jacobian.law.divisor import check_scalar
 
 if TYPE_CHECKING:
@@ -45,8 +49,14 @@ def weil_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
     infinite fields. ``rng`` chooses the shifts, which do not change the value; seeded by default.
     """
     m = _check(D, E, m)
-    _check_annihilated(D, m, "D")
-    _check_annihilated(E, m, "E")
+    there, back = _at_points(D, E, m, "D"), _at_points(E, D, m, "E")
+    if there is None or back is None:
+        _check_annihilated(D, m, "D")
+        _check_annihilated(E, m, "E")
+    else:
+        K: Any = D.jacobian.field
+        value = K.div(there, back)
+        return K.neg(value) if m % 2 else value
     if not D or not E:
         return D.jacobian.field.one
     move = _Extension(D.jacobian.curve, m, 1)
@@ -65,6 +75,9 @@ def tate_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
         raise ArgumentError(
             f"m = {shown(m)} does not divide q − 1 = {q - 1}: the field lacks the m-th roots of unity, extend it"
         )
+    at_point = _at_points(D, E, m, "D")
+    if at_point is not None:
+        return pow(at_point, (q - 1) // m, q)
     _check_annihilated(D, m, "D")
     if not D or not E:
         return D.jacobian.field.one
@@ -94,7 +107,25 @@ def _check(D: Divisor, E: Divisor, m: Any) -> int:
 
 def _check_annihilated(D: Divisor, m: int, name: str) -> None:
     if m * D:
-        raise ArgumentError(f"{name} = {D}: m·{name} must be 0, which it is not for m = {shown(m)}")
+        raise _not_annihilated(D, m, name)
+
+
+def _not_annihilated(D: Divisor, m: int, name: str) -> ArgumentError:
+    return ArgumentError(f"{name} = {D}: m·{name} must be 0, which it is not for m = {shown(m)}")
+
+
+def _at_points(D: Divisor, E: Divisor, m: int, name: str) -> Any:
+    """f(E) without shifts, for div f = m·D with leading coefficient 1 at infinity: classes D and E of single points on
+    a curve of genus 1 over a prime field. None on other curves, for D = 0 or E = 0, and where a line of Miller's loop
+    passes through E.
+    """
+    if not D or not E or not has_functions(D.jacobian.curve):
+        return None
+    is_zero, over, under = EllipticFunctions(D.jacobian.curve)(D, E, m)
+    if not is_zero:
+        raise _not_annihilated(D, m, name)
+    K: Any = D.jacobian.field
+    return K.div(over, under) if over and under else None
 
 
 def _shifted(pairing: Callable[..., Any], move: _Extension, rng: Any) -> Any:

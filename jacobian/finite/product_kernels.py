@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jacobian.numbers import transform_kernels as transforms
-from jacobian.numbers.words import Double, canonical, mul
+from jacobian.numbers.words import Double, canonical, inverse, mul
 
 BLOCK = 64
 """The number of points computed in one loop."""
@@ -35,12 +35,11 @@ def room_for(d: int) -> Room:
 @cache
 def kernels() -> Any:
     """The loops here and those of :mod:`jacobian.numbers.transform_kernels`, compiled by :mod:`jacobian.native`."""
-    from jacobian.native import doubles
     from jacobian.native.kinds import FLOAT, FLOATS, INT, ArrayKind, TupleKind, record
     from jacobian.native.library import Library
-    from jacobian.native.special import SPECIAL
+    from jacobian.native.words import CONTEXTS
 
-    P, table = record(Double, *[FLOAT] * 4), ArrayKind(FLOAT, 2)
+    P, table = CONTEXTS[Double], ArrayKind(FLOAT, 2)
     room = record(Room, FLOATS, table, table, table)
     entries = {
         "inverses": (inverses, (P, FLOAT, FLOATS)),
@@ -58,17 +57,7 @@ def kernels() -> Any:
         "multiply": (transforms.multiply, (P, FLOATS, FLOATS, FLOATS)),
         "combined": (transforms.combined, (P, TupleKind((P, P, P)), FLOATS, table, INT, FLOATS, FLOATS)),
     }
-    return Library("matrix_products", entries, SPECIAL | doubles.OPERATIONS)
-
-
-def inverse(P: Any, x: Any) -> Any:
-    """1/x, canonical, of a canonical x ≠ 0, by Euclid's algorithm."""
-    back, other, rest, remainder = 0, 1, int(P.p), int(x if x > 0 else x + P.p)
-    while remainder > 0:
-        quotient = rest // remainder
-        back, other = other, back - quotient * other
-        rest, remainder = remainder, rest - quotient * remainder
-    return canonical(P, float(back))
+    return Library("matrix_products", entries)
 
 
 def inverses(P: Any, a: Any, out: Any) -> None:

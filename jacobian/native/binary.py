@@ -11,9 +11,9 @@ from typing import Any
 
 from jacobian.native.kinds import INT, LONG, Value, record
 from jacobian.native.machine import features
-from jacobian.native.modular import halves, least
+from jacobian.native.modular import halves
 from jacobian.native.operators import Operators
-from jacobian.numbers import binary, two_words, words
+from jacobian.numbers import binary
 
 CONTEXTS: dict[type, Any] = {
     kind: record(kind, *[LONG] * 4, INT) for kind in (binary.BinaryWord, binary.BinaryTwoWords)
@@ -30,8 +30,10 @@ def plus(b: Operators, *terms: str) -> str:
     return found
 
 
-def in_one_instruction(b: Operators, x: Value, y: Value) -> Value:
-    """The carry-less product of two words, by the processor's instruction."""
+def in_one_instruction(b: Operators, x: Value, y: Value) -> Value | None:
+    """The carry-less product of two words by the processor's instruction; None if it has none."""
+    if "+pclmul" not in features().split(","):
+        return None
     parts = [b.write(f"bitcast i128 {z.parts[0]} to {PAIR}") for z in (x, y)]
     found = b.write(f"call {PAIR} @llvm.x86.pclmulqdq({PAIR} {parts[0]}, {PAIR} {parts[1]}, i8 0)")
     return Value(LONG, (b.write(f"bitcast {PAIR} {found} to i128"),))
@@ -73,25 +75,8 @@ def dot(b: Any, K: Value, *terms: Value) -> Value:
     return Value(LONG, (plus(b, high, product(b, low_product(b, low, reciprocal), modulus)[1]),))
 
 
-def add(b: Operators, K: Value, x: Value, y: Value) -> Value:
-    """x + y; in characteristic 2 this is also x − y."""
-    return Value(LONG, (plus(b, x.parts[0], y.parts[0]),))
-
-
-PORTABLE: dict[Any, Callable[..., Value]] = {
-    **dict.fromkeys((words.mul, words.dot2, words.dot3, words.dot4), dot),
-    **dict.fromkeys((words.fit, words.canonical, words.settled, words.neg), least),
-    **dict.fromkeys((words.add, words.sub), add),
-    words.inverse: lambda b, K, x: b.call(binary.inverse, [K, x]),
-    words.encode: lambda b, K, x: dot(b, K, x, K.item(3)),
-    words.decode: lambda b, K, x: dot(b, K, x, Value(INT, ("1",))),
-    two_words.long: lambda b, x: b.cast(x, LONG),
+BINARY: dict[Any, Callable[..., Value | None]] = {
+    binary.BinaryContext.dot: dot,
+    binary.product_of_words: in_one_instruction,
 }
-"""Functions of this package, and the instructions that replace them on any processor."""
-
-
-def binary_functions() -> dict[Any, Callable[..., Value]]:
-    """The functions with instructions of their own, with the processor's carry-less product if it has one."""
-    if "+pclmul" in features().split(","):
-        return PORTABLE | {binary.product_of_words: in_one_instruction}
-    return PORTABLE
+"""Functions of this package, and the instructions that replace them."""

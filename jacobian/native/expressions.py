@@ -27,6 +27,9 @@ from jacobian.native.kinds import (
 )  # fmt: skip
 from jacobian.native.operators import BUILTINS, Operators, integer, real
 
+# the two truths known at compile time
+KNOWN = ("0", "1")
+
 
 class Expressions(Operators):
     """Compiles the expressions of one function. ``variables`` maps each name to its kind and its stack slots."""
@@ -35,6 +38,8 @@ class Expressions(Operators):
         super().__init__(contract)
         self.program, self.source = program, function
         self.variables: dict[str, tuple[Any, list[str]]] = {}
+        self.values: dict[str, Value] = {}
+        """The arguments of a function whose expression is compiled in place of a call."""
         self.label = "entry"
 
     # --- blocks
@@ -118,7 +123,7 @@ class Expressions(Operators):
             return self.variables.get(node.id)
         if isinstance(node, ast.Attribute) and (place := self.place(node.value)) is not None:
             kind, slots = place
-            if isinstance(kind, TupleKind):
+            if isinstance(kind, TupleKind) and kind.has(node.attr):
                 kind, begin, end = kind.place(kind.field(node.attr))
                 return kind, slots[begin:end]
         if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant):
@@ -129,6 +134,8 @@ class Expressions(Operators):
         return None
 
     def of_name(self, node: ast.Name) -> Value:
+        if node.id in self.values:
+            return self.values[node.id]
         return self.outside(self.program.looked_up(sys.modules[self.source.__module__], node.id))
 
     def outside(self, thing: Any) -> Value:
@@ -202,6 +209,8 @@ class Expressions(Operators):
 
     def of_ifexp(self, node: ast.IfExp) -> Value:
         test = self.truth(self.value(node.test))
+        if test.parts[0] in KNOWN:
+            return self.value(node.body if test.parts[0] == "1" else node.orelse)
         if not is_abreast(test.kind):
             return self.joined(test.parts[0], node.body, node.orelse)
         yes, no = self.value(node.body), self.value(node.orelse)
@@ -216,6 +225,8 @@ class Expressions(Operators):
             return Value(TupleKind((INT,) * x.kind.ndim), x.parts[1:])
         if not isinstance(x.kind, TupleKind):
             raise CompileError(f"attribute {node.attr} of {x.kind}")
+        if not x.kind.has(node.attr) and hasattr(x.kind.named, node.attr):
+            return self.outside(self.program.of_class(x.kind.named, node.attr))
         return x.item(x.kind.field(node.attr))
 
     def of_subscript(self, node: ast.Subscript) -> Value:
@@ -229,6 +240,9 @@ class Expressions(Operators):
                 return Value(ArrayKind(row.kind.item, 1, row.kind.parts), (row_there, row.parts[2]))
             return self.element(row, self.address(row, node.slice))
         index = self.value(node.slice)
+        if row.kind is OBJECT:
+            # a dictionary: the key is known at compile time
+            return self.outside(row.parts[0][index.known() if index.kind is INT else index.parts[0]])
         if not isinstance(row.kind, TupleKind):
             raise CompileError(f"an item of {row.kind}")
         if index.is_known:
@@ -268,6 +282,10 @@ class Expressions(Operators):
         leaf = item.leaves[0]
         if is_abreast(address.kind):
             return self.gathered([self.element(row, self.lane(address, "ptr", k)) for k in range(LANES)])
+        if row.kind.stored:
+            memory, longer = row.kind.memory, "sext" if row.kind.dtype.kind == "i" else "zext"
+            short = self.write(f"load {memory}, ptr {address.parts[0]}, align {row.kind.dtype.itemsize}")
+            return Value(item, (self.write(f"{longer} {memory} {short} to {leaf}"),))
         parts = [self.write(f"load {leaf}, ptr {address.parts[0]}, align 8")]
         if len(item.leaves) == 2:
             beside = self.write(f"getelementptr inbounds {leaf}, ptr {address.parts[0]}, i64 1")
@@ -301,13 +319,20 @@ class Expressions(Operators):
             return
         if meeting(item, value.kind) != item:
             raise CompileError(f"{value.kind} into an array of {item}")
+        if row.kind.stored:
+            memory, word = row.kind.memory, self.cast(value, item).parts[0]
+            short = self.write(f"trunc i64 {word} to {memory}")
+            self.lines.append(f"  store {memory} {short}, ptr {address.parts[0]}, align {row.kind.dtype.itemsize}")
+            return
         for k, part in enumerate(self.cast(value, item).parts):
             leaf, there = item.leaves[k], address.parts[0]
             there = self.write(f"getelementptr inbounds {leaf}, ptr {there}, i64 1") if k else there
             self.lines.append(f"  store {leaf} {part}, ptr {there}, align 8")
 
     def slice_of(self, row: Value, part: ast.Slice) -> Value:
-        """A slice of a flat array, as a view of the same memory."""
+        """A slice of a flat array, as a view of the same memory; of a tuple, from an index known at compile time."""
+        if isinstance(row.kind, TupleKind) and part.lower is not None and part.upper is None and part.step is None:
+            return together([row.item(i) for i in range(self.value(part.lower).known(), len(row.kind.items))])
         if not isinstance(row.kind, ArrayKind) or row.kind.ndim != 1 or part.step is not None:
             raise CompileError("slices are those of flat arrays, without a step")
         size = Value(INT, (row.parts[1],))
@@ -316,6 +341,11 @@ class Expressions(Operators):
         return Value(row.kind, (*self.offset(row, begin).parts, self.binary("Sub", end, begin).parts[0]))
 
     def of_call(self, node: ast.Call) -> Value:
+        if isinstance(node.func, ast.Attribute) and (owner := self.value(node.func.value)).kind is not OBJECT:
+            # a method: of a NamedTuple's class
+            if not isinstance(owner.kind, TupleKind) or owner.kind.named is None or node.keywords:
+                raise CompileError(f"{ast.unparse(node)} is not compiled")
+            return self.call(self.program.of_class(owner.kind.named, node.func.attr), [owner, *self.items(node.args)])
         called = self.value(node.func)
         if not isinstance(called.kind, ObjectKind | FunctionKind) or node.keywords:
             raise CompileError(f"{ast.unparse(node)} is not compiled")
@@ -325,8 +355,11 @@ class Expressions(Operators):
     def call(self, thing: Any, arguments: list[Value]) -> Value:
         """The value of a call to a builtin, a NamedTuple or a function to be compiled."""
         if (special := self.program.special.get(thing)) is not None:
-            found: Value = special(self, *arguments)
-            return found
+            found: Value | None = special(self, *arguments)
+            if found is not None:
+                return found
+        if thing is type:
+            return self.outside(arguments[0].kind.named)
         if thing in BUILTINS:
             return BUILTINS[thing](self, *arguments)
         if isinstance(thing, type) and hasattr(thing, "_fields"):
@@ -335,6 +368,8 @@ class Expressions(Operators):
         if missing and 0 < missing <= len(thing.__defaults__ or ()):
             arguments = [*arguments, *map(self.outside, thing.__defaults__[-missing:])]
         arguments = [Value(FunctionKind(x.parts[0]), ()) if x.kind is OBJECT else x for x in arguments]
+        if (expression := self.expression_of(thing, arguments)) is not None:
+            return self.written_here(thing, expression, arguments)
         instance = self.program.instance(thing, tuple(x.kind for x in arguments))
         parts = (f"{leaf} {part}" for x in arguments for leaf, part in zip(x.kind.leaves, x.parts, strict=True))
         text = f"call {instance.returned} @{instance.name}({', '.join(parts)})"
@@ -347,6 +382,27 @@ class Expressions(Operators):
             return Value(instance.result, (found_there,))
         parts_there = (self.write(f"extractvalue {instance.returned} {found_there}, {k}") for k in range(len(leaves)))
         return Value(instance.result, tuple(parts_there))
+
+    def expression_of(self, function: Any, arguments: list[Value]) -> ast.expr | None:
+        """The only expression of a function of a field's elements; None for any other function."""
+        if not arguments or not hasattr(getattr(arguments[0].kind, "named", None), "dot"):
+            return None
+        *others, last = self.program.tree(function).body
+        described = all(isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) for node in others)
+        return last.value if described and isinstance(last, ast.Return) else None
+
+    def written_here(self, function: Any, expression: ast.expr, arguments: list[Value]) -> Value:
+        """The value of a function's only expression, compiled in place of a call."""
+        named = self.program.tree(function).args
+        values = {x.arg: value for x, value in zip(named.args, arguments, strict=False)}
+        if named.vararg is not None:
+            values[named.vararg.arg] = together(arguments[len(named.args) :])
+        outside = self.variables, self.values, self.source
+        self.variables, self.values, self.source = {}, values, function
+        try:
+            return self.value(expression)
+        finally:
+            self.variables, self.values, self.source = outside
 
 
 EXPRESSIONS: dict[type[ast.expr], Callable[..., Value]] = {

@@ -70,11 +70,12 @@ def single(kind: Any) -> Any:
 @dataclass(frozen=True)
 class ArrayKind:
     """A C-contiguous array. ``item`` is the kind of its items: floats, integers, longs or double-doubles. Each item
-    takes ``parts`` words."""
+    takes ``parts`` words, or, an integer of a shorter type, is ``stored`` in that NumPy type."""
 
     item: Kind
     ndim: int = 1
     parts: int = 1
+    stored: str = ""
 
     @property
     def leaves(self) -> tuple[str, ...]:
@@ -83,7 +84,7 @@ class ArrayKind:
     @cached_property
     def dtype(self) -> np.dtype[Any]:
         """The NumPy dtype of the array."""
-        return np.dtype(np.int64 if self.item in (INT, LONG) else np.float64)
+        return np.dtype(self.stored or ("int64" if self.item in (INT, LONG) else "float64"))
 
     @cached_property
     def axes(self) -> int:
@@ -93,7 +94,7 @@ class ArrayKind:
     @property
     def memory(self) -> str:
         """The LLVM type that the pointer points to."""
-        return "i64" if self.item in (INT, LONG) else "double"
+        return f"i{8 * self.dtype.itemsize}" if self.item in (INT, LONG) else "double"
 
 
 INTS, FLOATS, WIDES = ArrayKind(INT), ArrayKind(FLOAT), ArrayKind(WIDE, parts=2)
@@ -138,9 +139,13 @@ class TupleKind:
         begin = sum(len(item.leaves) for item in self.items[:index])
         return self.items[index], begin, begin + len(self.items[index].leaves)
 
+    def has(self, name: str) -> bool:
+        """Whether it is a NamedTuple with a field of that name."""
+        return self.named is not None and name in self.named._fields
+
     def field(self, name: str) -> int:
         """The index of a field of a NamedTuple."""
-        if self.named is None or name not in self.named._fields:
+        if not self.has(name):
             raise CompileError(f"{self.named or 'a tuple'} has no field {name}")
         return int(self.named._fields.index(name))
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import logging
 import struct
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from ctypes import addressof, c_char
 from hashlib import sha256
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ import numpy as np
 from jacobian.native import kept, machine
 from jacobian.native.kinds import LONG, WIDE, TupleKind, Value, form_of
 from jacobian.native.program import Program
+from jacobian.native.special import SPECIAL
 from jacobian.numbers.compiler import say_once
 
 LOG = logging.getLogger(__name__)
@@ -26,6 +28,8 @@ class Library:
     """Functions that are compiled together, at the first call of any of them.
 
     ``functions`` maps each entry's name to the function and the kinds of its arguments. ``library.name(…)`` calls it.
+    For ``special`` functions the library has instructions of its own, beside those of
+    :data:`jacobian.native.special.SPECIAL`.
     Arrays are NumPy arrays; double-doubles have a last axis (hi, lo). Tuples are tuples or :class:`Packed`.
     Calls release Python's lock. The logger of this module reports when a library is not on disk and has to be compiled.
     """
@@ -34,10 +38,10 @@ class Library:
         self,
         name: str,
         functions: dict[str, tuple[Any, tuple[Any, ...]]],
-        special: dict[Any, Callable[..., Value]],
+        special: Mapping[Any, Callable[..., Value | None]] = MappingProxyType({}),
         fast: tuple[Any, ...] = (),
     ) -> None:
-        self.name, self._functions, self._special, self._fast = name, functions, special, fast
+        self.name, self._functions, self._special, self._fast = name, functions, {**SPECIAL, **special}, fast
         self._lock = threading.Lock()
         self._entries: dict[str, Any] = {}
 

@@ -9,10 +9,11 @@ from collections.abc import Callable
 from typing import Any
 
 from jacobian.native.kinds import INT, LONG, Value, record
-from jacobian.native.operators import Operators, integer
-from jacobian.numbers import two_words, words
+from jacobian.native.operators import Operators
+from jacobian.numbers import two_words
+from jacobian.numbers.two_words import TwoWords
 
-CONTEXT = record(two_words.TwoWords, *[LONG] * 5)
+CONTEXT = record(TwoWords, *[LONG] * 5)
 """The kind of a two-word context: six longs."""
 LOW = str((1 << 64) - 1)
 
@@ -83,11 +84,6 @@ def neg(b: Operators, K: Value, x: Value) -> Value:
     return Value(LONG, (difference(b, K.parts[0], "0", x.parts[0]),))
 
 
-def least(b: Operators, K: Value, x: Value) -> Value:
-    """x, which is already the least residue."""
-    return x
-
-
 def trailing_zeros(b: Operators, x: Value) -> Value:
     """The exponent of 2 in x > 0, in one instruction."""
     count = b.write(f"call i128 @llvm.cttz.i128(i128 {x.parts[0]}, i1 true)")
@@ -95,15 +91,12 @@ def trailing_zeros(b: Operators, x: Value) -> Value:
 
 
 MODULAR: dict[Any, Callable[..., Value]] = {
-    **dict.fromkeys((words.mul, words.dot2, words.dot3, words.dot4), dot),
-    **dict.fromkeys((words.fit, words.canonical, words.settled), least),
-    words.add: add,
-    words.sub: sub,
-    words.neg: neg,
-    words.inverse: lambda b, K, x: b.call(two_words.inverse, [K, x]),
-    words.encode: lambda b, K, x: dot(b, K, x, K.item(3)),
-    words.decode: lambda b, K, x: dot(b, K, x, integer(1)),
+    TwoWords.dot: dot,
+    TwoWords.canonical: lambda b, K, x: x,
+    TwoWords.add: add,
+    TwoWords.sub: sub,
+    TwoWords.neg: neg,
     two_words.trailing_zeros: trailing_zeros,
     two_words.long: lambda b, x: b.cast(x, LONG),
 }
-"""Functions of this package, and the instructions that replace them on a two-word context."""
+"""Functions of this package, and the instructions that replace them on two words."""

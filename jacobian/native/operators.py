@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable
 from functools import wraps
 from typing import Any
@@ -34,6 +35,11 @@ FOLDED: dict[str, Callable[[int, int], Any]] = {
 }  # fmt: skip
 RELATIONS = {"Lt": ("olt", "slt"), "LtE": ("ole", "sle"), "Gt": ("ogt", "sgt"), "GtE": ("oge", "sge"),
              "Eq": ("oeq", "eq"), "NotEq": ("une", "ne")}  # fmt: skip
+
+FOLDED_RELATIONS: dict[str, Callable[[int, int], bool]] = {
+    "Lt": operator.lt, "LtE": operator.le, "Gt": operator.gt, "GtE": operator.ge, "Eq": operator.eq,
+    "NotEq": operator.ne,
+}  # fmt: skip
 
 
 def integer(n: int) -> Value:
@@ -254,6 +260,8 @@ class Operators(Code):
         kind = meeting(x.kind, y.kind)
         if not is_number(kind) or name not in RELATIONS:
             raise CompileError(f"{name} of {x.kind} and {y.kind}")
+        if x.is_known and y.is_known:
+            return Value(BOOL, (str(int(FOLDED_RELATIONS[name](x.known(), y.known()))),))
         x, y = self.cast(x, kind), self.cast(y, kind)
         of_floats, of_integers = RELATIONS[name]
         double, word, bit = self.types[:3]

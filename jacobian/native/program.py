@@ -31,13 +31,13 @@ class Instance(NamedTuple):
 
 
 class Program:
-    """An LLVM module. For ``special`` functions the compiler has its own instructions. Sums in ``fast`` functions may
-    be reordered.
+    """An LLVM module. For ``special`` functions the compiler has its own instructions; where these are None, the
+    function is compiled as it stands. Sums in ``fast`` functions may be reordered.
 
     Float operations may be contracted, but not in functions that take double-doubles.
     """
 
-    def __init__(self, special: dict[Any, Callable[..., Value]], fast: tuple[Any, ...] = ()) -> None:
+    def __init__(self, special: dict[Any, Callable[..., Value | None]], fast: tuple[Any, ...] = ()) -> None:
         self.special, self._fast = special, fast
         self._instances: dict[Any, Instance | None] = {}
         self._texts: list[str] = []
@@ -50,13 +50,11 @@ class Program:
         """The function compiled for these argument kinds; the first request compiles it."""
         key = function, kinds
         if key not in self._instances:
-            if not inspect.isfunction(function):
-                raise CompileError(f"{function!r} is not compiled")
             self._instances[key] = None
             name = f"{function.__name__}.{len(self._instances)}"
             flag = "" if any(map(_has_wide, kinds)) else "contract"
             body = Statements(self, function, "fast" if function in self._fast else flag)
-            self._texts.append(body.compiled(name, self._tree(function), kinds, "internal"))
+            self._texts.append(body.compiled(name, self.tree(function), kinds, "internal"))
             self._instances[key] = Instance(name, body.result)
         found = self._instances[key]
         if found is None:
@@ -113,9 +111,19 @@ class Program:
             self.modules.add(found.__module__)
         return found
 
-    def _tree(self, function: Any) -> ast.FunctionDef:
+    def of_class(self, named: type, name: str) -> Any:
+        """A method or a constant of a class."""
+        if not hasattr(named, name):
+            raise CompileError(f"{named.__name__} has no {name}")
+        self.modules.add(named.__module__)
+        return getattr(named, name)
+
+    def tree(self, function: Any) -> ast.FunctionDef:
+        """The parsed source of a function."""
+        if not inspect.isfunction(function):
+            raise CompileError(f"{function!r} is not compiled")
         self.modules.add(function.__module__)
-        return _functions(function.__module__)[function.__name__]
+        return _functions(function.__module__)[function.__qualname__]
 
 
 @cache
@@ -125,7 +133,10 @@ def _parsed(module: str) -> ast.Module:
 
 @cache
 def _functions(module: str) -> dict[str, ast.FunctionDef]:
-    return {node.name: node for node in _parsed(module).body if isinstance(node, ast.FunctionDef)}
+    """The functions of a module and the methods of its classes, by qualified name."""
+    body = _parsed(module).body
+    parts = [("", body), *((f"{node.name}.", node.body) for node in body if isinstance(node, ast.ClassDef))]
+    return {f"{of}{node.name}": node for of, nodes in parts for node in nodes if isinstance(node, ast.FunctionDef)}
 
 
 def _has_wide(kind: Any) -> bool:

@@ -7,6 +7,7 @@ from typing import Any
 
 from jacobian.native.kinds import WIDE, Value, single
 from jacobian.native.operators import Operators, in_lanes, real
+from jacobian.native.words import ARITHMETIC
 from jacobian.numbers.double_double import EPS
 from jacobian.numbers.double_double_steps import joined as joined_steps
 from jacobian.numbers.double_double_steps import plus_product as step_of_sum
@@ -39,7 +40,8 @@ def both(b: Operators, x: Value, y: Value) -> Value:
     return Value(WIDE, joined_steps(b, *x.parts, *y.parts))
 
 
-SPECIAL: dict[Any, Callable[..., Value]] = {
+SPECIAL: dict[Any, Callable[..., Any]] = {
+    **ARITHMETIC,
     root: Operators.root,
     negligible: adds_nothing,
     plus_product: one_more,

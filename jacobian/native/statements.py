@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from jacobian.native.code import LANES
-from jacobian.native.expressions import Expressions
+from jacobian.native.expressions import KNOWN, Expressions
 from jacobian.native.kinds import (
     BOOL,
     INT,
@@ -53,7 +53,9 @@ class Statements(Expressions):
 
     def compiled(self, name: str, tree: ast.FunctionDef, kinds: tuple[Any, ...], attributes: str) -> str:
         """The function's LLVM text."""
-        names = [x.arg for x in tree.args.args]
+        names, rest = [x.arg for x in tree.args.args], tree.args.vararg
+        if rest is not None:
+            names, kinds = [*names, rest.arg], (*kinds[: len(names)], TupleKind(kinds[len(names) :]))
         if len(names) != len(kinds):
             raise CompileError(f"{len(kinds)} arguments, {len(names)} are needed")
         while True:
@@ -210,6 +212,9 @@ class Statements(Expressions):
             if test.kind.lanes != LANES:
                 raise CompileError("a condition on numbers of an item of two")
             self.if_in_lanes(node, test.parts[0])
+            return
+        if test.parts[0] in KNOWN:
+            self.block(node.body if test.parts[0] == "1" else node.orelse)
             return
         yes, no, end = self.labels("then", "else", "end")
         self.split(test.parts[0], yes, no)

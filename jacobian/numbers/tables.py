@@ -4,8 +4,7 @@ An element is the int of :class:`jacobian.fields.table.TableField`. The logarith
 the table of powers is 0. So a product is one look-up at the sum of two logarithms, and a sum one at log x + zech(log y
 − log x). The table of Zech logarithms runs from −2(q − 1) to 2(q − 1). In characteristic 2 a sum is an exclusive or.
 
-A *context* holds the tables; :mod:`jacobian.numbers.tables_compiled` registers what compiled code does with one. Every
-element is canonical.
+A *context* holds the tables. Its operations are compiled as they stand. Every element is canonical.
 """
 
 from __future__ import annotations
@@ -13,14 +12,16 @@ from __future__ import annotations
 from collections import namedtuple
 from typing import Any
 
+from jacobian.numbers.words import SingleProducts
+
 _Tables = namedtuple("_Tables", "powers logarithms zech size half one")
 """Powers of a generator, from the 0-th to the 4(q − 1)-th; logarithms; Zech logarithms from −2(q − 1) on; q − 1; the
 logarithm of −1; 1.
 """
 
 
-class TableContext(_Tables):
-    """The conversions that both contexts share: an element is its own word."""
+class TableContext(SingleProducts, _Tables):
+    """What both contexts share: an element is its own word, and canonical."""
 
     __slots__ = ()
 
@@ -32,17 +33,44 @@ class TableContext(_Tables):
         """x, as an int of Python."""
         return int(x)
 
+    def product(self, x: Any, y: Any) -> Any:
+        return self.powers[self.logarithms[x] + self.logarithms[y]]
+
+    def sub(self: Any, x: Any, y: Any) -> Any:
+        return self.add(x, self.neg(y))
+
+    def canonical(self, x: Any) -> Any:
+        return x
+
+    fit = settled = canonical
+
+    def invert(self, x: Any) -> Any:
+        return self.powers[self.size - self.logarithms[x]]
+
 
 class BinaryTable(TableContext):
     """The context of a field of characteristic 2; ``zech`` is empty."""
 
     __slots__ = ()
 
+    def add(self, x: Any, y: Any) -> Any:
+        return x ^ y
+
+    def neg(self, x: Any) -> Any:
+        return x
+
 
 class OddTable(TableContext):
     """The context of a field of odd characteristic."""
 
     __slots__ = ()
+
+    def add(self, x: Any, y: Any) -> Any:
+        first = self.logarithms[x]
+        return self.powers[first + self.zech[self.logarithms[y] - first + 2 * self.size]]
+
+    def neg(self, x: Any) -> Any:
+        return self.powers[self.logarithms[x] + self.half]
 
 
 def table_context(K: Any) -> TableContext:

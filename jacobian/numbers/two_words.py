@@ -27,11 +27,11 @@ class TwoWords(namedtuple("TwoWords", "p reciprocal one square cube")):
 
     def to_word(self, a: int) -> int:
         """The word of a residue."""
-        return (a << BITS) % self.p
+        return self.dot(a, self.square)
 
     def from_word(self, x: int) -> int:
         """The residue 0 ≤ a < p of a word."""
-        return x * pow(2, -BITS, self.p) % self.p
+        return self.dot(x, 1)
 
     def dot(self, *terms: int) -> int:
         """terms[0]·terms[1] + terms[2]·terms[3] + …, by Montgomery's reduction."""

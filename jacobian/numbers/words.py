@@ -26,8 +26,8 @@ exactly from two fused multiplications and a rounded quotient. SIMD instructions
 products of 64-bit words there are none. Each product of a dot is reduced on its own. A product must be below 16·p² and
 a sum below 16·p; ``settled`` and ``canonical`` take |x| ≤ 4.5·p.
 
-The functions also run on Python ints, exactly; :mod:`jacobian.numbers.words_compiled` registers their compiled
-versions. Importing this module imports neither numba nor numpy.
+The functions also run on Python ints, exactly; :mod:`jacobian.native` compiles them as they stand, but for the
+instructions of :mod:`jacobian.native.words`. Importing this module does not import numpy.
 """
 
 from __future__ import annotations
@@ -42,7 +42,9 @@ _Constants = namedtuple("_Constants", "p reciprocal one square cube half")
 
 
 class WordContext(_Constants):
-    """The conversions and the operations on Python ints that the four contexts share."""
+    """The operations that the four contexts of words share. ``dot`` and :func:`sign` have instructions of their own in
+    compiled code; the rest is compiled as it stands.
+    """
 
     __slots__ = ()
     bits: int
@@ -50,11 +52,12 @@ class WordContext(_Constants):
 
     def to_word(self, a: int) -> int:
         """The canonical word of a residue."""
-        return self.canonical((a << self.bits) % self.p)
+        return self.canonical(self.dot(a, self.square))
 
     def from_word(self, x: int) -> int:
         """The residue 0 ≤ a < p of any word."""
-        return int(x) * pow(2, -self.bits, self.p) % self.p
+        a = self.dot(int(x), 1)
+        return a + self.p if a < 0 else a
 
     def dot(self, *terms: int) -> int:
         """terms[0]·terms[1] + terms[2]·terms[3] + …, by Montgomery's reduction."""
@@ -74,16 +77,19 @@ class WordContext(_Constants):
     def fit(self, x: int) -> int:
         return self.canonical(x) if self.wide else x
 
+    def nearer(self, x: int, far: int, step: int) -> int:
+        """x, moved by ``step`` towards 0 if it is beyond ±far."""
+        x = x - step if x > far else x
+        return x + step if x < -far else x
+
     def canonical(self, x: int) -> int:
-        return x - self.p if x > self.half else x + self.p if x < -self.half else x
+        return self.nearer(x, self.half, self.p)
 
     def settled(self, x: int) -> int:
-        if not self.wide:
-            x -= 3 * self.p if 2 * x > 3 * self.p else -3 * self.p if 2 * x < -3 * self.p else 0
-        return self.canonical(x)
+        return self.canonical(x if self.wide else self.nearer(x, self.p + self.half, 3 * self.p))
 
     def invert(self, x: int) -> int:
-        return self.dot(self.cube, self.canonical(pow(x, -1, self.p)))
+        return self.dot(self.cube, self.canonical(inverse_modulo(x, self.p)))
 
 
 class Lazy32(WordContext):
@@ -100,21 +106,47 @@ class Wide32(WordContext):
     bits, wide = 32, True
 
 
-class Lazy64(WordContext):
+class LongContext(WordContext):
+    """The contexts on words of 64 bits."""
+
+    __slots__ = ()
+    bits = 64
+
+    def nearer(self, x: int, far: int, step: int) -> int:
+        """x, moved by ``step`` towards 0 if it is negative or beyond ``far``; then again if it is beyond ``far``.
+
+        These loops stay scalar. There a selection would become a branch, which is mispredicted half the time.
+        """
+        x = x + (step & sign(x))
+        return x - (step & sign(far - x))
+
+
+class Lazy64(LongContext):
     """The context of p < 2^61 on words of 64 bits."""
 
     __slots__ = ()
-    bits, wide = 64, False
+    wide = False
 
 
-class Wide64(WordContext):
+class Wide64(LongContext):
     """The context of p < 2^63 on words of 64 bits."""
 
     __slots__ = ()
-    bits, wide = 64, True
+    wide = True
 
 
-class Double(namedtuple("Double", "p reciprocal one half")):
+class SingleProducts:
+    """What the contexts share that reduce each product of a dot on its own."""
+
+    __slots__ = ()
+
+    def dot(self: Any, *terms: Any) -> Any:
+        """terms[0]·terms[1] + terms[2]·terms[3] + …"""
+        first = self.product(terms[0], terms[1])
+        return first if len(terms) == 2 else self.add(first, self.dot(*terms[2:]))
+
+
+class Double(SingleProducts, namedtuple("Double", "p reciprocal one half")):
     """The context of p < 2^49 on floats; ``reciprocal`` is 1/p, rounded."""
 
     __slots__ = ()
@@ -122,6 +154,69 @@ class Double(namedtuple("Double", "p reciprocal one half")):
     def balanced(self, a: Any) -> Any:
         """The canonical float of a residue, or of an array of them."""
         return a - self.p * (a > self.half)
+
+    def product(self, x: float, y: float) -> float:
+        """xy. Compiled code returns another residue of it, by fused multiplications."""
+        return float(self.balanced(int(x) * int(y) % int(self.p)))
+
+    def add(self, x: float, y: float) -> float:
+        return x + y
+
+    def sub(self, x: float, y: float) -> float:
+        return x - y
+
+    def neg(self, x: float) -> float:
+        return -x
+
+    def fit(self, x: float) -> float:
+        return x
+
+    def nearer(self, x: float, far: float, step: float) -> float:
+        """x, moved by ``step`` towards 0 if it is beyond ±far."""
+        x = x - step if x > far else x
+        return x + step if x < -far else x
+
+    def canonical(self, x: float) -> float:
+        return self.nearer(self.nearer(x, self.p + self.half, 3 * self.p), self.half, self.p)
+
+    settled = canonical
+
+    def invert(self, x: float) -> float:
+        return float(inverse_modulo(int(x), int(self.p)))
+
+
+class OneWord(namedtuple("OneWord", "p one")):
+    """The context of p < 2^30 on least residues, with one remainder for a sum of up to four products. Compiled loops
+    over primes make one for each."""
+
+    __slots__ = ()
+
+    def total(self, *terms: int) -> int:
+        """terms[0]·terms[1] + terms[2]·terms[3] + …, not reduced."""
+        first = terms[0] * terms[1]
+        return first if len(terms) == 2 else first + self.total(*terms[2:])
+
+    def dot(self, *terms: int) -> int:
+        return self.total(*terms) % self.p
+
+    def add(self, x: int, y: int) -> int:
+        return self.sub(x, self.p - y)
+
+    def sub(self, x: int, y: int) -> int:
+        total = x - y
+        return total + self.p if total < 0 else total
+
+    def neg(self, x: int) -> int:
+        return self.p - x if x > 0 else x
+
+    def canonical(self, x: int) -> int:
+        return x
+
+    fit = settled = canonical
+
+    def invert(self, x: int) -> int:
+        found = inverse_modulo(x, self.p)
+        return found + self.p if found < 0 else found
 
 
 def double_context(p: int) -> Double:
@@ -150,6 +245,26 @@ def _signed(x: int, bits: int) -> int:
     """The residue of x modulo 2^bits in [−2^(bits−1), 2^(bits−1))."""
     half = 1 << (bits - 1)
     return ((x + half) & (2 * half - 1)) - half
+
+
+def sign(x: Any) -> Any:
+    """−1 for x < 0, else 0, for a word: a mask."""
+    return x >> 63
+
+
+def quotient(a: Any, b: Any) -> Any:
+    """The whole part of a/b for words a ≥ 0 and b > 0."""
+    return a // b
+
+
+def inverse_modulo(x: Any, p: Any) -> Any:
+    """1/x modulo p, of size below p, for x ≠ 0 with |x| < p < 2^63, by Euclid's algorithm."""
+    a, b, s, t = p, abs(x), 0, 1
+    while b > 1:
+        q = quotient(a, b)
+        a, b = b, a - q * b
+        s, t = t, s - q * t
+    return t if x > 0 else -t
 
 
 def mul(K: Any, a: Any, b: Any) -> Any:

@@ -14,7 +14,7 @@ from typing import Any
 
 from jacobian.native.kinds import INT, INTS, LONG, LONGS, ArrayKind, TupleKind, record
 from jacobian.native.library import Library
-from jacobian.native.modular import CONTEXT, MODULAR
+from jacobian.native.modular import CONTEXT
 from jacobian.numbers.words import add, decode, dot2, dot4, encode, inverse, mul, sub
 
 Forms = namedtuple("Forms", "first second ends place begin coefficient")
@@ -219,5 +219,4 @@ COMPILED = Library(
         "double_points": (double_points, (CONTEXT, FORMS, TupleKind((POINTS,)), *_REST)),
         "multiply_points": (multiply_points, (CONTEXT, FORMS, TupleKind((POINTS, ArrayKind(INT, 2))), *_REST)),
     },
-    MODULAR,
 )

@@ -1,12 +1,13 @@
 """The Weil and Tate pairings: the laws on full m-torsion, over every model, and compared with Frobenius."""
 
-from itertools import combinations, product
+from itertools import combinations, count, product
 from random import Random
 
 import pytest
 
 from jacobian import GF, QQ, ArgumentError, CurveMismatch, FieldError, HyperellipticCurve, poly
-from jacobian.finite import pairing
+from jacobian.fields.primality import is_prime
+from jacobian.finite import miller, pairing
 from jacobian.finite.pairing import norm, tate_pairing, weil_pairing
 from tests.jacobian.group_curves import random_curve
 
@@ -174,6 +175,58 @@ def test_an_extension_for_the_shifts_does_not_change_the_value(q, model, m, monk
     assert degree % m != 1
     assert values[0] == values[1]
     assert any(value != 1 for value in values[0])
+
+
+def with_full_torsion(m, least):
+    """y² = x³ + ax over p = A² + 1 with m | A ≥ least: one of its twists has the group (Z/A)² (multiplication by i)."""
+    A = next(A for A in count(least - least % m, m) if is_prime(A * A + 1))
+    curves = (HyperellipticCurve(GF(A * A + 1), [0, a, 0, 1]) for a in count(1))
+    return next((C, A, m) for C in curves if not any(A * C.jacobian().random(Random(i)) for i in range(3)))
+
+
+def small(p, f, h, m):
+    return HyperellipticCurve(GF(p), f, h), m, m
+
+
+ELLIPTIC = [
+    pytest.param(small(7, [4, 4, 1, 3], [], 3), id="GF(7)"),
+    pytest.param(small(7, [2, 1, 1, 3], [1, 2], 3), id="GF(7), h"),
+    pytest.param(small(13, [0, 2, 1, 3], [], 2), id="two-torsion"),
+    pytest.param(small(61, [0, 9, 1, 3], [], 4), id="m = 4"),
+    pytest.param(small(61, [0, 39, 1, 3], [1, 2], 4), id="m = 4, h"),
+    pytest.param(small(31, [5, 27, 1, 3], [1, 2], 5), id="m = 5, h"),
+    pytest.param(with_full_torsion(65537, 2**20), id="one word"),
+    pytest.param(with_full_torsion(65537, 2**50), id="two words"),
+    pytest.param(with_full_torsion(6, 2**65), id="more than two words"),
+]
+
+
+@pytest.mark.parametrize("compiled", [False, True], ids=["in Python", "compiled"])
+@pytest.mark.parametrize("curve", ELLIPTIC)
+def test_genus_one_without_shifts_is_what_shifts_over_an_extension_give(curve, compiled, monkeypatch):
+    # the loops without shifts are for prime fields; over GF(p³) Tate's power is 1 + p + p² ≡ 3 modulo m times as large
+    monkeypatch.setattr(miller, "COLD", 0 if compiled else 10**9)
+    monkeypatch.setattr(miller, "is_kept", lambda: False)
+    C, A, m = curve
+    J, L, rng = C.jacobian(), GF(C.field.p, 3), Random(1)
+    D, E = J.torsion(m).generators if m == A else (A // m * J.random(Random(i)) for i in (1, 2))
+    values = set()
+    for first, second in product((D, D + 2 * E), (D, -D, E, J.random(rng))):
+        wide = first.change_ring(L), second.change_ring(L)
+        assert pow(J.tate_pairing(first, second, m), 3, C.field.p) == tate_pairing(*wide, m)
+        if not m * second:
+            values.add(J.weil_pairing(first, second, m))
+            assert J.weil_pairing(first, second, m) == weil_pairing(*wide, m)
+    assert len(values) > 1
+
+
+def test_genus_one_refuses_what_m_does_not_annihilate():
+    C, A, m = with_full_torsion(65537, 2**50)
+    D = A // m * C.jacobian().random(Random(1))
+    with pytest.raises(ArgumentError, match=r"D = .*: m·D must be 0, which it is not for m = 2"):
+        C.jacobian().tate_pairing(D, D, 2)
+    with pytest.raises(ArgumentError, match=r"E = .*: m·E must be 0"):
+        C.jacobian().weil_pairing(D, C.jacobian().random(Random(2)), m)
 
 
 def test_trivial_pairings():

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from numba import njit
 
 from jacobian import GF
-from jacobian.numbers import tables_compiled  # noqa: F401  # registers the operations
+from jacobian.native.kinds import INT, ArrayKind
+from jacobian.native.library import Library
+from jacobian.native.words import CONTEXTS
 from jacobian.numbers.tables import BinaryTable, OddTable, table_context
 from jacobian.numbers.words import (
     add,
@@ -33,10 +34,7 @@ FIELDS = {
 }
 
 
-@njit(error_model="numpy")
-def tabulate(K, q):
-    pairs = np.empty((3, q, q), np.int64)
-    singles = np.empty((5, q), np.int64)
+def tabulate(K, q, pairs, singles):
     for x in range(q):
         singles[0, x] = neg(K, x)
         singles[1, x] = inverse(K, x) if x else 0
@@ -44,20 +42,28 @@ def tabulate(K, q):
         singles[3, x] = settled(K, canonical(K, x))
         singles[4, x] = decode(K, encode(K, x))
         for y in range(q):
-            pairs[0, x, y] = add(K, x, y)
-            pairs[1, x, y] = sub(K, x, y)
-            pairs[2, x, y] = mul(K, x, y)
-    return pairs, singles
+            pairs[0, q * x + y] = add(K, x, y)
+            pairs[1, q * x + y] = sub(K, x, y)
+            pairs[2, q * x + y] = mul(K, x, y)
 
 
-@njit(error_model="numpy")
-def dots(K, rows):
-    out = np.empty((3, len(rows)), np.int64)
-    for i in range(len(rows)):
-        a, b, c, d, e, f, g, h = rows[i]
+def dots(K, rows, out):
+    for i in range(rows.shape[0]):
+        a, b, c, d = rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3]
+        e, f, g, h = rows[i, 4], rows[i, 5], rows[i, 6], rows[i, 7]
         out[0, i], out[1, i] = dot2(K, a, b, c, d), dot3(K, a, b, c, d, e, f)
         out[2, i] = dot4(K, a, b, c, d, e, f, g, h)
-    return out
+
+
+TABLE = ArrayKind(INT, 2)
+COMPILED = {
+    kind: Library(
+        f"test_tables_{kind.__name__}",
+        {"tabulate": (tabulate, (CONTEXTS[kind], INT, TABLE, TABLE)), "dots": (dots, (CONTEXTS[kind], TABLE, TABLE))},
+    )
+    for kind in (BinaryTable, OddTable)
+}
+"""The compiled functions above, for each kind of context."""
 
 
 @pytest.mark.parametrize("name", FIELDS)
@@ -65,7 +71,9 @@ def test_every_pair(name):
     K = FIELDS[name]
     tables, q = table_context(K), K.order
     assert type(tables) is (BinaryTable if K.p == 2 else OddTable)
-    (sums, differences, products), singles = tabulate(tables, q)
+    pairs, singles = np.empty((3, q * q), np.int64), np.empty((5, q), np.int64)
+    COMPILED[type(tables)].tabulate(tables, q, pairs, singles)
+    sums, differences, products = pairs.reshape(3, q, q)
     for x in range(q):
         assert [K.add(x, y) for y in range(q)] == sums[x].tolist()
         assert [K.sub(x, y) for y in range(q)] == differences[x].tolist()
@@ -83,6 +91,8 @@ def test_sums_of_products(name, rng):
     K = FIELDS[name]
     rows = rng.integers(0, K.order, (500, 8))
     rows[:50, ::3] = 0
-    found = dots(table_context(K), rows).T.tolist()
+    tables, found = table_context(K), np.empty((3, len(rows)), np.int64)
+    COMPILED[type(tables)].dots(tables, rows, found)
+    found = found.T.tolist()
     for row, values in zip(rows.tolist(), found, strict=True):
         assert values == [K.dot(row[:size:2], row[1:size:2]) for size in (4, 6, 8)]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from jacobian import ArgumentError
 from jacobian.native.kinds import LONG, TupleKind
 from jacobian.native.library import Library
-from jacobian.native.modular import CONTEXT, MODULAR
+from jacobian.native.modular import CONTEXT
 from jacobian.numbers import two_words as module
 from jacobian.numbers import words
 from jacobian.numbers.two_words import two_words
@@ -43,7 +43,6 @@ def inverted(K, a):
 COMPILED = Library(
     "test_two_words",
     {"operations": (operations, (CONTEXT, *[LONG] * 4)), "inverted": (inverted, (CONTEXT, LONG))},
-    MODULAR,
 )
 
 

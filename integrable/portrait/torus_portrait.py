@@ -1,0 +1,62 @@
+"""Frequencies, actions and angles of a motion on a torus of any genus (:mod:`integrable.portrait.separated`)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from jacobian.immutable import Immutable
+
+if TYPE_CHECKING:
+    from integrable.portrait.separated import SeparatedTorus
+
+
+class TorusPortrait(Immutable):
+    """The global quantities of a motion of any genus, in the field of its system. Get one from ``flow.portrait``.
+
+    ``frequencies`` are turns per unit of time: first of each point of the pair in its oval, in ascending order of
+    ovals, then of the angles about an axis. ``actions`` are conjugate to 2π times the phases, so that dH = 2πΣf dJ;
+    those of ovals are positive. They are None for a system that is not Hamiltonian in q and p. The state itself may
+    take two turns of an oval: at a branch point where it has a sign, that sign changes.
+    """
+
+    def __init__(self, settled: Callable[[Callable[[SeparatedTorus], Any]], list[list[Any]]]) -> None:
+        """``settled(read)`` are the vectors that ``read`` finds on the torus, to the digits of the field."""
+        self._settled = settled
+        signs, actions, *rows = settled(_numbers_of)
+        self._signs = tuple(1 if x > 0 else -1 for x in signs)
+        self.frequencies, self.actions = tuple(x for (x,) in rows), tuple(actions) or None
+
+    @property
+    def rotation_number(self) -> Any:
+        """The quotient of the first two frequencies."""
+        return self.frequencies[0] / self.frequencies[1]
+
+    @property
+    def periods(self) -> tuple[Any, ...]:
+        """1/|f| for each frequency f."""
+        return tuple(abs(1 / f) for f in self.frequencies)
+
+    @cached_property
+    def angles(self) -> tuple[Any, ...]:
+        """The phases θ of the points at the start, in turns modulo 1, 0 at the lower ends of ovals; θ + ft later."""
+        found = [x for (x,) in self._settled(lambda torus: [[x] for x in torus.phases])]
+        return tuple((s * x) % 1 for s, x in zip(self._signs, found, strict=False))
+
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import named
+
+        return named("what the motion is", [(name, getattr(self, name)) for name in ("frequencies", "actions")])
+
+    def __repr__(self) -> str:
+        return f"<TorusPortrait: frequencies {', '.join(f'{float(f):.6g}' for f in self.frequencies)}>"
+
+
+def _numbers_of(torus: SeparatedTorus) -> list[list[Any]]:
+    """The senses in which actions of ovals are positive; the actions and every frequency in these senses."""
+    actions, one = torus.actions, torus.one
+    genus = len(torus.ovals)
+    signs = [-one if actions and k < genus and actions[k] < 0 else one for k in range(len(torus.frequencies))]
+    turned = [s * x for s, x in zip(signs, actions or (), strict=False)]
+    return [signs, turned, *([s * x] for s, x in zip(signs, torus.frequencies, strict=True))]

@@ -1,0 +1,164 @@
+"""Miller's loop on an elliptic curve over GF(p), p odd: the function of m·P at one point, without an inversion.
+
+For m·P = 0 the function f has divisor m·P − m·∞ and leading coefficient 1 at ∞. Each step of the loop doubles or adds
+in Jacobian coordinates x = X/Z², y = Y/Z³ (Cohen, Miyaji and Ono 1998) and multiplies f by a line over a vertical line
+(Miller 2004). The loop is compiled by :mod:`jacobian.native` for p < 2^128, and runs unchanged on Python's ints.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import count
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.fields.prime import PrimeField
+from jacobian.native import modular
+from jacobian.native.kinds import INTS, LONG, TupleKind
+from jacobian.native.library import Library
+from jacobian.numbers.compiler import interpreted
+from jacobian.numbers.two_words import BITS, two_words
+from jacobian.numbers.words import add, dot2, mul, sub
+
+if TYPE_CHECKING:
+    from jacobian.law.divisor import Divisor
+
+
+def doubled(K: Any, cubic: Any, T: Any, x: Any, y: Any) -> Any:
+    """2T, and at (x, y) the tangent in T over the vertical line in 2T: (2T, numerator, denominator), for T ≠ 0.
+
+    ``cubic`` is (a, b) of y² = x³ + ax² + bx + c.
+    """
+    (a, b), (X, Y, Z) = cubic, T
+    zero, square, YY = sub(K, Z, Z), mul(K, Z, Z), mul(K, Y, Y)
+    off = sub(K, mul(K, square, x), X)
+    if zero == Y:
+        return (K.one, K.one, zero), off, square
+    XX, twice = mul(K, X, X), add(K, YY, YY)
+    bent = dot2(K, add(K, X, X), mul(K, a, square), mul(K, b, square), square)
+    slope = add(K, add(K, XX, bent), add(K, XX, XX))
+    z, four = mul(K, add(K, Y, Y), Z), add(K, twice, twice)
+    zz, S = mul(K, z, z), mul(K, X, four)
+    found = sub(K, sub(K, mul(K, slope, slope), mul(K, a, zz)), add(K, S, S))
+    height = sub(K, mul(K, slope, sub(K, S, found)), mul(K, four, twice))
+    line = sub(K, sub(K, mul(K, mul(K, z, square), y), twice), mul(K, slope, off))
+    return (found, height, z), mul(K, line, z), mul(K, sub(K, mul(K, zz, x), found), square)
+
+
+def added(K: Any, cubic: Any, T: Any, P: Any, x: Any, y: Any) -> Any:
+    """T + P in the form of :func:`doubled`. T = P, which takes a doubling, is shown by the numerator 0."""
+    (X, Y, Z), (px, py) = T, P
+    zero, square = sub(K, Z, Z), mul(K, Z, Z)
+    H, r = sub(K, mul(K, px, square), X), sub(K, mul(K, py, mul(K, square, Z)), Y)
+    if zero == Z:
+        return (px, py, K.one), K.one, K.one
+    if zero == H:
+        return (K.one, K.one, zero), zero if r == zero else sub(K, x, px), K.one
+    z, HH = mul(K, Z, H), mul(K, H, H)
+    zz, XH, HHH = mul(K, z, z), mul(K, X, HH), mul(K, HH, H)
+    found = sub(K, sub(K, mul(K, r, r), mul(K, cubic[0], zz)), add(K, HHH, add(K, XH, XH)))
+    height = sub(K, mul(K, r, sub(K, XH, found)), mul(K, Y, HHH))
+    line = sub(K, mul(K, z, sub(K, y, py)), mul(K, r, sub(K, x, px)))
+    return (found, height, z), mul(K, line, z), sub(K, mul(K, zz, x), found)
+
+
+def function_at(K: Any, cubic: Any, P: Any, Q: Any, bits: Any) -> Any:
+    """(Z of m·P, numerator, denominator) of f at Q; ``bits`` are those of m after the first. Z = 0 says m·P = 0.
+
+    The numerator or the denominator is 0 where a line of the loop passes through Q.
+    """
+    (x, y), over, under = Q, K.one, K.one
+    T = P[0], P[1], K.one
+    for k in range(len(bits)):
+        over, under = mul(K, over, over), mul(K, under, under)
+        if T[2] != sub(K, x, x):
+            T, s, t = doubled(K, cubic, T, x, y)
+            over, under = mul(K, over, s), mul(K, under, t)
+        if bits[k] == 1:
+            T, s, t = added(K, cubic, T, P, x, y)
+            over, under = mul(K, over, s), mul(K, under, t)
+    return T[2], over, under
+
+
+PAIR = TupleKind((LONG, LONG))
+LIBRARY = Library("miller", {"function_at": (function_at, (modular.CONTEXT, PAIR, PAIR, PAIR, INTS))}, modular.MODULAR)
+
+
+class Residues(NamedTuple):
+    """The context of a prime of any size for loops in Python: least residues, as they are."""
+
+    p: int
+    one: int = 1
+
+    def to_word(self, a: int) -> int:
+        return a
+
+    def from_word(self, x: int) -> int:
+        return x
+
+    def dot(self, a: int, b: int, c: int = 0, d: int = 0) -> int:
+        return (a * b + c * d) % self.p
+
+    def add(self, x: int, y: int) -> int:
+        return (x + y) % self.p
+
+    def sub(self, x: int, y: int) -> int:
+        return (x - y) % self.p
+
+
+COLD = 1000
+"""Loops in Python that take as long as the compilation, 0.4 s; ``python -m benchmarks pairing`` measures both."""
+CALLS = count()
+
+
+def _is_compiled() -> bool:
+    return not interpreted() and (is_kept() or next(CALLS) >= COLD)
+
+
+@cache
+def is_kept() -> bool:
+    """Whether the compiled loop was on disk when this process first asked."""
+    return LIBRARY.is_kept()
+
+
+class EllipticFunctions:
+    """Miller's functions on a curve with :func:`has_functions`."""
+
+    def __init__(self, C: HyperellipticCurve) -> None:
+        field: Any = C.field
+        p = field.p
+        self._half_h = tuple(c * (p + 1) // 2 for c in C.h)
+        h = (*self._half_h, 0, 0)
+        # Y = lead·(y + h/2) and X = lead·x: Y² = X³ + aX² + bX + c
+        f, g = (*C.f, 0, 0), (h[0] * h[0], 2 * h[0] * h[1], h[1] * h[1], 0)
+        _, linear, square, lead = (f[k] + g[k] for k in range(4))
+        self._compiled = p.bit_length() <= BITS and _is_compiled()
+        self._words = two_words(p) if self._compiled else Residues(p)
+        self._lead, self._cubic = lead, self._pair(square, lead * linear)
+
+    def _pair(self, x: int, y: int) -> tuple[int, int]:
+        K = self._words
+        return K.to_word(x % K.p), K.to_word(y % K.p)
+
+    def _point(self, D: Divisor) -> tuple[int, int]:
+        x, (y, *_) = -D.u[0], (*D.v, 0)
+        height = y + sum(c * x**k for k, c in enumerate(self._half_h))
+        return self._pair(self._lead * x, self._lead * height)
+
+    def __call__(self, D: Divisor, E: Divisor, m: int) -> tuple[bool, int, int]:
+        """(whether m·D = 0, numerator, denominator) of the function of m·D at the point of E; D and E are not 0.
+
+        The numerator or the denominator is 0 where another representative of E is needed.
+        """
+        bits = [int(bit) for bit in bin(m)[3:]]
+        given = self._words, self._cubic, self._point(D), self._point(E)
+        run = LIBRARY.function_at(*given, np.array(bits, np.int64)) if self._compiled else function_at(*given, bits)
+        end, over, under = run
+        return end == 0, self._words.from_word(over), self._words.from_word(under)
+
+
+def has_functions(C: HyperellipticCurve) -> bool:
+    """Whether C has genus 1 and one point at infinity, over GF(p) with p odd."""
+    return C.genus == 1 and C.model == "ramified" and type(C.field) is PrimeField and C.field.p > 2

@@ -1,0 +1,91 @@
+"""The arithmetic of :mod:`jacobian.numbers.words` in compiled loops: what has instructions of its own.
+
+All else of a context, and all of :mod:`jacobian.numbers.tables`, is compiled as it stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from jacobian.native import binary, modular
+from jacobian.native.kinds import FLOAT, INT, INTS, Value, record
+from jacobian.native.operators import Operators
+from jacobian.numbers import tables, words
+from jacobian.numbers.two_words import TwoWords
+
+CONTEXTS: dict[type, Any] = {
+    **{kind: record(kind, *[INT] * 6) for kind in (words.Lazy32, words.Wide32, words.Lazy64, words.Wide64)},
+    **{kind: record(kind, *[INTS] * 3, *[INT] * 3) for kind in (tables.BinaryTable, tables.OddTable)},
+    words.Double: record(words.Double, *[FLOAT] * 4),
+    words.OneWord: record(words.OneWord, INT, INT),
+    TwoWords: modular.CONTEXT,
+    **binary.CONTEXTS,
+}
+"""The kind of each context class."""
+
+
+def opaque(b: Operators, x: str) -> str:
+    """The same 64 bits, passed through an empty piece of assembly that LLVM cannot analyse."""
+    return b.write(f'call i64 asm "", "=r,0"(i64 {x})')
+
+
+def dot(b: Operators, K: Value, *terms: Value) -> Value:
+    """terms[0]·terms[1] + terms[2]·terms[3] + …, by Montgomery's reduction on signed words."""
+    bits = K.kind.named.bits
+    word, double = f"i{bits}", f"i{2 * bits}"
+
+    def low(x: str, leaf: str) -> str:
+        """The word in the low bits of an integer, as a double word."""
+        short = x if leaf == word else b.write(f"trunc {leaf} {x} to {word}")
+        return b.write(f"sext {word} {short} to {double}")
+
+    p, reciprocal, *factors = (low(x.parts[0], "i64") for x in (K.item(0), K.item(1), *terms))
+    total = ""
+    for x, y in zip(factors[::2], factors[1::2], strict=True):
+        product = b.write(f"mul {double} {x}, {y}")
+        total = b.write(f"add {double} {total}, {product}") if total else product
+    quotient = b.write(f"mul {double} {low(total, double)}, {reciprocal}")
+    multiple = b.write(f"mul {double} {low(quotient, double)}, {p}")
+    # the low halves are equal: subtracting only the high ones cannot overflow
+    high, less = (b.write(f"ashr {double} {x}, {bits}") for x in (total, multiple))
+    found = b.write(f"sub {double} {high}, {less}")
+    if bits == 32:
+        return Value(INT, (found,))
+    # no vector instruction multiplies 64 by 64 bits; hide the product from LLVM, which would emulate it lane by lane
+    return Value(INT, (opaque(b, b.write(f"trunc i128 {found} to i64")),))
+
+
+def sign(b: Operators, x: Value) -> Value:
+    """A mask that LLVM does not turn into a branch."""
+    return Value(INT, (opaque(b, b.write(f"ashr i64 {x.parts[0]}, 63")),))
+
+
+def quotient(b: Operators, x: Value, y: Value) -> Value:
+    """The unsigned quotient, which needs no correction of signs."""
+    return Value(INT, (b.write(f"udiv i64 {x.parts[0]}, {y.parts[0]}"),))
+
+
+def rest(b: Operators, K: Value, x: Value, y: Value) -> Value:
+    """xy modulo p on floats, as xy − qp, where q is the integer nearest to the rounded xy/p.
+
+    h + l = xy and h − qp are exact, the first by the fused product, the second because it is a small integer. No
+    instruction may be contracted with another.
+    """
+    p, reciprocal = K.parts[0], K.parts[1]
+    first, second = (b.cast(z, FLOAT).parts[0] for z in (x, y))
+    high = b.fmul(first, second)
+    low = b.fma(first, second, b.fneg(high))
+    nearest = b.intrinsic("rint", b.fmul(high, reciprocal))
+    return Value(FLOAT, (b.fadd(b.fma(b.fneg(nearest), p, high), low),))
+
+
+ARITHMETIC: dict[Any, Callable[..., Value | None]] = {
+    words.WordContext.dot: dot,
+    words.sign: sign,
+    words.quotient: quotient,
+    words.Double.product: rest,
+    **modular.MODULAR,
+    **binary.BINARY,
+}
+"""Functions of :mod:`jacobian.numbers`, and the instructions that replace them."""

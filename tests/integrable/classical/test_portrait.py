@@ -1,0 +1,157 @@
+"""Frequencies and actions of every system: against derivatives of H, sums along motions, and special cases."""
+
+from __future__ import annotations
+
+from random import Random
+
+import numpy as np
+import pytest
+
+from integrable.classical.henon_heiles import HenonHeiles
+from integrable.classical.spherical_pendulum import SphericalPendulum
+from integrable.classical.toda import TodaLattice
+from integrable.mumford.flow import Point
+from jacobian import MP, RR
+from jacobian.errors import NotRepresentable, PrecisionLoss
+from tests.integrable.classical.rows import REAL
+
+K, FINE = MP(20), MP(50)
+CASES = [
+    ("barriers", 2),
+    ("ellipsoid", 1),
+    ("ellipsoid", 2),
+    ("ellipsoid", 3),
+    ("garnier", 1),
+    ("garnier", 3),
+    ("henon_heiles", 1),
+    ("lagrange", 3),
+    ("neumann", 1),
+    ("neumann", 2),
+    ("neumann", 3),
+    ("pendulum", 3),
+    ("toda", 2),
+    ("toda", 3),
+    ("toda", 5),
+]
+
+
+def case(name, n, field):
+    if name == "pendulum":
+        # the state in the table is conical
+        system = SphericalPendulum(field)
+        return system, system.state(("12/25", "3/5", "-16/25"), ("2259/2500", "-51/125", "369/1250"))
+    return REAL[name](field, n)
+
+
+def energy(name, system, state):
+    found = system.integrals(state)
+    if name == "lagrange":
+        return found["h"] + system.parameters[0] * found["c"] ** 2 / 2
+    return found["speed squared"] / 2 if name == "ellipsoid" else found["H" if "H" in found else "h"]
+
+
+def moved(name, system, state, step, rng):
+    """The state moved in a random direction that keeps the constraints, Σp of Toda and L of a top."""
+    q, p = ([x + step * rng.randint(-9, 9) for x in part] for part in state)
+    if name == "toda":
+        rest = sum(p) - sum(state.p)
+        p = [x - rest / len(p) for x in p]
+    found = system._constrained(system.field, Point(tuple(q), tuple(p)))
+    if name == "lagrange":
+        rest = system.field.dot(*state) - system.field.dot(*found)
+        found = Point(found.q, tuple(y + rest * x for x, y in zip(found.q, found.p, strict=True)))
+    return system.state(*found)
+
+
+@pytest.mark.parametrize(("name", "n"), CASES)
+def test_frequencies_are_derivatives_of_the_energy_by_the_actions(name, n) -> None:
+    """dH = 2πΣf dJ, by central differences."""
+    system, state = case(name, n, FINE)
+    step = FINE.coerce(10) ** -15
+    frequencies = system.flow(state).portrait.frequencies
+    for seed in range(2):
+        ends = [moved(name, system, state, sign * step, Random(seed)) for sign in (1, -1)]
+        rise = (energy(name, system, ends[0]) - energy(name, system, ends[1])) / (2 * step)
+        actions = [system.flow(end).portrait.actions for end in ends]
+        slopes = [(x - y) / (2 * step) for x, y in zip(*actions, strict=True)]
+        wanted = 2 * FINE.context.pi * FINE.dot(frequencies, slopes)
+        assert abs(rise - wanted) < 1e-24 * (1 + abs(rise))
+
+
+def turns_of(system, state, path):
+    """Turns of each point in its oval along a path, (N, g), by its position between the extremes of the path."""
+    pairs = [system.spectral(Point(tuple(q), tuple(p))) for q, p in zip(path.q.tolist(), path.p.tolist(), strict=True)]
+    points = np.array([np.sort(np.roots(pair.u[::-1]).real) for pair in pairs])
+    heights = np.array([np.polyval(pair.v[::-1], xs) for pair, xs in zip(pairs, points, strict=True)])
+    low, high = points.min(axis=0), points.max(axis=0)
+    # the sign of y tells on which of both ways a point is
+    part = np.arccos(np.clip((low + high - 2 * points) / (high - low), -1, 1))
+    return np.unwrap(np.where(heights >= 0, part, -part), axis=0) / (2 * np.pi)
+
+
+@pytest.mark.parametrize(("name", "n"), [case for case in CASES if case[0] not in ("barriers", "pendulum", "lagrange")])
+def test_points_turn_at_the_frequencies(name, n) -> None:
+    """A turn is counted between the extremes of a run, so at both ends a little is missing."""
+    system, state = case(name, n, RR)
+    flow = system.flow(state)
+    found = turns_of(system, state, flow.at(np.linspace(0, 100, 2001)))
+    assert np.allclose(np.abs(found[-1] - found[0]), 100 * np.array(flow.portrait.frequencies), rtol=0, atol=0.6)
+
+
+def test_the_pendulum_turns_about_the_vertical() -> None:
+    system, state = case("pendulum", 3, RR)
+    flow = system.flow(state)
+    times = np.linspace(0, 1000, 20001)
+    q = flow.at(times).q
+    turned = np.unwrap(np.arctan2(q[:, 1], q[:, 0])) / (2 * np.pi)
+    rises = np.flatnonzero((q[:-1, 2] < q[:-1, 2].mean()) & (q[1:, 2] >= q[:-1, 2].mean()))
+    nod, turn = flow.portrait.frequencies
+    assert abs(turned[-1] - turned[0] - 1000 * turn) < 1
+    assert abs(len(rises) - 1000 * nod) < 1.1
+
+
+def test_a_planar_swing_and_a_conical_one() -> None:
+    """The plane pendulum's period is 4K(sin ½α); a conical pendulum has no action but that about the vertical."""
+    from scipy.special import ellipk
+
+    system = SphericalPendulum()
+    flow = system.flow(system.state((np.sin(0.7), 0.0, -np.cos(0.7)), (0.0, 0.0, 0.0)))
+    # z nods twice in a period
+    assert abs(2 / flow.portrait.frequencies[0] / (4 * ellipk(np.sin(0.35) ** 2)) - 1) < 1e-14
+    conical, state = REAL["pendulum"](RR, 3)
+    found = conical.flow(state).portrait
+    assert abs(found.actions[0]) < 1e-20
+    assert found.actions[1] == -0.738
+    # the rate of a conical pendulum is 1/√−z
+    assert abs(2 * np.pi * found.frequencies[1] + 1 / 0.8) < 1e-15
+
+
+def test_small_oscillations_of_a_chain() -> None:
+    """Near rest Toda's frequencies are 2 sin(πk/n)/2π."""
+    system = TodaLattice(4)
+    flow = system.flow(system.state((1e-5, 0, -2e-5, 1e-5), (0, 1e-5, 0, -1e-5)))
+    wanted = sorted(2 * np.sin(np.pi * k / 4) / (2 * np.pi) for k in (1, 2, 3))
+    assert np.allclose(sorted(flow.portrait.frequencies), wanted, rtol=1e-8)
+
+
+def test_the_angles_of_a_start_lead_to_the_next_one() -> None:
+    system, state = REAL["neumann"](RR, 2)
+    flow = system.flow(state)
+    path = flow.at([0, 7.3])
+    then = system.flow(system.state(*(tuple(x[1].tolist()) for x in (path.q, path.p)))).portrait
+    here = flow.portrait
+    moved = [x + 7.3 * f - y for x, f, y in zip(here.angles, here.frequencies, then.angles, strict=True)]
+    assert all(abs(x - round(x)) < 1e-13 for x in moved)
+
+
+def test_motions_without_turns_are_refused() -> None:
+    escaping = HenonHeiles.with_frequencies(1, 1)
+    with pytest.raises(NotRepresentable, match=r"oval|complex"):
+        escaping.flow(escaping.state((3, 1), (2, 1))).portrait  # noqa: B018
+
+
+def test_a_motion_to_a_separatrix_has_no_frequencies() -> None:
+    system = SphericalPendulum()
+    falling = system.flow(system.state((0.6, 0, 0.8), (0.8 * 0.4**0.5, 0, -0.6 * 0.4**0.5)))
+    with pytest.raises((NotRepresentable, PrecisionLoss)):
+        falling.portrait  # noqa: B018
