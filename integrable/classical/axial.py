@@ -17,7 +17,7 @@ from integrable.mumford.fields import cofactor, exponential
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, normalized
-from integrable.portrait.separated import Form, Separation
+from integrable.portrait.point_ovals import Form, Separation
 from jacobian import poly
 from jacobian.errors import PrecisionLoss
 from jacobian.relatives.extended import Extended, Lift, PointLift

@@ -21,7 +21,7 @@ from typing import Any
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, uhlenbeck
-from integrable.portrait.separated import Form, Separation
+from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, poly
 from jacobian.element import Value
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
@@ -101,7 +101,8 @@ class Ellipsoid(MumfordSystem):
         forms = [Form((*[N.zero] * j, N.one)) for j in range(1, genus + 1)]
         # p dq = ½Σy dx/f₁, as for the systems of integrable.mumford.quadrics
         action = Form(poly.scale(N, N.one / 2, f), self._constants_in(N))
-        return Separation(forms, (*[N.zero] * (genus - 1), -2 * N.one), action)
+        known = (N.zero, *self._constants_in(N))
+        return Separation(forms, (*[N.zero] * (genus - 1), -2 * N.one), action, known=known)
 
     def _vector_field(self, N: Any, state: Point) -> Point:
         q, p = state

@@ -19,7 +19,7 @@ from integrable.mumford.fields import exponential, exponential_less_one, log_of
 from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point_minus_infinity
 from integrable.mumford.system import MumfordSystem, Spectral, all_of
-from integrable.portrait.separated import Form
+from integrable.portrait.point_ovals import Form
 from jacobian import RR, poly
 from jacobian.element import Value
 from jacobian.errors import one_of, whole

@@ -24,7 +24,7 @@ from integrable.mumford.flow import TORUS, MumfordFlow, Path, Point
 from integrable.mumford.motion import Start
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, on_sphere
 from integrable.phase.body import cross
-from integrable.portrait.separated import Form, Separation
+from integrable.portrait.point_ovals import Form, Separation
 from jacobian import MP, RR, poly
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.numbers.long_reals import BareReals

@@ -19,7 +19,7 @@ from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point
 from integrable.mumford.motion import Start
 from integrable.mumford.system import OFF, MumfordSystem, Spectral, all_of
-from integrable.portrait.separated import Form
+from integrable.portrait.point_ovals import Form
 from jacobian import poly
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.relatives.extended import Extended, Lift
@@ -95,6 +95,10 @@ class QuadricSystem(MumfordSystem):
         """½εy dx/f₁: dq_i/q_i is ½Σdx/(x − a_i), and ΣV(a_i)/(f₁'(a_i)(x − a_i)) is V/f₁."""
         half = self._signed(N, N.one / 2)
         return Form(poly.scale(N, half, self._spectral(N, state).f), self._constants_in(N))
+
+    def _branches(self, N: Any) -> tuple[Any, ...]:
+        found = zip(self._constants_in(N), self._barriers(), strict=True)
+        return tuple(e for e, barrier in found if not self._stands(barrier))
 
     def _start(self, N: Any, state: Point) -> Start:
         f, u, v = self._spectral(N, state)

@@ -21,7 +21,7 @@ from integrable.mumford.motion import Start, settled_digits
 from integrable.phase.jets import JetField
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
-from integrable.portrait.separated import Form, Separation
+from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, Divisor, HyperellipticCurve, poly
 from jacobian.element import Element, Real, Value
 from jacobian.errors import (
@@ -137,8 +137,13 @@ class MumfordSystem(Made):
 
     def _separation(self, N: Any, state: Point) -> Separation:
         """Table, if t is not linear in τ or there are angles about an axis: the forms that are known along a motion."""
-        forms = [Form((*[N.zero] * j, N.one)) for j in range(self._genus())]
-        return Separation(forms, self._direction(N, len(forms)), self._action(N, state))
+        genus = self._genus() or len(self._spectral(N, state).v)
+        forms = [Form((*[N.zero] * j, N.one)) for j in range(genus)]
+        return Separation(forms, self._direction(N, len(forms)), self._action(N, state), known=self._branches(N))
+
+    def _branches(self, N: Any) -> tuple[Any, ...]:
+        """Table: branch points that all states share."""
+        return ()
 
     complex_data = False
     """Whether the data of the motion are complex; if so, ``_start`` and ``_back`` receive complex numbers."""

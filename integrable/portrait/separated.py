@@ -11,85 +11,36 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
+import numpy as np
+
+from integrable.portrait.oval_angles import OvalAngles
+from integrable.portrait.point_ovals import (
+    DIGITS_A_BIT,
+    Form,
+    PointOval,
+    Pole,
+    Separation,
+    angle_in,
+    oval_around,
+    real_and_complex,
+)
+from integrable.torus.series import long_spectrum
 from jacobian import MP, poly
 from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.linear import pivoted
 from jacobian.numbers.long_reals import BareReals
-from jacobian.periods.quadrature import working_numbers
-from jacobian.periods.roots import simple_roots
 
-# most nodes of an oval; beyond it, branch points nearly meet
-MOST_NODES = 1 << 12
-# a root counts as real if its imaginary part is below 2^(−bits/REAL): a double root has half of the digits
-REAL = 3
-# distance from a branch point, relative to the largest, below which a pole is one
-NEAR = 1e-9
+# most nodes of an oval, whose numbers are powers of 2; beyond it, branch points nearly meet
+MOST_NODES = 1 << 13
+# modes below this fraction of the mean are not needed in floats
+NEGLIGIBLE = 1e-18
+# bits of floats that Newton's method brings
+FLOAT_BITS = 40
 # nodes beyond those that the digits need; digits of π beyond them
 SPARE_NODES, DIGITS_BEYOND = 8, 5
-# ratio of digits to bits
-DIGITS_A_BIT = math.log10(2)
-
-
-class Form(NamedTuple):
-    """The differential form numerator·dx/(Π(x − pole)·y); poles at branch points must be regular."""
-
-    numerator: poly.Poly
-    poles: tuple[Any, ...] = ()
-
-    def coefficient(self, N: Any, x: Any) -> Any:
-        """numerator/Π(x − pole)."""
-        value = poly.evaluate(N, self.numerator, x)
-        for p in self.poles:
-            value = value / (x - p)
-        return value
-
-
-class Separation(NamedTuple):
-    """What the sums of forms over a pair are, in numbers of one field.
-
-    Those of the g ``forms`` grow with the ``rates``. The one of ``action`` is p dq without the further angles. A
-    further angle grows by its form in ``turns``, and by the constant rate next to it; its action is in ``momenta``.
-    Where time is no such sum, the rates are per unit of τ, and dt/dτ is the product of ``factor(x)`` over two points.
-    """
-
-    forms: Sequence[Form]
-    rates: Sequence[Any]
-    action: Form | None = None
-    turns: Sequence[tuple[Form, Any]] = ()
-    momenta: tuple[Any, ...] = ()
-    factor: Callable[[Any], Any] | None = None
-
-
-class PointOval(NamedTuple):
-    """The oval x = middle − radius·cos φ; f is −lead·(x − a)(b − x)Π((x − re)² + im²) over ``others`` (re, im²).
-
-    A real root has one factor x − re, and im² is None.
-    """
-
-    lead: Any
-    middle: Any
-    radius: Any
-    others: tuple[tuple[Any, Any], ...]
-
-    def weight(self, N: LongField, x: Any) -> Any:
-        """1/√h."""
-        h = -self.lead
-        for e, square in self.others:
-            h *= x - e if square is None else (x - e) ** 2 + square
-        return 1 / N.sqrt(h)
-
-    def decay(self, points: Sequence[complex]) -> float:
-        """The rate at which the modes of a function of φ decrease, singular at ``points`` and other branch points."""
-        roots = [complex(float(e), 0 if s is None else math.sqrt(float(s))) for e, s in self.others]
-        middle, radius, rate = float(self.middle), float(self.radius), math.inf
-        for e in (*roots, *points):
-            z = abs(e - middle - radius) + abs(e - middle + radius)
-            # Bernstein's ellipse through e
-            rate = min(rate, math.acosh(max(1.0, z / (2 * radius))) if radius else math.inf)
-        return rate
 
 
 class SeparatedTorus:
@@ -102,14 +53,14 @@ class SeparatedTorus:
     def __init__(self, N: LongField, spectral: Sequence[poly.Poly], separation: Separation) -> None:
         f, u, v = spectral
         self._field, self.separation = N, separation
-        curve, points = real_and_complex(N, f), real_and_complex(N, u)[0]
+        curve, points = real_and_complex(N, f, separation.known), real_and_complex(N, u)[0]
         if len(points) < len(u) - 1:
             raise NotRepresentable("the points of this motion are complex: they turn in no ovals")
-        self.ovals = [_around(f[-1], curve, x) for x in points]
+        self.ovals = [oval_around(f[-1], curve, x) for x in points]
         if len({oval.middle for oval in self.ovals}) < len(points):
             raise NotRepresentable("two points of this motion share an oval: it has no separate turns")
-        self.start = [_angle(N, oval, x, poly.evaluate(N, v, x)) for oval, x in zip(self.ovals, points, strict=True)]
-        self._known = [complex(x) for x in curve[0]]
+        self.start = [angle_in(N, oval, x, poly.evaluate(N, v, x)) for oval, x in zip(self.ovals, points, strict=True)]
+        self._known: list[Any] = curve[0]
         self._pi = N.coerce(MP(DIGITS_BEYOND + math.ceil(N.bits * DIGITS_A_BIT)).context.pi)
 
     @property
@@ -118,37 +69,63 @@ class SeparatedTorus:
         return self._field.one
 
     @cached_property
+    def _forms(self) -> list[Form]:
+        return [*self.separation.forms, *(form for form, _ in self.separation.turns)]
+
+    @cached_property
     def _values(self) -> list[list[list[Any]]]:
-        """The coefficients of dφ of the forms and of the further angles, at the nodes of each oval."""
-        forms = [*self.separation.forms, *(form for form, _ in self.separation.turns)]
-        return [self._sampled(oval, forms) for oval in self.ovals]
+        """The coefficients of dφ of all forms at the nodes of each oval, without those of :attr:`_poles`."""
+        return [self._sampled(oval, self._forms) for oval in self.ovals]
+
+    @cached_property
+    def _poles(self) -> list[list[list[Pole]]]:
+        return [[self._poles_of(oval, form) for form in self._forms] for oval in self.ovals]
+
+    def _poles_of(self, oval: PointOval, form: Form) -> list[Pole]:
+        """The parts of a form whose modes decrease slowly if a pole is near the oval."""
+        N, found = self._field, []
+        for k, p in enumerate(form.poles):
+            if min(abs(p - e) for e in self._known) <= N.root_of_eps * max(map(abs, self._known)):
+                continue
+            rest = Form(form.numerator, (*form.poles[:k], *form.poles[k + 1 :]))
+            weight = oval.weight(N, p)
+            if weight > 0:
+                gaps = oval.middle - p + oval.radius, oval.middle - p - oval.radius
+                size = N.sqrt(gaps[0] * gaps[1])
+                residue = rest.coefficient(N, p) * weight
+                found.append(Pole(p, residue, residue / (size if gaps[0] > 0 else -size), N.sqrt(gaps[0] / gaps[1])))
+        return found
 
     def _sampled(
         self, oval: PointOval, forms: Sequence[Form], factor: Callable[[Any], Any] | None = None
     ) -> list[list[Any]]:
-        """The coefficients of dφ, times ``factor``, at φ = π(k + ½)/n."""
+        """The coefficients of dφ, times ``factor``, at φ = π(k + ½)/n, without those of their poles."""
         import gmpy2
 
         N = self._field
-        poles = [complex(p) for form in forms for p in form.poles]
-        size = max(map(abs, (*poles, *self._known)), default=1.0)
-        apart = [p for p in poles if min(abs(p - e) for e in self._known) > NEAR * size]
-        wanted = N.bits * math.log(2) / max(oval.decay(apart), 1e-9) + SPARE_NODES
+        poles = [self._poles_of(oval, form) for form in forms]
+        wanted = N.bits * math.log(2) / max(oval.decay, 1e-9) + SPARE_NODES
         if wanted > MOST_NODES:
             raise PrecisionLoss("branch points nearly meet: the motion is too near to a separatrix")
-        count = math.ceil(wanted)
+        count = 1 << math.ceil(math.log2(wanted))
         rows: list[list[Any]] = [[] for _ in forms]
         for k in range(count):
             x = oval.middle - oval.radius * gmpy2.cos(self._pi * (2 * k + 1) / (2 * count))
             weight = oval.weight(N, x) * (factor(x) if factor else N.one)
-            for row, form in zip(rows, forms, strict=True):
-                row.append(weight * form.coefficient(N, x))
+            for row, form, parts in zip(rows, forms, poles, strict=True):
+                value = weight * form.coefficient(N, x)
+                for pole in parts:
+                    value -= pole.residue / (x - pole.place)
+                row.append(value)
         return rows
 
     @cached_property
     def means(self) -> list[list[Any]]:
-        """For each oval, the means over φ of what :attr:`_values` has."""
-        return [[sum(row) / len(row) for row in rows] for rows in self._values]
+        """For each oval and form the mean of its coefficient of dφ."""
+        return [
+            [_mean(row, poles) for row, poles in zip(rows, places, strict=True)]
+            for rows, places in zip(self._values, self._poles, strict=True)
+        ]
 
     def phase_of(self, sums: Sequence[Any]) -> list[Any]:
         """The phases in turns, one for each oval, where the forms have these sums."""
@@ -164,33 +141,121 @@ class SeparatedTorus:
         """For each oval and form, 2w_n/n for n = 1, 2, …, where w_n are the modes of its coefficient of dφ."""
         import gmpy2
 
-        found = []
-        for rows in self._values:
-            count = len(rows[0])
-            cosines = [gmpy2.cos(self._pi * k / (2 * count)) for k in range(4 * count)]
-            turned = [[cosines[n * (2 * k + 1) % (4 * count)] for k in range(count)] for n in range(1, count)]
-            found.append([[2 * self._field.dot(row, c) / (n * count) for n, c in enumerate(turned, 1)] for row in rows])
-        return found
+        N, K = self._field, MP(math.ceil(self._field.bits * DIGITS_A_BIT) + DIGITS_BEYOND)
+
+        def of_row(row: list[Any]) -> list[Any]:
+            # the nodes are shifted by half a step
+            samples = np.array([*row, *reversed(row)], dtype=object)[:, None]
+            modes = long_spectrum(samples, K, BareReals(N.bits))[1 : len(row), 0]
+            turns = [gmpy2.sin_cos(self._pi * n / (2 * len(row))) for n in range(1, len(row))]
+            return [
+                2 * (c * z.real + s * z.imag) / n for n, (z, (s, c)) in enumerate(zip(modes, turns, strict=True), 1)
+            ]
+
+        return [[of_row(row) for row in rows] for rows in self._values]
 
     def _sums(self, angles: Sequence[Any]) -> list[Any]:
         """The sums over the points of the integrals of all forms from the lower ends to these angles."""
         import gmpy2
 
         found = [self._field.zero] * len(self.means[0])
-        for phi, means, waves in zip(angles, self.means, self._waves, strict=True):
+        for phi, means, waves, poles in zip(angles, self.means, self._waves, self._poles, strict=True):
             sine, twice = gmpy2.sin(phi), 2 * gmpy2.cos(phi)
             for j, (mean, row) in enumerate(zip(means, waves, strict=True)):
                 # Clenshaw's recurrence for a sine series
                 last, now = self._field.zero, self._field.zero
                 for c in reversed(row):
                     last, now = now, c + twice * now - last
-                found[j] += mean * phi + sine * now
+                found[j] += mean * phi + sine * now + sum(pole.mean * pole.swing(phi) for pole in poles[j])
         return found
 
     @cached_property
     def phases(self) -> list[Any]:
         """The phases of the start, in turns: one for each oval, 0 at its lower end."""
         return self.phase_of(self._sums(self.start))
+
+    def pair_at(self, N: Any, halves: Sequence[tuple[Any, Any]], ends: Sequence[Any]) -> tuple[Any, Any, list[Any]]:
+        """(U, V, [(σ, V(e)/σ) at each of the branch points ``ends``]), where σ² = |U(e)|, in the numbers of N.
+
+        ``halves`` are (sin ½φ, cos ½φ) of each point. σ changes its sign with the half angle of the point that turns
+        at e. Nothing is divided by a quantity that vanishes there.
+        """
+        ovals = self.ovals
+        points = [o.middle - o.radius * (c * c - s * s) for o, (s, c) in zip(ovals, halves, strict=True)]
+        # y = 2·radius·sin ½φ·cos ½φ·pace
+        paces = [1 / o.weight(N, x) for o, x in zip(ovals, points, strict=True)]
+        apart = [[x - z for j, z in enumerate(points) if j != i] for i, x in enumerate(points)]
+        shares = [p / math.prod(row, start=N.one) for p, row in zip(paces, apart, strict=True)]
+        u: poly.Poly = poly.from_roots(N, points)
+        v = [N.zero] * len(points)
+        for i, (oval, share, (s, c)) in enumerate(zip(ovals, shares, halves, strict=True)):
+            rest, height = poly.from_roots(N, [*points[:i], *points[i + 1 :]]), 2 * oval.radius * share * s * c
+            v = [x + height * y for x, y in zip(v, rest, strict=True)]
+        return u, tuple(v), [self._lift_at(N, e, points, halves, shares) for e in ends]
+
+    def _lift_at(self, N: Any, e: Any, points: Sequence[Any], halves: Sequence[Any], shares: Sequence[Any]) -> Any:
+        """(σ, V(e)/σ) at a branch point; ``shares`` are y/Π(x − other points) over r·sin φ."""
+        place = min(range(len(self._known)), key=lambda k: abs(self._known[k] - e))
+        own, root, rest, size = None, N.one, N.one, N.one
+        # |e − x| of each point, but √|e − x|, with a sign, of the one that turns at e
+        gaps, signs = [], []
+        for k, (oval, x, (s, c)) in enumerate(zip(self.ovals, points, halves, strict=True)):
+            signs.append(1 if place > oval.place else -1)
+            if place in (oval.place, oval.place + 1):
+                own, size = k, N.sqrt(2 * oval.radius * N.one)
+                root, rest = (s * size, c) if place == oval.place else (c * size, s)
+            gaps.append(root if own == k else signs[-1] * (e - x))
+        others = [N.sqrt(gap) for k, gap in enumerate(gaps) if k != own]
+        far, slope = math.prod(others, start=N.one), N.zero
+        for i, (share, (s, c)) in enumerate(zip(shares, halves, strict=True)):
+            value = size * share * rest if i == own else 2 * self.ovals[i].radius * share * s * c
+            for k, (gap, sign) in enumerate(zip(gaps, signs, strict=True)):
+                value = value if k == i else value * gap * sign
+            slope = slope + value
+        return root * far, slope / far
+
+    def angles_at(self, time: Any) -> tuple[list[Any], list[Any]]:
+        """(φ of each point, growth of each further angle) after a time."""
+        N, genus = self._field, len(self.ovals)
+        whole, rest = [], []
+        for place, nu in zip(self.phases, self.frequencies, strict=False):
+            turned = place + nu * time
+            whole.append(N.nearest(turned))
+            rest.append(turned - whole[-1])
+        angles = [N.coerce(x) for x in self.in_floats.at(np.array([rest], dtype=float))[0].tolist()]
+        # Newton's steps from floats double the digits
+        for _ in range(math.ceil(math.log2(N.bits / FLOAT_BITS)) + 1):
+            gaps = [x - y for x, y in zip(self.phase_of(self._sums(angles)), rest, strict=True)]
+            wanted = [
+                2 * self._pi * sum(g * means[j] for g, means in zip(gaps, self.means, strict=True))
+                for j in range(genus)
+            ]
+            slopes = [self._slopes(oval, phi) for oval, phi in zip(self.ovals, angles, strict=True)]
+            steps = pivoted([[row[j] for row in slopes] + [wanted[j]] for j in range(genus)])
+            if steps is None:
+                raise PrecisionLoss("the phases of the motion are not independent")
+            angles = [x - y for x, y in zip(angles, steps, strict=True)]
+        full = [x + 2 * self._pi * n for x, n in zip(angles, whole, strict=True)]
+        grown = [x - y for x, y in zip(self._sums(full)[genus:], self._sums(self.start)[genus:], strict=True)]
+        turned = [x + rate * time for x, (_, rate) in zip(grown, self.separation.turns, strict=True)]
+        return full, turned
+
+    @cached_property
+    def in_floats(self) -> OvalAngles:
+        """The sums of the g forms in floats."""
+        genus = len(self.ovals)
+        means = np.array([[float(x) for x in row[:genus]] for row in self.means])
+        waves = [np.array([[float(x) for x in row] for row in rows[:genus]]).T for rows in self._waves]
+        kept = [np.abs(w) > NEGLIGIBLE * np.abs(m) for w, m in zip(waves, means, strict=True)]
+        sizes = [int(np.flatnonzero(k.any(axis=1)).max(initial=0)) + 1 for k in kept]
+        return OvalAngles(means, tuple(w[:n] for w, n in zip(waves, sizes, strict=True)))
+
+    def _slopes(self, oval: PointOval, phi: Any) -> list[Any]:
+        """The coefficients of dφ of the g forms."""
+        import gmpy2
+
+        x = oval.middle - oval.radius * gmpy2.cos(phi)
+        return [form.coefficient(self._field, x) * oval.weight(self._field, x) for form in self.separation.forms]
 
     @cached_property
     def frequencies(self) -> list[Any]:
@@ -219,37 +284,9 @@ class SeparatedTorus:
         form = self.separation.action
         if form is None:
             return None
-        samples = (self._sampled(oval, [form])[0] for oval in self.ovals)
-        return [*(sum(row) / len(row) for row in samples), *self.separation.momenta]
+        found = [_mean(self._sampled(oval, [form])[0], self._poles_of(oval, form)) for oval in self.ovals]
+        return [*found, *self.separation.momenta]
 
 
-def real_and_complex(N: LongField, a: poly.Poly) -> tuple[list[Any], list[Any]]:
-    """The real roots of a polynomial in ascending order, and its complex ones of positive imaginary part."""
-    K = MP(math.ceil(N.bits * DIGITS_A_BIT))
-    numbers, convert = working_numbers(K), BareReals(N.bits).element
-    found = simple_roots(numbers, [numbers.real(convert(K, c)) for c in a])
-    size, least = max(map(abs, found)), numbers.context.mpf(2) ** -(N.bits // REAL)
-    real = sorted(N.coerce(x.real) for x in found if abs(x.imag) <= least * size)
-    return real, [(N.coerce(x.real), N.coerce(x.imag)) for x in found if x.imag > least * size]
-
-
-def _around(lead: Any, roots: tuple[list[Any], list[Any]], x: Any) -> PointOval:
-    """The oval of real points that holds x, or is next to it where rounding left it outside."""
-    real, pairs = roots
-    last = len(real) - 1
-    # f > 0 between every second pair of neighbours
-    first = (last - (0 if lead > 0 else 1)) % 2
-    places = range(first, last, 2)
-    if not places:
-        raise NotRepresentable("a point of this motion is in no bounded oval: the motion is unbounded")
-    k = min(places, key=lambda k: max(real[k] - x, x - real[k + 1], 0))
-    below, above = real[k], real[k + 1]
-    others = [(e, None) for e in (*real[:k], *real[k + 2 :])] + [(e, s * s) for e, s in pairs]
-    return PointOval(lead, (below + above) / 2, (above - below) / 2, tuple(others))
-
-
-def _angle(N: LongField, oval: PointOval, x: Any, y: Any) -> Any:
-    """φ of a point of an oval."""
-    import gmpy2
-
-    return gmpy2.atan2(y * oval.weight(N, x), oval.middle - x)
+def _mean(row: Sequence[Any], poles: Sequence[Pole]) -> Any:
+    return sum(row) / len(row) + sum(pole.mean for pole in poles)

@@ -44,6 +44,7 @@ SYSTEMS = {
     "garnier": Kind("classical", "Garnier", ("a", "alpha", "beta")),
     "henon_heiles": Kind("classical", "HenonHeiles", ("a", "alpha", "beta", "gamma", "barriers")),
     "kdv_two_gaps": Kind("classical", "TwoGaps", ("sums",), "two_gaps"),
+    "kuzmin_kutuzov": Kind("classical", "KuzminKutuzov", ("axes", "GM")),
     "lagrange": Kind("classical", "LagrangeTop", ("j",)),
     "neumann": Kind("classical", "Neumann", ("a",)),
     "spherical_pendulum": Kind("classical", "SphericalPendulum", ()),

@@ -20,6 +20,7 @@ from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.kdv import KdV
 from integrable.classical.kowalevski import KowalevskiTop
+from integrable.classical.kuzmin_kutuzov import KuzminKutuzov
 from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
@@ -60,6 +61,7 @@ def systems_over(K):
         "garnier": Garnier(inertia, field=K),
         "henon heiles": HenonHeiles(inertia, field=K),
         "kowalevski": KowalevskiTop(K),
+        "galaxy": KuzminKutuzov(inertia[:2], 1, K),
         "lagrange": LagrangeTop("3/4", K),
         "neumann": Neumann(inertia, K),
         "pendulum": SphericalPendulum(K),

@@ -31,6 +31,7 @@ from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.kdv import KdV
 from integrable.classical.kowalevski import KowalevskiTop
+from integrable.classical.kuzmin_kutuzov import KuzminKutuzov
 from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
@@ -63,6 +64,7 @@ MADE = [
     (HenonHeiles, {"a": INERTIA, "alpha": 2, "beta": 3, "gamma": 8, "barriers": (1, 2, 3)}),
     (KdV, {"edges": (1, 3, 5)}),
     (KowalevskiTop, {}),
+    (KuzminKutuzov, {"axes": (2, 1), "GM": 3}),
     (LagrangeTop, {"j": 2}),
     (Neumann, {"a": INERTIA}),
     (SphericalPendulum, {}),

@@ -10,6 +10,7 @@ from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.kowalevski import KowalevskiTop
+from integrable.classical.kuzmin_kutuzov import KuzminKutuzov
 from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
@@ -84,6 +85,18 @@ def exact_ellipsoid(K, rng, n):
         return system, system.state(q, [K.sub(y, K.mul(along, x)) for x, y in zip(normal, p, strict=True)])
 
     return attempt(make)
+
+
+def exact_galaxy(K, rng, n):
+    """A random galaxy, and a random star where P and S are in the field."""
+
+    def found():
+        system = KuzminKutuzov(different(K, rng, 2), K.random(rng), K)
+        state = system.state(different(K, rng, n), different(K, rng, n))
+        system.divisor(state)
+        return system, state
+
+    return attempt(found)
 
 
 def exact_garnier(K, rng, n):
@@ -166,6 +179,11 @@ def ellipsoid(K, n):
     return system, system.state(start.q, [y / speed for y in start.p])
 
 
+def galaxy(K, n):
+    system = KuzminKutuzov(("3/2", 1), 1, K)
+    return system, system.state(("11/10", 0, "1/5"), ("1/10", "2/5", "7/20"))
+
+
 def neumann(K, n):
     system = Neumann([i * i + 1 for i in range(n + 1)], K)
     rng = Random(n)
@@ -192,6 +210,7 @@ EXACT = {
     "ball": exact_body(lambda K, rng, moments: BodyOnLayer(moments, K.random(rng), K)),
     "barriers": exact_barriers,
     "ellipsoid": exact_ellipsoid,
+    "galaxy": exact_galaxy,
     "garnier": exact_garnier,
     "henon_heiles": exact_henon_heiles,
     "kowalevski": exact_kowalevski,
@@ -207,6 +226,7 @@ REAL = {
     "ball": body(lambda K: BodyOnLayer((1, 2, 3), "7/10", K)),
     "barriers": barriers,
     "ellipsoid": ellipsoid,
+    "galaxy": galaxy,
     "garnier": garnier,
     "henon_heiles": henon_heiles,
     "lagrange": lagrange,
@@ -223,6 +243,7 @@ CASES = [
     ("barriers", 2),
     ("ellipsoid", 2),
     ("ellipsoid", 3),
+    ("galaxy", 3),
     ("garnier", 1),
     ("garnier", 3),
     ("henon_heiles", 1),

@@ -7,6 +7,7 @@ import pytest
 from tests.integrable.classical.rows import CASES, EXACT
 
 FLOWS, EXACTLY, LINE, WAVES = "test_flows", "test_identities", "test_kowalevski", "test_kdv"
+STARS = "test_kuzmin_kutuzov"
 EVERYWHERE = {
     "exact over GF(2^61 − 1) and GF(7^3)": (EXACTLY, "test_the_vector_field_is_a_mumford_field"),
     "30 digits and signs beside an integration": (FLOWS, "test_thirty_digits_against_an_integration"),
@@ -40,6 +41,12 @@ SPECIAL = {
         (FLOWS, COINCIDING),
         (FLOWS, "test_a_coordinate_ellipse_closes"),
         (FLOWS, COINCIDING),
+    ],
+    "galaxy": [
+        (STARS, "test_stars_in_planes_and_on_the_axis"),
+        (STARS, "test_a_star_at_a_focus"),
+        (STARS, "test_circles_and_rest"),
+        (STARS, "test_a_star_at_a_focus"),
     ],
     "garnier": QUADRIC,
     "henon_heiles": QUADRIC,

@@ -1,0 +1,135 @@
+"""The real ovals of a curve y² = f(x) in which the points of a pair turn, and forms on them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from jacobian import MP, poly
+from jacobian.errors import NotRepresentable
+from jacobian.inexact.long_field import LongField
+from jacobian.numbers.long_reals import BareReals
+from jacobian.periods.quadrature import working_numbers
+from jacobian.periods.roots import simple_roots
+
+# a root counts as real if its imaginary part is below 2^(−bits/REAL): a double root has half of the digits
+REAL = 3
+# ratio of digits to bits
+DIGITS_A_BIT = math.log10(2)
+
+
+class Form(NamedTuple):
+    """The differential form numerator·dx/(Π(x − pole)·y); poles at branch points must be regular."""
+
+    numerator: poly.Poly
+    poles: tuple[Any, ...] = ()
+
+    def coefficient(self, N: Any, x: Any) -> Any:
+        """numerator/Π(x − pole)."""
+        value = poly.evaluate(N, self.numerator, x)
+        for p in self.poles:
+            value = value / (x - p)
+        return value
+
+
+class Separation(NamedTuple):
+    """What the sums of forms over a pair are, in numbers of one field.
+
+    Those of the g ``forms`` grow with the ``rates``. The one of ``action`` is p dq without the further angles. A
+    further angle grows by its form in ``turns``, and by the constant rate next to it; its action is in ``momenta``.
+    ``known`` are branch points that are known exactly.
+    Where time is no such sum, the rates are per unit of τ, and dt/dτ is the product of ``factor(x)`` over two points.
+    """
+
+    forms: Sequence[Form]
+    rates: Sequence[Any]
+    action: Form | None = None
+    turns: Sequence[tuple[Form, Any]] = ()
+    momenta: tuple[Any, ...] = ()
+    known: tuple[Any, ...] = ()
+    factor: Callable[[Any], Any] | None = None
+
+
+class PointOval(NamedTuple):
+    """The oval x = middle − radius·cos φ; f is −lead·(x − a)(b − x)Π((x − re)² + im²) over ``others`` (re, im²).
+
+    A real root has one factor x − re, and im² is None. ``place`` is the number of real roots below the oval.
+    """
+
+    place: int
+    lead: Any
+    middle: Any
+    radius: Any
+    others: tuple[tuple[Any, Any], ...]
+
+    def weight(self, N: LongField, x: Any) -> Any:
+        """1/√h."""
+        h = -self.lead
+        for e, square in self.others:
+            h *= x - e if square is None else (x - e) ** 2 + square
+        return 1 / N.sqrt(h)
+
+    @property
+    def decay(self) -> float:
+        """The rate at which the modes of a function of φ decrease that is singular at the other branch points."""
+        roots = [complex(float(e), 0 if s is None else math.sqrt(float(s))) for e, s in self.others]
+        middle, radius, rate = float(self.middle), float(self.radius), math.inf
+        for e in roots:
+            z = abs(e - middle - radius) + abs(e - middle + radius)
+            # Bernstein's ellipse through e
+            rate = min(rate, math.acosh(max(1.0, z / (2 * radius))) if radius else math.inf)
+        return rate
+
+
+class Pole(NamedTuple):
+    """The part residue/(x − place) of a coefficient of dφ; its integral over φ is mean·(φ + swing)."""
+
+    place: Any
+    residue: Any
+    mean: Any
+    ratio: Any
+
+    def swing(self, phi: Any) -> Any:
+        """2·atan(ratio·tan ½φ) − φ, continuously."""
+        import gmpy2
+
+        sine, cosine = gmpy2.sin_cos(phi / 2)
+        # the angle between (cos, ratio·sin) and (cos, sin)
+        return 2 * gmpy2.atan2((self.ratio - 1) * sine * cosine, cosine * cosine + self.ratio * sine * sine)
+
+
+def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Any] = ()) -> tuple[list[Any], list[Any]]:
+    """The real roots of a polynomial in ascending order, and its complex ones of positive imaginary part.
+
+    Those in ``known`` are taken as exact.
+    """
+    a = poly.quotient(N, a, poly.from_roots(N, known))
+    K = MP(math.ceil(N.bits * DIGITS_A_BIT))
+    numbers, convert = working_numbers(K), BareReals(N.bits).element
+    found = simple_roots(numbers, [numbers.real(convert(K, c)) for c in a]) if len(a) > 1 else []
+    size, least = max(map(abs, (*found, *map(float, known)))), numbers.context.mpf(2) ** -(N.bits // REAL)
+    real = sorted([*known, *(N.coerce(x.real) for x in found if abs(x.imag) <= least * size)])
+    return real, [(N.coerce(x.real), N.coerce(x.imag)) for x in found if x.imag > least * size]
+
+
+def oval_around(lead: Any, roots: tuple[list[Any], list[Any]], x: Any) -> PointOval:
+    """The oval of real points that holds x, or is next to it where rounding left it outside."""
+    real, pairs = roots
+    last = len(real) - 1
+    # f > 0 between every second pair of neighbours
+    first = (last - (0 if lead > 0 else 1)) % 2
+    places = range(first, last, 2)
+    if not places:
+        raise NotRepresentable("a point of this motion is in no bounded oval: the motion is unbounded")
+    k = min(places, key=lambda k: max(real[k] - x, x - real[k + 1], 0))
+    below, above = real[k], real[k + 1]
+    others = [(e, None) for e in (*real[:k], *real[k + 2 :])] + [(e, s * s) for e, s in pairs]
+    return PointOval(k, lead, (below + above) / 2, (above - below) / 2, tuple(others))
+
+
+def angle_in(N: LongField, oval: PointOval, x: Any, y: Any) -> Any:
+    """φ of a point of an oval."""
+    import gmpy2
+
+    return gmpy2.atan2(y * oval.weight(N, x), oval.middle - x)
