@@ -8,9 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property, wraps
-from typing import Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+if TYPE_CHECKING:
+    import numpy as np
 
 Kind = TypeVar("Kind")
+Array = TypeVar("Array", bound="np.ndarray")
 Made = TypeVar("Made", bound=Callable[..., None])
 
 
@@ -113,7 +117,7 @@ def replaced(value: Kind, **changes: Any) -> Kind:
     return made
 
 
-def read_only(array: Any) -> Any:
+def read_only(array: Array) -> Array:
     """A view of a numpy array that cannot be written to."""
     view = array.view()
     view.setflags(write=False)

@@ -62,7 +62,7 @@ class TodaLattice(MumfordSystem):
     def _transfer(self, N: Any, state: Point) -> tuple[tuple[poly.Poly, poly.Poly], tuple[poly.Poly, poly.Poly]]:
         """The transfer matrix ((A, B), (C, D)) = L_n⋯L_1."""
         one: poly.Poly = (N.one,)
-        rows: Any = ((one, ()), ((), one))
+        rows: tuple[tuple[poly.Poly, ...], tuple[poly.Poly, ...]] = ((one, ()), ((), one))
         for w, p in zip(self._exponentials(N, state), state.p, strict=True):
             (a, b), (c, d) = rows
             factor = (p, N.one)
@@ -71,7 +71,8 @@ class TodaLattice(MumfordSystem):
                 tuple(poly.add(N, poly.mul(N, factor, x), poly.scale(N, w, y)) for x, y in ((a, c), (b, d))),
                 tuple(poly.scale(N, -1 / w, x) for x in (a, b)),
             )
-        return rows
+        (a, b), (c, d) = rows
+        return (a, b), (c, d)
 
     def _spectral(self, N: Any, state: Point) -> Spectral:
         (a, b), (_, d) = self._transfer(N, state)

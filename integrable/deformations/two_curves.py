@@ -23,6 +23,7 @@ from integrable.steps.step import Step, checked_multiple, checked_signs
 from jacobian import HyperellipticCurve, poly
 from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, PrecisionLoss, shown, written
 from jacobian.fields.quadratic import quadratic_roots
+from jacobian.relatives.signed import Pair
 
 if TYPE_CHECKING:
     from jacobian import Divisor
@@ -44,7 +45,7 @@ class _Image(NamedTuple):
     u: list[Any]
     y: list[Any]
     lambdas: list[Any]
-    pairs: tuple[coordinates.Pair, ...]
+    pairs: tuple[Pair, ...]
 
 
 def divisors(system: Hamiltonian, state: State) -> TwoPoints:
@@ -169,7 +170,7 @@ def _first(K: Any, x: Any, y: Any) -> bool:
     return bool(K.key(x) < K.key(y))
 
 
-def _pairs(system: Hamiltonian, state: State, w: Any, h2: Any) -> tuple[coordinates.Pair, ...]:
+def _pairs(system: Hamiltonian, state: State, w: Any, h2: Any) -> tuple[Pair, ...]:
     """The pairs (w_i, N_i), N_i = c·w_i − 2g(1 − da_i)γ_i, with c such that (w, N) = 0."""
     K, body = system.field, system.body
     g = K.one

@@ -186,7 +186,7 @@ def plain(members: np.ndarray, tilted: bool) -> np.ndarray:
         least, most = inertia.min(axis=1), inertia.max(axis=1)
         size, ordered = np.sqrt((M * M).sum(axis=1)), np.sort(inertia, axis=1)
         tolerance = HALF * RR.eps**0.6
-        good = np.isfinite(members).all(axis=1)
+        good: np.ndarray = np.isfinite(members).all(axis=1)
         good &= (least > 1e3 / LARGEST) & (most < LARGEST / 1e3) & (most < FAR_INSIDE * WIDEST * least)
         good &= (d == 0) | ((d > 1e-40 * most) & (d < FAR_INSIDE * HEAVIEST * least))
         apart = np.diff(ordered, axis=1)

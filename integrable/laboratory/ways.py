@@ -18,6 +18,7 @@ from integrable.moving_point.arithmetic import LONG
 from integrable.moving_point.setup import Setup
 from integrable.phase.body import Body
 from jacobian import RR
+from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
@@ -112,6 +113,6 @@ class Along:
         return self.flow.at(times)
 
 
-def numbers(field: Any, values: Any) -> Any:
+def numbers(field: Field, values: Any) -> np.ndarray:
     """An array of numbers of a field."""
     return np.asarray(values).astype(float) if field == RR else np.frompyfunc(field.coerce, 1, 1)(values)

@@ -32,6 +32,7 @@ from jacobian import RR
 from jacobian.errors import NotRepresentable, PrecisionLoss
 
 if TYPE_CHECKING:
+    from integrable.motion.integral import TorusIntegral
     from integrable.motion.trajectory import Trajectory
 
 # length of a panel in basic steps
@@ -207,7 +208,7 @@ class Rolling:
         return integral(self.flow.system.field, lambda tau: self._at(1, tau), first, last, self.loss)
 
 
-def on_torus(flow: BodyMotion) -> Any:
+def on_torus(flow: BodyMotion) -> TorusIntegral | PreciseContact | None:
     """The bounded part along the flow as a Fourier series; None where the motion is no line on a compact torus."""
     from integrable.motion.integral import TorusIntegral
 

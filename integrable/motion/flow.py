@@ -33,6 +33,7 @@ from jacobian.numbers.compiler import interpreted
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from integrable.motion.contact import PreciseContact
     from integrable.motion.integral import TorusIntegral
     from integrable.motion.precise import PreciseFlow, RoundedRows
     from integrable.motion.rotation import PrincipalRotation
@@ -313,7 +314,7 @@ class Flow(BodyMotion):
             return None
 
     @cached_property
-    def contact_on_torus(self) -> TorusIntegral | None:
+    def contact_on_torus(self) -> TorusIntegral | PreciseContact | None:
         """The :attr:`Trajectory.contact` far from the start, cached for later runs."""
         from integrable.motion.contact import on_torus
 
@@ -367,4 +368,5 @@ def integrals_drift(flow: Flow, rows: np.ndarray) -> np.ndarray:
         # H1 is NaN whenever its row is, and max keeps a NaN that comes first
         return np.array([max(abs(k1 / h1 - 1), abs(k2 / h2 - 1)) for k1, k2 in found])
     found1, found2 = energies(rows[:, :3].T, rows[:, 3:].T)
-    return np.maximum(abs(found2 / h2 - 1), abs(found1 / h1 - 1))
+    drift: np.ndarray = np.maximum(abs(found2 / h2 - 1), abs(found1 / h1 - 1))
+    return drift

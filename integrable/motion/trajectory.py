@@ -157,7 +157,8 @@ class Motion(Immutable):
         # all() takes twice as long, and testing squares would overflow with a warning
         if quick and np.count_nonzero(np.isfinite(values)) == len(values):
             # a copy: the times of a result do not change with the caller's array
-            return values.copy()
+            copied: np.ndarray = values.copy()
+            return copied
         items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(one_or_more(values, argument))]
         return np.array(items, dtype=np.float64 if field == RR else object)
 

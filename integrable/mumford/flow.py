@@ -104,10 +104,12 @@ class MumfordFlow:
         return MumfordMotion(self._place, self._genus, self.system.complex_data)
 
     def _inner(self, N: Any) -> Point:
-        return self.system._constrained(N, self.system._inside(N, self.start))
+        inner: Point = self.system._constrained(N, self.system._inside(N, self.start))
+        return inner
 
     def _place(self, N: LongField) -> Start:
-        return self.system._start(N, self._inner(N))
+        start: Start = self.system._start(N, self._inner(N))
+        return start
 
     def at(self, times: Numbers) -> Path:
         """The states at the given times: one number or a sequence of numbers, in any order, of any sign and size.
@@ -260,7 +262,8 @@ class MumfordFlow:
 
     def tau_near(self, time: Number, digits: int) -> Real:
         """τ, as a long number, at a time of a motion that carries its clock."""
-        return self._motion.tau_at(time, digits, self._clock)
+        tau: Real = self._motion.tau_at(time, digits, self._clock)
+        return tau
 
     def _places(self, times: list[Any]) -> list[Any]:
         """The parameter of the motion at these times: the times themselves, or τ."""
@@ -350,7 +353,8 @@ class MumfordFlow:
         from integrable.mumford.columns import Column, Columns
 
         N = Columns()
-        return self.system._back(N, self._inner(N), D, Column(times))
+        columns: Point = self.system._back(N, self._inner(N), D, Column(times))
+        return columns
 
     def _reader(self, time: Any) -> Any:
         return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))

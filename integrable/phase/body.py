@@ -142,7 +142,7 @@ class Body(Generic[Element]):
 
 def check_body_field(field: Field[Element]) -> None:
     """FieldError unless ``field`` is one that bodies are over."""
-    if field is not RR and is_complex(check_field(field, "field").zero):
+    if field != RR and is_complex(check_field(field, "field").zero):
         raise FieldError(f"field = {field.name}: bodies are over RR, MP(dps) or exact fields, not complex numbers")
 
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from integrable.phase.body import Body, Vector, cross, square_root
 from integrable.phase.state import State
 from jacobian import poly
+from jacobian.element import Element
 from jacobian.errors import ArgumentError, CurveMismatch, NotRepresentable
 from jacobian.numbers.roots import root
 from jacobian.relatives.signed import Pair, sheared
@@ -42,7 +43,7 @@ def kappas(body: Body) -> tuple[Any, ...]:
     return tuple(values)
 
 
-def root_of_g(body: Body, gamma: Vector) -> Any:
+def root_of_g(body: Body[Element], gamma: Vector[Element]) -> Element:
     """g = √(1 − d(γ, Aγ))⁻¹, the field's own choice of root; NotASquare when there is none."""
     return square_root(body.field, body.field.inv(body.conformal(gamma)), "g²")
 

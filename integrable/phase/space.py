@@ -106,12 +106,12 @@ class PhaseSpace(Made, Generic[Element]):
 
         if g is None:
             return coordinates.root_of_g(self.body, gamma)
-        g = K.coerce(g, "g")
-        if K.mul(K.mul(g, g), self.body.conformal(gamma)) != K.one:
+        root = K.coerce(g, "g")
+        if K.mul(K.mul(root, root), self.body.conformal(gamma)) != K.one:
             raise ArgumentError(
-                f"g = {written(g)}: g² must be 1/(1 − d(γ, Aγ)) = {written(K.inv(self.body.conformal(gamma)))}"
+                f"g = {written(root)}: g² must be 1/(1 − d(γ, Aγ)) = {written(K.inv(self.body.conformal(gamma)))}"
             )
-        return g
+        return root
 
     def integrals(self, state: State[Element]) -> Integrals[Element]:
         """C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M)."""

@@ -228,7 +228,8 @@ class TorusVariations:
     def _in_units(self, found: np.ndarray) -> np.ndarray:
         rows = np.array([1.0] * 3 + [self._size] * 3)
         columns = np.array([1.0] * 3 + [self._size] * 3 + [self._unit] * 4)
-        return rows[:, None] * (found @ self._project) / columns
+        scaled: np.ndarray = rows[:, None] * (found @ self._project) / columns
+        return scaled
 
 
 def _lost(flow: Any, run: Any, matrix: Any) -> float:

@@ -23,7 +23,7 @@ from integrable.steps.guard_digits import (
     with_enough_digits,
 )
 from integrable.steps.step import Abscissa, Step, check_doublings, checked_signs
-from jacobian import Divisor, poly
+from jacobian import Divisor, Jacobian, poly
 from jacobian.element import Element
 from jacobian.errors import ArgumentError, NotRepresentable, one_of, whole, written
 from jacobian.fields.inexact import InexactField
@@ -161,7 +161,8 @@ class Keyless(Move):
             system, state, _ = system.upright(state)
         if not system.body.rolls:
             raise NotRepresentable("d = 0: the keyless map leaves the class of a divisor, and walks along its pencil")
-        return system.group(*system.integrals(state)[2:]).from_mumford((K.neg(K.inv(system.d)), K.one), ())
+        group: Jacobian = system.group(*system.integrals(state)[2:])
+        return group.from_mumford((K.neg(K.inv(system.d)), K.one), ())
 
 
 class ConicStep(Move):

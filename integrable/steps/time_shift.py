@@ -15,7 +15,7 @@ from integrable.phase.precisions import EPS_DIGITS
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
 from integrable.steps.moves import Move
-from jacobian import Divisor, poly
+from jacobian import Divisor, Jacobian, poly
 from jacobian.element import Element, Real
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, shown
 
@@ -74,7 +74,7 @@ class Shift(Move):
         system, (setup, step) = self.system, self._translation(self.system._checked(state))
         if state.tilted:
             system, state, _ = system.upright(state)
-        group = system.group(*system.integrals(state)[2:])
+        group: Jacobian = system.group(*system.integrals(state)[2:])
         if step is None:
             return group.zero()
         u0, u1, v0, v1 = self._finite(setup, lambda row: row, step)[:4]

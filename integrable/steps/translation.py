@@ -162,7 +162,8 @@ class Translation(Step):
             return step.divisor(plain)
         h1, h2 = self.system.integrals(state)[2:]
         _, u, v = self._class(h1, h2)
-        return self.multiple * self.system.group(h1, h2).from_mumford(u, v)
+        found: Divisor = self.system.group(h1, h2).from_mumford(u, v)
+        return self.multiple * found
 
     def _transformed(self, state: State) -> tuple[Translation, State, ChaplyginTransformation]:
         """(step, state, transformation): the same step on the body of :meth:`System.upright`, with its branch point

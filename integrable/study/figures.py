@@ -9,21 +9,11 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.lines import Line2D
 
+from integrable.scene.looks import BLUE, INK, ORANGE
 from integrable.scene.tables import plain_power
 from integrable.study.findings import SCENE_FLOOR_FACTOR, SceneFindings
 from integrable.study.plan import FLOW, INTEGRATED
-from integrable.study.plot import (
-    BLUE,
-    FAINT,
-    FLOOR,
-    INK,
-    ORANGE,
-    STYLE,
-    WIDTH,
-    decades,
-    look_of,
-    new_figure,
-)
+from integrable.study.plot import FAINT, FLOOR, STYLE, WIDTH, decades, look_of, new_figure
 
 __all__ = ["as_bytes", "error_against_run_time", "floors"]
 

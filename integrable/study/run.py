@@ -91,19 +91,21 @@ def _uses(scene: Scene, drawn: bool, progress: bool) -> dict[str, str]:
     return {module: what for module, what in uses.items() if what}
 
 
-def _compute(scene: Scene, digits: int, tick: Callable[[str], None], watch: Watch = NOBODY) -> Any:
+def _compute(scene: Scene, digits: int, tick: Callable[[str], None], watch: Watch = NOBODY) -> Trajectory:
     if scene.report is not None:
         from integrable.study.motions import measure
 
-        report, trajectory = measure(scene, digits, tick, watch)
-        return replaced(trajectory, report=report)
+        report, run = measure(scene, digits, tick, watch)
+        measured: Trajectory = replaced(run, report=report)
+        return measured
     if scene.steps is not None:
         from integrable.study.orbits import measure_orbit
 
         return measure_orbit(scene, digits, tick)
     tick(f"{digits} digits")
     system, state = scene.start(digits)
-    return system.motion_through(state).at(scene.times.at(digits))
+    trajectory: Trajectory = system.motion_through(state).at(scene.times.at(digits))
+    return trajectory
 
 
 @contextmanager

@@ -178,7 +178,8 @@ class DivisorArray(Immutable, Generic[Element]):
     def degree(self) -> Vector:
         """(N,): the number of affine points of each row."""
         u = self.u
-        return u.shape[1] - 1 - np.argmax(u[:, ::-1] != self.jacobian.field.zero, axis=1)
+        leading: Vector = np.argmax(u[:, ::-1] != self.jacobian.field.zero, axis=1)
+        return u.shape[1] - 1 - leading
 
     @property
     def status(self) -> Vector:
@@ -192,7 +193,8 @@ class DivisorArray(Immutable, Generic[Element]):
 
     def to_list(self) -> list[Divisor[Element]]:
         """The rows as Divisors."""
-        return self._engine.to_divisors(self._rows)
+        divisors: list[Divisor[Element]] = self._engine.to_divisors(self._rows)
+        return divisors
 
     def to_galois(self) -> tuple[Any, Any]:
         """(u, v) as galois arrays; FieldError if galois has no class for the field."""
@@ -216,7 +218,7 @@ class DivisorArray(Immutable, Generic[Element]):
             if not -len(self) <= i < len(self):
                 raise IndexError(f"index = {shown(i)}: the array has {len(self)} rows")
             i %= len(self)
-            return self._engine.to_divisors(self._engine.take(self._rows, slice(i, i + 1)))[0]
+            return self._like(self._engine.take(self._rows, slice(i, i + 1))).to_list()[0]
         if not isinstance(key, slice):
             key = _index_array(key)
             if key.ndim != 1 or key.dtype.kind not in "iub" or (key.dtype.kind == "b" and len(key) != len(self)):
@@ -312,7 +314,7 @@ class DivisorArray(Immutable, Generic[Element]):
             half = len(rows) // 2
             total = run.add(run.take(rows, slice(half)), run.take(rows, slice(half, 2 * half)))
             rows = run.join([total, run.take(rows, slice(2 * half, None))]) if len(rows) % 2 else total
-        return run.to_divisors(rows)[0]
+        return self._like(rows).to_list()[0]
 
     def __eq__(self, other: object) -> Any:
         if is_zero_int(other):

@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 
 from jacobian.batch import random_kernels
-from jacobian.batch.compiled_rows import CompiledRows, Rows
+from jacobian.batch.compiled_rows import CompiledRows
+from jacobian.batch.stored_rows import Rows
 from jacobian.curve.points import AffinePoint
 from jacobian.fields.randomness import random_below
 from jacobian.numbers.threads import in_ranges

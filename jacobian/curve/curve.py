@@ -37,7 +37,7 @@ from jacobian.inexact.dense import absolute, value_at
 
 if TYPE_CHECKING:
     from jacobian.group import Jacobian
-    from jacobian.page.lines import Page
+    from jacobian.page.record import Page
 
 MOST_BOUND = 10_000
 """The largest numerator and denominator of x: 10^8 x are sieved in half a second."""

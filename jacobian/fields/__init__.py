@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
+from jacobian.element import Coefficients
 from jacobian.errors import ArgumentError, flag, shown, whole
 from jacobian.fields.machine import ComplexField, RealField
 from jacobian.fields.prime import PrimeField, check_prime, prime_field, prime_fields
@@ -21,7 +22,7 @@ CC = ComplexField()
 _conway: dict[tuple[int, int], tuple[int, ...]] = {}
 
 
-def GF(p: Any, k: int = 1, modulus: Any = None) -> FiniteField:
+def GF(p: SupportsIndex | type, k: int = 1, modulus: Coefficients | None = None) -> FiniteField:
     """The finite field of p^k elements; the same arguments give the same object.
 
     ``p`` is a prime, or a galois field class (then alone). ``modulus``: ascending coefficients of a monic irreducible
@@ -40,7 +41,7 @@ def GF(p: Any, k: int = 1, modulus: Any = None) -> FiniteField:
     return base if k == 1 else _extension(base, k, modulus)
 
 
-def _extension(base: PrimeField, k: int, modulus: Any) -> Any:
+def _extension(base: PrimeField, k: int, modulus: Any) -> FiniteField:
     from jacobian.fields import extension
     from jacobian.fields.irreducible import default_modulus
 
@@ -52,7 +53,7 @@ def _extension(base: PrimeField, k: int, modulus: Any) -> Any:
     return extension.extension_fields.get((base.p, modulus)) or _build(base, extension.check_irreducible(base, modulus))
 
 
-def _build(base: PrimeField, modulus: tuple[int, ...]) -> Any:
+def _build(base: PrimeField, modulus: tuple[int, ...]) -> FiniteField:
     from jacobian.fields.digits import DigitField, QuadraticField
     from jacobian.fields.extension import extension_field
     from jacobian.fields.table import TABLE_LIMIT, TableField
@@ -63,7 +64,7 @@ def _build(base: PrimeField, modulus: tuple[int, ...]) -> Any:
     return extension_field(kind, base, modulus)
 
 
-def _from_galois(field: Any) -> Any:
+def _from_galois(field: Any) -> FiniteField:
     if field.degree == 1:
         return GF(int(field.characteristic))
     from jacobian.fields.extension import galois_modulus

@@ -74,7 +74,7 @@ class FiniteFieldOf(Immutable, Generic[Element]):
         result: Hashable = x
         return result
 
-    def from_key(self, key: Any) -> Element:
+    def from_key(self, key: Element) -> Element:
         """The element with that :meth:`key`."""
         return key
 

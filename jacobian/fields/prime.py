@@ -76,7 +76,8 @@ class PrimeField(FiniteField):
 
     def dot(self, xs: Sequence[int], ys: Sequence[int]) -> int:
         """Σ x_i y_i, reduced once."""
-        return sum(map(mul, xs, ys)) % self.p
+        total: int = sum(map(mul, xs, ys))
+        return total % self.p
 
     def power(self, x: int, exponent: int) -> int:
         return pow(x, exponent, self.p)
@@ -176,9 +177,9 @@ def prime_field(p: int) -> PrimeField:
     return prime_fields.get(p) or prime_fields.setdefault(p, PrimeField(p))
 
 
-def check_prime(p: Any) -> int:
-    """p as an int, or an ArgumentError that says what is wrong with it."""
-    p = whole(p, "p", "GF takes a prime, or a galois field class")
+def check_prime(value: Any) -> int:
+    """The prime as an int, or an ArgumentError that says what is wrong with it."""
+    p = whole(value, "p", "GF takes a prime, or a galois field class")
     if is_prime(p):
         return p
     if p.bit_length() > LONG:

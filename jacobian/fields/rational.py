@@ -6,7 +6,6 @@ from collections.abc import Hashable, Sequence
 from fractions import Fraction
 from math import isqrt
 from operator import mul
-from typing import Any
 
 from jacobian.element import Rng
 from jacobian.errors import FieldError, NotASquare, shown, written
@@ -91,6 +90,6 @@ class RationalField(Immutable):
     def key(self, x: Fraction) -> Hashable:
         return x
 
-    def from_key(self, key: Any) -> Fraction:
+    def from_key(self, key: Fraction) -> Fraction:
         """The element with that :meth:`key`."""
         return Fraction(key)

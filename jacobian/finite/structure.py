@@ -13,9 +13,9 @@ from math import gcd, isqrt, lcm, prod
 from random import Random
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from jacobian.errors import ArgumentError, CurveMismatch, Infeasible, NotAMultiple, shown
+from jacobian.errors import CurveMismatch, Infeasible, NotAMultiple, shown, whole
 from jacobian.finite.integers import factorization
-from jacobian.law.divisor import check_divisor, check_scalar
+from jacobian.law.divisor import check_divisor
 
 if TYPE_CHECKING:
     from jacobian.law.divisor import Divisor, GroupLaw
@@ -150,7 +150,8 @@ class PrimaryGroup:
         return None
 
     def _socle(self, i: int) -> Divisor:
-        return self.prime ** (self.exponents[i] - 1) * self.generators[i]
+        multiple: int = self.prime ** (self.exponents[i] - 1)
+        return multiple * self.generators[i]
 
     def _baby_steps(self, size: int) -> int:
         full = self.prime**size <= FULL_TABLE
@@ -290,7 +291,4 @@ def exponent(J: GroupLaw, primes: Iterable[int] | None = None) -> int:
 
 
 def _check_positive(m: Any) -> int:
-    m = check_scalar(m, "m")
-    if m < 1:
-        raise ArgumentError(f"m = {shown(m)}: a positive integer is needed")
-    return m
+    return whole(m, "m", "a positive integer is needed", 1)
