@@ -224,7 +224,8 @@ class StarFlow(MumfordFlow):
         u, v, (at_c, at_a) = torus.pair_at(N, halves, (c, a))
         sine, cosine = gmpy2.sin_cos(turned[0])
         axis = at_a if self.system._integrals(N, inner)["L"] == 0 else (cosine, sine)
-        return self.system._back(N, inner, Extended(u, v, (at_c, axis)), None)
+        found: Point = self.system._back(N, inner, Extended(u, v, (at_c, axis)), None)
+        return found
 
     def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
         """Raises ArgumentError: the sums over ovals have no proven bounds."""
