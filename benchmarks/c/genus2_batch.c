@@ -1,7 +1,7 @@
 /* Addition and doubling of N divisors of y^2 = x^5 + f4 x^4 + ... + f0 modulo p: the yardstick of bench_batch.py.
 
    The formulas, the words, the blocks and the simultaneous inversion are those of jacobian/addition/genus2_words.py,
-   jacobian/batch/genus2_kernels.py and jacobian/numbers/words.py, written by hand in C. Compiled with -DBITS=32 or 64 and -DWIDE=0
+   jacobian/batch/block_loops.py and jacobian/numbers/words.py, written by hand in C. Compiled with -DBITS=32 or 64 and -DWIDE=0
    or 1, or -DBITS=53 (and -DWIDE=0) for floats: see bench_batch.py, which also compares the results. Special rows are
    counted, not computed. */
 

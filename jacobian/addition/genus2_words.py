@@ -3,7 +3,7 @@
 In odd characteristic they need h = 0. In characteristic 2 they take any h; there signs vanish and 2V + h = h. The
 formulas are those of :mod:`jacobian.addition.genus2` (Lange 2005; our own on models of degree 6) in the arithmetic
 of :mod:`jacobian.numbers.words`: sums of products are reduced once, and ``fit`` appears where a wide context needs it.
-Between the halves a batch inverts the products of many rows together (:mod:`jacobian.batch.genus2_kernels`).
+Between the halves a batch inverts the products of many rows together (:mod:`jacobian.batch.block_loops`).
 
 A line is (a₁, a₀, b₁, b₀) for U = x² + a₁x + a₀, V = b₁x + b₀. The first half gives (r, r·s₁, r·s₀), where ℓ = V +
 U·(s₁x + s₀) is the cubic through both divisors and r a resultant, and the product to be inverted, which is 0 in every

@@ -146,7 +146,7 @@ class DivisorArray(Immutable, Generic[Element]):
         """An array of ``size`` random classes, as :meth:`jacobian.group.Jacobian.random` returns it."""
         size = whole(size, "size", f"the number of classes is an int ≥ 0, {MOST_ROWS} at most", 0, MOST_ROWS)
         run = engine(check_group(J))
-        if run.compiled:
+        if hasattr(run, "sampler"):
             from jacobian.batch.random_rows import sampler
 
             if (found := sampler(run)).possible:

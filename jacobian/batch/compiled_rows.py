@@ -2,7 +2,6 @@
 
 Explicit formulas add the general rows in genus 2, and on ramified models of genus 3 over GF(p); in odd characteristic
 :mod:`jacobian.batch.equation` first makes h = 0. Cantor's algorithm adds the other rows, and all rows elsewhere.
-Importing this module imports numba.
 """
 
 from __future__ import annotations
@@ -12,20 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from jacobian.addition import genus2_words, genus3_words
-from jacobian.addition.cantor_words import packed_curve
-from jacobian.batch import genus2_kernels, genus3_kernels, row_kernels
-from jacobian.batch.stored_rows import Rows, StoredRows
+from jacobian.addition.cantor_words import ROWS, packed_curve, width
+from jacobian.addition.two_word_libraries import equation_of
+from jacobian.batch import libraries
+from jacobian.batch.row_loops import Room
+from jacobian.batch.stored_rows import MOST, Rows, StoredRows
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.table import TableField
 from jacobian.group import Jacobian
 from jacobian.numbers.tables import table_context
 from jacobian.numbers.words import Wide32, Wide64, double_context, word_context
 
-FAST = 1 << 14
-"""The number of rows in one call of an explicit-formula kernel."""
 SLOW = 1 << 10
-"""The number of rows in one call of a kernel of Cantor's algorithm."""
+"""The number of rows in one call of a loop of Cantor's algorithm."""
 
 
 class CompiledRows(StoredRows):
@@ -40,115 +38,84 @@ class CompiledRows(StoredRows):
         curve = self.equation.curve
         # eight products of floats in SIMD lanes are faster than one product of 64-bit words after the other
         self.floats = type(K) is PrimeField and self.genus == 2 and 31 < K.p.bit_length() <= 49
-        self.K: Any
-        self.slow_K: Any
-        self.dtype: Any
-        self.word_dtype: Any
-        self.to_word: Any = int
+        words: Any
+        own: Any
         if isinstance(K, TableField):
-            self.K = self.slow_K = table_context(K)
-            self.dtype = self.word_dtype = np.uint16
+            words = own = table_context(K)
+            self.word_dtype: Any = np.uint16
         else:
-            self.K = word_context(K.p)
-            self.dtype = self.word_dtype = np.int32 if self.K.bits == 32 else np.int64
-            self.to_word = self.K.to_word
-            # canonical words are valid in a wide context too: rarely used kernels are compiled for that one only
-            self.slow_K = (Wide32 if self.K.bits == 32 else Wide64)(*self.K)
-            if self.floats:
-                self.K, self.dtype = double_context(K.p), np.float64
-        self.packed = packed_curve(curve, self.to_word)
-        to_word = self.K.balanced if self.floats else self.to_word
-        self.formulas: Any = genus2_words.short_equation(curve, to_word)
-        self._explicit: Any = genus2_kernels
-        if self.genus == 3:
-            self.formulas, self._explicit = genus3_words.short_equation(curve, self.to_word), genus3_kernels
-        self.plain_negation = not curve.h and (not self.split or self.genus % 2 == 0)
-        self.sampler: Any = None
-        self.step = SLOW if self.formulas is None else FAST
+            own = word_context(K.p)
+            self.word_dtype = np.int32 if own.bits == 32 else np.int64
+            # canonical words are valid in a wide context too: other loops than sums are compiled for that one only
+            words = (Wide32 if own.bits == 32 else Wide64)(*own)
+        self.dtype = np.float64 if self.floats else self.word_dtype
+        if self.floats:
+            own = double_context(K.p)
+        to_word = own.balanced if self.floats else words.to_word
+        self._compute_with(own, words, equation_of(curve, to_word))
+        self.step = SLOW if self.formulas is None else MOST
+        self._packed = packed_curve(curve, words.to_word)
+        self._cantor_loops = libraries.cantor(self.kind)
 
-    def _encoded(self, elements: Any) -> Any:
+    def numbers_in_words(self, elements: Sequence[Any]) -> Any:
+        """The words of field elements."""
+        return np.array([self.words.to_word(c) for c in elements], np.int64)
+
+    def encoded(self, elements: Any) -> Any:
         """The words of field elements, ints."""
-        if self.word_dtype == np.uint16:
-            return elements.astype(np.uint16)
         words = np.empty(elements.shape, self.word_dtype)
-        row_kernels.encode_rows(self.slow_K, elements, words)
+        self._run.encode_rows(self._packed_words, elements, words)
         return words
 
-    def _decoded(self, words: Any) -> Any:
+    def decoded(self, words: Any) -> Any:
         """The field elements, ints, of words."""
-        elements = words.astype(np.int64)
-        if self.word_dtype != np.uint16:
-            row_kernels.decode_rows(self.slow_K, words, elements)
+        elements = np.empty(words.shape, np.int64)
+        self._run.decode_rows(self._packed_words, words, elements)
         return elements
+
+    def bits(self, words: Any) -> Any:
+        """Words, or the bits of floats, for loops that only copy."""
+        return words.view(np.int64) if self.floats else words
+
+    def of_memory(self, words: Any) -> Any:
+        """Words, from the form that loops take."""
+        return words.astype(self.word_dtype)
+
+    def uniform(self, draw: np.random.Generator, count: int) -> Any:
+        """Uniform words of a prime field."""
+        p = self.field.p
+        return draw.integers(p, size=count) - p // 2
 
     def _in_words(self, x: Rows) -> Rows:
         """Rows in words, from what is stored."""
-        return Rows(self._encoded(x.data.astype(np.int64)), x.degree, x.weight) if self.floats else x
+        return Rows(self.encoded(x.data.astype(np.int64)), x.degree, x.weight) if self.floats else x
 
     def stored(self, x: Rows) -> Rows:
         """The stored form of rows in words: balanced residues as floats where rows are floats, else the words."""
-        return Rows(self.K.balanced(self._decoded(x.data)), x.degree, x.weight) if self.floats else x
+        return Rows(self.K.balanced(self.decoded(x.data)), x.degree, x.weight) if self.floats else x
 
-    def _shift(self, x: Rows, shift: Sequence[Any]) -> None:
-        words = np.array([self.to_word(c) for c in shift], np.int64)
-        if words.any():
-            row_kernels.shift_rows(self.slow_K, self.genus, words, x.data, x.degree)
+    def _add_special(self, operands: Sequence[Rows], out: Rows, chosen: Any) -> None:
+        self._cantor("cantor_add" if len(operands) == 2 else "cantor_double", operands, out, chosen)
 
-    def _scale(self, x: Rows, c: Any) -> None:
-        if c != self.field.one:
-            powers = np.array([self.to_word(power) for power in self.equation.powers(c)], np.int64)
-            row_kernels.scale_rows(self.slow_K, self.genus, powers, x.data, x.degree)
-
-    def first_off_curve(self, x: Rows) -> int:
-        """The first row that is not on the curve, or −1."""
-        curve, g, zero = self.equation.curve, self.genus, self.field.zero
-        f = np.array([self.to_word(c) for c in (*curve.f, *[zero] * (2 * g + 3 - len(curve.f)))], np.int64)
-        h = np.array([self.to_word(c) for c in (*curve.h, *[zero] * (g + 2 - len(curve.h)))], np.int64)
-        return int(row_kernels.first_off_curve(self.slow_K, g, f, h, self._in_words(x).data, x.degree))
-
-    def _add(self, x: Rows, y: Rows, out: Rows, begin: int, end: int) -> None:
-        rows = np.empty(end - begin, np.int64)
-        if self.formulas is None:
-            rows[:] = range(begin, end)
-        else:
-            out.degree[begin:end] = self.genus
-            count = self._explicit.add_rows(
-                self.K, self.formulas, (x.data, x.degree), (y.data, y.degree), out.data, begin, end, rows
-            )
-            rows = rows[:count]
-        if len(rows):
-            self._cantor(row_kernels.cantor_add, (x, y), out, rows)
-
-    def _double(self, x: Rows, out: Rows, begin: int, end: int) -> None:
-        rows = np.empty(end - begin, np.int64)
-        if self.formulas is None:
-            rows[:] = range(begin, end)
-        else:
-            out.degree[begin:end] = self.genus
-            count = self._explicit.double_rows(self.K, self.formulas, (x.data, x.degree), out.data, begin, end, rows)
-            rows = rows[:count]
-        if len(rows):
-            self._cantor(row_kernels.cantor_double, (x,), out, rows)
-
-    def _cantor(self, kernel: Any, operands: Sequence[Rows], out: Rows, rows: Any) -> None:
-        """Runs a kernel of Cantor's algorithm on the rows whose indices are in ``rows``."""
-        if not self.floats:
-            kernel(self.slow_K, self.packed, *map(tuple, operands), tuple(out), rows)
-            return
-        parts = [self._in_words(self.take(x, rows)) for x in operands]
-        found = Rows(np.empty_like(parts[0].data), np.empty_like(parts[0].degree), parts[0].weight.copy())
-        kernel(self.slow_K, self.packed, *map(tuple, parts), tuple(found), np.arange(len(rows)))
-        self.put(out, rows, self.stored(found))
+    def _cantor(self, name: str, operands: Sequence[Rows], out: Rows, chosen: Any) -> None:
+        """Runs a loop of Cantor's algorithm on the rows whose indices are in ``chosen``."""
+        g, rows, found = self.genus, chosen, out
+        if self.floats:
+            operands = [self._in_words(self.take(x, chosen)) for x in operands]
+            first, rows = operands[0], np.arange(len(chosen))
+            found = Rows(np.empty_like(first.data), np.empty_like(first.degree), first.weight.copy())
+        room = Room(np.empty((ROWS, 4 * g + 8), np.int64), np.zeros(width(g), np.int64), np.zeros(width(g), np.int64))
+        loop = getattr(self._cantor_loops, name)
+        loop(self._packed_words, self._packed, tuple(map(tuple, operands)), tuple(found), rows, room)
+        if self.floats:
+            self.put(out, chosen, self.stored(found))
 
     def _negate(self, x: Rows, out: Rows, begin: int, end: int) -> None:
-        if not self.plain_negation:
-            self._cantor(row_kernels.cantor_negate, (x,), out, np.arange(begin, end))
-            return
-        row_kernels.negate_v(self.K, x.data, out.data, self.genus, begin, end)
-        self._negate_weights(x, out, begin, end)
-
-    def selected(self, stacked: Sequence[Any], choice: Any) -> Rows:
-        """The rows whose row i is row i of part choice[i]; ``stacked`` is (data, degree, weight) of all parts."""
-        out = self.empty(len(choice))
-        row_kernels.select_rows(*stacked, choice, *out)
-        return out
+        if self.split and self.genus % 2 == 1:
+            self._cantor("cantor_negate", (x,), out, np.arange(begin, end))
+        elif self.floats:
+            out.data[:, begin:end] = x.data[:, begin:end]
+            out.data[self.genus :, begin:end] *= -1
+            self._negate_weights(x, out, begin, end)
+        else:
+            super()._negate(x, out, begin, end)

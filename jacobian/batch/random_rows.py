@@ -18,17 +18,21 @@ from typing import Any
 
 import numpy as np
 
-from jacobian.batch import random_kernels
-from jacobian.batch.compiled_rows import CompiledRows
-from jacobian.batch.stored_rows import Rows
+from jacobian.batch import libraries
+from jacobian.batch.block_loops import BLOCK
+from jacobian.batch.random_loops import CHAINS, Differences, Powers
+from jacobian.batch.stored_rows import Rows, StoredRows
 from jacobian.curve.points import AffinePoint
 from jacobian.fields.randomness import random_below
+from jacobian.fields.table import TableField
+from jacobian.native.library import Packed
+from jacobian.native.words import CONTEXTS
 from jacobian.numbers.threads import in_ranges
 
 LISTED = 1 << 12
 """All points are listed over fields with at most this many elements, and over fields with tables."""
 CHUNK = 1 << 13
-"""The number of classes from one stream of random numbers."""
+"""The number of classes from one stream of random numbers, at most MOST of :mod:`jacobian.batch.stored_rows`."""
 MOST_SETS = 64
 """The largest number of sets of g points that are added for one class."""
 DISTANCE = 50
@@ -36,24 +40,26 @@ DISTANCE = 50
 
 
 class RandomRows:
-    """Random classes of a :class:`jacobian.batch.compiled_rows.CompiledRows`."""
+    """Random classes of rows in words; ``possible`` says whether there are enough points, and a loop for them."""
 
-    def __init__(self, run: CompiledRows) -> None:
+    def __init__(self, run: StoredRows) -> None:
         self.run, self.curve = run, run.equation.curve
         K, g = run.field, run.genus
         self.listed: Any = None
         count = K.order - 1 - 2 * g * K.order**0.5
-        if K.order <= LISTED or run.word_dtype == np.uint16:
-            points = [[run.to_word(c) for c in P] for P in self.curve.points() if isinstance(P, AffinePoint)]
+        self._loops = libraries.points(run.kind)
+        self._context = Packed(run.words, CONTEXTS[run.kind])
+        if run.compiled and (K.order <= LISTED or isinstance(K, TableField)):
+            points = [[run.words.to_word(c) for c in P] for P in self.curve.points() if isinstance(P, AffinePoint)]
             self.listed, count = np.array(points, np.int64).reshape(-1, 2).T, len(points)
-        else:
-            self.roots = _root_constants(K, run.to_word)
-            self.f = np.array([run.to_word(c) for c in self.curve.f], np.int64)
+        elif K.characteristic > 2:
+            self.roots = _root_constants(K, run.words.to_word)
+            self.f = run.numbers_in_words(self.curve.f)
         bias = ((2 * g - 2) * K.order**0.5 + len(self.curve.points_at_infinity())) / max(count, 1)
         # #J ≤ (1 + √q)^2g
         needed = g * log2(1 + K.order**0.5) - 1 + DISTANCE
         self.sets = int(-(-needed // (-g * log2(bias)))) if bias < 1 else MOST_SETS + 1
-        self.possible = self.sets <= MOST_SETS
+        self.possible = self.sets <= MOST_SETS and (self.listed is not None or K.characteristic > 2)
 
     def rows(self, rng: Any, count: int) -> Any:
         """``count`` random classes, on all threads; they do not depend on the number of threads."""
@@ -75,35 +81,41 @@ class RandomRows:
     def _set(self, draw: np.random.Generator, count: int) -> Any:
         """P₁ + … + P_g, ``count`` times."""
         run, g = self.run, self.run.genus
-        x, y = self._points(draw, g * count).reshape(2, g, count)
-        words, degree = np.empty((2 * g, count), np.int64), np.full(count, g, np.uint8)
+        points = self._points(draw, g * count)
+        x, y = points.reshape(2, g, count, *points.shape[2:])
+        words, double = run.memory(2 * g, count), np.zeros(count, np.uint8)
+        self._loops.through_points(
+            self._context, (x, y), words, double, Differences(run.memory(BLOCK), run.memory(BLOCK))
+        )
         weight = np.zeros(count if run.split else 0, np.uint8)
-        for i in np.flatnonzero(random_kernels.through_points(run.slow_K, g, x, y, words)):
-            points = [[run.slow_K.from_word(int(c)) for c in point] for point in zip(x[:, i], y[:, i], strict=True)]
-            D = self.curve.jacobian().from_points(points)
-            padded = [*D.u[:g], *[0] * (g - len(D.u)), *D.v, *[0] * (g - len(D.v))]
-            words[:, i], degree[i] = [run.to_word(c) for c in padded], D.degree
-            if D.n is not None:
-                weight[i] = D.n
-        return run.stored(Rows(words.astype(run.word_dtype), degree, weight))
+        found = run.stored(Rows(run.of_memory(words), np.full(count, g, np.uint8), weight))
+        if len(chosen := np.flatnonzero(double)):
+            coordinates = np.ascontiguousarray(np.concatenate([x[:, chosen], y[:, chosen]]))
+            columns = run.decoded(run.of_memory(coordinates)).T.tolist()
+            J = self.curve.jacobian()
+            divisors = [J.from_points(list(zip(column[:g], column[g:], strict=True))) for column in columns]
+            run.put(found, chosen, run.of_triples([(D.u, D.v, D.n) for D in divisors]))
+        return found
 
     def _points(self, draw: np.random.Generator, count: int) -> Any:
         """The coordinates x and y of uniform affine points, (2, count): one of the ordinates over a uniform x."""
         if self.listed is not None:
-            return self.listed[:, draw.integers(self.listed.shape[1], size=count)]
-        parts, missing, p = [], count, self.run.field.p
+            return np.ascontiguousarray(self.listed[:, draw.integers(self.listed.shape[1], size=count)])
+        parts, missing = [], count
+        room = Powers(self.run.memory(CHAINS), self.run.memory(CHAINS), self.run.memory(8, CHAINS))
         while missing > 0:
             tries = 2 * missing + missing // 8 + 64
-            x = draw.integers(p, size=tries) - p // 2
-            y = np.empty_like(x)
-            second = draw.integers(2, size=tries, dtype=np.uint8)
-            found = random_kernels.lift(self.run.slow_K, self.f, *self.roots, x, y, second)
+            x = self.run.uniform(draw, tries)
+            y, exists = np.empty_like(x), np.empty(len(x), np.uint8)
+            second = draw.integers(2, size=len(x), dtype=np.uint8)
+            self._loops.lift(self._context, self.f, self.roots, x, y, second, exists, room)
+            found = exists == 1
             parts.append(np.stack([x[found], y[found]]))
             missing -= parts[-1].shape[1]
-        return np.concatenate(parts, axis=1)[:, :count]
+        return np.ascontiguousarray(np.concatenate(parts, axis=1)[:, :count])
 
 
-def sampler(run: CompiledRows) -> RandomRows:
+def sampler(run: StoredRows) -> RandomRows:
     """The RandomRows for the rows of a group, cached with them."""
     if run.sampler is None:
         run.sampler = RandomRows(run)

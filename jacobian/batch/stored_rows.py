@@ -1,22 +1,30 @@
-"""Storage, threads and multiples for rows of divisor classes in arrays of words of any kind.
+"""Rows of divisor classes in arrays of words of any kind, and the compiled loops over them.
 
-Sums are in :mod:`jacobian.batch.compiled_rows` and :mod:`jacobian.batch.two_word_rows`.
+What depends on the kind of words is in :mod:`jacobian.batch.compiled_rows` and :mod:`jacobian.batch.two_word_rows`.
 """
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from jacobian.addition.cantor import Triple
+from jacobian.batch import libraries
+from jacobian.batch.block_loops import SCRATCH
 from jacobian.batch.equation import Equation
 from jacobian.batch.multiples import multiply_by_each, multiply_by_one
 from jacobian.group import Jacobian
 from jacobian.law.divisor import Divisor
+from jacobian.native.library import Packed
+from jacobian.native.words import CONTEXTS
 from jacobian.numbers.threads import in_ranges
 
+MOST = 1 << 14
+"""The largest number of rows in one call of a loop."""
 LADDER = 1 << 12
 """The number of rows in one ladder; the tables of so many rows fit into the processor's cache."""
 
@@ -38,12 +46,15 @@ class Rows:
 
 
 class StoredRows:
-    """The operations on rows of one Jacobian that need no arithmetic of their own.
+    """The operations on rows of one Jacobian.
 
-    ``dtype`` is the dtype of words, ``numbers`` that of arrays of field elements. One call of a kernel adds ``step``
-    rows.
+    ``K`` is the context of the explicit formulas, ``words`` that of conversions: both store the same numbers unless
+    rows are floats. ``dtype`` is the dtype of rows, ``numbers`` that of arrays of field elements. ``formulas`` holds
+    the coefficients that the explicit formulas use, or is None. One call of a loop adds ``step`` rows.
     """
 
+    compiled: bool
+    """Whether arrays of field elements are int64; else they are objects."""
     dtype: Any
     numbers: Any
     step: int
@@ -53,14 +64,52 @@ class StoredRows:
         self.field: Any = J.field
         self.equation = Equation(J.curve)
         self.moved = any(c != self.field.zero for c in self.equation.shift) or self.equation.scale != self.field.one
+        self.sampler: Any = None
+        self._of_thread = threading.local()
+
+    def _compute_with(self, K: Any, words: Any, formulas: Any) -> None:
+        """Sets the contexts and the coefficients of the formulas, and finds the loops."""
+        self.K, self.words, self.formulas = K, words, formulas
+        self.kind = words.__class__
+        self._packed_words = Packed(words, CONTEXTS[self.kind])
+        self._run = libraries.conversions(self.kind)
+        if formulas is not None:
+            kinds = K.__class__, formulas.__class__
+            self._sums = libraries.sums(*kinds)
+            self._constants = Packed(K, CONTEXTS[kinds[0]]), Packed(formulas, libraries.equation(*kinds))
+        self._h, self._f = (self.numbers_in_words(a) for a in (self.equation.curve.h, self.equation.curve.f))
 
     # --- what a kind of words supplies
 
-    def _encoded(self, elements: Any) -> Any:
+    def view(self, words: Any) -> Any:
+        """An array of words in the form that loops take: a view of the same memory."""
+        return words
+
+    def bits(self, words: Any) -> Any:
+        """The same for loops that only copy."""
+        return self.view(words)
+
+    def memory(self, *shape: int) -> Any:
+        """Uninitialised memory for numbers, in the form that loops take."""
+        return np.empty(shape, np.int64)
+
+    def numbers_in_words(self, elements: Sequence[Any]) -> Any:
+        """The words of field elements, in the form that loops take."""
+        raise NotImplementedError
+
+    def of_memory(self, words: Any) -> Any:
+        """Words, from the form that loops take."""
+        raise NotImplementedError
+
+    def uniform(self, draw: np.random.Generator, count: int) -> Any:
+        """At most ``count`` uniform words of a prime field, in the form that loops take."""
+        raise NotImplementedError
+
+    def encoded(self, elements: Any) -> Any:
         """The words of field elements, ints."""
         raise NotImplementedError
 
-    def _decoded(self, words: Any) -> Any:
+    def decoded(self, words: Any) -> Any:
         """The field elements, ints, of words."""
         raise NotImplementedError
 
@@ -72,31 +121,9 @@ class StoredRows:
         """The stored form of rows in words."""
         return x
 
-    def _shift(self, x: Rows, shift: Sequence[Any]) -> None:
-        """v → v + shift modulo u in every row, in place."""
+    def _add_special(self, operands: Sequence[Rows], out: Rows, chosen: Any) -> None:
+        """The sums of two operands, or twice the only one, in the rows whose indices are in ``chosen``."""
         raise NotImplementedError
-
-    def _scale(self, x: Rows, c: Any) -> None:
-        """(x, y) → (cx, c^g·y) on the points of every row, in place."""
-        raise NotImplementedError
-
-    def _add(self, x: Rows, y: Rows, out: Rows, begin: int, end: int) -> None:
-        """x + y in the rows from begin to end."""
-        raise NotImplementedError
-
-    def _double(self, x: Rows, out: Rows, begin: int, end: int) -> None:
-        """2x, likewise."""
-        raise NotImplementedError
-
-    def _negate(self, x: Rows, out: Rows, begin: int, end: int) -> None:
-        """−x, likewise."""
-        raise NotImplementedError
-
-    def _negate_weights(self, x: Rows, out: Rows, begin: int, end: int) -> None:
-        """The degrees and weights of −x, for rows whose u it shares with x."""
-        out.degree[begin:end] = x.degree[begin:end]
-        if self.split:
-            out.weight[begin:end] = self.genus - x.degree[begin:end] - x.weight[begin:end]
 
     # --- storage
 
@@ -107,9 +134,8 @@ class StoredRows:
 
     def take(self, x: Rows, index: Any) -> Rows:
         """The rows of an index: a slice, a mask or an array of ints."""
-        return Rows(
-            np.ascontiguousarray(x.data[:, index]), x.degree[index], x.weight[index] if self.split else x.weight
-        )
+        data, degree = np.ascontiguousarray(x.data[:, index]), np.ascontiguousarray(x.degree[index])
+        return Rows(data, degree, np.ascontiguousarray(x.weight[index]) if self.split else x.weight)
 
     def put(self, x: Rows, index: Any, part: Rows) -> None:
         """Replaces the rows of an array of ints by those of ``part``."""
@@ -144,8 +170,8 @@ class StoredRows:
         """Rows of field elements as ints, u (N, g + 1) and v (N, g); n (N,) on a split model. Nothing is checked."""
         g = self.genus
         degree = (g - np.argmax(u[:, ::-1] != 0, axis=1)).astype(np.uint8)
-        elements = np.concatenate([u[:, :g].T, v.T])
-        rows = Rows(self._encoded(elements), degree, np.asarray(n if self.split else (), np.uint8))
+        elements = np.ascontiguousarray(np.concatenate([u[:, :g].T, v.T]))
+        rows = Rows(self.encoded(elements), degree, np.asarray(n if self.split else (), np.uint8))
         if self.moved:
             self._shift(rows, self.equation.shift)
             self._scale(rows, self.equation.scale)
@@ -159,7 +185,7 @@ class StoredRows:
             x = Rows(x.data.copy(), x.degree, x.weight)
             self._scale(x, K.inv(self.equation.scale))
             self._shift(x, [K.neg(c) for c in self.equation.shift])
-        elements = self._decoded(x.data)
+        elements = self.decoded(x.data)
         u = np.empty((len(x), g + 1), self.numbers)
         u[:, :g] = elements[:g].T
         u[:, g] = x.degree == g
@@ -184,19 +210,100 @@ class StoredRows:
             for a, b, n in zip(u, v, weights, strict=True)
         ]
 
+    def _room(self) -> Any:
+        """Scratch for three polynomials modulo a u."""
+        return self.memory(3, self.genus)
+
+    def _shift(self, x: Rows, shift: Sequence[Any]) -> None:
+        """v → v + shift modulo u in every row, in place."""
+        if any(c != self.field.zero for c in shift):
+            words = self.numbers_in_words(shift)
+            self._run.shift_rows(self._packed_words, words, self.view(x.data), x.degree, self._room())
+
+    def _scale(self, x: Rows, c: Any) -> None:
+        """(x, y) → (cx, c^g·y) on the points of every row, in place."""
+        if c != self.field.one:
+            powers = self.numbers_in_words(self.equation.powers(c))
+            self._run.scale_rows(self._packed_words, powers, self.view(x.data), x.degree)
+
+    def first_off_curve(self, x: Rows) -> int:
+        """The first row that is not on the curve, or −1."""
+        rows = self.view(self._in_words(x).data)
+        return int(self._run.first_off_curve(self._packed_words, (self._h, self._f), rows, x.degree, self._room()))
+
+    def triples(self, x: Rows) -> list[Triple]:
+        """Rows as triples on the equation in which they are added."""
+        columns = self.decoded(self._in_words(x).data).T.tolist()
+        weights = x.weight.tolist() if self.split else [None] * len(x)
+        found = []
+        for column, degree, n in zip(columns, x.degree.tolist(), weights, strict=True):
+            v = column[self.genus :]
+            while v and not v[-1]:
+                v.pop()
+            found.append(((*column[:degree], 1), tuple(v), n))
+        return found
+
+    def of_triples(self, triples: Sequence[Triple]) -> Rows:
+        """The rows of triples."""
+        zeros = [0] * self.genus
+        elements = [[*u, *zeros][: self.genus] + [*v, *zeros][: self.genus] for u, v, _ in triples]
+        weight = np.array([n for _, _, n in triples] if self.split else (), np.uint8)
+        words = self.encoded(np.ascontiguousarray(np.array(elements, self.numbers).T))
+        return self.stored(Rows(words, np.array([len(u) - 1 for u, _, _ in triples], np.uint8), weight))
+
     # --- the group law
 
     def add(self, x: Rows, y: Rows) -> Rows:
         """x + y, row by row, on all threads."""
-        return self._on_threads(len(x), lambda begin, end, out: self._add(x, y, out, begin, end))
+        return self._on_threads(len(x), lambda begin, end, out: self._sum((x, y), out, begin, end))
 
     def double(self, x: Rows) -> Rows:
         """2x, row by row, on all threads."""
-        return self._on_threads(len(x), lambda begin, end, out: self._double(x, out, begin, end))
+        return self._on_threads(len(x), lambda begin, end, out: self._sum((x,), out, begin, end))
 
     def negate(self, x: Rows) -> Rows:
         """−x, row by row."""
         return self._on_threads(len(x), lambda begin, end, out: self._negate(x, out, begin, end))
+
+    def _sum(self, operands: Sequence[Rows], out: Rows, begin: int, end: int) -> None:
+        """The sums of two operands, or twice the only one, in the rows from begin to end."""
+        if self.formulas is None:
+            self._add_special(operands, out, np.arange(begin, end))
+            return
+        out.degree[begin:end] = self.genus
+        loop = self._sums.add_rows if len(operands) == 2 else self._sums.double_rows
+        arrays = [(self.view(x.data), x.degree) for x in operands]
+        room = self._room_of_sums()
+        count = loop(*self._constants, *arrays, self.view(out.data), (begin, end), room)
+        if count:
+            self._add_special(operands, out, room[0][:count].copy())
+
+    def _room_of_sums(self) -> Packed:
+        """Memory of this thread for one sum after the other."""
+        found: Packed | None = getattr(self._of_thread, "room", None)
+        if found is None:
+            room = np.empty(MOST, np.int64), self.view(np.zeros(SCRATCH, self.dtype))
+            found = self._of_thread.room = Packed(room, libraries.room_of_sums(type(self.K)))
+        return found
+
+    def _negate(self, x: Rows, out: Rows, begin: int, end: int) -> None:
+        """−x in the rows from begin to end. On split models of odd genus Cantor's algorithm replaces this."""
+        first = self.view(x.data), x.degree
+        self._run.negate_rows(self._packed_words, self._h, first, self.view(out.data), (begin, end), self._room())
+        self._negate_weights(x, out, begin, end)
+
+    def _negate_weights(self, x: Rows, out: Rows, begin: int, end: int) -> None:
+        """The degrees and weights of −x, for rows whose u it shares with x."""
+        out.degree[begin:end] = x.degree[begin:end]
+        if self.split:
+            out.weight[begin:end] = self.genus - x.degree[begin:end] - x.weight[begin:end]
+
+    def selected(self, stacked: Sequence[Any], choice: Any) -> Rows:
+        """The rows whose row i is row i of part choice[i]; ``stacked`` is (data, degree, weight) of all parts."""
+        out = self.empty(len(choice))
+        (data, *others), (x, *rest) = stacked, out
+        self._run.select_rows((self.bits(data), *others), choice, (self.bits(x), *rest))
+        return out
 
     def _on_threads(self, count: int, work: Callable[[int, int, Rows], None]) -> Rows:
         out = self.empty(count)
@@ -219,13 +326,13 @@ class StoredRows:
     def add_here(self, x: Rows, y: Rows) -> Rows:
         """x + y on the calling thread."""
         out = self.empty(len(x))
-        self._add(x, y, out, 0, len(x))
+        self._sum((x, y), out, 0, len(x))
         return out
 
     def double_here(self, x: Rows) -> Rows:
         """2x on the calling thread."""
         out = self.empty(len(x))
-        self._double(x, out, 0, len(x))
+        self._sum((x,), out, 0, len(x))
         return out
 
     def negate_here(self, x: Rows) -> Rows:

@@ -1,7 +1,7 @@
 """Compiled sums of many divisors of genus 2 over the floats and complex numbers: units and threads around the loops of
 :mod:`jacobian.batch.float_kernels`.
 
-A row of the group is a column here, as in :mod:`jacobian.batch.genus2_kernels`: ``x[i, j]`` is the i-th coordinate (u₀,
+A row of the group is a column here, as in :mod:`jacobian.batch.block_loops`: ``x[i, j]`` is the i-th coordinate (u₀,
 u₁, v₀, v₁) of divisor j. The sums whose degree drops, or whose remainder f − V² mod U shows that digits were lost, are
 reported instead of returned; :mod:`jacobian.inexact.composition` computes them. Importing this module imports numba.
 """

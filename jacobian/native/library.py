@@ -29,7 +29,7 @@ class Library:
 
     ``functions`` maps each entry's name to the function and the kinds of its arguments. ``library.name(…)`` calls it.
     For ``special`` functions the library has instructions of its own, beside those of
-    :data:`jacobian.native.special.SPECIAL`.
+    :data:`jacobian.native.special.SPECIAL`. LLVM vectorises a loop only if what it calls is ``inlined``.
     Arrays are NumPy arrays; double-doubles have a last axis (hi, lo). Tuples are tuples or :class:`Packed`.
     Calls release Python's lock. The logger of this module reports when a library is not on disk and has to be compiled.
     """
@@ -40,8 +40,10 @@ class Library:
         functions: dict[str, tuple[Any, tuple[Any, ...]]],
         special: Mapping[Any, Callable[..., Value | None]] = MappingProxyType({}),
         fast: tuple[Any, ...] = (),
+        inlined: bool = False,
     ) -> None:
         self.name, self._functions, self._special, self._fast = name, functions, {**SPECIAL, **special}, fast
+        self._inlined = inlined
         self._lock = threading.Lock()
         self._entries: dict[str, Any] = {}
 
@@ -63,7 +65,7 @@ class Library:
     def _made_for(self) -> str:
         """The key of its object on disk, which depends on this machine and on the entries with their kinds."""
         entries = {name: (f.__module__, f.__name__, *map(said, kinds)) for name, (f, kinds) in self._functions.items()}
-        called = f"{entries} {[f.__name__ for f in self._fast]}"
+        called = f"{entries} {[f.__name__ for f in self._fast]} {self._inlined}"
         return f"{machine.name()} {sha256(called.encode()).hexdigest()}"
 
     def _load(self) -> None:
@@ -81,7 +83,7 @@ class Library:
             self._entries[name] = Call(entries[name], kinds, found.results[name])
 
     def _compiled(self) -> kept.Object:
-        program = Program(self._special, self._fast)
+        program = Program(self._special, self._fast, self._inlined)
         results = {}
         for name, (function, kinds) in self._functions.items():
             result = program.entry(name, function, kinds)

@@ -32,13 +32,16 @@ class Instance(NamedTuple):
 
 class Program:
     """An LLVM module. For ``special`` functions the compiler has its own instructions; where these are None, the
-    function is compiled as it stands. Sums in ``fast`` functions may be reordered.
+    function is compiled as it stands. Sums in ``fast`` functions may be reordered. Functions without a loop over
+    numbers are ``inlined``, or LLVM decides.
 
     Float operations may be contracted, but not in functions that take double-doubles.
     """
 
-    def __init__(self, special: dict[Any, Callable[..., Value | None]], fast: tuple[Any, ...] = ()) -> None:
-        self.special, self._fast = special, fast
+    def __init__(
+        self, special: dict[Any, Callable[..., Value | None]], fast: tuple[Any, ...] = (), inlined: bool = False
+    ) -> None:
+        self.special, self._fast, self._inlined = special, fast, inlined
         self._instances: dict[Any, Instance | None] = {}
         self._texts: list[str] = []
         self.modules: set[str] = set()
@@ -54,7 +57,8 @@ class Program:
             name = f"{function.__name__}.{len(self._instances)}"
             flag = "" if any(map(_has_wide, kinds)) else "contract"
             body = Statements(self, function, "fast" if function in self._fast else flag)
-            self._texts.append(body.compiled(name, self.tree(function), kinds, "internal"))
+            inlined = "alwaysinline " if self._inlined and not _has_loop(self.tree(function)) else ""
+            self._texts.append(body.compiled(name, self.tree(function), kinds, inlined))
             self._instances[key] = Instance(name, body.result)
         found = self._instances[key]
         if found is None:
@@ -137,6 +141,14 @@ def _functions(module: str) -> dict[str, ast.FunctionDef]:
     body = _parsed(module).body
     parts = [("", body), *((f"{node.name}.", node.body) for node in body if isinstance(node, ast.ClassDef))]
     return {f"{of}{node.name}": node for of, nodes in parts for node in nodes if isinstance(node, ast.FunctionDef)}
+
+
+def _has_loop(tree: ast.FunctionDef) -> bool:
+    """Whether a function has a loop, other than one over a tuple, which is unrolled."""
+    return any(
+        isinstance(node, ast.While) or (isinstance(node, ast.For) and isinstance(node.iter, ast.Call))
+        for node in ast.walk(tree)
+    )
 
 
 def _has_wide(kind: Any) -> bool:

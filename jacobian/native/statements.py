@@ -52,7 +52,7 @@ class Statements(Expressions):
         """The stack slots for the results of the lanes that have returned."""
 
     def compiled(self, name: str, tree: ast.FunctionDef, kinds: tuple[Any, ...], attributes: str) -> str:
-        """The function's LLVM text."""
+        """The function's LLVM text, with these attributes."""
         names, rest = [x.arg for x in tree.args.args], tree.args.vararg
         if rest is not None:
             names, kinds = [*names, rest.arg], (*kinds[: len(names)], TupleKind(kinds[len(names) :]))
@@ -77,7 +77,7 @@ class Statements(Expressions):
             except _Wider:
                 continue
         returned = returned_type(self.result)
-        lines = [f"define {attributes} {returned} @{name}({', '.join(parameters)}) nounwind {{", "entry:"]
+        lines = [f"define internal {returned} @{name}({', '.join(parameters)}) {attributes}nounwind {{", "entry:"]
         return "\n".join([*lines, *self.slots, *self.lines, "}"])
 
     def block(self, body: list[ast.stmt]) -> None:

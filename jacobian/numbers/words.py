@@ -117,7 +117,7 @@ class LongContext(WordContext):
 
         These loops stay scalar. There a selection would become a branch, which is mispredicted half the time.
         """
-        x = x + (step & sign(x))
+        x = x + (step & x >> 63)
         return x - (step & sign(far - x))
 
 

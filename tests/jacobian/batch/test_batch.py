@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from jacobian import GF, QQ, ArgumentError, CurveMismatch, Divisor, FieldError, HyperellipticCurve, NotOnCurve
 from jacobian.batch import DivisorArray, array, compiled_rows, set_threads, threads
+from jacobian.batch.block_loops import SCRATCH
 from jacobian.batch.multiples import signed_windows
 from jacobian.numbers.threads import in_ranges
 from jacobian.numbers.words import Lazy32, Lazy64, Wide32, Wide64, word_context
@@ -191,8 +192,12 @@ def test_equal_rows_are_doubled():
     run = A._engine
     rows = np.empty(len(A), np.int64)
     out = run.empty(len(A))
-    count = compiled_rows.genus2_kernels.add_rows(
-        run.K, run.formulas, (A._rows.data, A._rows.degree), (B._rows.data, B._rows.degree), out.data, 0, len(A), rows
+    count = run._sums.add_rows(
+        *run._constants,
+        *((C._rows.data, C._rows.degree) for C in (A, B)),
+        out.data,
+        (0, len(A)),
+        (rows, np.zeros(SCRATCH, run.dtype)),
     )
     special = {A[int(i)] for i in rows[:count]}
     assert special == {D for D in POOL if D.degree < 2 or D.u[0] == 0 or D.double().degree < 2}

@@ -1,0 +1,236 @@
+"""Sums of rows by explicit formulas of genus 2 and 3, one inversion for a block of rows: loops to be compiled.
+
+A row of the group is a column here: ``x[i, j]`` is the i-th coordinate (u₀ … u_{g−1}, v₀ … v_{g−1}) of row j. Thus the
+same coordinate of neighbouring rows lies in neighbouring words, and LLVM can vectorise the loops. A block of BLOCK rows
+goes through short loops: the first halves; Montgomery's simultaneous inversion (1987), in CHAINS independent chains;
+the second halves. Rows that are not general (a weight below g, a product that vanishes) take part with a 1 in the
+inversion and are reported to the caller; equal rows in an addition are doubled on the spot.
+
+All arrays of a block are parts of one scratch array at constant offsets, so that the compiler sees that they do not
+overlap. The loops are the same for every kind of words (:mod:`jacobian.batch.libraries`), and run in Python unchanged.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jacobian.addition import genus2_words, genus3_words
+from jacobian.addition.genus2_words import BinaryQuintic, BinarySextic, Quintic, Sextic
+from jacobian.addition.genus3_words import Septic
+from jacobian.addition.two_word_steps import of_double, of_sum, to_invert
+from jacobian.numbers.words import canonical, inverse, mul
+
+BLOCK = 256
+CHAINS = 32
+# where the parts of the scratch array begin: two divisors, the quotient (later the cubic or the quintic) and its
+# product, the other points on the quintic of genus 3, and the chains
+FIRST, SECOND, MIDDLE, PRODUCT, MEETING = 0, 6 * BLOCK, 12 * BLOCK, 16 * BLOCK, 17 * BLOCK
+BEFORE, TAIL = 21 * BLOCK, 22 * BLOCK
+SCRATCH = TAIL + CHAINS
+
+
+def load(S: Any, at: Any, x: Any, start: Any, size: Any) -> None:
+    """Copies a block into the scratch array."""
+    for k in range(x.shape[0]):
+        for j in range(size):
+            S[at + k * BLOCK + j] = x[k, start + j]
+
+
+def keep(S: Any, at: Any, j: Any, found: Any) -> None:
+    """Stores numbers of row j, from offset ``at`` on."""
+    for a in found:
+        S[at + j] = a
+        at += BLOCK
+
+
+def three(S: Any, at: Any, j: Any) -> Any:
+    """Three numbers of row j, from offset ``at`` on."""
+    return S[at + j], S[at + BLOCK + j], S[at + 2 * BLOCK + j]
+
+
+def four(S: Any, at: Any, j: Any) -> Any:
+    """Four numbers, likewise."""
+    return S[at + j], S[at + BLOCK + j], S[at + 2 * BLOCK + j], S[at + 3 * BLOCK + j]
+
+
+# --- what depends on the genus
+
+
+def line(S: Any, at: Any, j: Any) -> Any:
+    """The divisor of row j in genus 2, (a₁, a₀, b₁, b₀)."""
+    a0, a1, b0, b1 = four(S, at, j)
+    return a1, a0, b1, b0
+
+
+def row(S: Any, at: Any, j: Any) -> Any:
+    """The divisor of row j in genus 3, (a₂, a₁, a₀, b₂, b₁, b₀)."""
+    a0, a1, a2 = three(S, at, j)
+    b0, b1, b2 = three(S, at + 3 * BLOCK, j)
+    return a2, a1, a0, b2, b1, b0
+
+
+def close_lines(K: Any, C: Any, S: Any, second: Any) -> None:
+    """The second halves of a block in genus 2, from its inverses. The loops are short so that the processor works on
+    more rows at once."""
+    for j in range(BLOCK):
+        keep(S, MIDDLE, j, genus2_words.cubic(K, C, three(S, MIDDLE, j), S[PRODUCT + j], line(S, FIRST, j)))
+    for j in range(BLOCK):
+        e1, e0 = genus2_words.sum_u(K, C, four(S, MIDDLE, j), line(S, FIRST, j), line(S, second, j))
+        keep(S, MEETING, j, (e0, e1))
+    for j in range(BLOCK):
+        u = S[MEETING + BLOCK + j], S[MEETING + j]
+        v1, v0 = genus2_words.sum_v(K, C, four(S, MIDDLE, j), u, line(S, FIRST, j))
+        keep(S, MEETING + 2 * BLOCK, j, (v0, v1))
+
+
+def close_rows(K: Any, C: Any, S: Any, second: Any) -> None:
+    """The same in genus 3."""
+    for j in range(BLOCK):
+        keep(S, MIDDLE, j, genus3_words.quintic(K, four(S, MIDDLE, j), S[PRODUCT + j]))
+    for j in range(BLOCK):
+        keep(S, MEETING, j, genus3_words.next_u(K, C, four(S, MIDDLE, j), row(S, FIRST, j), row(S, second, j)))
+    for j in range(BLOCK):
+        bent, meeting = four(S, MIDDLE, j), four(S, MEETING, j)
+        keep(S, MIDDLE, j, genus3_words.next_v(K, bent, meeting, row(S, FIRST, j), row(S, second, j)))
+    for j in range(BLOCK):
+        v = four(S, MIDDLE, j)
+        u2, u1, u0 = genus3_words.sum_u(K, C, four(S, MEETING, j), v)
+        v2, v1, v0 = genus3_words.sum_v(K, (u2, u1, u0), v)
+        keep(S, SECOND, j, (u0, u1, u2, v0, v1, v2))
+
+
+def divisor(C: Any, S: Any, at: Any, j: Any) -> Any:
+    """The divisor of row j in the order of the formulas."""
+    return STEPS[divisor][type(C)](S, at, j)
+
+
+def close(K: Any, C: Any, S: Any, second: Any) -> None:
+    """The second halves of a block; the other summand of each row begins at ``second``."""
+    STEPS[close][type(C)](K, C, S, second)
+
+
+def _of_genus(two: Any, three: Any) -> dict[type, Any]:
+    return {**dict.fromkeys((Quintic, Sextic, BinaryQuintic, BinarySextic), two), Septic: three}
+
+
+STEPS: dict[Any, dict[type, Any]] = {divisor: _of_genus(line, row), close: _of_genus(close_lines, close_rows)}
+"""For each step, the function of each equation; compiled code chooses at compile time."""
+SUMS = _of_genus(MEETING, SECOND)
+"""Where the sums begin: in genus 2 in memory that no step reads a summand from."""
+
+
+# --- a block
+
+
+def keep_quotient(K: Any, C: Any, S: Any, j: Any, quotient: Any) -> None:
+    """Stores the first half of row j and its product."""
+    S[PRODUCT + j] = canonical(K, to_invert(K, C, quotient))
+    keep(S, MIDDLE, j, quotient)
+
+
+def keep_tangent(K: Any, C: Any, S: Any, j: Any) -> None:
+    """The first half of the double in row j."""
+    keep_quotient(K, C, S, j, of_double(K, C, divisor(C, S, FIRST, j)))
+
+
+def all_general(S: Any, g: Any, first: Any, second: Any, start: Any, size: Any) -> Any:
+    """Whether every row of a block has weight g in both summands and a product ≠ 0. There is no branch for each row."""
+    special = 0
+    for j in range(size):
+        special |= (S[PRODUCT + j] == 0) | (first[start + j] != g) | (second[start + j] != g)
+    return special == 0
+
+
+def is_same(S: Any, j: Any, columns: Any) -> Any:
+    """Whether row j is equal in both summands."""
+    apart = 0
+    for k in range(columns):
+        apart |= S[FIRST + k * BLOCK + j] != S[SECOND + k * BLOCK + j]
+    return apart == 0
+
+
+def invert_products(K: Any, S: Any) -> None:
+    """Replaces the BLOCK products, canonical and not 0, by their inverses."""
+    for j in range(CHAINS):
+        S[TAIL + j] = S[PRODUCT + j]
+    for start in range(CHAINS, BLOCK, CHAINS):
+        for j in range(CHAINS):
+            S[BEFORE + start + j] = S[TAIL + j]
+            S[TAIL + j] = mul(K, S[TAIL + j], S[PRODUCT + start + j])
+    total = K.one
+    for j in range(CHAINS):
+        S[BEFORE + j] = total
+        total = mul(K, total, S[TAIL + j])
+    back = inverse(K, canonical(K, total))
+    for i in range(CHAINS):
+        j = CHAINS - 1 - i
+        end = S[TAIL + j]
+        S[TAIL + j] = mul(K, back, S[BEFORE + j])
+        back = mul(K, back, end)
+    for start in range(BLOCK - CHAINS, 0, -CHAINS):
+        for j in range(CHAINS):
+            x = S[PRODUCT + start + j]
+            S[PRODUCT + start + j] = mul(K, S[TAIL + j], S[BEFORE + start + j])
+            S[TAIL + j] = mul(K, S[TAIL + j], x)
+    for j in range(CHAINS):
+        S[PRODUCT + j] = S[TAIL + j]
+
+
+def finish(K: Any, C: Any, S: Any, second: Any, out: Any, start: Any, size: Any) -> None:
+    """The sums of a block from its products."""
+    for j in range(size, BLOCK):
+        S[PRODUCT + j] = K.one
+    invert_products(K, S)
+    close(K, C, S, second)
+    for k in range(out.shape[0]):
+        for j in range(size):
+            out[k, start + j] = S[SUMS[type(C)] + k * BLOCK + j]
+
+
+# --- rows
+
+
+def add_rows(K: Any, C: Any, first: Any, second: Any, out: Any, span: Any, room: Any) -> Any:
+    """Sets out[:, j] = x[:, j] + y[:, j] for the general rows j of a span (begin, end). Returns the number of other
+    rows, whose indices are written into ``special``. ``first`` is x with its degrees, ``second`` y likewise, and
+    ``room`` (special, S) with the scratch array S, which must hold words: those beyond the last row are computed too.
+    """
+    (x, x_degree), (y, y_degree), (begin, end), (special, S) = first, second, span, room
+    g, count = x.shape[0] >> 1, 0
+    for start in range(begin, end, BLOCK):
+        size = min(BLOCK, end - start)
+        load(S, FIRST, x, start, size)
+        load(S, SECOND, y, start, size)
+        for j in range(BLOCK):
+            keep_quotient(K, C, S, j, of_sum(K, C, divisor(C, S, FIRST, j), divisor(C, S, SECOND, j)))
+        if not all_general(S, g, x_degree, y_degree, start, size):
+            for j in range(size):
+                if x_degree[start + j] == g and y_degree[start + j] == g:
+                    if S[PRODUCT + j] == 0 and is_same(S, j, 2 * g):
+                        keep_tangent(K, C, S, j)
+                    if S[PRODUCT + j] != 0:
+                        continue
+                S[PRODUCT + j] = K.one
+                special[count] = start + j
+                count += 1
+        finish(K, C, S, SECOND, out, start, size)
+    return count
+
+
+def double_rows(K: Any, C: Any, first: Any, out: Any, span: Any, room: Any) -> Any:
+    """As :func:`add_rows`, for out[:, j] = 2x[:, j]."""
+    (x, degree), (begin, end), (special, S) = first, span, room
+    g, count = x.shape[0] >> 1, 0
+    for start in range(begin, end, BLOCK):
+        size = min(BLOCK, end - start)
+        load(S, FIRST, x, start, size)
+        for j in range(BLOCK):
+            keep_tangent(K, C, S, j)
+        if not all_general(S, g, degree, degree, start, size):
+            for j in range(size):
+                if degree[start + j] != g or S[PRODUCT + j] == 0:
+                    S[PRODUCT + j] = K.one
+                    special[count] = start + j
+                    count += 1
+        finish(K, C, S, FIRST, out, start, size)
+    return count

@@ -1,0 +1,112 @@
+"""The compiled loops over rows, for each kind of words and each equation."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from jacobian.addition.two_word_libraries import COEFFICIENTS
+from jacobian.batch import block_loops, random_loops, row_loops
+from jacobian.native.kinds import FLOAT, INT, INTS, LONG, ArrayKind, TupleKind, record
+from jacobian.native.library import Library
+from jacobian.native.words import CONTEXTS
+from jacobian.numbers import tables, words
+from jacobian.numbers.binary import BinaryTwoWords, BinaryWord
+from jacobian.numbers.two_words import TwoWords
+
+NUMBERS: dict[type, ArrayKind] = {
+    **dict.fromkeys((words.Lazy32, words.Wide32), ArrayKind(INT, stored="int32")),
+    **dict.fromkeys((words.Lazy64, words.Wide64), INTS),
+    **dict.fromkeys((tables.BinaryTable, tables.OddTable), ArrayKind(INT, stored="uint16")),
+    words.Double: ArrayKind(FLOAT),
+    **dict.fromkeys((TwoWords, BinaryWord, BinaryTwoWords), ArrayKind(LONG, parts=2)),
+}
+"""How the words of each kind of context are stored in rows."""
+IN_LANES = (words.Lazy32, words.Wide32, words.Double)
+"""The contexts whose loops become vector instructions."""
+BYTES, SPAN = ArrayKind(INT, stored="uint8"), TupleKind((INT, INT))
+
+
+def long_form(kind: ArrayKind, axes: int) -> ArrayKind:
+    """The kind of arrays of single numbers with so many axes, in one word or two."""
+    return ArrayKind(kind.item, axes, kind.parts)
+
+
+def with_axes(kind: ArrayKind, axes: int) -> ArrayKind:
+    """The kind of stored arrays with so many axes."""
+    return ArrayKind(kind.item, axes, kind.parts, kind.stored)
+
+
+def equation(context: Any, model: Any) -> TupleKind:
+    """The kind of the coefficients that the explicit formulas use."""
+    return record(model, *[NUMBERS[context].item] * COEFFICIENTS[model])
+
+
+def room_of_sums(context: Any) -> TupleKind:
+    """The kind of the memory of a sum."""
+    return TupleKind((INTS, NUMBERS[context]))
+
+
+@cache
+def sums(context: Any, model: Any) -> Library:
+    """The sums by explicit formulas, for a kind of words and of equation."""
+    flat, C = NUMBERS[context], equation(context, model)
+    rows = with_axes(flat, 2)
+    first = TupleKind((rows, BYTES))
+    entries = {
+        "add_rows": (block_loops.add_rows, (CONTEXTS[context], C, first, first, rows, SPAN, room_of_sums(context))),
+        "double_rows": (block_loops.double_rows, (CONTEXTS[context], C, first, rows, SPAN, room_of_sums(context))),
+    }
+    return Library(f"sums_on_{model.__name__}_of_{context.__name__}".lower(), entries, inlined=context in IN_LANES)
+
+
+@cache
+def conversions(context: Any) -> Library:
+    """Conversions and moves, for a kind of words."""
+    flat = NUMBERS[context]
+    K, rows, numbers, R = CONTEXTS[context], with_axes(flat, 2), long_form(flat, 1), long_form(flat, 2)
+    entries = {
+        "encode_rows": (K, R, rows),
+        "decode_rows": (K, rows, R),
+        "shift_rows": (K, numbers, rows, BYTES, R),
+        "scale_rows": (K, numbers, rows, BYTES),
+        "first_off_curve": (K, TupleKind((numbers, numbers)), rows, BYTES, R),
+        "negate_rows": (K, numbers, TupleKind((rows, BYTES)), rows, SPAN, R),
+        "select_rows": (
+            TupleKind((with_axes(flat, 3), with_axes(BYTES, 2), with_axes(BYTES, 2))),
+            INTS,
+            TupleKind((rows, BYTES, BYTES)),
+        ),
+    }
+    return _library("rows", context, row_loops, entries)
+
+
+@cache
+def cantor(context: Any) -> Library:
+    """Cantor's algorithm, for a kind of words."""
+    rows, table = TupleKind((with_axes(NUMBERS[context], 2), BYTES, BYTES)), ArrayKind(INT, 2)
+    room = record(row_loops.Room, table, INTS, INTS)
+    counts = {"cantor_add": 2, "cantor_double": 1, "cantor_negate": 1}
+    entries = {
+        name: (CONTEXTS[context], INTS, TupleKind((rows,) * count), rows, INTS, room) for name, count in counts.items()
+    }
+    return _library("cantor", context, row_loops, entries)
+
+
+@cache
+def points(context: Any) -> Library:
+    """Random points and the classes through them, for a kind of words."""
+    K, item = CONTEXTS[context], NUMBERS[context].item
+    flat, table = long_form(NUMBERS[context], 1), long_form(NUMBERS[context], 2)
+    differences = record(random_loops.Differences, flat, flat)
+    entries: dict[str, tuple[Any, ...]] = {"through_points": (K, TupleKind((table, table)), table, BYTES, differences)}
+    if context not in (tables.BinaryTable, tables.OddTable):
+        chains = record(random_loops.Powers, flat, flat, table)
+        roots = TupleKind((INTS, item, INT))
+        entries["lift"] = K, flat, roots, flat, flat, BYTES, BYTES, chains
+    return _library("points", context, random_loops, entries)
+
+
+def _library(name: str, context: type, module: Any, entries: dict[str, tuple[Any, ...]]) -> Library:
+    functions = {each: (getattr(module, each), kinds) for each, kinds in entries.items()}
+    return Library(f"{name}_of_{context.__name__}".lower(), functions)

@@ -1,0 +1,148 @@
+"""Loops for random classes, to be compiled: points over many x at once, and Mumford pairs through g points.
+
+Points have their coordinates in words; rows of the group are columns, as in :mod:`jacobian.batch.row_loops`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from jacobian.batch.block_loops import BLOCK
+from jacobian.batch.row_loops import reduced
+from jacobian.numbers.words import add, canonical, inverse, mul, neg, sub
+
+CHAINS = 16
+"""The number of powers computed in one loop. A product depends only on the one before it in its own chain, so the
+processor overlaps the chains."""
+
+
+class Powers(NamedTuple):
+    """The memory for CHAINS numbers: their values and powers, (CHAINS,), and the odd powers up to 15, (8, CHAINS)."""
+
+    value: Any
+    power: Any
+    odd: Any
+
+
+def powers(K: Any, windows: Any, room: Any) -> None:
+    """power = value^e in every chain, from the :func:`jacobian.batch.random_rows.windows` of e."""
+    value, power, odd = room
+    for j in range(CHAINS):
+        odd[0, j] = value[j]
+        power[j] = mul(K, value[j], value[j])
+    for i in range(1, odd.shape[0]):
+        for j in range(CHAINS):
+            odd[i, j] = mul(K, odd[i - 1, j], power[j])
+    for j in range(CHAINS):
+        power[j] = K.one
+    for digit in windows:
+        for j in range(CHAINS):
+            power[j] = mul(K, power[j], power[j])
+        if digit > 0:
+            for j in range(CHAINS):
+                power[j] = mul(K, power[j], odd[digit >> 1, j])
+
+
+def square_root(K: Any, a: Any, power: Any, generator: Any, twos: Any) -> Any:
+    """A root of a, or 0 where there is none, from power = a^((m − 1)/2), p − 1 = m·2^twos (Tonelli 1891, Shanks 1973).
+
+    ``generator``: of order 2^twos.
+    """
+    root = canonical(K, mul(K, a, power))
+    rest = canonical(K, mul(K, root, power))
+    size = twos
+    while rest != K.one:
+        order, square = 0, rest
+        while square != K.one and order < size:
+            square = canonical(K, mul(K, square, square))
+            order += 1
+        if order >= size:
+            return sub(K, K.one, K.one)
+        for _ in range(size - order - 1):
+            generator = canonical(K, mul(K, generator, generator))
+        root = canonical(K, mul(K, root, generator))
+        generator = canonical(K, mul(K, generator, generator))
+        rest = canonical(K, mul(K, rest, generator))
+        size = order
+    return root
+
+
+def lift(K: Any, f: Any, roots: Any, x: Any, y: Any, second: Any, found: Any, room: Any) -> None:
+    """Sets y[i] to an ordinate over x[i] on y² = f(x) in GF(p), or to the other one if second[i] is 1. found[i] is then
+    1, and 0 if there is none; a branch point has no second ordinate. ``roots`` are the windows of (m − 1)/2, and the
+    generator and twos of :func:`square_root`.
+    """
+    windows, generator, twos = roots
+    value = room.value
+    for start in range(0, len(x), CHAINS):
+        size = min(CHAINS, len(x) - start)
+        for j in range(CHAINS):
+            value[j] = f[len(f) - 1]
+        for j in range(size):
+            for k in range(len(f) - 1):
+                more = canonical(K, mul(K, value[j], x[start + j]))
+                value[j] = canonical(K, add(K, more, f[len(f) - 2 - k]))
+        powers(K, windows, room)
+        for j in range(size):
+            i = start + j
+            if value[j] == 0:
+                y[i], found[i] = 0, 1 - second[i]
+                continue
+            root = square_root(K, value[j], room.power[j], generator, twos)
+            y[i], found[i] = canonical(K, neg(K, root)) if second[i] > 0 else root, root != 0
+
+
+class Differences(NamedTuple):
+    """The memory of Newton's interpolation: for a block of rows the numbers to be inverted and their products."""
+
+    values: Any
+    before: Any
+
+
+def through_points(K: Any, points: Any, out: Any, double: Any, room: Any) -> None:
+    """Writes the Mumford pairs (u, v) through g points each, from arrays x and y (g, N), by Newton's interpolation with
+    one inversion for a block. Sets double[i] to 1 for columns with equal x, whose pairs are undefined.
+    """
+    (x, y), (values, before) = points, room
+    g, count = x.shape[0], x.shape[1]
+    for i in range(count):
+        out[0, i], out[g, i] = canonical(K, neg(K, x[0, i])), y[0, i]
+    for d in range(1, g):
+        for start in range(0, count, BLOCK):
+            size = min(BLOCK, count - start)
+            total = K.one
+            for j in range(size):
+                before[j] = total
+                values[j] = value_at(K, out, 0, d, start + j, x[d, start + j], K.one)
+                if values[j] == 0:
+                    double[start + j] = 1
+                    values[j] = K.one
+                total = canonical(K, mul(K, total, values[j]))
+            back = inverse(K, total)
+            for k in range(size):
+                j = size - 1 - k
+                i = start + j
+                slope = canonical(K, sub(K, y[d, i], value_at(K, out, g, d, i, x[d, i], 0)))
+                slope = canonical(K, mul(K, slope, canonical(K, mul(K, back, before[j]))))
+                back = canonical(K, mul(K, back, values[j]))
+                join(K, out, g, d, i, x[d, i], slope)
+
+
+def value_at(K: Any, rows: Any, at: Any, d: Any, i: Any, x: Any, lead: Any) -> Any:
+    """lead·x^d + rows[at + d − 1, i]·x^(d−1) + … + rows[at, i]."""
+    total = lead
+    for k in range(d):
+        total = canonical(K, add(K, canonical(K, mul(K, total, x)), rows[at + d - 1 - k, i]))
+    return total
+
+
+def join(K: Any, rows: Any, g: Any, d: Any, i: Any, x: Any, slope: Any) -> None:
+    """Replaces v by v + slope·u and u, of degree d, by u·(x − x₀)."""
+    for k in range(d):
+        rows[g + k, i] = canonical(K, add(K, rows[g + k, i], canonical(K, mul(K, slope, rows[k, i]))))
+    rows[g + d, i] = slope
+    rows[d, i] = canonical(K, sub(K, rows[d - 1, i], x))
+    for n in range(d - 1):
+        k = d - 1 - n
+        rows[k, i] = reduced(K, rows[k - 1, i], x, rows[k, i])
+    rows[0, i] = canonical(K, neg(K, canonical(K, mul(K, x, rows[0, i]))))
