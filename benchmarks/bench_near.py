@@ -56,7 +56,7 @@ def run(smoke: bool) -> list[Row]:
 
 def _classical(name: str, system: Any, q: Any, p: Any, lengths: tuple[int, ...]) -> Row:
     for orders in (WIDE, ROUGH.orders, MIDDLE, PLAIN):
-        system._kind.walk(orders, compiles=True)
+        system._kind.walk(orders)
     state, peer, arguments = system.state(q, p), ClassicalSystem(system), system.arguments
     unit = max(1.0, float(np.linalg.norm(q)))
 
@@ -76,7 +76,7 @@ def _deformed(scene: str, lengths: tuple[int, ...]) -> Row:
     """A deformation of a scene."""
     system, state = problem(scene)
     arguments = system.arguments
-    kind_in(system, True).walk(WIDE, compiles=True)
+    kind_in(system, True).walk(WIDE)
 
     def fresh() -> tuple[Any, Any]:
         made = type(system)(**arguments)

@@ -57,7 +57,7 @@ class Ellipsoid(MumfordSystem):
         return self._over_axes(N, q, q) - N.one, self._over_axes(N, q, p), moves
 
     def _constraint_sizes(self, state: Point) -> list[Any]:
-        return self._surface_sizes([1 / a for a in self.constants], state)
+        return self._surface_sizes([abs(1 / a) for a in self.constants], state)
 
     def _constrained(self, N: Any, state: Point) -> Point:
         size = N.sqrt(self._over_axes(N, state.q, state.q))

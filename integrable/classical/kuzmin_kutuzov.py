@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from integrable.mumford.flow import MOST_STEPS, TORUS, MumfordFlow, Path, Point
+from integrable.mumford.flow import LONGEST, TORUS, MumfordFlow, Path, Point
 from integrable.mumford.motion import settled_digits
 from integrable.mumford.system import MumfordSystem, Spectral, all_of
 from integrable.phase.enclosure import EnclosedPath
@@ -31,8 +31,8 @@ from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, show
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
 
-# cost of a state by sums over ovals, in standard steps of series
-STEPS_BY_SUMS = 1000
+# cost of a state by sums over ovals, in microseconds
+BY_SUMS = 3000
 
 
 class KuzminKutuzov(MumfordSystem):
@@ -176,7 +176,7 @@ class StarFlow(MumfordFlow):
         self._tori = dict[int, tuple[SeparatedTorus, Point, tuple[int, int]]]()
 
     def _budget(self, count: int) -> float:
-        return min(self._setting_up + count * STEPS_BY_SUMS, MOST_STEPS)
+        return min(self._setting_up + count * BY_SUMS, LONGEST)
 
     def _separated(self, N: LongField) -> SeparatedTorus:
         if not self.system.integrals(self.start)["E"] < 0:

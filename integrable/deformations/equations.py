@@ -1,7 +1,6 @@
 """The equations of motion of a deformation as a formula, and their walks near the start.
 
-Walks are compiled for a kind of systems (:mod:`integrable.series.kinds`); until compiling pays off, they interpret its
-tape.
+Walks are compiled for a kind of systems (:mod:`integrable.series.kinds`).
 """
 
 from __future__ import annotations
@@ -17,16 +16,15 @@ from integrable.mumford.flow import Point
 from integrable.phase.body import Body
 from integrable.phase.state import State, onto_constraints
 from integrable.series.kinds import Formulas, Kind, kind_of
-from integrable.series.near import compiled_walk, finished, quickly, walked
-from integrable.series.steps import FINE
+from integrable.series.near import finished, walked
 from integrable.series.symbols import Symbol
 from jacobian.immutable import replaced
 
 __all__ = ["WalkFirst", "right_hand_sides"]
 
-# costs in standard steps of series (integrable.series.steps.weight), of a set-up and of a time: by theta functions, by
-# two curves in many digits, and of what is beyond reach in a second (python -m benchmarks near)
-BY_THETA, BY_DIGITS, BY_STEPS = (100, 1), (300, 25), (50_000, 0)
+# costs in microseconds, of a set-up and of a time: by theta functions, by two curves in many digits, and of what is
+# beyond reach in a second (python -m benchmarks near)
+BY_THETA, BY_DIGITS, BY_STEPS = (300, 3), (900, 75), (150_000, 0)
 
 
 def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[Any]]:
@@ -54,13 +52,13 @@ class Equations:
 
     def __init__(self, system: Hamiltonian, physical: bool) -> None:
         self._kind = kind_in(system, physical)
-        self._walk_constants = np.array([*constants_of(system), 0.0])
+        self._walk_constants = (*constants_of(system), 0.0)
 
 
 class WalkFirst:
     """The :class:`integrable.motion.trajectory.Way` of one call: the walk if it reaches all times, else ``other``.
 
-    ``costs`` are those of a set-up of ``other`` and of each time, in standard steps.
+    ``costs`` are those of a set-up of ``other`` and of each time, in microseconds.
     """
 
     def __init__(self, motion: Motion, other: Callable[[], Way], costs: tuple[int, int]) -> None:
@@ -92,13 +90,13 @@ class WalkFirst:
         system, state = self._motion.system, self._motion.state
         # after γ and M comes τ, or t in a walk in τ
         equations, start = Equations(system, physical), Point(state.gamma, (*state.M, 0.0, 0.0, 0.0))
-        compiled = compiled_walk(equations, FINE) is not None
-        # a walk on the tape may take twice as long: its time counts towards compiling
-        most = (self._costs[0] + self._costs[1] * len(times)) * (1 if compiled else 2)
-        found = quickly(equations, start, times, most, None) if len(times) else None
+        most = self._costs[0] + self._costs[1] * len(times)
+        found = None
+        if len(times):
+            found = equations._kind.quickly(equations._walk_constants, (*start.q, *start.p), times, most)
         if found is not None:
             states = found.states
-        elif self._costs == BY_THETA and compiled and (np.diff(times * np.sign(times[-1:])) >= 0).all():
+        elif self._costs == BY_THETA and (np.diff(times * np.sign(times[-1:])) >= 0).all():
             # it was tried already
             return None
         else:

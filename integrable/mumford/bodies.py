@@ -196,7 +196,7 @@ class BodySystem(MumfordSystem):
 class BodyFlow(MumfordFlow):
     """The motion of a state; τ is computed first, from a Fourier series on the torus."""
 
-    _setting_up = 10000
+    _setting_up = 30_000
 
     _clock = None
 

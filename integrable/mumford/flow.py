@@ -35,9 +35,9 @@ if TYPE_CHECKING:
 
 # a torus is rejected if its states differ by more than this from those of the equations of motion
 RIGHT = 1e-12
-# costs in standard steps of series (integrable.series.steps.weight): of a point by additions; of a point on a torus;
-# the largest number of steps worth trying; of the set-up of a torus, by its genus
-STEPS_BY_ADDITIONS, STEPS_ON_TORUS, MOST_STEPS, STEPS_TO_TORUS = 500, 1, 50000, {1: 100, 2: 1000}
+# costs in microseconds (python -m benchmarks near, real_torus): of a point by additions; of a point on a torus; of the
+# longest series worth trying; of the set-up of a torus, by its genus
+BY_ADDITIONS, ON_TORUS, LONGEST, TO_TORUS = 1500, 3, 150_000, {1: 300, 2: 3000}
 # number of times whose additions take as long as the set-up of theta functions of genus 2 (python -m benchmarks
 # real_torus)
 TIMES_TO_THETA = 12
@@ -82,8 +82,8 @@ class Path(Record):
 class MumfordFlow:
     """The motion of one state; ``at(times)`` evaluates it. It is returned by ``system.flow(state)``."""
 
-    _setting_up = 2000
-    """The cost of setting up additions, in standard steps of series."""
+    _setting_up = 6000
+    """The cost of setting up additions, in microseconds."""
 
     def __init__(self, system: Any, state: Point, tolerance: float | None = None) -> None:
         self.digits = long_digits(system.field)
@@ -118,8 +118,7 @@ class MumfordFlow:
         :meth:`integrable.mumford.motion.MumfordMotion.row`. In floats, states near the start are computed by Taylor
         series (:mod:`integrable.series.near`). Farther ones are computed on the real torus in genus 1 and 2, and if
         there are many, from tables in genus 3 to 6. Repeated calls return the same bits, whatever was requested before.
-        Last bits may change only when the walk of a kind of systems is compiled, once per machine. ArgumentError for
-        times that are not numbers.
+        ArgumentError for times that are not numbers.
         """
         import numpy as np
 
@@ -146,22 +145,23 @@ class MumfordFlow:
         """
         import numpy as np
 
-        from integrable.series.near import quickly
-        from integrable.series.steps import SPARE
-
-        given = np.array(times)
-        if given.dtype != np.float64 or given.ndim != 1 or not len(given):
+        given, kind = np.array(times), self.system._kind
+        if given.dtype != np.float64 or given.ndim != 1 or not len(given) or kind is None:
             return None
-        found = quickly(self.system, self.start, given, self._budget(len(given)), self.tolerance)
+        state, most = (*self.start.q, *self.start.p), self._budget(len(given))
+        found = kind.quickly(self.system._walk_constants, state, given, most, self.tolerance)
         if found is None:
             return None
-        return Path(given, found.states[:, 0], found.states[:, 1], SERIES, max(SPARE * found.gap, ROUNDED))
+        return Path(given, found.states[:, 0], found.states[:, 1], SERIES, max(found.error, ROUNDED))
 
     def _budget(self, count: int) -> float:
-        """The number of standard steps worth trying before the next method is set up."""
+        """The microseconds that the next method takes for this many times, its set-up included."""
         if self._may_have_torus:
-            return STEPS_TO_TORUS[self._genus] + count * STEPS_ON_TORUS
-        return min(self._setting_up + count * STEPS_BY_ADDITIONS, MOST_STEPS)
+            return TO_TORUS[self._genus] + count * ON_TORUS
+        return self._cost_of_additions(count)
+
+    def _cost_of_additions(self, count: int) -> float:
+        return min(self._setting_up + count * BY_ADDITIONS, LONGEST)
 
     def _near(self, times: np.ndarray) -> Near:
         """The states that series reach in no more time than the next method would take."""
@@ -170,8 +170,7 @@ class MumfordFlow:
         near = walked(self.system, self.start, times, self._budget(len(times)), self.tolerance)
         if len(near.places) == len(times) or self._torus_for(len(times)) is not None:
             return near
-        most = min(self._setting_up + len(times) * STEPS_BY_ADDITIONS, MOST_STEPS)
-        return finished(self.system, self.start, times, near, most)
+        return finished(self.system, self.start, times, near, self._cost_of_additions(len(times)))
 
     def _far(self, given: list[Any]) -> Path:
         """The states at times by a method for far times: torus, tables or additions in long numbers."""
@@ -330,7 +329,7 @@ class MumfordFlow:
 
         times = torus.witnesses
         path, true = self._path(torus, times), np.empty((len(times), 2, self.system.size))
-        most = len(times) * STEPS_BY_ADDITIONS
+        most = len(times) * BY_ADDITIONS
         near = walked(self.system, self.start, times, most)
         places, rows, _ = finished(self.system, self.start, times, near, most)
         true[places] = rows

@@ -40,8 +40,6 @@ from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from integrable.series.kinds import Kind
 
 # allowed violation of the constraints of a state, in units of the effect of a change in the last digits of q and p
@@ -73,11 +71,16 @@ class MumfordSystem(Made):
         """Sets ``field`` and ``constants``; these must be at least ``least`` different numbers."""
         self.field = check_field(field, "field")
         wanted = f"a sequence of at least {least} different numbers"
-        given = entries(values, argument, wanted)
-        self.constants = tuple(self.field.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given))
-        if len(given) < least or any(x == y for i, x in enumerate(self.constants) for y in self.constants[:i]):
+        if field is RR and _finite_floats(values):
+            self.constants = values
+            different = len(set(values)) == len(values)
+        else:
+            given = entries(values, argument, wanted)
+            self.constants = tuple(self.field.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given))
+            different = not any(x == y for i, x in enumerate(self.constants) for y in self.constants[:i])
+        if len(self.constants) < least or not different:
             raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
-        self.size = len(given)
+        self.size = len(self.constants)
 
     # --- the table of a system
 
@@ -181,7 +184,7 @@ class MumfordSystem(Made):
         """The state with these q and p; ArgumentError if it does not satisfy the constraints of the system."""
         state = self._floats(q, p)
         if state is not None:
-            self._check(state)
+            self._check(state, state)
             return state
         parts = []
         for name, values in (("q", q), ("p", p)):
@@ -196,20 +199,17 @@ class MumfordSystem(Made):
 
     def _floats(self, q: Any, p: Any) -> Point | None:
         """The state over RR if q and p are tuples of finite floats, otherwise None."""
-        if not (type(q) is type(p) is tuple and len(q) == len(p) == self.size and self.field == RR):
-            return None
-        for x in q + p:
-            if type(x) is not float or x - x != 0:
-                return None
-        return Point(q, p)
+        right = self.field == RR and _finite_floats(q) and _finite_floats(p) and len(q) == len(p) == self.size
+        return Point(q, p) if right else None
 
-    def _check(self, state: Point) -> None:
+    def _check(self, state: Point, inside: Point | None = None) -> None:
+        """ArgumentError if a state violates a constraint; ``inside`` is the state in ``numbers`` if it is known."""
         if self._checked and self._checked[0] is state:
             return
         N = self.numbers
-        inside = self._inside(N, state)
+        inside = inside or self._inside(N, state)
         # an infinite value violates the constraint
-        values = self._formula(self._constraints, state, finite=False)
+        values = self._formula(self._constraints, state, inside, finite=False)
         right = all(value == N.zero for value in values)
         sizes = [None] * len(values) if N.exact or right else self._constraint_sizes(inside)
         for name, value, size in zip(self._constraint_names, values, sizes, strict=True):
@@ -237,17 +237,19 @@ class MumfordSystem(Made):
 
     def _surface_sizes(self, weights: Sequence[Any], state: Point) -> list[Any]:
         """The :meth:`_constraint_sizes` of Σw_iq_i² = 1, Σw_iq_ip_i = 0 and p ≠ 0, in closed form."""
-        q, p = ([abs(w * x) for w, x in zip(weights, part, strict=True)] for part in state)
-        widest, fastest = (max(map(abs, part)) for part in state)
-        return [2 * widest * sum(q), widest * sum(p) + fastest * sum(q), 0]
+        q, p = (tuple(map(abs, part)) for part in state)
+        widest, fastest, size = max(q), max(p), self.field.dot(weights, q)
+        return [2 * widest * size, widest * self.field.dot(weights, p) + fastest * size, 0]
 
     _constraint_names: tuple[str, ...] = ()
 
-    def _formula(self, formula: Callable[[Any, Point], Any], state: Point, finite: bool = True) -> Any:
+    def _formula(
+        self, formula: Callable[[Any, Point], Any], state: Point, inside: Point | None = None, finite: bool = True
+    ) -> Any:
         """``formula(N, state)`` in the numbers of the field; PrecisionLoss if a value exceeds the range of floats."""
         N = self.numbers
         try:
-            found = formula(N, self._inside(N, state))
+            found = formula(N, inside or self._inside(N, state))
         except JacobianError:
             raise
         except (ArithmeticError, ValueError):
@@ -329,11 +331,9 @@ class MumfordSystem(Made):
         return kind_of((type(self), self.size, len(self.constants), self._standing), made)
 
     @cached_property
-    def _walk_constants(self) -> np.ndarray:
-        """The constants and parameters as floats; a final 0 keeps the array from being empty."""
-        import numpy as np
-
-        return np.array([*map(float, self.constants), *map(float, self.parameters), 0.0])
+    def _walk_constants(self) -> tuple[float, ...]:
+        """The constants and parameters as floats; a final 0 keeps the tuple from being empty."""
+        return (*map(float, self.constants), *map(float, self.parameters), 0.0)
 
     def flow(self, state: Point, tolerance: float | None = None) -> MumfordFlow:
         """The motion of a state over RR or MP(digits), at any times.
@@ -449,6 +449,11 @@ class MumfordSystem(Made):
             rest = poly.from_roots(N, [*a[:i], *a[i + 1 :]])
             total = [x + weight * y for x, y in zip(total, rest, strict=True)]
         return tuple(total)
+
+
+def _finite_floats(values: Any) -> bool:
+    """Whether ``values`` is a tuple of finite floats."""
+    return type(values) is tuple and set(map(type, values)) == {float} and all(map(math.isfinite, values))
 
 
 def _in_range(found: Any) -> bool:

@@ -1,5 +1,7 @@
 """Walks of kinds of systems: formulas are recorded once with symbolic constants, and compiled once per machine.
 
+Compiling takes a tenth of a second, as long as some hundred walks.
+
 A kind is a class of systems together with its size and the values on which its formulas branch. The constants of a
 system are arguments of the compiled code. Compiled objects are stored with those of :mod:`jacobian.native`. They stay
 valid until the recorded formulas change.
@@ -18,10 +20,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from integrable.series.room import Orders, Room
-from integrable.series.steps import Reached, Steps, bounds_of, inverses, terms, weight
+from integrable.series.steps import Reached, Steps, bounds_of, inverses, step_cost, steps_for
 from integrable.series.symbols import Functions, SymbolField
 from integrable.series.tape import Recorded, Tape, recorded
-from integrable.series.tape_walk import TapeWalk
 from integrable.series.walk import LANES, Codes
 from integrable.series.walk_text import TIMES, module
 from jacobian.fields.inexact import InexactField
@@ -35,8 +36,6 @@ MODULES = [
 ENTRIES = ("start", "series", "advance", "dense")
 # alignment of a room in bytes: a cache line
 LINE = 64
-# compile time of one term of one node, in seconds (integrable.series.steps.terms)
-COMPILING = 2e-5
 
 
 class Formulas(NamedTuple):
@@ -77,7 +76,7 @@ class Recorder(InexactField):
 
 
 class Kind:
-    """The walks of a kind of systems: the compiled ones, and one that interprets the tape."""
+    """The compiled walks of a kind of systems."""
 
     def __init__(self, name: str, formulas: Formulas) -> None:
         numbers = Recorder()
@@ -87,40 +86,43 @@ class Kind:
         self._variables = formulas.variables
         said = f"{self.rates} {self.start} {self.count}".encode()
         self.name = f"walk_{name.lower()}_{sha256(said).hexdigest()[:16]}"
-        self.on_tape = TapeWalk(self.rates, self.start, self.half)
-        self._paid = 0.0
         self._lock = threading.Lock()
-        self._walks: dict[Orders, Compiled | None] = {}
+        self._walks: dict[Orders, Compiled] = {}
 
-    def walk(self, orders: Orders, compiles: bool = False) -> Compiled | None:
-        """The compiled walk, or None if it is neither in memory nor on disk.
-
-        It is compiled with ``compiles``, or once walks on the tape have taken longer than compiling would.
-        """
+    def walk(self, orders: Orders) -> Compiled | None:
+        """The compiled walk, made on first use unless it is on disk; None where nothing is compiled."""
         found = self._walks.get(orders)
-        if found is None and (orders not in self._walks or compiles or self._paid > self.cost(orders)):
+        if found is None and not interpreted():
             with self._lock:
-                found = self._walks[orders] = self._loaded(orders, compiles or self._paid > self.cost(orders))
+                found = self._walks.get(orders) or self._walks.setdefault(orders, self._loaded(orders))
         return found
 
-    def cost(self, orders: Orders) -> float:
-        """The approximate compile time in seconds."""
-        return COMPILING * len(self.rates.kinds) * terms(orders)
+    def quickly(
+        self,
+        constants: Sequence[float],
+        state: Sequence[float],
+        times: np.ndarray,
+        most: float,
+        tolerance: float | None = None,
+    ) -> Reached | None:
+        """The states at times that ascend or descend from 0, within about ``most`` microseconds; None if a state is not
+        right: the walks disagree on it.
+        """  # fmt: skip
+        for steps in steps_for(tolerance):
+            walk = self.walk(steps.orders)
+            if walk is None:
+                return None
+            found = walk(constants, state, times, steps, most / walk.step_cost)
+            if found.reached == len(times) and found.wrong is None:
+                return found
+        return None
 
-    def pay(self, seconds: float) -> None:
-        """Adds the run time of a walk on the interpreted tape, in seconds, to the total that justifies compiling."""
-        self._paid += seconds
-
-    def _loaded(self, orders: Orders, compiles: bool) -> Compiled | None:
-        if interpreted():
-            return None
+    def _loaded(self, orders: Orders) -> Compiled:
         folder, name = kept.place(), f"{self.name}_{orders.wide}_{orders.order}"
         found = None if folder is None else kept.find(folder, name, machine.name())
         room = Room(self.rates, self._variables, orders, LANES)
         if found is None:
-            if not compiles:
-                return None
-            LOG.info("compiling %s: once, a few seconds", self.name.replace("_", " "))
+            LOG.info("compiling %s, once", self.name.replace("_", " "))
             code = machine.object_of(module(room, self.start, self.count), as_written=True)
             found = kept.Object({}, MODULES, {}, code)
             if folder is not None:
@@ -142,10 +144,10 @@ class Compiled:
         from integrable.series.walk_compiled import LIBRARY
 
         self._entries, self._count, self._shape = entries, count, (count // half, half)
-        self.weight = weight(room.tape, room.orders)
+        self.step_cost = step_cost(room.tape, room.orders)
         self.codes = Codes(*(entries[name].address for name in ENTRIES))
         begin = -(-room.size // 8) * 8
-        self.spare, self.size = LANES * begin, LANES * begin + 2 * TIMES
+        self.spare, self.size = LANES * begin, LANES * begin + (2 + 2 * count) * TIMES
         self.places = half, count // half, room.orders.order, room.begin, room.orders.wide, self.spare, room.apart
         self.units = inverses(room.orders.order)
         self._units_at = self.units.ctypes.data
@@ -153,22 +155,22 @@ class Compiled:
         self._bounds: dict[tuple[Steps, float], tuple[float, ...]] = {}
 
     def __call__(
-        self, constants: np.ndarray, state: Sequence[float], times: np.ndarray, steps: Steps, most: float
+        self, constants: Sequence[float], state: Sequence[float], times: np.ndarray, steps: Steps, most: float
     ) -> Reached:
         """The states at times of one sign in ascending size; the number reached is −1 if they are not so ordered."""
         count = len(times)
         bounds = self._bounds.get((steps, most)) or self._bounds.setdefault((steps, most), bounds_of(steps, most))
         found = np.empty((count, *self._shape))
-        again = np.empty(4 * (count + TIMES) * self._count)
-        head = WORDS.size + BACK.size
-        memory = bytearray(head + 8 * self._count + 8 * self.size + LINE)
+        again = np.empty(4 * count * self._count)
+        known, head = len(constants), WORDS.size + BACK.size
+        memory = bytearray(head + 8 * (known + self._count) + 8 * self.size + LINE)
         base = addressof(from_buffer(memory))
         begin = base + head
-        struct.pack_into(f"={self._count}d", memory, head, *state)
-        room = begin + 8 * self._count
+        struct.pack_into(f"={known + self._count}d", memory, head, *constants, *state)
+        room = begin + 8 * (known + self._count)
         room += -room % LINE
         WORDS.pack_into(
-            memory, 0, *self.codes, *bounds, addressof(from_buffer(constants)), len(constants), begin, self._count,
+            memory, 0, *self.codes, *bounds, begin, known, begin + 8 * known, self._count,
             *self.places, room, self.size, self._units_at, len(self.units), addressof(from_buffer(times)), count,
             addressof(from_buffer(again)), len(again), addressof(from_buffer(found)), found.size,
         )  # fmt: skip

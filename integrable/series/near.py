@@ -1,19 +1,14 @@
-"""States near the start in floats: by the compiled walk of the kind of system, by its tape until that is compiled."""
+"""States near the start in floats, by the compiled walk of the kind of system."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from time import perf_counter
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from integrable.series.kinds import Compiled, Kind
-from integrable.series.steps import FINE, FINEST, SPARE, Reached, Steps, steps_for, weight
-from jacobian.numbers.compiler import interpreted
-
-# number of compiled steps that take as long as one step on an interpreted tape
-FASTER = 4
+from integrable.series.steps import FINEST, SPARE, Reached, Steps, steps_for
 
 
 class State(Protocol):
@@ -33,7 +28,7 @@ class Walked(Protocol):
     @property
     def _kind(self) -> Kind | None: ...
     @property
-    def _walk_constants(self) -> np.ndarray: ...
+    def _walk_constants(self) -> tuple[float, ...]: ...
 
 
 class Near(NamedTuple):
@@ -48,21 +43,19 @@ class Near(NamedTuple):
 
 
 def compiled_walk(system: Walked, steps: Steps) -> Compiled | None:
-    """The compiled walk of the kind of system; None where it is not available."""
+    """The compiled walk of the kind of system; None where nothing is compiled, or without equations on a tape."""
     kind = system._kind
     return None if kind is None else kind.walk(steps.orders)
 
 
 def walked(system: Walked, state: State, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
-    """The states at those times that are reached at the cost of about ``most`` standard steps on an interpreted tape.
+    """The states at those times that are reached within about ``most`` microseconds.
 
-    :func:`integrable.series.steps.weight` defines a standard step. The compiled walk is used where it is available.
     Where coarser steps miss the tolerance, the steps used are accurate to the last bits of a float.
     """
     found = _nowhere(system)
     for steps in steps_for(tolerance):
-        if steps is FINE or compiled_walk(system, steps) is not None:
-            found = _completed(found, system, state, times, steps, most)
+        found = _completed(found, system, state, times, steps, most)
     return found
 
 
@@ -71,43 +64,16 @@ def finished(system: Walked, state: State, times: np.ndarray, near: Near, most: 
     return _completed(near, system, state, times, FINEST, most)
 
 
-def quickly(system: Walked, state: State, times: np.ndarray, most: float, tolerance: float | None) -> Reached | None:
-    """The states at times that ascend or descend from 0; None without a compiled walk, or if any state is not right.
-
-    A state is right if both walks agree on it.
-    """
-    given = (*state.q, *state.p)
-    for steps in steps_for(tolerance):
-        walk = compiled_walk(system, steps)
-        if walk is not None:
-            found = walk(system._walk_constants, given, times, steps, FASTER * most / walk.weight)
-            if found.reached == len(times) and found.wrong is None:
-                return found
-    return None
-
-
 def _completed(near: Near, system: Walked, state: State, times: np.ndarray, steps: Steps, most: float) -> Near:
-    """``near`` with the remaining times added; they are computed by ``steps``."""
+    """``near`` with those of the remaining times added that ``steps`` reach."""
     left = np.setdiff1d(np.arange(len(times)), near.places)
-    if not len(left):
+    walk = compiled_walk(system, steps) if len(left) else None
+    if walk is None:
         return near
-    other = _walked(system, state, times[left], steps, most)
+    given, some = (*state.q, *state.p), most / walk.step_cost
+    other = both_ways(_shape(system), times[left], steps, lambda t: walk(system._walk_constants, given, t, steps, some))
     places = np.concatenate([near.places, left[other.places]])
     return Near(places, np.concatenate([near.states, other.states]), max(near.error, other.error))
-
-
-def _walked(system: Walked, state: State, times: np.ndarray, steps: Steps, most: float) -> Near:
-    """The states by the compiled walk, or on the tape until its run time justifies compiling."""
-    kind, walk = system._kind, compiled_walk(system, steps)
-    if kind is None or interpreted():
-        return _nowhere(system)
-    given, begin = (*state.q, *state.p), perf_counter()
-    some = most / weight(kind.rates, steps.orders) * (1 if walk is None else FASTER)
-    along = walk or kind.on_tape
-    found = both_ways(_shape(system), times, steps, lambda t: along(system._walk_constants, given, t, steps, some))
-    if walk is None:
-        kind.pay(perf_counter() - begin)
-    return found
 
 
 def both_ways(shape: tuple[int, int], times: np.ndarray, steps: Steps, walk: Callable[[np.ndarray], Reached]) -> Near:

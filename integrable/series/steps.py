@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import cache
 from math import log2
 from typing import NamedTuple
 
@@ -11,10 +12,10 @@ import numpy as np
 from integrable.series.room import Orders
 from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Tape
 
-# cost of a step apart from its products, in products; cost of a whole step of Neumann's point
+# products that take as long as the rest of a step of Neumann's point on S², and all of its step in these
 FIXED, STANDARD = 3, 13
-# cost of a term in double-doubles, in terms in floats
-WIDE_TERM = 20
+# microseconds of that step: per order, per square of the order, and more per order in double-doubles
+PER_ORDER, PER_SQUARE, PER_WIDE_ORDER = 5e-3, 0.25e-3, 28e-3
 
 
 class Steps(NamedTuple):
@@ -36,17 +37,18 @@ class Steps(NamedTuple):
 
 # accurate to the last bits of floats: the walks may differ by an eighth of the rounding unit, since terms in floats
 # cause nearly as large an error in the finer walk
-WIDE, WIDEST = Orders(8, 30), Orders(18, 44)
+WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE, FINEST = Steps(WIDE, 1e-25, 1e-7, 1e1, 1e1, 2.0**-56), Steps(WIDEST, 1e-29, 1e-11, 1e3, 1e3, 2.0**-56)
 # over few steps errors cannot grow; takes three quarters of the time of FINE (python -m benchmarks near)
-ROUGH = Steps(Orders(6, 26), 1e-21, 1e-5, 1e1, 1e1, 2.0**-56, 128.0)
-PLAIN, MIDDLE = Orders(-1, 20), Orders(3, 24)
+ROUGH = Steps(Orders(7, 30), 1e-21, 1e-5, 1e1, 1e1, 2.0**-56, 128.0)
+PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # SHARE and SHARE_OF_MIDDLE are truncation bounds relative to a tolerance: of steps in floats, and of steps whose first
 # terms are double-doubles. Then come the bound on the first float term of the latter, the factor of the second walk's
 # truncation, and the largest ratio of the error to the difference of the walks
 SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 1e-4, 1e-6, 3e-3, 3.0, 4.0
 
 
+@cache
 def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
     """The steps to try, in this order; the last ones are accurate to the last bits of floats."""
     if tolerance is None:
@@ -69,17 +71,18 @@ class Reached(NamedTuple):
     gap: float
     steps: int
 
+    @property
+    def error(self) -> float:
+        """An estimate of the largest error, relative to the largest component of q, or of p."""
+        return SPARE * self.gap
 
-def terms(orders: Orders) -> float:
-    """The cost of a sum of products through all orders, in units of a term in floats."""
+
+def step_cost(tape: Tape, orders: Orders) -> float:
+    """The approximate time of a step in microseconds (python -m benchmarks near)."""
     wide, order = orders
-    return WIDE_TERM * (wide + 1.0) ** 2 + order**2
-
-
-def weight(tape: Tape, orders: Orders) -> float:
-    """The approximate cost of a step, relative to a fine step of Neumann's point on S²."""
     products = sum(kind in (PRODUCT, QUOTIENT, ROOT) for kind in tape.kinds)
-    return (FIXED + products) / STANDARD * terms(orders) / terms(WIDE)
+    standard = PER_SQUARE * order**2 + PER_ORDER * order + PER_WIDE_ORDER * (wide + 1)
+    return (FIXED + products) / STANDARD * standard
 
 
 def bounds_of(steps: Steps, most: float) -> tuple[float, ...]:

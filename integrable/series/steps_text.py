@@ -62,6 +62,7 @@ class Series(Sums):
         self._put_sides(k, of_variables=False)
         for i in range(self.room.count):
             self._put(i, k + 1, self._integrated(self._value(tape.results[i], k), k))
+        self._put_variables(k + 1)
 
     def _rounds(self) -> None:
         """The orders from ``self._loop`` on, AT_ONCE in each round."""
@@ -90,7 +91,7 @@ class Series(Sums):
         if kind in (SUM, DIFFERENCE):
             return self._sum(kind, p, q, k)
         if kind == MULTIPLE:
-            return self._times(self._value(p, 0), self._value(q, k), k)
+            return self._times(self._value(q, k), self._value(p, 0), k)
         if kind == PRODUCT:
             return self._convolved(n, 0, k + 1, k) or (self.text.real(0.0), "")
         if k == 0:
@@ -116,12 +117,18 @@ class Series(Sums):
         y = self._value(q, k)
         if kind == DIFFERENCE:
             y = self.text.fneg(y[0]), self.text.fneg(y[1]) if y[1] else ""
-        return y if k and self._constant(p) else self._plus(self._value(p, k), y)
+        if k and self._constant(p):
+            return y
+        x = self._value(p, k)
+        # operands come before what is computed from them
+        return self._plus(x, y) if q >= p else self._plus(y, x)
 
     def _plus(self, x: Wide, y: Wide) -> Wide:
+        """x + y, where y is known later."""
         return self.text.wide_sum(x, y) if x[1] and y[1] else (self.text.fadd(x[0], y[0]), "")
 
     def _times(self, x: Wide, y: Wide, k: int) -> Wide:
+        """x·y, where x is known later."""
         return self.text.wide_product(x, y) if k <= self.wide else (self.text.fmul(x[0], y[0]), "")
 
     def _divisor(self, n: int, k: int) -> Wide:

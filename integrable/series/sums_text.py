@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from integrable.series.room import Room, Side
+from integrable.series.room import Room, Side, chunks
 from integrable.series.tape import CONSTANT
 from integrable.series.text import Text, Wide, joined_lanes
-from jacobian.numbers.double_double_steps import fast_two_sum, two_product, two_sum
+from jacobian.numbers.double_double_steps import fast_two_sum
 
 # number of orders in a round of the loop: a factor is loaded once for all of them
 AT_ONCE = 4
@@ -68,37 +68,45 @@ class Sums:
         return self._hi(n, k), self._lo(n, k) if k <= self.wide else ""
 
     def _put(self, n: int, k: int, x: Wide) -> None:
-        room, text, newest = self.room, self.text, x
-        if x[1] and (k == 0 or room.has(n, k)):
-            # float coefficients of higher orders use high parts only; renormalize, or cancellation would leave them
-            # inaccurate
-            x = fast_two_sum(text, *x)
-        if k == 0:
-            newest = x
-        if room.has(n, k):
-            text.store(x[0], room.high(n, k), self._base(k, room.apart))
-            if x[1] and k <= self.wide:
-                text.store(x[1], room.low(n, k))
-        # the next operations use the value before it is renormalized, and so do not wait
-        self._recent[n, k, 0] = newest[0]
-        if x[1]:
-            self._recent[n, k, 1] = newest[1]
+        if k == 0 and x[1]:
+            x = fast_two_sum(self.text, *x)
+        # later operations use the value before it is renormalized, and so do not wait
+        for part, y in enumerate(x):
+            if y:
+                self._recent[n, k, part] = y
+                if k == 0 and self.room.has(n, k):
+                    self.text.store(y, self.room.low(n, k) if part else self.room.high(n, k))
 
-    def _put_sides(self, k: int, of_variables: bool) -> None:
-        """Stores coefficients k of the factors of all vectors of products, or of those that are variables alone.
+    def _put_variables(self, k: int) -> None:
+        """Stores coefficients k of all variables."""
+        for first, width in chunks(self.room.count):
+            text = Text(self.room.lanes * width, self.text)
+            for part, y in enumerate(self._together(text, range(first, first + width), k)):
+                if y:
+                    place = self.room.low(first, k) if part else self.room.high(first, k)
+                    text.store(y, place // width, self._base(k, self.room.apart))
+
+    def _together(self, text: Text, nodes: Sequence[int], k: int) -> Wide:
+        """Coefficients k of several nodes in one vector.
 
         They are put together in registers, because a load of a vector waits for stores of its parts.
         """
+        high = self._joined(text, [self._hi(n, k) for n in nodes])
+        if k > self.wide:
+            return high, ""
+        low = self._joined(text, [self._lo(n, k) for n in nodes])
+        # float coefficients of higher orders use high parts only; renormalize, or cancellation would leave them
+        # inaccurate
+        return fast_two_sum(text, high, low) if k else (high, low)
+
+    def _put_sides(self, k: int, of_variables: bool) -> None:
+        """Stores coefficients k of the factors of all vectors of products, or of those that are variables alone."""
         for nodes, width in self.room.packs.items():
             text = Text(self.room.lanes * width, self.text)
             for factors, place in self.room.sides[nodes]:
                 if of_variables != (max(factors) < self.room.count):
                     continue
-                x = self._joined(text, [self._hi(n, k) for n in factors]), ""
-                if k <= self.wide:
-                    x = x[0], self._joined(text, [self._lo(n, k) for n in factors])
-                    x = fast_two_sum(text, *x) if k else x
-                for part, y in enumerate(x):
+                for part, y in enumerate(self._together(text, factors, k)):
                     if y:
                         self._built[place, k, part] = y
                         text.store(y, self._place(place, k, part), self._base(k, width))
@@ -115,10 +123,10 @@ class Sums:
         terms = [term for term in _terms(p == q, begin, end, k) if not all(term[1:])]
         # the coefficient computed last comes last
         terms.sort(key=lambda term: p if term[1] else q)
-        pairs = [(f, self._value(p, i), self._value(q, j)) for f, i, j in terms]
+        pairs = [_later_first(f, (i, self._value(p, i)), (j, self._value(q, j))) for f, i, j in terms]
         if before and not before[1]:
             # doubling a factor keeps all terms in one sum; the newest term waits for no other
-            pairs = [(1, (self.text.fadd(x[0], x[0]), "") if f == 2 else x, y) for f, x, y in pairs]
+            pairs = [(1, x, _doubled(self.text, y) if f == 2 else y) for f, x, y in pairs]
         return _summed(self.text, pairs, k <= self.wide, before) if pairs or before else None
 
     def _sum_of_earlier(self, n: int, k: int) -> Wide | None:
@@ -152,7 +160,7 @@ class Sums:
                 (self._joined(text, [self._hi(n, o) for n in side]), self._joined(text, [self._lo(n, o) for n in side]))
                 for side, o in zip(factors, (i, j), strict=True)
             )
-            pairs.append((1, x, y))
+            pairs.append(_later_first(1, (i, x), (j, y)))
         return self._apart(text, nodes, _summed(text, pairs, True, before))
 
     def _joined(self, text: Text, parts: list[str]) -> str:
@@ -169,7 +177,7 @@ class Sums:
                 (self._fetched(text, side, order, 0), self._fetched(text, side, order, 1) if wide else "")
                 for side, order in ((sides[0], i), (sides[-1], j))
             )
-            pairs.append((f, x, y))
+            pairs.append(_later_first(f, (i, x), (j, y)))
         return _summed(text, pairs, wide, None)
 
     def _earlier_rounds(self, nodes: tuple[int, ...], done: str) -> list[str]:
@@ -256,14 +264,22 @@ def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:
     return sorted(found, key=lambda term: max(term[1:]))
 
 
+def _later_first(f: int, x: tuple[int, Wide], y: tuple[int, Wide]) -> tuple[int, Wide, Wide]:
+    """The term of two coefficients with their orders, the one of higher order first."""
+    return (f, x[1], y[1]) if x[0] >= y[0] else (f, y[1], x[1])
+
+
 def _summed(text: Text, pairs: Sequence[tuple[int, Wide, Wide]], wide: bool, before: Wide | None) -> Wide:
-    """``before`` + Σ factor·x·y; terms of factor 2 are summed apart and doubled once."""
-    twice = [(x, y) for f, x, y in pairs if f == 2]
-    once = [(x, y) for f, x, y in pairs if f == 1]
+    """``before`` + Σ factor·x·y, the last pair last; other terms of factor 2 are summed apart and doubled once."""
+    last = pairs[-1:] if wide else []
+    earlier = pairs[: len(pairs) - len(last)]
+    twice = [(x, y) for f, x, y in earlier if f == 2]
+    once = [(x, y) for f, x, y in earlier if f == 1]
+    once += [(x, _doubled(text, y) if f == 2 else y) for f, x, y in last]
     if wide:
         total = _wide_total(text, twice, None) if twice else None
         if total is not None:
-            total = text.fadd(total[0], total[0]), text.fadd(total[1], total[1])
+            total = _doubled(text, total)
         if before is not None:
             total = before if total is None else text.wide_sum(before, total)
         return _wide_total(text, once, total)
@@ -273,15 +289,13 @@ def _summed(text: Text, pairs: Sequence[tuple[int, Wide, Wide]], wide: bool, bef
     return (text.fma(half, text.real(2.0), rest) if rest else text.fadd(half, half)), ""
 
 
+def _doubled(text: Text, x: Wide) -> Wide:
+    return text.fadd(x[0], x[0]), text.fadd(x[1], x[1]) if x[1] else ""
+
+
 def _wide_total(text: Text, pairs: Sequence[tuple[Wide, Wide]], total: Wide | None) -> Wide:
     for x, y in pairs:
-        p, e = two_product(text, x[0], y[0])
-        e = text.fma(x[1], y[0], text.fma(x[0], y[1], e))
-        if total is None:
-            total = p, e
-        else:
-            s, f = two_sum(text, total[0], p)
-            total = s, text.fadd(total[1], text.fadd(e, f))
+        total = text.wide_product(x, y) if total is None else text.wide_plus_product(total, x, y)
     assert total is not None
     return total
 

@@ -56,15 +56,23 @@ class Text(Code):
             found = self.write(f"insertelement {self.types.double} {found}, double {part}, i32 {lane}")
         return found
 
-    # --- double-doubles, as sums whose parts may overlap
+    # --- double-doubles, as sums whose parts may overlap; the low part that is known last is added last
 
     def wide_sum(self, x: Wide, y: Wide) -> Wide:
+        """x + y, where y is known later."""
         s, e = two_sum(self, x[0], y[0])
-        return s, self.fadd(e, self.fadd(x[1], y[1]))
+        return s, self.fadd(self.fadd(e, x[1]), y[1])
 
     def wide_product(self, x: Wide, y: Wide) -> Wide:
+        """x·y, where x is known later."""
         p, e = two_product(self, x[0], y[0])
         return p, self.fma(x[1], y[0], self.fma(x[0], y[1], e))
+
+    def wide_plus_product(self, total: Wide, x: Wide, y: Wide) -> Wide:
+        """total + x·y, where x is known later than y, and both than the total."""
+        p, e = two_product(self, x[0], y[0])
+        s, f = two_sum(self, total[0], p)
+        return s, self.fma(x[1], y[0], self.fma(x[0], y[1], self.fadd(total[1], self.fadd(e, f))))
 
 
 def joined_lanes(text: Text, parts: Sequence[str], lanes: int) -> str:

@@ -67,7 +67,8 @@ class Given(NamedTuple):
     """Constants, a state in floats, and the layout of the room.
 
     The variables are ``parts`` parts (q, p and any others) of ``half`` numbers each. Coefficients begin at ``highs``;
-    consecutive orders are ``apart`` vectors apart. A spare row of 2·TIMES floats is at ``spare``.
+    consecutive orders are ``apart`` vectors apart. Distances and states there follow at
+    ``spare``, TIMES floats of each.
     """
 
     constants: Any
@@ -84,13 +85,14 @@ class Given(NamedTuple):
 class Compared(NamedTuple):
     """The comparison of the first ``rows`` rows of both walks.
 
-    ``wrong`` counts the rows that disagree, ``lost`` those that disagree or predict that the last row will. ``gap`` is
-    the largest difference.
+    ``wrong`` counts the rows that disagree, ``lost`` those that disagree or predict that the last row will, and
+    ``first`` is the first of these. ``gap`` is the largest difference.
     """
 
     rows: int
     wrong: int
     lost: int
+    first: int
     gap: float
 
 
@@ -114,7 +116,7 @@ def walked(codes: Codes, bounds: Bounds, given: Given, room: Any, units: Any, ti
         return -1, 0, 0.0, 0
     start(codes.start, given.constants, given.state, room)
     unit = begun(codes, given, room, units)
-    limit, done, behind, steps, seen = len(times), 0, 0, 0, Compared(0, 0, 0, 0.0)
+    limit, done, behind, steps, seen = len(times), 0, 0, 0, Compared(0, 0, 0, 0, 0.0)
     now, later = 0.0, 0.0
     ahead = -1.0 if times[limit - 1] < 0 else 1.0
     first, second = reach(bounds, room, 0), reach(bounds, room, 1)
@@ -131,18 +133,25 @@ def walked(codes: Codes, bounds: Bounds, given: Given, room: Any, units: Any, ti
             limit = behind
         seen = compared(given, bounds.agreed, seen, min(done, behind, limit), times, rows, found)
         if seen.lost > MOST_LOST:
-            limit = seen.rows
+            # later rows may agree by chance
+            return seen.first, 0, seen.gap, steps
         if done >= limit and behind >= limit:
             break
-        room[LANES * STEP] = ahead * first if done < limit else 0.0
-        room[LANES * STEP + 1] = (-ahead if steps == 0 else ahead) * second if behind < limit else 0.0
-        now += room[LANES * STEP]
-        later += room[LANES * STEP + 1]
-        advance(codes.advance, room)
-        series(codes.series, room)
+        to_first = ahead * first if done < limit else 0.0
+        to_second = (-ahead if steps == 0 else ahead) * second if behind < limit else 0.0
+        both_moved(codes, room, to_first, to_second)
+        now += to_first
+        later += to_second
         first, second = reach(bounds, room, 0), reach(bounds, room, 1)
         steps += 1
     return limit, seen.wrong, seen.gap, steps
+
+
+def both_moved(codes: Codes, room: Any, first: float, second: float) -> None:
+    """Advances both walks by a step each, and computes the series there."""
+    room[LANES * STEP], room[LANES * STEP + 1] = first, second
+    advance(codes.advance, room)
+    series(codes.series, room)
 
 
 def in_order(times: Any) -> bool:
@@ -227,7 +236,8 @@ def reach(bounds: Bounds, room: Any, lane: int) -> float:
 
 def put_rows(codes: Codes, given: Given, room: Any, at: Place, times: Any, limit: int, unit: float, rows: Any) -> int:
     """Writes the rows of one walk that its series reach, from its next one on; returns the first it does not reach."""
-    width, ahead = 2 * given.parts * given.half, room[given.spare : given.spare + 2 * TIMES]
+    width = 2 * given.parts * given.half
+    ahead = room[given.spare : given.spare + (2 + width) * TIMES]
     lane, now, step, row = at
     fitting = TIMES
     while fitting == TIMES:
@@ -246,7 +256,11 @@ def put_rows(codes: Codes, given: Given, room: Any, at: Place, times: Any, limit
             for i in range(fitting, TIMES):
                 ahead[i] = ahead[0]
                 ahead[TIMES + i] = ahead[TIMES]
-            dense(codes.dense, room, lane, ahead, rows, (lane * (len(times) + TIMES) + row) * width)
+            dense(codes.dense, room, lane, ahead)
+            for i in range(fitting):
+                place = (lane * len(times) + row + i) * width
+                for part in range(width):
+                    rows[place + part] = ahead[(2 + part) * TIMES + i]
             row += fitting
     return row
 
@@ -262,13 +276,13 @@ def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bo
 def compared(given: Given, agreed: float, seen: Compared, limit: int, times: Any, rows: Any, found: Any) -> Compared:
     """The comparison of both walks up to row ``limit``; the rows of the first walk are rounded into ``found``."""
     half, width, count = given.half, given.parts * given.half, len(times)
-    wrong, lost, worst = seen.wrong, seen.lost, seen.gap
+    wrong, lost, first_lost, worst = seen.wrong, seen.lost, seen.first, seen.gap
     for row in range(seen.rows, limit):
         off, widest = 0.0, 0.0
         for part in range(given.parts):
             size, gap = 0.0, 0.0
             for i in range(part * half, (part + 1) * half):
-                first, second = 2 * (row * width + i), 2 * ((row + count + TIMES) * width + i)
+                first, second = 2 * (row * width + i), 2 * ((row + count) * width + i)
                 found[row * width + i] = rows[first]
                 size = max(size, abs(rows[first]))
                 rest = abs((rows[first] - rows[second]) + (rows[first + 1] - rows[second + 1]))
@@ -283,9 +297,10 @@ def compared(given: Given, agreed: float, seen: Compared, limit: int, times: Any
         # the difference of the walks grows at least linearly in time
         way, last = abs(times[row]), abs(times[count - 1])
         if off > 0 or (way * KNOWN_FROM > last and not widest * last <= HOPELESS * agreed * way):
+            first_lost = row if lost == 0 else first_lost
             lost += 1
         rows[2 * row * width] = off
-    return Compared(limit, wrong, lost, worst)
+    return Compared(limit, wrong, lost, first_lost, worst)
 
 
 # --- the straight-line code of a kind, and logarithms from the bits of a float: single instructions when compiled
@@ -306,9 +321,9 @@ def advance(code: int, room: Any) -> None:
     _called(code, room)
 
 
-def dense(code: int, room: Any, lane: int, ahead: Any, rows: Any, place: int) -> None:
-    """Writes the states of a walk at the distances ``ahead`` to ``rows[place]`` onward."""
-    _called(code, room[lane:], ahead, rows[place:])
+def dense(code: int, room: Any, lane: int, ahead: Any) -> None:
+    """Writes the states of a walk at the distances with which ``ahead`` begins behind these."""
+    _called(code, room[lane:], ahead)
 
 
 def _called(code: int, *arrays: Any) -> None:

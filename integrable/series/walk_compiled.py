@@ -1,25 +1,13 @@
-"""The loop of :mod:`integrable.series.walk` compiled, once for all kinds of systems, and once for all tapes."""
+"""The loop of :mod:`integrable.series.walk` compiled, once for all kinds of systems."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-from integrable.series import taped, walk
+from integrable.series import walk
 from integrable.series.walk import Bounds, Codes, Given, walked
-from jacobian.native.expressions import Expressions
-from jacobian.native.kinds import (
-    FLOAT,
-    FLOATS,
-    INT,
-    INTS,
-    NONE,
-    TWIN_FLOATS,
-    TWIN_WIDES,
-    TupleKind,
-    Value,
-    record,
-)
+from jacobian.native.kinds import FLOAT, FLOATS, INT, NONE, Value, record
 from jacobian.native.library import Library
 from jacobian.native.operators import Operators, real
 from jacobian.native.special import SPECIAL
@@ -35,12 +23,8 @@ def _call(b: Operators, code: Value, *pointers: str) -> Value:
     return Value(NONE, ())
 
 
-def _further(b: Operators, row: Value, place: Value) -> str:
-    return b.write(f"getelementptr double, ptr {row.parts[0]}, i64 {place.parts[0]}")
-
-
-def _dense(b: Operators, code: Value, room: Value, lane: Value, ahead: Value, rows: Value, place: Value) -> Value:
-    return _call(b, code, _further(b, room, lane), ahead.parts[0], _further(b, rows, place))
+def _dense(b: Operators, code: Value, room: Value, lane: Value, ahead: Value) -> Value:
+    return _call(b, code, b.write(f"getelementptr double, ptr {room.parts[0]}, i64 {lane.parts[0]}"), ahead.parts[0])
 
 
 def _logarithm(b: Operators, x: Value) -> Value:
@@ -69,29 +53,3 @@ STRAIGHT: dict[Any, Callable[..., Value]] = {
     walk.dense: _dense,
 }
 LIBRARY = Library("walk", {"walked": (walked, (CODES, BOUNDS, GIVEN, *[FLOATS] * 5))}, SPECIAL | NUMBERS | STRAIGHT)
-
-TWINS = TWIN_WIDES, TWIN_WIDES, TWIN_WIDES, TWIN_FLOATS, TWIN_WIDES
-LINES = record(taped.Lines, TupleKind((INTS, INTS, INTS, INTS)), *TWINS, FLOATS, FLOATS, INT, INT, INT, INT)
-
-
-def _start(b: Expressions, lines: Value, constants: Value, state: Value, room: Value) -> Value:
-    return b.call(taped.start, [lines])
-
-
-def _taped_dense(
-    b: Expressions, lines: Value, room: Value, lane: Value, ahead: Value, rows: Value, place: Value
-) -> Value:
-    return b.call(taped.dense, [lines, lane, ahead, rows, place])
-
-
-TAPED: dict[Any, Callable[..., Value]] = {
-    walk.start: _start,
-    walk.series: lambda b, lines, room: b.call(taped.series, [lines, room]),
-    walk.advance: lambda b, lines, room: b.call(taped.advance, [lines, room]),
-    walk.dense: _taped_dense,
-}
-ON_TAPES = Library(
-    "walk_on_tapes",
-    {"walked": (walked, (record(taped.OnTape, LINES, LINES, LINES, LINES), BOUNDS, GIVEN, *[FLOATS] * 5))},
-    SPECIAL | NUMBERS | TAPED,
-)

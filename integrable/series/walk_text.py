@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from math import factorial
 
@@ -50,18 +50,30 @@ def _declared() -> str:
 def _advance(room: Room) -> str:
     """The function that advances the variables by a step, in the place of the coefficients of order 0."""
     single = Text(room.lanes)
-    step = single.load(STEP)
+    # a load of the vector would wait for the stores of its lanes, which were made just before
+    lanes = [_float_at(single, "%s", room.lanes * STEP + lane) for lane in range(room.lanes)]
+    step = single.gathered(lanes) if room.lanes > 1 else lanes[0]
+    square = single.fmul(step, step)
+    powers = step, square, single.fmul(square, square)
     parts = [(first, width, Text(room.lanes * width, single)) for first, width in chunks(room.count)]
-    steps = {width: joined_lanes(text, [step] * width, room.lanes) for _, width, text in parts}
+    steps = {width: [joined_lanes(text, [x] * width, room.lanes) for x in powers] for _, width, text in parts}
     # the variables are interleaved, so that the latency of one is hidden by the others
     for _ in zip(*[_further(room, text, steps[width], first, width) for first, width, text in parts], strict=True):
         pass
     return _function("advance", "ptr noalias %s", single)
 
 
-def _further(room: Room, text: Text, step: str, first: int, width: int) -> Iterator[bool]:
-    """Writes the instructions that advance a group of variables by a step; each yield ends an order."""
-    wide, order = room.orders
+def _float_at(text: Text, base: str, place: int) -> str:
+    there = text.write(f"getelementptr double, ptr {base}, i64 {place}")
+    return text.write(f"load double, ptr {there}, align 8")
+
+
+def _further(room: Room, text: Text, powers: Sequence[str], first: int, width: int) -> Iterator[bool]:
+    """Writes the instructions that advance a group of variables by a step, whose powers 1, 2 and 4 are given.
+
+    Each yield ends an order.
+    """
+    (wide, order), (step, square, fourth) = room.orders, powers
 
     def high(k: int) -> str:
         return text.load(room.high(first, k) // width)
@@ -69,12 +81,18 @@ def _further(room: Room, text: Text, step: str, first: int, width: int) -> Itera
     def low(k: int) -> str:
         return text.load(room.low(first, k) // width)
 
-    rest = high(order)
-    for k in range(order - 1, max(wide, 0), -1):
-        rest = text.fma(rest, step, high(k))
+    # four sums of every fourth term each, because one would wait for each of its terms; the largest terms in floats
+    # alone come one by one, which rounds less
+    last = wide + 1 if wide >= 0 else 3
+    sums = [high(k) for k in range(order, order - 4, -1)]
+    for k in range(order - 4, last - 1, -1):
+        sums = [*sums[1:], text.fma(sums[0], fourth, high(k))]
         yield True
+    high3, high2, high1, high0 = sums
+    rest = text.fma(text.fma(high3, step, high2), square, text.fma(high1, step, high0))
     found: Wide = rest, ""
     if wide < 0:
+        rest = text.fma(text.fma(rest, step, high(2)), step, high(1))
         found = two_sum(text, high(0), text.fma(rest, step, low(0)))
     for k in range(wide, -1, -1):
         found = _onward(text, found, (step, ""), (high(k), low(k)))
@@ -99,15 +117,14 @@ def _onward(text: Text, x: Wide, step: Wide, coefficient: Wide) -> Wide:
 def _dense(room: Room, count: int) -> str:
     """The function that evaluates the first ``count`` variables of one walk at the distances %x.
 
-    The walk begins at %s. %x holds the high parts of the distances, then the low parts. Each row of %o receives the
-    pairs (hi, lo) of one distance.
+    The walk begins at %s. %x holds vectors of TIMES floats: the high parts of the distances, the low parts, then the
+    results, high and low parts of each variable.
     """
     text, (wide, order), lanes = Text(TIMES), room.orders, room.lanes
     ahead = text.load(0, "%x"), text.load(1, "%x")
 
     def spread(place: int) -> str:
-        there = text.write(f"getelementptr double, ptr %s, i64 {place * lanes}")
-        return text.spread(text.write(f"load double, ptr {there}, align 8"))
+        return text.spread(_float_at(text, "%s", place * lanes))
 
     first, variables = (wide + 1) // FIRST_TERMS, range(count)
     # the variables are interleaved, so that the latency of one is hidden by the others
@@ -124,10 +141,8 @@ def _dense(room: Room, count: int) -> str:
         found = [_onward(text, x, ahead, term) for x, term in zip(found, terms, strict=True)]
     for i, pair in enumerate(found):
         for part, x in enumerate(fast_two_sum(text, *pair)):
-            for row in range(TIMES):
-                y = text.write(f"extractelement {text.types.double} {x}, i32 {row}")
-                Text(1, text).store(y, 2 * (row * count + i) + part, "%o")
-    return _function("dense", "ptr noalias %s, ptr noalias %x, ptr noalias %o", text)
+            text.store(x, 2 + 2 * i + part, "%x")
+    return _function("dense", "ptr noalias %s, ptr noalias %x", text)
 
 
 def _start(room: Room, start: Tape) -> str:

@@ -95,7 +95,7 @@ def _compile_walks(scene: Scene) -> None:
         kinds = [system.system._kind] if scene.classical else []
     for kind in filter(None, kinds):
         for steps in steps_for(None):
-            kind.walk(steps.orders, compiles=True)
+            kind.walk(steps.orders)
 
 
 def method_once(scene: Scene, method: Method, value: float) -> tuple[Problem, Callable[[], Timed]]:

@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pytest
 
 from integrable.mumford.flow import MumfordFlow, Path
-from integrable.series import near
 from jacobian.errors import PrecisionLoss
 
 
@@ -54,15 +52,3 @@ def made_torus(flow: MumfordFlow) -> Any:
 def confirmed(flow: MumfordFlow, torus: Any) -> bool:
     """Whether the flow accepts this torus."""
     return flow._confirmed(torus)
-
-
-def walks(monkeypatch: pytest.MonkeyPatch, way: str) -> None:
-    """States near the start are computed by the "compiled" walk of each kind of system, made if necessary, or by its
-    "tape".
-    """
-
-    def walk(system: Any, steps: Any) -> Any:
-        kind = system._kind if way == "compiled" else None
-        return None if kind is None else kind.walk(steps.orders, compiles=True)
-
-    monkeypatch.setattr(near, "compiled_walk", walk)

@@ -28,14 +28,6 @@ from integrable.series.steps import FINE, ROUGH, WIDE
 from integrable.series.tape import CONSTANT, VARIABLE, recorded
 from jacobian import MP, RR, ArgumentError
 from tests.integrable.classical.rows import CASES, REAL
-from tests.integrable.ways import walks
-
-
-@pytest.fixture(params=["tape", "compiled"], autouse=True)
-def way_of_walks(request, monkeypatch) -> None:
-    """Every test runs on the interpreted tape and on the compiled walk of its kind."""
-    walks(monkeypatch, request.param)
-
 
 SERIES = [case for case in CASES if case[0] not in ("ball", "top")]
 # unsorted, of both signs, one of them twice
@@ -165,7 +157,7 @@ def test_steps_are_short_enough_for_terms_in_floats() -> None:
     system = SphericalPendulum()
     state = system.state((0.48, 0.6, -0.64), (0.75, -0.6, 0))
     times = np.array([100.0, 400.0])
-    near = finished(system, state, times, walked(system, state, times, 1e4), 1e4)
+    near = finished(system, state, times, walked(system, state, times, 3e4), 3e4)
     assert len(near.places) == 2
     expected = by_additions(system, state, times[near.places])
     assert_rounded(Path(times, near.states[:, 0], near.states[:, 1]), expected)
@@ -205,11 +197,11 @@ def test_equations_that_are_no_formula_are_left_to_additions() -> None:
 def test_steps_for_few_of_them_are_right_to_the_last_bits_and_go_no_further() -> None:
     system = Neumann((1, 2, 4))
     state, times = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)), np.linspace(0, 12, 40)
-    walk, given = system._kind.walk(ROUGH.orders, compiles=True), (*state.q, *state.p)
+    walk, given = system._kind.walk(ROUGH.orders), (*state.q, *state.p)
     found = walk(system._walk_constants, given, times, ROUGH, 1e4)
     assert found.reached == 40
     assert found.wrong is None
-    true = system._kind.walk(WIDE, compiles=True)(system._walk_constants, given, times, FINE, 1e4)
+    true = system._kind.walk(WIDE)(system._walk_constants, given, times, FINE, 1e4)
     assert np.abs(found.states - true.states).max() <= 2.0**-52
     assert walk(system._walk_constants, given, 100 * times, ROUGH, 1e4).reached == 0
 
@@ -257,12 +249,11 @@ def test_a_tape_has_its_constants_first_and_operations_by_kind() -> None:
 def test_roots_and_constants_that_are_no_floats() -> None:
     """y' = √(1 + y²)/3, y = sinh(t/3), where 1/3 is no float."""
     formulas = Formulas(lambda N, y: (N.sqrt(1 + y[0] * y[0]) / N.coerce(3), N.zero), lambda N, y: y, 2, 2, 1)
-    kind = Kind("growing", formulas)
-    for walk in (kind.on_tape, kind.walk(WIDE, compiles=True)):
-        for times in (np.array([0.5, 11.0]), np.array([-7.0])):
-            rows = walk(np.zeros(1), (0.0, 1.0), times, FINE, 200.0).states
-            expected = [float(MP(30).context.sinh(MP(30).coerce(t) / 3)) for t in times]
-            assert rows[:, 0, 0].tolist() == expected
+    walk = Kind("growing", formulas).walk(WIDE)
+    for times in (np.array([0.5, 11.0]), np.array([-7.0])):
+        rows = walk(np.zeros(1), (0.0, 1.0), times, FINE, 200.0).states
+        expected = [float(MP(30).context.sinh(MP(30).coerce(t) / 3)) for t in times]
+        assert rows[:, 0, 0].tolist() == expected
 
 
 @pytest.mark.parametrize("k", range(12))

@@ -1,4 +1,4 @@
-"""Compiled walks of kinds of systems: comparison with the interpreted tape, tolerances, and the time of compilation."""
+"""Compiled walks of kinds of systems: comparison with recurrences in long numbers, tolerances, and compilation."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from integrable.series.steps import FINE, FINEST, WIDE, bounds_of, steps_for
 from integrable.series.walk import Bounds, Codes, Given
 from integrable.series.walk import walked as by_the_readable_loop
 from integrable.series.walk_compiled import LIBRARY
-from integrable.series.walk_text import TIMES
 from jacobian import MP, RR, ArgumentError
+from jacobian.native import machine
 from tests.integrable.classical.rows import REAL
-from tests.integrable.ways import walks
+from tests.integrable.series.readable import states_of
 
 SOME = [("neumann", 2), ("toda", 3), ("pendulum", 3), ("lagrange", 3), ("garnier", 3), ("veselova", 3)]
 over_some = pytest.mark.parametrize(("name", "n"), SOME)
@@ -41,19 +41,17 @@ def off(found, true):
 
 
 @over_some
-def test_the_tape_and_the_compiled_walk_differ_by_rounding_only(name, n, monkeypatch) -> None:
+def test_the_compiled_walk_and_the_recurrences_differ_by_rounding_only(name, n) -> None:
     system, state = REAL[name](RR, n)
-    times, found = np.array([7.0, -3.0, 0.0, 0.5, 21.0]), []
-    for way in ("tape", "compiled"):
-        walks(monkeypatch, way)
-        near = walked(system, state, times, 1e4)
-        assert sorted(near.places) == [0, 1, 2, 3, 4]
-        found.append(near.states[np.argsort(near.places)])
-    assert off(*found) <= 2.0**-52
+    times = np.array([7.0, -3.0, 0.0, 0.5, 21.0])
+    near = walked(system, state, times, 3e4)
+    assert sorted(near.places) == [0, 1, 2, 3, 4]
+    found = near.states[np.argsort(near.places)]
+    true = states_of(system._kind, system._walk_constants, (*state.q, *state.p), times)
+    assert off(found, np.reshape(true, found.shape)) <= 2.0**-52
 
 
-def test_a_walk_is_the_same_for_times_in_any_order(monkeypatch) -> None:
-    walks(monkeypatch, "compiled")
+def test_a_walk_is_the_same_for_times_in_any_order() -> None:
     system, state = REAL["neumann"](RR, 2)
     flow, times = system.flow(state), np.linspace(0, 9, 50)
     there = both(flow.at(times))
@@ -67,8 +65,7 @@ def test_a_walk_is_the_same_for_times_in_any_order(monkeypatch) -> None:
     assert np.array_equal(back.p, -there[:, 1])
 
 
-def test_what_was_asked_before_decides_nothing(monkeypatch) -> None:
-    walks(monkeypatch, "compiled")
+def test_what_was_asked_before_decides_nothing() -> None:
     system, state = REAL["ellipsoid"](RR, 2)
     times = [0.5, 30.0, 150.0]
     fresh = both(system.flow(state).at(times))
@@ -78,8 +75,7 @@ def test_what_was_asked_before_decides_nothing(monkeypatch) -> None:
 
 
 @over_some
-def test_a_tolerance_is_kept_and_its_estimate_is_one(name, n, monkeypatch) -> None:
-    walks(monkeypatch, "compiled")
+def test_a_tolerance_is_kept_and_its_estimate_is_one(name, n) -> None:
     system, state = REAL[name](RR, n)
     times = np.linspace(0, 40, 9)
     exact = both(system.flow(state).at(times))
@@ -92,11 +88,10 @@ def test_a_tolerance_is_kept_and_its_estimate_is_one(name, n, monkeypatch) -> No
         assert ROUNDED <= path.estimate <= tolerance
 
 
-def test_what_a_tolerance_does_not_hold_for_is_right_to_the_last_bits(monkeypatch) -> None:
+def test_what_a_tolerance_does_not_hold_for_is_right_to_the_last_bits() -> None:
     """An instability magnifies the rounding of steps in floats from 1e-16 to 1e-3; steps in double-doubles are
     accurate.
     """
-    walks(monkeypatch, "compiled")
     system = SphericalPendulum()
     state = system.state((1e-5, 0.0, 1.0), (0.0, 1e-5, 0.0))
     times = np.array([1.0, 30.0])
@@ -118,26 +113,24 @@ def spiral() -> Formulas:
     return Formulas(lambda N, y: (-(y[1] / 3), y[0] / 3), lambda N, y: tuple(y), 2, 2, 1)
 
 
-def test_a_kind_is_compiled_when_it_has_paid() -> None:
+def test_a_walk_is_compiled_once_a_machine(monkeypatch) -> None:
     kind = Kind("spiral", spiral())
     kind.name += f"_{Random().random()}"
-    assert kind.walk(WIDE) is None
-    kind.pay(kind.cost(WIDE) / 2)
-    assert kind.walk(WIDE) is None
-    kind.pay(kind.cost(WIDE))
     walk = kind.walk(WIDE)
     assert walk is not None
+    assert kind.walk(WIDE) is walk
     found = walk(np.zeros(1), (1.0, 0.0), np.array([0.0, 3.0, 60.0]), FINE, 1e3)
     assert found.wrong is None
     assert off(found.states.reshape(3, 2), np.array([[math.cos(t / 3), math.sin(t / 3)] for t in (0, 3, 60)])) < 3e-16
     # found on disk from now on
+    monkeypatch.setattr(machine, "object_of", None)
     again = Kind("spiral", spiral())
     again.name = kind.name
     assert again.walk(WIDE) is not None
 
 
 def test_times_that_are_not_in_order_are_not_walked_to() -> None:
-    walk = Kind("spiral", spiral()).walk(WIDE, compiles=True)
+    walk = Kind("spiral", spiral()).walk(WIDE)
     assert walk is not None
     for times in ([1.0, 0.5], [-1.0, 1.0], [1.0, -1.0], [math.nan], [0.0, math.inf]):
         assert walk(np.zeros(1), (1.0, 0.0), np.array(times), FINE, 1e3).reached == -1
@@ -145,12 +138,12 @@ def test_times_that_are_not_in_order_are_not_walked_to() -> None:
 
 def test_the_compiled_loop_is_the_readable_one() -> None:
     system, state = REAL["toda"](RR, 2)
-    walk = system._kind.walk(WIDE, compiles=True)
+    walk = system._kind.walk(WIDE)
     times = np.array([0.25, 0.5, 2.0, 2.0, 7.0])
     found = []
     for loop in (by_the_readable_loop, LIBRARY.walked):
         bounds, places = Bounds(*bounds_of(FINE, 1e3)), walk.places
-        room, rows, out = np.zeros(walk.size), np.empty(4 * (5 + TIMES) * 4), np.empty(5 * 4)
+        room, rows, out = np.zeros(walk.size), np.empty(4 * 5 * 4), np.empty(5 * 4)
         given = Given(np.zeros(1), np.array([*state.q, *state.p]), *places)
         said = loop(Codes(*walk.codes), bounds, given, room, walk.units, times, rows, out)
         found.append(out)
@@ -181,11 +174,10 @@ EDGES = {
 
 
 @pytest.mark.parametrize("name", EDGES)
-def test_the_edges_of_a_walk(name, monkeypatch) -> None:
+def test_the_edges_of_a_walk(name) -> None:
     """Compared with additions in 40 digits, forwards and backwards in time; times beyond a walk are computed by other
     methods.
     """
-    walks(monkeypatch, "compiled")
     system, q, p, time = EDGES[name]
     state, K, times = system.state(q, p), MP(40), [time, -time / 3, 0.0]
     path = system.flow(state).at(times)
@@ -208,14 +200,13 @@ def test_floats_of_a_state_are_taken_as_they_are_and_all_others_are_looked_at() 
 
 
 @pytest.mark.parametrize("size", [1e-9, 1.0, 1e4, 1e9])
-def test_long_units_of_time_are_walked_as_far(size, monkeypatch) -> None:
+def test_long_units_of_time_are_walked_as_far(size) -> None:
     """A geodesic of the earth in kilometres: the walk used to stop at 65,536 units of time, after wrong rows."""
-    walks(monkeypatch, "compiled")
     system = Ellipsoid((size * size, 2 * size * size, 4 * size * size))
     state = system.state((size, 0.0, 0.0), (0.0, 0.6, 0.8))
     one = Ellipsoid((1.0, 2.0, 4.0))
     times = np.linspace(0, 100, 11)
-    near = walked(system, state, size * times, 1e4)
+    near = walked(system, state, size * times, 3e4)
     assert len(near.places) == 11
     true = both(one.flow(one.state((1.0, 0.0, 0.0), (0.0, 0.6, 0.8))).at(times))
     assert off(near.states, true * np.array([[size], [1.0]])) < 1e-14
@@ -227,7 +218,7 @@ def test_parts_of_sums_that_cancel_are_made_apart() -> None:
     """
     system = SphericalPendulum()
     state = system.state((0.48, 0.6, -0.64), (0.75, -0.6, 0.0))
-    walk = system._kind.walk(FINEST.orders, compiles=True)
+    walk = system._kind.walk(FINEST.orders)
     found = walk(system._walk_constants, (*state.q, *state.p), np.array([100.0, 400.0]), FINEST, 1e5)
     assert found.reached == 2
     assert found.wrong is None
@@ -239,7 +230,7 @@ def test_a_walk_ends_where_its_rows_say_that_the_last_is_lost() -> None:
     """
     system, state = REAL["neumann"](RR, 2)
     steps = steps_for(1e-13)[0]
-    walk, times = system._kind.walk(steps.orders, compiles=True), np.linspace(0, 300, 301)
+    walk, times = system._kind.walk(steps.orders), np.linspace(0, 300, 301)
     given = system._walk_constants, (*state.q, *state.p), times
     found, whole = walk(*given, steps, 1e6), walk(*given, steps._replace(agreed=1.0), 1e6)
     assert whole.reached == 301
@@ -255,7 +246,7 @@ def test_barriers_of_nothing_are_none() -> None:
     """They used to be terms 0/q_1², so that a walk from q_1 = 0 could not begin."""
     system = HenonHeiles((1.0,), -0.5, -0.25)
     state = system.state((0.05, 0.0), (0.01, 0.02))
-    walk, times = system._kind.walk(WIDE, compiles=True), np.linspace(0, 10, 11)
+    walk, times = system._kind.walk(WIDE), np.linspace(0, 10, 11)
     found = walk(system._walk_constants, (*state.q, *state.p), times, FINE, 1e4)
     assert (found.reached, found.wrong) == (11, None)
     K = MP(30)

@@ -813,16 +813,16 @@ def test_what_the_flow_costs_once_a_machine_is_what_its_first_use_had(done, monk
 
 
 def test_the_walks_of_the_flow_are_compiled_before_it_is_timed(monkeypatch):
-    """Garnier's system used to be timed on the tape, which the compiled walk replaces after some seconds of use."""
+    """Compiling is no part of a run."""
     asked = []
-    monkeypatch.setattr(Kind, "walk", lambda kind, orders, compiles=False: asked.append((kind.name, orders, compiles)))
+    monkeypatch.setattr(Kind, "walk", lambda kind, orders: asked.append((kind.name, orders)))
     for name in ("chaplygin", "garnier", "tilde"):
         rivals._compile_walks(load_scene(name))
     assert [(name.split("_")[1], *rest) for name, *rest in asked] == [
-        ("garnier", ROUGH.orders, True),
-        ("garnier", FINE.orders, True),
-        ("tilde", ROUGH.orders, True),
-        ("tilde", FINE.orders, True),
+        ("garnier", ROUGH.orders),
+        ("garnier", FINE.orders),
+        ("tilde", ROUGH.orders),
+        ("tilde", FINE.orders),
     ]
 
 
