@@ -169,9 +169,7 @@ def _compare(p: int, L: Sequence[int], geometric: int, rational: Sequence[Intege
 
 
 def is_norm(L: Sequence[int], d: int) -> bool:
-    """Whether an L-polynomial of genus 2 is a norm from E[T], E = QQ × QQ for d = 1, and one of any genus from that of
-    E = QQ(√d).
-    """
+    """Whether an L-polynomial is a norm from E[T] with E = QQ(√d), in any genus, or E = QQ × QQ (d = 1), in genus 2."""
     factors = _power(L, 1).factor()[1]
     if d == 1:
         return all(part.degree() < 3 for part, _ in factors)

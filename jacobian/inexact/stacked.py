@@ -86,7 +86,7 @@ def compose(
     slope2, _ = divided(added(p, [-q * c for c in v2]), u2)
     summands = ((slope, v1, w1), (slope2, v2, residue(f, u2, v2)[0]))
     v = _second_polynomial(field, f, u, p, q, summands)
-    # p is q·V + U·L of either summand: its accuracy is the last bits of the larger terms
+    # for either summand p is q·V + U·L, so it is accurate to the last bits of the larger of these terms
     terms = added(product(absolute(u1), absolute(slope)), [abs(q * c) for c in v1])
     terms = added(terms, added(product(absolute(u2), absolute(slope2)), [abs(q * c) for c in v2]))
     rest = max(rest, departure(f, u, v), _mismatch(u, v, p, q, terms))

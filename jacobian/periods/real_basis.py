@@ -2,7 +2,7 @@
 a basis in which real motions are real, the odd characteristics of the branch points, and the image of a pair of points.
 
 Integrals go straight from branch point to branch point (Gauss & Chebyshev; Gauss & Legendre to points), sheets are
-those that make τ symmetric with Im τ > 0. Of 16 characteristics η₀ one alone makes all η₀ + 2(q, p)_i odd, where
+those that make τ symmetric with Im τ > 0. Exactly one of the 16 characteristics η₀ makes all η₀ + 2(q, p)_i odd, where
 ∫_{r₀}^{r_i} = Ap + Bq (Mumford 1984).
 """
 

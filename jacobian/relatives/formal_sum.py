@@ -102,7 +102,7 @@ class FormalSum(Immutable):
         """Whether no multiplicity is negative."""
         if min(self.weights) < 0:
             return False
-        # whole fibres are subtracted where the pair has at most one of the two points
+        # the denominator consists of whole fibres, and the pair has at most one of the two points of a fibre
         return len(self.denominator) == 1
 
     def multiplicity(self, point: Any) -> int:

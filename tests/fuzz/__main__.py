@@ -109,7 +109,7 @@ def _tally(plan: Plan, given: argparse.Namespace) -> Tally:
         (plan.suite.name, replace(plan, suite=Suite("", {}), start=k, stride=given.jobs)) for k in range(given.jobs)
     ]
     with processes(given.jobs) as pool:
-        # from the module by name: a process of multiprocessing knows no __main__ of a package
+        # imported by name, since processes of multiprocessing do not know the __main__ of a package
         for tally in pool.map(import_module("tests.fuzz.__main__")._share, tasks):
             total.add(tally)
     total.seconds = time.perf_counter() - began

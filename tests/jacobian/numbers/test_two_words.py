@@ -57,7 +57,7 @@ def test_operations(p, elements):
     assert [K.from_word(y) for y in x] == [a, b, c, d]
     found = COMPILED.operations(K, *x)
     assert all(0 <= y < p for y in found)
-    # Python may leave −x as it is
+    # the function in Python may leave −x unreduced
     assert [y % p for y in operations(K, *x)] == list(found)
     product, two, three, plus, minus, negative, fitted, settled, four, encoded, decoded, least = found
     totals = a * b, a * b + c * d, a * b + c * d + a * c, a + b, a - b, -a, a * b + c * d + a * c + b * d
