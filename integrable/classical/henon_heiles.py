@@ -12,7 +12,7 @@ With α = −½ and one axis the potential is 2q_0³ + q_0q_1² plus any quadrat
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from integrable.mumford.flow import Point
@@ -35,11 +35,11 @@ class HenonHeiles(QuadricSystem):
 
     def __init__(
         self,
-        a: Any,
-        alpha: Any = "-1/2",
-        beta: Any = 0,
-        gamma: Any = 0,
-        barriers: Any = None,
+        a: Iterable[Value],
+        alpha: Value = "-1/2",
+        beta: Value = 0,
+        gamma: Value = 0,
+        barriers: Iterable[Value] | None = None,
         field: Field = RR,
     ) -> None:
         self._set_up(field, a, "a", 1)

@@ -5,12 +5,13 @@ It is solved by a quasi-Newton method on the direct problem of :class:`~integrab
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from math import acos, sin
 from typing import Any
 
 from integrable.classical.ellipsoid import Ellipsoid
 from integrable.mumford.flow import Point, long_digits
+from jacobian.element import Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
 from jacobian.linear import pivoted
 
@@ -20,7 +21,7 @@ LAST, MOST, HALVINGS = 64, 60, 8
 OFF = 1e-6
 
 
-def joining(ellipsoid: Ellipsoid, first: Any, last: Any) -> Point:
+def joining(ellipsoid: Ellipsoid, first: Iterable[Value], last: Iterable[Value]) -> Point:
     """The state at the point ``first`` that reaches ``last`` at time 1, over RR or MP(digits); |p| is the length.
 
     The search starts in the direction of the chord and finds the shortest geodesic, unless the points are nearly
@@ -40,10 +41,10 @@ def joining(ellipsoid: Ellipsoid, first: Any, last: Any) -> Point:
     # a line along the normal at the target meets the ellipsoid in two points; only one is on the target's side
     facing = [x / e / e for x, e in zip(target, ellipsoid.constants, strict=True)]
 
-    def velocity(w: Sequence[Any]) -> tuple[Any, ...]:
+    def velocity(w: Sequence[Real]) -> tuple[Real, ...]:
         return tuple(K.dot(w, column) for column in zip(*basis, strict=True))
 
-    def missed(w: Sequence[Any]) -> list[Any]:
+    def missed(w: Sequence[Real]) -> list[Any]:
         (end,) = ellipsoid.flow(ellipsoid._constrained(K, Point(q, velocity(w)))).at([K.one]).q
         if K.dot(end, facing) <= 0:
             raise PrecisionLoss("no geodesic was found: the search has come to the other side of the ellipsoid")

@@ -25,13 +25,15 @@ from integrable.phase.enclosure import ball_digits, exact_times, widest
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import RR, poly
-from jacobian.element import Value
+from jacobian.element import Numbers, Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
 from jacobian.fields.protocol import Field, check_field
 from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from integrable.classical.kdv_profile import Profile
     from integrable.mumford.balls import EnclosedPlace
 
@@ -70,7 +72,7 @@ class KdV(Made):
     def arguments(self) -> dict[str, Any]:
         return {"edges": self.edges}
 
-    def state(self, gamma: Any, signs: Any = None) -> Eigenvalues:
+    def state(self, gamma: Iterable[Value], signs: Iterable[int] | None = None) -> Eigenvalues:
         """The state with the eigenvalues γ_j in the gaps at x = t = 0, and the signs ±1 of their y, by default all 1.
 
         Over an exact field f(γ_j) must be a square; +1 then stands for the root that the field's ``sqrt`` returns.
@@ -145,7 +147,7 @@ class Wave:
         of_x, of_t = directions_of_waves(N, f)
         return Start(f, u, v, of_x, further=(of_t,))
 
-    def at(self, x: Any, t: Any = 0) -> Any:
+    def at(self, x: Numbers, t: Numbers = 0) -> np.ndarray:
         """u(x, t), an array of the shape to which x and t broadcast; ``at(x, t[:, None])`` is a table.
 
         For a g-gap solution the error is below the last digit of floats, or of MP(digits), times the span of the edges,
@@ -164,7 +166,7 @@ class Wave:
             found.flat[at_time] = self._at_one_time(xs.ravel()[at_time].astype(float), time)
         return found
 
-    def enclosure(self, x: Any, t: Any = 0, digits: int | None = None) -> Any:
+    def enclosure(self, x: Numbers, t: Numbers = 0, digits: int | None = None) -> Any:
         """Enclosures of u(x, t): balls (``flint.arb``) that provably contain it, in an array as :meth:`at` returns.
 
         Their radius is at most 10^(−digits) times the span of the edges. The edges, γ_j, x and t count as exact.
@@ -175,7 +177,7 @@ class Wave:
         wanted = ball_digits(self.kdv.field, digits)
         precisions = Precisions(self._place, self._genus, wanted)
 
-        def value(x: Any, t: Any) -> Any:
+        def value(x: Real, t: Real) -> Any:
             if self._constant is not None:
                 return exact_times([self._constant])[0]
             return precisions.narrow(lambda place: self._ball(place, x, t), max(abs(float(x)), abs(float(t))))[0]
@@ -208,7 +210,7 @@ class Wave:
         return found[0], found[1]
 
     @staticmethod
-    def _filled(xs: Any, ts: Any, value: Callable[[Any, Any], Any], kind: Any) -> Any:
+    def _filled(xs: Any, ts: Any, value: Callable[[Any, Any], Any], kind: type) -> np.ndarray:
         """The array of ``value(x, t)`` for the elements of xs and ts."""
         import numpy as np
 
@@ -287,7 +289,7 @@ class Wave:
         return [[potential(N, f, D.u), N.coerce(self._edges[-1]) - N.coerce(self._edges[0])]]
 
 
-def directions_of_waves(K: Any, f: poly.Poly) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+def directions_of_waves(K: Field, f: poly.Poly) -> tuple[tuple[Real, ...], tuple[Real, ...]]:
     """The directions (c, c') of x and t: Σ_j γ_j^k dγ_j/y_j = c_k dx + c'_k dt."""
     gaps = len(f) // 2 - 1
     of_x, of_t = [K.zero] * gaps, [K.zero] * gaps
@@ -298,6 +300,6 @@ def directions_of_waves(K: Any, f: poly.Poly) -> tuple[tuple[Any, ...], tuple[An
     return tuple(of_x), tuple(of_t)
 
 
-def potential(K: Any, f: poly.Poly, u: poly.Poly) -> Any:
+def potential(K: Field, f: poly.Poly, u: poly.Poly) -> Any:
     """The solution at a pair: u = Σe_i − 2Σγ_j."""
     return K.add(f[-2], K.mul(poly.integer(K, 2), u[-2]))

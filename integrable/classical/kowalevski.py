@@ -22,6 +22,7 @@ from integrable.mumford.flow import Point, element, long_digits
 from integrable.mumford.motion import MumfordMotion, Start
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, normalized
 from jacobian import RR, poly
+from jacobian.element import Arithmetic
 from jacobian.errors import NotRepresentable, one_or_more
 from jacobian.fields.protocol import Field, check_field
 
@@ -97,7 +98,7 @@ class KowalevskiTop(MumfordSystem):
         self._check(state)
         K, digits = self.field, long_digits(self.field)
 
-        def place(N: Any) -> Start:
+        def place(N: Arithmetic) -> Start:
             return self._start(N, self._constrained(N, self._inside(N, state)))
 
         f, motion = self.spectral(state).f, MumfordMotion(place, 2)

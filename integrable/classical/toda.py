@@ -21,7 +21,7 @@ from integrable.mumford.maps import plus_point_minus_infinity
 from integrable.mumford.system import MumfordSystem, Spectral, all_of
 from integrable.portrait.point_ovals import Form
 from jacobian import RR, poly
-from jacobian.element import Value
+from jacobian.element import Real, Value
 from jacobian.errors import one_of, whole
 from jacobian.fields.protocol import Field, check_field
 from jacobian.relatives.extended import Extended
@@ -172,7 +172,7 @@ class TodaLattice(MumfordSystem):
         """
         sheet = one_of(sheet, "sheet", (1, -1), "give 1 or -1")
 
-        def formula(N: Any, here: Point, x: Any, y: Any) -> Point:
+        def formula(N: Field, here: Point, x: Real, y: Real) -> Point:
             f, u, v = self._spectral(N, here)
             pair = plus_point_minus_infinity(N, f, (u, v), (x, y), N.one if sheet == 1 else -N.one)
             p, links = self._chain(N, here, pair)

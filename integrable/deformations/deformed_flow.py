@@ -25,6 +25,7 @@ from integrable.moving_point.losses import NOTHING, digits_of
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.state import State, onto_constraints
 from jacobian import RR
+from jacobian.element import Numbers, Real
 from jacobian.errors import ArgumentError, PrecisionLoss, shown, written
 from jacobian.inexact.long_numbers import LongNumbers
 from jacobian.numbers.compiler import interpreted
@@ -42,7 +43,7 @@ def at_its_precision(method: Any) -> Any:
     """Decorator: the method of a carrier, run inside the context ``precision`` of the carrier."""
 
     @wraps(method)
-    def inside(self: Any, *arguments: Any) -> Any:
+    def inside(self: Any, *arguments: Any) -> Real:
         with self.precision:
             return method(self, *arguments)
 
@@ -58,7 +59,7 @@ class CurvesCarrier(Carrier):
 
     system: Any
     start: State
-    sizes: tuple[Any, Any]
+    sizes: tuple[Real, Real]
     momentum: Any = 1
 
     @property
@@ -79,18 +80,18 @@ class CurvesCarrier(Carrier):
     def rolls(self) -> bool:  # type: ignore[override]
         return self.system.body.rolls
 
-    def turns(self, tau: Any) -> Any:
+    def turns(self, tau: Numbers) -> Any:
         """The number of periods in |τ|, counted in the shorter of the two."""
         raise NotImplementedError
 
-    def scaled(self, t: Any) -> Any:
+    def scaled(self, t: Real) -> Any:
         return self.field.coerce(t)
 
     @at_its_precision
-    def lost(self, tau: Any) -> int:
+    def lost(self, tau: Real) -> int:
         return ceil(float(self.field.context.log10(1 + self.turns(tau))))
 
-    def vectors(self, point: Any) -> tuple[Any, Any]:
+    def vectors(self, point: Any) -> tuple[Real, Real]:
         gamma, M = point
         return gamma, M
 
@@ -193,7 +194,7 @@ class OnCurves(ManyDigits):
 
 
 def integrals_missing(
-    system: Any, before: tuple[Any, Any], sizes: tuple[Any, Any], rows: Sequence[Any], digits: int
+    system: Any, before: tuple[Real, Real], sizes: tuple[Real, Real], rows: Sequence[Any], digits: int
 ) -> int:
     """The number of ``digits`` that H and K of rows (γ, M) lack, compared with ``before`` and relative to ``sizes``.
 

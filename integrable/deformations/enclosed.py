@@ -23,6 +23,7 @@ from integrable.phase.enclosure import Enclosure, ball_digits, exact_times, roun
 from integrable.phase.state import State, onto_constraints
 from integrable.series.recurrences import coefficients, values_at
 from integrable.series.tape import CONSTANT, ROOT, recorded
+from jacobian.element import Numbers, Real
 from jacobian.errors import Infeasible, PrecisionLoss, written
 from jacobian.numbers.long_reals import BallReals
 from jacobian.progress import Progress
@@ -46,7 +47,7 @@ SMALLEST_DISC = 1e-15
 class EnclosedMotion(Motion):
     """A motion whose equations can be enclosed: the base class of the motions of deformations."""
 
-    def enclosure(self, times: Any, digits: int | None = None) -> Enclosure:
+    def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
         """Enclosures of the states at physical times: balls of radius at most 10^(−digits) that provably contain them.
 
         The radius of M is relative to |M| at the start, unless that is 0. The inputs count as exact, except that γ is
@@ -58,7 +59,7 @@ class EnclosedMotion(Motion):
         return deformed_enclosure(self.system, self.state, list(given), ball_digits(self.system.field, digits))
 
 
-def deformed_enclosure(system: Hamiltonian, state: State, times: list[Any], digits: int) -> Enclosure:
+def deformed_enclosure(system: Hamiltonian, state: State, times: list[Real], digits: int) -> Enclosure:
     """The enclosure of a system's motion at physical times, in balls."""
     rows: list[Any] = [None] * len(times)
     for ahead in (True, False):

@@ -20,7 +20,7 @@ from integrable.phase.space import check_state
 from integrable.phase.state import State
 from integrable.systems.chaplygin_ball import ChaplyginBall
 from jacobian import RR
-from jacobian.element import Value
+from jacobian.element import Real, Value
 from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
@@ -44,7 +44,7 @@ class DeformedIntegrals(NamedTuple):
 class Scalars:
     """The functions of (γ, M) from which the Hamiltonians are composed; each is computed on first use."""
 
-    def __init__(self, a: Sequence[Any], d: Any, gamma: Sequence[Any], M: Sequence[Any]) -> None:
+    def __init__(self, a: Sequence[Any], d: Real, gamma: Sequence[Real], M: Sequence[Real]) -> None:
         self.a, self.d, self.gamma, self.M = tuple(a), d, tuple(gamma), tuple(M)
         a1, a2, a3 = self.a
         self.e1, self.e2, self.e3 = a1 + a2 + a3, a1 * a2 + a2 * a3 + a3 * a1, a1 * a2 * a3
@@ -101,12 +101,12 @@ class Scalars:
         return dot(self.M, product(self.gamma, [a * x for a, x in zip(self.dual, self.gamma, strict=True)]))
 
     @cached_property
-    def Ag(self) -> tuple[Any, ...]:
+    def Ag(self) -> tuple[Real, ...]:
         """Aγ."""
         return tuple(a * x for a, x in zip(self.a, self.gamma, strict=True))
 
     @cached_property
-    def AM(self) -> tuple[Any, ...]:
+    def AM(self) -> tuple[Real, ...]:
         """AM."""
         return tuple(a * x for a, x in zip(self.a, self.M, strict=True))
 

@@ -9,7 +9,7 @@ from integrable.deformations.deformation import Deformation
 from integrable.deformations.hamiltonian import DeformedIntegrals, Potential, Scalars, combination, poles, product
 from integrable.phase.state import State
 from jacobian import RR
-from jacobian.element import Value
+from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ class Hat(IsometricDeformation):
     S = e2/e3 − τ/σ. The pair is isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`).
     """
 
-    def eigenvalue_sums(self, integrals: DeformedIntegrals) -> tuple[Any, Any]:
+    def eigenvalue_sums(self, integrals: DeformedIntegrals) -> tuple[Real, Real]:
         K, (a1, a2, a3) = self.field, self.a
         return integrals.H, K.div(integrals.K, K.mul(a1, K.mul(a2, a3)))
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from integrable.mumford.elliptic_torus import theta_quotients, theta_rows
+from jacobian.element import Real
 
 
 class SeparatedOval:
@@ -22,7 +23,7 @@ class SeparatedOval:
     """
 
     def __init__(
-        self, K: Any, e: Sequence[Any], gap: Callable[[int, int], Any], sizes: Sequence[Any], turn: int
+        self, K: Any, e: Sequence[Any], gap: Callable[[int, int], Any], sizes: Sequence[Real], turn: int
     ) -> None:
         self.field, self.e = K, e
         # on the bounded oval, e_low ≤ Z ≤ e_middle ≤ e_high
@@ -47,7 +48,7 @@ class SeparatedOval:
         self.factors = swing * three / two, swing * four / two, wide * four / three
         self.since = self._since_low() if self.swing else K.zero
 
-    def height(self, r: Sequence[Any]) -> Any:
+    def height(self, r: Sequence[Real]) -> Any:
         """Z at the roots R_i, computed from the smallest of them."""
         i = min(range(3), key=lambda n: abs(r[n]))
         return self.e[i] + self.signs[i] * r[i] * r[i]
@@ -80,6 +81,6 @@ class SeparatedOval:
         return half if z is None else half - integral(*(x - z for x in self.e))
 
 
-def root_of_rounded(K: Any, x: Any) -> Any:
+def root_of_rounded(K: Any, x: Any) -> Real:
     """√|x|, for an x that is nonnegative up to rounding."""
     return K.context.sqrt(abs(x))

@@ -21,6 +21,7 @@ from integrable.deformations.separated_flow import interlaced
 from integrable.phase.body import cross
 from integrable.phase.state import State
 from jacobian import poly
+from jacobian.element import Numbers, Real
 from jacobian.errors import NotRepresentable, shown
 
 __all__ = ["PoleFlow"]
@@ -68,11 +69,11 @@ class CubicCarrier(CurvesCarrier):
         self._curves = [self._curve(*row) for row in zip(u, rate, self._lambdas, strict=True)]
 
     @at_its_precision
-    def turns(self, tau: Any) -> Any:
+    def turns(self, tau: Real) -> Any:
         return abs(tau) / min(curve.period for curve in self._curves)
 
     @at_its_precision
-    def point(self, tau: Any) -> tuple[list[Any], list[Any]]:
+    def point(self, tau: Numbers) -> tuple[list[Any], list[Any]]:
         return self._state(*(curve.moved(tau) for curve in self._curves))
 
     def _separated(self, state: State) -> tuple[list[Any], list[Any], list[Any]]:
@@ -148,7 +149,7 @@ class _Cubic:
         return (self._oval.height(r) - self._shift) / self._scale, 2 * r[0] * r[1] * r[2] / self._scale
 
 
-def roots_of_cubic(K: Any, g2: Any, g3: Any) -> list[Any]:
+def roots_of_cubic(K: Any, g2: Real, g3: Any) -> list[Real]:
     """The real roots of 4Z³ − g2Z − g3 in ascending order, by Viète's formula with cos 3θ."""
     # rounding may push the cosine beyond 1 at an equilibrium, where the oval is a point
     cosine = max(-K.one, min(K.one, g3 * (27 / g2**3) ** (K.one / 2)))

@@ -14,7 +14,9 @@ import numpy as np
 
 from integrable.deformations.series import ENDS, REACHED, STEPS, SeriesRoom, evaluated, march_along
 from integrable.series.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, Tape
+from jacobian.element import Real
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss
+from jacobian.fields.protocol import Field
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.double_double import split
 from jacobian.numbers.long_reals import BareReals
@@ -96,14 +98,14 @@ class _Compiled:
 
 
 def integrate(
-    field: Any,
+    field: Field,
     tape: Tape,
-    start: Sequence[Any],
-    times: Sequence[Any],
+    start: Sequence[Real],
+    times: Sequence[Real],
     digits: int,
     refused: dict[int, str] | None = None,
     unit: float = 1.0,
-) -> list[list[Any]]:
+) -> list[list[Real]]:
     """The variables at ``times``, in any order and of either sign, from ``start`` at time 0: numbers of an MP field.
 
     The truncation error of a step is below 10^−digits, relative to the largest of the three variables of a vector.
@@ -127,7 +129,7 @@ def integrate(
     return rows
 
 
-def evaluate(field: Any, tape: Tape, rows: Sequence[Sequence[Any]], digits: int, wanted: int) -> list[list[Any]]:
+def evaluate(field: Field, tape: Tape, rows: Sequence[Sequence[Real]], digits: int, wanted: int) -> list[list[Any]]:
     """The first ``wanted`` results of a tape for each row of variables, to ``digits`` digits.
 
     The tape must have as many results as variables.

@@ -21,6 +21,7 @@ from integrable.phase.space import check_moving
 from integrable.phase.state import State
 from integrable.steps.step import Step, checked_multiple, checked_signs
 from jacobian import HyperellipticCurve, poly
+from jacobian.element import Real
 from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, PrecisionLoss, shown, written
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.relatives.signed import Pair
@@ -106,7 +107,7 @@ def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = N
     return _state(system, pairs, u, h1, h2, like)
 
 
-def elliptic_curve_of(system: Hamiltonian, mu: Any) -> HyperellipticCurve:
+def elliptic_curve_of(system: Hamiltonian, mu: Real) -> HyperellipticCurve:
     """The elliptic curve Y² = 4Π(Z − μ/I_i)."""
     K = system.field
     f = poly.from_roots(K, [K.div(mu, moment) for moment in system.body.inertia])

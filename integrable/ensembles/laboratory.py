@@ -17,13 +17,13 @@ from integrable.files.quantities import reasons_text, status_column
 from integrable.laboratory.bodies import NEARLY, RigidBody
 from integrable.laboratory.in_files import about_body, columns_of, usual
 from integrable.laboratory.motion import LaboratoryMotion, LaboratoryRun, going_on
-from integrable.laboratory.tensor import ORTHOGONAL, matrices_of
+from integrable.laboratory.tensor import ORTHOGONAL, Orientation, matrices_of
 from integrable.motion.refusals import common_reasons
 from integrable.motion.short import MOST_TIMES
 from integrable.phase import attitude
 from integrable.phase.body import Body
 from jacobian import RR
-from jacobian.element import Numbers, Rows
+from jacobian.element import Numbers, Real, Rows, Table
 from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, chosen, floats, several, shown, whole
 from jacobian.immutable import Record, read_only, replaced
 from jacobian.numbers.compiler import interpreted
@@ -42,7 +42,9 @@ COLUMNS = 12
 WANTED = "rotations of shape (K, 3, 3) or (3, 3), or SciPy's Rotation, are needed"
 
 
-def laboratory_ensemble(body: Any, orientation: Any, omega: Any, contact: Any = None) -> LaboratoryEnsemble:
+def laboratory_ensemble(
+    body: RigidBody, orientation: Orientation, omega: Table, contact: Table | None = None
+) -> LaboratoryEnsemble:
     """Many motions of a RollingBall or a RigidBody over RR.
 
     ``orientation`` has shape (K, 3, 3), or is SciPy's Rotation of K; ``omega`` is in the laboratory, shape (K, 3), in
@@ -307,7 +309,7 @@ class LaboratoryRuns(Runs, Exported):
         said = about_body(self.ensemble.body, reasons=reasons_text(self.reasons))
         return Frame(dims, coordinates, variables, said)
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[Real, ...]:
         # without the NaN of refused members, which equal nothing
         kept = self.status == 0
         arrays = self._times, self.matrices[kept], self.omega_body[kept], self.status

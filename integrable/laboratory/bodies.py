@@ -72,7 +72,7 @@ class RigidBody(Made):
         """
         return LaboratoryMotion(self, *self._start(orientation, omega), None)
 
-    def _way(self, start: Any, spin: Any) -> Any:
+    def _way(self, start: np.ndarray, spin: np.ndarray) -> Any:
         """The method for a motion with its principal axes at ``start`` and ω along them."""
         moments, K = self._principal.moments, self._wide
         if _uniform(moments, spin, self.field.eps):
@@ -93,7 +93,7 @@ class RigidBody(Made):
         space = np.array(triple(K, omega, "omega"), dtype=object)
         return start, start.T @ space
 
-    def _flow(self, system: Any, gamma: Any, M: Any, tilted: bool) -> WideFlow:
+    def _flow(self, system: Any, gamma: np.ndarray, M: np.ndarray, tilted: bool) -> WideFlow:
         K, coerce = self._wide, system.field.coerce
         body = Body(self._principal.moments, self._d, K) if system.d else Body(self._free_moments, K.zero, K)
         (x1, x2, x3), (m1, m2, m3) = gamma, M
@@ -149,7 +149,7 @@ class RollingBall(RigidBody):
     def arguments(self) -> dict[str, Any]:
         return {**super().arguments, "mass": self._mass, "radius": self._radius}
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[Real, ...]:
         return *super()._value(), self._mass, self._radius
 
     def motion(
@@ -169,7 +169,7 @@ class RollingBall(RigidBody):
         origin = tuple(K.coerce(x, f"contact[{i}]") for i, x in enumerate(given))
         return LaboratoryMotion(self, start, spin, origin)
 
-    def _way(self, start: Any, spin: Any) -> Any:
+    def _way(self, start: np.ndarray, spin: np.ndarray) -> Any:
         K, d, moments = self._wide, self._d, self._principal.moments
         if _uniform(moments, spin, self.field.eps):
             return Uniform(self.field, start, spin, self._radius)
@@ -197,7 +197,7 @@ class RollingBall(RigidBody):
         frame = np.stack([across, cross(start @ gamma, across), start @ gamma], axis=1)
         return Along(self._flow(system, gamma, M, True), frame)
 
-    def _vertical(self, start: Any, gamma: Any, rate: Any) -> Vertical:
+    def _vertical(self, start: np.ndarray, gamma: np.ndarray, rate: Real) -> Vertical:
         """M ∥ γ: the free body of moments I + d with the momentum λγ, λ = ``rate``."""
         K = self._wide
         M = rate * gamma
@@ -211,7 +211,7 @@ class RollingBall(RigidBody):
         return Vertical(self._flow(system, x, M, False), frame, self._radius, sign)
 
 
-def _wide_field(field: Any) -> Any:
+def _wide_field(field: Field) -> Any:
     if field == RR:
         return MP(SET_UP_DIGITS)
     if type(field) is not type(MP(15)) or field.complex:
@@ -243,7 +243,7 @@ def _uniform(moments: Any, spin: Any, eps: Any) -> bool:
     return False
 
 
-def _across(K: Any, M: Any) -> Any:
+def _across(K: Field, M: np.ndarray) -> Any:
     """A unit vector orthogonal to M."""
     axis = min(range(3), key=lambda i: abs(M[i]))
     unit = np.array([K.one * (i == axis) for i in range(3)], dtype=object)

@@ -36,7 +36,7 @@ class OrientationFit(Record):
     laboratory, ω of the start along the principal axes, and the logarithms of the ratios.
     """
 
-    def __init__(self, motion: Any, ratios: Any, rms: float, covariance: Any) -> None:
+    def __init__(self, motion: Any, ratios: np.ndarray, rms: float, covariance: np.ndarray) -> None:
         self.motion, self.ratios, self.rms, self.covariance = motion, ratios, rms, covariance
 
     @property

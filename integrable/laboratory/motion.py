@@ -33,7 +33,7 @@ class LaboratoryMotion(Immutable):
     that of the free body that turns as the ball does.
     """
 
-    def __init__(self, body: Any, start: Any, spin: Any, contact: Any) -> None:
+    def __init__(self, body: Any, start: np.ndarray, spin: np.ndarray, contact: Any) -> None:
         """``start`` is the wide matrix from principal axes to the laboratory, ``spin`` ω along them."""
         self.body, self._start, self._spin, self._contact = body, start, spin, contact
         # the flow is made now, so that its refusal is raised now
@@ -108,7 +108,7 @@ class LaboratoryRun(Exported):
     @overload
     def __getitem__(self, which: slice | Sequence[int] | np.ndarray) -> LaboratoryRun: ...
 
-    def __getitem__(self, which: Any) -> Instant | LaboratoryRun:
+    def __getitem__(self, which: object) -> Instant | LaboratoryRun:
         if not several(which):
             row = whole(which, "row", f"the rows are 0 … {len(self) - 1}", -len(self), len(self) - 1)
             contact = None if self.motion._contact is None else self.contact[row]
@@ -166,7 +166,7 @@ class LaboratoryRun(Exported):
         return f"<{len(self)} times of {self.motion!r}>"
 
     @cached_property
-    def _found(self) -> tuple[Any, Any]:
+    def _found(self) -> tuple[np.ndarray, np.ndarray]:
         matrices, omega = self.motion._way.at(self.times)
         body = self.motion.body
         axes, field = body._principal.axes, body.field

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from jacobian.element import Arithmetic, Real
 from jacobian.errors import ArgumentError, entries, shown
+from jacobian.fields.protocol import Field
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -30,11 +32,11 @@ Orientation: TypeAlias = "Table | Rotation"
 class Principal(NamedTuple):
     """Principal moments, and the principal axes as columns in the axes of the tensor; the axes are right-handed."""
 
-    moments: tuple[Any, Any, Any]
+    moments: tuple[Real, Real, Real]
     axes: Matrix
 
 
-def principal(K: Any, table: Matrix, eps: Any) -> Principal:
+def principal(K: Field, table: Matrix, eps: Any) -> Principal:
     """The principal moments and axes of a tensor over K = MP(digits); moments within rounding (``eps``) are equal.
 
     ArgumentError for a tensor that is not symmetric, not positive, or not that of any body.
@@ -59,7 +61,7 @@ def principal(K: Any, table: Matrix, eps: Any) -> Principal:
     return Principal((moments[0], moments[1], moments[2]), axes)
 
 
-def _joined(moments: list[Any], near: Any) -> list[Any]:
+def _joined(moments: list[Real], near: Any) -> list[Real]:
     """The moments, those within rounding of each other replaced by their mean."""
     order = sorted(range(3), key=lambda i: moments[i])
     low, mid, high = (moments[i] for i in order)
@@ -73,7 +75,7 @@ def _joined(moments: list[Any], near: Any) -> list[Any]:
     return [found[i] for i in range(3)]
 
 
-def diagonalised(K: Any, table: Matrix) -> tuple[Any, Matrix]:
+def diagonalised(K: Any, table: Matrix) -> tuple[np.ndarray, np.ndarray]:
     """(diagonal, columns of axes) of a symmetric matrix, by rotations (Jacobi 1846), to all digits of K."""
     table, axes = table.copy(), np.array([[K.one * (i == j) for j in range(3)] for i in range(3)], dtype=object)
     for _ in range(SWEEPS):
@@ -122,7 +124,7 @@ def matrices_of(orientation: Any) -> Any:
     return orientation.as_matrix() if made else orientation
 
 
-def matrix(K: Any, values: Any, argument: str, wanted: str, moments: bool = False) -> Matrix:
+def matrix(K: Arithmetic, values: Any, argument: str, wanted: str, moments: bool = False) -> Matrix:
     """A 3×3 matrix of K, diagonal for three ``moments``; ArgumentError for other shapes."""
     try:
         rows = entries(values, argument, wanted)
@@ -147,6 +149,6 @@ def determinant(table: Matrix) -> Any:
     return table[0] @ cross(table[1], table[2])
 
 
-def cross(x: Any, y: Any) -> Any:
+def cross(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """x × y of two vectors of mpf; numpy's is ten times slower on three objects."""
     return np.array([x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)], dtype=object)

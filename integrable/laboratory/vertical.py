@@ -19,6 +19,7 @@ from integrable.moving_point.arithmetic import LONG
 from integrable.moving_point.legendre import integral
 from integrable.torus.panels import Panels, panel_integrals
 from jacobian import RR
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 
 # relative size of the last coefficients of a panel's velocities
@@ -30,7 +31,7 @@ PANELS = 8
 class Vertical(Along):
     """The flow of the free body, with the path of a ball of this ``radius`` (wide); ``sign`` is that of λ."""
 
-    def __init__(self, flow: WideFlow, frame: Any, radius: Any, sign: int) -> None:
+    def __init__(self, flow: WideFlow, frame: Any, radius: Real, sign: int) -> None:
         super().__init__(flow, frame)
         self._radius, self._sign = numbers(self._field, np.array([radius]))[0], sign
 

@@ -18,6 +18,7 @@ from integrable.moving_point.arithmetic import LONG
 from integrable.moving_point.setup import Setup
 from integrable.phase.body import Body
 from jacobian import RR
+from jacobian.element import Real
 from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
 
@@ -57,7 +58,7 @@ class Uniform:
 
     flow = None
 
-    def __init__(self, field: Any, start: Any, omega: Any, radius: Any) -> None:
+    def __init__(self, field: Field, start: np.ndarray, omega: np.ndarray, radius: Real | None) -> None:
         """``start`` is the wide matrix at time 0, ``omega`` wide and along the principal axes."""
         self._field, self._start, self._body = field, start, omega
         self._wide = omega[0].context
@@ -66,7 +67,7 @@ class Uniform:
         x, y, _ = self._space
         self._velocity = None if radius is None else np.array([radius * y, -radius * x])
 
-    def at(self, times: np.ndarray) -> tuple[Any, Any]:
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Rotations and ω."""
         field, start = self._field, self._start
         axis = self._space / self._rate if self._rate else self._space
@@ -76,7 +77,7 @@ class Uniform:
         start, across, along, omega = (numbers(field, x) for x in (start, across, along, self._body))
         return c * (start - along) + s * across + along, np.broadcast_to(omega, (len(times), 3))
 
-    def _circle(self, times: np.ndarray) -> tuple[Any, Any]:
+    def _circle(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Cosine and sine of the angle of rotation at ``times``."""
         wide = self._wide
         if self._field != RR:
@@ -87,7 +88,7 @@ class Uniform:
         angles = 2 * LONG.pi * turns
         return np.cos(angles).astype(float), np.sin(angles).astype(float)
 
-    def contact(self, times: np.ndarray) -> Any:
+    def contact(self, times: np.ndarray) -> np.ndarray:
         """The straight path of the point of contact."""
         return np.outer(times, numbers(self._field, self._velocity))
 
@@ -95,12 +96,12 @@ class Uniform:
 class Along:
     """A motion along a flow: γ and M of its state are fixed in space, and their place in the laboratory is known."""
 
-    def __init__(self, flow: WideFlow, frame: Any) -> None:
+    def __init__(self, flow: WideFlow, frame: np.ndarray) -> None:
         """``frame`` is the wide matrix from the axes of :attr:`Trajectory.attitude` to the laboratory."""
         self.flow, self._field = flow, flow.system.field
         self._frame = numbers(self._field, frame)
 
-    def at(self, times: np.ndarray) -> tuple[Any, Any]:
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Rotations and ω."""
         run = self._run(times)
         return self._frame @ run.attitude, run.omega

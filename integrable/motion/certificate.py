@@ -14,6 +14,7 @@ from integrable.phase.body import Body
 from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.precisions import FLOAT_DIGITS
 from jacobian import MP, RR
+from jacobian.element import Numbers
 from jacobian.errors import PrecisionLoss, whole
 from jacobian.immutable import replaced
 
@@ -30,7 +31,7 @@ SLACK = 1
 FLOAT_SLACK = 3
 
 
-def certified(flow: Motion, times: Any, digits: int | None) -> Trajectory:
+def certified(flow: Motion, times: Numbers, digits: int | None) -> Trajectory:
     """The states at physical times, with ``error`` and ``digits``: see :meth:`integrable.motion.flow.Flow.certify`."""
     field = flow.system.field
     own = FLOAT_DIGITS if field == RR else field.dps

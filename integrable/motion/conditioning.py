@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +19,7 @@ import numpy as np
 from integrable.phase.body import unwarned
 from integrable.phase.state import State, onto_constraints
 from jacobian import RR
+from jacobian.element import Real
 from jacobian.errors import ArgumentError
 
 __all__ = ["Conditioning", "conditioning"]
@@ -49,7 +50,7 @@ class Conditioning:
         return eps * self.gamma, eps * self.M
 
 
-def conditioning(system: Any, state: State, times: Iterable[Any], motion: Motion | None = None) -> Conditioning:
+def conditioning(system: Any, state: State, times: Sequence[Real], motion: Motion | None = None) -> Conditioning:
     """The conditioning of the states at ``times`` of a motion over RR or MP(digits).
 
     ``motion(system, state, times)`` returns γ and M, shapes (N, 3); by default the system's own motion. In floats an
@@ -96,7 +97,7 @@ def _sizes(system: Any, state: State, rows: tuple[np.ndarray, np.ndarray]) -> li
     return [np.maximum(abs(x).max(axis=1).astype(float), start) for x, start in zip(rows, starts, strict=True)]
 
 
-def flow_motion(system: Any, state: State, times: Any) -> tuple[np.ndarray, np.ndarray]:
+def flow_motion(system: Any, state: State, times: Sequence[Real]) -> tuple[np.ndarray, np.ndarray]:
     """γ and M by the system's own motion."""
     trajectory = system.motion_through(state).at(times)
     return trajectory.gamma, trajectory.M

@@ -9,6 +9,7 @@ repeated with as many more as were missing.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import wraps
 from math import ceil, inf
 from typing import TYPE_CHECKING, Any
@@ -23,7 +24,9 @@ from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import GUARD_DIGITS, Setup
 from integrable.torus.panel_rates import Scouts
 from jacobian import RR
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.fields.protocol import Field
 
 if TYPE_CHECKING:
     from integrable.phase.body import Body, Vector
@@ -54,27 +57,27 @@ class Carrier:
     rolls: bool
     """Whether τ differs from t: the carrier then has a clock."""
 
-    def scaled(self, t: Any) -> Any:
+    def scaled(self, t: Real) -> Any:
         """A time in the user's units, converted to those of the carrier."""
         raise NotImplementedError
 
-    def unscaled(self, t: Any) -> Any:
+    def unscaled(self, t: Real) -> Any:
         """A time in the carrier's units, converted to those of the user."""
         return t
 
-    def lost(self, tau: Any) -> int:
+    def lost(self, tau: Real) -> int:
         """The number of digits by which an error may grow until τ ≥ 0."""
         raise NotImplementedError
 
-    def most_tau(self, t: Any) -> Any:
+    def most_tau(self, t: Real) -> Real:
         """An estimate of τ at a physical time t ≥ 0, for the loss there before there is a clock."""
         return t
 
-    def tau(self, times: list[Any], digits: int) -> list[Any]:
+    def tau(self, times: list[Real], digits: int) -> list[Any]:
         """τ at physical times, to that many digits."""
         return times
 
-    def tau_alone(self, time: Any, digits: int) -> Any:
+    def tau_alone(self, time: Any, digits: int) -> Real:
         """τ at a single physical time."""
         return self.tau([time], digits)[0]
 
@@ -82,23 +85,23 @@ class Carrier:
         """Physical times at values of τ."""
         return tau
 
-    def clock_missing(self, tau: Any, digits: int) -> int:
+    def clock_missing(self, tau: Real, digits: int) -> int:
         """The number of digits that the clock lacks at its τ for this accuracy, if it is known."""
         return -digits
 
-    def point(self, tau: Any) -> Any:
+    def point(self, tau: Real) -> Any:
         """The moving point at τ."""
         raise NotImplementedError
 
-    def vectors(self, point: Any) -> tuple[Any, Any]:
+    def vectors(self, point: Real) -> tuple[Any, Any]:
         """(γ, M) of a moving point."""
         raise NotImplementedError
 
-    def drift(self, points: list[Any]) -> int:
+    def drift(self, points: list[Real]) -> int:
         """The decimal exponent of the largest relative change of the integrals."""
         raise NotImplementedError
 
-    def gap(self, point: Any, truth: Any, tau: Any) -> int:
+    def gap(self, point: Real, truth: Any, tau: Real) -> int:
         """The decimal exponent of the relative difference between a point and that of a carrier with more digits at
         τ.
         """
@@ -111,7 +114,7 @@ def begun_with_few_digits(method: Any) -> Any:
     """
 
     @wraps(method)
-    def inside(self: ManyDigits, times: list[Any], *arguments: Any) -> Any:
+    def inside(self: ManyDigits, times: Sequence[Real], *arguments: Any) -> Real | None:
         before = self._level()
         try:
             self._begin(max(map(abs, times), default=0))
@@ -165,7 +168,7 @@ class ManyDigits:
         tau, points = self._good(times, self.carrier.rolls)
         return [self.carrier.unscaled(t) for t in tau], points
 
-    def at_tau(self, tau: list[Any]) -> list[Any]:
+    def at_tau(self, tau: Sequence[Real]) -> list[Any]:
         """The moving points at τ."""
         return self._good(tau, False)[1]
 
@@ -237,7 +240,7 @@ class ManyDigits:
                 return tau, points
             self._add_missing(missing, times)
 
-    def enough(self, tau: Any) -> int | None:
+    def enough(self, tau: Real) -> int | None:
         """The digits by which errors may grow until τ; None if there were too few, after adding the missing ones."""
         lost = self.carrier.lost(tau)
         missing = lost - self.expected - (self.carrier.digits - self.digits)
@@ -266,7 +269,7 @@ class ManyDigits:
 class RoundedRows:
     """States to as many digits as needed, rounded to a field: RR or MP(digits)."""
 
-    def __init__(self, field: Any, many: ManyDigits, way: str) -> None:
+    def __init__(self, field: Field, many: ManyDigits, way: str) -> None:
         self.field, self.many, self.way = field, many, way
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -287,7 +290,7 @@ class RoundedRows:
         return rounded(self.field, [(*gamma, *M) for gamma, M in self.many.vectors(points)]).reshape(-1, 6)
 
 
-def rounded(K: Any, values: Any) -> np.ndarray:
+def rounded(K: Field, values: Any) -> np.ndarray:
     """Wide numbers as an array of elements of the field K."""
     if K == RR:
         return np.array(values, dtype=np.float64)
@@ -322,13 +325,13 @@ class BodyCarrier(Carrier):
         self._least_work = 0.0
         self._alone = False
 
-    def scaled(self, t: Any) -> Any:
+    def scaled(self, t: Real) -> Any:
         return self.setup.wide.coerce(t) * self.setup.time_scale
 
-    def unscaled(self, t: Any) -> Any:
+    def unscaled(self, t: Real) -> Any:
         return t / self.setup.time_scale
 
-    def lost(self, tau: Any) -> int:
+    def lost(self, tau: Real) -> int:
         return lost_digits(self.setup, tau)
 
     def point(self, tau: Any) -> tuple[Any, ...]:
@@ -342,13 +345,13 @@ class BodyCarrier(Carrier):
                 point = addition.shift(setup.bare.f, setup.bare.axes, point, step)
             return setup.reals.plain_row(point)
 
-    def vectors(self, point: Any) -> tuple[Any, Any]:
+    def vectors(self, point: Real) -> tuple[Any, Any]:
         setup, bare = self.setup, self.setup.bare
         with setup.reals as reals:
             gamma, M = vectors(point, bare.momentum, bare.matrix)
         return reals.elements(setup.wide, gamma), reals.elements(setup.wide, M)
 
-    def drift(self, points: list[Any]) -> int:
+    def drift(self, points: list[Real]) -> int:
         return max((digits_of(drift(self.setup, point)) for point in points), default=-NOTHING)
 
     def gap(self, point: Any, truth: BodyCarrier, tau: Any) -> int:
@@ -358,7 +361,7 @@ class BodyCarrier(Carrier):
             size = 1 + max(map(abs, again))
             return digits_of(max(abs(x - y) for x, y in zip(mine, again, strict=True)) / size)
 
-    def tau(self, times: list[Any], digits: int = 0) -> list[Any]:
+    def tau(self, times: list[Real], digits: int = 0) -> list[Any]:
         """τ at every physical time, to the digits of the setup."""
         setup = self.setup
         # estimated with the initial rate, since a heavy ball's τ runs a thousand times faster than t
@@ -376,7 +379,7 @@ class BodyCarrier(Carrier):
             result[i] = setup.reals.element(setup.wide, tau)
         return result
 
-    def tau_alone(self, time: Any, digits: int) -> Any:
+    def tau_alone(self, time: Real, digits: int) -> Real:
         near = 0 < abs(float(self.unscaled(time))) <= NEAR_CELLS * self.setup.step_time
         # a series of the clock pays off from the second time on
         if near and self.digits >= ALONE_FROM and not self._alone and not self._clocks and self._limits == NONE:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from integrable.moving_point import addition
 from integrable.moving_point.legendre import LegendreSeries, doubling_precisions, gauss_legendre
 from integrable.torus.panel_rates import PanelRates, Scouts
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.roots import root
 
@@ -124,11 +125,11 @@ class PanelClock(RatePanels):
         self._long: tuple[Nodes, list[Any]] | None = None
         self._far: list[Any] = []
 
-    def place(self, t: Any) -> tuple[int, Any]:
+    def place(self, t: Real) -> tuple[int, Any]:
         """The place at which the clock shows t ≥ 0."""
         return self._resolved(lambda: self._inverse(t))
 
-    def time(self, cell: int, x: Any) -> Any:
+    def time(self, cell: int, x: Real) -> Any:
         """The clock's time at a place."""
         return self._resolved(lambda: self._time(cell, x))
 

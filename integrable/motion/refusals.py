@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from jacobian.element import Real
 from jacobian.errors import Infeasible, PrecisionLoss
 
 REFUSALS = (PrecisionLoss, Infeasible)
@@ -24,7 +25,7 @@ class Rows(NamedTuple):
     reasons: tuple[str, ...] = ("",)
 
 
-def kept_rows(compute: Compute, values: np.ndarray, nan: Any) -> Rows:
+def kept_rows(compute: Compute, values: np.ndarray, nan: Real) -> Rows:
     """``compute(values)``, rows and τ, without the rows that it refuses: those are ``nan``.
 
     A time that is too far is refused in any call. So bisection over single rows finds the first refused distance in
@@ -44,7 +45,7 @@ def kept_rows(compute: Compute, values: np.ndarray, nan: Any) -> Rows:
     return Rows(rows, tau, status, tuple(reasons))
 
 
-def refused_rows(found: Rows, refused: dict[int, str], nan: Any) -> Rows:
+def refused_rows(found: Rows, refused: dict[int, str], nan: Real) -> Rows:
     """The rows with those in ``refused`` set to NaN, with their reasons."""
     if not refused:
         return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from integrable.moving_point import addition
@@ -18,7 +19,7 @@ COMPILE_FROM = 100_000
 MOST_COUNT = 100_000_000
 
 
-def residual_growth(setup: Setup, counts: Any, kernel: str) -> list[tuple[int, Any]]:
+def residual_growth(setup: Setup, counts: Iterable[int], kernel: str) -> list[tuple[int, Any]]:
     """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""
     wanted = f"a sequence of ints ≥ 0, {MOST_COUNT} at most,"
     given = entries(counts, "counts", wanted)

@@ -246,7 +246,7 @@ class Trajectory(Exported):
     @overload
     def __getitem__(self, which: slice | Sequence[int] | np.ndarray) -> Trajectory: ...
 
-    def __getitem__(self, which: Any) -> State | Trajectory:
+    def __getitem__(self, which: object) -> State | Trajectory:
         """The State of one row (NotRepresentable for one that was refused), or the Trajectory of those that a slice, or
         an array of numbers or truth values chooses.
         """

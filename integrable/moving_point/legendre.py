@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals, BareReals
 
@@ -63,7 +64,7 @@ class LegendreSeries:
             # P_k at the lower half of the nodes
             self._rows = list(zip(*columns, strict=True))
 
-    def coefficients(self, values: list[Any]) -> list[Any]:
+    def coefficients(self, values: list[Any]) -> list[Real]:
         """The coefficients of the series that has these values at the nodes."""
         count, weighted = len(values), list(map(mul, self.weights, values))
         # P_k(−x) = (−1)^k·P_k(x)
@@ -75,7 +76,7 @@ class LegendreSeries:
         return [sum(map(mul, row, pairs[k % 2])) * (2 * k + 1) / 2 for k, row in enumerate(self._rows)]
 
 
-def legendre_transform(reals: BareReals, count: int) -> tuple[list[Any], list[list[Any]]]:
+def legendre_transform(reals: BareReals, count: int) -> tuple[list[Real], list[list[Real]]]:
     """(nodes, matrix) in bare reals. The matrix maps values at the nodes to the coefficients of a Legendre series."""
     series = LegendreSeries(reals, count)
     with reals:
@@ -86,7 +87,7 @@ def legendre_transform(reals: BareReals, count: int) -> tuple[list[Any], list[li
     return series.nodes, rows
 
 
-def gauss_legendre(reals: BareReals, count: int) -> tuple[list[Any], list[Any]]:
+def gauss_legendre(reals: BareReals, count: int) -> tuple[list[Real], list[Real]]:
     """Nodes (ascending) and weights of Gauss–Legendre quadrature on [−1, 1], in bare reals, by python-flint (Johansson
     and Mezzarobba 2018).
     """
@@ -110,7 +111,7 @@ def doubling_precisions(bits: int, known: int) -> list[int]:
     return schedule[::-1]
 
 
-def legendre_polynomials(one: Any, x: Any, count: int) -> list[Any]:
+def legendre_polynomials(one: Real, x: Real, count: int) -> list[Real]:
     """P_0(x), …, P_{count−1}(x)."""
     values = [one, x]
     for k in range(1, count - 1):

@@ -7,12 +7,13 @@ from typing import Any
 
 from integrable.moving_point.setup import Setup
 from integrable.phase.body import energy
+from jacobian.element import Real
 
 # stands for an infinite decimal exponent; its negative means no loss
 NOTHING = 10**9
 
 
-def lost_digits(setup: Setup, tau: Any) -> int:
+def lost_digits(setup: Setup, tau: Real) -> int:
     """The number of digits by which an error may grow until τ (in the units of the setup), estimated from the curve.
 
     A double root e of f = (x − e)²h belongs to the unstable rotation. There τ = Σ∫dx/y is a logarithm divided by √h(e),
@@ -40,7 +41,7 @@ def lost_digits(setup: Setup, tau: Any) -> int:
     return ceil(float(total) / log(10))
 
 
-def drift(setup: Setup, point: Any) -> Any:
+def drift(setup: Setup, point: Any) -> Real:
     """The larger of the relative changes of H1 and H2 at a moving point of bare reals."""
     reals = setup.reals
     with reals:
@@ -57,7 +58,7 @@ def drift(setup: Setup, point: Any) -> Any:
         return max(abs(h2 - 1), abs(h1 / reals.number(setup.problem.ratio) - 1))
 
 
-def digits_of(x: Any) -> int:
+def digits_of(x: Real) -> int:
     """log10 of x ≥ 0, rounded up; −NOTHING for 0; NOTHING for NaN and for x ≥ 1e9."""
     if x == 0:
         return -NOTHING

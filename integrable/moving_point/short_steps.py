@@ -42,6 +42,7 @@ from integrable.moving_point.short_rows import (
     unit_axes,
 )  # fmt: skip
 from integrable.moving_point.translations import Expansion, expand_orders, high_parts
+from jacobian.element import Real
 from jacobian.inexact.genus2_real import add
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
@@ -104,7 +105,7 @@ def small_steps(room: ShortRoom, eps: float, first: int, last: int) -> None:
         put(expanded(rows, axes, room.rates[level]), room.steps, 10 * (HALF - level))
 
 
-def expanded(rows: Expansion, axes: Row, eps: Any) -> Any:
+def expanded(rows: Expansion, axes: Row, eps: Real) -> Any:
     """The translation by eps, from its expansion."""
     square = (0 * rows.u0[0] + eps) * eps
     z = float(square)
@@ -139,7 +140,7 @@ def node_steps(room: ShortRoom, rule: Rule, h: float) -> None:
     room.made[1] += 1
 
 
-def put_node(room: ShortRoom, rule: Rule, level: int, j: int, origin: Any) -> None:
+def put_node(room: ShortRoom, rule: Rule, level: int, j: int, origin: Real) -> None:
     """Writes the translations to the j-th positive node of a level and to its mirror image, by one addition to
     ``origin``.
     """
@@ -304,7 +305,7 @@ def sums(wide: Row) -> Any:
     return wide[7] + wide[8], wide[8] + wide[6], wide[6] + wide[7]
 
 
-def inner(r: Any, x: Any, y: Any) -> Any:
+def inner(r: Any, x: Any, y: Any) -> Real:
     """Σr_i·x_i·y_i."""
     return r[0] * x[0] * y[0] + r[1] * x[1] * y[1] + r[2] * x[2] * y[2]
 
@@ -344,7 +345,7 @@ def contact_of(wide: Row) -> Any:
     return wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2]
 
 
-def contact_in_floats(wide: Row) -> Any:
+def contact_in_floats(wide: Row) -> tuple[Real, ...]:
     """r_i in floats, followed by their rounding errors, which would be common to all nodes."""
     r0, r1, r2 = wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2]
     x, y, z = float(r0), float(r1), float(r2)
@@ -377,7 +378,15 @@ def wide_values(
     node_values((curve_of(wide), axes_of(wide), r), point, steps, place, mirrored, values, rates)
 
 
-def node_values(motion: Any, point: Any, steps: Row, place: int, mirrored: bool, values: Row, rates: Row) -> None:
+def node_values(
+    motion: tuple[tuple[Real, ...], tuple[Real, ...], tuple[Real, ...]],
+    point: tuple[Real, ...],
+    steps: Row,
+    place: int,
+    mirrored: bool,
+    values: Row,
+    rates: Row,
+) -> None:
     """Writes γ, w and 1/g at the nodes about a point, by one addition each. The translations begin at ``place`` of
     ``steps``; ``mirrored`` takes them in reverse order, for time that runs backward.
     """
@@ -389,7 +398,7 @@ def node_values(motion: Any, point: Any, steps: Row, place: int, mirrored: bool,
         gamma_and_w(there, values, j, count)
 
 
-def evened(r: Any, point: Any) -> Any:
+def evened(r: tuple[Real, ...], point: tuple[Real, ...]) -> Real:
     """√Σrσ², which differs from 1 only by a common rounding error of all σ. ``r`` holds r_i, then their rounding
     errors.
     """
@@ -398,7 +407,7 @@ def evened(r: Any, point: Any) -> Any:
     return 1 + off / 2
 
 
-def gamma_and_w(point: Any, values: Row, place: int, stride: int) -> None:
+def gamma_and_w(point: tuple[Real, ...], values: Row, place: int, stride: int) -> None:
     """Writes γ and w = γ × M/|M| of the upright motion at a moving point, six floats ``stride`` apart. ν is w plus a
     multiple of σ, which may be large for thin balls.
     """

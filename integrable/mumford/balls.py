@@ -22,6 +22,7 @@ from integrable.mumford.motion import Placed
 from integrable.mumford.series import through
 from integrable.mumford.translations import GroupTranslations, Pair, reference
 from jacobian import poly
+from jacobian.element import Numbers, Real
 from jacobian.errors import PrecisionLoss
 from jacobian.linear import pivoted
 from jacobian.numbers.long_reals import BallReals
@@ -165,7 +166,7 @@ class EnclosedReference:
         self.reach = min(float((p.radius / abs(rate)).lower()) for p, rate in zip(points, self._rates, strict=True))
         """The approximate time in which a point reaches the boundary of its disc."""
 
-    def at(self, time: Any) -> tuple[poly.Poly, poly.Poly, Any, list[Any]]:
+    def at(self, time: Numbers) -> tuple[poly.Poly, poly.Poly, Any, list[Any]]:
         """(U, V, Ω, the third-kind integrals) of E(τ)."""
         K, g = self._field, len(self._points)
         moves = self._moves(time)
@@ -202,7 +203,7 @@ class EnclosedReference:
         return found
 
 
-def ball_around(x: Any, radius: Any) -> Any:
+def ball_around(x: Any, radius: Real) -> Any:
     """A real or complex ball that contains all numbers within an upper bound of ``radius`` of a number in x."""
     from flint import acb
 

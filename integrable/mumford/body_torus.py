@@ -21,6 +21,7 @@ from integrable.torus.corners import Corners
 from integrable.torus.long_clock import MultiprecisionTorusClock
 from integrable.torus.loops import CompiledLoops
 from integrable.torus.witness import left_open
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BareReals
 
@@ -39,8 +40,8 @@ class Unit(NamedTuple):
     (:func:`integrable.phase.coordinates.directions_of`).
     """
 
-    alphas: tuple[Any, ...]
-    kappas: tuple[Any, ...]
+    alphas: tuple[Real, ...]
+    kappas: tuple[Real, ...]
     zeta: Any
     start: tuple[Any, ...]
     direction: tuple[Any, Any]
@@ -138,7 +139,7 @@ class SeriesClock:
         direction = first * self._unit, second * self._unit
         self._clock = MultiprecisionTorusClock(source, direction=direction)
 
-    def tau(self, times: list[Any]) -> list[Any]:
+    def tau(self, times: list[Real]) -> list[Any]:
         """τ at each of the times, in the clock's field."""
         coerce = self._clock.wide.coerce
         return [tau * self._unit for tau in self._clock.tau([coerce(t) / self._unit for t in times])]
@@ -160,7 +161,7 @@ class WalkedClock:
         self._rule = LegendreSeries(reals, NODES_A_DIGIT * digits)
         self._panels: dict[int, tuple[list[Any], Any]] = {}
 
-    def tau(self, times: list[Any]) -> list[Any]:
+    def tau(self, times: list[Real]) -> list[Any]:
         """τ at each of the times."""
         with self._reals:
             return [self._at(self._reals.number(t)) for t in times]

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from jacobian.element import Real
 from jacobian.fields.inexact import InexactField
 from jacobian.numbers.double_double import exact_product, split
 
@@ -31,7 +32,7 @@ class Column:
         """The column of a number of any kind; a column is returned unchanged."""
         return x if isinstance(x, Column) else Column(*split(x))
 
-    def __add__(self, other: Any) -> Column:
+    def __add__(self, other: Column) -> Column:
         other = Column.of(other)
         high, low = _sum(self.hi, other.hi)
         return _settled(high, low + (self.lo + other.lo))
@@ -41,10 +42,10 @@ class Column:
     def __neg__(self) -> Column:
         return Column(-self.hi, -self.lo)
 
-    def __sub__(self, other: Any) -> Column:
+    def __sub__(self, other: Column) -> Column:
         return self + -Column.of(other)
 
-    def __rsub__(self, other: Any) -> Column:
+    def __rsub__(self, other: Real) -> Column:
         return Column.of(other) + -self
 
     def __mul__(self, other: Any) -> Column:
@@ -60,7 +61,7 @@ class Column:
         rest = self - other * Column(first)
         return _settled(first, (rest.hi + rest.lo) / other.hi)
 
-    def __rtruediv__(self, other: Any) -> Column:
+    def __rtruediv__(self, other: Real) -> Column:
         return Column.of(other) / self
 
     def sqrt(self) -> Column:

@@ -14,21 +14,23 @@ from collections.abc import Sequence
 from typing import Any
 
 from jacobian import poly
+from jacobian.element import Arithmetic, Real
+from jacobian.fields.protocol import Field
 
 Poly = tuple[Any, ...]
 
 
-def padded(K: Any, a: Sequence[Any], size: int) -> Poly:
+def padded(K: Arithmetic, a: Sequence[Any], size: int) -> Poly:
     """The first ``size`` coefficients of a, padded with zeros."""
     return (*a[:size], *[K.zero] * (size - len(a)))
 
 
-def cofactor(K: Any, f: Poly, u: Poly, v: Poly) -> Poly:
+def cofactor(K: Arithmetic, f: Poly, u: Poly, v: Poly) -> Poly:
     """The cofactor W = (f − V²)/U."""
     return poly.quotient(K, poly.sub(K, f, poly.mul(K, v, v)), u)
 
 
-def multiplier(K: Any, u: Poly, direction: Sequence[Any]) -> Poly:
+def multiplier(K: Arithmetic, u: Poly, direction: Sequence[Any]) -> Poly:
     """The multiplier n(x) = −Σ_j c_j (U div x^{j+1}) of a direction c."""
     size = len(u) - 1
     n = [K.zero] * size
@@ -38,12 +40,14 @@ def multiplier(K: Any, u: Poly, direction: Sequence[Any]) -> Poly:
     return tuple(n)
 
 
-def rates(K: Any, f: Poly, u: Poly, v: Poly, direction: Sequence[Any]) -> tuple[Poly, Poly]:
+def rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, direction: Sequence[Any]) -> tuple[Poly, Poly]:
     """(U', V') along a direction: U' = nV mod U, V' = −½nW mod U."""
     return rates_and_quotients(K, f, u, v, multiplier(K, u, direction))[0]
 
 
-def rates_and_quotients(K: Any, f: Poly, u: Poly, v: Poly, n: Poly) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
+def rates_and_quotients(
+    K: Arithmetic, f: Poly, u: Poly, v: Poly, n: Poly
+) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
     """((U', V'), (m, w)) along the direction with the multiplier n: U' = nV − mU, V' = −½(nW − wU)."""
     size = len(u) - 1
     m, of_u = poly.divide(K, poly.mul(K, n, v), u)
@@ -53,14 +57,14 @@ def rates_and_quotients(K: Any, f: Poly, u: Poly, v: Poly, n: Poly) -> tuple[tup
     return ((*padded(K, of_u, size), K.zero), padded(K, of_v, size)), (m, w)
 
 
-def generating_rates(K: Any, f: Poly, u: Poly, v: Poly, a: Any) -> tuple[Poly, Poly]:
+def generating_rates(K: Field, f: Poly, u: Poly, v: Poly, a: Real) -> tuple[Poly, Poly]:
     """(U', V') along c_k = a^k: U' = [U(a)V − V(a)U]/(x − a), V' = [r(a)U − U(a)r]/(2(x − a)), r = W mod U."""
     size = len(u) - 1
     rest = poly.mod(K, cofactor(K, f, u, v), u)
     values = [poly.evaluate(K, b, a) for b in (u, v, rest)]
     factor = (K.neg(a), K.one)
 
-    def alternating(x: Any, b: Poly, y: Any, d: Poly) -> Poly:
+    def alternating(x: Real, b: Poly, y: Real, d: Poly) -> Poly:
         top = [
             K.sub(K.mul(x, p), K.mul(y, q)) for p, q in zip(padded(K, b, size + 1), padded(K, d, size + 1), strict=True)
         ]
@@ -71,12 +75,12 @@ def generating_rates(K: Any, f: Poly, u: Poly, v: Poly, a: Any) -> tuple[Poly, P
     return (*alternating(values[0], v, values[1], u), K.zero), tuple([K.mul(half, c) for c in of_v])
 
 
-def lax_matrix(K: Any, f: Poly, u: Poly, v: Poly) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
+def lax_matrix(K: Field, f: Poly, u: Poly, v: Poly) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
     """The Lax matrix L(x) = [[V, U], [W, −V]]; −det L = f."""
     return (v, u), (cofactor(K, f, u, v), poly.neg(K, v))
 
 
-def lax_partner(K: Any, f: Poly, u: Poly, v: Poly, a: Any) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
+def lax_partner(K: Field, f: Poly, u: Poly, v: Poly, a: Real) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
     """(x − a)M(x) = L(a) + U(a)(κ(x) − κ(a))E₂₁, κ = W div U, where 2L' = [L, M] along c_k = a^k."""
     matrix = lax_matrix(K, f, u, v)
     at_a = [[poly.evaluate(K, entry, a) for entry in row] for row in matrix]
@@ -87,7 +91,7 @@ def lax_partner(K: Any, f: Poly, u: Poly, v: Poly, a: Any) -> tuple[tuple[Poly, 
     return ((at_a[0][0],), (at_a[0][1],)), (corner, (at_a[1][1],))
 
 
-def brackets(K: Any, u: Poly, v: Poly, phi: Poly) -> tuple[tuple[Any, ...], ...]:
+def brackets(K: Field, u: Poly, v: Poly, phi: Poly) -> tuple[tuple[Any, ...], ...]:
     """The brackets {u_i, v_j}, shape (g, g), for canonical x_i, p_j with y = φ(x)p; {u_i, u_j} = {v_i, v_j} = 0.
 
     {U(x), V(z)} = −[U(x)φ̂(z) − U(z)φ̂(x)]/(x − z), φ̂ = φ mod U.
@@ -108,17 +112,17 @@ def brackets(K: Any, u: Poly, v: Poly, phi: Poly) -> tuple[tuple[Any, ...], ...]
     return tuple(table)
 
 
-def exponential(N: Any, x: Any) -> Any:
+def exponential(N: Arithmetic, x: Any) -> Any:
     """e^x in the numbers of RR, MP or long numbers."""
     return _elementary(N, x, "exp")
 
 
-def exponential_less_one(N: Any, x: Any) -> Any:
+def exponential_less_one(N: Field, x: Real) -> Real:
     """e^x − 1 in the numbers of RR, MP or long numbers, without cancellation."""
     return _elementary(N, x, "expm1")
 
 
-def log_of(N: Any, x: Any) -> Any:
+def log_of(N: Field, x: Any) -> Any:
     """log x in the numbers of RR, MP or long numbers."""
     return _elementary(N, x, "log")
 

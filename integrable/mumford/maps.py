@@ -11,11 +11,13 @@ from typing import Any
 
 from integrable.mumford.fields import Poly, padded
 from jacobian import poly
+from jacobian.element import Real
+from jacobian.fields.protocol import Field
 
 Pair = tuple[Poly, Poly]
 
 
-def plus_point(K: Any, f: Poly, pair: Pair, point: Any) -> Pair:
+def plus_point(K: Field, f: Poly, pair: Pair, point: tuple[Real, Real]) -> Pair:
     """D + P − ∞ on a model of odd degree: R = V + cU with R(λ) = μ, Ũ = (f − R²)/(ℓU(x − λ)), Ṽ = −R mod Ũ."""
     (u, v), (x, y) = pair, point
     c = K.div(K.sub(y, poly.evaluate(K, v, x)), poly.evaluate(K, u, x))
@@ -23,7 +25,7 @@ def plus_point(K: Any, f: Poly, pair: Pair, point: Any) -> Pair:
     return _residual(K, f, u, r, (K.neg(x), K.one))
 
 
-def plus_point_minus_infinity(K: Any, f: Poly, pair: Pair, point: Any, root: Any) -> Pair:
+def plus_point_minus_infinity(K: Field, f: Poly, pair: Pair, point: tuple[Real, Real], root: Real) -> Pair:
     """D + P − ∞ on a model of even degree, where y ~ root·x^{g+1} at ∞: R = V + (−root·x + c)U, R(λ) = μ."""
     (u, v), (x, y) = pair, point
     c = K.add(K.div(K.sub(y, poly.evaluate(K, v, x)), poly.evaluate(K, u, x)), K.mul(root, x))
@@ -31,7 +33,7 @@ def plus_point_minus_infinity(K: Any, f: Poly, pair: Pair, point: Any, root: Any
     return _residual(K, f, u, r, (K.neg(x), K.one))
 
 
-def shifted(K: Any, f: Poly, pair: Pair, root: Any) -> Pair:
+def shifted(K: Field, f: Poly, pair: Pair, root: Real) -> Pair:
     """D + ∞₋ − ∞₊ on a model of even degree, where y ~ root·x^{g+1} at ∞₊.
 
     R = V + (−root·x + c)U, with c such that f − R² has no term x^{2g+1}.
@@ -45,7 +47,7 @@ def shifted(K: Any, f: Poly, pair: Pair, root: Any) -> Pair:
     return _residual(K, f, u, r, (K.one,))
 
 
-def plus_difference(K: Any, f: Poly, pair: Pair, point: Any, other: Any) -> Pair:
+def plus_difference(K: Field, f: Poly, pair: Pair, point: tuple[Real, Real], other: tuple[Real, Real]) -> Pair:
     """D + P − Q for P = (λ, μ), Q = (λ', μ'), λ ≠ λ': R = V + LU, L linear, R(λ) = μ and R(λ') = −μ'."""
     u, v = pair
     (x, y), (z, w) = point, other
@@ -68,7 +70,7 @@ def _residual(K: Any, f: Poly, u: Poly, r: Poly, known: Poly) -> Pair:
     return new, padded(K, poly.mod(K, poly.neg(K, r), new), g)
 
 
-def generating_function(K: Any, f_fixed: Poly, x: Any, u: Poly, new: Poly, c: Any) -> Any:
+def generating_function(K: Field, f_fixed: Poly, x: Real, u: Poly, new: Poly, c: Real) -> Real:
     """The generating function F of D + P − ∞ on a model of odd degree: dF = Σp dx − Σp̃ dx̃, y = p.
 
     f = f_fixed + Σh_j x^j.

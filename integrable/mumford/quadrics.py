@@ -21,7 +21,9 @@ from integrable.mumford.motion import Start
 from integrable.mumford.system import OFF, MumfordSystem, Spectral, all_of
 from integrable.portrait.point_ovals import Form
 from jacobian import poly
+from jacobian.element import Real
 from jacobian.errors import ArgumentError, entries, shown
+from jacobian.fields.protocol import Field
 from jacobian.relatives.extended import Extended, Lift
 
 
@@ -77,7 +79,7 @@ class QuadricSystem(MumfordSystem):
         (q, p), shape = self._axes(state), self._shape(N, state)
         f1 = poly.from_roots(N, self._constants_in(N))
 
-        def with_poles(over: poly.Poly, weights: Sequence[Any]) -> poly.Poly:
+        def with_poles(over: poly.Poly, weights: Sequence[Real]) -> poly.Poly:
             return poly.add(N, poly.mul(N, f1, over), self._sums(N, [self._signed(N, x) for x in weights]))
 
         u = with_poles(shape.u, [x * x for x in q])
@@ -129,7 +131,7 @@ class QuadricSystem(MumfordSystem):
             q, p = (*q, x), (*p, y)
         return Point(q, p)
 
-    def step(self, state: Point, point: Sequence[Any], roots: Sequence[Any] | None = None) -> Point:
+    def step(self, state: Point, point: tuple[Real, Real], roots: Sequence[Any] | None = None) -> Point:
         """The state of D + (λ, μ) − ∞, a canonical map that commutes with the motion; all l_i must be 0.
 
         ``point`` = (λ, μ) with μ² = f(λ). On the axes q̃ = A⁻¹(p + cq), p̃ = −Aq + cq̃ with A = diag√(−ℓ(a_i − λ)), ℓ
@@ -141,7 +143,7 @@ class QuadricSystem(MumfordSystem):
             raise ArgumentError(f"{self!r} has no steps: all its barriers would have to be 0")
         chosen = None if roots is None else self._roots(roots)
 
-        def formula(N: Any, here: Point, x: Any, y: Any) -> Point:
+        def formula(N: Field, here: Point, x: Real, y: Real) -> Point:
             f, u, v = self._spectral(N, here)
             given = [f[-1] * (x - e) for e in self._constants_in(N)]
             a = [*map(N.sqrt, given)] if chosen is None else [*map(N.coerce, chosen)]

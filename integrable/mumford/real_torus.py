@@ -30,6 +30,7 @@ from integrable.torus.loops import CompiledLoops
 from integrable.torus.survey import SPACING
 from integrable.torus.witness import left_open
 from jacobian import MP, RR, poly
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.long_reals import BareReals
@@ -235,7 +236,7 @@ class RealTorus(Corners):
         return rates
 
 
-def real_roots(K: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
+def real_roots(K: LongField, f: poly.Poly, known: Sequence[Real]) -> list[Real]:
     """The roots of f in ascending order; those in ``known`` are taken as exact.
 
     PrecisionLoss if a root is not real, or if two roots are too close.
@@ -262,7 +263,7 @@ def real_roots(K: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
     return found
 
 
-def standard(K: Any, model: OvalModel, e: Any, kappa: int) -> tuple[Any, Any, Any]:
+def standard(K: LongField, model: OvalModel, e: Real, kappa: int) -> tuple[Real, Real, Real]:
     """(κ, σ, ν) at a branch point e that carries no lift: κσ² = U, κσν = V, κν² = −W with κ = ±1."""
     whole, v = (*model.u, K.one), tuple(model.v)
     height, slope = kappa * poly.evaluate(K, whole, e), kappa * poly.evaluate(K, v, e)
@@ -292,7 +293,7 @@ def without_root(even: OvalModel) -> OvalModel:
     return OvalModel(lead, (p, -s), v, (pole * c0 - c1, c0), [1 / (pole - e) for e in roots])
 
 
-def with_root(pole: Any, u: Sequence[Any], v: Sequence[Any]) -> tuple[Sequence[Any], Sequence[Any]]:
+def with_root(pole: Any, u: Sequence[Any], v: Sequence[Any]) -> tuple[tuple[Column, Column], tuple[Column, Column]]:
     """The pairs in x = E − 1/X, from pairs in X; E is ``pole``."""
     (p, s), (y, slope) = u, v
     for _ in range(3):

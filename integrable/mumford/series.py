@@ -103,7 +103,7 @@ class PointSeries:
     radius of convergence.
     """
 
-    def __init__(self, K: Any, f: Poly, point: tuple[Any, Any], others: Sequence[Any], order: int) -> None:
+    def __init__(self, K: LongField, f: Poly, point: tuple[Any, Any], others: Sequence[Any], order: int) -> None:
         self._field, self._point = K, point
         x, y = point
         self._f = poly.shift(K, f, x)
@@ -153,7 +153,7 @@ class PointMotion:
     """
 
     def __init__(
-        self, K: Any, f: Poly, points: Any, direction: Sequence[Any], others: Sequence[Any], order: int
+        self, K: LongField, f: Poly, points: Any, direction: Sequence[Any], others: Sequence[Any], order: int
     ) -> None:
         self._field, self._direction = K, direction
         self._points = [PointSeries(K, f, point, others, order) for point in zip(*points, strict=True)]

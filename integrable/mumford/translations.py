@@ -15,6 +15,7 @@ from typing import Any
 from integrable.mumford.fields import exponential
 from integrable.mumford.series import PointMotion, through
 from jacobian import poly
+from jacobian.element import Numbers
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
 
@@ -71,7 +72,7 @@ class GroupTranslations:
         self.unit = self.field.coerce(2.0 ** (math.frexp(found.reach)[1] - 1 - FRACTION))
         return found
 
-    def carried(self, D: Extended, tau: Any) -> Extended:
+    def carried(self, D: Extended, tau: Numbers) -> Extended:
         """D + T(τ)."""
         if tau == 0:
             return D

@@ -16,7 +16,7 @@ from math import isfinite
 from typing import Any, Generic, NamedTuple
 
 from jacobian import RR, poly
-from jacobian.element import Element, Real, Value
+from jacobian.element import Arithmetic, Element, Real, Value
 from jacobian.errors import ArgumentError, FieldError, NotASquare, entries, shown, written
 from jacobian.fields.coercion import is_complex
 from jacobian.fields.protocol import Field, check_field
@@ -179,7 +179,7 @@ def energy(a: Sequence[Real], weight: Real, gamma: Sequence[Real], M: Sequence[R
     return m1 * n1 + m2 * n2 + m3 * n3 + weight * spin * spin
 
 
-def triple(field: Any, values: Any, argument: str) -> Vector:
+def triple(field: Field, values: Any, argument: str) -> Vector:
     """Three field elements, or an ArgumentError that names ``argument``."""
     if field is RR and type(values) in (list, tuple) and len(values) == 3:
         x, y, z = values
@@ -193,7 +193,7 @@ def triple(field: Any, values: Any, argument: str) -> Vector:
     return x, y, z
 
 
-def cross(field: Any, x: Vector, y: Vector) -> Vector:
+def cross(field: Arithmetic, x: Vector, y: Vector) -> Vector:
     """x × y."""
     if field is RR:
         (x1, x2, x3), (y1, y2, y3) = x, y

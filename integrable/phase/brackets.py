@@ -24,7 +24,9 @@ from integrable.phase.body import Body, Vector, cross
 from integrable.phase.jets import JetField
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
+from jacobian.element import Arithmetic, Real
 from jacobian.errors import ArgumentError, NotRepresentable, shown
+from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
 
 Matrix = tuple[tuple[Any, ...], ...]
@@ -50,7 +52,7 @@ def ball_matrix(body: Body, gamma: Vector, M: Vector, g: Any = None) -> Matrix:
     return (*((zero, zero, zero, *row) for row in upper), *((*a, *b) for a, b in zip(upper, lower, strict=True)))
 
 
-def weighted_matrix(K: Any, weights: Sequence[Any]) -> Matrix:
+def weighted_matrix(K: Field, weights: Sequence[Real]) -> Matrix:
     """{u_i, p_j} = w_iδ_ij as a 4×4 matrix on (u1, u2, p1, p2)."""
     (first, second), zero = weights, K.zero
     minus = K.neg(first), K.neg(second)
@@ -62,7 +64,7 @@ def weighted_matrix(K: Any, weights: Sequence[Any]) -> Matrix:
     )
 
 
-def canonical_matrix(K: Any) -> Matrix:
+def canonical_matrix(K: Field) -> Matrix:
     """{u_i, p_j} = δ_ij."""
     return weighted_matrix(K, (K.one, K.one))
 
@@ -134,7 +136,7 @@ def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
 def differential(system: PhaseSpace, function: Callable[[Any, State], Sequence[Any]], state: State) -> Matrix:
     """The rows ∂f_i/∂(γ, M) at ``state`` of f(system, state), along its symplectic leaf."""
 
-    def of_point(field: Any, point: tuple[Any, ...]) -> Sequence[Any]:
+    def of_point(field: Arithmetic, point: tuple[Any, ...]) -> Sequence[Real]:
         moved = over(system, field)
         gamma, M = point[:3], point[3:]
         return function(moved, on_leaf(moved, state, gamma, M))
@@ -142,13 +144,13 @@ def differential(system: PhaseSpace, function: Callable[[Any, State], Sequence[A
     return jacobian_matrix(system.field, of_point, (*state.gamma, *state.M))
 
 
-def bracket(system: PhaseSpace, F: Callable[[Any, State], Any], G: Callable[[Any, State], Any], state: State) -> Any:
+def bracket(system: PhaseSpace, F: Callable[[Any, State], Any], G: Callable[[Any, State], Any], state: State) -> Real:
     """{F, G} at ``state``, for the bracket of :meth:`System.poisson`."""
     rows = differential(system, lambda s, x: (F(s, x), G(s, x)), state)
     return pushed(system.field, rows, system.poisson(state))[0][1]
 
 
-def pushed(K: Any, rows: Matrix, matrix: Matrix) -> Matrix:
+def pushed(K: Field, rows: Matrix, matrix: Matrix) -> Matrix:
     """J Π Jᵀ: the brackets of the functions whose differentials are the rows of J."""
     left = [[K.dot(row, column) for column in zip(*matrix, strict=True)] for row in rows]
     return tuple(tuple(K.dot(first, second) for second in rows) for first in left)
@@ -165,7 +167,7 @@ def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State)
     if not (hasattr(step, "over") or callable(step)):
         raise ArgumentError(f"step = {shown(step)}: give a Step or a function of (system, state)")
 
-    def image(moved: Any, x: State) -> Sequence[Any]:
+    def image(moved: Any, x: State) -> Sequence[Real]:
         y = step.over(moved)(x) if hasattr(step, "over") else step(moved, x)
         return (*y.gamma, *y.M)
 
@@ -178,7 +180,7 @@ def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State)
 
 
 def jacobi_defects(
-    K: Any, matrix: Callable[[Any, tuple[Any, ...]], Matrix], point: Sequence[Any]
+    K: Field, matrix: Callable[[Any, tuple[Any, ...]], Matrix], point: tuple[Real, ...]
 ) -> dict[tuple[int, int, int], Any]:
     """Σ_cyclic {x_i, {x_j, x_k}} at ``point`` for i < j < k: all zero for a Poisson structure."""
     size = len(point)
@@ -196,7 +198,7 @@ def jacobi_defects(
     }
 
 
-def conformal_field(system: PhaseSpace, state: State) -> tuple[Any, ...]:
+def conformal_field(system: PhaseSpace, state: State) -> tuple[Real, ...]:
     """g{x, H1/2} for x = (γ, M): the vector field of the motion in its conformally Hamiltonian form."""
     K = system.field
     (row,) = differential(system, lambda s, x: (s.integrals(x).H1,), state)

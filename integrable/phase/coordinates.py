@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from integrable.phase.body import Body, Vector, cross, square_root
 from integrable.phase.state import State
 from jacobian import poly
-from jacobian.element import Element
+from jacobian.element import Element, Real
 from jacobian.errors import ArgumentError, CurveMismatch, NotRepresentable
 from jacobian.numbers.roots import root
 from jacobian.relatives.signed import Pair, sheared
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
     from jacobian import Divisor
 
 
-def branch_points(body: Body) -> tuple[Any, ...]:
+def branch_points(body: Body) -> tuple[Real, ...]:
     """The roots of f at which pairs are kept: a1, a2, a3, and over exact fields with d ≠ 0 also 1/d, whose pair gives g
     rationally.
     """
     return (*body.a, body.field.inv(body.d)) if body.rolls and body.field.exact else body.a
 
 
-def kappas(body: Body) -> tuple[Any, ...]:
+def kappas(body: Body) -> tuple[Real, ...]:
     """κ at every branch point of :func:`branch_points`."""
     K = body.field
     values = [K.mul(r, c) for r, c in zip(body.contact, body.differences, strict=True)]
@@ -95,7 +95,7 @@ def from_pairs(body: Body, pairs: tuple[Pair, ...]) -> State:
     return State(gamma, cross(K, w, gamma), g if len(pairs) == 4 else None)
 
 
-def directions_of(point: Any) -> tuple[tuple[Any, Any, Any], tuple[Any, Any, Any]]:
+def directions_of(point: tuple[Real, ...]) -> tuple[tuple[Real, Real, Real], tuple[Real, Real, Real]]:
     """γ and M/|M| of a moving point whose last six numbers are σ = γ̂ and ν = n̂/(2|M|): :func:`from_pairs` on bare
     reals: floats, mpf, balls, or double-doubles when compiled.
     """
@@ -147,7 +147,7 @@ def pairs_of(
     return tuple(pairs)
 
 
-def integrals_of(body: Body, D: Divisor) -> tuple[Any, Any]:
+def integrals_of(body: Body, D: Divisor) -> tuple[Real, Real]:
     """(H1, H2) of the curve 4(1 − dx)Π(a_i − x)(x·H2 − H1) that contains a divisor; CurveMismatch where no curve of the
     body does, to half the digits.
     """
@@ -165,7 +165,7 @@ def integrals_of(body: Body, D: Divisor) -> tuple[Any, Any]:
     raise CurveMismatch(f"D = {D!r} is on {curve!r}, which is no curve of this system: give one as divisor(state) does")
 
 
-def root_pair(K: Any, square: Any, product: Any, other: Any, model: Pair | None = None) -> Pair:
+def root_pair(K: Any, square: Any, product: Real, other: Any, model: Pair | None = None) -> Pair:
     """(σ, ν) with σ² = square, σν = product, ν² = other, on the side of ``model``; without it as in
     :func:`pairs_of`.
     """

@@ -10,6 +10,7 @@ import numpy as np
 
 from integrable.phase.precisions import FLOAT_DIGITS
 from jacobian import RR
+from jacobian.element import Real
 from jacobian.errors import whole
 from jacobian.fields.multiprecision import MOST_DIGITS
 from jacobian.immutable import Record
@@ -79,7 +80,7 @@ def ball_digits(field: Any, digits: int | None) -> int:
     return whole(digits, "digits", f"the balls' digits are an int ≥ 1, {MOST_DIGITS} at most", 1, MOST_DIGITS)
 
 
-def exact_times(times: list[Any]) -> list[Any]:
+def exact_times(times: Sequence[Real]) -> list[Real]:
     """Times as balls of radius 0."""
     return list(BallReals(64).row(float(t) if isinstance(t, float) else t for t in times))
 
@@ -89,7 +90,7 @@ def is_bounded(values: Sequence[Any]) -> bool:
     return all(x.is_finite() for x in values)
 
 
-def widest(*vectors: tuple[Sequence[Any], Any]) -> Any:
+def widest(*vectors: tuple[Sequence[Real], Real]) -> Real:
     """An upper bound of the largest radius of the balls in (vector, size) pairs, each relative to its size. NaN if a
     radius is not finite.
     """
@@ -99,7 +100,7 @@ def widest(*vectors: tuple[Sequence[Any], Any]) -> Any:
     return max(x.rad() for x in found).abs_upper() if is_bounded(found) else arb("nan")
 
 
-def rounded_up(radius: Any) -> float:
+def rounded_up(radius: Real) -> float:
     """A float that is at least the radius."""
     return max(float(radius) * (1 + 2.0**-50), sys.float_info.min)
 

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from integrable.phase.body import Body, Vector
 from integrable.phase.state import State, onto_constraints
 from integrable.phase.upright import ChaplyginTransformation
+from jacobian.element import Real
+from jacobian.fields.protocol import Field
 
 if TYPE_CHECKING:
     from integrable.phase.space import PhaseSpace
@@ -27,12 +29,12 @@ class Swing(NamedTuple):
 
     r: Any
     r3: Any
-    delta: Any
+    delta: Real
     ratio: Any
     momentum: Any
     kappa: Any
     size: Any
-    mu: Any
+    mu: Real
     rate: Any
     theta: Any
     phi: Any
@@ -64,7 +66,7 @@ class Swing(NamedTuple):
         return swing._replace(phi=atan2(found[1], found[0]) - atan2(before[1], before[0]))
 
     @property
-    def spread(self) -> Any:
+    def spread(self) -> Real:
         """δA², the amplitude of g⁻²."""
         return self.delta * self.size * self.size
 
@@ -74,17 +76,17 @@ class Swing(NamedTuple):
         return self.momentum * self.kappa / _sqrt(self.mu)
 
     @property
-    def factors(self) -> tuple[Any, Any]:
+    def factors(self) -> tuple[Real, Real]:
         """The factors of F and Π in −φ."""
         first = self.kappa * self.ratio / _sqrt(self.r * self.r3)
         return first, self.kappa * _sqrt(self.r3 / self.r)
 
-    def clock(self, upright: Upright) -> tuple[Any, Any]:
+    def clock(self, upright: Upright) -> tuple[Real, Real]:
         """(Ω', ε) of Ω't = θ − θ₀ − ε(G(cos θ) − G(cos θ₀)) at the times t of the tilted body; 0 for an upright one."""
         alpha, beta = upright.clock
         return self.rate / alpha, beta * self.spin * upright.body.a[0] * self.ratio * self.size / alpha
 
-    def ellipse(self, c: Any, s: Any) -> tuple[list[Any], list[Any]]:
+    def ellipse(self, c: Real, s: Real) -> tuple[list[Real], list[Real]]:
         """γ and M at θ with the cosine c and the sine s, before the turn by φ."""
         root3, spread = _sqrt(self.r3), self.spread
         slow = _sqrt(self.mu + spread * c * c if self.delta > 0 else self.r - spread * s * s)
@@ -110,11 +112,11 @@ class Upright(NamedTuple):
     gamma: Vector
     M: Vector
     clock: tuple[Any, Any]
-    matrix: tuple[Any, ...]
+    matrix: tuple[Real, ...]
     columns: list[int]
 
     @staticmethod
-    def of(system: PhaseSpace, state: State, K: Any) -> Upright:
+    def of(system: PhaseSpace, state: State, K: Field) -> Upright:
         """The upright body of a state, by Chaplygin's transformation."""
         axis = symmetry_axis(system.inertia)
         assert axis is not None

@@ -11,6 +11,7 @@ from typing import Any
 
 from integrable.phase.body import Vector, cross, square_root
 from jacobian.errors import NotRepresentable
+from jacobian.fields.protocol import Field
 
 
 def lift(field: Any, B: Sequence[Any], gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
@@ -27,7 +28,7 @@ def lift(field: Any, B: Sequence[Any], gamma: Vector, M: Vector) -> tuple[Vector
     return image, cross(K, turned, (K.div(w[0], B[0]), K.div(w[1], B[1]), K.div(w[2], B[2])))
 
 
-def roots(field: Any, squares: Sequence[Any]) -> Vector:
+def roots(field: Field, squares: Sequence[Any]) -> Vector:
     """The diagonal of B from that of B²."""
     x, y, z = (square_root(field, value, "B²") for value in squares)
     return x, y, z

@@ -11,6 +11,7 @@ from collections.abc import Hashable, Sequence
 from typing import Any
 
 from jacobian import poly
+from jacobian.element import Real, Rng
 from jacobian.errors import FieldError, NotRepresentable, shown, written
 
 
@@ -23,7 +24,7 @@ class Jet:
 
     __slots__ = ("field", "slopes", "value")
 
-    def __init__(self, field: JetField, value: Any, slopes: tuple[Any, ...]) -> None:
+    def __init__(self, field: JetField, value: Any, slopes: tuple[Real, ...]) -> None:
         self.field = field
         self.value = value
         self.slopes = slopes
@@ -40,7 +41,7 @@ class Jet:
     def __hash__(self) -> int:
         return hash(self.field.key(self))
 
-    def __lt__(self, other: Any) -> bool:
+    def __lt__(self, other: Real) -> bool:
         return bool(self.value < (other.value if isinstance(other, Jet) else other))
 
     def _other(self, other: Any) -> Any:
@@ -50,31 +51,31 @@ class Jet:
             return self.field.integer(other)
         return self.field.coerce(other) if isinstance(other, float) and not self.field.exact else None
 
-    def __add__(self, other: Any) -> Any:
+    def __add__(self, other: Real) -> Any:
         y = self._other(other)
         return NotImplemented if y is None else self.field.add(self, y)
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> Any:
+    def __sub__(self, other: Real) -> Any:
         y = self._other(other)
         return NotImplemented if y is None else self.field.sub(self, y)
 
-    def __rsub__(self, other: Any) -> Any:
+    def __rsub__(self, other: Real) -> Any:
         y = self._other(other)
         return NotImplemented if y is None else self.field.sub(y, self)
 
-    def __mul__(self, other: Any) -> Any:
+    def __mul__(self, other: Real) -> Any:
         y = self._other(other)
         return NotImplemented if y is None else self.field.mul(self, y)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Any:
+    def __truediv__(self, other: Real) -> Any:
         y = self._other(other)
         return NotImplemented if y is None else self.field.div(self, y)
 
-    def __rtruediv__(self, other: Any) -> Any:
+    def __rtruediv__(self, other: Real) -> Any:
         y = self._other(other)
         return NotImplemented if y is None else self.field.div(y, self)
 
@@ -202,7 +203,7 @@ class JetField:
         half = K.inv(K.add(root, root))
         return Jet(self, root, tuple([K.mul(half, s) for s in x.slopes]))
 
-    def random(self, rng: Any) -> Jet:
+    def random(self, rng: Rng) -> Jet:
         """A random constant."""
         return self.constant(self.base.random(rng))
 

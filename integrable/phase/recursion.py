@@ -17,33 +17,34 @@ from integrable.phase.body import Body
 from integrable.phase.brackets import Matrix, jacobian_matrix, weighted_matrix
 from integrable.phase.separation import phi
 from jacobian import poly
+from jacobian.element import Real
 from jacobian.errors import ArgumentError, FieldError, PrecisionLoss, entries, shown, whole, written
-from jacobian.fields.protocol import check_field
+from jacobian.fields.protocol import Field, check_field
 
 MOST_INDEX = 10**6
 
 
-def eigenvalues(body: Body, point: Sequence[Any]) -> tuple[Any, Any]:
+def eigenvalues(body: Body, point: tuple[Real, Real, Real, Real]) -> tuple[Real, Real]:
     """(λ1, λ2) at (u1, u2, p1, p2), λ_k = φ(u_k)p_k²."""
     u1, u2, p1, p2 = _four(body, point)
     K = body.field
     return K.mul(phi(body, u1), K.mul(p1, p1)), K.mul(phi(body, u2), K.mul(p2, p2))
 
 
-def second_bracket(body: Body, point: Sequence[Any]) -> Matrix:
+def second_bracket(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
     """The 4×4 matrix of Π', {u_i, p_j}' = λ_iδ_ij."""
     values = eigenvalues(body, point)
     return weighted_matrix(body.field, values)
 
 
-def recursion_operator(body: Body, point: Sequence[Any]) -> Matrix:
+def recursion_operator(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
     """N = Π'Π⁻¹ = diag(λ1, λ2, λ1, λ2)."""
     values = eigenvalues(body, point) * 2
     zero = body.field.zero
     return tuple(tuple(value if i == j else zero for j in range(4)) for i, value in enumerate(values))
 
 
-def trace_hamiltonian(body: Body, point: Sequence[Any], m: int) -> Any:
+def trace_hamiltonian(body: Body, point: tuple[Real, Real, Real, Real], m: int) -> Real | None:
     """J_m = tr N^m/(2m) = (λ1^m + λ2^m)/m, m ≥ 1; ArgumentError where m = 0 in the field."""
     values, m = (
         eigenvalues(body, point),
@@ -60,7 +61,7 @@ def trace_hamiltonian(body: Body, point: Sequence[Any], m: int) -> Any:
 
 
 def nijenhuis_torsion(
-    K: Any, operator: Callable[[Any, tuple[Any, ...]], Matrix], point: Sequence[Any]
+    K: Field, operator: Callable[[Any, tuple[Any, ...]], Matrix], point: tuple[Real, ...]
 ) -> dict[tuple[int, int, int], Any]:
     """The components T^i_jk, j < k, of the torsion of a field of operators N(field, point) at a point.
 
@@ -73,7 +74,7 @@ def nijenhuis_torsion(
     slopes, N = dict(zip(places, rows, strict=True)), operator(K, tuple(point))
     columns = list(zip(*N, strict=True))
 
-    def component(i: int, j: int, k: int) -> Any:
+    def component(i: int, j: int, k: int) -> Real:
         along = K.sub(dot(columns[j], slopes[i, k]), dot(columns[k], slopes[i, j]))
         turned = [K.sub(slopes[n, k][j], slopes[n, j][k]) for n in range(size)]
         return K.sub(along, dot(N[i], turned))
@@ -81,7 +82,7 @@ def nijenhuis_torsion(
     return {(i, j, k): component(i, j, k) for i, j in places for k in range(j + 1, size)}
 
 
-def rank(K: Any, matrix: Sequence[Sequence[Any]]) -> int:
+def rank(K: Field, matrix: tuple[tuple[Real, ...], ...]) -> int:
     """The rank of a matrix over an exact field, by elimination: 4 for the bracket of (γ, M) at every state, 2 for Π'
     where one λ_k vanishes. FieldError over an inexact field, where rounding leaves the rank undecided.
     """

@@ -290,7 +290,7 @@ def check_state(system: Any, state: Any) -> State:
     return state
 
 
-def check_moving(K: Any, h2: Any) -> None:
+def check_moving(K: Field, h2: Any) -> None:
     """Raises ArgumentError if H2 = (M, M) is 0."""
     if h2 == K.zero:
         raise ArgumentError(f"H2 = {written(h2)}: (M, M) must not vanish; a body at rest has no curve")

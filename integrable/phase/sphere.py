@@ -7,18 +7,17 @@ H1 = (M, M) and H2 = −(M, AM) in the coordinates (u, p) of :mod:`integrable.ph
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
 from integrable.phase.separation import Separated, of_roots
 from jacobian import HyperellipticCurve, poly
+from jacobian.element import Real
 from jacobian.errors import ArgumentError, NotRepresentable, shown, written
+from jacobian.fields.protocol import Field
 from jacobian.relatives.conic import Representative
 
 Divisor = tuple[poly.Poly, poly.Poly]
 
 
-def phi_poly(K: Any, a: Sequence[Any]) -> poly.Poly:
+def phi_poly(K: Field, a: tuple[Real, Real, Real]) -> poly.Poly:
     """φ(x) = 4Π(a_i − x), ascending."""
     value: poly.Poly = (poly.integer(K, 4),)
     for e in a:
@@ -26,7 +25,7 @@ def phi_poly(K: Any, a: Sequence[Any]) -> poly.Poly:
     return value
 
 
-def momentum_line(K: Any, a: Sequence[Any], point: Separated) -> poly.Poly:
+def momentum_line(K: Field, a: tuple[Real, Real, Real], point: Separated) -> poly.Poly:
     """The line through (u_k, φ(u_k)p_k), of length 2; NotRepresentable where u1 = u2."""
     (u1, u2), _ = point
     if u1 == u2:
@@ -34,7 +33,7 @@ def momentum_line(K: Any, a: Sequence[Any], point: Separated) -> poly.Poly:
     return poly.through(K, [(x, K.mul(poly.evaluate(K, phi_poly(K, a), x), p)) for x, p in zip(*point, strict=True)])[1]
 
 
-def sphere_integrals(K: Any, a: Sequence[Any], point: Separated) -> tuple[Any, Any]:
+def sphere_integrals(K: Field, a: tuple[Real, Real, Real], point: Separated) -> tuple[Real, Real]:
     """(H1, H2) with φ(u_k)p_k² = H1·u_k + H2."""
     (u1, u2), _ = point
     first, second = (K.mul(poly.evaluate(K, phi_poly(K, a), x), K.mul(p, p)) for x, p in zip(*point, strict=True))
@@ -42,7 +41,7 @@ def sphere_integrals(K: Any, a: Sequence[Any], point: Separated) -> tuple[Any, A
     return h1, K.sub(first, K.mul(h1, u1))
 
 
-def conic_sum(K: Any, f: poly.Poly, divisor: Divisor, x0: Any, y0: Any) -> Divisor:
+def conic_sum(K: Field, f: poly.Poly, divisor: Divisor, x0: Real | None, y0: Real) -> Divisor:
     """(Ũ, Ṽ) = ((P² − f)/U made monic, −P mod Ũ) for P = V + cU through (x0, y0); x0 = None: c = y0.
 
     For Mumford data of N points on y² = f(x), deg f = 2N (:meth:`jacobian.relatives.conic.Representative.step`). It
@@ -52,7 +51,7 @@ def conic_sum(K: Any, f: poly.Poly, divisor: Divisor, x0: Any, y0: Any) -> Divis
     return image.u, image.v
 
 
-def conic(K: Any, a: Sequence[Any], point: Separated, x0: Any, y0: Any) -> Separated:
+def conic(K: Field, a: tuple[Real, Real, Real], point: Separated, x0: Real | None, y0: Real) -> Separated:
     """The image of (u, p) under :func:`conic_sum`; NotASquare where ũ1, ũ2 are not in the field."""
     h1, h2 = sphere_integrals(K, a, point)
     divisor = poly.from_roots(K, point[0]), momentum_line(K, a, point)
@@ -60,13 +59,13 @@ def conic(K: Any, a: Sequence[Any], point: Separated, x0: Any, y0: Any) -> Separ
     return of_roots(K, image, v, lambda x: poly.evaluate(K, phi_poly(K, a), x))
 
 
-def rho(K: Any, point: Separated) -> Separated:
+def rho(K: Field, point: Separated) -> Separated:
     """ρ: (u, p) ↦ (u, u·p), which takes the canonical bracket to W: {u_i, u_jp_j} = u_iδ_ij."""
     (u1, u2), (p1, p2) = point
     return Separated((u1, u2), (K.mul(u1, p1), K.mul(u2, p2)))
 
 
-def rho_inverse(K: Any, point: Separated) -> Separated:
+def rho_inverse(K: Field, point: Separated) -> Separated:
     """(u, p) ↦ (u, p/u); NotRepresentable at u_k = 0."""
     (u1, u2), (p1, p2) = point
     if K.zero in (u1, u2):
@@ -74,12 +73,12 @@ def rho_inverse(K: Any, point: Separated) -> Separated:
     return Separated((u1, u2), (K.div(p1, u1), K.div(p2, u2)))
 
 
-def hat(K: Any, a: Sequence[Any], point: Separated) -> Separated:
+def hat(K: Field, a: tuple[Real, Real, Real], point: Separated) -> Separated:
     """(û, p̂) = ρ⁻¹ ∘ (conic through (0, 0)) ∘ ρ: canonical again, p̂ = −ℓ(û)/φ(û), ℓ the line of (u_k, φ_kp_k)."""
     return rho_inverse(K, conic(K, a, rho(K, point), K.zero, K.zero))
 
 
-def hat_eigenvalues(K: Any, a: Sequence[Any], point: Separated) -> tuple[Any, Any]:
+def hat_eigenvalues(K: Field, a: tuple[Real, Real, Real], point: Separated) -> tuple[Real, Real]:
     """ν_k = û_kφ(û_k)p̂_k² of the hat variables of (u, p)."""
     first, second = (
         K.mul(K.mul(x, poly.evaluate(K, phi_poly(K, a), x)), K.mul(p, p))
@@ -88,7 +87,7 @@ def hat_eigenvalues(K: Any, a: Sequence[Any], point: Separated) -> tuple[Any, An
     return first, second
 
 
-def metric(K: Any, a: Sequence[Any], u: Sequence[Any]) -> tuple[Any, Any]:
+def metric(K: Field, a: tuple[Real, Real, Real], u: tuple[Real, Real]) -> tuple[Real, Real] | None:
     """The diagonal (ĝ_11, ĝ_22) of the quadratic form ν1 + ν2 = Σ ĝ_kk p_k²; ArgumentError where an a_i = 0."""
     if K.zero in a:
         raise ArgumentError(f"a = {shown(tuple(a))}: the metric needs a_i ≠ 0")

@@ -15,6 +15,7 @@ from typing import Any
 
 from integrable.phase.body import Body, Vector, cross, square_root
 from integrable.phase.state import State
+from jacobian.element import Real
 from jacobian.errors import NotRepresentable
 
 
@@ -31,7 +32,7 @@ class ChaplyginTransformation:
     k: Any
     s: Any
     p: Any
-    shift: Any
+    shift: Real
     """d·k·H1."""
 
     @staticmethod
@@ -86,7 +87,7 @@ class ChaplyginTransformation:
         momentum = tuple(K.add(K.mul(c, x), K.mul(d, y)) for x, y in zip(gamma, M, strict=True))
         return (back[0], back[1], back[2]), (momentum[0], momentum[1], momentum[2])
 
-    def inverse_matrix(self) -> tuple[Any, Any, Any, Any]:
+    def inverse_matrix(self) -> tuple[Real, Real, Real, Real]:
         """(a, b, c, d) with γ = aγ̃ + bM̃, M = cγ̃ + dM̃."""
         K = self.body.field
         upright = K.div(K.mul(self.s, self.s), self.p)
@@ -109,7 +110,7 @@ class ChaplyginTransformation:
         return slip
 
 
-def leaning(K: Any, gamma: Vector, M: Vector) -> Any:
+def leaning(K: Any, gamma: Vector, M: Vector) -> Real:
     """|γ × M|²; NotRepresentable at M ∥ γ, M = 0 included."""
     w = cross(K, gamma, M)
     square, size = K.dot(w, w), K.dot(M, M)
@@ -143,7 +144,7 @@ def _root(body: Body, integrals: Any, square: Any) -> tuple[Any, Any]:
     return k, double * double * square / ((root - below) * total)
 
 
-def parallel(c: Any) -> NotRepresentable:
+def parallel(c: Real) -> NotRepresentable:
     """The error raised for M ∥ γ."""
     return NotRepresentable(
         f"M is parallel to gamma, (γ, M) = {c}: there is no body with (γ̃, M̃) = 0 behind this motion; γ moves as the "

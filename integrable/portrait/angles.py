@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.moving_point.setup import Setup
 from integrable.torus.oval_modes import OvalTorus
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 SPARE, LOST = 4, (0, 40, 160, 640)
 
 
-def start_angles(system: PhaseSpace, state: State, wide: Any, digits: int) -> tuple[Any, Any]:
+def start_angles(system: PhaseSpace, state: State, wide: Any, digits: int) -> tuple[Real, Real]:
     """θ with Σ∫(dx, x dx)/y = θ1·2(A0, A1) + θ2·2(B0, B1) at the start, modulo 1, in numbers of the ``wide`` field to
     this many ``digits``; PrecisionLoss if the ovals have nearly met.
     """

@@ -14,6 +14,7 @@ from integrable.phase.body import Body, cross
 from integrable.phase.state import State
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
+from jacobian.fields.protocol import Field
 from jacobian.progress import Progress
 
 Motion = Callable[[Body, State], Any]
@@ -51,7 +52,7 @@ def _quotients(motion: Motion, body: Body, state: State, K: Any, step: Any) -> A
     gamma, M = numbers[:3], numbers[3:6]
     progress = Progress(f"sensitivity, by differences of motions in {K.dps} digits", MOTIONS)
 
-    def rows(shift: Any) -> Any:
+    def rows(shift: np.ndarray) -> Any:
         found = motion(*_inputs(numbers + shift, K))
         progress.add(1)
         return found
@@ -72,7 +73,7 @@ def _quotients(motion: Motion, body: Body, state: State, K: Any, step: Any) -> A
     return np.stack([*tangents, *columns[2:]], axis=2)
 
 
-def inputs_over(K: Any, body: Body, state: State) -> tuple[Body, State]:
+def inputs_over(K: Field, body: Body, state: State) -> tuple[Body, State]:
     """A body and a state in a field of more digits."""
     return _inputs(_numbers(body, state, K), K)
 

@@ -17,7 +17,7 @@ from integrable.torus.series import LongSeries
 from jacobian.numbers.long_reals import BallReals
 
 
-def growth(run: Any, slopes: Any, digits: int) -> Any:
+def growth(run: Any, slopes: np.ndarray, digits: int) -> Any:
     """The secular part at the times of a ``run``, a Trajectory over MP, (N, 6, 10), from the derivatives of both
     frequencies, (2, 10). PrecisionLoss where the modes of 1/g are too many.
     """

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from integrable.moving_point.elliptic_integrals import oval_periods, slowed
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.roots import root
 
@@ -77,7 +78,7 @@ class Level(NamedTuple):
         return a1, min(self.zeta, a2), max(self.zeta, a2), a3
 
     @property
-    def contact(self) -> tuple[Any, Any, Any]:
+    def contact(self) -> tuple[Real, Real, Real]:
         """1 − d̃a_i of the sorted a_i."""
         a1, a2, a3 = self.a
         return 1 - self.d * a1, 1 - self.d * a2, 1 - self.d * a3
@@ -99,7 +100,7 @@ class Level(NamedTuple):
         return bool(ends[2] - ends[1] > self.eps**0.75 * ends[3])
 
 
-def zeta_through(level: Level, phi: Any, momentum: Any) -> Any:
+def zeta_through(level: Level, phi: np.ndarray, momentum: np.ndarray) -> Any:
     """ζ of the motion, of the upright body of a level, through a point (φ, M̃_i/|M̃|) of its section γ̃_i = 0, i the
     axis of the largest moment (:mod:`integrable.portrait.section`): q − (q − a₁)M̃_i²/|M̃|². Arrays of floats.
     """

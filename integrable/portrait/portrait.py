@@ -21,6 +21,7 @@ from integrable.moving_point.elliptic_integrals import complete
 from integrable.moving_point.problem import vectors
 from integrable.portrait.angles import start_angles
 from integrable.portrait.ovals import Level, Ovals
+from jacobian.element import Real
 from jacobian.errors import NotRepresentable
 from jacobian.immutable import Immutable
 from jacobian.numbers.roots import root
@@ -78,13 +79,13 @@ class Portrait(Immutable):
         self.drift, self.mean_spin = self._rolling(system, state, setup.wide)
 
     @property
-    def wide_turns(self) -> tuple[Any, Any]:
+    def wide_turns(self) -> tuple[Real, Real]:
         """precession/π and ±spin/π, to the digits of the set-up."""
         first, second = self.wide_frequencies
         return (first, second) if self.level.low else (-second, -first)
 
     @cached_property
-    def actions(self) -> tuple[Any, Any]:
+    def actions(self) -> tuple[Real, Real] | None:
         """(J1, J2), of the unit of M. Those of the torus in (γ, M), whose periods are doubled, are twice as large."""
         ovals, level = self._compact("actions"), self.level
         h2, pi = level.momentum**2, level.pi
@@ -102,13 +103,13 @@ class Portrait(Immutable):
         first, second = self.wide_angles("angles")
         return self._field.coerce(first), self._field.coerce(second)
 
-    def wide_angles(self, name: str) -> tuple[Any, Any]:
+    def wide_angles(self, name: str) -> tuple[Real, Real]:
         """:attr:`angles` to the digits of the set-up; NotRepresentable names the requested quantity."""
         self.moving(name)
         return start_angles(*self._given)
 
     @cached_property
-    def periods(self) -> tuple[Any, Any]:
+    def periods(self) -> tuple[Real, Real]:
         """1/|f1| and 1/|f2|; for γ̃ in the body and the axis in space they are half a turn."""
         one, two = (abs(1 / f) for f in self.frequencies)
         return one, two

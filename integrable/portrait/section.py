@@ -22,6 +22,7 @@ import numpy as np
 from integrable.moving_point.newton import step_inside
 from integrable.portrait.ovals import Level
 from jacobian import RR
+from jacobian.element import Real
 from jacobian.errors import one_of, whole
 from jacobian.immutable import Record
 
@@ -47,7 +48,9 @@ class Section(Record):
     angle in turns in which the map is a rotation by ``rotation``.
     """
 
-    def __init__(self, axis: int, run: Any, phi: Any, momentum: Any, theta: Any, rotation: Any) -> None:
+    def __init__(
+        self, axis: int, run: Any, phi: np.ndarray, momentum: np.ndarray, theta: np.ndarray, rotation: Real
+    ) -> None:
         self.axis, self.run, self.phi, self.momentum, self.theta = axis, run, phi, momentum, theta
         self.rotation = rotation
 
@@ -112,7 +115,7 @@ def section(flow: Any, count: int, axis: str) -> Section:
     return Section(body_axis, run, angle, M[:, body_axis].astype(float) / size, turns, float(-sign * own[1] / other[1]))
 
 
-def tilde(flow: Any, run: Any) -> tuple[Any, Any]:
+def tilde(flow: Any, run: Any) -> tuple[np.ndarray, np.ndarray]:
     """γ + kM and M − dkH1γ along a run, (N, 3) each, up to a common factor."""
     change = flow.setup.tilt
     if change is None:

@@ -49,12 +49,14 @@ class Sensitivity(Record):
     in the field of the system. ``way`` is "torus", or "differences" of motions in more digits.
     """
 
-    def __init__(self, times: Any, matrix: Any, secular: Any, way: str, grown: Any = None) -> None:
+    def __init__(
+        self, times: np.ndarray, matrix: np.ndarray, secular: np.ndarray | None, way: str, grown: Any = None
+    ) -> None:
         """``secular`` is None where it is computed on request: then ``grown`` are the arguments of :func:`_grown`."""
         self.times, self.matrix, self._secular, self.way, self._inputs = times, matrix, secular, way, grown
 
     @cached_property
-    def secular(self) -> Any:
+    def secular(self) -> np.ndarray:
         """The part that grows with t, (N, 6, 10).
 
         By differences it takes another motion, and for a ball the modes of 1/g. NotRepresentable where the motion is on
@@ -70,7 +72,7 @@ class Sensitivity(Record):
         return read_only(_grown(self.times, *self._inputs))
 
     @cached_property
-    def periodic(self) -> Any:
+    def periodic(self) -> np.ndarray:
         """The bounded rest, (N, 6, 10)."""
         return read_only(self.matrix - self.secular)
 

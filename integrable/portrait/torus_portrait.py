@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from jacobian.element import Real
 from jacobian.immutable import Immutable
 
 if TYPE_CHECKING:
@@ -34,12 +35,12 @@ class TorusPortrait(Immutable):
         return self.frequencies[0] / self.frequencies[1]
 
     @property
-    def periods(self) -> tuple[Any, ...]:
+    def periods(self) -> tuple[Real, ...]:
         """1/|f| for each frequency f."""
         return tuple(abs(1 / f) for f in self.frequencies)
 
     @cached_property
-    def angles(self) -> tuple[Any, ...]:
+    def angles(self) -> tuple[Real, ...]:
         """The phases θ of the points at the start, in turns modulo 1, 0 at the lower ends of ovals; θ + ft later."""
         found = [x for (x,) in self._settled(lambda torus: [[x] for x in torus.phases])]
         return tuple((s * x) % 1 for s, x in zip(self._signs, found, strict=False))

@@ -18,8 +18,10 @@ from integrable.phase.precisions import EPS_DIGITS
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State, onto_constraints
 from jacobian import MP
+from jacobian.element import Real
 from jacobian.errors import NotASquare, NotRepresentable, PrecisionLoss
 from jacobian.fields.inexact import InexactField
+from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
@@ -40,7 +42,7 @@ def drift(system: PhaseSpace, image: State, state: State) -> Any:
     return max(abs(k1 - h1) / (abs(h1) or 1), abs(k2 - h2) / (abs(h2) or 1))
 
 
-def check_integrals(step: Step, state: State, lost: Any) -> None:
+def check_integrals(step: Step, state: State, lost: Real) -> None:
     """Raises PrecisionLoss if the :func:`drift` ``lost`` of an image is more than eps^0.575 (10⁻⁹ in floats)."""
     if not lost <= step.system.field.eps**0.575:
         C1, C2 = step.system.integrals(state)[:2]
@@ -195,13 +197,13 @@ def _without_dust(field: Any, image: State) -> State:
     return State((g1, g2, g3), (m1, m2, m3), tilted=image.tilted)
 
 
-def widened(system: PhaseSpace, field: Any) -> PhaseSpace:
+def widened(system: PhaseSpace, field: Field) -> PhaseSpace:
     """The same system over a field of more digits; the numbers of its body are converted without a change."""
     body = system.body
     return replaced(system, body=Body(tuple(map(field.coerce, body.inertia)), field.coerce(body.d), field))
 
 
-def _rounded(field: Any, state: State) -> State:
+def _rounded(field: Field, state: State) -> State:
     (g1, g2, g3), (m1, m2, m3) = (tuple(map(field.coerce, v)) for v in (state.gamma, state.M))
     return State((g1, g2, g3), (m1, m2, m3), tilted=state.tilted)
 

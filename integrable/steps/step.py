@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from jacobian.element import Element, Value
 from jacobian.errors import ArgumentError, Infeasible, entries, shown, whole, written
 from jacobian.fields.inexact import InexactField
+from jacobian.fields.protocol import Field
 from jacobian.immutable import Immutable, replaced
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def checked_signs(values: Iterable[int] | None, count: int, argument: str) -> tu
     return tuple(given)
 
 
-def check_doublings(K: Any, m: int, argument: str) -> None:
+def check_doublings(K: Field, m: int, argument: str) -> None:
     """Raises Infeasible if a multiple needs too many doublings in numbers that lose digits at each doubling."""
     if isinstance(K, InexactField) and abs(m) > MOST_MULTIPLE:
         raise Infeasible(

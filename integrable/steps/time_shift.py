@@ -100,7 +100,7 @@ class Shift(Move):
                 return setup, sum_of(setup, first, second) if size else None
             digits = needed + SPARE
 
-    def _integrals(self, setup: Setup) -> tuple[Any, Any]:
+    def _integrals(self, setup: Setup) -> tuple[Real, Real]:
         """w in the units of the motion."""
         problem, wide = setup.problem, setup.wide
         h2 = problem.momentum * problem.momentum
@@ -110,7 +110,7 @@ class Shift(Move):
             raise PrecisionLoss(f"{self!r}: the derivatives of F are not finite at H1, H2 of the state")
         return 2 * slopes[0] * problem.time_scale, -2 * slopes[1] * problem.time_scale / _top(setup)
 
-    def _finite(self, setup: Setup, function: Any, *rows: Row) -> tuple[Any, ...]:
+    def _finite(self, setup: Setup, function: Any, *rows: Row) -> tuple[Real, ...]:
         """``function`` of rows of bare reals, as wide numbers. PrecisionLoss if one is not finite."""
         with setup.reals:
             found = setup.reals.elements(setup.wide, function(*rows))

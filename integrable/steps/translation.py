@@ -19,6 +19,7 @@ from jacobian import Divisor, poly
 from jacobian.element import Element, Real, Value
 from jacobian.errors import ArgumentError, NotASquare, entries, shown, written
 from jacobian.fields.inexact import InexactField
+from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
 from jacobian.relatives.signed import SignedDivisor, SignedGroup
 
@@ -123,7 +124,7 @@ class Translation(Step):
         times = min(abs(self.multiple), LARGEST)
         return found if times <= 2 else max(found, 1.0) * MOST_CONDITION * times * times
 
-    def _condition(self, h1: Any, h2: Any) -> float:
+    def _condition(self, h1: Real, h2: Real) -> float:
         group, u, v = self._class(h1, h2)
         K, f = group.field, group.curve.f
         x = [apply(K, x, h1, h2) if callable(x) else _own(K, x) for x in self.points]
@@ -198,7 +199,7 @@ class Translation(Step):
         assert self._last is not None
         return self._last[2], self._last[3], self._last[4]
 
-    def _is_last(self, h1: Any, h2: Any) -> bool:
+    def _is_last(self, h1: Real, h2: Real) -> bool:
         """Whether D' is cached for this curve. With guard digits (h1, h2) may differ from the cached ones by
         rounding.
         """
@@ -236,7 +237,7 @@ class Translation(Step):
                 "conjugate pair; or an even multiple"
             ) from None
 
-    def _mumford(self, group: SignedGroup, h1: Any, h2: Any) -> tuple[poly.Poly, poly.Poly]:
+    def _mumford(self, group: SignedGroup, h1: Real, h2: Real) -> tuple[poly.Poly, poly.Poly]:
         K, f = group.field, group.curve.f
         if any(isinstance(x, complex) or hasattr(x, "_mpc_") for x in self.points):
             return self._conjugate_pair(K, f)
@@ -254,10 +255,10 @@ class Translation(Step):
             u, v = poly.through(K, list(zip(x, y, strict=True)))
         return u, poly.trim(K, v) if K.exact else v
 
-    def _sheeted(self, x: Sequence[Any]) -> Any:
+    def _sheeted(self, x: Sequence[Real]) -> Any:
         return zip(x, self.sheets, strict=True)
 
-    def _is_branch(self, x: Any, h1: Any, h2: Any) -> bool:
+    def _is_branch(self, x: Any, h1: Real, h2: Real) -> bool:
         """Whether x is a root of f: one of the a_i, 1/d, or h1/h2 (up to rounding over an inexact field)."""
         K, system = self.system.field, self.system
         if x in system.a or (system.body.rolls and x == K.inv(system.d)):
@@ -266,7 +267,7 @@ class Translation(Step):
         return bool(rest == K.zero if K.exact else abs(rest) <= 4 * self._rounding * abs(h1))
 
     @staticmethod
-    def _ordinate(K: Any, f: poly.Poly, x: Any, sheet: int) -> Any:
+    def _ordinate(K: Field, f: poly.Poly, x: Real, sheet: int) -> Any:
         value = poly.evaluate(K, f, x)
         try:
             y = K.sqrt(value)
@@ -277,7 +278,7 @@ class Translation(Step):
             ) from None
         return y if sheet > 0 else K.neg(y)
 
-    def _conjugate_pair(self, K: Any, f: poly.Poly) -> tuple[poly.Poly, poly.Poly]:
+    def _conjugate_pair(self, K: Field, f: poly.Poly) -> tuple[poly.Poly, poly.Poly]:
         z = _own(K, self.points[0])
         value = poly.evaluate(K, f, z)
         y = value**0.5 if self.sheets[0] > 0 else -(value**0.5)
@@ -291,10 +292,10 @@ def moving_branch_point(h1: Real, h2: Real) -> Real:
     return abscissa
 
 
-def on_line(c0: Value, c1: Value) -> Callable[[Any, Any], Any]:
+def on_line(c0: Value, c1: Value) -> Callable[[Real, Real], Real]:
     """The abscissa x' that solves h1 − x'h2 = c0 + c1·x', for ``points``. y'² = φ(x')(c0 + c1·x') is then fixed."""
 
-    def abscissa(h1: Any, h2: Any) -> Any:
+    def abscissa(h1: Any, h2: Real) -> Any:
         K = h1.field
         return K.div(K.sub(h1, c0), K.add(h2, c1))
 

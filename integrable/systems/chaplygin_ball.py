@@ -68,7 +68,7 @@ def _rolling_offset(field: Field[Element], mass: Value | None, radius: Value | N
     return field.mul(m, field.mul(r, r))
 
 
-def _not_negative(field: Any, value: Value, name: str) -> Any:
+def _not_negative(field: Field, value: Value, name: str) -> Any:
     found = field.coerce(value, name)
     if field.characteristic == 0 and found < 0:
         raise ArgumentError(f"{name} = {written(found)} is negative: give {name} ≥ 0")

@@ -15,6 +15,7 @@ import numpy as np
 from integrable.moving_point.problem import HEAVINESS, RATIO, TIME_SCALE, problem_row
 from integrable.torus import survey as torus_survey
 from integrable.torus.walks import Curve
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -144,7 +145,7 @@ class Units(NamedTuple):
             rest = max(float(1 - problem.d * origin), float(problem.d) * length)
         return Units(origin, length, _near_power(rest**0.5))
 
-    def of_point(self, point: tuple[Any, ...]) -> tuple[Any, ...]:
+    def of_point(self, point: tuple[Real, ...]) -> tuple[Real, ...]:
         """A moving point in these units; operations take ``with reals``."""
         u0, u1, v0, v1, *pairs = point
         x, length, lift = self.origin, self.length, self.lift
@@ -159,7 +160,7 @@ def _near_power(x: float) -> float:
     return 1.0 if x > CLOSE else 2.0 ** floor(log2(x))
 
 
-def motion_row(setup: Source, units: Units) -> tuple[Any, ...]:
+def motion_row(setup: Source, units: Units) -> tuple[Real, ...]:
     """What :mod:`integrable.torus.survey` takes, in bare reals: the ends of both ovals, α1, α2, α3, ζ, d, π, r and x/ξ
     at the origin, in the given units.
 
@@ -173,21 +174,21 @@ def motion_row(setup: Source, units: Units) -> tuple[Any, ...]:
         return (*abscissae, d * length / square, pi, (1 - d * origin) / square, origin / length)
 
 
-def best_origin(setup: Source) -> Any:
+def best_origin(setup: Source) -> Real:
     """The origin, 0 or the abscissa of an axis, that keeps the most digits of the distances between close branch
     points; within ``with setup.reals``.
     """
     points = setup.bare_problem.branch_points
     gaps = [(i, j, abs(float(points[i] - points[j]))) for i in range(len(points)) for j in range(i)]
 
-    def digits(origin: Any) -> float:
+    def digits(origin: Real) -> float:
         far = [abs(float(x - origin)) for x in points]
         return min(gap / max(far[i], far[j]) for i, j, gap in gaps if gap)
 
     return max((setup.reals.number(0), *setup.bare_problem.axes[:3]), key=digits)
 
 
-def oval_ends(problem: Problem, near: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+def oval_ends(problem: Problem, near: Real) -> tuple[tuple[Real, Real], tuple[Real, Real]]:
     """The ovals [α_min, min(ζ, α_mid)] and [max(ζ, α_mid), α_max] on which u1 and u2 move, ζ = h1/(h2·max a).
 
     PrecisionLoss if they come ``near`` each other (the separatrix) or shrink to points: the motion is then not a line

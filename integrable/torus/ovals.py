@@ -5,10 +5,12 @@ For :mod:`integrable.torus.oval_modes`; numbers are python-flint's balls.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil, log
 from typing import Any, NamedTuple, Protocol
 
 from integrable.torus.series import powers
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 
 # the decimal exponent of 0
@@ -28,7 +30,7 @@ class Pair(Protocol):
     low: bool
     digits: int
 
-    def phases(self, first: Any, second: Any) -> tuple[Any, Any]:
+    def phases(self, first: Any, second: Any) -> tuple[Real, Real]:
         """(θ₁, θ₂) of (∫dx/y, ∫x dx/y)."""
 
 
@@ -47,7 +49,7 @@ class Node(NamedTuple):
     above: Any
     light: Any
     slow: Any
-    sums: tuple[Any, Any]
+    sums: tuple[Real, Real]
 
 
 class Oval:
@@ -57,7 +59,7 @@ class Oval:
     in a strip that narrows with the logarithm of the gaps only. The first oval has c = ∞, the second e = 1/d.
     """
 
-    def __init__(self, pair: Pair, ends: list[Any], others: list[Any], first: bool) -> None:
+    def __init__(self, pair: Pair, ends: Sequence[Real], others: Sequence[Real], first: bool) -> None:
         self.flint, self.pi, self._d, self._first = pair.flint, pair.pi, pair.d, first
         self._others, self._low, self._ends = others, pair.low, (ends[0], ends[1])
         arb, acb, (a, b), d = self.flint.arb, self.flint.acb, ends, pair.d
@@ -142,7 +144,7 @@ class Oval:
         one, two, _, four = (t.real for t in acb.modular_theta(acb(place), self._nome))
         return (t3 * one / (t2 * four)) ** 2, (t4 * two / (t2 * four)) ** 2
 
-    def angle(self, u: Any, y: Any) -> tuple[Any, float]:
+    def angle(self, u: Real, y: Real) -> tuple[Real, Real]:
         """φ/π of a point, in (−1, 1], and about how far it may be off: all of it where the oval is a point."""
         (a, b), others, arb = self._ends, self._others, self.flint.arb
         length = b - a

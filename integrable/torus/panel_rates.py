@@ -17,6 +17,7 @@ from integrable.moving_point.addition import opposite, rate_after
 from integrable.moving_point.legendre import legendre_transform
 from integrable.moving_point.setup import Setup
 from integrable.moving_point.translations import Translations
+from jacobian.element import Real
 from jacobian.numbers.long_reals import BareReals
 
 # values computed again with all digits: one in this many, and at least two
@@ -47,7 +48,7 @@ class PanelRates:
         counts, rest = np.ones(len(steps), dtype=np.int64), np.zeros((2, 2))
         return (1, 1), (1, len(steps)), (False, False), rows.reshape(-1, 2), counts, (0, 0), rest
 
-    def values(self, point: Any, packed: Any) -> np.ndarray:
+    def values(self, point: Real, packed: Any) -> np.ndarray:
         """1/g after each of the translations ``packed`` by :meth:`steps`, as double-doubles, shape (N, 2)."""
         count = packed[1][1]
         rates, other = np.empty((count, 2)), np.empty((count, 2))
@@ -55,7 +56,7 @@ class PanelRates:
         # a grid around a corner begins at the corner itself
         return np.roll(rates, (count - 1) // 2, axis=0)
 
-    def around(self, point: Any, steps: Sequence[Any], packed: Any) -> np.ndarray | None:
+    def around(self, point: Any, steps: Sequence[Real], packed: Any) -> np.ndarray | None:
         """The same for ``steps`` and their packed form; None if double-doubles have too few digits."""
         rates = self.values(point, packed)
         return rates if self._right(point, steps, rates) else None
@@ -144,7 +145,7 @@ class Scouts:
         if rates and number is float:
             packed, transform = rates.steps(steps), np.array(rows, dtype=float)
 
-            def wide_sizes(point: Any) -> list[float]:
+            def wide_sizes(point: Real) -> list[float]:
                 high, low = rates.values(point, packed).T
                 # so that the coefficients of a nearly constant function keep their digits
                 series = transform @ (high - high[0] + (low - low[0]))

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 
 # number of nodes of a panel: with more nodes panels are longer and their evaluation slower
@@ -45,7 +46,7 @@ class Panels:
         end: float,
         length: float,
         tolerance: float = TOLERANCE,
-        least: Any = 0.0,
+        least: Real = 0.0,
     ) -> None:
         count = max(1, int(np.ceil((end - start) / length)))
         left = np.linspace(start, end, count + 1)[:-1]

@@ -37,7 +37,7 @@ class InexactField(Immutable, Generic[Element]):
     div: Callable[[Element, Element], Element] = staticmethod(operator.truediv)
     neg: Callable[[Element], Element] = staticmethod(operator.neg)  # type: ignore[assignment]
 
-    def inv(self, x: Any) -> Any:
+    def inv(self, x: Any) -> Element:
         return 1 / x
 
     def is_zero(self, x: Any, scale: Any = None) -> bool:
