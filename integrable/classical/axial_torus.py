@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from integrable.classical.axial_loops import LIBRARY, SERIES, AxialThetas
+from integrable.mumford.columns import Column, Columns
 from integrable.mumford.elliptic_torus import (
     double_double_row,
     first_kind,
@@ -31,6 +32,7 @@ from integrable.mumford.elliptic_torus import (
 from integrable.mumford.flow import TORUS, MumfordFlow, Path
 from integrable.torus.access import MOST_TURNS
 from integrable.torus.witness import TURNS
+from jacobian import CC, RR
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 
@@ -106,6 +108,46 @@ class AxialFlow(MumfordFlow):
     def _path(self, torus: Any, times: Any) -> Path:
         rows = torus.at(times)
         return Path(times, rows[:, :3], rows[:, 3:], TORUS)
+
+    def _ends(self, N: LongField) -> list[Any]:
+        # at the others g does not vanish
+        m = self.system._axis(N, self._inner(N)).m
+        return [e for e, x in zip((N.one, -N.one), m, strict=True) if x == 0]
+
+    def _reader_in_floats(self, N: LongField, torus: Any) -> Any:
+        """g is C·e^{iδ}√|z − 1|√|z + 1|, where a root that vanishes is a lift and changes its sign."""
+        axis, ends, start = self.system._axis(RR, self._inner(RR)), self._ends(N), self._inner(CC)
+        K = Columns()
+
+        def horizontal(halves: Any, turned: Any) -> tuple[Any, ...]:
+            """z and z', and g and g' for C = 1."""
+            u, v, lifts = torus.pair_at(K, [(Column(s), Column(c)) for s, c in halves], ends)
+            z, rate, found = -u[0].hi, v[0].hi, iter(lifts)
+            turn = axis.w + 0 * z
+            size, slope = 1 + 0 * z, 0 * z
+            for side, m in zip((1, -1), axis.m, strict=True):
+                root = np.sqrt(np.maximum(1 - side * z, 0))
+                if m == 0:
+                    sigma, climb = (x.hi for x in next(found))
+                    root, rise = sigma, -side * climb / 2
+                else:
+                    rise, turn = -side * rate / (2 * root), turn + side * m / (2 * root * root)
+                size, slope = size * root, slope * root + size * rise
+            wave = np.exp(1j * turned)
+            return z, rate, wave * size, wave * (slope + 1j * turn * size)
+
+        _, _, g, g_rate = horizontal([(np.array([float(s)]), np.array([float(c)])) for s, c in torus.halves], 0.0)
+        own, rates = complex(*axis.g), complex(*axis.g_rate)
+        unit = own / g[0] if abs(g[0]) > abs(g_rate[0]) else rates / g_rate[0]
+
+        def read(halves: Any, turned: Any) -> tuple[Any, Any]:
+            z, rate, g, g_rate = horizontal(halves, turned[0])
+            parts = zip(z.tolist(), rate.tolist(), (unit * g).tolist(), (unit * g_rate).tolist(), strict=True)
+            rows = [self.system._from_axis(CC, start, *part) for part in parts]
+            q, p = (np.array([row[k] for row in rows]).real.T for k in (0, 1))
+            return list(q), list(p)
+
+        return read
 
 
 class Gaps(NamedTuple):

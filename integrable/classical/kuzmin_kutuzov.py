@@ -14,7 +14,7 @@ L = 0, R has that of a lift at s = a.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -133,27 +133,27 @@ class KuzminKutuzov(MumfordSystem):
         return StarFlow(self, state, self._tolerance(tolerance))
 
     def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
-        """The state of a pair with (σ, V/σ) at c and (cos, sin) of the azimuth since the start.
+        """The state of a pair with (σ, V/σ) at c, and cos and sin of the azimuth since the start.
 
-        If L = 0, (σ, V/σ) at a replaces the latter, and R is counted along the half plane of the start.
+        If L = 0, (σ, V/σ) at a replaces these two, and R is counted along the half plane of the start.
         """
-        (a, c), (long, short), along = self._squares(N), self._constants_in(N), self._integrals(N, start)["L"]
-        side, (v0, v1), (product, total) = 1 if a > c else -1, D.v, (D.u[0], -D.u[1])
+        (a, c), (long, short) = self._squares(N), self._constants_in(N)
+        side, (v0, v1), (product, total) = 1 if self.constants[0] > self.constants[1] else -1, D.v, (D.u[0], -D.u[1])
         wide, A = side * (a - c), v1 / total
         # z² = |U(c)|U(−c)/|a² − c²|, R² = |U(a)|U(−a)/|a² − c²|, and z ż and R R' follow from V there
-        (sigma, slope), (first, second) = D.data
+        (sigma, slope), *axis = D.data
         scale = N.sqrt((c + short * total + product) / wide)
         z, rise = sigma * scale, -(side * slope + A * sigma) / (wide * scale)
-        beyond = (a + long * total + product) / wide
-        ahead = self._ahead(N, start)
-        if along == 0:
-            scale = N.sqrt(beyond)
-            radius, rate, spin = first * scale, (side * second - A * first) / (wide * scale), N.zero
+        beyond, ahead = (a + long * total + product) / wide, self._ahead(N, start)
+        if len(axis) == 1:
+            ((sigma, slope),), scale = axis, N.sqrt(beyond)
+            radius, rate, spin = sigma * scale, (side * slope - A * sigma) / (wide * scale), N.zero
         else:
-            inside = a - long * total + product
+            inside, (cosine, sine) = a - long * total + product, axis
             radius = N.sqrt(-side * inside * beyond)
-            rate, spin = side * (v0 + v1 * long + A * inside) / (wide * radius), along / radius
-            ahead = ahead[0] * first - ahead[1] * second, ahead[0] * second + ahead[1] * first
+            rate = side * (v0 + v1 * long + A * inside) / (wide * radius)
+            spin = self._integrals(N, start)["L"] / radius
+            ahead = ahead[0] * cosine - ahead[1] * sine, ahead[0] * sine + ahead[1] * cosine
         (x, y) = ahead
         return Point((radius * x, radius * y, z), (rate * x - spin * y, rate * y + spin * x, rise))
 
@@ -173,7 +173,7 @@ class StarFlow(MumfordFlow):
 
     def __init__(self, system: KuzminKutuzov, state: Point, tolerance: float | None = None) -> None:
         super().__init__(system, state, tolerance)
-        self._tori = dict[int, tuple[SeparatedTorus, Point, tuple[int, int]]]()
+        self._tori = dict[int, tuple[SeparatedTorus, Callable[[Any, Any, Any], Point]]]()
 
     def _budget(self, count: int) -> float:
         return min(self._setting_up + count * BY_SUMS, LONGEST)
@@ -203,29 +203,40 @@ class StarFlow(MumfordFlow):
 
     def _state(self, N: LongField, time: Any) -> Point:
         """The state at a time in long numbers."""
-        if N.bits not in self._tori:
-            torus, inner = self._separated(N), self._inner(N)
-            found = self._at_angles(N, torus, inner, torus.start, [N.zero])
-            # the signs of z and, if L = 0, of R
-            same = [x * found.q[k] + y * found.p[k] for k, (x, y) in enumerate(zip(*inner, strict=True))]
-            self._tori[N.bits] = torus, inner, (-1 if same[2] < 0 else 1, -1 if same[0] + same[1] < 0 else 1)
-        torus, inner, (up, out) = self._tori[N.bits]
-        q, p = self._at_angles(N, torus, inner, *torus.angles_at(N.coerce(time)))
-        signs = (out, out, up)
-        return Point(*(tuple(s * x for s, x in zip(signs, part, strict=True)) for part in (q, p)))
-
-    def _at_angles(
-        self, N: LongField, torus: SeparatedTorus, inner: Point, angles: Sequence[Any], turned: Sequence[Any]
-    ) -> Point:
         import gmpy2
 
-        halves = [gmpy2.sin_cos(phi / 2) for phi in angles]
-        a, c = self.system._constants_in(N)
-        u, v, (at_c, at_a) = torus.pair_at(N, halves, (c, a))
+        if N.bits not in self._tori:
+            torus = self._separated(N)
+            self._tori[N.bits] = torus, self._states_on(N, torus)
+        torus, read = self._tori[N.bits]
+        angles, turned = torus.angles_at(N.coerce(time))
         sine, cosine = gmpy2.sin_cos(turned[0])
-        axis = at_a if self.system._integrals(N, inner)["L"] == 0 else (cosine, sine)
-        found: Point = self.system._back(N, inner, Extended(u, v, (at_c, axis)), None)
-        return found
+        return read(N, [gmpy2.sin_cos(phi / 2) for phi in angles], [(cosine, sine)])
+
+    def _ends(self, N: LongField) -> list[Any]:
+        a, c = self.system._constants_in(N)
+        return [c, a] if self.system._integrals(N, self._inner(N))["L"] == 0 else [c]
+
+    def _states_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[Any, Any, Any], Point]:
+        ends, inner = self._ends(N), self._inner(N)
+
+        def unsigned(K: Any, halves: Any, turned: Any) -> Point:
+            u, v, lifts = torus.pair_at(K, halves, ends)
+            data = lifts if len(lifts) == 2 else [*lifts, *turned[0]]
+            start = Point(*(tuple(map(K.coerce, part)) for part in inner))
+            found: Point = self.system._back(K, start, Extended(u, v, tuple(data)), None)
+            return found
+
+        # the signs of z and, if L = 0, of R
+        found = unsigned(N, torus.halves, [(N.one, N.zero)])
+        x, y, z = (a * b + c * d for a, b, c, d in zip(found.q, inner.q, found.p, inner.p, strict=True))
+        signs = (out := -1 if x + y < 0 else 1, out, -1 if z < 0 else 1)
+
+        def read(K: Any, halves: Any, turned: Any) -> Point:
+            q, p = unsigned(K, halves, turned)
+            return Point(*(tuple(s * x for s, x in zip(signs, part, strict=True)) for part in (q, p)))
+
+        return read
 
     def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
         """Raises ArgumentError: the sums over ovals have no proven bounds."""

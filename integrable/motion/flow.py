@@ -187,9 +187,9 @@ class Flow(BodyMotion):
         """The spectral lines of γ, M and ω with their complex amplitudes, to rounding
         (:mod:`integrable.portrait.spectrum`); floats only, NotRepresentable for a motion on no torus of dimension two.
         """
-        from integrable.portrait.spectrum import lines_of
+        from integrable.portrait.spectrum import BodyStates, lines_of
 
-        return lines_of(self)
+        return lines_of(BodyStates(self))
 
     def residual_growth(self, counts: Iterable[int]) -> list[tuple[int, Real]]:
         """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""

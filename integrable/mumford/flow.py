@@ -14,7 +14,7 @@ from integrable.mumford.motion import MumfordMotion, Start, settled_digits
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import RR
 from jacobian.element import Element, Number, Numbers, Real
-from jacobian.errors import ArgumentError, PrecisionLoss, one_or_more
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, one_or_more
 from jacobian.immutable import Record, at_once, read_only
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
@@ -30,7 +30,9 @@ if TYPE_CHECKING:
     from integrable.mumford.theta_torus import ThetaTorus
     from integrable.phase.enclosure import EnclosedPath
     from integrable.portrait.separated import SeparatedTorus
+    from integrable.portrait.spectrum import Spectrum
     from integrable.portrait.torus_portrait import TorusPortrait
+    from integrable.portrait.torus_section import TorusSection
     from integrable.series.near import Near
 
 # a torus is rejected if its states differ by more than this from those of the equations of motion
@@ -43,6 +45,8 @@ BY_ADDITIONS, ON_TORUS, LONGEST, TO_TORUS = 1500, 3, 150_000, {1: 300, 2: 3000}
 TIMES_TO_THETA = 12
 # rounding error of correctly rounded floats
 ROUNDED = 2.0**-53
+# bits of the periods of a torus in separated coordinates whose states are floats
+BITS_OF_TORUS = 160
 # the values of Path.way
 SERIES, TORUS, ADDITIONS = "series", "torus", "additions"
 # genera in which tables of double-doubles are accurate to the digits of floats
@@ -258,6 +262,95 @@ class MumfordFlow:
 
         inner = self._inner(N)
         return SeparatedTorus(N, self.system._spectral(N, inner), self.system._separation(N, inner))
+
+    def spectrum(self) -> Spectrum:
+        """The spectral lines of q and p (:mod:`integrable.portrait.spectrum`), in floats.
+
+        q and p are taken without the uniform motion of a centre of mass. NotRepresentable over another field, if the
+        points of the pair do not turn in g real ovals, and where time is no sum over them; PrecisionLoss if a grid on
+        the torus would be too fine.
+        """
+        from integrable.portrait.spectrum import lines_of
+        from integrable.portrait.torus_states import TorusStates
+
+        with LongField(BITS_OF_TORUS) as N:
+            torus = self._separated_in_floats(N, "spectrum")
+            frequencies = [*map(float, self.portrait.frequencies)]
+            return lines_of(TorusStates(torus, self._ends(N), self._reader_in_floats(N, torus), frequencies))
+
+    def section(self, count: int, oval: int = 0, end: str = "lower") -> TorusSection:
+        """The next ``count`` states where the point in an oval is at its "lower" or its "upper" end, in floats.
+
+        Ovals are numbered in ascending order. If the end is a branch point a_i at which q_i is a lift, q_i = 0 there.
+        Refusals are those of :meth:`spectrum`. (:mod:`integrable.portrait.torus_section`)
+        """
+        from integrable.portrait.torus_section import TorusSection, crossings
+
+        with LongField(BITS_OF_TORUS) as N:
+            times, theta, rotation = crossings(self._separated_in_floats(N, "section"), count, oval, end)
+        return TorusSection(self.at(times), theta, rotation)
+
+    def _separated_in_floats(self, N: LongField, name: str) -> SeparatedTorus:
+        """The torus in separated coordinates; NotRepresentable names the requested quantity."""
+        K = self.system.field
+        if K != RR:
+            raise NotRepresentable(f"{name}: it is computed in floats, this flow is over {K.name}")
+        torus = self._separated(N)
+        if torus.separation.factor is not None:
+            raise NotRepresentable(f"{name}: the clock of {self.system!r} is no sum over the points of its pairs")
+        return torus
+
+    def _ends(self, N: LongField) -> list[Any]:
+        """The branch points at which a state has signs."""
+        return [kind.e for kind in self._place(N).kinds if isinstance(kind, Lift)]
+
+    def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Any, Any]]:
+        """The q and p of :meth:`_states_on` for arrays of floats."""
+        import numpy as np
+
+        from integrable.mumford.columns import Column, Columns
+
+        K, read = Columns(), self._states_on(N, torus)
+
+        def states(halves: list[tuple[Any, Any]], turned: list[Any]) -> tuple[Any, Any]:
+            given = [(Column(np.cos(x)), Column(np.sin(x))) for x in turned]
+            found = read(K, [(Column(s), Column(c)) for s, c in halves], given)
+            zero = 0 * halves[0][0]
+            q, p = ([x.hi + zero for x in part] for part in found)
+            return q, p
+
+        return states
+
+    def _states_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[Any, Any, Any], Point]:
+        """``read(K, halves, turned)``: the state in the numbers of K at given angles.
+
+        They are (sin ½φ, cos ½φ) of each point, and (cos, sin) of each angle about an axis since the start.
+        """
+        start, ends = self._place(N), self._ends(N)
+        here = iter(torus.pair_at(N, torus.halves, ends)[2])
+        scales: list[Any] = []
+        for kind, datum in zip(start.kinds, start.data, strict=True):
+            if isinstance(kind, Lift):
+                (kappa, sigma, nu), (own, slope) = datum, next(here)
+                scale = 1 / N.sqrt(abs(kappa))
+                side = 1 if kappa > 0 else -1
+                ahead = scale * own * sigma + side * scale * slope * nu >= 0
+                scales.append((kappa, scale if ahead else -scale, side))
+            else:
+                scales.append(None)
+
+        def read(K: Any, halves: Any, turned: Any) -> Point:
+            u, v, lifts = torus.pair_at(K, halves, ends)
+            found, data = iter(lifts), []
+            for scale in scales:
+                if scale is None:
+                    data.append(K.zero)
+                else:
+                    (kappa, size, side), (sigma, slope) = scale, next(found)
+                    data.append((kappa, size * sigma, side * size * slope))
+            return self.system._back(K, self._inner(K), Extended(u, v, tuple(data)), K.zero)
+
+        return read
 
     def tau_near(self, time: Number, digits: int) -> Real:
         """τ, as a long number, at a time of a motion that carries its clock."""

@@ -8,8 +8,9 @@ import numpy as np
 
 from jacobian.errors import PrecisionLoss
 
-# largest number of Newton steps, and of halvings of one; the steps end below SOLVED
-MOST_STEPS, MOST_HALVINGS, SOLVED = 60, 30, 1e-13
+# largest number of Newton steps, and of halvings of one; a step below LAST has its square as error; a gap below ROUNDED
+# may be rounding
+MOST_STEPS, MOST_HALVINGS, LAST, ROUNDED = 60, 30, 1e-8, 1e-12
 
 Array = np.ndarray
 
@@ -31,13 +32,13 @@ class OvalAngles(NamedTuple):
         angles = 2 * np.pi * phases
         gaps = self._gaps(angles, phases)
         for _ in range(MOST_STEPS):
-            steps = np.linalg.solve(self._slopes(angles), (gaps @ (2 * np.pi * self.means))[:, :, None])[:, :, 0]
-            if np.abs(steps).max(initial=0) < SOLVED:
+            steps = np.linalg.solve(self.slopes(angles), (gaps @ (2 * np.pi * self.means))[:, :, None])[:, :, 0]
+            if np.abs(steps).max(initial=0) < LAST:
                 return angles - steps
             size = np.abs(gaps).max(axis=1)
             for _ in range(MOST_HALVINGS):
                 found = self._gaps(angles - steps, phases)
-                worse = np.abs(found).max(axis=1) > np.maximum(size, SOLVED)
+                worse = np.abs(found).max(axis=1) > np.maximum(size, ROUNDED)
                 if not worse.any():
                     break
                 steps[worse] /= 2
@@ -51,7 +52,7 @@ class OvalAngles(NamedTuple):
         found: Array = np.linalg.solve(2 * np.pi * self.means.T, sums.T).T - phases
         return found
 
-    def _slopes(self, angles: Array) -> Array:
+    def slopes(self, angles: Array) -> Array:
         """The derivatives of the sums by the angles, (N, forms, ovals)."""
         columns = []
         for phi, mean, waves in zip(angles.T, self.means, self.waves, strict=True):

@@ -18,6 +18,8 @@ COLORS = ("#0072B2", "#D55E00", "#009E73")
 CURVES = 9
 # spectral lines below this fraction of the largest are not drawn; number of labelled lines
 FAINT, NAMED = 1e-6, 6
+LETTERS = {"gamma": "γ", "omega": "ω"}
+"""How quantities of a body are called."""
 APART = 0.05
 """A fraction of the picture's width: labels of lines closer than this would overlap."""
 
@@ -75,12 +77,12 @@ def section_figure(of: Any) -> Figure:
 
 def spectrum_figure(of: Any) -> Figure:
     """:meth:`integrable.portrait.spectrum.Spectrum.figure`."""
-    figure, every = _axes("the picture of a spectrum", 3, 1.4 * SIZE[1])
-    for ax, (name, lines) in zip(every, (("γ", of.gamma), ("M", of.M), ("ω", of.omega)), strict=True):
-        sizes = np.abs(lines)
+    figure, every = _axes("the picture of a spectrum", len(of.quantities), 1.4 * SIZE[1])
+    for ax, name in zip(every, of.quantities, strict=True):
+        sizes = np.abs(getattr(of, name))
         floor = FAINT * sizes.max()
-        for axis, color in enumerate(COLORS):
-            seen = sizes[:, axis] > floor
+        for axis in range(sizes.shape[1]):
+            color, seen = COLORS[axis % len(COLORS)], sizes[:, axis] > floor
             ax.vlines(of.frequencies[seen], floor, sizes[seen, axis], color=color, linewidth=1.2)
             ax.plot(of.frequencies[seen], sizes[seen, axis], "o", color=color, markersize=3, label=f"axis {axis + 1}")
         named: list[float] = []
@@ -90,10 +92,10 @@ def spectrum_figure(of: Any) -> Figure:
             # skip a label that would overlap another
             if len(named) < NAMED and all(abs(place[0] - other) > apart for other in named):
                 named.append(place[0])
-                text = "({}, {})".format(*of.modes[n])
+                text = f"({', '.join(map(str, of.modes[n]))})"
                 ax.annotate(text, place, xytext=(0, 4), textcoords="offset points", fontsize=7, ha="center")
-        ax.set(yscale="log", ylabel=f"amplitude of {name}", ylim=(floor, 6 * sizes.max()))
+        ax.set(yscale="log", ylabel=f"amplitude of {LETTERS.get(name, name)}", ylim=(floor, 6 * sizes.max()))
     every[0].legend(fontsize=8)
-    every[0].set_title("spectral lines at ½(m₁f₁ + m₂f₂), labelled (m₁, m₂)")
+    every[0].set_title("spectral lines at ½Σm_k f_k, labelled (m₁, m₂, …)")
     every[-1].set_xlabel("turns per unit time")
     return figure

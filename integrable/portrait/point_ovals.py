@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from jacobian import MP, poly
 from jacobian.errors import NotRepresentable
 from jacobian.inexact.long_field import LongField
@@ -67,7 +69,7 @@ class PointOval(NamedTuple):
         """1/√h."""
         h = -self.lead
         for e, square in self.others:
-            h *= x - e if square is None else (x - e) ** 2 + square
+            h *= x - e if square is None else (x - e) * (x - e) + square
         return 1 / N.sqrt(h)
 
     @property
@@ -97,6 +99,12 @@ class Pole(NamedTuple):
         sine, cosine = gmpy2.sin_cos(phi / 2)
         # the angle between (cos, ratio·sin) and (cos, sin)
         return 2 * gmpy2.atan2((self.ratio - 1) * sine * cosine, cosine * cosine + self.ratio * sine * sine)
+
+    def swings(self, phi: np.ndarray) -> np.ndarray:
+        """:meth:`swing` of floats."""
+        ratio, sine, cosine = float(self.ratio), np.sin(phi / 2), np.cos(phi / 2)
+        found: np.ndarray = 2 * np.arctan2((ratio - 1) * sine * cosine, cosine * cosine + ratio * sine * sine)
+        return found
 
 
 def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Any] = ()) -> tuple[list[Any], list[Any]]:

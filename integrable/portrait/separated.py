@@ -195,7 +195,7 @@ class SeparatedTorus:
 
     def _lift_at(self, N: Any, e: Any, points: Sequence[Any], halves: Sequence[Any], shares: Sequence[Any]) -> Any:
         """(σ, V(e)/σ) at a branch point; ``shares`` are y/Π(x − other points) over r·sin φ."""
-        place = min(range(len(self._known)), key=lambda k: abs(self._known[k] - e))
+        place = self.place_of(e)
         own, root, rest, size = None, N.one, N.one, N.one
         # |e − x| of each point, but √|e − x|, with a sign, of the one that turns at e
         gaps, signs = [], []
@@ -213,6 +213,17 @@ class SeparatedTorus:
                 value = value if k == i else value * gap * sign
             slope = slope + value
         return root * far, slope / far
+
+    @property
+    def halves(self) -> list[tuple[Any, Any]]:
+        """(sin ½φ, cos ½φ) of each point at the start."""
+        import gmpy2
+
+        return [gmpy2.sin_cos(phi / 2) for phi in self.start]
+
+    def place_of(self, e: Any) -> int:
+        """The number of a branch point among the real ones."""
+        return min(range(len(self._known)), key=lambda k: abs(self._known[k] - e))
 
     def angles_at(self, time: Any) -> tuple[list[Any], list[Any]]:
         """(φ of each point, growth of each further angle) after a time."""
@@ -239,6 +250,20 @@ class SeparatedTorus:
         grown = [x - y for x, y in zip(self._sums(full)[genus:], self._sums(self.start)[genus:], strict=True)]
         turned = [x + rate * time for x, (_, rate) in zip(grown, self.separation.turns, strict=True)]
         return full, turned
+
+    def swings(self, angles: np.ndarray, phases: np.ndarray) -> np.ndarray:
+        """The angles about an axis, (N, m), less what grows with the phases; ``angles`` and ``phases`` are (N, g)."""
+        genus, found = len(self.ovals), []
+        for j in range(genus, len(self._forms)):
+            total = np.zeros(len(angles))
+            for k, (phi, turns) in enumerate(zip(angles.T, phases.T, strict=True)):
+                waves = np.array([float(x) for x in self._waves[k][j]])
+                total += float(self.means[k][j]) * (phi - 2 * np.pi * turns)
+                total += np.sin(np.outer(phi, np.arange(1, len(waves) + 1))) @ waves
+                for pole in self._poles[k][j]:
+                    total += float(pole.mean) * pole.swings(phi)
+            found.append(total)
+        return np.stack(found, axis=1) if found else np.zeros((len(angles), 0))
 
     @cached_property
     def in_floats(self) -> OvalAngles:

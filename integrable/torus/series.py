@@ -309,11 +309,12 @@ def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int
     """
     grid = np.abs(grid.astype(complex))
     grid /= grid.max()
-    rows, columns = (_needed(np.maximum.reduce(grid, axis=1 - k), noise[k]) for k in range(2))
+    rows, columns = (needed_size(np.maximum.reduce(grid, axis=1 - k), noise[k]) for k in range(2))
     return rows, columns
 
 
-def _needed(modes: np.ndarray, noise: float) -> int:
+def needed_size(modes: np.ndarray, noise: float) -> int:
+    """:func:`needed_sizes` in one direction, from the largest modes of each row, relative to the largest of all."""
     half = len(modes) // 2
     folded = np.maximum(modes[: half + 1], np.roll(modes[::-1], 1)[: half + 1])
     return size_wanted(folded.tolist(), len(modes), noise)
