@@ -348,7 +348,8 @@ class MumfordFlow:
                 else:
                     (kappa, size, side), (sigma, slope) = scale, next(found)
                     data.append((kappa, size * sigma, side * size * slope))
-            return self.system._back(K, self._inner(K), Extended(u, v, tuple(data)), K.zero)
+            state: Point = self.system._back(K, self._inner(K), Extended(u, v, tuple(data)), K.zero)
+            return state
 
         return read
 
