@@ -83,7 +83,9 @@ def _at(angle: float) -> tuple[Any, Any]:
 
 
 def _of_angles(first: Any, second: Any, generic: bool = False) -> Part:
-    """Independent angles, or, of USp(4), those of SU(2) with Weyl's (2cos α − 2cos β)²/2 as a density."""
+    """Two independent angles. ``generic``: the angles of USp(4), whose density is Weyl's (2cos α − 2cos β)²/2 times
+    SU(2)'s.
+    """
     (alpha, p), (beta, q) = first, second
     a, b = 2 * np.cos(alpha)[:, None], 2 * np.cos(beta)[None]
     weights = p[:, None] * q[None] * ((a - b) ** 2 / 2 if generic else 1.0)

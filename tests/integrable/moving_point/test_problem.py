@@ -75,7 +75,7 @@ def test_it_is_the_readable_problem(name) -> None:
             else ([true], [setup.reals.element(K, found)])
         )
         size = max(map(abs, rows[0]))
-        # U and V of close branch points vanish like powers of what these differ by
+        # at close branch points U and V vanish like powers of the distance of the two
         spare = 10**4 * (10**27 if name in ("heavy", "nearly equal") and field == "start" else 1)
         assert all(abs(x - y) <= spare * K.eps * (abs(x) + 1e-6 * size) for x, y in zip(*rows, strict=True)), field
     assert setup.problem == bare.over(setup.reals, K)
