@@ -119,7 +119,9 @@ def all_primes(C: HyperellipticCurve) -> None:
 
 
 def compile_all() -> Iterator[tuple[str, float]]:
-    """Compiles the kernels one after the other: (name, seconds) each, tenths of a second for what the cache has."""
+    """Compiles the kernels one after the other: (name, seconds) for each; a kernel in the cache takes tenths of a
+    second.
+    """
     families = (
         ("single", single, single_curves),
         ("single", single, two_word_curves),

@@ -50,9 +50,9 @@ class Seen(NamedTuple):
 
 
 def seen(found: Endomorphisms, L: LPolynomials | None = None) -> Seen:
-    """The algebras of endomorphisms that were found, held against L-polynomials of the same curve.
+    """The algebras of the endomorphisms that were found, compared with L-polynomials of the same curve.
 
-    PrecisionLoss where one contradicts them: what was seen in the periods is no endomorphism.
+    PrecisionLoss if an L-polynomial contradicts them: a relation of the periods is then no endomorphism.
     """
     rational = found.over_the_rationals()
     result = Seen(algebra(found.matrices), algebra(rational), 0, False)

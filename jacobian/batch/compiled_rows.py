@@ -87,7 +87,7 @@ class CompiledRows(StoredRows):
         return draw.integers(p, size=count) - p // 2
 
     def _in_words(self, x: Rows) -> Rows:
-        """Rows in words, from what is stored."""
+        """Rows in words, from stored rows."""
         return Rows(self.encoded(x.data.astype(np.int64)), x.degree, x.weight) if self.floats else x
 
     def stored(self, x: Rows) -> Rows:

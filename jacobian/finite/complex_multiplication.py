@@ -72,7 +72,7 @@ def _generator(p: int, degree: int) -> Element:
         found = (*(sum(m * row[j] for m, row in zip(multiples, basis, strict=True)) for j in range(size)), 0)
         if _norm(found) == p:
             return found
-    raise AssertionError(f"no generator of an ideal over {shown(p)} beside its reduced basis")
+    raise AssertionError(f"no generator of an ideal over {shown(p)} near its reduced basis")
 
 
 def _times(a: Element, b: Element) -> Element:

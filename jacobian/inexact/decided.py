@@ -128,8 +128,8 @@ class Passes:
         return field
 
     def _moved(self, part: Any, floor: Any) -> list[Pair]:
-        """The summands with every coefficient moved by that part of itself, or of its size if all points were as large
-        as the largest.
+        """The summands with every coefficient changed by the given part of itself, or of its size if all points were as
+        large as the largest.
         """
         known = self._digits.own_eps**2
         return [self._on_curve(self._jogged(pair, part, floor), known) for pair in self._pairs]

@@ -1,6 +1,6 @@
-"""The arithmetic of :mod:`jacobian.numbers.words` in compiled loops: what has instructions of its own.
+"""The operations of :mod:`jacobian.numbers.words` that have instructions of their own in compiled loops.
 
-All else of a context, and all of :mod:`jacobian.numbers.tables`, is compiled as it stands.
+The rest of a context, and all of :mod:`jacobian.numbers.tables`, are compiled from their source.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 An element a is represented by a·2^w modulo p with w = 32 (p < 2^31) or 64 (p < 2^63), as a signed int that need not be
 the least residue: Montgomery's reduction (1985) with a signed quotient maps a T with |T| < 2^(2w−1) to T/2^w modulo p
-of size at most |T|/2^w + p/2, without a comparison. So sums stay as they are, sums of products are reduced once, and
-only what is stored or compared is made *canonical*, −p/2 < x < p/2.
+of size at most |T|/2^w + p/2, without a comparison. So sums are not reduced at all, sums of products once, and only
+numbers that are stored or compared are made *canonical*, −p/2 < x < p/2.
 
 A *context* K holds p and its constants. Its class says how many spare bits a word has above p, and compiled code is
 specialised by that class::

@@ -82,7 +82,9 @@ class AbelMap(AbelImage):
             result = J.from_points([(field.coerce(x), field.coerce(Y - self._half_h(x))) for x, Y in points])
             J.from_mumford(result.u, result.v, result.n)
         except NotOnCurve as error:
-            raise PrecisionLoss(f"z = {shown(z)}: what was found is off the curve; use more digits ({error})") from None
+            raise PrecisionLoss(
+                f"z = {shown(z)}: the divisor found is not on the curve; use more digits ({error})"
+            ) from None
         return self._checked(result, target)
 
     def _checked(self, D: Divisor, target: Vector) -> Divisor:

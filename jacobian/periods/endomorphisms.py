@@ -29,9 +29,9 @@ SMALL = 4
 
 
 class Endomorphisms(NamedTuple):
-    """``matrices``: a ℤ-basis R_i of the ring over the complex numbers, by what they do to the cycles of ``periods``, 1
-    among its combinations; ``rational``: integral combinations c of it, Σ c_i R_i being a QQ-basis of the
-    endomorphisms over QQ; ``digits``: to which A·Π = Π·R holds.
+    """``matrices``: a ℤ-basis R_i of the ring over the complex numbers, which contains 1, given by the action on the
+    cycles of ``periods``. ``rational``: integral combinations c for which the Σ c_i R_i are a QQ-basis of the
+    endomorphisms over QQ. ``digits``: those to which A·Π = Π·R holds.
     """
 
     periods: PeriodMatrix
@@ -66,7 +66,9 @@ def endomorphisms(C: HyperellipticCurve, digits: int = 100) -> Endomorphisms:
         found = [_blocks(v, g) for v in _relations(rows, kept)]
         tangents = [_tangent(P, R) for R in found]
         if not all(_holds(P, A, R, kept) for A, R in zip(tangents, found, strict=True)):
-            raise PrecisionLoss(f"digits = {shown(digits)}: small relations that are none came up; use more digits")
+            raise PrecisionLoss(
+                f"digits = {shown(digits)}: a small relation was found that does not hold; use more digits"
+            )
         entries = [[A[i][j] for i, j in product(range(g), repeat=2)] for A in tangents]
         whole_ones = [[P.cover.numbers.convert(-int(i == j)) for j in range(g * g)] for i in range(g * g)]
         rational = [v[: len(found)] for v in _relations([*entries, *whole_ones], kept)]

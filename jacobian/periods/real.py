@@ -24,7 +24,7 @@ def real_period(P: PeriodMatrix) -> Any:
     with P.cover.numbers.working():
         conjugates = [whole_coordinates(P, [x.conjugate() for x in column]) for column in zip(*P.big, strict=True)]
         if None in conjugates:
-            raise PrecisionLoss("the conjugate cycles are not told from others; use more digits")
+            raise PrecisionLoss("the conjugate cycles cannot be distinguished from others; use more digits")
         traces = [[c + (i == j) for i, c in enumerate(found or [])] for j, found in enumerate(conjugates)]
         basis = [row for row in fmpz_mat(traces).hnf().tolist() if any(row)]
         # the trace of x^k dx/(2y + h) is the real part of the period of x^k dx/(y + h/2)

@@ -1,8 +1,8 @@
 """Generators, modulo torsion, of the group that some classes over QQ generate in genus 2, by canonical heights.
 
-A class is independent of those before it, or n times it is their integral combination, up to torsion, exactly
-(:func:`jacobian.relatives.heights.dependence`). With n > 1 the lattice has grown, and Euclid's algorithm on coordinates
-makes a basis of it.
+Each class is either independent of those before it, or n times it is exactly an integral combination of these up to
+torsion (:func:`jacobian.relatives.heights.dependence`). With n > 1 the lattice has grown, and Euclid's algorithm on
+coordinates finds a basis of it.
 """
 
 from __future__ import annotations

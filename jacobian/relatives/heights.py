@@ -78,7 +78,9 @@ def _sum(surface: KummerSurface, x: Sequence[int], terms: int, bound: int, reals
             doubled, residues = surface.double(real), [c % modulus for c in surface.double(residues)]
             common = gmpy2.gcd(*residues, modulus)
             if bound % common:
-                raise PrecisionLoss(f"{surface.curve!r}: δ(x) has the divisor {common}, which is none of 16·disc(f)")
+                raise PrecisionLoss(
+                    f"{surface.curve!r}: δ(x) has the divisor {common}, which does not divide 16·disc(f)"
+                )
             modulus //= bound
             residues = [c // common % modulus for c in residues]
             term = _largest(doubled).log() - 4 * _largest(real).log() - arb(int(common)).log()

@@ -309,7 +309,7 @@ def biquadratic_modulo(surface: KummerSurface, J: Jacobian) -> list[int]:
 
 
 def _pairs_of_classes(f: Sequence[int], J: Jacobian) -> list[tuple[list[int], list[int]]]:
-    """(the terms at κ(D), κ(E), what the forms are there up to a factor) modulo p, for CLASSES pairs in general
+    """(the terms at κ(D) and κ(E), the values of the forms there up to a factor) modulo p, for CLASSES pairs in general
     position.
     """
     p = J.field.characteristic
