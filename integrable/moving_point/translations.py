@@ -1,29 +1,22 @@
 """Translations T(eps) of a flow by a time eps, to any precision: Σ∫dx/y = eps and Σ∫x dx/y = 0.
 
 Over bare reals T(eps) is a power series in eps² (:func:`expansion`) within half a basic step; beyond, it is 2^k times
-T(eps/2^k). Balls need bounds of truncation errors and therefore use Newton's iteration on the integrals in x
-(:meth:`Translations.centre`); each iteration doubles the digits.
+T(eps/2^k). Balls need bounds of truncation errors, which integrals in x give (:mod:`integrable.moving_point.balls`).
 """
 
 from __future__ import annotations
 
-from functools import cached_property
-from math import ceil, frexp, inf, isqrt, log2
+from math import ceil, inf, isqrt, log2
 from operator import mul
 from typing import Any, NamedTuple
 
-from integrable.moving_point.addition import Row, centre, leading, opposite, shift
-from integrable.moving_point.legendre import doubling_precisions
+from integrable.moving_point.addition import Row, leading, opposite, shift
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 
 # the points of T(half step) have this fraction of the distance from x = 0 to the next branch point: the terms of the
 # series fall like its powers
 REACH = 0.3
-# bits gained per term of the series at half a step, where the two points are at most 1.4·REACH away from 0. Each
-# halving of eps gains another bit
-TERM_BITS = -log2(1.4 * REACH)
-FLOAT_BITS = 44
 # SCOUT: number of terms from which the radius of an expansion is estimated. HALVED_FROM: for many translations half a
 # step is halved once per so many bits. FEW: up to this number of translations a long series does not pay
 SCOUT = 24
@@ -45,13 +38,6 @@ class Translations:
         self._halvings = isqrt(reals.bits // 25)
         self._asked = 0
         self._expansions: dict[int, tuple[tuple[list[Any], ...], float]] = {}
-
-    @cached_property
-    def series(self) -> tuple[Any, ...]:
-        """The coefficients of 1/√(f/f0) about x = 0."""
-        size = int(self.reals.bits / (TERM_BITS + self._halvings)) + 6
-        with self.reals:
-            return series_of(self.f, -1, size)
 
     def _expansion(self, rest: int) -> tuple[tuple[list[Any], ...], float]:
         """The :func:`expansion` for half a step halved ``rest`` times, and its radius in half steps."""
@@ -123,35 +109,6 @@ class Translations:
         with self.reals:
             outer = [self.near(self.half_step * length * x) for x in nodes[: len(nodes) // 2]]
             return outer + [opposite(step) for step in outer[::-1]]
-
-    def plan(self, eps: Any) -> tuple[int, float]:
-        """(number of halvings of eps, bits gained per term of the series after them)."""
-        exponent = frexp(float(max(abs(eps) / self.half_step, 2.0**-500)))[1]
-        doublings = max(0, exponent + self._halvings)
-        return doublings, TERM_BITS + doublings - exponent
-
-    def centre(self, eps: Any, term_bits: float) -> tuple[Any, Any]:
-        """(m, r) of T(eps), whose points are at m ± √r, by Newton's method. It starts from floats or, for a tiny eps,
-        from the leading order.
-        """
-        reals, f0 = self.reals, self.f[0]
-        r = f0 * eps * eps / 4
-        m = -self.series[1] * r / 3
-        known = int(2 * term_bits)
-        if term_bits < 100:
-            known = FLOAT_BITS
-            series = tuple(map(float, self.series[: self.terms(53, term_bits)]))
-            passes = max(2, 2 + int(log2(27 / term_bits)))
-            floats = (float(f0), float(eps), float(m), float(r))
-            m, r = map(reals.number, centre(series, *floats, passes))
-        for bits in doubling_precisions(reals.bits, known):
-            with reals.at(bits + 16):
-                m, r = map(reals.plain, centre(self.series[: self.terms(bits, term_bits)], f0, eps, m, r, 1))
-        return m, r
-
-    def terms(self, bits: int, term_bits: float) -> int:
-        """The number of terms of the series that give ``bits`` bits, if each gains ``term_bits``."""
-        return min(len(self.series), int(bits / term_bits) + 6)
 
 
 def expansion(f: Row, count: int) -> tuple[list[Any], list[Any], list[Any], list[Any]]:
@@ -253,30 +210,3 @@ def _product(a: list[Any], b: list[Any], order: int, last: int) -> Any:
         return 0 * a[0]
     stop = order - last - 1
     return sum(map(mul, a[1 : last + 1], b[order - 1 : stop if stop >= 0 else None : -1]), 0 * a[0])
-
-
-def series_of(f: tuple[Any, ...], power: int, size: int) -> tuple[Any, ...]:
-    """The first coefficients of (f/f0)^(power/2) about 0."""
-    out = [f[0]] * size
-    power_series(f, power, out)
-    return tuple(out)
-
-
-def power_series(f: Row, power: int, out: Row) -> None:
-    """Writes the coefficients of (f/f0)^(power/2) about 0 to ``out``, by the recurrence from its logarithmic
-    derivative. f has six coefficients, ascending.
-    """
-    one = f[0] / f[0]
-    out[0] = one
-    r1, r2, r3, r4, r5 = f[1] / f[0], f[2] / f[0], f[3] / f[0], f[4] / f[0], f[5] / f[0]
-    for k in range(1, len(out)):
-        total = (power + 2 - 2 * k) * r1 * out[k - 1]
-        if k > 1:
-            total += (2 * (power + 2) - 2 * k) * r2 * out[k - 2]
-        if k > 2:
-            total += (3 * (power + 2) - 2 * k) * r3 * out[k - 3]
-        if k > 3:
-            total += (4 * (power + 2) - 2 * k) * r4 * out[k - 4]
-        if k > 4:
-            total += (5 * (power + 2) - 2 * k) * r5 * out[k - 5]
-        out[k] = total / (2 * k)

@@ -48,8 +48,8 @@ BORDERS = 16
 SEAM, LEAST = 1e-13, 1e-2
 # the largest ratio of the phases' rates for which equations of motion are followed to a turn of the slower one
 SLOW = 8
-# numbers of halvings of a step, of terms and of Newton passes that together give a double-double number
-HALVINGS, TERMS, NEWTON_PASSES = 2, 32, 2
+# numbers of halvings of a step and of orders of an expansion that together give a double-double number
+HALVINGS, ORDERS = 2, 16
 
 
 class Line(NamedTuple):
@@ -160,8 +160,9 @@ def reached(line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> N
         put(moving_point(line.start, 0), points, 10 * i)
     for k in range(2 if line.far else 1):
         centre, share = leg(line, k)
-        about, numbers = expansion_about(line.motion, centre, room, NEWTON_PASSES), room.numbers
-        scale, half_step = share / about.unit, 2 * REACH / float(root(-about.f0))
+        numbers = room.numbers
+        about = expansion_about(line.motion, centre, room.first, numbers)
+        scale, half_step = share * (about.height / about.unit), 2 * REACH / float(root(-numbers[0]))
         farthest = half_step
         for time in times:
             farthest = max(farthest, abs(float(time * scale)))
@@ -171,7 +172,7 @@ def reached(line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> N
             step = near_centre(about, times[i] * scale / 2.0**doublings)
             for _ in range(doublings):
                 step = shift(curve_of(numbers), unit_axes(numbers), step, step)
-            step = recentred(step, about.axes, centre, about.unit)
+            step = recentred(step, centre, about.unit, about.height)
             put(shift(curve.f, curve.axes, moving_point(points, 10 * i), step), points, 10 * i)
     for i in range(len(times)):
         put_state(moving_point(points, 10 * i), (rates[0], rates[1], rates[2], rates[3]), out, 6 * i)
