@@ -79,9 +79,9 @@ def measure(C: Any, rng: Random, smoke: bool) -> dict[str, object]:
         "m·D": lambda: SCALAR * D,
         "flint m·D": partial(flint.multiply, SCALAR, a),
     }
-    call = getattr(owner, "_add_lines", None)
+    call = getattr(owner, "_add", None)
     if call:
-        actions["call"] = partial(call, owner._K, owner._equation, D.u, D.v, E.u, E.v)  # type: ignore[union-attr]
+        actions["call"] = partial(call, D.u, D.v, E.u, E.v)
     times = least(actions, 3 if smoke else 30)
     before = "converted" if cantor_flint.pays(C) else "Python"
     return {**times, "before": before, "flint/ours": times["flint"] / times["D + E"]}
@@ -89,7 +89,7 @@ def measure(C: Any, rng: Random, smoke: bool) -> dict[str, object]:
 
 def integers(bits: int) -> dict[str, object]:
     """The explicit formulas on ints and on gmpy2's integers, for a prime of this length."""
-    from jacobian.addition.genus2_prime import GmpFormulas, PrimeFormulas
+    from jacobian.addition.explicit import GmpFormulas, PrimeFormulas
     from jacobian.fields.primality import is_prime
 
     p = next(p for p in range((1 << bits) - 1, 0, -2) if is_prime(p))

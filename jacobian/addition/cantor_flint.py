@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from jacobian.addition import cantor
-from jacobian.addition.genus3_prime import genus3_formulas
+from jacobian.addition.explicit import formulas_of
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.digits import DigitField
 from jacobian.fields.extension import ExtensionField
@@ -32,7 +32,7 @@ def pays(C: HyperellipticCurve) -> bool:
     if type(K) is DigitField:
         # here elements are tuples of digits, on which the explicit formulas in Python are slow
         return K.p != 2
-    if C.genus == 2 or genus3_formulas(C) is not None:
+    if formulas_of(C) is not None:
         return isinstance(K, RationalField)
     return isinstance(K, RationalField | PrimeField | ExtensionField)
 

@@ -1,9 +1,8 @@
-"""Cantor's composition and reduction in compiled code, for one pair of classes in a context of words.
+"""Cantor's composition and reduction for one pair of classes in a context of words: functions to be compiled.
 
 The steps are those of :mod:`jacobian.addition.cantor`, for every genus, model and special case. They are written once
 for all contexts of :mod:`jacobian.numbers.words` and :mod:`jacobian.numbers.tables`. Polynomials are ascending rows of
 one scratch array; each is passed with its length. Coefficients are canonical, so that zero is always the word 0.
-Importing this module imports numba.
 
 A class is an array of 2g + 4 words: deg u + 1, the length of v, n (0 where there is none), u padded to g + 1, v to g.
 A curve is the array that :func:`packed_curve` returns.
@@ -14,10 +13,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba.extending import register_jitable
 
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.numbers import tables_compiled, words_compiled  # noqa: F401  # the compiled operations of words and tables
 from jacobian.numbers.words import add, canonical, dot2, dot3, inverse, mul, neg, sub
 
 ROWS = 17
@@ -42,13 +39,7 @@ def width(genus: int) -> int:
     return 2 * genus + 4
 
 
-compiled = register_jitable(error_model="numpy")
-"""The decorator of every function below: numba compiles it into its caller and does not check for zero divisors, which
-are excluded beforehand."""
-
-
-@compiled
-def scratch(curve):  # type: ignore[no-untyped-def]  # compiled code is typed by its first call, here and below
+def scratch(curve: Any) -> Any:
     """Scratch memory for one operation at a time."""
     return np.empty((ROWS, 4 * curve[0] + 8), np.int64)
 
@@ -56,22 +47,19 @@ def scratch(curve):  # type: ignore[no-untyped-def]  # compiled code is typed by
 # --- polynomials: each function writes the result into its first array and returns its length
 
 
-@compiled
-def _trimmed(a, size):  # type: ignore[no-untyped-def]
+def _trimmed(a: Any, size: Any) -> Any:
     while size > 0 and a[size - 1] == 0:
         size -= 1
     return size
 
 
-@compiled
-def _copy(r, a, size):  # type: ignore[no-untyped-def]
+def _copy(r: Any, a: Any, size: Any) -> Any:
     for i in range(size):
         r[i] = a[i]
     return size
 
 
-@compiled
-def _sum(K, r, a, na, b, nb):  # type: ignore[no-untyped-def]
+def _sum(K: Any, r: Any, a: Any, na: Any, b: Any, nb: Any) -> Any:
     """a + b; r may be a or b."""
     both = min(na, nb)
     for i in range(both):
@@ -83,8 +71,7 @@ def _sum(K, r, a, na, b, nb):  # type: ignore[no-untyped-def]
     return _trimmed(r, max(na, nb))
 
 
-@compiled
-def _difference(K, r, a, na, b, nb):  # type: ignore[no-untyped-def]
+def _difference(K: Any, r: Any, a: Any, na: Any, b: Any, nb: Any) -> Any:
     """a − b; r may be a or b."""
     both = min(na, nb)
     for i in range(both):
@@ -96,15 +83,13 @@ def _difference(K, r, a, na, b, nb):  # type: ignore[no-untyped-def]
     return _trimmed(r, max(na, nb))
 
 
-@compiled
-def _scaled(K, r, c, a, size):  # type: ignore[no-untyped-def]
+def _scaled(K: Any, r: Any, c: Any, a: Any, size: Any) -> Any:
     for i in range(size):
         r[i] = canonical(K, mul(K, c, a[i]))
     return size
 
 
-@compiled
-def _product(K, r, a, na, b, nb):  # type: ignore[no-untyped-def]
+def _product(K: Any, r: Any, a: Any, na: Any, b: Any, nb: Any) -> Any:
     """a·b, with one reduction for every two terms."""
     if na == 0 or nb == 0:
         return 0
@@ -121,8 +106,7 @@ def _product(K, r, a, na, b, nb):  # type: ignore[no-untyped-def]
     return na + nb - 1
 
 
-@compiled
-def _minus_product(K, r, size, a, na, b, nb):  # type: ignore[no-untyped-def]
+def _minus_product(K: Any, r: Any, size: Any, a: Any, na: Any, b: Any, nb: Any) -> Any:
     """r − a·b, in place."""
     if na == 0 or nb == 0:
         return size
@@ -136,8 +120,7 @@ def _minus_product(K, r, size, a, na, b, nb):  # type: ignore[no-untyped-def]
     return _trimmed(r, total)
 
 
-@compiled
-def _divide(K, q, r, size, b, nb):  # type: ignore[no-untyped-def]
+def _divide(K: Any, q: Any, r: Any, size: Any, b: Any, nb: Any) -> Any:
     """Divides r by b ≠ 0; returns (length of the quotient q, length of the remainder). The remainder replaces r."""
     steps = size - nb + 1
     if steps <= 0:
@@ -157,8 +140,7 @@ def _divide(K, q, r, size, b, nb):  # type: ignore[no-untyped-def]
     return steps, _trimmed(r, nb - 1)
 
 
-@compiled
-def _half_xgcd(K, S, d, s, a, na, b, nb):  # type: ignore[no-untyped-def]
+def _half_xgcd(K: Any, S: Any, d: Any, s: Any, a: Any, na: Any, b: Any, nb: Any) -> Any:
     """(length of d, length of s): d = gcd(a, b), monic, and s·b ≡ d modulo a."""
     r0, r1, s0, s1, q = S[0], S[1], S[2], S[3], S[4]
     n0, n1, m0, m1 = _copy(r0, a, na), _copy(r1, b, nb), 0, 1
@@ -183,15 +165,13 @@ def _half_xgcd(K, S, d, s, a, na, b, nb):  # type: ignore[no-untyped-def]
 # --- divisors
 
 
-@compiled
-def equation(curve):  # type: ignore[no-untyped-def]
+def equation(curve: Any) -> Any:
     """(f, its length, h, its length), without leading zeros."""
     begin = _HEAD + curve[2]
     return curve[_HEAD:begin], curve[2], curve[begin : begin + curve[3]], curve[3]
 
 
-@compiled
-def _cofactor(K, curve, S, q, u, nu, v, nv):  # type: ignore[no-untyped-def]
+def _cofactor(K: Any, curve: Any, S: Any, q: Any, u: Any, nu: Any, v: Any, nv: Any) -> Any:
     """(f − hv − v²)/u."""
     f, nf, h, nh = equation(curve)
     trace, rest = S[5], S[6]
@@ -199,8 +179,7 @@ def _cofactor(K, curve, S, q, u, nu, v, nv):  # type: ignore[no-untyped-def]
     return _divide(K, q, rest, _difference(K, rest, f, nf, rest, size), u, nu)[0]
 
 
-@compiled
-def add_classes(K, curve, S, first, second, result):  # type: ignore[no-untyped-def]
+def add_classes(K: Any, curve: Any, S: Any, first: Any, second: Any, result: Any) -> Any:
     """result = first + second; the three may be one array."""
     g = curve[0]
     u1, v1, n1, m1 = first[3:], first[4 + g :], first[0], first[1]
@@ -219,16 +198,14 @@ def add_classes(K, curve, S, first, second, result):  # type: ignore[no-untyped-
     _close(K, curve, S, (reduced1, n1), (reduced2, n2, v2, m2), nk, weights + nd - 1, result)
 
 
-@compiled
-def _without(K, S, r, u, nu, d, nd):  # type: ignore[no-untyped-def]
+def _without(K: Any, S: Any, r: Any, u: Any, nu: Any, d: Any, nd: Any) -> Any:
     """u/d."""
     if nd == 1:
         return _copy(r, u, nu)
     return _divide(K, r, S[6], _copy(S[6], u, nu), d, nd)[0]
 
 
-@compiled
-def _common_part(K, curve, S, nd, sum_of_v, nk, divisor):  # type: ignore[no-untyped-def]
+def _common_part(K: Any, curve: Any, S: Any, nd: Any, sum_of_v: Any, nk: Any, divisor: Any) -> Any:
     """Replaces d and k (rows 7 and 9) as :func:`jacobian.addition.cantor._common_part` does; returns their lengths.
 
     Here and below each polynomial is followed by its length.
@@ -246,8 +223,7 @@ def _common_part(K, curve, S, nd, sum_of_v, nk, divisor):  # type: ignore[no-unt
     return _copy(d, common, size), nk
 
 
-@compiled
-def double_class(K, curve, S, first, result):  # type: ignore[no-untyped-def]
+def double_class(K: Any, curve: Any, S: Any, first: Any, result: Any) -> Any:
     """result = first + first; the two may be one array."""
     g = curve[0]
     u, v, nu, nv = first[3:], first[4 + g :], first[0], first[1]
@@ -262,8 +238,7 @@ def double_class(K, curve, S, first, result):  # type: ignore[no-untyped-def]
     _close(K, curve, S, (reduced, n), (reduced, n, v, nv), nk, 2 * first[2] + nd - 1, result)
 
 
-@compiled
-def negate_class(K, curve, S, first, result):  # type: ignore[no-untyped-def]
+def negate_class(K: Any, curve: Any, S: Any, first: Any, result: Any) -> Any:
     """result = −first; the two may be one array."""
     g = curve[0]
     _, _, h, nh = equation(curve)
@@ -276,8 +251,7 @@ def negate_class(K, curve, S, first, result):  # type: ignore[no-untyped-def]
     _reduce(K, curve, S, nu, nv, 2 * ((g + 1) // 2) - (nu - 1) - first[2], result)
 
 
-@compiled
-def _close(K, curve, S, first, second, nk, weights, result):  # type: ignore[no-untyped-def]
+def _close(K: Any, curve: Any, S: Any, first: Any, second: Any, nk: Any, weights: Any, result: Any) -> Any:
     """Sets result to the reduced class of (u₁u₂, v + u₂·(k mod u₁)), k in row 9. u₁ and u₂ are coprime or equal."""
     (u1, n1), (u2, n2, v, nv) = first, second
     k, u, total = S[9], S[15], S[16]
@@ -290,8 +264,7 @@ def _close(K, curve, S, first, second, nk, weights, result):  # type: ignore[no-
     _reduce(K, curve, S, nu, size, weights - (curve[0] + 1) // 2, result)
 
 
-@compiled
-def _reduce(K, curve, S, nu, nv, n, result):  # type: ignore[no-untyped-def]
+def _reduce(K: Any, curve: Any, S: Any, nu: Any, nv: Any, n: Any, result: Any) -> Any:
     """result = the reduced class of (u, v, n), u and v in rows 15 and 16."""
     g, split = curve[0], curve[1]
     u, v, part = S[15], S[16], S[10]
@@ -313,8 +286,7 @@ def _reduce(K, curve, S, nu, nv, n, result):  # type: ignore[no-untyped-def]
         result[4 + g + i] = v[i] if i < nv else 0
 
 
-@compiled
-def _reflect(K, curve, S, nu, nv, n):  # type: ignore[no-untyped-def]
+def _reflect(K: Any, curve: Any, S: Any, nu: Any, nv: Any, n: Any) -> Any:
     """Applies :func:`jacobian.addition.cantor.reflect` to rows 15 and 16; returns the new lengths and weight."""
     _, _, h, nh = equation(curve)
     u, v, other = S[15], S[16], S[13]

@@ -5,14 +5,12 @@ except where Python's arithmetic is slow; so does genus 3 over GF(p) on y² = x�
 :func:`jacobian.addition.cantor_flint.pays` decides what goes to python-flint. The rest runs Cantor's algorithm in
 Python or, from a genus on that depends on the model, NUCOMP. All give the same triples.
 
-Over fields of word size (GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements) the compiled kernels of
-:mod:`jacobian.addition.calls` are faster than all of them, but numba has to be loaded first, and has to compile them
-unless its cache holds them. So a group starts with one of the kernels above. It switches when the process has spent as
-much work on such groups as the switch costs: READY additions if numba's cache holds the kernels (``python -m jacobian
-compile`` puts them there), else COLD ones. :meth:`jacobian.group.Jacobian.compile` switches at once.
-
-Genus 2 and y² = x⁷ + … over GF(p), p odd of two words (2^63 < p < 2^128), and genus 2 over GF(2^n), 16 < n < 128, are
-compiled without numba (:mod:`jacobian.addition.two_word_calls`), at a lower cost.
+Over fields of word size (GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements), and over GF(p), 2^63 < p < 2^128, and
+GF(2^n), 16 < n < 128, where explicit formulas apply, the compiled kernels of :mod:`jacobian.addition.calls` are faster
+than all of them. They have to be compiled at their first use on a machine, and loaded by each process. So a group
+starts with one of the kernels above. It switches when the process has spent as much work on such groups as the switch
+costs: READY additions if the kernels are on disk (``python -m jacobian compile`` puts them there), else COLD ones.
+:meth:`jacobian.group.Jacobian.compile` switches at once.
 """
 
 from __future__ import annotations
@@ -25,11 +23,8 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from jacobian.addition import cantor, cantor_flint, ladder, nucomp
-from jacobian.addition.genus2 import ExplicitFormulas
-from jacobian.addition.genus2_prime import GMP_BITS, GmpFormulas, PrimeFormulas
-from jacobian.addition.genus2_words import short_equation
-from jacobian.addition.genus3_prime import SepticFormulas, genus3_formulas
-from jacobian.addition.genus3_words import is_short_septic
+from jacobian.addition.explicit import GMP_BITS, ExplicitFormulas, GmpFormulas, PrimeFormulas, formulas_of
+from jacobian.addition.short import short_equation
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.digits import DigitField
 from jacobian.fields.prime import PrimeField
@@ -43,13 +38,10 @@ log = logging.getLogger("jacobian")
 NUCOMP_GENUS = {"ramified": 5, "split": 6, "inert": 6}
 """The genus from which NUCOMP takes less time than Cantor's algorithm; ``python -m benchmarks nucomp`` measures it."""
 
-READY = 100_000
-"""Additions in the time of loading numba and the compiled kernels from its cache; ``python -m benchmarks startup``
-measures it."""
-COLD = 2_000_000
+READY = 20_000
+"""Additions in the time of loading the compiled kernels from disk; ``python -m benchmarks startup`` measures it."""
+COLD = 300_000
 """Additions in the time of compiling the kernels."""
-TWO_WORDS_READY, TWO_WORDS_COLD = 20_000, 80_000
-"""The same for the compiled formulas of two words: a tenth of a second, and half a second."""
 BINARY_READY, BINARY_COLD = 1_000, 8_000
 """The same over GF(2^n), where Python takes longer."""
 SHARE = 64
@@ -68,7 +60,7 @@ class Work:
 
 
 PROCESS = Work()
-"""The work of all groups of this process. They share one count because numba is loaded once for all of them."""
+"""The work of all groups of this process. They share one count because they share compiled code."""
 
 
 class Kernel(NamedTuple):
@@ -97,22 +89,15 @@ def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None,
 
 def python_kernel(C: HyperellipticCurve) -> Kernel:
     """The kernel for C in pure Python, without python-flint and compiled code."""
-    kind = of_primes(C)
-    if kind is not None and C.field.characteristic.bit_length() >= GMP_BITS:
-        on_gmp = GmpFormulas(C, kind)
-        return Kernel(on_gmp.sum_of, on_gmp.double, on_gmp.multiple)
-    if kind is not None or C.genus == 2:
-        formulas = (kind or ExplicitFormulas)(C)
+    if formulas_of(C) is not None:
+        over_primes = type(C.field) is PrimeField
+        if over_primes and C.field.characteristic.bit_length() >= GMP_BITS:
+            on_gmp = GmpFormulas(C)
+            return Kernel(on_gmp.sum_of, on_gmp.double, on_gmp.multiple)
+        formulas = (PrimeFormulas if over_primes else ExplicitFormulas)(C)
         return _with_ladder(C, formulas.sum_of, formulas.double)
     chosen = nucomp if C.genus >= NUCOMP_GENUS[C.model] else cantor
     return _with_ladder(C, partial(chosen.sum_of, C), partial(chosen.double, C))
-
-
-def of_primes(C: HyperellipticCurve) -> Any:
-    """The class of the explicit formulas for C over GF(p); None if there are none."""
-    if type(C.field) is not PrimeField:
-        return None
-    return PrimeFormulas if C.genus == 2 else genus3_formulas(C)
 
 
 def _with_ladder(C: HyperellipticCurve, sum_of: Addition, double: Doubling) -> Kernel:
@@ -136,7 +121,7 @@ def is_two_words_long(C: HyperellipticCurve) -> bool:
     """Whether there are compiled formulas of two words for C: genus 2 with, for odd p, h = 0 and, in degree 5, a monic
     f; genus 3 on y² = x⁷ + … over GF(p).
     """
-    return has_two_words(C.field) and (short_equation(C, int) is not None or is_short_septic(C))
+    return has_two_words(C.field) and short_equation(C, int) is not None
 
 
 def has_two_word_rows(C: HyperellipticCurve) -> bool:
@@ -156,24 +141,12 @@ def has_two_words(K: Field[Any]) -> bool:
 
 def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
     """The compiled kernel for C, an arithmetic model; None if its field has none or nothing is compiled."""
-    if interpreted():
+    if interpreted() or not (is_word_sized(C) or is_two_words_long(C)):
         return None
-    if is_two_words_long(C):
-        from jacobian.addition.two_word_calls import TwoWordKernel
+    from jacobian.addition.calls import TwoWordKernel, word_kernel
 
-        of_two_words = TwoWordKernel(C, python_kernel(C))
-        return Kernel(of_two_words.sum_of, of_two_words.double, of_two_words.multiple)
-    if not is_word_sized(C):
-        return None
-    if is_short_septic(C):
-        from jacobian.addition.genus3_calls import CubicKernel
-
-        of_cubics = CubicKernel(C)
-        return Kernel(of_cubics.sum_of, of_cubics.double, of_cubics.multiple)
-    from jacobian.addition.calls import word_kernel
-
-    compiled = word_kernel(C)
-    return Kernel(compiled.sum_of, compiled.double, compiled.multiple)
+    found = TwoWordKernel(C, python_kernel(C)) if is_two_words_long(C) else word_kernel(C)
+    return Kernel(found.sum_of, found.double, found.multiple)
 
 
 class Counted:
@@ -217,7 +190,7 @@ class Counted:
         try:
             if interpreted():
                 raise RuntimeError("NUMBA_DISABLE_JIT is set")
-            chosen = compiled_kernel(self._curve) if self._work.additions >= cold or _is_cached(self._curve) else None
+            chosen = compiled_kernel(self._curve) if self._work.additions >= cold or _is_kept(self._curve) else None
         except (ImportError, RuntimeError) as error:
             # without numba or a writable cache folder the Python kernel goes on: the user did not ask for compilation,
             # so the addition must not fail
@@ -229,26 +202,16 @@ class Counted:
             self._adopt(chosen)
 
 
+def _is_kept(C: HyperellipticCurve) -> bool:
+    """Whether the compiled kernels are on disk."""
+    from jacobian.addition import calls
+
+    return calls.is_kept(C, is_two_words_long(C))
+
+
 def costs(C: HyperellipticCurve) -> tuple[int, int]:
     """(ready, cold): the additions in the time of obtaining C's compiled kernels, if they are on disk and if not."""
-    if not is_two_words_long(C):
-        return READY, COLD
-    return (BINARY_READY, BINARY_COLD) if C.field.characteristic == 2 else (TWO_WORDS_READY, TWO_WORDS_COLD)
-
-
-def _is_cached(C: HyperellipticCurve) -> bool:
-    """Whether the kernels seem to be on disk."""
-    if is_two_words_long(C):
-        from jacobian.addition.two_word_libraries import SINGLE_LIBRARIES, context_of, equation_of
-
-        return SINGLE_LIBRARIES[type(context_of(C.field)), type(equation_of(C, int))].is_kept()
-    from jacobian.addition.calls import is_cached, is_kept
-
-    if is_short_septic(C):
-        from jacobian.addition.genus3_calls import add_cubics
-
-        return is_cached() and is_kept(add_cubics)
-    return is_cached()
+    return (BINARY_READY, BINARY_COLD) if not is_word_sized(C) and C.field.characteristic == 2 else (READY, COLD)
 
 
 # --- in words
@@ -273,7 +236,7 @@ def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
         return f"Cantor on python-flint's polynomials: over {C.field.name} in genus {C.genus} faster than Python"
     if isinstance(runner, GmpFormulas):
         return f"explicit formulas on gmpy2's integers: genus {C.genus} over GF(p), p of {GMP_BITS} bits or more"
-    if isinstance(runner, PrimeFormulas | SepticFormulas):
+    if isinstance(runner, PrimeFormulas):
         return f"explicit formulas on ints: genus {C.genus} over GF(p), p of less than {GMP_BITS} bits"
     if isinstance(runner, ExplicitFormulas):
         return f"explicit formulas: genus 2 over {C.field.name}"
@@ -290,12 +253,11 @@ def _compiled(C: HyperellipticCurve) -> str:
     if C.genus == 2 and short_equation(C, int) is None:
         wanted = "" if C.field.characteristic == 2 else "h = 0 and "
         return f"Cantor, as explicit formulas want {wanted}in degree 5 a monic f"
-    if C.genus == 3 and not is_short_septic(C):
+    if C.genus == 3 and short_equation(C, int) is None:
         return "Cantor, as explicit formulas in genus 3 want GF(p), h = 0 and a monic f of degree 7"
     if C.genus not in (2, 3):
         return "Cantor, as explicit formulas are for genus 2 and 3"
-    multiples = " and for multiples" if C.field.characteristic == 2 else ""
-    return f"explicit formulas, and Cantor in special positions{multiples}"
+    return "explicit formulas, and Cantor in special positions"
 
 
 def _prospects(ready: int, cold: int) -> str:

@@ -14,10 +14,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from jacobian.addition import genus2_words, genus3_words
-from jacobian.addition.genus2_words import BinaryQuintic, BinarySextic, Quintic, Sextic
-from jacobian.addition.genus3_words import Septic
-from jacobian.addition.two_word_steps import of_double, of_sum, to_invert
+from jacobian.addition.short import MODELS
+from jacobian.addition.word_steps import (
+    chord,
+    cubic,
+    last_u,
+    last_v,
+    next_u,
+    next_v,
+    product,
+    quintic,
+    sum_u,
+    sum_v,
+    tangent,
+)  # fmt: skip
 from jacobian.numbers.words import canonical, inverse, mul
 
 BLOCK = 256
@@ -73,29 +83,29 @@ def close_lines(K: Any, C: Any, S: Any, second: Any) -> None:
     """The second halves of a block in genus 2, from its inverses. The loops are short so that the processor works on
     more rows at once."""
     for j in range(BLOCK):
-        keep(S, MIDDLE, j, genus2_words.cubic(K, C, three(S, MIDDLE, j), S[PRODUCT + j], line(S, FIRST, j)))
+        keep(S, MIDDLE, j, cubic(K, C, three(S, MIDDLE, j), S[PRODUCT + j], line(S, FIRST, j)))
     for j in range(BLOCK):
-        e1, e0 = genus2_words.sum_u(K, C, four(S, MIDDLE, j), line(S, FIRST, j), line(S, second, j))
+        e1, e0 = sum_u(K, C, four(S, MIDDLE, j), line(S, FIRST, j), line(S, second, j))
         keep(S, MEETING, j, (e0, e1))
     for j in range(BLOCK):
         u = S[MEETING + BLOCK + j], S[MEETING + j]
-        v1, v0 = genus2_words.sum_v(K, C, four(S, MIDDLE, j), u, line(S, FIRST, j))
+        v1, v0 = sum_v(K, C, four(S, MIDDLE, j), u, line(S, FIRST, j))
         keep(S, MEETING + 2 * BLOCK, j, (v0, v1))
 
 
 def close_rows(K: Any, C: Any, S: Any, second: Any) -> None:
     """The same in genus 3."""
     for j in range(BLOCK):
-        keep(S, MIDDLE, j, genus3_words.quintic(K, four(S, MIDDLE, j), S[PRODUCT + j]))
+        keep(S, MIDDLE, j, quintic(K, C, four(S, MIDDLE, j), S[PRODUCT + j]))
     for j in range(BLOCK):
-        keep(S, MEETING, j, genus3_words.next_u(K, C, four(S, MIDDLE, j), row(S, FIRST, j), row(S, second, j)))
+        keep(S, MEETING, j, next_u(K, C, four(S, MIDDLE, j), row(S, FIRST, j), row(S, second, j)))
     for j in range(BLOCK):
         bent, meeting = four(S, MIDDLE, j), four(S, MEETING, j)
-        keep(S, MIDDLE, j, genus3_words.next_v(K, bent, meeting, row(S, FIRST, j), row(S, second, j)))
+        keep(S, MIDDLE, j, next_v(K, C, bent, meeting, row(S, FIRST, j), row(S, second, j)))
     for j in range(BLOCK):
         v = four(S, MIDDLE, j)
-        u2, u1, u0 = genus3_words.sum_u(K, C, four(S, MEETING, j), v)
-        v2, v1, v0 = genus3_words.sum_v(K, (u2, u1, u0), v)
+        u2, u1, u0 = last_u(K, C, four(S, MEETING, j), v)
+        v2, v1, v0 = last_v(K, C, (u2, u1, u0), v)
         keep(S, SECOND, j, (u0, u1, u2, v0, v1, v2))
 
 
@@ -110,7 +120,7 @@ def close(K: Any, C: Any, S: Any, second: Any) -> None:
 
 
 def _of_genus(two: Any, three: Any) -> dict[type, Any]:
-    return {**dict.fromkeys((Quintic, Sextic, BinaryQuintic, BinarySextic), two), Septic: three}
+    return {model: two if formulas.genus == 2 else three for model, (formulas, _) in MODELS.items()}
 
 
 STEPS: dict[Any, dict[type, Any]] = {divisor: _of_genus(line, row), close: _of_genus(close_lines, close_rows)}
@@ -124,13 +134,13 @@ SUMS = _of_genus(MEETING, SECOND)
 
 def keep_quotient(K: Any, C: Any, S: Any, j: Any, quotient: Any) -> None:
     """Stores the first half of row j and its product."""
-    S[PRODUCT + j] = canonical(K, to_invert(K, C, quotient))
+    S[PRODUCT + j] = canonical(K, product(K, C, quotient))
     keep(S, MIDDLE, j, quotient)
 
 
 def keep_tangent(K: Any, C: Any, S: Any, j: Any) -> None:
     """The first half of the double in row j."""
-    keep_quotient(K, C, S, j, of_double(K, C, divisor(C, S, FIRST, j)))
+    keep_quotient(K, C, S, j, tangent(K, C, divisor(C, S, FIRST, j)))
 
 
 def all_general(S: Any, g: Any, first: Any, second: Any, start: Any, size: Any) -> Any:
@@ -202,7 +212,7 @@ def add_rows(K: Any, C: Any, first: Any, second: Any, out: Any, span: Any, room:
         load(S, FIRST, x, start, size)
         load(S, SECOND, y, start, size)
         for j in range(BLOCK):
-            keep_quotient(K, C, S, j, of_sum(K, C, divisor(C, S, FIRST, j), divisor(C, S, SECOND, j)))
+            keep_quotient(K, C, S, j, chord(K, C, divisor(C, S, FIRST, j), divisor(C, S, SECOND, j)))
         if not all_general(S, g, x_degree, y_degree, start, size):
             for j in range(size):
                 if x_degree[start + j] == g and y_degree[start + j] == g:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from jacobian.addition.cantor_words import ROWS, packed_curve, width
-from jacobian.addition.two_word_libraries import equation_of
+from jacobian.addition.short import short_equation
 from jacobian.batch import libraries
 from jacobian.batch.row_loops import Room
 from jacobian.batch.stored_rows import MOST, Rows, StoredRows
@@ -52,7 +52,7 @@ class CompiledRows(StoredRows):
         if self.floats:
             own = double_context(K.p)
         to_word = own.balanced if self.floats else words.to_word
-        self._compute_with(own, words, equation_of(curve, to_word))
+        self._compute_with(own, words, short_equation(curve, to_word))
         self.step = SLOW if self.formulas is None else MOST
         self._packed = packed_curve(curve, words.to_word)
         self._cantor_loops = libraries.cantor(self.kind)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from jacobian.addition.two_word_libraries import COEFFICIENTS
 from jacobian.batch import block_loops, random_loops, row_loops
 from jacobian.native.kinds import FLOAT, INT, INTS, LONG, ArrayKind, TupleKind, record
 from jacobian.native.library import Library
@@ -39,7 +38,7 @@ def with_axes(kind: ArrayKind, axes: int) -> ArrayKind:
 
 def equation(context: Any, model: Any) -> TupleKind:
     """The kind of the coefficients that the explicit formulas use."""
-    return record(model, *[NUMBERS[context].item] * COEFFICIENTS[model])
+    return record(model, *[NUMBERS[context].item] * len(model._fields))
 
 
 def room_of_sums(context: Any) -> TupleKind:

@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from jacobian.addition.calls import two_word_context
 from jacobian.addition.choice import python_kernel
-from jacobian.addition.two_word_libraries import context_of, equation_of
+from jacobian.addition.short import short_equation
 from jacobian.batch.stored_rows import Rows, StoredRows
 from jacobian.group import Jacobian
 from jacobian.native.longs import WORDS, numbers_of, pairs, words_of
@@ -30,8 +31,8 @@ class TwoWordRows(StoredRows):
 
     def __init__(self, J: Jacobian) -> None:
         super().__init__(J)
-        K, curve = context_of(self.field), self.equation.curve
-        self._compute_with(K, K, equation_of(curve, K.to_word))
+        K, curve = two_word_context(self.field), self.equation.curve
+        self._compute_with(K, K, short_equation(curve, K.to_word))
         self._one_by_one = python_kernel(curve)
 
     def view(self, words: Any) -> Any:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from jacobian.native import kept, machine
+from jacobian.native.direct import Method, Objects
 from jacobian.native.kinds import LONG, WIDE, TupleKind, Value, form_of
 from jacobian.native.program import Program
 from jacobian.native.special import SPECIAL
@@ -80,7 +81,11 @@ class Library:
                 kept.keep(folder, self.name, made_for, found)
         entries = machine.loaded(found.code, tuple(self._functions))
         for name, (_, kinds) in self._functions.items():
-            self._entries[name] = Call(entries[name], kinds, found.results[name])
+            self._entries[name] = (
+                Method(entries[name], name, *_head(kinds[:-1]))
+                if kinds and isinstance(kinds[-1], Objects)
+                else Call(entries[name], kinds, found.results[name])
+            )
 
     def _compiled(self) -> kept.Object:
         program = Program(self._special, self._fast, self._inlined)
@@ -98,6 +103,18 @@ def said(kind: Any) -> str:
     if not isinstance(kind, TupleKind):
         return str(kind)
     return f"{getattr(kind.named, '_fields', '')}({', '.join(map(said, kind.items))})"
+
+
+def _head(kinds: tuple[Any, ...]) -> tuple[str, Callable[[Any], list[Any]]]:
+    """The ``struct`` letters of arguments, and the function from the arguments to their words."""
+    forms = tuple(map(form_of, kinds))
+
+    def words_of(values: Any) -> list[Any]:
+        words: list[Any] = []
+        flatten(values, forms, words)
+        return words
+
+    return "".join(LETTERS[leaf] for kind in kinds for leaf in kind.leaves), words_of
 
 
 class Packed:
@@ -141,22 +158,6 @@ class Call:
         if self._longs:
             return tuple([int.from_bytes(x, "little") if type(x) is bytes else x for x in found])
         return found
-
-    def of_longs(self, *given: Any) -> Callable[..., tuple[Any, ...]]:
-        """A function of the remaining arguments, which are longs; the first ones are fixed."""
-        words: list[Any] = []
-        flatten(given, self._forms[: len(given)], words)
-        letters = "".join(LETTERS[leaf] for kind in self._kinds[: len(given)] for leaf in kind.leaves)
-        head = struct.pack(f"={letters}", *words)
-        room, call, read = bytes(self._out.size), self.entry.call, self._read
-
-        def called(*longs: int) -> tuple[Any, ...]:
-            # written for speed: packing takes as long as the arithmetic
-            memory = bytearray(b"".join([head, *[x.to_bytes(16, "little") for x in longs], room]))
-            call(addressof(from_buffer(memory)))
-            return read(memory)
-
-        return called
 
 
 LETTERS = {"i64": "q", "double": "d", "i1": "q", "ptr": "Q", "i128": "16s"}

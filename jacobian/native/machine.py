@@ -9,6 +9,8 @@ from typing import Any
 
 import llvmlite.binding as llvm
 
+from jacobian.native.direct import NAMES as CALLED
+
 
 def _target(effort: int = 2) -> Any:
     """A new target machine for each engine, because an engine owns it and frees it."""
@@ -62,6 +64,8 @@ class Entry:
 
 def loaded(data: bytes, names: tuple[str, ...]) -> dict[str, Entry]:
     """The entries of an object."""
+    for each in CALLED:
+        llvm.add_symbol(each, ctypes.cast(getattr(ctypes.pythonapi, each), ctypes.c_void_p).value)
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target())
     engine.add_object_file(llvm.ObjectFileRef.from_data(data))
     engine.finalize_object()

@@ -6,12 +6,13 @@ import ast
 import builtins
 import inspect
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
 from itertools import accumulate
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from jacobian.native import direct
 from jacobian.native.code import wide_functions
 from jacobian.native.kinds import NONE, WIDE, ArrayKind, CompileError, TupleKind, Value, single
 from jacobian.native.operators import DECLARED
@@ -44,6 +45,7 @@ class Program:
         self.special, self._fast, self._inlined = special, fast, inlined
         self._instances: dict[Any, Instance | None] = {}
         self._texts: list[str] = []
+        self._declared = ""
         self.modules: set[str] = set()
         """The names of the modules that have been read."""
         self.numbers: dict[str, str] = {}
@@ -71,37 +73,38 @@ class Program:
         The entry's only argument is an array of 64-bit words: the words of all arguments, then space for the result.
         A long takes two words.
         """
+        if kinds and isinstance(kinds[-1], direct.Objects):
+            return self._of_objects(name, function, kinds[:-1], kinds[-1])
         instance = self.instance(function, kinds)
-        body = Statements(self, function, "")
-        values = []
-        leaves = [leaf for kind in kinds for leaf in kind.leaves]
-        places = list(
-            accumulate((2 if leaf == "i128" else 1 for leaf in (*leaves, *instance.result.leaves)), initial=0)
-        )
-        for k, leaf in zip(places, leaves, strict=False):
-            there = body.write(f"getelementptr i64, ptr %words, i64 {k}")
-            word = body.write(f"load {'i64' if leaf == 'i1' else leaf}, ptr {there}, align 8")
-            values.append(f"{leaf} {body.write(f'icmp ne i64 {word}, 0') if leaf == 'i1' else word}")
+        body, result = Statements(self, function, ""), instance.result
+        values, begin = _arguments(body, kinds)
         call = f"call {instance.returned} @{instance.name}({', '.join(values)})"
-        result = instance.result
         found = ""
         if result is NONE:
             body.lines.append(f"  {call}")
         else:
             found = body.write(call)
-        for k, leaf in enumerate(result.leaves):
+        for k, (place, leaf) in enumerate(zip(_places(result.leaves, begin), result.leaves, strict=False)):
             part = body.write(f"extractvalue {instance.returned} {found}, {k}") if len(result.leaves) > 1 else found
             if leaf == "i1":
                 leaf, part = "i64", body.write(f"zext i1 {part} to i64")
-            there = body.write(f"getelementptr i64, ptr %words, i64 {places[len(leaves) + k]}")
+            there = body.write(f"getelementptr i64, ptr %words, i64 {place}")
             body.lines.append(f"  store {leaf} {part}, ptr {there}, align 8")
         lines = [f"define void @{name}(ptr %words) nounwind {{", *body.lines, "  ret void", "}"]
         self._texts.append("\n".join(lines))
         return result
 
+    def _of_objects(self, name: str, function: Any, kinds: tuple[Any, ...], objects: direct.Objects) -> Any:
+        """Adds an entry that Python calls with objects after the leading arguments."""
+        instance, body = self.instance(function, (*kinds, *objects.inside)), Statements(self, function, "")
+        body.lines.append("  %words = call ptr @PyBytes_AsString(ptr %self)")
+        self._texts.append(direct.method(body, name, instance, _arguments(body, kinds)[0], objects))
+        self._declared = direct.DECLARED
+        return NONE
+
     def text(self) -> str:
         """The LLVM text of the module."""
-        return "\n".join([DECLARED, wide_functions(), *self._texts])
+        return "\n".join([DECLARED, self._declared, wide_functions(), *self._texts])
 
     def looked_up(self, module: Any, name: str) -> Any:
         """The object that a name in a module, or a builtin name, refers to."""
@@ -126,13 +129,39 @@ class Program:
         """The parsed source of a function."""
         if not inspect.isfunction(function):
             raise CompileError(f"{function!r} is not compiled")
-        self.modules.add(function.__module__)
+        self.modules |= {function.__module__, *getattr(function, "sources", ())}
+        if hasattr(function, "text"):
+            # written by a program, from these sources
+            return _written(function.text)
         return _functions(function.__module__)[function.__qualname__]
+
+
+def _places(leaves: Iterable[str], begin: int) -> list[int]:
+    """Where scalars begin in an array of words, and where they end; a long takes two words."""
+    return list(accumulate((2 if leaf == "i128" else 1 for leaf in leaves), initial=begin))
+
+
+def _arguments(body: Statements, kinds: tuple[Any, ...]) -> tuple[list[str], int]:
+    """The scalars of arguments in the array of words, as LLVM operands with their types, and their end."""
+    leaves, values = [leaf for kind in kinds for leaf in kind.leaves], []
+    *places, end = _places(leaves, 0)
+    for k, leaf in zip(places, leaves, strict=True):
+        there = body.write(f"getelementptr i64, ptr %words, i64 {k}")
+        word = body.write(f"load {'i64' if leaf == 'i1' else leaf}, ptr {there}, align 8")
+        values.append(f"{leaf} {body.write(f'icmp ne i64 {word}, 0') if leaf == 'i1' else word}")
+    return values, end
 
 
 @cache
 def _parsed(module: str) -> ast.Module:
     return ast.parse(Path(str(sys.modules[module].__file__)).read_text(encoding="utf-8"))
+
+
+@cache
+def _written(text: str) -> ast.FunctionDef:
+    (function,) = ast.parse(text).body
+    assert isinstance(function, ast.FunctionDef)
+    return function
 
 
 @cache

@@ -4,15 +4,15 @@ import pytest
 
 from jacobian import compilation
 from jacobian.__main__ import main
-from jacobian.addition.calls import context
-from jacobian.addition.genus2_words import short_equation
-from jacobian.addition.genus3_words import is_short_septic
-from jacobian.addition.two_word_libraries import SINGLE_LIBRARIES, context_of, equation_of
+from jacobian.addition.calls import context, two_word_context
+from jacobian.addition.short import BinaryQuintic, BinarySextic, Quintic, Septic, Sextic, short_equation
 from jacobian.batch.array import engine
 from jacobian.batch.compiled_rows import CompiledRows
 from jacobian.batch.float_rows import FloatRows
 from jacobian.batch.two_word_rows import TwoWordRows
 from jacobian.finite.matrix_products import Products
+from jacobian.numbers.binary import BinaryTwoWords, BinaryWord
+from jacobian.numbers.two_words import TwoWords
 
 
 def test_every_kernel_of_single_classes_is_listed():
@@ -20,7 +20,7 @@ def test_every_kernel_of_single_classes_is_listed():
     for C in compilation.single_curves().values():
         K = context(C.field)
         short = short_equation(C, K.to_word)
-        kinds.add((type(K).__name__, "Septic" if is_short_septic(C) else type(short).__name__))
+        kinds.add((type(K).__name__, type(short).__name__))
     several = {(K, equation) for K in ("Wide64", "OddTable") for equation in ("NoneType", "Quintic", "Sextic")}
     binary = {("BinaryTable", equation) for equation in ("NoneType", "BinaryQuintic", "BinarySextic")}
     assert kinds == several | binary | {("Wide64", "Septic")}
@@ -41,8 +41,10 @@ def test_every_kernel_of_arrays_is_listed():
 def test_every_kernel_of_two_words_is_listed():
     curves = compilation.two_word_curves().values()
     assert all(type(engine(C.jacobian())) is TwoWordRows for C in curves)
-    kinds = {(type(K := context_of(C.field)), type(equation_of(C, K.to_word))) for C in curves}
-    assert kinds == set(SINGLE_LIBRARIES)
+    kinds = {(type(K := two_word_context(C.field)), type(short_equation(C, K.to_word))) for C in curves}
+    of_primes = {(TwoWords, equation) for equation in (Quintic, Sextic, Septic)}
+    binary = {(K, equation) for K in (BinaryWord, BinaryTwoWords) for equation in (BinaryQuintic, BinarySextic)}
+    assert kinds == of_primes | binary
 
 
 def test_every_kernel_of_arrays_of_floats_is_listed():

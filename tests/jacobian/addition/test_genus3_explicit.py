@@ -8,15 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jacobian.addition import cantor
-from jacobian.addition.calls import WordKernel
+from jacobian.addition.calls import LineKernel, TwoWordKernel, WordKernel, two_word_context
 from jacobian.addition.choice import python_kernel
-from jacobian.addition.genus2_prime import GmpFormulas
-from jacobian.addition.genus3_calls import CubicKernel
-from jacobian.addition.genus3_prime import OcticFormulas, SepticFormulas
-from jacobian.addition.ladder import signed_digits
-from jacobian.addition.two_word_calls import TwoWordKernel
-from jacobian.addition.two_word_libraries import context_of, equation_of
-from jacobian.addition.two_word_loops import add_classes, double_class, multiple_of_class
+from jacobian.addition.class_loops import add_classes, double_class, multiple_of_class
+from jacobian.addition.explicit import GmpFormulas, PrimeFormulas
+from jacobian.addition.short import short_equation
 from tests.jacobian.group_curves import triple
 from tests.jacobian.septics import octic, septic, special_classes, with_branch_points
 from tests.jacobian.two_words import PRIMES as OF_TWO_WORDS
@@ -26,10 +22,10 @@ PRIMES = (11, 10007, 2**31 - 1, 2**61 - 1, 2**63 - 25, *OF_TWO_WORDS, 2**128 + 5
 
 def kernels(C):
     if C.model == "split":
-        return [OcticFormulas(C), GmpFormulas(C, OcticFormulas)]
-    p, found = C.field.p, [SepticFormulas(C), GmpFormulas(C, SepticFormulas)]
+        return [PrimeFormulas(C), GmpFormulas(C)]
+    p, found = C.field.p, [PrimeFormulas(C), GmpFormulas(C)]
     if p < 1 << 63:
-        found.append(CubicKernel(C))
+        found.append(LineKernel(C))
     return [*found, TwoWordKernel(C, python_kernel(C))] if p < 1 << 128 else found
 
 
@@ -69,14 +65,14 @@ def test_special_classes(p, model):
         assert every[-1].double(classes[9]) == cantor.zero(C)
 
 
-@pytest.mark.parametrize(("curve", "kind"), [(septic, SepticFormulas), (octic, OcticFormulas)])
-def test_which_classes_are_special(curve, kind, monkeypatch):
+@pytest.mark.parametrize("curve", [septic, octic])
+def test_which_classes_are_special(curve, monkeypatch):
     """General ones never reach Cantor; a sum of lower weight does."""
     C, rng, asked = curve(2**61 - 1, "special"), Random(5), []
     for name in ("sum_of", "double"):
         original = getattr(cantor, name)
         monkeypatch.setattr(cantor, name, lambda *given, of=original: asked.append(1) or of(*given))
-    formulas, J = kind(C), C.jacobian()
+    formulas, J = PrimeFormulas(C), C.jacobian()
     a, b = (triple(J.from_points([C.random_point(rng) for _ in range(3)])) for _ in range(2))
     total = formulas.sum_of(a, b)
     assert formulas.double(total)
@@ -130,23 +126,20 @@ def test_sums_and_multiples(p, curve, seed, m, n):
 
 def test_the_loops_interpreted_are_the_loops_compiled():
     C = septic(2**89 - 1, "walk")
-    J, K, rng = C.jacobian(), context_of(C.field), Random(7)
-    equation, kernel = equation_of(C, K.to_word), TwoWordKernel(C, python_kernel(C))
-    D, E = ((*D.u[:-1], *D.v) for D in (J.random(rng), J.random(rng)))
+    J, K, rng = C.jacobian(), two_word_context(C.field), Random(7)
+    equation, kernel = short_equation(C, K.to_word), TwoWordKernel(C, python_kernel(C))
+    a, b = (triple(D) for D in (J.random(rng), J.random(rng)))
     odd = type("Odd", (dict,), {"shape": (6, 8)})()
-    general, total = add_classes(K, equation, D, E)
-    assert (general, *total) == kernel._sum(*D, *E)
-    general, total = double_class(K, equation, D)
-    assert (general, *total) == kernel._twice(*D)
-    general, (u0, u1, u2, *v) = multiple_of_class(K, equation, D, signed_digits(12345, 5), odd)
-    assert general
-    assert kernel.multiple(12345, ((*D[:3], 1), D[3:], None))[:2] == ((u0, u1, u2, 1), tuple(v))
+    assert (*kernel.sum_of(a, b)[:2], True) == add_classes(K, equation, *a[:2], *b[:2])
+    assert (*kernel.double(a)[:2], True) == double_class(K, equation, *a[:2])
+    found = multiple_of_class(K, equation, *a[:2], (12345).to_bytes(2, "little"), [0] * 17, odd)
+    assert (*kernel.multiple(12345, a)[:2], True) == found
 
 
 def test_a_class_of_low_degree_is_left_to_the_general_path(monkeypatch):
     """v₂ = 0 in the sum of two general classes: the short call cannot tell it from a special case."""
     C = septic(13, "flat")
-    kernel, J, rng, asked = CubicKernel(C), C.jacobian(), Random(0), []
+    kernel, J, rng, asked = LineKernel(C), C.jacobian(), Random(0), []
     original = WordKernel.sum_of
     monkeypatch.setattr(WordKernel, "sum_of", lambda self, a, b: asked.append(1) or original(self, a, b))
     flat = next(D for D in J.points() if D.degree == 3 and len(D.v) == 2)

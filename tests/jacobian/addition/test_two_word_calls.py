@@ -9,11 +9,10 @@ from hypothesis import strategies as st
 
 from jacobian import ArgumentError, HyperellipticCurve, poly
 from jacobian.addition import cantor
+from jacobian.addition.calls import TwoWordKernel, two_word_context
 from jacobian.addition.choice import python_kernel
-from jacobian.addition.ladder import signed_digits
-from jacobian.addition.two_word_calls import TwoWordKernel
-from jacobian.addition.two_word_libraries import context_of, equation_of
-from jacobian.addition.two_word_loops import add_classes, double_class, multiple_of_class
+from jacobian.addition.class_loops import add_classes, double_class, multiple_of_class
+from jacobian.addition.short import short_equation
 from jacobian.batch.equation import Equation
 from tests.jacobian.group_curves import random_curve, triple
 from tests.jacobian.two_words import LONG, MODELS, SMALL, special_classes
@@ -113,21 +112,17 @@ def test_sums_and_multiples(name, seed, m, n):
 @pytest.mark.parametrize("name", [name for name in CURVES if "89" in name or "61" in name])
 def test_the_loops_interpreted_are_the_loops_compiled(name):
     C = CURVES[name]
-    J, K, rng = C.jacobian(), context_of(C.field), Random(7)
-    equation = equation_of(C, K.to_word)
-    D, E = ((*D.u[:-1], *D.v) for D in (J.random(rng), J.random(rng)))
-    kernel, digits = of(C), signed_digits(12345, 5)
+    J, K, rng = C.jacobian(), two_word_context(C.field), Random(7)
+    equation = short_equation(C, K.to_word)
+    a, b = (triple(D) for D in (J.random(rng), J.random(rng)))
+    kernel = of(C)
 
     class Odd(dict):
         """An array of Python ints."""
 
         shape = 4, 8
 
-    def flat(found):
-        return [int(found[0]), *found[1]]
-
-    assert flat(add_classes(K, equation, D, E)) == list(kernel._sum(*D, *E))
-    assert flat(double_class(K, equation, D)) == list(kernel._twice(*D))
-    general, *found = flat(multiple_of_class(K, equation, D, digits, Odd()))
-    assert general
-    assert kernel.multiple(12345, ((*D[:2], 1), D[2:], None))[:2] == ((*found[:2], 1), tuple(found[2:]))
+    assert (*kernel.sum_of(a, b)[:2], True) == add_classes(K, equation, *a[:2], *b[:2])
+    assert (*kernel.double(a)[:2], True) == double_class(K, equation, *a[:2])
+    found = multiple_of_class(K, equation, *a[:2], (12345).to_bytes(2, "little"), [0] * 17, Odd())
+    assert (*kernel.multiple(12345, a)[:2], True) == found

@@ -4,36 +4,50 @@ from fractions import Fraction
 
 import pytest
 
-from jacobian.addition import genus2_words as formulas
-from jacobian.addition import genus3_words
+from jacobian.addition.short import Quintic, Septic, Sextic
+from jacobian.addition.word_steps import STEPS
 from tests.jacobian.numbers.word_bounds import Bounds, DoubleBounds
 
 HALF = Fraction(1, 2)
-STEPS = {
-    model: [getattr(formulas, f"{step}_{degree}") for step in ("tangent", "product", "cubic", "sum_u", "sum_v")]
-    for model, degree in (("ramified", "quintic"), ("split", "sextic"))
-}
-CURVES = {"ramified": formulas.Quintic(*[HALF] * 3), "split": formulas.Sextic(*[HALF] * 5)}
+CONTEXTS = [Bounds(False), Bounds(True), DoubleBounds()]
+NAMES = ["lazy", "wide", "double"]
 
 
-@pytest.mark.parametrize("K", [Bounds(False), Bounds(True), DoubleBounds()], ids=["lazy", "wide", "double"])
-@pytest.mark.parametrize("model", STEPS)
+def steps_of(model):
+    """The steps, and an equation and a class whose numbers are as large as canonical ones get."""
+    steps = {name: of_models[model] for name, of_models in STEPS.items() if model in of_models}
+    return steps, model(*[HALF] * len(model._fields)), (HALF,) * (6 if model is Septic else 4)
+
+
+def both_quotients(steps, K, C, row):
+    return steps["chord"](K, C, row, row), steps["tangent"](K, C, row)
+
+
+@pytest.mark.parametrize("K", CONTEXTS, ids=NAMES)
+@pytest.mark.parametrize("model", [Quintic, Sextic], ids=["ramified", "split"])
 def test_no_word_overflows(model, K):
-    C, line = CURVES[model], (HALF,) * 4
-    tangent, product, cubic_of, sum_u, sum_v = STEPS[model]
-    for quotient in (formulas.chord(K, line, line), tangent(K, C, line)):
-        assert K.canonical(product(K, C, quotient)) == HALF
-        cubic = cubic_of(K, C, quotient, HALF, line)
-        u = sum_u(K, C, cubic, line, line)
-        assert (*u, *sum_v(K, C, cubic, u, line)) == line
+    steps, C, line = steps_of(model)
+    # the second half of a row may follow either of the two
+    quotient = tuple(map(max, *both_quotients(steps, K, C, line)))
+    assert K.canonical(steps["product"](K, C, quotient)) == HALF
+    cubic = steps["cubic"](K, C, quotient, HALF, line)
+    u = steps["u"](K, C, cubic, line, line)
+    assert (*u, *steps["v"](K, C, cubic, u, line)) == line
+    assert steps["closed"](K, C, quotient, HALF, line, line) == line
+    assert steps["opposite"](K, C, line) == line
 
 
-@pytest.mark.parametrize("K", [Bounds(False), Bounds(True)], ids=["lazy", "wide"])
+@pytest.mark.parametrize("K", CONTEXTS, ids=NAMES)
 def test_no_word_overflows_in_genus_3(K):
-    C, row = genus3_words.Septic(*[HALF] * 4), (HALF,) * 6
-    for quotient in (genus3_words.chord(K, row, row), genus3_words.tangent(K, C, row)):
-        assert K.canonical(genus3_words.product(K, quotient)) == HALF
-        assert genus3_words.closed(K, C, quotient, HALF, row, row) == row
+    steps, C, row = steps_of(Septic)
+    quotient = tuple(map(max, *both_quotients(steps, K, C, row)))
+    assert K.canonical(steps["product"](K, C, quotient)) == HALF
+    bent = steps["bent"](K, C, quotient, HALF)
+    meeting = steps["meeting"](K, C, bent, row, row)
+    middle = steps["middle"](K, C, bent, meeting, row, row)
+    u = steps["u"](K, C, meeting, middle)
+    assert (*u, *steps["v"](K, C, u, middle)) == row
+    assert steps["closed"](K, C, quotient, HALF, row, row) == row
 
 
 def test_the_bounds_catch_an_overflow():

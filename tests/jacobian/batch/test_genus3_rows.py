@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jacobian import GF
-from jacobian.addition.genus3_words import Septic
+from jacobian.addition.short import Septic
 from jacobian.batch import DivisorArray, array, compiled_rows
 from jacobian.numbers.words import Lazy32, Lazy64, Wide32, Wide64, word_context
 from tests.jacobian.batch.beside_cantor import (

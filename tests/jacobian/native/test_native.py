@@ -118,10 +118,6 @@ def ended(row, last=2):
     return row[last] + row[len(row) - 1]
 
 
-def total_of_longs(a, b, c):
-    return a + b + c, 7
-
-
 def wide_numbers(xs, y, n, out):
     total = 0
     for i in range(len(xs)):
@@ -288,11 +284,6 @@ def test_long_numbers():
         out = np.zeros_like(words)
         assert LOOPS.long_numbers(a, b, n, words, out) == true
         assert [int.from_bytes(x.tobytes(), "little") for x in out] == true_out
-
-
-def test_an_entry_with_its_first_arguments_given():
-    library = Library("test_first", {"first": (total_of_longs, (LONG, LONG, LONG))}, SPECIAL)
-    assert library.first.of_longs(2**100)(1, 2) == library.first(2**100, 1, 2) == (2**100 + 3, 7)
 
 
 def test_wide_numbers():

@@ -1,0 +1,237 @@
+"""Sums, doubles and multiples of single classes: loops to be compiled, for every context and equation.
+
+Explicit formulas add in general position. Over a field of word size Cantor's algorithm does the rest in compiled code
+too (:mod:`jacobian.addition.cantor_words`), step by step in the ladder of a multiple. Other contexts report a special
+case to the caller. All loops run in Python unchanged.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Any
+
+from jacobian.addition import cantor_words
+from jacobian.addition.short import MODELS
+from jacobian.addition.word_steps import (
+    chord,
+    class_at,
+    class_in,
+    closed,
+    decoded,
+    encoded,
+    keep,
+    opposite,
+    product,
+    tangent,
+)  # fmt: skip
+from jacobian.numbers.words import canonical, decode, encode, inverse
+
+Plain = namedtuple("Plain", "")
+Plain.__doc__ = "Any equation: Cantor's algorithm does everything."
+
+TOTAL, OTHER, ODD = cantor_words.ROWS, cantor_words.ROWS + 1, cantor_words.ROWS + 2
+"""The rows of a scratch array for two classes and, from ODD on, for the odd multiples of a ladder."""
+ROWS = ODD + 8
+
+# --- by explicit formulas
+
+
+def sum_of(K: Any, C: Any, first: Any, second: Any) -> Any:
+    """(whether the case is general, the sum), in words."""
+    return from_quotient(K, C, chord(K, C, first, second), first, second)
+
+
+def double_of(K: Any, C: Any, first: Any) -> Any:
+    """The same for the double."""
+    return from_quotient(K, C, tangent(K, C, first), first, first)
+
+
+def from_quotient(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> Any:
+    """The same from the first half."""
+    multiple = canonical(K, product(K, C, quotient))
+    if multiple == 0:
+        return False, first
+    return True, closed(K, C, quotient, inverse(K, multiple), first, second)
+
+
+def returned(K: Any, C: Any, general: Any, found: Any) -> Any:
+    """(u, v, whether the case is general and v has all its coefficients), in residues."""
+    u, v = decoded(K, C, found)
+    return u, v, general and v[len(v) - 1] != 0
+
+
+def add_classes(K: Any, C: Any, u: Any, v: Any, other_u: Any, other_v: Any) -> Any:
+    """What :func:`returned` does, for the sum of two classes of weight g."""
+    general, found = sum_of(K, C, encoded(K, C, u, v), encoded(K, C, other_u, other_v))
+    return returned(K, C, general, found)
+
+
+def double_class(K: Any, C: Any, u: Any, v: Any) -> Any:
+    """The same for a double."""
+    general, found = double_of(K, C, encoded(K, C, u, v))
+    return returned(K, C, general, found)
+
+
+def multiple_of_class(K: Any, C: Any, u: Any, v: Any, scalar: Any, digits: Any, odd: Any) -> Any:
+    """The same for a multiple by a scalar > 0 in little-endian bytes; the case is general if all steps are.
+
+    ``digits``, with 0 for each bit and one more, and ``odd``, with a column for each odd digit, are scratch.
+    """
+    position, first = signed_windows(scalar, 5, digits), encoded(K, C, u, v)
+    keep(odd, 0, first)
+    general, double = double_of(K, C, first)
+    for i in range(1, odd.shape[1]):
+        fine, found = sum_of(K, C, class_at(K, C, odd, i - 1), double)
+        general = general and fine
+        keep(odd, i, found)
+    total = class_at(K, C, odd, digits[position] >> 1)
+    while general and position > 0:
+        position -= 1
+        general, total = double_of(K, C, total)
+        digit = digits[position]
+        if digit != 0:
+            term = class_at(K, C, odd, abs(digit) >> 1)
+            if digit < 0:
+                term = opposite(K, C, term)
+            fine, total = sum_of(K, C, total, term)
+            general = general and fine
+    return returned(K, C, general, total)
+
+
+def signed_windows(scalar: Any, width: int, digits: Any) -> Any:
+    """Writes the :func:`jacobian.addition.ladder.signed_digits` of a scalar > 0 into ``digits``, which are 0; returns
+    the place of the last one that is not 0.
+    """
+    size, position, carry, last = 8 * len(scalar), 0, 0, 0
+    while position <= size:
+        bit = scalar[position >> 3] >> (position & 7) & 1 if position < size else 0
+        if (bit + carry) & 1 == 0:
+            position += 1
+        else:
+            digit = carry
+            for i in range(min(width, size - position)):
+                digit += (scalar[(position + i) >> 3] >> ((position + i) & 7) & 1) << i
+            carry = digit >> (width - 1)
+            digits[position] = digit - (carry << width)
+            last = position
+            position += width
+    return last
+
+
+# --- over fields of word size: classes as arrays of :mod:`jacobian.addition.cantor_words`, and their curve
+
+
+def plus(K: Any, C: Any, curve: Any, S: Any, a: Any, b: Any, result: Any) -> None:
+    """result = a + b; the three may be one array."""
+    STEPS["plus"][type(C)](K, C, curve, S, a, b, result)
+
+
+def twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
+    """result = a + a; the two may be one array."""
+    STEPS["twice"][type(C)](K, C, curve, S, a, result)
+
+
+def explicit_plus(K: Any, C: Any, curve: Any, S: Any, a: Any, b: Any, result: Any) -> None:
+    """The sum by explicit formulas where they apply."""
+    g = curve[0]
+    if a[0] == g + 1 and b[0] == g + 1:
+        general, found = sum_of(K, C, class_in(K, C, a), class_in(K, C, b))
+        if general:
+            put(K, g, found, result)
+            return
+    cantor_words.add_classes(K, curve, S, a, b, result)
+
+
+def explicit_twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
+    """The double by explicit formulas where they apply."""
+    g = curve[0]
+    if a[0] == g + 1:
+        general, found = double_of(K, C, class_in(K, C, a))
+        if general:
+            put(K, g, found, result)
+            return
+    cantor_words.double_class(K, curve, S, a, result)
+
+
+def plain_plus(K: Any, C: Any, curve: Any, S: Any, a: Any, b: Any, result: Any) -> None:
+    """The sum by Cantor's algorithm."""
+    cantor_words.add_classes(K, curve, S, a, b, result)
+
+
+def plain_twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
+    """The double by Cantor's algorithm."""
+    cantor_words.double_class(K, curve, S, a, result)
+
+
+STEPS: dict[str, dict[type, Any]] = {
+    "plus": {Plain: plain_plus, **dict.fromkeys(MODELS, explicit_plus)},
+    "twice": {Plain: plain_twice, **dict.fromkeys(MODELS, explicit_twice)},
+}
+
+
+def put(K: Any, g: Any, found: Any, result: Any) -> None:
+    """Writes a class of weight g, and of weight 0 at infinity, into an array."""
+    place = g + 2
+    for x in found:
+        result[place] = x
+        place = place - 1 if place > 3 else 2 * g + 3
+    size = g
+    while size > 0 and result[g + 3 + size] == 0:
+        size -= 1
+    result[0], result[1], result[2], result[g + 3] = g + 1, size, 0, K.one
+
+
+def enter(K: Any, g: Any, data: Any, header: Any, begin: Any, a: Any) -> Any:
+    """Reads a class from ``data`` into a; returns the index after its last coefficient.
+
+    Its lengths and weight stand at ``header``; its coefficients begin at ``begin``.
+    """
+    nu, nv = data[header], data[header + 1]
+    for i in range(2 * g + 4):
+        a[i] = 0
+    a[0], a[1], a[2] = nu, nv, data[header + 2]
+    for i in range(nu):
+        a[3 + i] = encode(K, data[begin + i])
+    for i in range(nv):
+        a[4 + g + i] = encode(K, data[begin + nu + i])
+    return begin + nu + nv
+
+
+def leave(K: Any, g: Any, a: Any, data: Any) -> None:
+    """Writes the class a into ``data``, in field elements."""
+    data[0], data[1], data[2] = a[0], a[1], a[2]
+    for i in range(3, 2 * g + 4):
+        data[i] = decode(K, a[i])
+
+
+def sum_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any) -> None:
+    """Replaces two classes in ``data`` by their sum; S has ROWS rows."""
+    g, total, other = curve[0], S[TOTAL], S[OTHER]
+    enter(K, g, data, 3, enter(K, g, data, 0, 6, total), other)
+    cantor_words.add_classes(K, curve, S, total, other, total)
+    leave(K, g, total, data)
+
+
+def multiple_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any, scalar: Any, digits: Any) -> None:
+    """Replaces the class in ``data`` by its multiple; scalar and digits as in :func:`multiple_of_class`."""
+    g, total, other = curve[0], S[TOTAL], S[OTHER]
+    width = 2 if len(scalar) < 2 else 4 if len(scalar) < 24 else 5
+    position = signed_windows(scalar, width, digits)
+    enter(K, g, data, 0, 3, S[ODD])
+    if width > 2:
+        twice(K, C, curve, S, S[ODD], other)
+    for i in range(1, 1 << (width - 2)):
+        plus(K, C, curve, S, S[ODD + i - 1], other, S[ODD + i])
+    start = S[ODD + (digits[position] >> 1)]
+    for i in range(2 * g + 4):
+        total[i] = start[i]
+    while position > 0:
+        position -= 1
+        twice(K, C, curve, S, total, total)
+        digit = digits[position]
+        if digit > 0:
+            plus(K, C, curve, S, total, S[ODD + (digit >> 1)], total)
+        elif digit < 0:
+            cantor_words.negate_class(K, curve, S, S[ODD + (-digit >> 1)], other)
+            plus(K, C, curve, S, total, other, total)
+    leave(K, g, total, data)

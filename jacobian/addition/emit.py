@@ -1,0 +1,180 @@
+"""Python code from formulas: addition and doubling of triples, on ints modulo p or in any field.
+
+:func:`text_of` returns the code, which a reader may look at, and :func:`maker` what it defines. On ints a sum of
+products is reduced once, where it becomes a factor or a result. In CPython a call costs as much as a product of machine
+words, so fewer products for more sums gain nothing there. A field gets the operations of the formulas as they stand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+from jacobian.addition import cantor
+from jacobian.addition.straight import Formulas, Tape
+
+NAME, PRODUCT, SUM = 2, 1, 0
+"""How strongly a piece of text binds."""
+SIGNS = {"add": "+", "sub": "-"}
+
+Written = tuple[str, int]
+
+
+class OnInts:
+    """How operations on ints modulo p are written."""
+
+    needs = ("p",)
+    zero, one = "0", "1"
+    karatsuba = False
+
+    def __init__(self) -> None:
+        self.degrees: dict[int, int] = {}
+        """The degree of each result in the inputs: one of degree 1 is about as long as p."""
+
+    def operation(self, index: int, name: str, operands: tuple[int, ...], text: Callable[[int, int], str]) -> Written:
+        """The text of an operation, from that of its operands."""
+        x, y = operands[0], operands[-1]
+        degrees = [self.degrees.get(each, 1) for each in (x, y)]
+        self.degrees[index] = sum(degrees) if name == "mul" else max(degrees)
+        if name == "neg":
+            return f"-{text(x, PRODUCT)}", SUM
+        if name == "mul":
+            return f"{text(x, PRODUCT)} * {text(y, NAME)}", PRODUCT
+        return f"{text(x, SUM)} {SIGNS[name]} {text(y, SUM if name == 'add' else PRODUCT)}", SUM
+
+    def factor(self, index: int, found: Written, result: bool) -> Written:
+        """The text of a factor, or of a result, from that of the operation."""
+        if self.degrees.get(index, 1) == 1 and not result:
+            return found
+        self.degrees[index] = 1
+        text, binds = found
+        return f"{text if binds else f'({text})'} % p", PRODUCT
+
+    def inverse(self, x: str) -> str:
+        """The text of 1/x."""
+        return f"pow({x}, -1, p)"
+
+    def reading(self, g: int, x: str, names: tuple[str, str], otherwise: str) -> list[str]:
+        """The lines that read a class; one whose v has g coefficients has weight g."""
+        a, b = (_listed(name, g) for name in names)
+        return [f"if len(v{x}) != {g}:", f"    {otherwise}", f"({a}, _), ({b}) = u{x}, v{x}"]
+
+
+class OnElements:
+    """How operations of a field are written."""
+
+    needs = ("add", "sub", "mul", "neg", "inv", "zero", "one")
+    zero, one = "zero", "one"
+    karatsuba = True
+
+    def operation(self, index: int, name: str, operands: tuple[int, ...], text: Callable[[int, int], str]) -> Written:
+        """The text of an operation, from that of its operands."""
+        return f"{name}({', '.join(text(x, SUM) for x in operands)})", NAME
+
+    def factor(self, index: int, found: Written, result: bool) -> Written:
+        """The text of a factor, or of a result, from that of the operation."""
+        return found
+
+    def inverse(self, x: str) -> str:
+        """The text of 1/x."""
+        return f"inv({x})"
+
+    def reading(self, g: int, x: str, names: tuple[str, str], otherwise: str) -> list[str]:
+        """The lines that read a class of weight g."""
+        a, b = (_listed(name, g) for name in names)
+        full = f"v{x} if len(v{x}) == {g} else (*v{x}, {', '.join(['zero'] * g)})[:{g}]"
+        return [f"if len(u{x}) != {g + 1}:", f"    {otherwise}", f"({a}, _), ({b}) = u{x}, {full}"]
+
+
+def _listed(letter: str, count: int) -> str:
+    return ", ".join(f"{letter}{k}" for k in range(count))
+
+
+def lines_of(tape: Tape, results: dict[int, str], style: OnInts | OnElements, otherwise: str) -> list[str]:
+    """The lines that compute the results, which have names; ``otherwise`` is the line for what has no inverse."""
+    live = tape.live(results)
+    uses, inverted = tape.uses(live, results), {tape.operands(i)[0] for i in live if tape.operations[i][0] == "inv"}
+    factors = inverted.union(*(tape.operands(i) for i in live if tape.operations[i][0] == "mul"))
+    written: dict[int, Written] = {}
+    lines = []
+
+    def text(i: int, least: int) -> str:
+        found, binds = written[i]
+        return found if binds >= least else f"({found})"
+
+    for i in live:
+        name, *operands = tape.operations[i]
+        if name in ("input", "one"):
+            written[i] = operands[0] if operands else style.one, NAME
+            continue
+        if name == "inv":
+            x = text(operands[0], NAME)
+            lines += [f"if {x} == {style.zero}:", f"    {otherwise}"]
+            found: Written = style.inverse(x), NAME
+        else:
+            found = style.operation(i, name, tuple(operands), text)
+        if i in factors or i in results:
+            found = style.factor(i, found, i in results or i in inverted)
+        if uses[i] > 1 or i in results or i in inverted or name == "inv":
+            target = results.get(i, f"t{i}")
+            lines.append(f"{target} = {found[0]}")
+            found = target, NAME
+        written[i] = found
+    return lines
+
+
+def _function(
+    formulas: Formulas, known: dict[str, int], style: OnInts | OnElements, name: str, given: str
+) -> list[str]:
+    """The lines of the addition, given two triples "ab", or of the doubling, given "a"."""
+    g, names = formulas.genus, (("a", "b"), ("c", "d"))[: len(given)]
+    tape = Tape(known["characteristic"] == 2, style.karatsuba)
+    C = formulas.equation(known, tape)
+    classes = [tape.inputs(*(f"{x}{k}" for x in pair for k in reversed(range(g)))) for pair in names]
+    results = [f"{x}{k}" for x in "uv" for k in reversed(range(g))]
+    found = dict(zip((x.index for x in formulas.total(C, classes[0], classes[-1])), results, strict=True))
+    otherwise = f"return cantor.{name}(curve, {', '.join(given)})"
+    lines = []
+    for x, pair in zip(given, names, strict=True):
+        lines += [f"u{x}, v{x}, _ = {x}", *style.reading(g, x, pair, otherwise)]
+    short = f"trimmed(({_listed('v', g - 1)},), {style.zero})"
+    lines += lines_of(tape, found, style, otherwise)
+    lines.append(
+        f"return ({_listed('u', g)}, {style.one}), ({_listed('v', g)}) if v{g - 1} != {style.zero} else {short}, weight"
+    )
+    return [f"def {name}(self, {', '.join(given)}):", *(f"    {line}" for line in lines)]
+
+
+@cache
+def text_of(formulas: Formulas, known: tuple[tuple[str, int], ...], style: Any) -> str:
+    """The text of a function ``made`` that returns (sum_of, double) for one curve, as methods.
+
+    ``known`` has the coefficients that are 0 or 1, and the characteristic where it is 2; the other coefficients are
+    arguments of ``made``, after what the style needs.
+    """
+    table = {"characteristic": 0, **dict(known)}
+    unknown = [name for name in formulas.coefficients if name not in table]
+    both = [
+        line
+        for name, given in (("sum_of", "ab"), ("double", "a"))
+        for line in _function(formulas, table, style(), name, given)
+    ]
+    head = f"def made(curve, weight, {', '.join((*style.needs, *unknown))}):"
+    return "\n".join([head, *(f"    {line}" for line in both), "    return sum_of, double", ""])
+
+
+@cache
+def maker(formulas: Formulas, known: tuple[tuple[str, int], ...], style: Any) -> Callable[..., Any]:
+    """The function of :func:`text_of`."""
+    defined: dict[str, Any] = {"cantor": cantor, "trimmed": trimmed}
+    exec(compile(text_of(formulas, known, style), "<explicit formulas>", "exec"), defined)
+    made: Callable[..., Any] = defined["made"]
+    return made
+
+
+def trimmed(v: tuple[Any, ...], zero: Any) -> tuple[Any, ...]:
+    """v without leading zeros."""
+    while v and v[-1] == zero:
+        v = v[:-1]
+    return v
