@@ -114,7 +114,7 @@ def whole(
     return found
 
 
-def flag(value: Any, argument: str) -> bool:
+def flag(value: object, argument: str) -> bool:
     """``value``, if it is True or False (numpy's too), or an ArgumentError that names ``argument``."""
     if value is True or value is False:
         return bool(value)
@@ -123,7 +123,7 @@ def flag(value: Any, argument: str) -> bool:
     raise ArgumentError(f"{argument} = {shown(value)}: True or False is needed")
 
 
-def names_a_file(path: Any) -> bool:
+def names_a_file(path: object) -> bool:
     """Whether a path ends in a name that the file system can hold: no lone surrogates, no NUL."""
     if not isinstance(path, (str, os.PathLike)):
         return False
@@ -177,7 +177,7 @@ def chosen(which: Any, count: int) -> Any:
     return found
 
 
-def one_of(value: Any, argument: str, choices: tuple[Choice, ...], wanted: str) -> Choice:
+def one_of(value: object, argument: str, choices: tuple[Choice, ...], wanted: str) -> Choice:
     """The element of ``choices`` that equals ``value``, or an ArgumentError that names ``argument`` and says what is
     ``wanted``.
     """
@@ -188,7 +188,7 @@ def one_of(value: Any, argument: str, choices: tuple[Choice, ...], wanted: str) 
     raise ArgumentError(f"{argument} = {shown(value)}: {wanted}")
 
 
-def shown(value: Any) -> str:
+def shown(value: object) -> str:
     """``repr(value)`` for a message: on one line, shortened, and safe where the repr raises."""
     if isinstance(value, int) and value.bit_length() > 4 * SHOWN:
         return f"an int of {value.bit_length()} bits"

@@ -18,6 +18,7 @@ from jacobian.arithmetic.record import LPolynomials
 from jacobian.arithmetic.saved import Saved
 from jacobian.arithmetic.walk import MOST_DEGREE, MOST_PRIME
 from jacobian.curve.curve import HyperellipticCurve, check_curve
+from jacobian.element import File
 from jacobian.errors import ArgumentError, FieldError, Infeasible, flag, shown, whole
 from jacobian.fields import QQ
 from jacobian.finite.reduction import is_good, suspects
@@ -26,7 +27,9 @@ Tell = Callable[[int, int], None]
 GENERA = (1, 2, 3)
 
 
-def l_polynomials(C: HyperellipticCurve, bound: int, file: Any = None, tell: Tell | None = None) -> LPolynomials:
+def l_polynomials(
+    C: HyperellipticCurve, bound: int, file: File | None = None, tell: Tell | None = None
+) -> LPolynomials:
     """L_p(T) for all p ≤ ``bound`` at which the equation is good (Harvey and Sutherland 2014, 2016).
 
     Curves over QQ of genus 1, 2 or 3 with any equation; ``bound`` 2 … 2^24. ``file``: results and state are saved there
@@ -63,7 +66,7 @@ def l_polynomials(C: HyperellipticCurve, bound: int, file: Any = None, tell: Tel
     return LPolynomials(C, bound, good, coefficients, tuple(bad))
 
 
-def with_progress(C: HyperellipticCurve, bound: int, file: Any = None, progress: bool = False) -> LPolynomials:
+def with_progress(C: HyperellipticCurve, bound: int, file: File | None = None, progress: bool = False) -> LPolynomials:
     """:func:`l_polynomials`, with a bar if ``progress``."""
     if not flag(progress, "progress"):
         return l_polynomials(C, bound, file)
@@ -85,7 +88,7 @@ def with_progress(C: HyperellipticCurve, bound: int, file: Any = None, progress:
         return found
 
 
-def hasse_witt_matrices(C: HyperellipticCurve, bound: int) -> tuple[Any, Any]:
+def hasse_witt_matrices(C: HyperellipticCurve, bound: int) -> tuple[np.ndarray, np.ndarray]:
     """(p, W): odd primes of good reduction up to ``bound``, (K,), and W_p, (K, g, g).
 
     Entry i, j of W_p is the coefficient of x^(ip−j) in F^((p−1)/2) modulo p, F = h² + 4f times a square. Any genus with

@@ -12,6 +12,7 @@ import numpy as np
 from jacobian.arithmetic.residues import primes_up_to
 from jacobian.arithmetic.saved import path_of
 from jacobian.curve.curve import HyperellipticCurve
+from jacobian.element import File
 from jacobian.errors import ArgumentError, shown, whole
 from jacobian.finite import weil
 
@@ -29,8 +30,8 @@ class LPolynomials:
 
     curve: HyperellipticCurve
     bound: int
-    p: Any = field(repr=False)
-    coefficients: Any = field(repr=False)
+    p: np.ndarray = field(repr=False)
+    coefficients: np.ndarray = field(repr=False)
     bad: tuple[int, ...]
 
     def __len__(self) -> int:
@@ -102,7 +103,7 @@ class LPolynomials:
         """A table with the columns p, a1, …, ag; needs pandas (the extra io)."""
         return _needed("pandas").DataFrame(self.columns())
 
-    def to_csv(self, path: Any) -> None:
+    def to_csv(self, path: File) -> None:
         """Writes p,a1,…,ag, one line for each prime, behind a line of names."""
         columns = self.columns()
         with path_of(path).open("w", newline="", encoding="utf-8") as file:
@@ -110,7 +111,7 @@ class LPolynomials:
             writer.writerow(columns)
             writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
 
-    def to_parquet(self, path: Any) -> None:
+    def to_parquet(self, path: File) -> None:
         """Writes the same columns as Parquet, equation and bad primes in the metadata; needs pyarrow (the extra io)."""
         parquet, arrow = _needed("pyarrow.parquet"), _needed("pyarrow")
         said = {"curve": repr(self.curve), "bound": str(self.bound), "bad": " ".join(map(str, self.bad))}

@@ -11,9 +11,10 @@ from typing import Any
 from jacobian import poly
 from jacobian.errors import FieldError
 from jacobian.fields.flint_polynomials import conversions
+from jacobian.fields.protocol import Field
 
 
-def to_flint(K: Any, *polynomials: poly.Poly) -> tuple[Any, ...]:
+def to_flint(K: Field, *polynomials: poly.Poly) -> tuple[Any, ...]:
     """python-flint's polynomials; FieldError over an inexact field."""
     into, _ = conversions(_exact(K))
     return tuple(map(into, polynomials))

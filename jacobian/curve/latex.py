@@ -6,6 +6,7 @@ import re
 from typing import Any
 
 from jacobian import poly
+from jacobian.fields.protocol import Field
 
 # a long int is shown as its first and last digits, with their number
 _INT = r"\d+(?:…\d+\[\d+ digits\])?"
@@ -20,7 +21,7 @@ def field(K: Any) -> str:
     return rf"\mathbf{{F}}_{{{power}}}"
 
 
-def polynomial(K: Any, a: poly.Poly, variable: str = "x") -> str:
+def polynomial(K: Field, a: poly.Poly, variable: str = "x") -> str:
     """A polynomial, the highest power first."""
     written = re.sub(r"\^(\d+)", r"^{\1}", poly.text(K, a, variable)).replace("·", " ").replace("j", "i")
     written = re.sub(rf"({_INT})/({_INT})", r"\\tfrac{\1}{\2}", written)
@@ -28,13 +29,13 @@ def polynomial(K: Any, a: poly.Poly, variable: str = "x") -> str:
     return re.sub(r"e\+?(-?)0*(\d+)", r" \\cdot 10^{\1\2}", written)
 
 
-def equation(K: Any, f: poly.Poly, h: poly.Poly) -> str:
+def equation(K: Field, f: poly.Poly, h: poly.Poly) -> str:
     """y² + h(x)y = f(x)."""
     linear = term_of_y(K, h, polynomial(K, h), r"\left({}\right) y", " ")
     return f"y^{{2}}{linear} = {polynomial(K, f)}"
 
 
-def term_of_y(K: Any, h: poly.Poly, written: str, bracketed: str, times: str) -> str:
+def term_of_y(K: Field, h: poly.Poly, written: str, bracketed: str, times: str) -> str:
     """The term with y behind y²; h is in brackets where it has terms or signs of its own: y² − 2x·y, y² + (x + 1)·y."""
     if not h:
         return ""

@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from jacobian import poly
+from jacobian.element import Element
 from jacobian.fields.flint_polynomials import conversions
+from jacobian.fields.protocol import Field
 from jacobian.poly import Poly
 
 
-def factor(K: Any, a: Poly) -> list[tuple[Poly, int]]:
+def factor(K: Field[Element], a: Poly) -> list[tuple[Poly, int]]:
     """The monic irreducible factors of a non-zero polynomial over a finite field or QQ with their multiplicities,
     sorted.
     """
@@ -24,7 +26,7 @@ def roots(K: Any, a: Poly) -> list[Any]:
     return sorted(K.neg(P[0]) for P, _ in factor(K, given) if len(P) == 2)
 
 
-def without_root(K: Any, a: Poly, x: Any) -> tuple[int, Poly]:
+def without_root(K: Field[Element], a: Poly, x: Element) -> tuple[int, Poly]:
     """The multiplicity of the root x of a non-zero polynomial, and its quotient by that power of x's linear factor."""
     line, multiplicity = (K.neg(x), K.one), 0
     while poly.evaluate(K, a, x) == K.zero:
@@ -32,7 +34,7 @@ def without_root(K: Any, a: Poly, x: Any) -> tuple[int, Poly]:
     return multiplicity, a
 
 
-def linear_part(K: Any, a: Poly) -> Poly:
+def linear_part(K: Field[Element], a: Poly) -> Poly:
     """The product of the distinct monic linear factors of a non-zero polynomial over a finite field."""
     into, back = conversions(K)
     given = into(a)

@@ -63,7 +63,7 @@ class MultiprecisionField(InexactField[Mpf]):
     def __reduce__(self) -> tuple[object, ...]:
         return multiprecision_field, (self.dps, self.complex)
 
-    def coerce(self, value: object, argument: str = "value") -> Any:
+    def coerce(self, value: object, argument: str = "value") -> Mpf:
         """The element of a number, as in :meth:`Field.coerce`, rounded once; an mpf or mpc of any context is one."""
         if isinstance(value, self._reals) and not self.complex:
             parts = value._mpf_
@@ -108,36 +108,36 @@ class MultiprecisionField(InexactField[Mpf]):
         x = self.context.make_mpf(self._made(mantissa, exponent, self.context.prec, "n"))
         return self._type(x) if self.complex else x
 
-    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
+    def dot(self, xs: Sequence[Mpf], ys: Sequence[Mpf]) -> Mpf:
         """Σ x_i y_i, rounded once."""
         return self.context.fdot(xs, ys) + self.zero
 
-    def sqrt(self, x: Any) -> Any:
+    def sqrt(self, x: Mpf) -> Mpf:
         """The non-negative (or principal) square root; NotASquare for a negative real."""
         if not self.complex and x < 0:
             raise NotASquare(f"{written(x)} is negative: no square root in {self.name}")
         return self.context.sqrt(x)
 
-    def exponent(self, x: Any) -> int:
+    def exponent(self, x: Mpf) -> int:
         """The e with 2^(e−1) ≤ |x| < 2^e, for x ≠ 0, of the larger of re x and im x."""
         parts = x._mpc_ if hasattr(x, "_mpc_") else (x._mpf_,)
         return max(int(exponent + bits) for _, mantissa, exponent, bits in parts if mantissa)
 
-    def shift(self, x: Any, bits: int) -> Any:
+    def shift(self, x: Mpf, bits: int) -> Mpf:
         """x·2^bits."""
         return x * self.context.ldexp(1, bits)
 
-    def random(self, rng: Rng) -> Any:
+    def random(self, rng: Rng) -> Mpf:
         """Uniform in [−2, 2), or in the square of that side."""
         if self.complex:
             return self.context.mpc(self._random_real(rng), self._random_real(rng))
         return self._random_real(rng)
 
-    def _random_real(self, rng: Rng) -> Any:
+    def _random_real(self, rng: Rng) -> Mpf:
         bits = self.context.prec
         return self.context.ldexp(random_below(rng, 1 << bits), 2 - bits) - 2
 
-    def key(self, x: Any) -> Hashable:
+    def key(self, x: Mpf) -> Hashable:
         """The sign, mantissa and exponent: the classes of a context cannot be compared or pickled."""
         result: Hashable = x._mpc_ if self.complex else x._mpf_
         return result

@@ -9,6 +9,7 @@ from math import isqrt
 from random import Random
 from typing import TYPE_CHECKING, Any
 
+from jacobian.element import Rng
 from jacobian.errors import ArgumentError, CurveMismatch, Infeasible, NotAMultiple, shown
 from jacobian.fields.randomness import random_below
 from jacobian.finite.integers import factorization
@@ -29,7 +30,7 @@ def discrete_log(
     order: int | None = None,
     primes: Iterable[int] | None = None,
     interval: tuple[int, int] | None = None,
-    rng: Any = None,
+    rng: Rng | None = None,
 ) -> int:
     """An m with m·base = target, or NotAMultiple.
 
@@ -58,7 +59,7 @@ def _check_interval(interval: Any) -> tuple[int, int]:
     return low, high
 
 
-def pohlig_hellman(base: Divisor, target: Divisor, factors: dict[int, int], rng: Any = None) -> int:
+def pohlig_hellman(base: Divisor, target: Divisor, factors: dict[int, int], rng: Rng | None = None) -> int:
     """The least m ≥ 0 with m·base = target, from a factored multiple of the order of base."""
     order = reduce_order(base, factors)
     if order * target:
@@ -74,7 +75,7 @@ def pohlig_hellman(base: Divisor, target: Divisor, factors: dict[int, int], rng:
     return result
 
 
-def _prime_power_log(base: Divisor, target: Divisor, prime: int, power: int, rng: Any) -> int:
+def _prime_power_log(base: Divisor, target: Divisor, prime: int, power: int, rng: Rng | None) -> int:
     """m modulo ``power``, the order of base, digit by digit to the base ``prime``."""
     result, place = 0, 1
     socle = power // prime * base
@@ -85,7 +86,7 @@ def _prime_power_log(base: Divisor, target: Divisor, prime: int, power: int, rng
     return result
 
 
-def _in_interval(base: Divisor, target: Divisor, low: int, high: int, rng: Any) -> int:
+def _in_interval(base: Divisor, target: Divisor, low: int, high: int, rng: Rng | None) -> int:
     if high - low < BABY_STEPS_WIDTH:
         found = baby_step_giant_step(base, target, low, high)
     elif high - low < KANGAROO_WIDTH:
@@ -120,7 +121,7 @@ def baby_step_giant_step(base: Divisor, target: Divisor, low: int, high: int) ->
     return None
 
 
-def kangaroo(base: Divisor, target: Divisor, low: int, high: int, rng: Any = None) -> int | None:
+def kangaroo(base: Divisor, target: Divisor, low: int, high: int, rng: Rng | None = None) -> int | None:
     """An m in low … high with m·base = target, about 2√(high − low) additions and hardly any memory.
 
     None when eight pairs of kangaroos have not met, each after twenty times the expected number of jumps: the target is
@@ -135,7 +136,7 @@ def kangaroo(base: Divisor, target: Divisor, low: int, high: int, rng: Any = Non
     return None
 
 
-def _hunt(base: Divisor, target: Divisor, low: int, width: int, rng: Any) -> int | None:
+def _hunt(base: Divisor, target: Divisor, low: int, width: int, rng: Rng) -> int | None:
     mean = isqrt(width) // 2 + 1
     lengths = [1 + random_below(rng, 2 * mean) for _ in range(32)]
     jumps = [length * base for length in lengths]

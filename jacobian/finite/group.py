@@ -5,7 +5,7 @@ and pairings. Each method calls the module that does the work, imported on first
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jacobian.element import Element, Rng
 from jacobian.errors import CurveMismatch, FieldError, shown
@@ -164,14 +164,14 @@ class FiniteGroup(GroupLaw[Element]):
         own = self._own(base, "base"), self._own(target, "target")
         return discrete_log(*own, order=order, primes=primes, interval=interval, rng=rng)
 
-    def weil_pairing(self, D: Divisor[Element], E: Divisor, m: int) -> Any:
+    def weil_pairing(self, D: Divisor[Element], E: Divisor[Element], m: int) -> Element:
         """e_m(D, E), an m-th root of unity in the field, for m·D = m·E = 0
         (:func:`jacobian.finite.pairing.weil_pairing`)."""
         from jacobian.finite.pairing import weil_pairing
 
         return weil_pairing(self._own(D, "D"), self._own(E, "E"), m)
 
-    def tate_pairing(self, D: Divisor[Element], E: Divisor, m: int) -> Any:
+    def tate_pairing(self, D: Divisor[Element], E: Divisor[Element], m: int) -> Element:
         """The reduced Tate pairing, for m·D = 0 and m | q − 1 (:func:`jacobian.finite.pairing.tate_pairing`)."""
         from jacobian.finite.pairing import tate_pairing
 

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 from jacobian import poly
 from jacobian.addition.cantor_flint import Flint, FlintCantor
 from jacobian.curve.curve import HyperellipticCurve
+from jacobian.element import Element, Rng
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, Infeasible, shown
 from jacobian.fields import GF
 from jacobian.fields.change import change_of_field
@@ -41,7 +42,7 @@ class _Collision(Exception):
     """A function of Miller's algorithm has a zero or a pole at a point where it is evaluated: shift again."""
 
 
-def weil_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
+def weil_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | None = None) -> Element:
     """e_m(D, E) = f_D(E)/f_E(D), an m-th root of unity in the field, for m·D = m·E = 0; div(f_D) = m·D.
 
     Bilinear, alternating, and non-degenerate on the full m-torsion (over the field that contains it). ``m``: positive,
@@ -63,7 +64,7 @@ def weil_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
     return move.back(_shifted(lambda random: _weil(move(D), move(E), m, random(), random()), move, rng))
 
 
-def tate_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
+def tate_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | None = None) -> Element:
     """The reduced Tate–Lichtenbaum pairing f_D(E)^((q−1)/m), an m-th root of unity, for m·D = 0 and any E over GF(q).
 
     Bilinear, and non-degenerate on J[m] × J/mJ (Frey and Rück 1994). ``m`` divides q − 1; otherwise ArgumentError:
@@ -128,7 +129,7 @@ def _at_points(D: Divisor, E: Divisor, m: int, name: str) -> Any:
     return K.div(over, under) if over and under else None
 
 
-def _shifted(pairing: Callable[..., Any], move: _Extension, rng: Any) -> Any:
+def _shifted(pairing: Callable[..., Any], move: _Extension, rng: Rng | None) -> Any:
     """The value for the first random shifts of degree g without a collision."""
     rng = Random(0) if rng is None else rng
     J = move.curve.jacobian()

@@ -66,7 +66,7 @@ class FixedBase(Immutable):
     def _value(self) -> tuple[Any, ...]:
         return self.divisor, self.window
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return FixedBase, self._value()
 
     def __repr__(self) -> str:

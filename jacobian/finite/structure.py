@@ -13,6 +13,7 @@ from math import gcd, isqrt, lcm, prod
 from random import Random
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from jacobian.element import Rng
 from jacobian.errors import CurveMismatch, Infeasible, NotAMultiple, shown, whole
 from jacobian.finite.integers import factorization
 from jacobian.law.divisor import check_divisor
@@ -221,7 +222,7 @@ def _valuation(entry: int, prime: int, top: int) -> int:
     return top
 
 
-def sylow_subgroup(J: GroupLaw, prime: int, rng: Any = None) -> PrimaryGroup:
+def sylow_subgroup(J: GroupLaw, prime: int, rng: Rng | None = None) -> PrimaryGroup:
     """The elements of ℓ-power order. ``rng`` is seeded by default: the same generators every time."""
     rng = Random(0) if rng is None else rng
     order, exponent = J.order(), 0
@@ -235,7 +236,7 @@ def sylow_subgroup(J: GroupLaw, prime: int, rng: Any = None) -> PrimaryGroup:
     return group
 
 
-def structure(J: GroupLaw, primes: Iterable[int] | None = None, rng: Any = None) -> Structure:
+def structure(J: GroupLaw, primes: Iterable[int] | None = None, rng: Rng | None = None) -> Structure:
     """The invariant factors d_1 | d_2 | … of the group, at most 2g of them, and generators of these orders.
 
     ``primes``: the prime factors of #J, if known. Time: √ℓ^r for the largest prime ℓ whose Sylow subgroup has rank r >
@@ -256,7 +257,7 @@ def joined(groups: list[PrimaryGroup]) -> Structure:
     return Structure(tuple(invariants[::-1]), tuple(generators[::-1]))
 
 
-def torsion(J: GroupLaw, m: int, rng: Any = None) -> Structure:
+def torsion(J: GroupLaw, m: int, rng: Rng | None = None) -> Structure:
     """The classes D with m·D = 0 over the finite field, as a group with generators; only the primes of m are used."""
     m = _check_positive(m)
     rng = Random(0) if rng is None else rng

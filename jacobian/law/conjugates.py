@@ -8,15 +8,16 @@ from math import lcm
 from typing import Any
 
 from jacobian import poly
-from jacobian.curve.points import INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
+from jacobian.curve.points import INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Given, Point, PointAtInfinity
 from jacobian.errors import FieldError, NotRepresentable, shown
 from jacobian.fields.change import Embedding, embedding
 from jacobian.fields.factor import factor, roots, without_root
+from jacobian.fields.protocol import Field
 from jacobian.law.divisor import Divisor, GroupLaw
 from jacobian.law.from_points import Descent, divisor_of_points
 
 
-def divisor_of_conjugates(J: GroupLaw, points: Iterable[Any], extension: Any) -> Divisor:
+def divisor_of_conjugates(J: GroupLaw, points: Iterable[Given], extension: Field) -> Divisor:
     """The class of Σ P_i minus infinity for points over an extension of the field, each with all its conjugates.
 
     A point at infinity is one of the curve over its own field. Raises NotRepresentable when the points are not closed
@@ -53,7 +54,7 @@ def _orbits(points: list[AffinePoint], inclusion: Embedding) -> list[list[Affine
     return found
 
 
-def support(D: Divisor, extension: Any = None) -> list[tuple[Point, int]]:
+def support(D: Divisor, extension: Field | None = None) -> list[tuple[Point, int]]:
     """The points of D with their multiplicities, as :meth:`jacobian.law.divisor.Divisor.support` says."""
     C = D.jacobian.curve
     K, u, v = C.field, D.u, D.v

@@ -10,7 +10,7 @@ from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.addition.ladder import MOST_BITS, bits_of
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.curve.points import AffinePoint, Point
+from jacobian.curve.points import AffinePoint, Given, Point
 from jacobian.errors import ArgumentError, Infeasible, NotRepresentable, entries, shown, whole
 from jacobian.law.divisor import Divisor, GroupLaw
 
@@ -32,7 +32,7 @@ class Descent(NamedTuple):
     orbits: Callable[[list[AffinePoint]], list[list[AffinePoint]]]
 
 
-def repeated(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> list[Any]:
+def repeated(points: Iterable[Given], multiplicities: Iterable[int] | None) -> list[Given]:
     """A list with each point repeated by its multiplicity, an int ≥ 0."""
     points, numbers = counted(points, multiplicities)
     if len(points) > MOST_POINTS:

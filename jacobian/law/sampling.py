@@ -23,6 +23,7 @@ from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.curve.points import AffinePoint, Point
+from jacobian.element import Rng
 from jacobian.errors import Infeasible, NotRepresentable
 from jacobian.fields import GF
 from jacobian.fields.change import embedding
@@ -45,7 +46,7 @@ MOST_CLASSES = 10**9
 """The largest number of classes that are listed; it takes some hours, and they do not fit into memory."""
 
 
-def random_divisor(J: GroupLaw, rng: Any) -> Divisor:
+def random_divisor(J: GroupLaw, rng: Rng) -> Divisor:
     """A uniform class over a finite field; over other fields Σ of g random points (not uniform in any sense)."""
     if J.field.order is None:
         return J.from_points(_random_points(J.curve, rng))
@@ -57,7 +58,7 @@ def random_divisor(J: GroupLaw, rng: Any) -> Divisor:
             return found
 
 
-def _by_places(J: GroupLaw, rng: Any) -> Divisor:
+def _by_places(J: GroupLaw, rng: Rng) -> Divisor:
     C, K, g = J.curve, J.field, J.curve.genus
     if g > LARGEST_GENUS:
         raise Infeasible(
@@ -89,7 +90,7 @@ def _by_places(J: GroupLaw, rng: Any) -> Divisor:
     return total
 
 
-def _random_points(C: HyperellipticCurve, rng: Any) -> list[Any]:
+def _random_points(C: HyperellipticCurve, rng: Rng) -> list[Any]:
     count = C.genus - C.genus % 2 if C.model == "inert" else C.genus
     if C.field.exact:
         return [C.random_point(rng) for _ in range(count)]
@@ -108,7 +109,7 @@ def _degrees(C: HyperellipticCurve) -> list[tuple[int, int]]:
     return [(d, C.genus - d + 1 if C.model == "split" else 1) for d in range(0, C.genus + 1, step)]
 
 
-def _try_random(J: GroupLaw, rng: Any) -> Divisor | None:
+def _try_random(J: GroupLaw, rng: Rng) -> Divisor | None:
     C = J.curve
     K: Any = J.field
     degrees = _degrees(C)

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import flint
 
 from jacobian.curve.curve import HyperellipticCurve, check_curve
+from jacobian.element import Element
 from jacobian.errors import ArgumentError, FieldError
 
 
@@ -31,7 +32,7 @@ class Ring(NamedTuple):
     back: Callable[[Any], Any]
 
 
-def igusa_clebsch_invariants(C: HyperellipticCurve) -> tuple[Any, Any, Any, Any]:
+def igusa_clebsch_invariants(C: HyperellipticCurve[Element]) -> tuple[Element, Element, Element, Element]:
     """(I2, I4, I6, I10) of the sextic h² + 4f (Mestre 1991, after Clebsch 1872); I10 is its discriminant.
 
     Genus 2 (ArgumentError else); FieldError in characteristic 2, where they vanish; use :func:`igusa_invariants` there.
@@ -44,7 +45,7 @@ def igusa_clebsch_invariants(C: HyperellipticCurve) -> tuple[Any, Any, Any, Any]
     return i2, i4, i6, i10
 
 
-def igusa_invariants(C: HyperellipticCurve) -> tuple[Any, Any, Any, Any, Any]:
+def igusa_invariants(C: HyperellipticCurve[Element]) -> tuple[Element, Element, Element, Element, Element]:
     """(J2, J4, J6, J8, J10) of a curve of genus 2 in any characteristic (Igusa 1960); 2¹²·J10 is the discriminant of
     h² + 4f. x' = (ax + b)/(cx + d), y' = (ey + t)/(cx + d)³ multiplies J_2k by (e²/(ad − bc)³)^2k.
     """
@@ -61,7 +62,7 @@ def igusa_invariants(C: HyperellipticCurve) -> tuple[Any, Any, Any, Any, Any]:
     return j2, j4, j6, j8, j10
 
 
-def g2_invariants(C: HyperellipticCurve) -> tuple[Any, Any, Any]:
+def g2_invariants(C: HyperellipticCurve[Element]) -> tuple[Element, Element, Element]:
     """Three numbers that two curves of genus 2 share exactly if they are isomorphic over the algebraic closure
     (Cardona, Quer, Nart and Pujolàs 2005); exact fields of characteristic other than 2.
 
@@ -82,7 +83,7 @@ def g2_invariants(C: HyperellipticCurve) -> tuple[Any, Any, Any]:
     return K.zero, K.zero, ratio([j6] * 5, 3)
 
 
-def _genus_two(C: HyperellipticCurve) -> HyperellipticCurve:
+def _genus_two(C: HyperellipticCurve[Element]) -> HyperellipticCurve:
     if check_curve(C).genus != 2:
         raise ArgumentError(f"C = {C!r} has genus {C.genus}: these are invariants of curves of genus 2")
     return C
@@ -140,7 +141,7 @@ def _derivative(form: list[Any], by_x: int, by_y: int) -> list[tuple[int, tuple[
     return [(k - by_x, (perm(k, by_x) * perm(degree - k, by_y), form[k])) for k in range(by_x, degree - by_y + 1)]
 
 
-def _igusa_clebsch(ring: Ring, F: list[Any]) -> tuple[Any, Any, Any, Any]:
+def _igusa_clebsch(ring: Ring, F: list[Any]) -> tuple[Element, Element, Element, Element]:
     """From Clebsch's A, B, C, D (Mestre 1991)."""
     i = transvectant(ring, F, F, 4)
     delta = transvectant(ring, i, i, 2)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve, check_curve, coefficient
-from jacobian.curve.points import INFINITY_PLUS, PointAtInfinity
+from jacobian.curve.points import INFINITY_PLUS, Given, PointAtInfinity
 from jacobian.errors import FieldError, NotRepresentable
 from jacobian.fields.factor import roots
 from jacobian.models.isomorphism import Isomorphism
 
 
-def move_to_infinity(C: HyperellipticCurve, P: Any) -> Isomorphism:
+def move_to_infinity(C: HyperellipticCurve, P: Given) -> Isomorphism:
     """The isomorphism by x' = 1/(x − x(P)), which takes a rational point P to infinity: to ∞₊, or for a P = ιP to the
     only point there, of an equation of odd degree. Exact fields; the identity, or ∞₊ ↔ ∞₋, for a P at infinity.
     """

@@ -24,7 +24,8 @@ from typing import Any
 from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.curve.points import INFINITY_MINUS, AffinePoint
+from jacobian.curve.points import INFINITY_MINUS, AffinePoint, Given
+from jacobian.element import Value
 from jacobian.errors import ArgumentError, FieldError, NotRepresentable, shown, written
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_divisor
@@ -72,7 +73,7 @@ class Representative(Immutable):
         K = self.curve.field
         return f"({poly.text(K, self.u)}, {poly.text(K, self.v)})"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         K = self.curve.field
         return _rebuild, (self.curve, tuple(map(K.key, self.u)), tuple(map(K.key, self.v)))
 
@@ -110,7 +111,7 @@ class Representative(Immutable):
             if at_infinity.is_unit((K.neg(c), K.one)):
                 yield self.member(c)
 
-    def step(self, x0: Any, y0: Any) -> Representative:
+    def step(self, x0: Value | None, y0: Value) -> Representative:
         """The step through the plane point (x0, y0), which is not on the curve; ``x0`` = None is x₀ = ∞.
 
         ``y0`` = None is the identity. ArgumentError for a point of the curve, NotRepresentable where the divisor has a
@@ -127,7 +128,7 @@ class Representative(Immutable):
             )
         return self.member(self._parameter(fibre.x0, y0))
 
-    def _parameter(self, x0: Any, y0: Any) -> Any:
+    def _parameter(self, x0: Value | None, y0: Value) -> Any:
         return parameter(self.curve.field, (self.u, self.v), x0, y0)
 
     def translate(self, x0: Any, unit: Unit) -> Representative:
@@ -135,7 +136,7 @@ class Representative(Immutable):
         fibre = FibreGroup(self.curve, x0)
         return self.step(x0, fibre._height(fibre._checked(unit, "unit")))
 
-    def containing(self, point: Any) -> Representative:
+    def containing(self, point: Given) -> Representative:
         """The member of the pencil that contains an affine point of the curve."""
         point = self.curve.check_point(point)
         if not isinstance(point, AffinePoint):
@@ -177,7 +178,7 @@ def parameter(K: Any, pair: tuple[poly.Poly, poly.Poly], x0: Any, y0: Any) -> An
     return K.div(K.sub(y0, poly.evaluate(K, v, x0)), value)
 
 
-def representative(D: Divisor, point: Any) -> Representative:
+def representative(D: Divisor, point: Given) -> Representative:
     """The member of degree g+1 of the pencil of the class D that contains an affine point Q, over an exact field.
 
     It is the sum of Q and the reduced divisor of D − Q, and its :meth:`Representative.divisor` is D. NotRepresentable

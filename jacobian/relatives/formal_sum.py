@@ -12,13 +12,13 @@ Cantor's formulas and put the common part into r. Nothing is reduced; classes ar
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, SupportsIndex
 
 from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.addition.ladder import multiple
 from jacobian.curve.curve import HyperellipticCurve, check_curve, coefficient
-from jacobian.curve.points import AffinePoint, Point, PointAtInfinity
+from jacobian.curve.points import AffinePoint, Given, Point, PointAtInfinity
 from jacobian.errors import (
     ArgumentError,
     CurveMismatch,
@@ -66,7 +66,7 @@ class FormalSum(Immutable):
 
     @staticmethod
     def from_points(
-        curve: HyperellipticCurve, points: Iterable[Any], multiplicities: Iterable[int] | None = None
+        curve: HyperellipticCurve, points: Iterable[Given], multiplicities: Iterable[int] | None = None
     ) -> FormalSum:
         """Σ m_i P_i for pairs (x, y) and points at infinity; ``multiplicities``: ints of any sign, 1 by default."""
         total = FormalSum.zero(curve)
@@ -105,7 +105,7 @@ class FormalSum(Immutable):
         # the denominator consists of whole fibres, and the pair has at most one of the two points of a fibre
         return len(self.denominator) == 1
 
-    def multiplicity(self, point: Any) -> int:
+    def multiplicity(self, point: Given) -> int:
         """m_P of a point of the curve over its field."""
         P, C, K = self.curve.check_point(point), self.curve, self.curve.field
         if isinstance(P, PointAtInfinity):
@@ -149,7 +149,7 @@ class FormalSum(Immutable):
             raise CurveMismatch(f"formal sums of two curves cannot be combined: {self.curve!r} and {other.curve!r}")
         return other
 
-    def __add__(self, other: Any) -> FormalSum:
+    def __add__(self, other: FormalSum | Literal[0]) -> FormalSum:
         if not isinstance(other, FormalSum):
             return self if is_zero_int(other) else NotImplemented
         C, K = self._compatible(other).curve, self.curve.field
@@ -168,7 +168,7 @@ class FormalSum(Immutable):
         fibres = self.denominator, poly.mul(K, self.numerator, self.u)
         return FormalSum(C, (self.u, v), fibres, tuple(-m for m in self.weights))
 
-    def __sub__(self, other: Any) -> FormalSum:
+    def __sub__(self, other: FormalSum | Literal[0]) -> FormalSum:
         if not isinstance(other, FormalSum):
             return self if is_zero_int(other) else NotImplemented
         return self + -other
@@ -176,7 +176,7 @@ class FormalSum(Immutable):
     def __rsub__(self, other: Any) -> FormalSum:
         return -self if is_zero_int(other) else NotImplemented
 
-    def __mul__(self, scalar: Any) -> FormalSum:
+    def __mul__(self, scalar: SupportsIndex) -> FormalSum:
         if isinstance(scalar, FormalSum):
             return NotImplemented
         m, A = check_scalar(scalar), self

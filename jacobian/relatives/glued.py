@@ -15,8 +15,10 @@ from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.addition.ladder import check_growth, multiple
 from jacobian.curve.curve import HyperellipticCurve, check_curve
-from jacobian.curve.points import AffinePoint
+from jacobian.curve.points import AffinePoint, Given
+from jacobian.element import Coefficients, Element, Other, Rng, Value
 from jacobian.errors import ArgumentError, NotRepresentable, shown
+from jacobian.fields.protocol import Field
 from jacobian.group import Jacobian
 from jacobian.law.divisor import Divisor
 from jacobian.law.from_points import pair_of_points, repeated
@@ -39,7 +41,7 @@ class GeneralizedJacobian(Jacobian):
     def __repr__(self) -> str:
         return f"Generalized Jacobian of {self.curve!r} with modulus ∞₊ + ∞₋"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return GeneralizedJacobian, (self.curve,)
 
     def explain(self) -> str:
@@ -49,7 +51,7 @@ class GeneralizedJacobian(Jacobian):
     def _check_representable(self) -> None:
         """No check is needed: every curve that the constructor accepts is representable."""
 
-    def from_mumford(self, u: Any, v: Any, n: int | None = None) -> Divisor:
+    def from_mumford(self, u: Coefficients, v: Coefficients | Value, n: int | None = None) -> Divisor:
         """The class of the pair (u, v) of degree two, u monic, u | f − v²; ``n`` must be left out."""
         if n is not None:
             raise ArgumentError(f"n = {shown(n)}: the points at infinity are the modulus, leave n out")
@@ -63,7 +65,11 @@ class GeneralizedJacobian(Jacobian):
         return Divisor(self, u, v, None)
 
     def from_points(
-        self, points: Iterable[Any], *, multiplicities: Iterable[int] | None = None, extension: Any = None
+        self,
+        points: Iterable[Given],
+        *,
+        multiplicities: Iterable[int] | None = None,
+        extension: Field[Element] | None = None,
     ) -> Divisor:
         """The class of P + Q − (∞₊ + ∞₋) for two affine points (x, y); NotRepresentable for any others."""
         if extension is not None:
@@ -77,11 +83,11 @@ class GeneralizedJacobian(Jacobian):
         u, v = pair_of_points(self.curve, affine)
         return Divisor(self, u, v if self.field.exact else (*v, self.field.zero)[:2], None)
 
-    def change_ring(self, K: Any) -> GeneralizedJacobian:
+    def change_ring(self, K: Field[Other]) -> GeneralizedJacobian:
         """The same group of the curve over the field K."""
         return GeneralizedJacobian(self.curve.change_ring(K))
 
-    def random(self, rng: Any = None, size: int | None = None) -> Any:
+    def random(self, rng: Rng | None = None, size: int | None = None) -> Any:
         """The class of two random points: not uniform in the group; one at a time, without ``size``."""
         if size is not None:
             raise NotRepresentable(f"size = {shown(size)}: the classes of a generalized Jacobian are no rows of arrays")

@@ -16,6 +16,7 @@ from itertools import combinations
 from math import inf, lcm, log
 from typing import Any
 
+from jacobian.element import Real
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, PrecisionLoss, entries, shown, whole
 from jacobian.fields import QQ
 from jacobian.law.divisor import Divisor
@@ -30,7 +31,7 @@ BITS_A_DOUBLING = 12
 TRIALS = 5
 
 
-def canonical_height(D: Divisor, digits: int = 20) -> Any:
+def canonical_height(D: Divisor, digits: int = 20) -> Real:
     """ĥ(D) for a class over QQ in genus 2: a ball (flint's arb) of radius at most 10^−digits.
 
     The time grows like the cube of the digits, and is announced (:mod:`jacobian.progress`): 1000, the most, take some
@@ -97,7 +98,7 @@ def _largest(values: Sequence[Any]) -> Any:
     return found
 
 
-def height_pairing(D: Divisor, E: Divisor, digits: int = 20) -> Any:
+def height_pairing(D: Divisor, E: Divisor, digits: int = 20) -> Real:
     """⟨D, E⟩ = (ĥ(D+E) − ĥ(D) − ĥ(E))/2 as a ball; ⟨D, D⟩ = ĥ(D). Errors as :func:`canonical_height`."""
     if _checked(D, "D") == _checked(E, "E"):
         return canonical_height(D, digits)
@@ -119,7 +120,7 @@ def _checked(D: Any, argument: str) -> Divisor:
     return D
 
 
-def regulator(classes: Sequence[Divisor], digits: int = 20) -> Any:
+def regulator(classes: Sequence[Divisor], digits: int = 20) -> Real:
     """The determinant of the pairings of some classes, a ball; 1 for none. Each pairing has ``digits`` digits."""
     matrix = pairings(_of_one_group(classes), digits)
     with BallReals(64 + 4 * digits):
@@ -185,7 +186,7 @@ def pairings(classes: Sequence[Divisor], digits: int) -> Any:
     from flint import arb_mat
 
     size = len(classes)
-    rows = [[0] * size for _ in range(size)]
+    rows: list[list[Any]] = [[0] * size for _ in range(size)]
     heights = [canonical_height(D, digits) for D in classes]
     for i, height in enumerate(heights):
         rows[i][i] = height

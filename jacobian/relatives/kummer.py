@@ -65,7 +65,7 @@ class KummerSurface(Immutable):
     def _value(self) -> tuple[Any, ...]:
         return (self.curve,)
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return KummerSurface, self._value()
 
     def __repr__(self) -> str:

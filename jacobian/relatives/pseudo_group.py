@@ -98,7 +98,7 @@ class PseudoGroup(Immutable):
     def __repr__(self) -> str:
         return f"PseudoGroup({self.curve!r})"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return PseudoGroup, self._value()
 
     def explain(self) -> str:

@@ -15,13 +15,14 @@ the reduction, and nothing else of it is needed. (Déchène 2005 has this in gen
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Literal, SupportsIndex
 
 from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.addition.ladder import check_growth, multiple
 from jacobian.curve.curve import HyperellipticCurve, check_curve, coefficient
 from jacobian.curve.points import AffinePoint
+from jacobian.element import Coefficients, Rng, Value
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotRepresentable, shown, written
 from jacobian.fields.randomness import random_below
 from jacobian.group import Jacobian
@@ -55,7 +56,7 @@ class RayClassGroup(Immutable):
     def _value(self) -> tuple[Any, ...]:
         return (self.fibre,)
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return _group, (self.curve, None if self.x0 is None else self.field.key(self.x0))
 
     # --- elements
@@ -74,7 +75,7 @@ class RayClassGroup(Immutable):
         """The class of the kernel with the generator a + b·y over x₀; ArgumentError where that is not a unit."""
         return RayClass(self, self.jacobian.zero(), self.fibre.element(a, b))
 
-    def from_mumford(self, u: Any, v: Any, n: int | None = None) -> RayClass:
+    def from_mumford(self, u: Coefficients, v: Coefficients | Value, n: int | None = None) -> RayClass:
         """The class of the divisor of a semi-reduced pair (u, v) prime to the modulus, of any degree.
 
         At finite x₀ the divisor is that of :meth:`jacobian.group.Jacobian.from_mumford`. At x₀ = ∞ it is div(u, v) −
@@ -113,7 +114,7 @@ class RayClassGroup(Immutable):
             )
         return self.zero() if P == Q else self.from_mumford(*pair_of_points(self.curve, [P, opposite]))
 
-    def random(self, rng: Any) -> RayClass:
+    def random(self, rng: Rng) -> RayClass:
         """A random class, uniform over a finite field. ``rng``: numpy Generator or random.Random."""
         units, K = self.fibre, self.field
         if K.order is None:
@@ -240,18 +241,18 @@ class RayClass(Immutable):
             raise CurveMismatch(f"classes of two groups cannot be combined: {self.group!r} and {other.group!r}")
         return other
 
-    def __add__(self, other: Any) -> RayClass:
+    def __add__(self, other: RayClass | Literal[0]) -> RayClass:
         if not isinstance(other, RayClass):
             return self if is_zero_int(other) else NotImplemented
         return self.group.add(self, self._compatible(other))
 
-    def __radd__(self, other: Any) -> RayClass:
+    def __radd__(self, other: RayClass | Literal[0]) -> RayClass:
         return self if is_zero_int(other) else NotImplemented
 
-    def __rsub__(self, other: Any) -> RayClass:
+    def __rsub__(self, other: RayClass | Literal[0]) -> RayClass:
         return -self if is_zero_int(other) else NotImplemented
 
-    def __sub__(self, other: Any) -> RayClass:
+    def __sub__(self, other: RayClass | Literal[0]) -> RayClass:
         if not isinstance(other, RayClass):
             return self if is_zero_int(other) else NotImplemented
         return self.group.add(self, self.group.negate(self._compatible(other)))
@@ -263,7 +264,7 @@ class RayClass(Immutable):
         """C + C."""
         return self.group.add(self, self)
 
-    def __mul__(self, scalar: Any) -> RayClass:
+    def __mul__(self, scalar: SupportsIndex) -> RayClass:
         if isinstance(scalar, RayClass):
             return NotImplemented
         return self.group.multiply(check_scalar(scalar), self)
@@ -286,7 +287,7 @@ class RayClass(Immutable):
         a, b = self.unit
         return f"({self.divisor!r}; {a} : {b})"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return _class, (self.group, self.divisor, tuple(map(self.group.field.key, self.unit)))
 
 
