@@ -162,6 +162,6 @@ def _tried(one: Problem, times: np.ndarray, truth: Truth, entrant: Entrant, rung
         return run._replace(note=f"{type(why).__name__}: {' '.join(str(why).split())}")
     error = float(one.error(y, truth).max())
     if not np.isfinite(error):
-        return run._replace(note="a state is not finite, and nothing said so")
+        return run._replace(note="a state is not finite, but no error was raised")
     first = max(0.0, once.first - short.counted) + max(spent.machine, spent.system)
     return run._replace(error=error, seconds=spent.counted, first=first, runs=1)

@@ -228,7 +228,7 @@ def search(C: HyperellipticCurve) -> list[int]:
 
 
 def _without_factors(candidates: Candidates, sides: tuple[Side, Side], rng: Random) -> list[int] | None:
-    """The R that is left by multiples of classes alone, for which no order has to be factored; None if several are."""
+    """The only R that multiples of classes do not exclude, found without factoring; None if several are left."""
     q = candidates.q
     few = sides[0].fitting(sides[0].J.random(rng), candidates)
     if few is None:

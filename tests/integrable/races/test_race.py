@@ -64,7 +64,7 @@ def test_rivals_and_the_package_itself_run_too(run) -> None:
 def test_a_function_that_fails_keeps_its_line_and_is_not_tried_again(run) -> None:
     found, _ = run
     notes = [one.note for one in rows(found, "failing")]
-    assert notes == ["", "a state is not finite, and nothing said so"]
+    assert notes == ["", "a state is not finite, but no error was raised"]
     (wrong,) = rows(found, "wrong")
     assert "shape (6,); (1, 6) is needed" in wrong.note
     assert wrong.error is None

@@ -192,7 +192,9 @@ def test_associativity_to_rounding(row):
 
 @pytest.mark.parametrize("K", FIELDS.values(), ids=FIELDS)
 def test_opposite_points_beside_a_doubled_one(K):
-    """(P + Q) + (ιP + Q) = 2Q: its tangent is determined by the curve alone, and no rounding error helps here."""
+    """(P + Q) + (ιP + Q) = 2Q: the curve alone determines the tangent at the doubled point, and no rounding errors
+    separate the points.
+    """
     row = Row("QQ", "ramified", 2, False)
     C, J = row.curve, rounded(K, row.curve)
     points = rational_points(C)
