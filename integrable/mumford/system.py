@@ -305,30 +305,32 @@ class MumfordSystem(Made):
     @cached_property
     def _kind(self) -> Kind | None:
         """The compiled walks of systems like this one; None if its equations cannot be recorded as a tape."""
-        from integrable.series.kinds import Formulas, Kind, kind_of
+        from integrable.series.kinds import kind_of
 
-        def made() -> Kind | None:
-            n, system = self.size, self._with_symbols()
+        return kind_of((type(self), self.size, len(self.constants), self._standing), self._made_kind)
 
-            def point(y: Sequence[Any]) -> Point:
-                return Point(tuple(y[:n]), tuple(y[n : 2 * n]))
+    def _made_kind(self) -> Kind | None:
+        from integrable.series.kinds import Formulas, Kind
 
-            def start(N: Any, y: Sequence[Any]) -> tuple[Any, ...]:
-                inner = system._constrained(N, point(y))
-                return *inner.q, *inner.p, *system._auxiliary(N, inner)
+        n, system = self.size, self._with_symbols()
 
-            def rates(N: Any, y: Sequence[Any]) -> tuple[Any, ...]:
-                return system._rational_rates(N, point(y), tuple(y[2 * n :]))
+        def point(y: Sequence[Any]) -> Point:
+            return Point(tuple(y[:n]), tuple(y[n : 2 * n]))
 
-            rest = Point((RR.zero,) * n, (RR.zero,) * n)
-            try:
-                count = 2 * n + len(self._auxiliary(RR, rest))
-                return Kind(type(self).__name__, Formulas(rates, start, 2 * n, count, n))
-            except (TypeError, ArgumentError):
-                # the equations call a function that cannot be recorded
-                return None
+        def start(N: Any, y: Sequence[Any]) -> tuple[Any, ...]:
+            inner = system._constrained(N, point(y))
+            return *inner.q, *inner.p, *system._auxiliary(N, inner)
 
-        return kind_of((type(self), self.size, len(self.constants), self._standing), made)
+        def rates(N: Any, y: Sequence[Any]) -> tuple[Any, ...]:
+            return system._rational_rates(N, point(y), tuple(y[2 * n :]))
+
+        rest = Point((RR.zero,) * n, (RR.zero,) * n)
+        try:
+            count = 2 * n + len(self._auxiliary(RR, rest))
+            return Kind(type(self).__name__, Formulas(rates, start, 2 * n, count, n))
+        except (TypeError, ArgumentError):
+            # the equations call a function that cannot be recorded
+            return None
 
     @cached_property
     def _walk_constants(self) -> tuple[float, ...]:

@@ -28,7 +28,7 @@ class Sums:
         self.wide, self.order = room.orders
         self.text = Text(room.lanes)
         # the first order of the loop
-        self._loop = (low := max(self.wide + 1, AT_ONCE)) + (self.order - low) % AT_ONCE
+        self._loop = (low := max(self.wide + 1, 2 * AT_ONCE)) + (self.order - low) % AT_ONCE
         # registers: coefficients (node, order, part) and vectors of them (place, order, part)
         self._recent: dict[tuple[int, int, int], str] = {}
         self._built: dict[tuple[int, int, int], str] = {}
@@ -181,25 +181,32 @@ class Sums:
         return _summed(text, pairs, wide, None)
 
     def _earlier_rounds(self, nodes: tuple[int, ...], done: str) -> list[str]:
-        """Σ p_j q_{k−j} over those 0 < j < k where both j and k − j are below this round, for each order k of it."""
-        text, width = self._vector(nodes), self.room.packs[nodes]
-        left, right = self.room.sides[nodes][0].place, self.room.sides[nodes][-1].place
+        """Σ p_j q_{k−j} over those 0 < j < k where both j and k − j are below this round, for each order k of it.
+
+        In a square the terms j and k − j are equal, and the sum goes to the middle.
+        """
+        text, (sides, width) = self._vector(nodes), (self.room.sides[nodes], self.room.packs[nodes])
+        left, right, square = sides[0].place, sides[-1].place, len(sides) == 1
+        at_once, last = (AT_ONCE // 2, (self._loop - 1) // 2) if square else (AT_ONCE, self._loop - 1)
         # terms with j up to this come after the loop, because the newest are among them, and so that the number of
-        # the others is a multiple of AT_ONCE
-        first = AT_ONCE - 1 + self._loop % AT_ONCE
+        # the others is a multiple of ``at_once``
+        first = AT_ONCE - 1 + (last - AT_ONCE + 1) % at_once
         sums = [text.real(0.0)] * AT_ONCE
+        if square:
+            done = self.text.write(f"lshr i64 {done}, 1")
+            sums = self._middles(text, (self._further("%s", done, width * self.room.lanes), left), last)
         name, lines, kind = f"sum{left}", self.text.lines, text.types.double
         lines += [f"  br label %{name}_begin", f"{name}_begin:"]
-        end = text.write(f"add i64 {done}, {self._loop - first - 1}")
+        end = text.write(f"add i64 {done}, {last - first}")
         lines += [f"  br label %{name}", f"{name}:"]
         count, further, known, here = text.fresh(), text.fresh(), [text.fresh() for _ in sums], len(lines)
         more = text.write(f"icmp slt i64 {count}, {end}")
         lines += [f"  br i1 {more}, label %{name}_terms, label %{name}_end", f"{name}_terms:"]
         floats, later = width * self.room.lanes, list(known)
         up, down = self._further("%s", count, floats), self._further(self._moving[width], count, -floats)
-        for j in range(first + 1, first + AT_ONCE + 1):
-            self._add(text, later, AT_ONCE, (up, left + j), (down, right + self._loop - j))
-        lines += [f"  {further} = add i64 {count}, {AT_ONCE}", f"  br label %{name}", f"{name}_end:"]
+        for j in range(first + 1, first + at_once + 1):
+            self._add(text, later, AT_ONCE, (up, left + j), (down, right + self._loop - j), square)
+        lines += [f"  {further} = add i64 {count}, {at_once}", f"  br label %{name}", f"{name}_end:"]
         places = f"%{name}_begin ], [ ", f"%{name}_terms ]"
         lines[here:here] = [
             f"  {count} = phi i64 [ 0, {places[0]}{further}, {places[1]}",
@@ -209,12 +216,30 @@ class Sums:
             ),
         ]
         for j in range(first, 0, -1):
-            self._add(text, known, j, ("%s", left + j), (self._moving[width], right + self._loop - j))
+            self._add(text, known, j, ("%s", left + j), (self._moving[width], right + self._loop - j), square)
         return known
 
-    def _add(self, text: Text, sums: list[str], count: int, left: tuple[str, int], right: tuple[str, int]) -> None:
-        """Adds the product of one left factor with consecutive right ones to the first ``count`` sums."""
+    def _middles(self, text: Text, side: tuple[str, int], last: int) -> list[str]:
+        """For each order k of a round, Σ p_j p_{k−j} over the j between ``last`` and k − ``last``.
+
+        The pointer of ``side`` advances half as fast as the order.
+        """
+        base, place = side
+        sums = []
+        for k in range(self._loop, self._loop + AT_ONCE):
+            total = text.real(0.0)
+            for j in range(last + 1, k // 2 + 1):
+                x, y = text.load(place + j, base), text.load(place + k - j, base)
+                total = text.fma(x if 2 * j == k else text.fadd(x, x), y, total)
+            sums.append(total)
+        return sums
+
+    def _add(
+        self, text: Text, sums: list[str], count: int, left: tuple[str, int], right: tuple[str, int], twice: bool
+    ) -> None:
+        """Adds products of one left factor with consecutive right ones, or twice these, to the first ``count`` sums."""
         x = text.load(left[1], left[0])
+        x = text.fadd(x, x) if twice else x
         for m in range(min(count, AT_ONCE)):
             y = text.load(right[1] + m, right[0])
             sums[m] = text.fma(x, y, sums[m])
