@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from integrable.classical.axial_loops import LIBRARY, SERIES, AxialThetas
+from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.columns import Column, Columns
 from integrable.mumford.elliptic_torus import (
     double_double_row,
@@ -30,7 +31,6 @@ from integrable.mumford.elliptic_torus import (
     thetas,
 )  # fmt: skip
 from integrable.mumford.flow import TORUS, MumfordFlow, Path
-from integrable.torus.access import MOST_TURNS
 from integrable.torus.witness import TURNS
 from jacobian import CC, RR
 from jacobian.errors import PrecisionLoss

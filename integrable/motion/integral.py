@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from integrable.torus.corners import resolved
 from integrable.torus.series import TorusSeries, needed_sizes, spectrum
-from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
@@ -30,35 +30,25 @@ class TorusIntegral:
     """
 
     def __init__(self, flow: TorusFlow, function: Callable[[np.ndarray], np.ndarray], least: np.ndarray) -> None:
-        self._flow = flow
+        self._flow, self._function = flow, function
         self._doubled = [2 if np.prod(row) < 0 else 1 for row in flow.turns]
-        sizes, samples = (FIRST_SIZE, FIRST_SIZE), None
-        while sizes[0] * sizes[1] <= (MOST_SAMPLES if flow.compiled else MOST_INTERPRETED):
-            samples = self._sampled(function, sizes, samples)
+
+        def transformed(samples: np.ndarray) -> tuple[list[tuple[np.ndarray, float]], tuple[int, int]]:
             grids = [spectrum(part) for part in np.moveaxis(samples, -1, 0)]
             noises = [
                 max(NOISE, x / max(np.abs(grid).max(), x, TINY)) for x, grid in zip(least.tolist(), grids, strict=True)
             ]
-            wanted = [
-                needed_sizes(grid, (x, x)) for x, grid in zip(noises, grids, strict=True) if grid.any() and x < 1 / 64
-            ]
-            if not wanted:
-                break
-            larger = (max(n for n, _ in wanted), max(n for _, n in wanted))
-            if larger == sizes:
-                break
-            sizes = larger
-        else:
-            raise PrecisionLoss(f"a grid of {sizes[0]} × {sizes[1]} is needed for an integral on the torus")
-        first, second = (x / n for x, n in zip(flow.frequencies, self._doubled, strict=True))
-        self._series = [
-            TorusSeries(grid, (first, second), noise=max(x, flow.closure))
-            for x, grid in zip(noises, grids, strict=True)
-        ]
+            found = list(zip(grids, noises, strict=True))
+            wanted = [needed_sizes(grid, (x, x)) for grid, x in found if grid.any() and x < 1 / 64]
+            shape = samples.shape[:2]
+            return found, (max([shape[0], *(n for n, _ in wanted)]), max([shape[1], *(n for _, n in wanted)]))
 
-    def _sampled(
-        self, function: Callable[[np.ndarray], np.ndarray], sizes: tuple[int, int], known: np.ndarray | None
-    ) -> np.ndarray:
+        most = MOST_SAMPLES if flow.compiled else MOST_INTERPRETED
+        found = resolved(self._sampled, transformed, (FIRST_SIZE, FIRST_SIZE), most)
+        first, second = (x / n for x, n in zip(flow.frequencies, self._doubled, strict=True))
+        self._series = [TorusSeries(grid, (first, second), noise=max(x, flow.closure)) for grid, x in found]
+
+    def _sampled(self, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
         """F on a grid of its periods, shape (*sizes, m); those on a coarser one are known."""
         phases = [n * np.arange(size) / size for n, size in zip(self._doubled, sizes, strict=True)]
         grid = np.stack(np.meshgrid(*phases, indexing="ij"), axis=-1)
@@ -66,7 +56,7 @@ class TorusIntegral:
         if known is not None:
             places = tuple(slice(None, None, n // m) for n, m in zip(sizes, known.shape, strict=False))
             new[places] = False
-        values = function(self._flow.at_phases(grid[new]))
+        values = self._function(self._flow.at_phases(grid[new]))
         samples = np.empty((*sizes, values.shape[1]))
         samples[new] = values
         if known is not None:

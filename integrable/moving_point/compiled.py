@@ -11,9 +11,6 @@ from jacobian.native.kinds import FLOAT, HIGHS, INT, WIDE, ArrayKind, TupleKind,
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL as SPECIAL_NUMBERS
 
-Real = Any
-Row = Any
-
 
 def leading_parts(b: Expressions, x: Value) -> Value:
     """:func:`integrable.moving_point.addition.leading` for the kinds of these values."""

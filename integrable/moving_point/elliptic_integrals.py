@@ -14,11 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from integrable.moving_point.addition import Real, Row
 from jacobian.numbers.roots import root
 
 Array = Any
-Real = Any
-Row = Any
 # below this e, arctan(√e)/√e is summed as a series
 SMALL = 1e-3
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from integrable.moving_point.addition import Real, Row
 from integrable.moving_point.translations import REACH
 from integrable.phase.coordinates import directions_of
 from integrable.phase.upright import parallel
@@ -14,8 +15,6 @@ from jacobian.errors import ArgumentError
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 
-Real = Any
-Row = tuple[Any, ...]
 # positions in a :func:`problem_row` after f, the axes and the start
 START, TIME_SCALE, RATIO, HEAVINESS, MOMENTUM, HALF_STEP, MATRIX, SLOWNESS = 14, 24, 25, 26, 27, 28, 29, 33
 CONTACT, INVARIANTS, ROW = 34, 37, 39

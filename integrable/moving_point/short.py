@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from math import floor, frexp, ldexp
 
-from integrable.moving_point.addition import moving_point, put
+from integrable.moving_point.addition import Row, moving_point, put
 from integrable.moving_point.problem import TIME_SCALE
 from integrable.moving_point.short_reading import largest_drift, read_off
 from integrable.moving_point.short_rows import (
@@ -40,7 +40,6 @@ from integrable.moving_point.short_rows import (
     SHADOW,
     TIME_UNIT,
     Request,
-    Row,
     Rule,
     ShortRoom,
     axes_of,

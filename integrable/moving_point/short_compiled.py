@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from integrable.moving_point.addition import Row
 from integrable.moving_point.compiled import SPECIAL
 from integrable.moving_point.short import UNSORTED
 from integrable.moving_point.short import short_run as run
@@ -13,7 +14,6 @@ from integrable.moving_point.short_rows import (
     MADE,
     PHYSICAL,
     Request,
-    Row,
     Rule,
     new_room,
 )  # fmt: skip

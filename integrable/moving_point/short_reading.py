@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import sqrt
 
+from integrable.moving_point.addition import Row
 from integrable.moving_point.short_rows import (
     BACK,
     ENERGIES,
@@ -12,7 +13,6 @@ from integrable.moving_point.short_rows import (
     SHAPE,
     SIZE,
     Request,
-    Row,
     Rule,
     ShortRoom,
 )  # fmt: skip

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import ROW
 from integrable.moving_point.translations import Expansion, expansion_of
-
-Real = Any
-Row = Any
 
 # number of values in the moments, d, γ and M
 GIVEN = 10

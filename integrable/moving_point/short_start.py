@@ -5,9 +5,8 @@ derived quantities in floats. The code runs on bare reals and is compiled unchan
 from __future__ import annotations
 
 from math import sqrt
-from typing import Any
 
-from integrable.moving_point.addition import moving_point, put, rate_at
+from integrable.moving_point.addition import Row, moving_point, put, rate_at
 from integrable.moving_point.problem import (
     HEAVINESS,
     INVARIANTS,
@@ -37,9 +36,6 @@ from integrable.moving_point.short_rows import (
 )  # fmt: skip
 from integrable.moving_point.short_steps import OFF_BY, contact_of, framed, gamma_and_w, levelled, on_pairs
 from jacobian.numbers.roots import root
-
-Real = Any
-Row = Any
 
 
 def set_up(given: Row, tilted: bool, wide: Row, numbers: Row, point: Row) -> None:

@@ -8,6 +8,7 @@ from math import sqrt
 from typing import Any
 
 from integrable.moving_point.addition import (
+    Row,
     carried,
     cofactor_at,
     moving_point,
@@ -34,7 +35,6 @@ from integrable.moving_point.short_rows import (
     RATE,
     SHADOW,
     WIDE_ORDERS,
-    Row,
     Rule,
     ShortRoom,
     axes_of,

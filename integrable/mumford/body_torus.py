@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from integrable.moving_point.addition import integrate_series
+from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.moving_point.legendre import LegendreSeries
 from integrable.moving_point.problem import Problem
-from integrable.torus.access import MOST_TURNS, TorusFlow
+from integrable.torus.access import TorusFlow
 from integrable.torus.corners import Corners
 from integrable.torus.long_clock import MultiprecisionTorusClock
 from integrable.torus.loops import CompiledLoops

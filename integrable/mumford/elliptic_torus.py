@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import Start
 from integrable.mumford.real_torus import APART, BITS, SMALL, real_roots
-from integrable.torus.access import MOST_TURNS
 from integrable.torus.witness import TURNS
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField

@@ -19,11 +19,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.moving_point.problem import Problem
 from integrable.mumford.columns import Column
 from integrable.mumford.fields import cofactor
 from integrable.mumford.motion import Start
-from integrable.torus.access import MOST_TURNS, TorusClock, resolved_spectrum
+from integrable.torus.access import TorusClock, resolved_spectrum
 from integrable.torus.corners import Corners
 from integrable.torus.lattice import GivenSource
 from integrable.torus.loops import CompiledLoops

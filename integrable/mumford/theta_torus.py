@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.columns import Column
 from integrable.mumford.elliptic_torus import circle, double_double_row, half_turn, inverse_factorials, long_numbers
 from integrable.mumford.fields import cofactor
 from integrable.mumford.motion import Start
-from integrable.torus.access import MOST_TURNS
 from integrable.torus.witness import witnesses
 from jacobian import RR, poly
 from jacobian.errors import PrecisionLoss

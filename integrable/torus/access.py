@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.moving_point.problem import HEAVINESS, TIME_SCALE
 from integrable.torus.clock_loops import Clock, ClockSeries
 from integrable.torus.clock_modes import MOST_LOUD, Cutoffs, Tables
@@ -29,8 +30,6 @@ from jacobian.errors import PrecisionLoss
 if TYPE_CHECKING:
     from integrable.torus.lattice import TimedSource
 
-# beyond this many turns of a phase a float holds no digits of its fraction
-MOST_TURNS = 2.0**50
 MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this fraction of its mean are omitted from the series that starts Newton's method
 ROUGH = 1e-4

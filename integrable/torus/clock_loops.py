@@ -5,14 +5,12 @@ interpreted.
 from __future__ import annotations
 
 from math import cos, floor, pi, sin
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from integrable.moving_point.addition import Real, Row
 from integrable.torus.states import Torus, state_at, torus_in_tuples, whole_turns
 from integrable.torus.tables import six
 from jacobian.numbers.abreast import abreast
-
-Real = Any
-Row = Any
 
 
 class ClockSeries(NamedTuple):

@@ -7,12 +7,10 @@ one after the other (:func:`integrable.torus.series.half_spectrum`); ``grid`` is
 from __future__ import annotations
 
 from math import ceil, log2, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from integrable.moving_point.addition import Real, Row
 from jacobian.numbers.fourier import half_spectrum
-
-Real = Any
-Row = Any
 
 # modes below this fraction of the largest that do not fall further are rounding errors
 LEVEL = 1e-8

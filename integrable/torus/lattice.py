@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
+from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import HEAVINESS, RATIO, TIME_SCALE, problem_row
 from integrable.torus import survey as torus_survey
 from integrable.torus.walks import Curve
@@ -30,8 +31,6 @@ CLOSE = 2.0**-6
 APART = 2.0**-6
 # sizes whose powers stay within the range of floats
 FAR = 1e30
-
-Row = Any
 
 
 class Source(Protocol):
@@ -88,7 +87,7 @@ class TorusLattice:
     """
 
     def __init__(self, loops: Any, motion: Any) -> None:
-        found, points = loops.room(11), [0.0] * (4 + int(loops.floats(motion[8:9])[0] != 0))
+        found, points = loops.room(11), np.zeros(4 + int(loops.floats(motion[8:9])[0] != 0))
         c1, c2, reach1, reach2, m1, n1, m2, n2, rows, columns = loops.survey(motion, loops.short, points, found)
         if not 0 < rows * columns <= torus_survey.MOST_CELLS:
             raise PrecisionLoss(
@@ -223,7 +222,7 @@ def beginning(setup: Source, loops: Any) -> Beginning:
         return found
     units = Units.of(setup)
     motion, curve, row, problem = loops.row(motion_row(setup, units)), loops.room(9), loops.row, setup.bare_problem
-    loops.about_centre(motion, curve)
+    loops.about_centre(motion, 0.0, 1.0, curve)
     *kappas, alpha, beta = problem.axes[3:]
     with setup.reals:
         kappas = [kappa / (units.length * units.length) for kappa in kappas]

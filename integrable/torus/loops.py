@@ -40,6 +40,7 @@ _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0), (1, 0), (1, 0), (1,
 
 # interpreted loops, and which of their arguments are arrays of floats that they read
 PLAIN: dict[str, tuple[Callable[..., Any], tuple[int, ...]]] = {
+    "about_centre": (torus_survey.about_centre, ()),
     "clock_series": (clock_modes.clock_series, ()),
     "corners": (walks.corners, ()),
     "departure": (witness.departure, (2,)),
@@ -52,7 +53,7 @@ PLAIN: dict[str, tuple[Callable[..., Any], tuple[int, ...]]] = {
     "states_at_phases": (states_at_phases, (1,)),
     "states_at_tau": (states_at_tau, (2,)),
     "states_at_times": (states_at_times, (2,)),
-    "survey": (torus_survey.survey, ()),
+    "survey": (torus_survey.survey, (2,)),
     "times_at_tau": (times_at_tau, (1, 3)),
 }
 
@@ -133,11 +134,6 @@ class ReadableLoops:
     def begun(self, setup: Any) -> None:
         """None: the set-up already has all digits."""
 
-    def about_centre(self, motion: Any, out: Any) -> None:
-        """:func:`integrable.torus.survey.about_centre` about the origin."""
-        with self.reals:
-            torus_survey.about_centre(motion, 0.0, 1.0, out)
-
     def joined(self, *rows: Any) -> Any:
         """Rows of numbers, concatenated."""
         return [x for row in rows for x in row]
@@ -182,9 +178,6 @@ class CompiledLoops:
             Units(), motion, Curve(problem[:6], problem[6:14], unit_axes), problem[START:TIME_SCALE], problem[:CONTACT]
         )
 
-    def about_centre(self, motion: Any, out: Any) -> None:
-        self._entries.about_centre(motion, 0.0, 1.0, out)
-
     def joined(self, *rows: Any) -> Any:
         return np.concatenate(rows)
 
@@ -212,6 +205,3 @@ class CompiledLoops:
     def samples(self, values: Any, sizes: tuple[int, int]) -> np.ndarray:
         found: np.ndarray = values.reshape(*sizes, 2)
         return found
-
-    def survey(self, motion: Any, short: float, points: Any, out: Any) -> Any:
-        return self._entries.survey(motion, short, np.array(points), out)

@@ -5,15 +5,12 @@ from __future__ import annotations
 from math import floor
 from typing import Any, NamedTuple
 
-from integrable.moving_point.addition import carried, moving_point
+from integrable.moving_point.addition import Real, Row, carried, moving_point
 from integrable.phase.coordinates import directions_of
 from integrable.torus.tables import SmallSteps, four, small_in_tuples, small_translation
 from integrable.torus.walks import IDENTITY, Curve, in_tuples
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
-
-Real = Any
-Row = Any
 
 
 class Torus(NamedTuple):

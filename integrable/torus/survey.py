@@ -10,12 +10,10 @@ from __future__ import annotations
 from math import floor, sqrt
 from typing import Any
 
+from integrable.moving_point.addition import Real, Row
 from integrable.moving_point.elliptic_integrals import mean_slowness, oval_periods
 from integrable.moving_point.problem import MATRIX, MOMENTUM, SLOWNESS, TIME_SCALE
 from jacobian.numbers.roots import root
-
-Real = Any
-Row = Any
 
 # conjugate points of a translation at this part of the distance from its centre to the next branch point
 REACH = 0.4

@@ -5,14 +5,11 @@ from __future__ import annotations
 from math import floor, log2
 from typing import Any, NamedTuple
 
-from integrable.moving_point.addition import put
+from integrable.moving_point.addition import Real, Row, put
 from integrable.moving_point.translations import Expansion, expand_orders, expansion_of
 from integrable.torus.survey import about_centre
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
-
-Real = Any
-Row = Any
 
 
 class TableRoom(NamedTuple):

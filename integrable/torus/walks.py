@@ -7,9 +7,11 @@ double-doubles when compiled (:mod:`integrable.torus.compiled`).
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from integrable.moving_point.addition import (
+    Real,
+    Row,
     carried,
     moving_point,
     opposite,
@@ -23,9 +25,6 @@ from integrable.torus.tables import SmallSteps, eight, six, small_in_tuples, sma
 from jacobian.inexact.genus2_real import chord, chord_apart
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
-
-Real = Any
-Row = Any
 
 # a translation below this fraction of the reach is treated as the identity
 IDENTITY = 1e-30

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import ceil, log2
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from integrable.moving_point.addition import moving_point, put, shift
+from integrable.moving_point.addition import Real, Row, moving_point, put, shift
 from integrable.moving_point.problem import Problem, vectors
 from integrable.moving_point.short_rows import curve_of, unit_axes
 from integrable.moving_point.translations import REACH, Translations
@@ -25,9 +25,6 @@ from integrable.torus.tables import TableRoom, expansion_about, near_centre, rec
 from integrable.torus.walks import Curve, in_tuples
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
-
-Real = Any
-Row = Any
 
 if TYPE_CHECKING:
     from integrable.torus.lattice import Source
