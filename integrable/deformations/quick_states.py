@@ -21,9 +21,11 @@ from integrable.mumford.elliptic_torus import (
     inverse_factorials,
     terms_of,
 )
-from integrable.torus.access import TorusClock, resolved_spectrum
+from integrable.torus.access import RateSpectrum, TorusClock, resolved_spectrum
 from integrable.torus.corners import FIRST_SIZE, resolved
+from integrable.torus.long_clock import RESONANT
 from integrable.torus.loops import CompiledLoops
+from integrable.torus.series import in_resonance
 from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.numbers.compiler import interpreted
@@ -164,6 +166,7 @@ class QuickClock:
         scale = SWIFT * 2 * np.pi * max(turns)
         resolve = partial(resolved, partial(samples, carrier, packed), sizes=(FIRST_SIZE,) * 2, most=MOST_SAMPLES)
         self._spectrum = resolved_spectrum(loops, lambda transform: resolve(transformed=transform), turns, scale, NOISE)
+        check_no_resonance(self._spectrum, turns)
         mean = Column(*self._spectrum.values[0])
         nu = packed.rates
         self._pace = 1 / mean
@@ -193,6 +196,17 @@ class QuickClock:
             *(carrier.z(k, curve.moved(x)) for k, (curve, x) in enumerate(zip(carrier.curves, moved, strict=True)))
         )
         return abs(shown / float(rate) - 1) <= MOST_OFF
+
+
+def check_no_resonance(spectrum: RateSpectrum, turns: list[float]) -> None:
+    """Raises PrecisionLoss for a mode nearly in resonance: its large oscillation has not the digits of floats."""
+    values, (rows, columns) = spectrum
+    modes = np.hypot(*values[:, 0].reshape(-1, 2)[: (rows // 2 + 1) * columns].T).reshape(-1, columns)
+    first = np.arange(rows // 2 + 1)[:, None] * turns[0]
+    second = np.fft.fftfreq(columns, 1 / columns)[None, :] * turns[1]
+    close = np.abs(first + second) < RESONANT * (np.abs(first) + np.abs(second))
+    for k, m in np.argwhere(close & (modes > NOISE * modes[0, 0])).tolist():
+        raise in_resonance(k, m)
 
 
 def samples(carrier: Any, packed: Packed, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:

@@ -25,7 +25,7 @@ from jacobian.errors import ArgumentError, NotRepresentable, shown
 __all__ = ["IsometricFlow", "SeparatedFlow"]
 
 if TYPE_CHECKING:
-    from integrable.deformations.separated_clock import SeparatedClock
+    from integrable.deformations.ovals_clock import OvalsClock
     from integrable.motion.trajectory import Way
 
 
@@ -42,7 +42,7 @@ class _QuickFlow(DeformedFlow):
 class SeparatedFlow(_QuickFlow):
     """The motion of a tilde pair without potential through a state; ``system.flow`` returns it.
 
-    At d ≠ 0 a Fourier series on the torus gives physical times (:mod:`integrable.deformations.separated_clock`).
+    At d ≠ 0 a Fourier series on the torus gives physical times (:mod:`integrable.deformations.ovals_clock`).
     NotRepresentable if moments are equal or a λ_k vanishes (K = 0: a curve degenerates).
     """
 
@@ -127,25 +127,25 @@ class OvalCarrier(CurvesCarrier):
 
     @at_its_precision
     def tau(self, times: list[Any], digits: int) -> list[Any]:
-        return [self.clock(digits).tau(t) for t in times]
+        return [self.field.coerce(x) for x in self.clock(digits).tau(times)]
 
     @at_its_precision
     def times(self, tau: list[Any], digits: int) -> list[Any]:
-        return [self.clock(digits).time(x) for x in tau]
+        return [self.field.coerce(t) for t in self.clock(digits).times(tau)]
 
     @at_its_precision
     def clock_missing(self, tau: Any, digits: int) -> int:
         rate = self.pace(*(self.z(k, curve.moved(tau)) for k, curve in enumerate(self.curves)))
         return digits_of(self.clock(digits).defect(tau, rate)) + digits
 
-    def clock(self, digits: int) -> SeparatedClock:
-        from integrable.deformations.separated_clock import SeparatedClock
+    def clock(self, digits: int) -> OvalsClock:
+        from integrable.deformations.ovals_clock import OvalsClock
 
         if self._clocks is None or self._clocks.digits < digits:
-            self._clocks = SeparatedClock(self, digits)
+            self._clocks = OvalsClock(self, digits)
         return self._clocks
 
-    _clocks: SeparatedClock | None = None
+    _clocks: OvalsClock | None = None
 
     @cached_property
     def weights(self) -> tuple[Any, Any]:

@@ -141,12 +141,12 @@ class SeparatedTorus:
         """For each oval and form, 2w_n/n for n = 1, 2, …, where w_n are the modes of its coefficient of dφ."""
         import gmpy2
 
-        N, K = self._field, MP(math.ceil(self._field.bits * DIGITS_A_BIT) + DIGITS_BEYOND)
+        N = self._field
 
         def of_row(row: list[Any]) -> list[Any]:
             # the nodes are shifted by half a step
             samples = np.array([*row, *reversed(row)], dtype=object)[:, None]
-            modes = long_spectrum(samples, K, BareReals(N.bits))[1 : len(row), 0]
+            modes = long_spectrum(samples, BareReals(N.bits))[1 : len(row), 0]
             turns = [gmpy2.sin_cos(self._pi * n / (2 * len(row))) for n in range(1, len(row))]
             return [
                 2 * (c * z.real + s * z.imag) / n for n, (z, (s, c)) in enumerate(zip(modes, turns, strict=True), 1)

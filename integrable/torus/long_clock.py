@@ -18,17 +18,124 @@ from integrable.torus.oval_modes import MOST_WORK, modes_of_rate
 from integrable.torus.series import LongSeries
 from jacobian import RR
 from jacobian.errors import PrecisionLoss
+from jacobian.numbers.long_reals import BallReals
 
 if TYPE_CHECKING:
-    from integrable.torus.oval_modes import ModesSource
+    from integrable.torus.oval_modes import Modes, ModesSource
 
 # a Newton step with a slope in floats reduces the error to this fraction; the first step, in floats, gives this many
 # digits
 GAIN, FIRST_GOAL = 1e-13, 28
+# a mode is slow if k·ν₁ + m·ν₂ is below this fraction of its terms; a slope that takes slow modes as constant for some
+# periods has this relative error
+RESONANT, SLOW_GAIN = 2.0**-20, 2.0**-16
 
 
-class MultiprecisionTorusClock:
-    """t(τ) and τ(t) for any τ, in the units of a :class:`~integrable.moving_point.setup.Setup`, to ``digits``, by
+class LongClock:
+    """t(τ) and τ(t) for any τ, to ``digits``, from the modes of dt/dτ; numbers are those of ``wide``, an MP field.
+
+    Modes in resonance with the motion, or nearly, are integrated one by one: they would need small divisors.
+    """
+
+    def __init__(self, modes: Modes, digits: int, wide: Any) -> None:
+        self.wide, self.digits, self._eps = wide, digits, wide.coerce(10) ** -digits
+        self.frequencies, self.mean = modes.frequencies, modes.mean
+        rows, self._slow = without_slow(modes, digits, wide)
+        self._series = LongSeries(rows, self.frequencies, wide, 10.0**-digits)
+
+    def times(self, tau: list[Any]) -> list[Any]:
+        """t at every τ, all wide."""
+        swings = self._series.at([phases(t, self.frequencies, self.wide) for t in tau])
+        return [t * self.mean + self._slowly(t) + swing for t, swing in zip(tau, swings, strict=True)]
+
+    def tau(self, times: list[Any]) -> list[Any]:
+        """τ at every t, all wide."""
+        starts = [self._start(t) for t in times]
+        return [start + shift for start, shift in zip(starts, self._shifts(starts), strict=True)]
+
+    def _slowly(self, tau: Any) -> Any:
+        """The contribution of the slow modes to t at τ."""
+        context, total = self.wide.context, self.wide.zero
+        for real, imaginary, nu in self._slow:
+            c, s = context.cospi(nu * tau), context.sinpi(nu * tau)
+            total += (real * c - imaginary * s) * (s / (context.pi * nu) if nu else tau)
+        return total
+
+    def _slow_rate(self, tau: Any) -> Any:
+        """The contribution of the slow modes to dt/dτ at τ."""
+        context, total = self.wide.context, self.wide.zero
+        for real, imaginary, nu in self._slow:
+            total += real * context.cospi(2 * nu * tau) - imaginary * context.sinpi(2 * nu * tau)
+        return total
+
+    def _start(self, t: Any) -> Any:
+        """τ at t without the modes that are not slow; without these t increases with τ."""
+        x = t / self.mean
+        if not self._slow or not t:
+            return x
+        near, far = self.wide.zero, 2 * x
+        while abs(far * self.mean + self._slowly(far)) < abs(t):
+            far *= 2
+        for _ in range(200):
+            miss, rate = x * self.mean + self._slowly(x) - t, self.mean + self._slow_rate(x)
+            near, far = (near, x) if (miss > 0) == (t > 0) else (x, far)
+            step = miss / rate if rate > 0 else 2 * abs(far) + 1
+            inside = min(near, far) <= x - step <= max(near, far)
+            x = x - step if inside else (near + far) / 2
+            if inside and abs(step) <= self._eps * (1 + abs(x)):
+                return x
+        raise PrecisionLoss("the clock was not inverted: use more digits")
+
+    def _shifts(self, starts: list[Any]) -> list[Any]:
+        """s with mean·s + S(θ + νs) = 0, by Newton's method, in floats first: the oscillation of τ about its mean
+        value.
+        """
+        angles = [phases(start, self.frequencies, self.wide) for start in starts]
+        rough = np.array(angles, dtype=float).reshape(-1, 2)
+        nu, slow = np.array(self.frequencies, dtype=float), np.array([float(self._slow_rate(x)) for x in starts])
+        mean = float(self.mean) + slow
+        found, reach = np.zeros(len(starts)), 2 * self._series.rough.bound / mean
+        low, high = found - reach, found + reach
+        for _ in range(100):
+            swings, rates = self._series.rough.swings_and_rates(*(rough + found[:, None] * nu).T)
+            excess = mean * found + swings
+            rates = rates + slow
+            following, low, high = step_inside(found, excess, rates, low, high)
+            steps, found = np.abs(following - found), following
+            if steps.max(initial=0) <= 8 * RR.eps * (1 + np.abs(found).max(initial=0)):
+                break
+        return self._refined(starts, angles, list(map(self.wide.coerce, found.tolist())), rates.tolist())
+
+    def _refined(
+        self, starts: list[Any], angles: list[tuple[Any, Any]], shifts: list[Any], rates: list[float]
+    ) -> list[Any]:
+        """The shifts after Newton's method in multiprecision. Each step but the last uses only the digits it can
+        gain.
+        """
+        nu1, nu2 = self.frequencies
+        left, goal, gain = list(range(len(shifts))), FIRST_GOAL, SLOW_GAIN if self._slow else GAIN
+        for _ in range(100):
+            whole = goal >= self.digits
+            places = [(angles[n][0] + nu1 * shifts[n], angles[n][1] + nu2 * shifts[n]) for n in left]
+            rest, known = [], self.wide.coerce(10) ** -goal
+            for n, swing in zip(left, self._series.at(places, None if whole else goal), strict=True):
+                more = self._slowly(starts[n] + shifts[n]) - self._slowly(starts[n]) if self._slow else 0
+                step = (self.mean * shifts[n] + more + swing) / rates[n]
+                shifts[n] -= step
+                error = gain * abs(step) / (1 + abs(shifts[n]))
+                if not whole or error > 4 * self._eps:
+                    rest.append(n)
+                    known = max(known, error)
+            left = rest
+            if not left:
+                return shifts
+            if not whole:
+                goal = int(-log10(2) * self.wide.exponent(known) - log10(gain))
+        raise PrecisionLoss("the clock was not inverted: use more digits")
+
+
+class MultiprecisionTorusClock(LongClock):
+    """The clock of a motion, in the units of a :class:`~integrable.moving_point.setup.Setup`, to ``digits``, by
     default those of the set-up. ``after`` limits the digits after the point, as far times have no more.
 
     Raises the errors of :func:`~integrable.torus.oval_modes.modes_of_rate` if the torus is degenerate or nearly so.
@@ -45,63 +152,24 @@ class MultiprecisionTorusClock:
     ) -> None:
         whole = digits or setup.digits
         digits = min(after or whole, whole)
-        self.wide = setup.wide
-        self._digits, self._eps = digits, self.wide.coerce(10) ** -digits
-        modes = modes_of_rate(setup, digits, direction, most_work, whole)
-        self.frequencies, self.mean = modes.frequencies, modes.mean
-        self._series = LongSeries(modes.rows, self.frequencies, self.wide, 10.0**-digits)
+        super().__init__(modes_of_rate(setup, digits, direction, most_work, whole), digits, setup.wide)
 
-    def times(self, tau: list[Any]) -> list[Any]:
-        """t at every τ, all wide."""
-        swings = self._series.at([phases(t, self.frequencies, self.wide) for t in tau])
-        return [t * self.mean + swing for t, swing in zip(tau, swings, strict=True)]
 
-    def tau(self, times: list[Any]) -> list[Any]:
-        """τ at every t, all wide."""
-        starts = [t / self.mean for t in times]
-        return [start + shift for start, shift in zip(starts, self._shifts(starts), strict=True)]
-
-    def _shifts(self, starts: list[Any]) -> list[Any]:
-        """s with mean·s + S(θ + νs) = 0, by Newton's method, in floats first: the oscillation of τ about its mean
-        value.
-        """
-        angles = [phases(start, self.frequencies, self.wide) for start in starts]
-        rough = np.array(angles, dtype=float).reshape(-1, 2)
-        nu, mean = np.array(self.frequencies, dtype=float), float(self.mean)
-        found, reach = np.zeros(len(starts)), 2 * self._series.rough.bound / mean
-        low, high = found - reach, found + reach
-        for _ in range(100):
-            swings, rates = self._series.rough.swings_and_rates(*(rough + found[:, None] * nu).T)
-            excess = mean * found + swings
-            following, low, high = step_inside(found, excess, rates, low, high)
-            steps, found = np.abs(following - found), following
-            if steps.max(initial=0) <= 8 * RR.eps * (1 + np.abs(found).max(initial=0)):
-                break
-        return self._refined(angles, list(map(self.wide.coerce, found.tolist())), rates.tolist())
-
-    def _refined(self, angles: list[tuple[Any, Any]], shifts: list[Any], rates: list[float]) -> list[Any]:
-        """The shifts after Newton's method in multiprecision. Each step but the last uses only the digits it can
-        gain.
-        """
-        nu1, nu2 = self.frequencies
-        left, goal = list(range(len(shifts))), FIRST_GOAL
-        for _ in range(100):
-            whole = goal >= self._digits
-            places = [(angles[n][0] + nu1 * shifts[n], angles[n][1] + nu2 * shifts[n]) for n in left]
-            rest, known = [], self.wide.coerce(10) ** -goal
-            for n, swing in zip(left, self._series.at(places, None if whole else goal), strict=True):
-                step = (self.mean * shifts[n] + swing) / rates[n]
-                shifts[n] -= step
-                error = GAIN * abs(step) / (1 + abs(shifts[n]))
-                if not whole or error > 4 * self._eps:
-                    rest.append(n)
-                    known = max(known, error)
-            left = rest
-            if not left:
-                return shifts
-            if not whole:
-                goal = int(-log10(2) * self.wide.exponent(known) - log10(GAIN))
-        raise PrecisionLoss("the clock was not inverted: use more digits")
+def without_slow(modes: Modes, digits: int, wide: Any) -> tuple[list[list[Any]], list[tuple[Any, Any, Any]]]:
+    """The rows of the modes without those that are nearly in resonance, and these: (real, imaginary, turns per τ)."""
+    rows, most = [*modes.rows], len(modes.rows[0]) // 2
+    nu = [float(x) for x in modes.frequencies]
+    first, second = np.arange(len(rows))[:, None] * nu[0], np.arange(-most, most + 1)[None, :] * nu[1]
+    close = np.abs(first + second) < RESONANT * (np.abs(first) + np.abs(second))
+    slow, least = [], wide.coerce(10) ** -digits * abs(modes.mean)
+    for k, m in np.argwhere(close).tolist():
+        c = modes.rows[k][m]
+        # counted with its conjugate
+        real, imaginary = (2 * x for x in BallReals(wide.context.prec).elements(wide, (c.real, c.imag)))
+        if abs(real) + abs(imaginary) > least:
+            slow.append((real, imaginary, k * modes.frequencies[0] + (m - most) * modes.frequencies[1]))
+            rows[k] = [*rows[k][:m], type(c)(0), *rows[k][m + 1 :]]
+    return rows, slow
 
 
 def phases(tau: Any, frequencies: tuple[Any, Any], field: Any) -> tuple[Any, Any]:

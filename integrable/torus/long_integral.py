@@ -43,7 +43,7 @@ class LongIntegral:
         noise = 8 * loops.noise
 
         def transformed(samples: Any) -> tuple[np.ndarray, tuple[int, int]]:
-            grid = long_spectrum(samples, self._wide, loops.reals)
+            grid = long_spectrum(samples, loops.reals)
             return grid, needed_sizes(grid, (noise, noise))
 
         both = corners.resolved(transformed)

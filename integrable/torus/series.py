@@ -22,6 +22,8 @@ TOGETHER = 256
 ONE_THREAD, FEWEST = 1 << 15, 4
 # modes below this are outside the range of floats
 TINY = 1e-290
+# size up to which transforms of integers are direct sums
+SHORT = 8
 # the error of a mode in floats, per turn, and the guard bits of sums of many digits
 ROUNDED, SPARE_BITS = 1e-15, 40
 
@@ -170,7 +172,7 @@ class LongSeries:
             factor = flint.acb(0, -1 / flint.arb.pi())
             self._modes = [
                 [
-                    c * factor / (k * nu1 + (m - most) * nu2) if here else flint.acb(0)
+                    c * factor / (k * nu1 + (m - most) * nu2) if here and not c.is_zero() else flint.acb(0)
                     for m, (c, here) in enumerate(zip(row, kept[k].tolist(), strict=True))
                 ]
                 for k, row in enumerate(rows)
@@ -245,11 +247,12 @@ def _adding_up(sizes: np.ndarray, most: float) -> np.ndarray:
 
 
 def powers(first: Any, base: Any, count: int) -> list[Any]:
-    """first, first·base, first·base², …"""
+    """first, first·base, first·base², …; radii of balls grow with the logarithm of the exponent only."""
     out = [first]
     while len(out) < count:
-        out.append(out[-1] * base)
-    return out
+        out += [x * base for x in out]
+        base = base * base
+    return out[:count]
 
 
 def half_plane(grid: np.ndarray) -> np.ndarray:
@@ -281,26 +284,64 @@ def spectrum(samples: np.ndarray) -> np.ndarray:
     return grid
 
 
-def long_spectrum(samples: np.ndarray, field: Any, reals: BareReals) -> np.ndarray:
+def long_spectrum(samples: np.ndarray, reals: BareReals) -> np.ndarray:
     """The same for samples in bare reals, on a grid of powers of 2."""
-    most = max(samples.shape)
-    circle = [field.context.expjpi(-field.context.mpf(2 * k) / most) for k in range(most // 2)]
+    parts = [[part(z).as_mantissa_exp() for z in samples.flat] for part in (lambda z: z.real, lambda z: z.imag)]
+    most = max((int(m).bit_length() + int(e) for part in parts for m, e in part if m), default=0)
+    bits = reals.bits + SPARE_BITS
+    tables = [
+        np.array([in_units(m, e, bits - most) for m, e in part], dtype=object).reshape(samples.shape) for part in parts
+    ]
+    circle = circle_of(max(samples.shape), bits)
+    for _ in range(2):
+        tables = [x.T for x in fourier(tables[0], tables[1], circle, bits)]
     with reals:
-        turns = np.array([reals.number(x.real) + reals.i * reals.number(x.imag) for x in circle], dtype=object)
-        grid: np.ndarray = _transform(_transform(samples + 0 * reals.i, turns).T, turns).T / samples.size
+        unit = reals.number(2) ** (most - bits) / samples.size
+        grid: np.ndarray = (tables[0] + tables[1] * reals.i) * unit
         return grid
 
 
-def _transform(values: np.ndarray, turns: np.ndarray) -> np.ndarray:
-    """The discrete Fourier transform of 2^k rows (Cooley & Tukey 1965); ``turns`` are e^(−2πik/2^m), k < 2^(m−1),
-    2^m ≥ 2^k.
+def in_units(mantissa: Any, exponent: Any, bits: int) -> int:
+    """mantissa·2^exponent in units of 2^−bits."""
+    shift = int(exponent) + bits
+    return int(mantissa) << shift if shift >= 0 else int(mantissa) >> -shift
+
+
+def circle_of(count: int, bits: int) -> tuple[np.ndarray, np.ndarray]:
+    """cos and sin of the multiples of a turn/count, as integers in units of 2^−bits."""
+    import flint
+
+    finer = bits + SPARE_BITS
+    with BallReals(finer + SPARE_BITS):
+        turn = flint.arb(2) / count
+        parts = turn.cos_pi().mid().man_exp(), turn.sin_pi().mid().man_exp()
+    c, s = (in_units(mantissa, exponent, finer) for mantissa, exponent in parts)
+    x, y, cosines, sines = 1 << finer, 0, list[int](), list[int]()
+    for _ in range(count):
+        cosines.append(x >> SPARE_BITS)
+        sines.append(y >> SPARE_BITS)
+        x, y = (x * c - y * s) >> finer, (x * s + y * c) >> finer
+    return np.array(cosines, dtype=object), np.array(sines, dtype=object)
+
+
+def fourier(
+    real: np.ndarray, imaginary: np.ndarray, circle: tuple[np.ndarray, np.ndarray], bits: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """The transform Σ x_j e^(−2πijk/n) along the first axis of arrays of integers (Cooley & Tukey 1965).
+
+    ``circle`` is a :func:`circle_of` a multiple of n parts.
     """
-    n = len(values)
-    if n == 1:
-        return values
-    even, odd = _transform(values[::2], turns), _transform(values[1::2], turns)
-    odd = turns[:: 2 * len(turns) // n, None] * odd
-    return np.concatenate([even + odd, even - odd])
+    cosines, sines = circle
+    n, stride = len(real), len(cosines) // len(real)
+    if n % 2 or n <= SHORT:
+        k = np.arange(n)
+        turns = np.outer(k, k) % n * stride
+        c, s = cosines[turns], sines[turns]
+        return (c @ real + s @ imaginary) >> bits, (c @ imaginary - s @ real) >> bits
+    even, odd = (fourier(real[i::2], imaginary[i::2], circle, bits) for i in range(2))
+    c, s = (x[: n // 2 * stride : stride, None] for x in circle)
+    x, y = (c * odd[0] + s * odd[1]) >> bits, (c * odd[1] - s * odd[0]) >> bits
+    return np.concatenate([even[0] + x, even[0] - x]), np.concatenate([even[1] + y, even[1] - y])
 
 
 def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int]:

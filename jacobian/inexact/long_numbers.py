@@ -65,10 +65,6 @@ class Functions:
         """sin πx."""
         return self.sin(self.pi * x)
 
-    def workprec(self, bits: int) -> Any:
-        """A context in which operations round to ``bits`` bits."""
-        return self._gmpy2.context(self._gmpy2.get_context(), precision=bits)
-
     def elliprf(self, x: Any, y: Any, z: Any) -> Any:
         """R_F(x, y, z) of numbers ≥ 0, one of them 0 at most, by duplication (Carlson 1995, with the series of DLMF
         19.36.1 to the seventh order). PrecisionLoss where it has no value, such as for an argument that rounding has

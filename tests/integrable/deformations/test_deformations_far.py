@@ -403,3 +403,22 @@ def test_steps_on_the_curves_keep_the_integrals_too() -> None:
 def test_equal_moments_are_still_refused() -> None:
     with pytest.raises(NotRepresentable, match="equal"):
         Tilde((2, 2, 1)).flow(Tilde((2, 2, 1)).state(*START))
+
+
+@pytest.mark.parametrize("size", [2.0**-40, 2.0**-22, 2.0**-12])
+def test_phases_nearly_in_resonance_are_no_small_divisors(size) -> None:
+    """M turned by ``size`` from a resonance of 2 : 1, floats at 10⁷ against 30 digits there and back."""
+    field = MP(30)
+    exact = _resonant(Tilde((1, 2, 4), "0.7", field=field))
+    gamma, M = (np.array([float(x) for x in v]) for v in (exact.gamma, exact.M))
+    M = M + size * np.cross(gamma, M)
+    system = Tilde((1, 2, 4), 0.7)
+    state = system.state(gamma.tolist(), (M - gamma * (gamma @ M) / (gamma @ gamma)).tolist())
+    many = system.over(field)
+    same = State(*(tuple(map(field.coerce, v)) for v in (state.gamma, state.M)))
+    times = [1e3, 1e7, -1e7]
+    run, truth = system.flow(state).at(times), many.flow(same).at(times)
+    assert distance(run, truth) < 1e-15
+    assert np.abs(run.tau - truth.tau.astype(float)).max() < 1e-15 * 1e7
+    back = many.flow(State(tuple(truth.gamma[1]), tuple(truth.M[1]))).at([-1e7])
+    assert max(abs(back.gamma[0] - np.array(same.gamma))) < 1e-15

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from integrable.motion.precise import BodyCarrier, PreciseFlow
 from integrable.moving_point.elliptic_integrals import complete, oval_periods
 from integrable.moving_point.setup import Setup
 from integrable.oracles.reference import taylor
+from integrable.torus import ovals as oval_nodes
 from integrable.torus.access import TorusFlow
 from integrable.torus.corners import Corners
 from integrable.torus.lattice import TorusLattice, Units, motion_row
@@ -345,12 +348,23 @@ def test_far_times_against_the_same_motion_in_multiprecision() -> None:
 
 
 def test_modes_that_rounding_has_drowned_are_not_looked_for_among_more(monkeypatch) -> None:
-    """Twice and four times as many modes used to be computed, for half a minute, only to be refused in the same way."""
+    """Twice and four times as many modes used to be computed, for half a minute, before the same refusal.
+
+    Powers by repeated products, whose radii double with every second one, drown them.
+    """
+
+    def chain(first, base, count):
+        return list(accumulate([base] * (count - 1), lambda x, y: x * y, initial=first))
+
     body = Veselova((12.488247637324774, 1.46209256319696e-10, 12.253046214624495))
     gamma = (-0.6266829347572684, 0.6372198491462872, 0.44857481331211685)
     M = (0.00010323665044658085, 0.00017293937154728905, -0.00010144072253290405)
     flow, rows = body.flow(body.state(gamma, M)), [0]
-    use = OvalTorus.use
+    # the state of 60 digits
+    true = (0.24965842677588994, -0.5606026789030146, -0.7895538653863656)
+    assert np.abs(flow.at(-756309.6).q[0] - true).max() < 2e-16
+    use, flow = OvalTorus.use, body.flow(body.state(gamma, M))
+    monkeypatch.setattr(oval_nodes, "powers", chain)
 
     def noted(self, size, most_work) -> None:
         rows.append(size[0])

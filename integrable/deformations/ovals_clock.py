@@ -1,0 +1,158 @@
+"""Physical time along a tilde flow at d ≠ 0 in many digits, t = ∫dτ/g: the modes of 1/g on the torus of two ovals.
+
+g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k| depends only on z_k(θ_k), which are even and periodic in the phases θ_k = 2π(τ +
+since_k)/T_k. So 1/g = Σ c_mn cos mθ1 cos nθ2.
+"""
+
+from __future__ import annotations
+
+from math import isqrt, log, pi
+from typing import Any
+
+import numpy as np
+
+from integrable.torus.long_clock import LongClock, phases
+from integrable.torus.oval_modes import Modes
+from integrable.torus.series import circle_of, fourier, powers
+from jacobian import MP
+from jacobian.errors import PrecisionLoss
+from jacobian.numbers.long_reals import BallReals
+
+# largest number of modes at USUAL_DIGITS digits, about a second of set-up; at more digits fewer
+MOST_MODES, USUAL_DIGITS = 1 << 16, 60
+# number of modes beyond that which their decay suggests
+MARGIN = 6
+GUARD_BITS = 30
+
+
+class OvalsClock(LongClock):
+    """t(τ) and τ(t) of an :class:`integrable.deformations.separated_flow.OvalCarrier`, to ``digits`` digits relative to
+    its longer period. PrecisionLoss if 1/g needs too many modes.
+    """
+
+    def __init__(self, motion: Any, digits: int) -> None:
+        field = MP(motion.field.dps)
+        self._modes, self._unit = modes_of_pace(motion, digits, field), field.coerce(motion.period)
+        super().__init__(self._modes, digits, field)
+
+    def tau(self, times: list[Any]) -> list[Any]:
+        """τ at every t; exactly 0 at 0."""
+        found = super().tau([self.wide.coerce(t) / self._unit for t in times])
+        return [x * self._unit if t else self.wide.zero for t, x in zip(times, found, strict=True)]
+
+    def times(self, tau: list[Any]) -> list[Any]:
+        """t at every τ."""
+        return [t * self._unit for t in super().times([self.wide.coerce(x) / self._unit for x in tau])]
+
+    def defect(self, tau: Any, rate: Any) -> Any:
+        """The relative difference between 1/g by its modes at τ and ``rate``."""
+        import flint
+
+        with BallReals(self.wide.context.prec) as balls:
+            # rows beyond the first count with their conjugates
+            rows = [[c / 2 for c in self._modes.rows[0]], *self._modes.rows[1:]]
+            turns = phases(self.wide.coerce(tau) / self._unit, self.frequencies, self.wide)
+            angles = (2 * balls.number(x) for x in turns)
+            one, two = (flint.acb(x.cos_pi(), x.sin_pi()) for x in angles)
+            waves = flint.acb_mat([powers(one**0, one, len(rows))]) * flint.acb_mat(rows)
+            across = powers(two ** -(len(rows[0]) // 2), two, len(rows[0]))
+            total = sum((x * y for x, y in zip(waves.entries(), across, strict=True)), flint.acb(0))
+            found = balls.element(self.wide, 2 * total.real)
+        return abs(found / self.wide.coerce(rate) - 1)
+
+
+def modes_of_pace(motion: Any, digits: int, field: Any) -> Modes:
+    """The modes of 1/g down to 10^(−digits) of its mean, in turns of the two curves since the start.
+
+    The unit of τ is the shorter period.
+    """
+    bits, sizes = field.context.prec + GUARD_BITS, series_sizes(motion, digits)
+    while True:
+        if sizes[0] * sizes[1] * max(digits, USUAL_DIGITS) > MOST_MODES * USUAL_DIGITS:
+            raise PrecisionLoss(
+                f"times: 1/g takes a series of {sizes[0]} × {sizes[1]} modes for {digits} digits; fewer digits, times "
+                "nearer to 0, or at_tau (the flow's own time) are within reach"
+            )
+        table = cosines(motion, sizes, bits)
+        loud = abs(table) > table[0, 0] // 10**digits
+        # the last modes of a table that is too small are loud
+        ends = loud[-1 - sizes[0] // 16 :].any(), loud[:, -1 - sizes[1] // 16 :].any()
+        if not any(ends):
+            rows, columns = (int(np.flatnonzero(loud.any(axis=1 - k))[-1]) + MARGIN for k in range(2))
+            return _from_start(motion, table[:rows, :columns], field, bits)
+        rows, columns = (smooth(n + n // 4 + 1) if more else n for n, more in zip(sizes, ends, strict=True))
+        sizes = rows, columns
+
+
+def series_sizes(motion: Any, digits: int) -> tuple[int, int]:
+    """The number of modes in either phase: c_mn decay as e^(−m·strip) if 1/g has no singularity in the strip.
+
+    z has a pole at the imaginary half-period of either curve. g² vanishes where Σ|λ_k|(1 + dz_k) does. On the second
+    curve, where z < 0, that is as far from the real axis as the pole; on the first curve it is nearer.
+    """
+    d, (one, two) = motion.system.d, motion.curves
+    share = motion.weights[1] / motion.weights[0]
+    least = min(two.e[i] / motion.mu[1] for i in (two.low, two.middle))
+    zero = -(1 + share * (1 + d * least)) / d
+    heights = one.imaginary_half(zero * motion.mu[0]), two.imaginary_half(None)
+    strips = [2 * pi * float(x / curve.period) for x, curve in zip(heights, motion.curves, strict=True)]
+    rows, columns = (smooth(int(digits * log(10) / x) + MARGIN) for x in strips)
+    return rows, columns
+
+
+def smooth(count: int) -> int:
+    """The smallest number ≥ ``count`` that is 5, 6, 7 or 8 times a power of 2."""
+    power = 1 << max(0, (count - 1).bit_length() - 3)
+    return -(-count // power) * power
+
+
+def cosines(motion: Any, sizes: tuple[int, int], bits: int) -> np.ndarray:
+    """The c_mn with m and n up to ``sizes``, as integers in units of 2^−bits."""
+    parts = []
+    for k, (curve, weight, n) in enumerate(zip(motion.curves, motion.weights, sizes, strict=True)):
+        turns = (j * motion.field.one / (2 * n) for j in range(n + 1))
+        squares = (weight * (1 + motion.system.d * motion.z(k, curve.at(x))) for x in turns)
+        parts.append([int(motion.field.context.ldexp(x, bits)) for x in squares])
+    one = 1 << (3 * bits)
+    values = np.array([[isqrt(one // (x + y)) for y in parts[1]] for x in parts[0]], dtype=object)
+    for n in sizes:
+        values = _transformed(values, n, bits).T
+    return values
+
+
+def _transformed(values: np.ndarray, count: int, bits: int) -> np.ndarray:
+    """The c_k with Σ_k c_k cos(πjk/n) = values_j, j, k = 0 … n, along the first axis."""
+    # transforms of even real columns are real, so one complex transform computes two of them
+    width = (values.shape[1] + 1) // 2
+    halves = (
+        values[:, :width],
+        np.concatenate([values[:, width:], 0 * values[:, : 2 * width - values.shape[1]]], axis=1),
+    )
+    real, imaginary = (np.concatenate([x, x[-2:0:-1]]) for x in halves)
+    parts = fourier(real, imaginary, circle_of(2 * count, bits), bits)
+    result: np.ndarray = np.concatenate([x[: count + 1] for x in parts], axis=1)[:, : values.shape[1]] // count
+    result[[0, -1]] = result[[0, -1]] // 2
+    return result
+
+
+def _from_start(motion: Any, table: np.ndarray, field: Any, bits: int) -> Modes:
+    """The modes with these cosines, with phases from the start."""
+    import flint
+
+    rows, columns = table.shape
+    starts = [field.coerce(curve.since / curve.period) for curve in motion.curves]
+    with BallReals(bits) as balls:
+        unit = flint.arb(2) ** -bits
+        angles = (2 * balls.number(x) for x in starts)
+        one, two = (flint.acb(x.cos_pi(), x.sin_pi()) for x in angles)
+        across, found = powers(flint.acb(1), two, columns), []
+        for k, (x, row) in enumerate(zip(powers(flint.acb(1), one, rows), table.tolist(), strict=True)):
+            c = x * unit / (2 if k else 1)
+            # cos mθ1 cos nθ2 has four modes, two of them here
+            first, *rest = (c * y for y in row)
+            ahead = [c * y / 2 for c, y in zip(rest, across[1:], strict=True)]
+            back = [c * y.conjugate() / 2 for c, y in zip(rest, across[1:], strict=True)]
+            found.append([*back[::-1], first, *ahead])
+    shortest = motion.period
+    nu = [field.coerce(shortest / curve.period) for curve in motion.curves]
+    return Modes(found, (1, 1), (nu[0], nu[1]), field.binary(table[0, 0], -bits))
