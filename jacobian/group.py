@@ -93,7 +93,7 @@ class Jacobian(FiniteGroup[Element]):
     def _repr_latex_(self) -> str:
         return f"${self._latex_()}$"
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         return (self.curve,)
 
     def __reduce__(self) -> tuple[object, ...]:

@@ -44,7 +44,7 @@ class Immutable:
     def __delattr__(self, name: str) -> None:
         raise AttributeError(_refusal(self, name, "deleted"))
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         """The data that define the value among those of its type: by default all its attributes."""
         return tuple(_without_caches(self).items())
 
@@ -64,7 +64,7 @@ class Immutable:
     def __copy__(self: Kind) -> Kind:
         return self
 
-    def __deepcopy__(self: Kind, memo: Any) -> Kind:
+    def __deepcopy__(self: Kind, memo: object) -> Kind:
         return self
 
 
@@ -133,7 +133,7 @@ class Record(Immutable):
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update((name, _sealed(value)) for name, value in state.items())
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         return tuple((name, _contents(value)) for name, value in _without_caches(self).items())
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import subprocess
 import sys
@@ -168,6 +169,60 @@ run = ball.flow(state).at([0, 1])
 tilde = Tilde((1, 2, 4), 0.7)
 start = tilde.state(gamma=(0.48, 0.6, 0.64), M=(0.384, 1.28, -1.488))
 """
+
+
+# the files with the names that users call, by folder
+PUBLIC = {
+    "jacobian": "group poly",
+    "jacobian/batch": "array",
+    "jacobian/curve": "curve points questions",
+    "jacobian/fields": "__init__ finite machine protocol rational",
+    "jacobian/finite": "group",
+    "jacobian/law": "divisor",
+    "integrable/classical": "ellipsoid garnier henon_heiles kdv kowalevski lagrange neumann spherical_pendulum toda "
+    "two_gaps veselova",
+    "integrable/deformations": "deformation gyroscopic isometric tilde",
+    "integrable/ensembles": "ensemble",
+    "integrable/files": "exported",
+    "integrable/laboratory": "bodies motion",
+    "integrable/motion": "flow trajectory",
+    "integrable/mumford": "flow system",
+    "integrable/phase": "space",
+    "integrable/portrait": "diagram portrait",
+    "integrable/problems": "catalogue",
+    "integrable/scene": "file",
+    "integrable/study": "run",
+    "integrable/sweeps": "sweep",
+    "integrable/systems": "chaplygin_ball euler_top system",
+}
+# arguments that other rooms or packages made, or that are read whatever they are
+ANYTHING = {
+    "random.K", "check_scalars.scalars", "DivisorArray.__init__.rows", "DivisorArray.from_arrays.u",
+    "DivisorArray.from_arrays.v", "DivisorArray.from_arrays.n", "DivisorArray.__getitem__.key", "check_state.system",
+    "check_state.state", "check_moving.h2", "Motion.__init__.system", "Trajectory.__init__.flow",
+    "Trajectory.__getitem__.which", "normalized.N", "normalized.q", "on_sphere.N", "uhlenbeck.a", "uhlenbeck.first",
+    "all_of.N", "all_of.spectral", "MumfordFlow.__init__.system", "long_digits.K", "element.K", "element.x",
+    "LaboratoryMotion.__init__.body", "LaboratoryMotion.__init__.contact", "LaboratoryRun.__getitem__.which",
+}  # fmt: skip
+
+
+def any_arguments(body: list[ast.stmt], owner: str = "") -> set[str]:
+    """The arguments of public functions whose annotation has Any in it."""
+    found = set()
+    for node in body:
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            found |= any_arguments(node.body, f"{node.name}.")
+        if isinstance(node, ast.FunctionDef) and (node.name.startswith("__") or not node.name.startswith("_")):
+            given = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+            said = {a.arg: ast.unparse(a.annotation) for a in given if a.annotation}
+            found |= {f"{owner}{node.name}.{name}" for name, kind in said.items() if re.search(r"\bAny\b", kind)}
+    return found
+
+
+def test_public_functions_say_what_they_take():
+    paths = [ROOT / folder / f"{name}.py" for folder, names in PUBLIC.items() for name in names.split()]
+    found = set().union(*(any_arguments(ast.parse(path.read_text(encoding="utf-8")).body) for path in paths))
+    assert found <= ANYTHING, sorted(found - ANYTHING)
 
 
 def test_what_mypy_knows_of_a_script(tmp_path):

@@ -144,7 +144,7 @@ class Ellipsoid(MumfordSystem):
 
         return self._settled(read)
 
-    def step(self, state: Point, point: Sequence[Any]) -> Point:
+    def step(self, state: Point, point: Iterable[Value]) -> Point:
         """The state of D + (λ, μ) − (0, 0), where ``point`` is (λ, μ); its tangent meets the quadric of λ.
 
         It is real for λ < 0. ArgumentError if the point is not on the curve; NotASquare if a_i/(a_i − λ) has no square

@@ -66,7 +66,7 @@ class HenonHeiles(QuadricSystem):
         return cls((a,), K.div(K.neg(K.one), poly.integer(K, 2)), K.neg(quarter), field=K)
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, object]:
         alpha, beta, gamma, *barriers = self.parameters
         return {"a": self.constants, "alpha": alpha, "beta": beta, "gamma": gamma, "barriers": tuple(barriers)}
 

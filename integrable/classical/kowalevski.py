@@ -22,7 +22,7 @@ from integrable.mumford.flow import Point, element, long_digits
 from integrable.mumford.motion import MumfordMotion, Start
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, normalized
 from jacobian import RR, poly
-from jacobian.element import Arithmetic
+from jacobian.element import Arithmetic, Numbers
 from jacobian.errors import NotRepresentable, one_or_more
 from jacobian.fields.protocol import Field, check_field
 
@@ -93,7 +93,7 @@ class KowalevskiTop(MumfordSystem):
             f"{self!r} has no way back from divisors to states: line(state, times) gives the divisors"
         )
 
-    def line(self, state: Point, times: Any) -> list[Spectral]:
+    def line(self, state: Point, times: Numbers) -> list[Spectral]:
         """f, u and v at the given times over RR or MP(digits): the pairs of the states, not the states themselves."""
         self._check(state)
         K, digits = self.field, long_digits(self.field)

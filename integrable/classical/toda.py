@@ -12,7 +12,7 @@ uniformly.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, SupportsIndex
 
 from integrable.mumford.fields import exponential, exponential_less_one, log_of
@@ -39,7 +39,7 @@ class TodaLattice(MumfordSystem):
         self.constants = ()
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, object]:
         return {"n": self.size}
 
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
@@ -163,7 +163,7 @@ class TodaLattice(MumfordSystem):
         shift = (sum(state.q) + step * sum(state.p) - sum(new.q)) / self.size
         return Point(tuple(x + shift for x in new.q), new.p)
 
-    def step(self, state: Point, point: Sequence[Any], sheet: int = 1) -> Point:
+    def step(self, state: Point, point: Iterable[Value], sheet: int = 1) -> Point:
         """The state of D + P − ∞₊, or with ``sheet`` −1 of D + P − ∞₋, P = (λ, μ): discrete time (Suris 2003).
 
         p_k + λ = e^{q̃_k − q_k} + e^{q_k − q̃_{k−1}}, p̃_k + λ = e^{q̃_k − q_k} + e^{q_{k+1} − q̃_k}; with ``sheet`` −1

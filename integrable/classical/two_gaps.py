@@ -52,7 +52,7 @@ class TwoGaps(MumfordSystem):
         self.parameters = tuple(self.field.coerce(x, f"sums[{i}]") for i, x in enumerate(given))
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, object]:
         return {"sums": self.parameters}
 
     def _jets(self, N: Any, state: Point) -> _Jets:

@@ -26,7 +26,7 @@ class Gyroscopic(Deformation):
         self.c = field.coerce(c, "c")
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, object]:
         return {**super().arguments, "c": self.c}
 
     def over(self, field: Field) -> Self:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Self
 
 from integrable.phase.body import Body, Vector, unwarned
 from integrable.phase.jets import JetField
@@ -20,7 +20,7 @@ from integrable.phase.space import check_state
 from integrable.phase.state import State
 from integrable.systems.chaplygin_ball import ChaplyginBall
 from jacobian import RR
-from jacobian.element import Real, Value
+from jacobian.element import Element, Real, Value
 from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
@@ -28,17 +28,18 @@ from jacobian.immutable import replaced
 if TYPE_CHECKING:
     import numpy as np
 
+    from integrable.deformations.two_curves import TwoPoints
     from integrable.motion.trajectory import Motion
     from jacobian import Field
 
 
-class DeformedIntegrals(NamedTuple):
+class DeformedIntegrals(NamedTuple, Generic[Element]):
     """The Casimir functions C1 = (γ, γ) and C2 = (γ, M), and the H and K of a deformation."""
 
-    C1: Any
-    C2: Any
-    H: Any
-    K: Any
+    C1: Element
+    C2: Element
+    H: Element
+    K: Element
 
 
 class Scalars:
@@ -143,9 +144,9 @@ class Scalars:
 class Potential(NamedTuple):
     """The five parameters of a potential: ``a``, ``b`` of its polynomial part, and ``poles``, those of the 1/γ_i²."""
 
-    a: Any
-    b: Any
-    poles: tuple[Any, Any, Any]
+    a: Real
+    b: Real
+    poles: tuple[Real, Real, Real]
 
 
 class Hamiltonian(Made):
@@ -181,7 +182,7 @@ class Hamiltonian(Made):
         return self.rigid.a
 
     @property
-    def d(self) -> Any:
+    def d(self) -> Real:
         """The d of the bracket."""
         return self.rigid.d
 
@@ -198,11 +199,11 @@ class Hamiltonian(Made):
             potential = _potential(field, (potential.a, potential.b, *potential.poles))
         return replaced(self, rigid=rigid, potential=potential)
 
-    def poisson(self, state: State) -> tuple[tuple[Any, ...], ...]:
+    def poisson(self, state: State) -> tuple[tuple[Real, ...], ...]:
         """The 6×6 matrix of the Poisson brackets of (γ, M), which are those of the ball."""
         return self.rigid.poisson(self._checked(state))
 
-    def integrals(self, state: State) -> DeformedIntegrals:
+    def integrals(self, state: State[Element]) -> DeformedIntegrals[Element]:
         """C1, C2, H and K; NotRepresentable if the potential is infinite (γ_i = 0 with a pole there)."""
         K, state = self.field, self._checked(state)
         wrap = self._constants(0)
@@ -233,7 +234,7 @@ class Hamiltonian(Made):
         """Raises NotRepresentable, because M is not fixed in space."""
         raise NotRepresentable(f"{self!r}: M does not rest in space, and with γ alone no attitude is known")
 
-    def vector_field(self, state: State) -> State:
+    def vector_field(self, state: State[Element]) -> State[Element]:
         """The derivatives (γ̇, Ṁ), as a State."""
         return self._rates(self._checked(state))
 
@@ -258,11 +259,11 @@ class Hamiltonian(Made):
         """The motion through a state, if its curves are known."""
         raise NotImplementedError
 
-    def divisor(self, state: State) -> Any:
+    def divisor(self, state: State) -> TwoPoints:
         """The two points of a state, one on each elliptic curve."""
         raise NotImplementedError
 
-    def from_divisor(self, D: Any, like: State | None = None) -> State:
+    def from_divisor(self, D: TwoPoints, like: State | None = None) -> State:
         """The state of two points: of the eight states that share them, the one with the signs of ``like``."""
         raise NotImplementedError
 
@@ -337,7 +338,7 @@ class Hamiltonian(Made):
         return jets.coerce(energy).slopes
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, object]:
         offset = {"d": self.d} if self.body.rolls else {}
         terms = self.potential
         return {"inertia": self.body.inertia, **offset} | (

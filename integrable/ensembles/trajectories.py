@@ -146,7 +146,7 @@ class Trajectories(Runs, Exported):
         partial = {i: self._partial[k] for i, k in enumerate(places.tolist()) if k in self._partial}
         return {"_rows": self._rows[places], "_ways": self._ways[places], "_partial": partial}
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         # without the NaN of refused rows, which equal nothing
         rows = tuple(np.nan_to_num(self._rows).ravel().tolist())
         return self.ensemble, self._times.shape, tuple(self._times.ravel().tolist()), rows, tuple(self.status.tolist())

@@ -101,7 +101,7 @@ class RigidBody(Made):
         near = State((coerce(x1), coerce(x2), coerce(x3)), (coerce(m1), coerce(m2), coerce(m3)), tilted=tilted)
         return WideFlow(system, near, body, wide)
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         moments, axes = self._principal
         return self.field, moments, tuple(axes.ravel().tolist())
 
@@ -113,7 +113,7 @@ class RigidBody(Made):
         return named(type(self).__name__, [*facts, *(x for x in given if x[1] is not None)])
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, object]:
         tensor = self._tensor
         diagonal = not tensor[~np.eye(3, dtype=bool)].any()
         return {"inertia": tuple(np.diagonal(tensor)) if diagonal else tuple(map(tuple, tensor))}
@@ -146,7 +146,7 @@ class RollingBall(RigidBody):
             )
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, object]:
         return {**super().arguments, "mass": self._mass, "radius": self._radius}
 
     def _value(self) -> tuple[Real, ...]:

@@ -43,7 +43,7 @@ class LaboratoryMotion(Immutable):
     def _way(self) -> Any:
         return self.body._way(self._start, self._spin)
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         return self.body, tuple(self._start.ravel().tolist()), tuple(self._spin.tolist()), self._contact
 
     def at(self, times: Numbers) -> LaboratoryRun:

@@ -282,7 +282,7 @@ class Trajectory(Exported):
             parts.update(_status=None, reasons=("",))
         return replaced(self, report=None, **parts)
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         if self._status is None:
             return super()._value()
         # without the NaN of refused rows, which equal nothing

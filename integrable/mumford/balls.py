@@ -70,7 +70,7 @@ class Balls(BallField):
         self._reals.__enter__()
         return self
 
-    def __exit__(self, *error: Any) -> None:
+    def __exit__(self, *error: object) -> None:
         self._reals.__exit__(*error)
 
     def coerce(self, value: Any, argument: str = "value") -> Any:

@@ -41,13 +41,13 @@ class BallRows(Record):
     def __len__(self) -> int:
         return len(self.tau)
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         # flint's balls are equal only if they are points, and cannot be pickled
         columns = (self.times, self.tau, *(getattr(self, name) for name in self._names))
         balls = (None if a is None else tuple(map(_ends, a.ravel())) for a in columns)
         return (self.size, *balls, tuple(self.radius.tolist()))
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return _rebuilt, (type(self), *self._value())
 
 

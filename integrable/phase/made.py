@@ -23,12 +23,12 @@ class Made(Immutable):
     field: Any
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, object]:
         """The arguments of the constructor by name, without the field: numbers and sequences of them."""
         raise NotImplementedError
 
     @property
-    def identity(self) -> dict[str, Any]:
+    def identity(self) -> dict[str, object]:
         """The identity of this value, for JSON: its type, its field, and every argument to the last bit.
 
         ArgumentError where the arguments do not reproduce the value, as in a subclass with more of them.

@@ -267,7 +267,7 @@ class PhaseSpace(Made, Generic[Element]):
         return check_state(self, state)
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, object]:
         return {"inertia": self.inertia}
 
     def _repr_html_(self) -> str:

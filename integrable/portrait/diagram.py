@@ -14,6 +14,7 @@ import numpy as np
 
 from integrable.portrait.ovals import Level, Ovals
 from jacobian import RR
+from jacobian.element import Numbers
 from jacobian.errors import ArgumentError, floats, shown, whole
 from jacobian.immutable import Record
 
@@ -49,25 +50,25 @@ class Diagram(Record):
         # γ is a unit vector only up to rounding
         return min(c * c / h2, 1.0), h1 / h2
 
-    def height(self, X: Any, zeta: Any) -> Any:
+    def height(self, X: Numbers, zeta: Numbers) -> np.ndarray:
         """Z as a function of X and ζ, arrays that broadcast."""
         (X, values), d = _reals(X=X, zeta=zeta), self.system.d
         if (d * values == 1).any():
             raise ArgumentError(f"zeta = {shown(zeta)}: 1 − d·ζ must not vanish")
         with np.errstate(over="ignore", invalid="ignore"):
-            found = values * (1 - d * values * (1 - X)) / (1 - d * values)
+            found: np.ndarray = values * (1 - d * values * (1 - X)) / (1 - d * values)
         if not np.isfinite(found).all():
             raise ArgumentError(f"X = {shown(X)}, zeta = {shown(zeta)}: Z is beyond the range of floats there")
         return found
 
-    def contains(self, X: Any, Z: Any) -> Any:
+    def contains(self, X: Numbers, Z: Numbers) -> np.ndarray:
         """Whether motions with these X and Z exist; the arguments are arrays that broadcast."""
         X, Z = _reals(X=X, Z=Z)
         least, most = min(self.system.a), max(self.system.a)
-        inside: Any = (X >= 0) & (X <= 1) & (self.height(X, least) <= Z) & (self.height(X, most) >= Z)
+        inside: np.ndarray = (X >= 0) & (X <= 1) & (self.height(X, least) <= Z) & (self.height(X, most) >= Z)
         return inside
 
-    def divergence(self, X: Any) -> Any:
+    def divergence(self, X: Numbers) -> np.ndarray:
         """The rate, per unit of t and of √H2, at which nearby motions leave the unstable rotation at X < 1; shape of X.
 
         χ = √h̃2·√h(a₂)·P/(πs) with the principal value P = ∫x dx/((x − a₂)√h), h = 4h̃2(1 − d̃x)(x − a₁)(a₃ − x).
@@ -76,10 +77,10 @@ class Diagram(Record):
         if not ((values >= 0) & (values <= 1)).all():
             raise ArgumentError(f"X = {shown(X)}: numbers from 0 to 1 are needed, X = (γ, M)²/H2")
         rates = [_divergence(Level.at(self.system.body, float(x), sorted(self.system.a)[1])) for x in values.ravel()]
-        found: Any = np.array(rates).reshape(values.shape)
+        found: np.ndarray = np.array(rates).reshape(values.shape)
         return found
 
-    def rotation_numbers(self, count: int = 40) -> tuple[Any, Any, Any]:
+    def rotation_numbers(self, count: int = 40) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(X, Z, rotation number) on a grid in X and ζ, each of shape (count, 2·count), for contours.
 
         The ζ are denser near the separatrix, which is excluded.

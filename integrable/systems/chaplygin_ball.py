@@ -55,7 +55,7 @@ class ChaplyginBall(System[Coordinate]):
         return ball, ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, object]:
         unit = {} if self.radius is None else {"radius": self.radius}
         return {"inertia": self.inertia, "d": self.d, **unit}
 

@@ -92,7 +92,7 @@ class BodyPath(Immutable):
         body = system.body
         self._flow = body.flow(body.state(*state))
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         return self.system, self.start
 
     def at(self, times: Numbers) -> Path:

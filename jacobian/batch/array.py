@@ -234,7 +234,7 @@ class DivisorArray(Immutable, Generic[Element]):
         shown = [repr(D) for D in self[:3].to_list()]
         return f"DivisorArray([{', '.join(shown)}{', …' if len(self) > 3 else ''}], {len(self)} rows)"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         if self.status.any():
             # rows without a class have no coefficients
             return DivisorArray, (self.jacobian, self._rows)

@@ -362,7 +362,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
         ]
         return named("hyperelliptic curve", facts)
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         K = self.field
         plus = K.key(self.infinity_plus) if self.model == "split" else None
         return K, tuple(map(K.key, self.f)), tuple(map(K.key, self.h)), plus

@@ -63,7 +63,7 @@ class FixedBase(Immutable):
     __mul__ = __rmul__ = __call__
     __array_ufunc__ = None
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         return self.divisor, self.window
 
     def __reduce__(self) -> tuple[object, ...]:

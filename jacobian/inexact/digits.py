@@ -40,7 +40,7 @@ class Digits:
         self._reals.__enter__()
         return self
 
-    def __exit__(self, *error: Any) -> None:
+    def __exit__(self, *error: object) -> None:
         self._reals.__exit__(*error)
 
     def number(self, x: Any, exponent: int = 0) -> Any:

@@ -28,17 +28,17 @@ class LongField(InexactField):
             self.eps = gmpy2.exp2(1 - bits)
             self.root_of_eps = gmpy2.sqrt(self.eps)
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return LongField, (self.bits, self.complex)
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         return self.bits, self.complex
 
     def __enter__(self) -> LongField:
         self._reals.__enter__()
         return self
 
-    def __exit__(self, *error: Any) -> None:
+    def __exit__(self, *error: object) -> None:
         self._reals.__exit__(*error)
 
     def coerce(self, value: Any, argument: str = "value") -> Any:

@@ -181,7 +181,7 @@ class Isomorphism(Immutable):
         plus = self.target.infinity_plus if self.target.model == "split" else None
         return Isomorphism(other.source, matrix, K.mul(self.scale, other.scale), move, plus)
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         """The matrix up to scaling: (λM, λ^(g+1)e, λ^(g+1)t) is the same map."""
         K = self.source.field
         unit = K.inv(next(x for x in self.matrix if not K.is_zero(x)))

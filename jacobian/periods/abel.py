@@ -41,10 +41,10 @@ class AbelMap(AbelImage):
         self.curve = curve if curve.field == self.field else complexified(curve, self.field)
         self._others: dict[Any, AbelMap] = {}
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         return self.given, self.cover.given
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return AbelMap, self._value()
 
     def __repr__(self) -> str:

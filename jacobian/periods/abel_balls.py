@@ -50,10 +50,10 @@ class AbelBalls(Immutable):
         self.periods = period_balls(curve, digits)
         self._images = [_Image(curve, self.periods)]
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         return self.curve, self.digits
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return AbelBalls, self._value()
 
     def __repr__(self) -> str:

@@ -43,10 +43,10 @@ class PeriodMatrix(Immutable):
     cycles: tuple[tuple[int, ...], ...]
     recipe: tuple[Callable[..., PeriodMatrix], tuple[Any, ...]]
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         return self.recipe
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return self.recipe
 
     @property

@@ -45,7 +45,7 @@ class FibreGroup(Immutable):
         self.kind = ("inert", "ramified", "split")[len(self.values)]
         self.identity: Unit = (K.one, K.zero)
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         return self.curve, None if self.x0 is None else self.field.key(self.x0)
 
     def __repr__(self) -> str:

@@ -191,7 +191,7 @@ class FormalSum(Immutable):
     __rmul__ = __mul__
     __array_ufunc__ = None
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         key = self.curve.field.key
         parts = (self.u, self.v, self.numerator, self.denominator)
         return self.curve, tuple(tuple(map(key, part)) for part in parts), self.weights

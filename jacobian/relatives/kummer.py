@@ -62,7 +62,7 @@ class KummerSurface(Immutable):
         numbers = [int(c * self.scale**2) for c in curve.discriminant]
         self.f = tuple(numbers + [0] * (7 - len(numbers)))
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         return (self.curve,)
 
     def __reduce__(self) -> tuple[object, ...]:

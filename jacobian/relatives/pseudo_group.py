@@ -92,7 +92,7 @@ class PseudoGroup(Immutable):
             raise FieldError(f"curve = {curve!r}: a curve of genus 2 over GF(p), p odd, is needed")
         self._p: int = curve.field.p  # type: ignore[attr-defined]
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         return (self.curve,)
 
     def __repr__(self) -> str:

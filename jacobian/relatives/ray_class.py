@@ -53,7 +53,7 @@ class RayClassGroup(Immutable):
     def __repr__(self) -> str:
         return f"Generalized Jacobian of {self.curve!r} with modulus over x = {'∞' if self.x0 is None else self.x0}"
 
-    def _value(self) -> tuple[Any, ...]:
+    def _value(self) -> tuple[object, ...]:
         return (self.fibre,)
 
     def __reduce__(self) -> tuple[object, ...]:
