@@ -28,7 +28,6 @@ from jacobian.immutable import replaced
 if TYPE_CHECKING:
     import numpy as np
 
-    from integrable.deformations.two_curves import TwoPoints
     from integrable.motion.trajectory import Motion
     from jacobian import Field
 
@@ -259,11 +258,11 @@ class Hamiltonian(Made):
         """The motion through a state, if its curves are known."""
         raise NotImplementedError
 
-    def divisor(self, state: State) -> TwoPoints:
+    def divisor(self, state: State) -> Any:
         """The two points of a state, one on each elliptic curve."""
         raise NotImplementedError
 
-    def from_divisor(self, D: TwoPoints, like: State | None = None) -> State:
+    def from_divisor(self, D: Any, like: State | None = None) -> State:
         """The state of two points: of the eight states that share them, the one with the signs of ``like``."""
         raise NotImplementedError
 
