@@ -39,11 +39,6 @@ def width(genus: int) -> int:
     return 2 * genus + 4
 
 
-def scratch(curve: Any) -> Any:
-    """Scratch memory for one operation at a time."""
-    return np.empty((ROWS, 4 * curve[0] + 8), np.int64)
-
-
 # --- polynomials: each function writes the result into its first array and returns its length
 
 

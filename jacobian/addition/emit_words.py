@@ -141,8 +141,10 @@ class Writer:
 
     def _sum(self, plus: list[str], minus: list[str]) -> str:
         """The name of a sum of numbers with signs."""
-        total = plus[0] if plus else self._negative(minus[0])
-        for sign, x in [("add", x) for x in plus[1:]] + [("sub", x) for x in minus[0 if plus else 1 :]]:
+        if not plus:
+            return self._negative(self._sum(minus, []))
+        total = plus[0]
+        for sign, x in [("add", x) for x in plus[1:]] + [("sub", x) for x in minus]:
             self._fit((total, x))
             while not within(size := _sum_size(self.sizes[total], self.sizes[x]), SETTLED):
                 self._bring_back(max(total, x, key=lambda x: self.sizes[x].lazy))

@@ -5,7 +5,7 @@ both, and D + D' = (u, −ℓ − h mod u) with u = (ℓ² + hℓ − f)/(U U') 
 genus 2 hyperelliptic curves", tables 2 and 3) orders the steps so that one inversion is enough. Counted for h = 0 and a
 monic f (multiplications by a coefficient that is 0 or 1 are not made): an addition takes 1I + 22M + 3S and, where f₄ =
 0 too, a doubling 1I + 22M + 5S, as published. On models of degree 6, split or inert, the two divisors carry no weight
-at infinity, nor does their sum, and the same cubic serves; for any h it takes 1I + 29M + 3S, and 1I + 36M + 4S for a
+at infinity, nor does their sum, and the same cubic serves; for any h it takes 1I + 29M + 3S, and 1I + 36M + 3S for a
 doubling (f₆ = 1, h = 0).
 
 The product that is inverted is 0 in the special cases, which are left to Cantor's algorithm: common points (resultant r
@@ -66,9 +66,9 @@ def tangent_of_degree_5(C: Any, first: Line) -> Quotient:
     a1, a0, b1, b0 = first
     top, double = C.f5 * a1, C.f5 * (a0 + a0)
     bent = a1 * (top - C.f4)
-    q = C.f3 - C.h2 * b1 + bent
-    k0 = C.f2 - C.h2 * b0 - C.h1 * b1 - b1 * b1 - a1 * (q - double - double) - C.f4 * (a0 + a0)
-    return over_tangent(C, first, (q + bent + top * a1 - double, k0))
+    q = C.f3 - C.h2 * b1 + bent - double
+    k0 = C.f2 - C.h2 * b0 - C.h1 * b1 - b1 * b1 - a1 * (q - double) - C.f4 * (a0 + a0)
+    return over_tangent(C, first, (q + bent + top * a1, k0))
 
 
 def product_of_degree_5(C: Any, quotient: Quotient) -> Any:
@@ -88,10 +88,10 @@ def cubic_of_degree_5(C: Any, quotient: Quotient, inverse: Any, first: Line) -> 
 def sum_u_of_degree_5(C: Any, cubic: Line, first: Line, second: Line) -> Pair:
     """(e₁, e₀) of the sum's u = x² + e₁x + e₀."""
     (_, s, w4, w5), (a1, a0, b1, _), (c1, c0, _, _) = cubic, first, second
-    bent = a1 - c1 + C.h2 * w4
-    # a tangent without h₂ has bent = 0
-    bow = s * s if second is first and not C.h2 else (s - c1) * (s + bent) + s * a1 + (a0 - c0)
-    return s + s + bent - C.f5 * w5, bow + (b1 + b1 + C.h1) * w4 + (C.f5 * (a1 + c1) - C.f4) * w5
+    turned = s + (a1 - c1) + C.h2 * w4
+    # for a tangent without h₂ that is s
+    bow = s * s if second is first and not C.h2 else (s - c1) * turned + s * a1 + (a0 - c0)
+    return s + turned - C.f5 * w5, bow + (b1 + b1 + C.h1) * w4 + (C.f5 * (a1 + c1) - C.f4) * w5
 
 
 def sum_v_of_degree_5(C: Any, cubic: Line, u: Pair, first: Line) -> Pair:

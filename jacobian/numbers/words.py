@@ -322,11 +322,6 @@ def inverse(K: Any, x: Any) -> Any:
     return K.canonical(K.invert(x))
 
 
-def number(K: Any, x: Any) -> Any:
-    """A stored number in the type that the context computes with: int64, or float64 on :class:`Double`."""
-    return x
-
-
 def encode(K: Any, x: Any) -> Any:
     """The canonical word of a field element."""
     return K.to_word(x)
