@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from integrable.mumford.flow import GENERA_TABLED, element, long_digits
+from integrable.mumford.flow import element, long_digits
 from integrable.mumford.motion import MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
 from integrable.mumford.system import Spectral
@@ -222,8 +222,7 @@ class Wave:
     @property
     def _profiles_pay(self) -> bool:
         """Whether compiled loops in floats are available for many x at one t."""
-        tabled = self._genus in (1, 2) or self._genus in GENERA_TABLED
-        return bool(tabled and self.kdv.field == RR and not interpreted())
+        return bool(self._genus and self.kdv.field == RR and not interpreted())
 
     def _at_one_time(self, xs: Any, t: float) -> Any:
         """u at many x and one t, in floats."""
@@ -233,10 +232,8 @@ class Wave:
                 profile = self._profile(t)
             except PrecisionLoss:
                 profile = None
-            if profile is not None and self._genus <= 2:
-                found = profile.from_torus(xs)
-            elif profile is not None and self._lost(max(abs(xs)), t) <= MOST_LOST:
-                found = profile.from_tables(xs)
+            if profile is not None and (self._genus <= 2 or self._lost(max(abs(xs)), t) <= MOST_LOST):
+                found = profile.at(xs)
         return [self._value(x, t) for x in xs.tolist()] if found is None else found
 
     def _profile(self, t: float) -> Profile:

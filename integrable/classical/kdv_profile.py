@@ -1,7 +1,7 @@
-"""A KdV solution at many x and one time t: from the compiled torus in genus 1 and 2, from tables in genus 3 to 6.
+"""A KdV solution at many x and one time t, from the torus.
 
 At a fixed t, u(x, t) is a motion in x that starts from the pair at (0, t)
-(:mod:`integrable.mumford.real_torus`, :mod:`integrable.mumford.tabled`).
+(:mod:`integrable.mumford.real_torus`, :mod:`integrable.mumford.phase_torus`).
 """
 
 from __future__ import annotations
@@ -14,11 +14,14 @@ import numpy as np
 
 from integrable.mumford.columns import Column, Columns
 from integrable.mumford.elliptic_torus import EllipticTorus
-from integrable.mumford.flow import RIGHT
+from integrable.mumford.flow import BITS_OF_TORUS, RIGHT
 from integrable.mumford.motion import Start
+from integrable.mumford.phase_torus import PhaseTorus
 from integrable.mumford.real_torus import RealTorus
-from integrable.mumford.tabled import TabledStates
-from jacobian.errors import PrecisionLoss
+from integrable.portrait.point_ovals import Form, Separation
+from integrable.portrait.separated import SeparatedTorus
+from jacobian.errors import NotRepresentable, PrecisionLoss
+from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
 
 
@@ -38,37 +41,37 @@ class Profile:
         self._genus = genus
         self._place, self._by_additions, self._read_one = place, by_additions, read
 
-    def from_torus(self, xs: np.ndarray) -> np.ndarray | None:
-        """u at xs in genus 1 and 2; None if there is no torus, or if it does not reach them."""
+    def at(self, xs: np.ndarray) -> np.ndarray | None:
+        """u at xs; None if there is no torus, or if it does not reach them."""
         torus = self._torus
         return None if torus is None or not torus.reaches(xs) else self._on(torus, xs)
 
-    def from_tables(self, xs: np.ndarray) -> np.ndarray:
-        """u at xs in genus 3 to 6."""
-        found: np.ndarray = self._tabled.at(xs)[0][:, 0]
-        return found
-
     @cached_property
-    def _tabled(self) -> TabledStates:
-        return TabledStates(self._place, self._read, self._by_additions)
-
-    @cached_property
-    def _torus(self) -> RealTorus | EllipticTorus | None:
+    def _torus(self) -> RealTorus | EllipticTorus | PhaseTorus | None:
         """The torus, if it exists and agrees with additions."""
         try:
-            torus = EllipticTorus(self._place) if self._genus == 1 else RealTorus(self._place)
+            torus = self._made()
             found = self._on(torus, torus.witnesses)
             true = [self._by_additions(x)[0] for x in torus.witnesses.tolist()]
-        except (PrecisionLoss, ZeroDivisionError):
+        except (NotRepresentable, PrecisionLoss, ZeroDivisionError):
             return None
         right = all(abs(x - u) <= RIGHT * span for x, (u, span) in zip(found.tolist(), true, strict=True))
         return torus if right else None
+
+    def _made(self) -> RealTorus | EllipticTorus | PhaseTorus:
+        if self._genus <= 2:
+            return EllipticTorus(self._place) if self._genus == 1 else RealTorus(self._place)
+        with LongField(BITS_OF_TORUS) as N:
+            start = self._place(N)
+            forms = [Form((*[N.zero] * j, N.one)) for j in range(self._genus)]
+            torus = SeparatedTorus(N, (start.f, start.u, start.v), Separation(forms, start.direction))
+            return PhaseTorus(torus, lambda halves: Extended(*torus.pair_at(Columns(), halves, ())[:2], ()))
 
     def _read(self, xs: np.ndarray, D: Extended) -> list[list[Column]]:
         ((u, span),) = self._read_one(Columns(), D)
         return [[u, Column(np.full(len(xs), span.hi))]]
 
-    def _on(self, torus: RealTorus | EllipticTorus, xs: np.ndarray) -> np.ndarray:
+    def _on(self, torus: RealTorus | EllipticTorus | PhaseTorus, xs: np.ndarray) -> np.ndarray:
         ((u, _),) = self._read(xs, torus.at(xs))
         found: np.ndarray = u.hi
         return found

@@ -68,7 +68,8 @@ class Column:
         """The square root."""
         first = np.sqrt(self.hi)
         rest = self - Column(first) * Column(first)
-        return _settled(first, rest.hi / (2 * first))
+        # √0 is 0
+        return _settled(first, rest.hi / (2 * first + (first == 0)))
 
 
 def _sum(x: Floats, y: Floats) -> tuple[Floats, Floats]:

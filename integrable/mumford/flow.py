@@ -1,7 +1,7 @@
 """The motion of one state of a system on a Jacobian of any genus, by the fastest method for the given times.
 
-In floats, near times are computed by Taylor series (:mod:`integrable.series.near`), others by the compiled torus, and
-many times by tables. The rest is computed by additions in long numbers (:mod:`integrable.mumford.motion`).
+In floats, near times are computed by Taylor series (:mod:`integrable.series.near`), others on the torus.
+The rest is computed by additions in long numbers (:mod:`integrable.mumford.motion`).
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
     from integrable.mumford.body_torus import BodyTorus
     from integrable.mumford.elliptic_torus import EllipticTorus
+    from integrable.mumford.phase_torus import PhaseTorus
     from integrable.mumford.real_torus import RealTorus
-    from integrable.mumford.tabled import TabledStates
     from integrable.mumford.theta_torus import ThetaTorus
     from integrable.phase.enclosure import EnclosedPath
     from integrable.portrait.separated import SeparatedTorus
@@ -37,9 +37,9 @@ if TYPE_CHECKING:
 
 # a torus is rejected if its states differ by more than this from those of the equations of motion
 RIGHT = 1e-12
-# costs in microseconds (python -m benchmarks near, real_torus): of a point by additions; of a point on a torus; of the
-# longest series worth trying; of the set-up of a torus, by its genus
-BY_ADDITIONS, ON_TORUS, LONGEST, TO_TORUS = 1500, 3, 150_000, {1: 300, 2: 3000}
+# costs in microseconds (python -m benchmarks near, real_torus): of a point by additions; of the longest series worth
+# trying; by genus, of a point on a torus, and of the set-up of a torus
+BY_ADDITIONS, LONGEST, ON_TORUS, TO_TORUS = 1500, 150_000, {1: 3, 2: 3, 3: 100}, {1: 300, 2: 3000, 3: 60_000}
 # number of times whose additions take as long as the set-up of theta functions of genus 2 (python -m benchmarks
 # real_torus)
 TIMES_TO_THETA = 12
@@ -49,8 +49,6 @@ ROUNDED = 2.0**-53
 BITS_OF_TORUS = 160
 # the values of Path.way
 SERIES, TORUS, ADDITIONS = "series", "torus", "additions"
-# genera in which tables of double-doubles are accurate to the digits of floats
-GENERA_TABLED = range(3, 7)
 
 
 class Point(NamedTuple, Generic[Element]):
@@ -120,8 +118,8 @@ class MumfordFlow:
 
         Floats are accurate to their last bits, numbers of MP(digits) to their digits; see
         :meth:`integrable.mumford.motion.MumfordMotion.row`. In floats, states near the start are computed by Taylor
-        series (:mod:`integrable.series.near`). Farther ones are computed on the real torus in genus 1 and 2, and if
-        there are many, from tables in genus 3 to 6. Repeated calls return the same bits, whatever was requested before.
+        series (:mod:`integrable.series.near`). Farther ones are computed on the real torus, several in genus 3 and
+        more. Repeated calls return the same bits, whatever was requested before.
         ArgumentError for times that are not numbers.
         """
         import numpy as np
@@ -161,7 +159,8 @@ class MumfordFlow:
     def _budget(self, count: int) -> float:
         """The microseconds that the next method takes for this many times, its set-up included."""
         if self._may_have_torus:
-            return TO_TORUS[self._genus] + count * ON_TORUS
+            genus = min(self._genus, 3)
+            return TO_TORUS[genus] + count * ON_TORUS[genus]
         return self._cost_of_additions(count)
 
     def _cost_of_additions(self, count: int) -> float:
@@ -177,16 +176,13 @@ class MumfordFlow:
         return finished(self.system, self.start, times, near, self._cost_of_additions(len(times)))
 
     def _far(self, given: list[Any]) -> Path:
-        """The states at times by a method for far times: torus, tables or additions in long numbers."""
+        """The states at times by a method for far times: the torus, or additions in long numbers."""
         import numpy as np
 
         K = self.system.field
         torus = self._torus_for(len(given))
         if torus is not None and torus.reaches(np.array(given)):
             return self._path(torus, np.array(given))
-        if given and self._tabled is not None:
-            q, p = self._tabled.at(np.array(given))
-            return Path(np.array(given), q, p)
         rows = [self._row(t) for t in self._places(given)]
         kind = float if K == RR else object
         q, p = (
@@ -208,15 +204,6 @@ class MumfordFlow:
     def _compiles(self) -> bool:
         """Whether compiled loops in floats may be used for the pairs of the motion."""
         return self._in_floats and not self.system.complex_data
-
-    @cached_property
-    def _tabled(self) -> TabledStates | None:
-        """The tables for many states of a motion in floats, in genera 3 to 6; None if they are not available."""
-        if self._genus not in GENERA_TABLED or self._clock is not None or not self._compiles:
-            return None
-        from integrable.mumford.tabled import TabledStates
-
-        return TabledStates(self._place, self._read_columns, lambda t: [[*map(float, x)] for x in self._row(t)])
 
     def _given(self, times: Any, name: str = "times") -> list[Any]:
         return [self.system.field.coerce(t, f"{name}[{i}]") for i, t in enumerate(one_or_more(times, name))]
@@ -326,20 +313,29 @@ class MumfordFlow:
 
         They are (sin ½φ, cos ½φ) of each point, and (cos, sin) of each angle about an axis since the start.
         """
+        pairs = self._pairs_on(N, torus)
+
+        def read(K: Any, halves: Any, turned: Any) -> Point:
+            state: Point = self.system._back(K, self._inner(K), pairs(K, halves), K.zero)
+            return state
+
+        return read
+
+    def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[Any, Any], Extended]:
+        """``pairs(K, halves)``: the pair with its data at given angles, in the numbers of K; those of a clock are 0."""
         start, ends = self._place(N), self._ends(N)
         here = iter(torus.pair_at(N, torus.halves, ends)[2])
         scales: list[Any] = []
         for kind, datum in zip(start.kinds, start.data, strict=True):
             if isinstance(kind, Lift):
                 (kappa, sigma, nu), (own, slope) = datum, next(here)
-                scale = 1 / N.sqrt(abs(kappa))
-                side = 1 if kappa > 0 else -1
+                scale, side = 1 / N.sqrt(abs(kappa)), 1 if kappa > 0 else -1
                 ahead = scale * own * sigma + side * scale * slope * nu >= 0
                 scales.append((kappa, scale if ahead else -scale, side))
             else:
                 scales.append(None)
 
-        def read(K: Any, halves: Any, turned: Any) -> Point:
+        def pairs(K: Any, halves: Any) -> Extended:
             u, v, lifts = torus.pair_at(K, halves, ends)
             found, data = iter(lifts), []
             for scale in scales:
@@ -347,11 +343,11 @@ class MumfordFlow:
                     data.append(K.zero)
                 else:
                     (kappa, size, side), (sigma, slope) = scale, next(found)
-                    data.append((kappa, size * sigma, side * size * slope))
-            state: Point = self.system._back(K, self._inner(K), Extended(u, v, tuple(data)), K.zero)
-            return state
+                    size = K.coerce(size)
+                    data.append((K.coerce(kappa), size * sigma, side * size * slope))
+            return Extended(u, v, tuple(data))
 
-        return read
+        return pairs
 
     def tau_near(self, time: Number, digits: int) -> Real:
         """τ, as a long number, at a time of a motion that carries its clock."""
@@ -365,11 +361,12 @@ class MumfordFlow:
     @property
     def _may_have_torus(self) -> bool:
         """Whether the motion may have a torus."""
-        return self._compiles and (self._genus == 2 or (self._genus == 1 and not self.system.clocked))
+        return self._compiles and (self._genus >= 2 or not self.system.clocked)
 
-    def _torus_for(self, count: int) -> RealTorus | BodyTorus | EllipticTorus | ThetaTorus | None:
+    def _torus_for(self, count: int) -> RealTorus | BodyTorus | EllipticTorus | PhaseTorus | ThetaTorus | None:
         """The torus, if this many times justify its set-up."""
-        return self._torus if count >= TIMES_TO_THETA or (count and not self._takes_theta) else None
+        dear = self._genus > 2 or self._takes_theta
+        return self._torus if count >= TIMES_TO_THETA or (count and not dear) else None
 
     @cached_property
     def _takes_theta(self) -> bool:
@@ -389,21 +386,29 @@ class MumfordFlow:
         return False
 
     @cached_property
-    def _torus(self) -> RealTorus | BodyTorus | EllipticTorus | ThetaTorus | None:
+    def _torus(self) -> RealTorus | BodyTorus | EllipticTorus | PhaseTorus | ThetaTorus | None:
         """The compiled torus of a motion of genus 1 or 2 in floats; None if there is none or it is not confirmed."""
         if not self._may_have_torus:
             return None
         try:
             torus = self._made_torus()
             return torus if self._confirmed(torus) else None
-        except (PrecisionLoss, ZeroDivisionError):
+        except (NotRepresentable, PrecisionLoss, ZeroDivisionError):
             return None
 
-    def _made_torus(self) -> RealTorus | BodyTorus | EllipticTorus | ThetaTorus:
+    def _made_torus(self) -> RealTorus | BodyTorus | EllipticTorus | PhaseTorus | ThetaTorus:
         if self._genus == 1:
             from integrable.mumford.elliptic_torus import EllipticTorus
 
             return EllipticTorus(self._place)
+        if self._genus > 2:
+            from integrable.mumford.columns import Columns
+            from integrable.mumford.phase_torus import PhaseTorus
+
+            with LongField(BITS_OF_TORUS) as N:
+                separated = self._separated(N)
+                pairs = self._pairs_on(N, separated)
+                return PhaseTorus(separated, lambda halves: pairs(Columns(), halves))
         from integrable.mumford.real_torus import OtherOvals, RealTorus
         from integrable.mumford.theta_torus import ThetaTorus
 

@@ -1,8 +1,6 @@
-"""Power series of a motion on y² = f(x) from one pair.
+"""Power series of a motion on y² = f(x) from one pair whose points are known: series in one variable suffice.
 
-The equations are polynomial (:mod:`integrable.mumford.fields`), so the recurrences of
-:mod:`integrable.series.recurrences` give the coefficients in turn. If the points of the pair are known, series in one
-variable suffice. The sums Σ∫x^k dx/y over the points grow as c_kτ. Since 1/y satisfies a linear equation of first
+The sums Σ∫x^k dx/y over the points grow as c_kτ. Since 1/y satisfies a linear equation of first
 order, a recurrence gives the coefficients of each integral. Newton's method then finds the points at τ.
 """
 
@@ -11,12 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.fields import Poly, multiplier, rates_and_quotients
-from integrable.series.recurrences import coefficients
-from integrable.series.tape import recorded
+from integrable.mumford.fields import Poly
 from jacobian import poly
 from jacobian.errors import PrecisionLoss
-from jacobian.fields.inexact import InexactField
 from jacobian.inexact.long_field import LongField
 from jacobian.linear import pivoted
 
@@ -27,46 +22,6 @@ MOST_STEPS = 60
 # Newton's method ends when the square of a step, relative to the radius of a series, is below this many units of the
 # last bit
 SMALL = 2.0**-8
-
-
-class _Operators(InexactField):
-    """The field over which a formula is recorded; its constants are those of ``field``."""
-
-    name = "recorded numbers"
-
-    def __init__(self, field: LongField) -> None:
-        self.zero, self.one = field.zero, field.one
-
-    def coerce(self, value: Any, argument: str = "value") -> Any:
-        """The number unchanged."""
-        return value
-
-    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
-        """Σ x_i y_i."""
-        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
-
-
-class MotionSeries:
-    """The power series of motions along a direction, with lifts at the branch points ``ends``."""
-
-    def __init__(self, field: LongField, f: Poly, direction: Sequence[Any], ends: Sequence[Any]) -> None:
-        K, g = _Operators(field), len(direction)
-
-        def formula(y: Sequence[Any]) -> list[Any]:
-            u, v = (*y[:g], K.one), tuple(y[g : 2 * g])
-            turning = multiplier(K, u, direction)
-            (of_u, of_v), quotients = rates_and_quotients(K, f, u, v, turning)
-            return [*of_u[:-1], *of_v, *lift_rates(K, (turning, *quotients), ends, y[2 * g :])]
-
-        self._zero, self._tape = field.zero, recorded(formula, 2 * (g + len(ends)))
-
-    def rows(self, start: Sequence[Any], order: int) -> list[list[Any]]:
-        """The first ``order`` Taylor coefficients of U, V and the σ and ν of each lift, from their start values."""
-        tape = self._tape
-        series = [self._zero] * (order * len(tape.kinds))
-        series[::order] = [*start, *tape.constants[len(start) :]]
-        coefficients(tape.kinds, tape.left, tape.right, tape.results, 0, order - 1, 1, series)
-        return [series[i * order : (i + 1) * order] for i in range(len(start))]
 
 
 def radius_of(rows: Sequence[Sequence[Any]]) -> float:
@@ -82,18 +37,6 @@ def radius_of(rows: Sequence[Sequence[Any]]) -> float:
             # the ratio may exceed the range of floats, but its root does not
             found.append(float((earlier / last) ** (1 / between)))
     return min(found, default=1.0)
-
-
-def lift_rates(K: Any, factors: tuple[Poly, Poly, Poly], ends: Sequence[Any], roots: Sequence[Any]) -> list[Any]:
-    """The rates of each lift: σ' = ½(nν − mσ), ν' = ½(mν + wσ) at its branch point; ``factors`` are n, m, w.
-
-    They follow from κσ² = U(e), κσν = V(e), κν² = −W(e) and U' = nV − mU, V' = −½(nW − wU).
-    """
-    found = []
-    for e, sigma, nu in zip(ends, roots[::2], roots[1::2], strict=True):
-        n, m, w = (poly.evaluate(K, b, e) for b in factors)
-        found += [(n * nu - m * sigma) / 2, (m * nu + w * sigma) / 2]
-    return found
 
 
 class PointSeries:

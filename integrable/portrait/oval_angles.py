@@ -30,19 +30,24 @@ class OvalAngles(NamedTuple):
         The sums map angles to phases one to one, with a derivative that is regular everywhere, so this converges.
         """
         angles = 2 * np.pi * phases
-        gaps = self._gaps(angles, phases)
+        gaps, left = self._gaps(angles, phases), np.arange(len(phases))
         for _ in range(MOST_STEPS):
-            steps = np.linalg.solve(self.slopes(angles), (gaps @ (2 * np.pi * self.means))[:, :, None])[:, :, 0]
-            if np.abs(steps).max(initial=0) < LAST:
-                return angles - steps
-            size = np.abs(gaps).max(axis=1)
+            wanted = gaps[left] @ (2 * np.pi * self.means)
+            steps = np.linalg.solve(self.slopes(angles[left]), wanted[:, :, None])[:, :, 0]
+            angles[left] -= steps
+            far = np.abs(steps).max(axis=1) >= LAST
+            left, steps = left[far], steps[far]
+            if not len(left):
+                return angles
+            size, worse = np.maximum(np.abs(gaps[left]).max(axis=1), ROUNDED), np.arange(len(left))
             for _ in range(MOST_HALVINGS):
-                found = self._gaps(angles - steps, phases)
-                worse = np.abs(found).max(axis=1) > np.maximum(size, ROUNDED)
-                if not worse.any():
+                rows = left[worse]
+                gaps[rows] = self._gaps(angles[rows], phases[rows])
+                worse = worse[np.abs(gaps[rows]).max(axis=1) > size[worse]]
+                if not len(worse):
                     break
                 steps[worse] /= 2
-            angles, gaps = angles - steps, found
+                angles[left[worse]] += steps[worse]
         raise PrecisionLoss("the angles of the points at these phases were not found in floats")
 
     def _gaps(self, angles: Array, phases: Array) -> Array:

@@ -65,6 +65,11 @@ class PointOval(NamedTuple):
     radius: Any
     others: tuple[tuple[Any, Any], ...]
 
+    def over(self, N: Any) -> PointOval:
+        """The oval in the numbers of another field."""
+        others = tuple((N.coerce(e), None if s is None else N.coerce(s)) for e, s in self.others)
+        return PointOval(self.place, N.coerce(self.lead), N.coerce(self.middle), N.coerce(self.radius), others)
+
     def weight(self, N: LongField, x: Any) -> Any:
         """1/√h."""
         h = -self.lead

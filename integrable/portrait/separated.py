@@ -137,7 +137,7 @@ class SeparatedTorus:
         return found
 
     @cached_property
-    def _waves(self) -> list[list[list[Any]]]:
+    def waves(self) -> list[list[list[Any]]]:
         """For each oval and form, 2w_n/n for n = 1, 2, …, where w_n are the modes of its coefficient of dφ."""
         import gmpy2
 
@@ -159,7 +159,7 @@ class SeparatedTorus:
         import gmpy2
 
         found = [self._field.zero] * len(self.means[0])
-        for phi, means, waves, poles in zip(angles, self.means, self._waves, self._poles, strict=True):
+        for phi, means, waves, poles in zip(angles, self.means, self.waves, self._poles, strict=True):
             sine, twice = gmpy2.sin(phi), 2 * gmpy2.cos(phi)
             for j, (mean, row) in enumerate(zip(means, waves, strict=True)):
                 # Clenshaw's recurrence for a sine series
@@ -180,7 +180,7 @@ class SeparatedTorus:
         ``halves`` are (sin ½φ, cos ½φ) of each point. σ changes its sign with the half angle of the point that turns
         at e. Nothing is divided by a quantity that vanishes there.
         """
-        ovals = self.ovals
+        ovals = [oval.over(N) for oval in self.ovals]
         points = [o.middle - o.radius * (c * c - s * s) for o, (s, c) in zip(ovals, halves, strict=True)]
         # y = 2·radius·sin ½φ·cos ½φ·pace
         paces = [1 / o.weight(N, x) for o, x in zip(ovals, points, strict=True)]
@@ -191,24 +191,26 @@ class SeparatedTorus:
         for i, (oval, share, (s, c)) in enumerate(zip(ovals, shares, halves, strict=True)):
             rest, height = poly.from_roots(N, [*points[:i], *points[i + 1 :]]), 2 * oval.radius * share * s * c
             v = [x + height * y for x, y in zip(v, rest, strict=True)]
-        return u, tuple(v), [self._lift_at(N, e, points, halves, shares) for e in ends]
+        return u, tuple(v), [self._lift_at(N, e, ovals, points, halves, shares) for e in ends]
 
-    def _lift_at(self, N: Any, e: Any, points: Sequence[Any], halves: Sequence[Any], shares: Sequence[Any]) -> Any:
+    def _lift_at(
+        self, N: Any, end: Any, ovals: Sequence[PointOval], points: Sequence[Any], halves: Sequence[Any], shares: Any
+    ) -> Any:
         """(σ, V(e)/σ) at a branch point; ``shares`` are y/Π(x − other points) over r·sin φ."""
-        place = self.place_of(e)
+        place, e = self.place_of(end), N.coerce(end)
         own, root, rest, size = None, N.one, N.one, N.one
         # |e − x| of each point, but √|e − x|, with a sign, of the one that turns at e
         gaps, signs = [], []
-        for k, (oval, x, (s, c)) in enumerate(zip(self.ovals, points, halves, strict=True)):
+        for k, (oval, x, (s, c)) in enumerate(zip(ovals, points, halves, strict=True)):
             signs.append(1 if place > oval.place else -1)
             if place in (oval.place, oval.place + 1):
-                own, size = k, N.sqrt(2 * oval.radius * N.one)
+                own, size = k, N.sqrt(2 * oval.radius)
                 root, rest = (s * size, c) if place == oval.place else (c * size, s)
             gaps.append(root if own == k else signs[-1] * (e - x))
         others = [N.sqrt(gap) for k, gap in enumerate(gaps) if k != own]
         far, slope = math.prod(others, start=N.one), N.zero
         for i, (share, (s, c)) in enumerate(zip(shares, halves, strict=True)):
-            value = size * share * rest if i == own else 2 * self.ovals[i].radius * share * s * c
+            value = size * share * rest if i == own else 2 * ovals[i].radius * share * s * c
             for k, (gap, sign) in enumerate(zip(gaps, signs, strict=True)):
                 value = value if k == i else value * gap * sign
             slope = slope + value
@@ -257,7 +259,7 @@ class SeparatedTorus:
         for j in range(genus, len(self._forms)):
             total = np.zeros(len(angles))
             for k, (phi, turns) in enumerate(zip(angles.T, phases.T, strict=True)):
-                waves = np.array([float(x) for x in self._waves[k][j]])
+                waves = np.array([float(x) for x in self.waves[k][j]])
                 total += float(self.means[k][j]) * (phi - 2 * np.pi * turns)
                 total += np.sin(np.outer(phi, np.arange(1, len(waves) + 1))) @ waves
                 for pole in self._poles[k][j]:
@@ -270,7 +272,7 @@ class SeparatedTorus:
         """The sums of the g forms in floats."""
         genus = len(self.ovals)
         means = np.array([[float(x) for x in row[:genus]] for row in self.means])
-        waves = [np.array([[float(x) for x in row] for row in rows[:genus]]).T for rows in self._waves]
+        waves = [np.array([[float(x) for x in row] for row in rows[:genus]]).T for rows in self.waves]
         kept = [np.abs(w) > NEGLIGIBLE * np.abs(m) for w, m in zip(waves, means, strict=True)]
         sizes = [int(np.flatnonzero(k.any(axis=1)).max(initial=0)) + 1 for k in kept]
         return OvalAngles(means, tuple(w[:n] for w, n in zip(waves, sizes, strict=True)))

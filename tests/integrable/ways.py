@@ -24,10 +24,6 @@ class Forced:
             if flow._torus is None:
                 raise PrecisionLoss("this motion has no torus")
             return flow._path(flow._torus, given)
-        if self._way == "tables":
-            if flow._tabled is None:
-                raise PrecisionLoss("this motion has no tables")
-            return Path(given, *flow._tabled.at(given))
         assert self._way == "additions"
         rows = [flow._row(place) for place in flow._places(given.tolist())]
         q, p = (np.array([[float(x) for x in row[i]] for row in rows]) for i in (0, 1))

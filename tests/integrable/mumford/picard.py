@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.mumford.fields import Poly, multiplier, padded, rates_and_quotients
-from integrable.mumford.series import lift_rates, radius_of
+from integrable.mumford.series import radius_of
 from jacobian import poly
 from jacobian.fields.inexact import InexactField
 from jacobian.inexact.long_field import LongField
@@ -16,6 +16,18 @@ from jacobian.numbers.long_reals import BallReals
 
 # bits beyond those of the field
 GUARD = 64
+
+
+def lift_rates(K: Any, factors: tuple[Poly, Poly, Poly], ends: Sequence[Any], roots: Sequence[Any]) -> list[Any]:
+    """The rates of each lift: σ' = ½(nν − mσ), ν' = ½(mν + wσ) at its branch point; ``factors`` are n, m, w.
+
+    They follow from κσ² = U(e), κσν = V(e), κν² = −W(e) and U' = nV − mU, V' = −½(nW − wU).
+    """
+    found = []
+    for e, sigma, nu in zip(ends, roots[::2], roots[1::2], strict=True):
+        n, m, w = (poly.evaluate(K, b, e) for b in factors)
+        found += [(n * nu - m * sigma) / 2, (m * nu + w * sigma) / 2]
+    return found
 
 
 class SeriesField(InexactField):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from integrable.mumford.series import MotionSeries, PointMotion, through
+from integrable.mumford.series import PointMotion, through
 from jacobian import poly
 from jacobian.inexact.long_field import LongField
 from tests.integrable.mumford.picard import taylor
@@ -31,20 +31,3 @@ def test_points_move_as_the_equations_say(genus, degree, complex) -> None:
             one, two = (row if isinstance(row, (tuple, list)) else [row] for row in (one, two))
             size = max(abs(x) for x in two)
             assert all(abs(x - y) <= 2.0 ** (24 - BITS) * size for x, y in zip(one, two, strict=True))
-
-
-@pytest.mark.parametrize(("genus", "degree"), [(1, 3), (2, 5), (2, 6), (3, 7), (3, 8)])
-def test_recurrences_have_the_coefficients_of_picards_iteration(genus, degree) -> None:
-    """Coefficients of U, V and two lifts; Ω, which Picard's iteration has too, is not among them."""
-    with LongField(BITS) as K:
-        f, points, direction = case(K, genus, degree)
-        (u, v), ends = through(K, *points), [K.coerce(-7), K.coerce(-2)]
-        lifts = [(e, K.coerce(0.5 + i), K.coerce(i - 1.25)) for i, e in enumerate(ends)]
-        found = MotionSeries(K, f, direction, ends).rows([*u[:-1], *v, *(x for _, *pair in lifts for x in pair)], ORDER)
-        right = taylor(K, f, (u, v), direction, ORDER, lifts=lifts).rows
-        del right[2 * genus]
-        for one, two in zip(found, right, strict=True):
-            # differences of large numbers lose two bits per order; tables have more spare bits and half as many orders
-            assert all(
-                abs(x - y) <= 2.0 ** (2 * k + 32 - BITS) * abs(y) for k, (x, y) in enumerate(zip(one, two, strict=True))
-            )
