@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.columns import Column
 from integrable.mumford.elliptic_torus import half_turn, long_numbers
 from integrable.portrait.separated import SeparatedTorus
-from integrable.torus.access import MOST_TURNS
 from integrable.torus.witness import witnesses
 from jacobian.numbers.double_double import split
 from jacobian.relatives.extended import Extended
