@@ -15,7 +15,6 @@ from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 from jacobian.numbers.abreast import abreast
 
-Real = Any
 Row = Any
 
 # length of a row of the table of series

@@ -10,13 +10,13 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from integrable.mumford.elliptic_torus import circle, theta_quotients
+from jacobian.element import Real
 from jacobian.native.kinds import BOOL, FLOAT, FLOATS, WIDES, TupleKind, record
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
-Real = Any
 Row = Any
 Three = tuple[Real, Real, Real]
 

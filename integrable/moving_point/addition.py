@@ -12,11 +12,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from jacobian.element import Real as Real
 from jacobian.inexact.genus2_real import add, chord
 from jacobian.inexact.retraction import retracted
 from jacobian.numbers.roots import root
 
-Real = Any
 Row = Any
 
 

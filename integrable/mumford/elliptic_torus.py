@@ -19,6 +19,7 @@ from integrable.mumford.columns import Column
 from integrable.mumford.motion import Start
 from integrable.mumford.real_torus import APART, BITS, SMALL, real_roots
 from integrable.torus.witness import TURNS
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.native.kinds import FLOATS, WIDES
@@ -28,7 +29,6 @@ from jacobian.numbers.abreast import abreast
 from jacobian.numbers.double_double import split
 from jacobian.relatives.extended import Extended, Lift
 
-Real = Any
 Row = Any
 
 # number of terms of the sine series, and of the cosine series, for angles up to an eighth of a turn

@@ -24,6 +24,7 @@ from integrable.mumford.fields import cofactor
 from integrable.mumford.motion import Start
 from integrable.torus.witness import witnesses
 from jacobian import RR, poly
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.native.kinds import INT, INTS, WIDES, TupleKind, record
@@ -45,7 +46,6 @@ from jacobian.periods.real_basis import (
 from jacobian.periods.roots import conjugated, simple_roots
 from jacobian.relatives.extended import Extended, Lift
 
-Real = Any
 Row = Any
 
 # bits in which a torus is set up

@@ -10,7 +10,6 @@ import numpy as np
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.double_double import split
 
-Real = Any
 Row = Any
 
 # bits to which the points of the circle are computed before rounding
