@@ -32,7 +32,7 @@ COMPLEX = (0.5 + 1j, -1.0, 0.25j, 1 - 1j, 0.5, 1 + 0.5j, 0.75 - 0.25j)
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """Rows: ns an addition for N divisors, compiled by numba and by the C compiler; the residuals; two threads."""
+    """Rows: ns an addition for N divisors, by our compiler and by the C compiler; the residuals; two threads."""
     sizes = (1000,) if smoke else (10**3, 10**4, 10**5, 10**6)
     repeats = 1 if smoke else REPEATS
     found = []

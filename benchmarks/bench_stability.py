@@ -17,7 +17,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numba.extending import register_jitable
 
 from benchmarks.classical import classical
 from benchmarks.figures import command, save
@@ -25,11 +24,8 @@ from integrable import ChaplyginBall, EulerTop
 from integrable.moving_point import compiled
 from jacobian import MP
 from jacobian.inexact import genus2_real, retraction
-from jacobian.inexact.compiled import JIT
-from jacobian.native.kinds import BOOL, INT, WIDES
+from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, WIDES, TupleKind
 from jacobian.native.library import Library
-from jacobian.native.special import SPECIAL
-from jacobian.numbers.compiler import njit
 from jacobian.numbers.double_double import pack, unpack
 
 SCENES = json.loads((Path(__file__).parents[1] / "tests" / "data" / "trajectories.json").read_text())["scenes"]
@@ -103,15 +99,13 @@ def problem(name: str, eta: float) -> Problem:
 Way = Callable[[Problem, list[int]], Iterator[tuple[Any, ...]]]
 
 
-@njit(**JIT)
-def _stacked(f, point, step, count):  # type: ignore[no-untyped-def]
+def _stacked(f: Any, point: Any, step: Any, count: int) -> Any:
     for _ in range(count):
         point = genus2_real.add(f, point, step)[0]
     return point
 
 
-@njit(**JIT)
-def _retracted(f, point, step, count):  # type: ignore[no-untyped-def]
+def _retracted(f: Any, point: Any, step: Any, count: int) -> Any:
     for i in range(count):
         point = genus2_real.add(f, point, step)[0]
         if i % RETRACTED == RETRACTED - 1:
@@ -119,25 +113,21 @@ def _retracted(f, point, step, count):  # type: ignore[no-untyped-def]
     return point
 
 
-register_jitable(classical)
-
-
-@njit(**JIT)
-def _classical(f, point, step, count):  # type: ignore[no-untyped-def]
+def _classical(f: Any, point: Any, step: Any, count: int) -> Any:
     for _ in range(count):
         point = classical(f, point, step)
     return point
 
 
-@njit(**JIT)
-def _pairs_alone(a, gamma, n, step, roots, count):  # type: ignore[no-untyped-def]
-    """Γ̃_i = (n_i + L(a_i)Γ_i)/(b3s'_i), ñ_i = −b3s'_iΓ_i + (b3a_i + β̃)Γ̃_i, (Γ̃, ñ) = 0: without f."""
+def _pairs_alone(a: Any, x: Any, y: Any, step: Any, roots: Any, count: int) -> None:
+    """Γ̃_i = (n_i + L(a_i)Γ_i)/(b3s'_i), ñ_i = −b3s'_iΓ_i + (b3a_i + β̃)Γ̃_i, (Γ̃, ñ) = 0: without f. x and y, Γ and n,
+    are replaced.
+    """
     s0, s1, t0, t1 = step
-    x, y = gamma.copy(), n.copy()
     for _ in range(count):
         u0, u1, v0, v1 = 0.0, 0.0, 0.0, 0.0
         for i in range(3):
-            b, c = a[i - 1], a[i - 2]
+            b, c = a[(i + 2) % 3], a[(i + 1) % 3]
             u0 += x[i] * x[i] * b * c
             u1 -= x[i] * x[i] * (b + c)
             v0 += x[i] * y[i] * b * c
@@ -149,19 +139,18 @@ def _pairs_alone(a, gamma, n, step, roots, count):  # type: ignore[no-untyped-de
         l0, l1 = (r0 * b1 - r1 * b0) / determinant, (a0 * r1 - a1 * r0) / determinant
         lean = 0.0
         norm = 0.0
-        old = x.copy()
         for i in range(3):
-            x[i] = (y[i] + (l1 * a[i] + l0) * old[i]) / (l1 * roots[i])
-            y[i] = -l1 * roots[i] * old[i] + l1 * a[i] * x[i]
+            old = x[i]
+            x[i] = (y[i] + (l1 * a[i] + l0) * old) / (l1 * roots[i])
+            y[i] = -l1 * roots[i] * old + l1 * a[i] * x[i]
         for i in range(3):
             lean += x[i] * y[i]
             norm += x[i] * x[i]
         for i in range(3):
             y[i] -= lean / norm * x[i]
-    return x, y
 
 
-def _in_double_double(f, first, by, count, retract, to):  # type: ignore[no-untyped-def]
+def _in_double_double(f: Any, first: Any, by: Any, count: int, retract: bool, to: Any) -> None:
     six = (f[0], f[1], f[2], f[3], f[4], f[5])
     moved, four = (first[0], first[1], first[2], first[3]), (by[0], by[1], by[2], by[3])
     for i in range(count):
@@ -171,8 +160,16 @@ def _in_double_double(f, first, by, count, retract, to):  # type: ignore[no-unty
     to[0], to[1], to[2], to[3] = moved
 
 
+SIX, FOUR = TupleKind((FLOAT,) * 6), TupleKind((FLOAT,) * 4)
 LOOPS = Library(
-    "bench_stability", {"in_double_double": (_in_double_double, (WIDES, WIDES, WIDES, INT, BOOL, WIDES))}, SPECIAL
+    "bench_stability",
+    {
+        "stacked": (_stacked, (SIX, FOUR, FOUR, INT)),
+        "retracted": (_retracted, (SIX, FOUR, FOUR, INT)),
+        "classical": (_classical, (SIX, FOUR, FOUR, INT)),
+        "pairs_alone": (_pairs_alone, (FLOATS, FLOATS, FLOATS, FOUR, FLOATS, INT)),
+        "in_double_double": (_in_double_double, (WIDES, WIDES, WIDES, INT, BOOL, WIDES)),
+    },
 )
 
 
@@ -208,10 +205,10 @@ def _without_curve(problem: Problem, counts: list[int]) -> Iterator[tuple[Any, .
     pairs = np.array([float(x) for x in problem.pairs(problem.start, weights)])
     roots = np.array([float(x) for x in problem.pairs(problem.step, ones)[:3]])
     a, step = np.array([float(x) for x in problem.a]), tuple(map(float, problem.step))
-    x, y = pairs[:3], pairs[3:]
+    x, y = pairs[:3].copy(), pairs[3:].copy()
     done = 0
     for count in counts:
-        x, y = _pairs_alone(a, x, y, step, roots, count - done)
+        LOOPS.pairs_alone(a, x, y, step, roots, count - done)
         done = count
         others = [(a[i - 1], a[i - 2]) for i in range(3)]
         u0 = sum(x[i] ** 2 * b * c for i, (b, c) in enumerate(others))
@@ -229,7 +226,7 @@ def _random_access(problem: Problem, counts: list[int]) -> Iterator[tuple[Any, .
         point = start
         for k, row in enumerate(table):
             if count >> k & 1:
-                point = _stacked(f, point, row, 1)
+                point = LOOPS.stacked(f, point, row, 1)
         yield point
 
 
@@ -253,10 +250,18 @@ def _interpreted(f: Any, point: Any, step: Any, count: int) -> Any:
 
 
 WAYS: dict[str, tuple[Way, int, str]] = {
-    "stacked": (_iterated(_stacked, float), 10**8, "(U, V), both congruences, compiled"),
-    "retracted": (_iterated(_retracted, float), 10**8, "(U, V), put back on the curve every 16"),
+    "stacked": (_iterated(lambda *given: LOOPS.stacked(*given), float), 10**8, "(U, V), both congruences, compiled"),
+    "retracted": (
+        _iterated(lambda *given: LOOPS.retracted(*given), float),
+        10**8,
+        "(U, V), put back on the curve every 16",
+    ),
     "with signs": (_with_signs, 10**7, "(U, V) with the signs of γ, as the flow steps"),
-    "classical": (_iterated(_classical, float), 10**8, "(U, V), one congruence (classical)"),
+    "classical": (
+        _iterated(lambda *given: LOOPS.classical(*given), float),
+        10**8,
+        "(U, V), one congruence (classical)",
+    ),
     "pairs alone": (_without_curve, 10**6, "pairs (Γ, n) alone, without the curve"),
     "random access": (_random_access, 10**8, "random access from a table of [2^k]D′"),
     "interpreted": (_iterated(_interpreted, float), 10**5, "(U, V), both congruences, interpreted"),

@@ -1,9 +1,9 @@
-"""Compiled loops over divisors of weight 2 in floats and complex numbers: the stable composition of
+"""Loops over divisors of weight 2 in floats and complex numbers, to be compiled: the stable composition of
 :mod:`jacobian.inexact.genus2_real` for deg f = 5 over the floats, else that of :mod:`jacobian.inexact.genus2_complex`.
 
 The columns are those of :mod:`jacobian.batch.sums`. ``f`` has six coefficients and ``half`` = h/2 three where deg f = 5
-over the floats, else seven and four: numba knows these lengths at compile time, and drops the other branch. Sizes are
-|re| + |im|, which needs no square root. Importing this module imports numba.
+over the floats, else seven and four: the compiler knows these lengths, and drops the other branch. Sizes are |re| +
+|im|, which needs no square root.
 """
 
 from __future__ import annotations
@@ -11,12 +11,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
-import numpy as np
-from numba.extending import register_jitable
-
 from jacobian.inexact import genus2_complex, genus2_real, retraction
-from jacobian.inexact.compiled import JIT
-from jacobian.numbers.compiler import njit
 
 # the largest allowed remainder f − V² mod U of a sum, relative to the size of its terms, as for single sums (REMAINDER
 # of jacobian.inexact.composition). 1 or 2 rows in 100 in general position exceed it, and are added again
@@ -38,8 +33,7 @@ TINY = 1e-300
 
 BLOCK = 256
 """The number of columns in one pass of the loops."""
-
-Columns = np.ndarray
+SCRATCH = 13 * BLOCK
 
 
 def extent(z: Any) -> Any:
@@ -121,98 +115,73 @@ def steep(f: Any, size: Any) -> Any:
     return extent(size) > FLATTEST
 
 
-def decided(f: Any, block: Any, i: Any) -> Any:
+def decided(f: Any, S: Any, i: Any) -> Any:
     """Whether the summands of column i have enough digits for their sum."""
-    first, second = row(block, 0, i), row(block, 4, i)
-    return steep(f, block[12, i]) & apart(first, second) & even(f, first, second)
+    first, second = row(S, 0, i), row(S, 4, i)
+    return steep(f, S[12 * BLOCK + i]) & apart(first, second) & even(f, first, second)
 
 
-def improved(f: Any, block: Any, i: Any) -> Any:
+def improved(f: Any, S: Any, i: Any) -> Any:
     """Improves the sum of column i; returns whether it lies on the curve up to rounding.
 
     a + b and b + a round differently. The one with the smaller remainder is kept and moved by a Newton step.
     """
-    total, other = row(block, 8, i), added(f, row(block, 4, i), row(block, 0, i))[0]
+    total, other = row(S, 8, i), added(f, row(S, 4, i), row(S, 0, i))[0]
     if not misfit(f, total) <= misfit(f, other):
         total = other
     near = misfit(f, total) <= NOISE
     total = retraction.retracted(f, total) if len(f) == 6 else genus2_complex.retracted(f, total)
-    block[8, i], block[9, i], block[10, i], block[11, i] = total
+    keep(S, 8, i, total)
     return near & (misfit(f, total) <= FINE)
 
 
-def row(block: Any, first: Any, i: Any) -> Any:
-    """The divisor in rows ``first`` to ``first`` + 3 of a block, column i."""
-    return block[first, i], block[first + 1, i], block[first + 2, i], block[first + 3, i]
+def row(S: Any, first: Any, i: Any) -> Any:
+    """The divisor in rows ``first`` to ``first`` + 3 of the scratch array, column i."""
+    at = first * BLOCK + i
+    return S[at], S[at + BLOCK], S[at + 2 * BLOCK], S[at + 3 * BLOCK]
 
 
-# the functions of genus2_real are registered by jacobian.inexact.compiled
-_KERNEL: tuple[Any, ...] = (
-    genus2_complex.square,
-    genus2_complex.phase,
-    genus2_complex.cofactor,
-    genus2_complex.remainder,
-    genus2_complex.slope,
-    genus2_complex.newton_step,
-    genus2_complex.tangent_polynomial,
-    genus2_complex.second_polynomial,
-    genus2_complex.chord,
-    genus2_complex.add,
-    genus2_complex.retracted,
-    improved,
-)
-for _function in _KERNEL:
-    register_jitable(_function)
-# inlined before the loops are compiled: LLVM does not vectorise loops with calls, and the sum, some hundred operations,
-# is too large for it to inline by itself
-for _function in (extent, shift, scaled, misfit, apart, even, added, steep, decided, row):
-    register_jitable(forceinline=True)(_function)
+def keep(S: Any, first: Any, i: Any, divisor: Any) -> None:
+    """Stores a divisor there."""
+    at = first * BLOCK + i
+    S[at], S[at + BLOCK], S[at + 2 * BLOCK], S[at + 3 * BLOCK] = divisor
 
 
-@njit(**JIT)
-def add_columns(
-    curve: tuple[Any, Any, Any, Any],
-    first: Columns,
-    second: Columns,
-    out: Columns,
-    doubtful: np.ndarray,
-    begin: int,
-    end: int,
-) -> None:
-    """Adds column by column, in blocks, so that LLVM vectorises the steps that are the same for all columns. ``curve``
-    is f, h/2, the units of the kernel and their inverses.
+def add_columns(curve: Any, first: Any, second: Any, out: Any, doubtful: Any, span: Any, S: Any) -> None:
+    """Adds the columns of a span (begin, end), in blocks, so that LLVM vectorises the steps that are the same for all.
+
+    ``curve`` is f, h/2, the units of the kernel and their inverses. The scratch array S, of SCRATCH numbers, has rows
+    of BLOCK: the summands, the sum, and the quantity that vanishes if its degree drops. They do not overlap.
     """
-    f, half, units, inverses = curve
-    # the summands, the sum and the quantity that vanishes if its degree drops: rows of one array, which do not overlap
-    block = np.empty((13, BLOCK), out.dtype)
+    (f, half, units, inverses), (begin, end) = curve, span
     each = second.shape[1] > 1
     if not each:
         for i in range(BLOCK):
-            block[4, i], block[5, i], block[6, i], block[7, i] = scaled(half, inverses, second, 0)
+            keep(S, 4, i, scaled(half, inverses, second, 0))
     for start in range(begin, end, BLOCK):
         count = min(BLOCK, end - start)
         for i in range(count):
-            block[0, i], block[1, i], block[2, i], block[3, i] = scaled(half, inverses, first, start + i)
+            keep(S, 0, i, scaled(half, inverses, first, start + i))
         if each:
             for i in range(count):
-                block[4, i], block[5, i], block[6, i], block[7, i] = scaled(half, inverses, second, start + i)
+                keep(S, 4, i, scaled(half, inverses, second, start + i))
         for i in range(count):
-            total, block[12, i] = added(f, row(block, 0, i), row(block, 4, i))
-            block[8, i], block[9, i], block[10, i], block[11, i] = total
+            total, S[12 * BLOCK + i] = added(f, row(S, 0, i), row(S, 4, i))
+            keep(S, 8, i, total)
         for i in range(count):
-            doubtful[start + i] = not ((misfit(f, row(block, 8, i)) <= FINE) & decided(f, block, i))
+            doubtful[start + i] = not ((misfit(f, row(S, 8, i)) <= FINE) & decided(f, S, i))
         for i in range(count):
             if doubtful[start + i]:
-                doubtful[start + i] = not (decided(f, block, i) and improved(f, block, i))
+                doubtful[start + i] = not (decided(f, S, i) and improved(f, S, i))
         for i in range(count):
-            u0, u1 = block[8, i] * units[0], block[9, i] * units[1]
+            u0, u1, v0, v1 = row(S, 8, i)
+            u0, u1 = u0 * units[0], u1 * units[1]
             t0, t1 = shift(half, u0, u1)
             out[0, start + i], out[1, start + i] = u0, u1
-            out[2, start + i], out[3, start + i] = block[10, i] * units[2] - t0, block[11, i] * units[3] - t1
+            out[2, start + i], out[3, start + i] = v0 * units[2] - t0, v1 * units[3] - t1
 
 
-@njit(**JIT)
-def first_off_curve(f: Any, half: Any, inverses: Any, divisors: Columns) -> int:
+def first_off_curve(f: Any, half: Any, inverses: Any, divisors: Any) -> Any:
     """The index of the first divisor whose remainder exceeds GIVEN_NOISE, or −1."""
     for i in range(divisors.shape[1]):
         if not misfit(f, scaled(half, inverses, divisors, i)) <= GIVEN_NOISE:

@@ -2,7 +2,7 @@
 own addition adds the others.
 
 If :mod:`jacobian.inexact.composition` cannot decide a sum, or if it has a point at infinity of a split model, only its
-row is lost; the other rows stay valid. Importing this module imports numba.
+row is lost; the other rows stay valid.
 """
 
 from __future__ import annotations

@@ -56,7 +56,8 @@ def sums(context: Any, model: Any) -> Library:
         "add_rows": (block_loops.add_rows, (CONTEXTS[context], C, first, first, rows, SPAN, room_of_sums(context))),
         "double_rows": (block_loops.double_rows, (CONTEXTS[context], C, first, rows, SPAN, room_of_sums(context))),
     }
-    return Library(f"sums_on_{model.__name__}_of_{context.__name__}".lower(), entries, inlined=context in IN_LANES)
+    name = f"sums_on_{model.__name__}_of_{context.__name__}".lower()
+    return Library(name, entries, inlined_but=() if context in IN_LANES else None)
 
 
 @cache

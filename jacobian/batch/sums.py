@@ -1,28 +1,53 @@
 """Compiled sums of many divisors of genus 2 over the floats and complex numbers: units and threads around the loops of
-:mod:`jacobian.batch.float_kernels`.
+:mod:`jacobian.batch.float_kernels`. Where nothing is compiled these run in Python.
 
 A row of the group is a column here, as in :mod:`jacobian.batch.block_loops`: ``x[i, j]`` is the i-th coordinate (u₀,
 u₁, v₀, v₁) of divisor j. The sums whose degree drops, or whose remainder f − V² mod U shows that digits were lost, are
-reported instead of returned; :mod:`jacobian.inexact.composition` computes them. Importing this module imports numba.
+reported instead of returned; :mod:`jacobian.inexact.composition` computes them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from math import log2
+from typing import Any
 
 import numpy as np
 
 from jacobian import poly
-from jacobian.batch.float_kernels import Columns, add_columns, first_off_curve
+from jacobian.batch import float_kernels
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError
 from jacobian.fields import CC, RR
+from jacobian.native.kinds import COMPLEX, FLOAT, INT, ArrayKind, TupleKind
+from jacobian.native.library import Library
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.threads import in_ranges
 
+Columns = np.ndarray
+
 RANGE = 1 << 14
 """The number of columns in one task of a thread."""
+
+
+@cache
+def _library(is_complex: bool, size: int) -> Library:
+    """The loops for real or complex numbers and an f of that many coefficients."""
+    number, units = COMPLEX if is_complex else FLOAT, TupleKind((FLOAT,) * 4)
+    parts = len(number.leaves)
+    f, half, columns = TupleKind((number,) * size), TupleKind((number,) * (size - 3)), ArrayKind(number, 2, parts)
+    curve, marks, span = TupleKind((f, half, units, units)), ArrayKind(INT, stored="bool"), TupleKind((INT, INT))
+    entries = {
+        "add_columns": (
+            float_kernels.add_columns,
+            (curve, columns, columns, columns, marks, span, ArrayKind(number, 1, parts)),
+        ),
+        "first_off_curve": (float_kernels.first_off_curve, (f, half, units, columns)),
+    }
+    return Library(
+        f"sums_of_{'complex' if is_complex else 'real'}_divisors_{size}", entries, inlined_but=(float_kernels.improved,)
+    )
 
 
 class FloatSums:
@@ -41,14 +66,15 @@ class FloatSums:
         half = tuple(c / 2 for c in curve.h)
         f = poly.add(K, curve.f, poly.mul(K, half, half)) if half else curve.f
         self.dtype = np.dtype(type(K.one))
-        self._half = tuple([*half, *[K.zero] * 4][: 3 if real_quintic else 4])
+        half = tuple([*half, *[K.zero] * 4][: 3 if real_quintic else 4])
         # units of x and y, powers of 2, in which the mean root of f (as a product) and its coefficients are about 1
         lowest, top = next(k for k, c in enumerate(f) if c), len(f) - 1
         x = _power_of_two(abs(f[lowest] / f[-1]) ** (1 / (top - lowest))) if lowest < top else 1.0
         y = _power_of_two(max(abs(c) * x**k for k, c in enumerate(f)) ** 0.5)
         self._f = tuple([*(c * x**k / y**2 for k, c in enumerate(f)), *[K.zero] * 7][: 6 if real_quintic else 7])
-        self._units = (x * x, x, y, y / x)
-        self._inverses = tuple(1 / unit for unit in self._units)
+        units = (x * x, x, y, y / x)
+        self._constants = self._f, half, units, tuple(1 / unit for unit in units)
+        self._loops: Any = float_kernels if interpreted() else _library(self.dtype.kind == "c", len(self._f))
 
     def add(self, first: Columns, second: Columns) -> tuple[Columns, np.ndarray]:
         """(sums, doubtful): column by column, ``second`` of shape (4, N) or (4, 1) for one divisor added to all.
@@ -60,12 +86,13 @@ class FloatSums:
                 f"first and second of shapes {first.shape} and {second.shape}: (4, N) both, or (4, 1) the second"
             )
         out, doubtful = np.empty(first.shape, self.dtype), np.empty(first.shape[1], dtype=np.bool_)
+        arrays = [self._view(x) for x in (first, second, out)]
 
         def work(begin: int, end: int) -> None:
-            constants = self._f, self._half, self._units, self._inverses
-            add_columns(constants, first, second, out, doubtful, begin, end)
+            scratch = self._view(np.empty(float_kernels.SCRATCH, self.dtype))
+            self._loops.add_columns(self._constants, *arrays, doubtful, (begin, end), scratch)
 
-        in_ranges(first.shape[1], RANGE, _one_by_one(work, doubtful) if interpreted() else work)
+        in_ranges(first.shape[1], RANGE, _one_by_one(work, doubtful) if self._loops is float_kernels else work)
         return out, doubtful
 
     def first_off_curve(self, divisors: Columns) -> int:
@@ -73,7 +100,15 @@ class FloatSums:
 
         All columns have weight 2.
         """
-        return int(first_off_curve(self._f, self._half, self._inverses, divisors))
+        f, half, _, inverses = self._constants
+        return int(self._loops.first_off_curve(f, half, inverses, self._view(divisors)))
+
+    def _view(self, numbers: Columns) -> Columns:
+        """An array in the form that the loops take, in the same memory if that is contiguous."""
+        numbers = np.ascontiguousarray(numbers)
+        if self.dtype.kind != "c" or self._loops is float_kernels:
+            return numbers
+        return numbers.view(np.float64).reshape(*numbers.shape, 2)
 
 
 def _one_by_one(work: Callable[[int, int], None], doubtful: np.ndarray) -> Callable[[int, int], None]:

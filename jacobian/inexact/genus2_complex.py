@@ -1,4 +1,4 @@
-"""One addition in genus 2 on complex numbers and on curves with deg f = 6, in Python that numba compiles unchanged.
+"""One addition in genus 2 on complex numbers and on curves with deg f = 6, in Python that is compiled unchanged.
 
 The formulas of :mod:`jacobian.inexact.composition` for two divisors of weight two on y² = f(x), deg f ≤ 6, unrolled as
 in :mod:`jacobian.inexact.genus2_real`. Three things differ from that module. Squares that measure a size are |z|².

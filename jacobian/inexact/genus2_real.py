@@ -1,10 +1,10 @@
-"""One addition in genus 2 on bare reals, in Python that numba compiles unchanged.
+"""One addition in genus 2 on bare reals, in Python that is compiled unchanged.
 
 The same formulas as :mod:`jacobian.inexact.composition` for two divisors of weight two on y² = f(x), deg f ≤ 5,
 unrolled; a quartic f gives the generalized Jacobian with modulus ∞₊ + ∞₋. Coordinates must be in units that make the
 coefficients of f and of the moving divisor of moderate size. The result must be of weight two: the real motions that
-use this never leave the compact component. Numbers are ``float`` or ``mpf``; :mod:`jacobian.inexact.compiled` compiles
-these functions with numba, for floats and for double-double numbers.
+use this never leave the compact component. Numbers are ``float`` or ``mpf``; :mod:`jacobian.native` compiles
+these functions, for floats and for double-double numbers.
 """
 
 from __future__ import annotations

@@ -2,8 +2,7 @@
 
 Rounding moves the sums of :mod:`jacobian.inexact.genus2_real` off the curve, and this error need not stay small. Over
 many additions of one divisor it grows, for some steps exponentially (``python -m benchmarks stability``). An occasional
-Newton step prevents that. Numbers are bare reals, as in :mod:`jacobian.inexact.genus2_real`; compiled code may call
-this after ``import jacobian.inexact.compiled``.
+Newton step prevents that. Numbers are bare reals, as in :mod:`jacobian.inexact.genus2_real`.
 """
 
 from __future__ import annotations

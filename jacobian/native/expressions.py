@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from jacobian.native.code import LANES
+from jacobian.native.complexes import METHODS, PARTS
 from jacobian.native.kinds import (
     BOOL,
     INT,
@@ -21,6 +22,7 @@ from jacobian.native.kinds import (
     Value,
     abreast,
     is_abreast,
+    is_number,
     meeting,
     single,
     together,
@@ -223,6 +225,8 @@ class Expressions(Operators):
             return self.outside(self.program.looked_up(x.parts[0], node.attr))
         if isinstance(x.kind, ArrayKind) and node.attr == "shape":
             return Value(TupleKind((INT,) * x.kind.ndim), x.parts[1:])
+        if is_number(x.kind) and node.attr in PARTS:
+            return PARTS[node.attr](self, x)
         if not isinstance(x.kind, TupleKind):
             raise CompileError(f"attribute {node.attr} of {x.kind}")
         if not x.kind.has(node.attr) and hasattr(x.kind.named, node.attr):
@@ -342,7 +346,9 @@ class Expressions(Operators):
 
     def of_call(self, node: ast.Call) -> Value:
         if isinstance(node.func, ast.Attribute) and (owner := self.value(node.func.value)).kind is not OBJECT:
-            # a method: of a NamedTuple's class
+            # a method: of a number, or of a NamedTuple's class
+            if is_number(owner.kind) and node.func.attr in METHODS:
+                return METHODS[node.func.attr](self, owner)
             if not isinstance(owner.kind, TupleKind) or owner.kind.named is None or node.keywords:
                 raise CompileError(f"{ast.unparse(node)} is not compiled")
             return self.call(self.program.of_class(owner.kind.named, node.func.attr), [owner, *self.items(node.args)])

@@ -38,6 +38,7 @@ FLOAT = Kind("float", ("double",), 2)
 WIDE = Kind("double-double", ("double", "double"), 3)
 LONG = Kind("long", ("i128",), 4)
 """A natural number below 2^128."""
+COMPLEX = Kind("complex", ("double", "double"), 5)
 NONE = Kind("None", ())
 _ABREAST = {
     (kind, n): Kind(f"{n} {kind.name} abreast", tuple(f"<{n} x {leaf}>" for leaf in kind.leaves), kind.rank, kind, n)
@@ -69,8 +70,8 @@ def single(kind: Any) -> Any:
 
 @dataclass(frozen=True)
 class ArrayKind:
-    """A C-contiguous array. ``item`` is the kind of its items: floats, integers, longs or double-doubles. Each item
-    takes ``parts`` words, or, an integer of a shorter type, is ``stored`` in that NumPy type."""
+    """A C-contiguous array. ``item`` is the kind of its items: floats, integers, longs, double-doubles or complex
+    numbers. Each item takes ``parts`` words, or, an integer of a shorter type, is ``stored`` in that NumPy type."""
 
     item: Kind
     ndim: int = 1
@@ -100,7 +101,7 @@ class ArrayKind:
 INTS, FLOATS, WIDES = ArrayKind(INT), ArrayKind(FLOAT), ArrayKind(WIDE, parts=2)
 HIGHS = ArrayKind(FLOAT, parts=2)
 """The high parts of double-doubles."""
-LONGS = ArrayKind(LONG, parts=2)
+LONGS, COMPLEXES = ArrayKind(LONG, parts=2), ArrayKind(COMPLEX, parts=2)
 TWIN_FLOATS = ArrayKind(_ABREAST[FLOAT, TWO], parts=TWO)
 TWIN_WIDES = ArrayKind(_ABREAST[WIDE, TWO], parts=2 * TWO)
 """Items of two numbers that run through the same instructions in two lanes: (x, y) of floats, (x_hi, y_hi, x_lo, y_lo)

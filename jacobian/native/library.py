@@ -15,7 +15,7 @@ import numpy as np
 
 from jacobian.native import kept, machine
 from jacobian.native.direct import Method, Objects
-from jacobian.native.kinds import LONG, WIDE, TupleKind, Value, form_of
+from jacobian.native.kinds import COMPLEX, LONG, WIDE, TupleKind, Value, form_of
 from jacobian.native.program import Program
 from jacobian.native.special import SPECIAL
 from jacobian.numbers.compiler import say_once
@@ -30,7 +30,8 @@ class Library:
 
     ``functions`` maps each entry's name to the function and the kinds of its arguments. ``library.name(…)`` calls it.
     For ``special`` functions the library has instructions of its own, beside those of
-    :data:`jacobian.native.special.SPECIAL`. LLVM vectorises a loop only if what it calls is ``inlined``.
+    :data:`jacobian.native.special.SPECIAL`. LLVM vectorises a loop only if what it calls is inlined: all functions
+    without loops are, but for those ``inlined_but``, unless this is None.
     Arrays are NumPy arrays; double-doubles have a last axis (hi, lo). Tuples are tuples or :class:`Packed`.
     Calls release Python's lock. The logger of this module reports when a library is not on disk and has to be compiled.
     """
@@ -41,10 +42,10 @@ class Library:
         functions: dict[str, tuple[Any, tuple[Any, ...]]],
         special: Mapping[Any, Callable[..., Value | None]] = MappingProxyType({}),
         fast: tuple[Any, ...] = (),
-        inlined: bool = False,
+        inlined_but: tuple[Any, ...] | None = None,
     ) -> None:
         self.name, self._functions, self._special, self._fast = name, functions, {**SPECIAL, **special}, fast
-        self._inlined = inlined
+        self._inlined_but = inlined_but
         self._lock = threading.Lock()
         self._entries: dict[str, Any] = {}
 
@@ -66,7 +67,8 @@ class Library:
     def _made_for(self) -> str:
         """The key of its object on disk, which depends on this machine and on the entries with their kinds."""
         entries = {name: (f.__module__, f.__name__, *map(said, kinds)) for name, (f, kinds) in self._functions.items()}
-        called = f"{entries} {[f.__name__ for f in self._fast]} {self._inlined}"
+        called = f"{entries} {[f.__name__ for f in self._fast]} {[f.__name__ for f in self._inlined_but or ()]}"
+        called += str(self._inlined_but is None)
         return f"{machine.name()} {sha256(called.encode()).hexdigest()}"
 
     def _load(self) -> None:
@@ -88,7 +90,7 @@ class Library:
             )
 
     def _compiled(self) -> kept.Object:
-        program = Program(self._special, self._fast, self._inlined)
+        program = Program(self._special, self._fast, self._inlined_but)
         results = {}
         for name, (function, kinds) in self._functions.items():
             result = program.entry(name, function, kinds)
@@ -185,6 +187,8 @@ def flatten(values: Any, forms: tuple[tuple[Any, ...], ...], words: list[Any]) -
             flatten(value, items, words)
         elif type(kind) is TupleKind or kind is WIDE:
             words += value
+        elif kind is COMPLEX:
+            words += (value.real, value.imag)
         elif kind is LONG:
             words.append(value.to_bytes(16, "little"))
         else:

@@ -8,9 +8,11 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
+from jacobian.native import complexes
 from jacobian.native.code import LANES, SINGLE, TYPES, ZERO, Code, constant, repeated
 from jacobian.native.kinds import (
     BOOL,
+    COMPLEX,
     FLOAT,
     INT,
     LONG,
@@ -96,6 +98,8 @@ class Operators(Code):
             raise CompileError(f"{value.kind} for {kind}")
         if kind is LONG:
             return self.long_of(value)
+        if kind is COMPLEX:
+            return Value(COMPLEX, (*self.cast(value, FLOAT).parts, ZERO))
         types = self.types
         if kind is INT:
             return Value(INT, (self.write(f"zext {types.bit} {value.parts[0]} to {types.word}"),))
@@ -189,6 +193,8 @@ class Operators(Code):
             raise CompileError(f"{name} of {x.kind} and {y.kind}")
         if x.is_known and y.is_known and name in FOLDED and not (name == "Pow" and y.known() < 0):
             return integer(FOLDED[name](x.known(), y.known()))
+        if COMPLEX in (x.kind, y.kind):
+            return complexes.binary(self, name, x, y)
         if LONG in (x.kind, y.kind):
             return Value(LONG, (self.long_binary(name, self.cast(x, LONG).parts[0], self.cast(y, LONG).parts[0]),))
         if WIDE in (x.kind, y.kind):

@@ -34,15 +34,18 @@ class Instance(NamedTuple):
 class Program:
     """An LLVM module. For ``special`` functions the compiler has its own instructions; where these are None, the
     function is compiled as it stands. Sums in ``fast`` functions may be reordered. Functions without a loop over
-    numbers are ``inlined``, or LLVM decides.
+    numbers are inlined, ``inlined_but`` some; LLVM decides if this is None.
 
     Float operations may be contracted, but not in functions that take double-doubles.
     """
 
     def __init__(
-        self, special: dict[Any, Callable[..., Value | None]], fast: tuple[Any, ...] = (), inlined: bool = False
+        self,
+        special: dict[Any, Callable[..., Value | None]],
+        fast: tuple[Any, ...] = (),
+        inlined_but: tuple[Any, ...] | None = None,
     ) -> None:
-        self.special, self._fast, self._inlined = special, fast, inlined
+        self.special, self._fast, self._inlined_but = special, fast, inlined_but
         self._instances: dict[Any, Instance | None] = {}
         self._texts: list[str] = []
         self._declared = ""
@@ -59,13 +62,22 @@ class Program:
             name = f"{function.__name__}.{len(self._instances)}"
             flag = "" if any(map(_has_wide, kinds)) else "contract"
             body = Statements(self, function, "fast" if function in self._fast else flag)
-            inlined = "alwaysinline " if self._inlined and not _has_loop(self.tree(function)) else ""
-            self._texts.append(body.compiled(name, self.tree(function), kinds, inlined))
+            self._texts.append(body.compiled(name, self.tree(function), kinds, self._attributes(function)))
             self._instances[key] = Instance(name, body.result)
         found = self._instances[key]
         if found is None:
             raise CompileError(f"{function.__name__} calls itself")
         return found
+
+    def inlines(self, function: Any) -> bool:
+        """Whether a function is inlined, and its loops are unrolled."""
+        return self._inlined_but is not None and not _has_loop(self.tree(function))
+
+    def _attributes(self, function: Any) -> str:
+        """LLVM's attribute for inlining a function or not; empty if LLVM decides."""
+        if not self.inlines(function):
+            return ""
+        return "noinline " if function in (self._inlined_but or ()) else "alwaysinline "
 
     def entry(self, name: str, function: Any, kinds: tuple[Any, ...]) -> Any:
         """Adds an entry that C can call and returns the kind of its result.
@@ -173,9 +185,16 @@ def _functions(module: str) -> dict[str, ast.FunctionDef]:
 
 
 def _has_loop(tree: ast.FunctionDef) -> bool:
-    """Whether a function has a loop, other than one over a tuple, which is unrolled."""
+    """Whether a function has a loop, other than one over a tuple or of a number of rounds in the source: those are
+    unrolled.
+    """
     return any(
-        isinstance(node, ast.While) or (isinstance(node, ast.For) and isinstance(node.iter, ast.Call))
+        isinstance(node, ast.While)
+        or (
+            isinstance(node, ast.For)
+            and isinstance(node.iter, ast.Call)
+            and not all(isinstance(x, ast.Constant) for x in node.iter.args)
+        )
         for node in ast.walk(tree)
     )
 

@@ -307,6 +307,9 @@ class Statements(Expressions):
     def do_for(self, node: ast.For) -> None:
         if isinstance(node.iter, ast.Call) and isinstance(node.iter.func, ast.Name) and node.iter.func.id == "range":
             given = [self.value(x) for x in node.iter.args]
+            if self.program.inlines(self.source) and all(isinstance(x, ast.Constant) for x in node.iter.args):
+                self.unrolled(node, [integer(i) for i in range(*(x.known() for x in given))])
+                return
             start, stop = (integer(0), given[0]) if len(given) == 1 else (given[0], given[1])
             self.counted(node, start, stop, given[2] if len(given) == 3 else integer(1), lambda i: i)
             return
@@ -321,12 +324,16 @@ class Statements(Expressions):
             return
         if not isinstance(row.kind, TupleKind):
             raise CompileError(f"a loop over {row.kind}")
+        self.unrolled(node, [row.item(i) for i in range(len(row.kind.items))])
+
+    def unrolled(self, node: ast.For, items: list[Value]) -> None:
+        """A loop over these values, round after round."""
         (end,) = self.labels("end")
-        for i in range(len(row.kind.items)):
+        for item in items:
             body, again = self.labels("do", "next")
             self.go(body)
             self.begin(body)
-            self.assign(node.target, row.item(i))
+            self.assign(node.target, item)
             into = self.labels("into")[0]
             self.go(into)
             self.around(node.body, into, again, end)

@@ -1,6 +1,6 @@
 """Square roots and comparisons of bare numbers: floats, mpf, long reals and double-doubles.
 
-Compiled code has its own versions of these functions: :mod:`jacobian.native.special`, :mod:`jacobian.inexact.compiled`.
+Compiled code has its own versions of these functions: :mod:`jacobian.native.special`.
 """
 
 from __future__ import annotations

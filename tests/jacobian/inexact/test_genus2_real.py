@@ -6,13 +6,14 @@ from collections import Counter
 from itertools import product
 from random import Random
 
-import numba
 import numpy as np
 import pytest
 
 from integrable import ChaplyginBall
 from jacobian import MP, QQ, RR, NotRepresentable, PrecisionLoss, poly
 from jacobian.inexact import composition, genus2_real
+from jacobian.native.kinds import FLOAT, ArrayKind
+from jacobian.native.library import Library
 from tests.integrable.torus.translations import in_floats
 from tests.jacobian.inexact.real_rows import CELLS, assert_accurate, rows
 from tests.jacobian.rational_curves import QUARTIC, QUINTIC, known_points, pairs_of
@@ -127,26 +128,27 @@ def test_transfer_polynomials_carry_the_sum():
             assert np.abs(minus(left, right)).max() < 1e-10 * scale
 
 
+def add_all(f, first, second, out):
+    for i in range(len(f)):
+        total, _ = genus2_real.add(
+            (f[i, 0], f[i, 1], f[i, 2], f[i, 3], f[i, 4], f[i, 5]),
+            (first[i, 0], first[i, 1], first[i, 2], first[i, 3]),
+            (second[i, 0], second[i, 1], second[i, 2], second[i, 3]),
+        )
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = total
+
+
+COMPILED = Library("test_genus2_real", {"add_all": (add_all, (ArrayKind(FLOAT, 2),) * 4)})
+
+
 def test_compiled_kernel_equals_the_interpreted_one():
-    """Up to the rounding that fused multiplications change; the kernel is compiled anew, not read from a cache."""
-    from jacobian.inexact.compiled import JIT
-
-    @numba.njit(fastmath=JIT["fastmath"], error_model=JIT["error_model"])
-    def add_all(f, first, second, out):
-        for i in range(len(f)):
-            total, _ = genus2_real.add(
-                (f[i, 0], f[i, 1], f[i, 2], f[i, 3], f[i, 4], f[i, 5]),
-                (first[i, 0], first[i, 1], first[i, 2], first[i, 3]),
-                (second[i, 0], second[i, 1], second[i, 2], second[i, 3]),
-            )
-            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = total
-
+    """Up to the rounding that fused multiplications change."""
     table = [row for variant, k in Random(5).sample(CELLS, 25) for row in rows(variant, k)[:20]]
     f, first, second = (
         np.array([[float(c) for c in getattr(row, name)] for row in table]) for name in ("f", "first", "second")
     )
     compiled = np.empty((len(table), 4))
-    add_all(f, first, second, compiled)
+    COMPILED.add_all(f, first, second, compiled)
     differences = []
     for i, row in enumerate(table):
         (u0, u1), (v0, v1) = kernel(row)

@@ -7,12 +7,9 @@ import pytest
 
 from jacobian import MP, QQ, poly
 from jacobian.inexact import genus2_real, retraction
-from jacobian.inexact.compiled import JIT
 from jacobian.inexact.retraction import remainder, retracted
-from jacobian.native.kinds import WIDES
+from jacobian.native.kinds import FLOAT, INT, WIDES, TupleKind
 from jacobian.native.library import Library
-from jacobian.native.special import SPECIAL
-from jacobian.numbers.compiler import njit
 from jacobian.numbers.double_double import pack, unpack
 
 K = MP(50)
@@ -79,11 +76,10 @@ def test_at_a_divisor_of_two_branch_points():
     assert abs(retracted(f, near)[0] - 2) < 1e-16
 
 
-@njit(**JIT)
 def _steps(f, point, step, count, every):
     for i in range(count):
         point = genus2_real.add(f, point, step)[0]
-        if every and i % every == every - 1:
+        if every > 0 and i % every == every - 1:
             point = retraction.retracted(f, point)
     return point
 
@@ -93,7 +89,11 @@ def _double_double(f, p, to):
     to[0], to[1], to[2], to[3] = retraction.retracted(six, (p[0], p[1], p[2], p[3]))
 
 
-LOOPS = Library("test_retraction", {"double_double": (_double_double, (WIDES, WIDES, WIDES))}, SPECIAL)
+SIX, FOUR = TupleKind((FLOAT,) * 6), TupleKind((FLOAT,) * 4)
+LOOPS = Library(
+    "test_retraction",
+    {"double_double": (_double_double, (WIDES, WIDES, WIDES)), "steps": (_steps, (SIX, FOUR, FOUR, INT, INT))},
+)
 
 
 def test_compiled_in_floats_and_double_doubles():
@@ -120,5 +120,5 @@ def test_many_additions_stay_on_the_curve():
     f = (*top.body.polynomial(h1, h2), 0.0)
     y = sum(c * 0.3j**k for k, c in enumerate(f)) ** 0.5
     start, step = (*D.u[:2], *D.v), (0.09, 0.0, y.real, y.imag / 0.3)
-    assert norm(f, _steps(f, start, step, 20_000, 16)) < 1e-14
-    assert norm(f, _steps(f, start, step, 20_000, 0)) > 1e-9
+    assert norm(f, LOOPS.steps(f, start, step, 20_000, 16)) < 1e-14
+    assert norm(f, LOOPS.steps(f, start, step, 20_000, 0)) > 1e-9
