@@ -24,7 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m jacobian", description="Arithmetic in hyperelliptic Jacobians.")
     write_anything()
     commands = parser.add_subparsers(dest="command", required=True)
-    commands.add_parser("compile", help="compile the kernels into numba's cache, and say how long each took")
+    commands.add_parser("compile", help="compile all loops, keep them on disk, and say how long each library took")
     sato_tate = "L-polynomials at all primes up to a bound, their moments and the Sato–Tate groups that fit"
     command.add_arguments(commands.add_parser("sato-tate", help=sato_tate, description=sato_tate))
     page = "what is known of a curve over QQ: points, torsion, periods, L-polynomials, endomorphisms"
@@ -48,7 +48,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _compile() -> None:
     from jacobian.compilation import compile_all
-    from jacobian.numbers.compiler import interpreted, look_for_a_place
+    from jacobian.native.kept import look_for_a_place
+    from jacobian.numbers.compiler import interpreted
 
     if interpreted():
         raise ArgumentError("NUMBA_DISABLE_JIT is set: nothing is to be compiled")

@@ -195,7 +195,7 @@ def _commands() -> str:
             for name, one in action.choices.items():
                 parts.append(f"## integrable {name}\n\n```text\n{_help(one)}```\n")
     parts.append(
-        "## python -m jacobian compile\n\nCompiles the kernels into numba's cache and says how long each took, so that no later "
+        "## python -m jacobian compile\n\nCompiles every library of loops, keeps it on disk, and says how long each took, so that no later "
         "run waits for it. `python -m benchmarks` (from a clone) lists the benchmarks.\n"
     )
     return "\n".join(parts)

@@ -20,8 +20,8 @@ import numpy as np
 from numba.extending import register_jitable
 
 from integrable.oracles.collocation import gauss_rule
+from integrable.oracles.compiler import njit
 from integrable.oracles.exact_floats import COMPILED, INLINED, two_product, two_sum, whole_steps
-from jacobian.numbers.compiler import njit
 
 __all__ = ["FAILED", "adaptive", "fixed", "rule"]
 

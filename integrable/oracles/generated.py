@@ -30,7 +30,7 @@ from integrable.oracles.gauss16 import (
 )
 from integrable.oracles.exact_floats import COMPILED, INLINED, two_sum, whole_steps
 from integrable.oracles.taylor_compiled import _increment, _reach, convolved, exponential, quotient, root
-from jacobian.numbers.compiler import njit
+from integrable.oracles.compiler import njit
 '''
 _SLOPES = """
 @register_jitable(fastmath={{"contract"}}, **INLINED)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numba.extending import register_jitable
 
+from integrable.oracles.compiler import njit
 from integrable.oracles.exact_floats import COMPILED, INLINED, two_sum
-from jacobian.numbers.compiler import njit
 
 __all__ = ["convolved", "exponential", "quotient", "root", "taylor"]
 

@@ -23,7 +23,7 @@ from integrable.study.plan import NOT_MEASURED, Task, first_answer_tasks, in_ord
 from integrable.study.runner import ONE_RUN, run_tasks
 from integrable.study.store import Store
 from jacobian.errors import ArgumentError, shown
-from jacobian.numbers.compiler import look_for_a_place
+from jacobian.native.kept import look_for_a_place
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

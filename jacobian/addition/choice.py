@@ -192,7 +192,7 @@ class Counted:
                 raise RuntimeError("NUMBA_DISABLE_JIT is set")
             chosen = compiled_kernel(self._curve) if self._work.additions >= cold or _is_kept(self._curve) else None
         except (ImportError, RuntimeError) as error:
-            # without numba or a writable cache folder the Python kernel goes on: the user did not ask for compilation,
+            # without llvmlite the Python kernel goes on: the user did not ask for compilation,
             # so the addition must not fail
             self._work.additions = -math.inf
             log.warning("no compiled kernels in this process: %s", error)

@@ -42,7 +42,7 @@ def decided(F: Sequence[int], g: int, primes: Any, residues: Any) -> tuple[Any, 
     equations = np.stack([np.broadcast_to(modulo(c, primes), primes.shape) for c in padded], axis=1)
 
     def work(begin: int, end: int) -> None:
-        _library().decide(equations, balanced, _desk(g, int(primes[-1])), out, begin, end)
+        library().decide(equations, balanced, _desk(g, int(primes[-1])), out, begin, end)
 
     in_ranges(len(primes), 256, work)
     if (wrong := primes[out[:, g + 1] == 0]).size:
@@ -65,7 +65,8 @@ def _desk(g: int, p: int) -> Any:
 
 
 @cache
-def _library() -> Any:
+def library() -> Any:
+    """The loops of :mod:`jacobian.arithmetic.decision_kernels`, compiled."""
     from jacobian.arithmetic.decision_kernels import decide
     from jacobian.arithmetic.desk import Desk
     from jacobian.native.kinds import INT, INTS, ArrayKind, record

@@ -64,7 +64,7 @@ def last_coefficients(walks: Walks, count: int) -> tuple[Any, Any]:
             ends = p[i * TOGETHER : (i + 1) * TOGETHER] - 1
             given = moduli[i], 1 / moduli[i], power[i], plain[i], weighted[i], windows[i]
             group = Group(*(np.ascontiguousarray(x).reshape(-1, LANES) for x in given))
-            _library().walk((start, d, count, translates), ends, group, room, out, total)
+            library().walk((start, d, count, translates), ends, group, room, out, total)
             # row n has the values of all lanes of its group at prime n
             found[i] = out.reshape(TOGETHER, translates, count, LANES)[own, :, :, own % LANES]
             products[i] = total.reshape(TOGETHER, LANES)[own, own % LANES]
@@ -203,7 +203,8 @@ def steps(size: int, shape: Any, group: Any, room: Any) -> None:
 
 
 @cache
-def _library() -> Any:
+def library() -> Any:
+    """The loops here, compiled."""
     from jacobian.native.kinds import EIGHTS, INT, INTS, TupleKind, record
     from jacobian.native.library import Library
 

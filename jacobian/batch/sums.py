@@ -32,7 +32,7 @@ RANGE = 1 << 14
 
 
 @cache
-def _library(is_complex: bool, size: int) -> Library:
+def library(is_complex: bool, size: int) -> Library:
     """The loops for real or complex numbers and an f of that many coefficients."""
     number, units = COMPLEX if is_complex else FLOAT, TupleKind((FLOAT,) * 4)
     parts = len(number.leaves)
@@ -74,7 +74,7 @@ class FloatSums:
         self._f = tuple([*(c * x**k / y**2 for k, c in enumerate(f)), *[K.zero] * 7][: 6 if real_quintic else 7])
         units = (x * x, x, y, y / x)
         self._constants = self._f, half, units, tuple(1 / unit for unit in units)
-        self._loops: Any = float_kernels if interpreted() else _library(self.dtype.kind == "c", len(self._f))
+        self._loops: Any = float_kernels if interpreted() else library(self.dtype.kind == "c", len(self._f))
 
     def add(self, first: Columns, second: Columns) -> tuple[Columns, np.ndarray]:
         """(sums, doubtful): column by column, ``second`` of shape (4, N) or (4, 1) for one divisor added to all.

@@ -142,7 +142,7 @@ def _first_column(K: Any, F: poly.Poly, g: int, index: int = 0) -> list[Any]:
     window = np.zeros(max(len(ratios), g), np.int64)
     window[0] = start
     weights = [i * (p + 1) // 2 * c % p for i, c in enumerate(ratios, 1)]
-    _library().recurrence_on_words(
+    library().recurrence_on_words(
         np.array(ratios, np.int64), p, np.array(weights, np.int64), np.empty(256, np.int64), window
     )
     return [int(c) for c in window[:g]]
@@ -192,7 +192,8 @@ def invert_range(start: int, size: int, p: int, inverses: Any) -> None:
 
 
 @cache
-def _library() -> Any:
+def library() -> Any:
+    """The loops here, compiled."""
     from jacobian.native.kinds import INT, INTS
     from jacobian.native.library import Library
 

@@ -13,6 +13,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
+from jacobian.errors import ArgumentError
+from jacobian.numbers.compiler import NO_PLACE, REMEDY, say_once
+
 HERE = Path(__file__).parent
 
 
@@ -20,7 +23,7 @@ def place() -> Path | None:
     """The folder for compiled objects; None if no candidate is writable.
 
     It is NUMBA_CACHE_DIR if that is set. Otherwise the candidates are ``__pycache__`` in this folder, then the user's
-    cache. numba uses the same folders.
+    cache.
     """
     named = os.environ.get("NUMBA_CACHE_DIR")
     base = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
@@ -32,6 +35,14 @@ def place() -> Path | None:
         if os.access(folder, os.W_OK):
             return folder
     return None
+
+
+def look_for_a_place(*, needed: bool = False) -> None:
+    """Warns if no folder for compiled code is writable; raises ArgumentError instead if one is ``needed``."""
+    if place() is None:
+        if needed:
+            raise ArgumentError(f"{NO_PLACE}; {REMEDY}")
+        say_once()
 
 
 class Object(NamedTuple):

@@ -52,12 +52,16 @@ class Library:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name not in self._functions:
             raise AttributeError(f"{self.name} has no {name}; it has {', '.join(self._functions)}")
-        with self._lock:
-            if not self._entries:
-                self._load()
+        self.load()
         for each, entry in self._entries.items():
             setattr(self, each, entry)
         return self._entries[name]
+
+    def load(self) -> None:
+        """Finds the entries on disk, or compiles them."""
+        with self._lock:
+            if not self._entries:
+                self._load()
 
     def is_kept(self) -> bool:
         """Whether it is on disk, so that no compilation is needed."""

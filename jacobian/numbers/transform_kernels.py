@@ -79,7 +79,6 @@ def _last_down(Q: Any, W: Any, x: Any, begin: Any, b: Any, S: Any) -> None:
             S[i * SIDE + k] = x[begin + 16 * k + i]
     _beside(_split, Q, W, S, 4, b)
     _beside(_split, Q, W, S, 1, b)
-    # not x[begin:…] = S: numba would compile strings for its length-mismatch message, which takes a second
     for i in range(LEAST):
         x[begin + i] = S[i]
 

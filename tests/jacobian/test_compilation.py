@@ -1,83 +1,91 @@
-"""``python -m jacobian compile``: its list, which covers every kernel."""
+"""``python -m jacobian compile``: its list, which covers every library."""
+
+from random import Random
 
 import pytest
 
-from jacobian import compilation
+from jacobian import CC, GF, QQ, RR, HyperellipticCurve, compilation
 from jacobian.__main__ import main
-from jacobian.addition.calls import context, two_word_context
-from jacobian.addition.short import BinaryQuintic, BinarySextic, Quintic, Septic, Sextic, short_equation
-from jacobian.batch.array import engine
-from jacobian.batch.compiled_rows import CompiledRows
-from jacobian.batch.float_rows import FloatRows
-from jacobian.batch.two_word_rows import TwoWordRows
-from jacobian.finite.matrix_products import Products
-from jacobian.numbers.binary import BinaryTwoWords, BinaryWord
-from jacobian.numbers.two_words import TwoWords
+from jacobian.batch import DivisorArray
+from jacobian.native.library import Library
+
+QUINTIC, SEXTIC, SEPTIC = [1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 0, 1]
+# h in characteristic 2, by the degree of f
+WITH_H = {3: [1], 5: [1], 6: [1, 1, 0, 1]}
+FIELDS = {
+    "p < 2^29": GF(10007),
+    "p < 2^31": GF(2**31 - 1),
+    "p < 2^49": GF(2**49 - 81),
+    "p < 2^61": GF(2**61 - 1),
+    "p < 2^63": GF(2**63 - 25),
+    "p < 2^128": GF(2**127 - 1),
+    "GF(2^k), k ≤ 16": GF(2, 2, (1, 1, 1)),
+    "GF(p^k) ≤ 2^16, p odd": GF(3, 2, (2, 2, 1)),
+    "GF(2^n), 16 < n < 64": GF(2, 17, [1, 0, 0, 1, *[0] * 13, 1]),
+    "GF(2^n), n < 128": GF(2, 127, [1, 1, *[0] * 125, 1]),
+    "RR": RR,
+    "CC": CC,
+}
 
 
-def test_every_kernel_of_single_classes_is_listed():
-    kinds = set()
-    for C in compilation.single_curves().values():
-        K = context(C.field)
-        short = short_equation(C, K.to_word)
-        kinds.add((type(K).__name__, type(short).__name__))
-    several = {(K, equation) for K in ("Wide64", "OddTable") for equation in ("NoneType", "Quintic", "Sextic")}
-    binary = {("BinaryTable", equation) for equation in ("NoneType", "BinaryQuintic", "BinarySextic")}
-    assert kinds == several | binary | {("Wide64", "Septic")}
+def curves(K):
+    """Curves of every degree that has a library of its own over K, and one of genus 1."""
+    others = () if K in (RR, CC) else ([1, 1, 0, 1],) if K.characteristic in (2, 3) else ([1, 1, 0, 1], SEPTIC)
+    for f in (QUINTIC, SEXTIC, *others):
+        yield HyperellipticCurve(K, f, WITH_H[len(f) - 1] if K.characteristic == 2 else ())
 
 
-def test_every_kernel_of_arrays_is_listed():
-    kinds = set()
-    for C in compilation.batch_curves().values():
-        rows = engine(C.jacobian())
-        assert type(rows) is CompiledRows
-        kinds.add((type(rows.K).__name__, type(rows.formulas).__name__))
-    contexts = ("Lazy32", "Wide32", "Lazy64", "Wide64", "OddTable")
-    several = {(K, equation) for K in contexts for equation in ("Quintic", "Sextic")}
-    septics = {(K, "Septic") for K in contexts if K != "OddTable"}
-    assert kinds == several | septics | {("BinaryTable", equation) for equation in ("BinaryQuintic", "BinarySextic")}
+def use(C):
+    """Everything that is compiled for single classes and for arrays on C."""
+    J = C.jacobian()
+    D = J.random(Random(1))
+    if C.field.exact:
+        J.compile()
+        3 * D + D
+    A = DivisorArray.stack([D, J.zero(), 2 * D])
+    B = DivisorArray.from_arrays(J, A.u, A.v, A.n)
+    A + B[::-1], -A, A.double(), 3 * A, A * [1, 2, 3], A.sum(), J.random(Random(1), size=2)
 
 
-def test_every_kernel_of_two_words_is_listed():
-    curves = compilation.two_word_curves().values()
-    assert all(type(engine(C.jacobian())) is TwoWordRows for C in curves)
-    kinds = {(type(K := two_word_context(C.field)), type(short_equation(C, K.to_word))) for C in curves}
-    of_primes = {(TwoWords, equation) for equation in (Quintic, Sextic, Septic)}
-    binary = {(K, equation) for K in (BinaryWord, BinaryTwoWords) for equation in (BinaryQuintic, BinarySextic)}
-    assert kinds == of_primes | binary
+@pytest.fixture
+def used(monkeypatch):
+    """The names of the libraries that are used."""
+    names, load = set(), Library.load
+    monkeypatch.setattr(Library, "load", lambda library: (names.add(library.name), load(library))[1])
+    # the entries of a library that was loaded before are attributes: these are forgotten
+    for library in compilation.libraries():
+        for name in library._functions:
+            monkeypatch.delitem(library.__dict__, name, raising=False)
+    return names
 
 
-def test_every_kernel_of_arrays_of_floats_is_listed():
-    kinds = set()
-    for C in compilation.float_curves().values():
-        rows = engine(C.jacobian())
-        assert type(rows) is FloatRows
-        compilation.batch(C)
-        # the loops are compiled for the type of the columns and the number of coefficients
-        kinds.add((str(rows.sums.dtype), len(rows.sums._f)))
-    assert kinds == {("float64", 6), ("float64", 7), ("complex128", 7)}
+LISTED = [library.name for library in compilation.libraries()]
 
 
-def test_the_kernels_of_orders_are_listed(monkeypatch):
-    (C,) = compilation.order_curves().values()
-    used = []
-    monkeypatch.setattr(Products, "last", lambda work, *given: used.append(work.beta) or [1, 2])
-    compilation.order(C)
-    # so that a doubling occurs
-    assert used == [1024, 1024]
+def test_a_library_is_listed_once():
+    assert len(LISTED) == len(set(LISTED))
+
+
+def test_every_library_of_orders_is_listed(used):
+    HyperellipticCurve(GF(1_048_583), QUINTIC).cartier_manin()
+    HyperellipticCurve(GF(40_009), QUINTIC).cartier_manin()
+    HyperellipticCurve(QQ, QUINTIC).l_polynomials(2000)
+    assert {"matrix_products", "Cartier-Manin", "decisions"} <= used <= set(LISTED)
+
+
+def test_the_libraries_of_classes_and_rows_are_those_listed(used):
+    for K in FIELDS.values():
+        for C in curves(K):
+            use(C)
+    others = {"decisions", "walks_to_p", "Cartier-Manin", "matrix_products", "miller", "sums_on_kummer_surfaces"}
+    assert used == set(LISTED) - others
 
 
 def test_the_command(monkeypatch, capsys):
-    C = compilation.single_curves()["GF(p), p < 2^63, genus 2, degree 5"]
-    monkeypatch.setattr(compilation, "single_curves", lambda: {"one": C})
-    monkeypatch.setattr(compilation, "two_word_curves", dict)
-    monkeypatch.setattr(compilation, "batch_curves", dict)
-    monkeypatch.setattr(compilation, "float_curves", dict)
-    monkeypatch.setattr(compilation, "order_curves", dict)
-    monkeypatch.setattr(compilation, "rational_curves", dict)
+    monkeypatch.setattr(compilation, "libraries", lambda: [compilation.product_kernels.kernels()])
     assert main(["compile"]) == 0
     (line,) = capsys.readouterr().out.splitlines()
-    assert line.endswith(" s  single: one")
+    assert line.endswith(" s  matrix products")
     assert float(line.split()[0]) >= 0
 
 

@@ -16,19 +16,6 @@ caching._CacheLocator.ensure_cache_path = refused
 from jacobian.native import kept
 kept.place = lambda: None
 """
-SMALL = """
-import warnings
-from jacobian.numbers.compiler import njit
-def twice(x):
-    return 2 * x
-def thrice(x):
-    return 3 * x
-with warnings.catch_warnings(record=True) as said:
-    warnings.simplefilter("always")
-    values = [njit(nogil=True)(f)(7) for f in (twice, thrice)]
-import json
-print(json.dumps([values, [(type(w.message).__name__, str(w.message)) for w in said]]))
-"""
 USES = """
 from random import Random
 from jacobian import GF, CC, RR, HyperellipticCurve
@@ -83,15 +70,6 @@ def run(code, **environment):
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
-
-
-def test_without_a_place_for_compiled_code_it_is_said_once():
-    values, said = run(NOWHERE + SMALL)
-    assert values == [14, 21]
-    (name, message), *more = said
-    assert not more
-    assert name == "NoCacheWarning"
-    assert "NUMBA_CACHE_DIR" in message
 
 
 @pytest.mark.slow  # everything is compiled anew
