@@ -65,7 +65,7 @@ class Real(Protocol):
 
 
 class Arithmetic(Protocol[Element]):
-    """What polynomials ask of the field of their coefficients."""
+    """The operations that polynomials need from the field of their coefficients."""
 
     name: str
     exact: bool
@@ -122,6 +122,6 @@ File: TypeAlias = "str | PathLike[str]"
 Table: TypeAlias = "Iterable[Value | Iterable[Value]]"
 """A vector, or a matrix by its rows."""
 Rows: TypeAlias = "SupportsIndex | slice | Sequence[int] | np.ndarray"
-"""What chooses rows: an int one of them, a slice or an array several."""
+"""A selection of rows: an int selects one, a slice or an array several."""
 Rng: TypeAlias = "Random | np.random.Generator"
 """A source of random numbers."""

@@ -22,8 +22,8 @@ from jacobian.immutable import replaced
 
 __all__ = ["WalkFirst", "right_hand_sides"]
 
-# costs in microseconds, of a set-up and of a time: by theta functions, by two curves in many digits, and of what is
-# beyond reach in a second (python -m benchmarks near)
+# costs of a set-up and of each time, in microseconds: by theta functions, by two curves in many digits, and by an
+# integrator: walks may take as long (python -m benchmarks near)
 BY_THETA, BY_DIGITS, BY_STEPS = (300, 3), (900, 75), (150_000, 0)
 
 

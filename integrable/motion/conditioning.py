@@ -129,7 +129,7 @@ def _problem(system: Any, state: State, names: list[str], values: list[Any]) -> 
     options: dict[str, Any] = {name: given[name] for name in ("d", "c") if name in given}
     if "potential 1" in given:
         options["potential"] = tuple(given[f"potential {i}"] for i in range(1, 6))
-    # a flat body's moments, changed in a last digit
+    # a change of a last digit may make a flat body's moments unphysical
     with unwarned():
         changed = type(system)([given[f"I{i}"] for i in (1, 2, 3)], field=field, **options)
     gamma, M = ((given[f"{x}1"], given[f"{x}2"], given[f"{x}3"]) for x in "γM")

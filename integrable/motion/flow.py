@@ -59,7 +59,7 @@ FEW = 16
 # values of 1/g on the way to a time
 MOST_INTERPRETED = 4096
 MOST_RATES = 16_000
-# digits of t needed for states in floats, as many steps away as those values reach
+# digits of t needed for states in floats, as far away as that many values of 1/g reach
 CLOCK_DIGITS = 24
 
 

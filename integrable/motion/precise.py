@@ -128,14 +128,14 @@ def begun_with_few_digits(method: Any) -> Any:
 
 
 Level = tuple[Carrier, "Carrier | None", Any]
-"""A carrier, what its farthest point is compared with, and how far it has been."""
+"""A carrier, the carrier that checks its farthest point, and the largest τ so far."""
 
 
 class ManyDigits:
     """The states of a motion to ``digits`` digits relative to exact inputs, for any loss in between."""
 
     expected = 24
-    """What may be lost of the digits that guard those of a carrier."""
+    """The number of a carrier's guard digits that may be lost."""
     step = 50
     """Digits are added in steps, so that few set-ups serve many calls."""
 

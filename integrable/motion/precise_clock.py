@@ -176,7 +176,7 @@ class PanelClock(RatePanels):
             x = max(-1.0, min(1.0, x))
             angle, rate = addition.integrate_series(floats, x)
             step = (angle - goal) / rate
-            # or as accurate as floats allow
+            # the place is as accurate as floats allow
             if not abs(step) < last:
                 break
             x, last = x - step, abs(step)

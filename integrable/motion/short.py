@@ -66,8 +66,8 @@ MOST_PANELS = 3000
 MOST_TIMES = 20_000
 # limits if interpreted: panels of one run, and times
 INTERPRETED_PANELS, INTERPRETED_TIMES = 64, 500
-# the error allowed in a run's clock, in the units of the motion, and relative to the time. Many runs may go farther
-# than one, since rounding of their inputs moves their clocks as much
+# the allowed error of a run's clock: absolute, in the units of the motion, and relative to the time. For many motions
+# at once the limits are wider, since rounding of the inputs moves the clocks as much
 DRIFT, PACE = 3e-14, 2.0**-53
 DRIFT_OF_MANY, PACE_OF_MANY = 2e-13, 2.0**-51
 # the largest number of centres in multiprecision, and the cost of the panels around them, in panels in floats

@@ -63,7 +63,7 @@ class SymmetricFlow:
         """The constants of the states except θ and φ."""
         r, r3, delta, _, momentum, kappa, size, mu = swing[:8]
         number, sqrt = self.numbers.number, self.numbers.field.sqrt
-        # no curve is left at d = 0 and for three equal moments: F is θ, and Π with arctan is nothing
+        # at d = 0 and for three equal moments F is θ, and Π cancels the arctangent
         self._flat = bool(delta == 0)
         self._kappa, self._size, self._root3 = map(number, (kappa, size, sqrt(r3)))
         self._delta, self._bulge, self._root_mu = map(number, (delta, swing.spread / mu, sqrt(mu)))
@@ -86,7 +86,7 @@ class SymmetricFlow:
         quarter = complete_over(K, modulus, K.one)
         self._first_kind = FirstKind(N, number(modulus), number(missing), number(quarter))
         self._flow_rate = swing.rate * K.sqrt(swing.r) / (4 * quarter)
-        # φ in turns of θ, and with τ, but for what the third kind adds to each half turn
+        # φ in turns of θ, and with τ, without the contribution of the third kind to each half turn
         first, third = swing.factors
         self._advance = -first * 2 * quarter / pi
         self._turning = self._advance * self._rate, self._advance * self._flow_rate
@@ -150,7 +150,7 @@ class SymmetricFlow:
         return times
 
     def _delay(self, count: np.ndarray, x: Any) -> Any:
-        """What θ/2π has gone since the start beyond its mean, at θ = π·count + x."""
+        """The advance of θ/2π since the start beyond its mean, at θ = π·count + x."""
         return self._kepler * (self._lean(self.numbers.cos(x) * _sign(count)) - self._start_lean)
 
     def _at_times(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -172,8 +172,8 @@ class SymmetricFlow:
         return 2 * whole + N.result(half), N.pi * part
 
     def _turned_nearby(self, times: np.ndarray, gap: Any, turned: Any) -> Any:
-        """``turned``, but of F(θ) − F(θ₀) itself where θ − θ₀, about ``gap``, is small: φ may follow F a million times
-        as fast, and the two F's have the digits of N only. By the addition theorem F(θ) − F(θ₀) = F(ψ).
+        """``turned``, but from F(θ) − F(θ₀) itself where θ − θ₀, about ``gap``, is small: φ may turn a million times as
+        fast as F, and each F has only the digits of N. By the addition theorem F(θ) − F(θ₀) = F(ψ).
         """
         near, N = np.flatnonzero(np.abs(gap) < NEARBY), self.numbers
         if self._flat or not len(near):
@@ -249,10 +249,10 @@ class SymmetricFlow:
     # --- states
 
     def _turned(self, x: Any) -> Any:
-        """φ at θ = x, less φ at θ = 0 and what F adds."""
+        """φ at θ = x, less φ at θ = 0 and the contribution of F."""
         if self._flat or self._kappa == 0:
             return 0 * x
-        # the arctangent and Π, each of which turns by a half at π/2 within κ, see the same side of it
+        # the arctangent and Π, each of which changes by half a turn within κ of π/2, are taken on the same side of it
         N = self.numbers
         s, c = N.sin(x), np.maximum(N.cos(x), 0)
         k2, n, square = self._first_kind.k**2, self._size**2, self._kappa**2

@@ -42,10 +42,10 @@ Matrices = np.ndarray[tuple[int, int, int], np.dtype[Any]]
 FLOATS, NO_ROWS = np.dtype(np.float64), np.empty(0, dtype=np.intp)
 WAYS = {
     "closed form": "elliptic or elementary functions of a body with equal moments",
-    "short run": "additions from the start on and what lies between, in floats",
+    "short run": "additions from the start on, with interpolation between them, in floats",
     "torus": "additions to a table of the motion's torus, in floats",
-    "multiprecision": "additions to as many digits as it takes, over MP(digits) or rounded to floats",
-    "elliptic curves": "an addition on each of the two curves of a deformation, to as many digits as it takes",
+    "multiprecision": "additions to as many digits as needed, over MP(digits) or rounded to floats",
+    "elliptic curves": "an addition on each of the two curves of a deformation, to as many digits as needed",
     "integrated": "the equations of motion, by Taylor series",
     "steps": "a map applied again and again",
 }
@@ -76,7 +76,7 @@ class Motion(Immutable):
     system: Any
     state: State
     method: ClassVar[str] = "divisor flow"
-    """The source of the states, as one word for tables."""
+    """The method of the states, as one word for tables."""
 
     def __init__(self, system: Any, state: State) -> None:
         self.system, self.state = system, state
@@ -227,7 +227,7 @@ class Trajectory(Exported):
     ) -> None:
         if status is not None and not status.any():
             status = None
-        # made for this
+        # arrays made here, which can be set read-only
         for array in (times, tau, rows, status):
             if array is not None:
                 array.setflags(write=False)

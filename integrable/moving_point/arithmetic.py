@@ -18,7 +18,7 @@ from jacobian.numbers.long_reals import BareReals
 Array = Any
 # beyond this many turns a float holds no digits of the phase
 MOST_TURNS = 2.0**50
-# largest number of Newton steps to a zero, a bisection a bit among them: for long doubles
+# largest number of Newton steps to a zero in long doubles, including a bisection for each bit
 PASSES = 80
 
 

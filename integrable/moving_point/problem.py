@@ -51,7 +51,7 @@ class Problem(NamedTuple):
 
     @property
     def row(self) -> Row:
-        """The same numbers as in a :func:`problem_row`, up to its last that :class:`Problem` has."""
+        """The same numbers as in a :func:`problem_row`, up to the last one that :class:`Problem` has."""
         matrix = self.matrix or (1, 0, 0, 1)
         numbers = self.time_scale, self.ratio, self.d, self.momentum, self.half_step
         return (*self.f, *self.axes, *self.start, *numbers, *matrix, self.slowness)

@@ -67,7 +67,7 @@ def set_up(given: Row, tilted: bool, wide: Row, numbers: Row, point: Row) -> Non
     )
     least, most = min(given[0], given[1], given[2]), max(given[0], given[1], given[2])
     numbers[CLOSE] = float((most + given[3]) / (most - least))
-    # how much an error of the upright motion may grow in γ or M/|M|, over 4
+    # the factor, divided by 4, by which an error of the upright motion may grow in γ or M/|M|
     length = root(given[7] * given[7] + given[8] * given[8] + given[9] * given[9])
     lift = max(
         abs(wide[MATRIX]) + abs(wide[MATRIX + 1]) * spin, (abs(wide[MATRIX + 2]) + wide[MATRIX + 3] * spin) / length

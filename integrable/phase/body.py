@@ -162,7 +162,7 @@ def say_unphysical(inertia: Sequence[Any], field: Any) -> None:
 
 @contextmanager
 def unwarned() -> Iterator[None]:
-    """A block in which bodies are made whose moments the user has been told of."""
+    """A block in which bodies are made without the warning, which the user has had already."""
     before = _unwarned.set(True)
     try:
         yield

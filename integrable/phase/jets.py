@@ -93,7 +93,8 @@ class Jet:
 
 
 class JetField:
-    """Jets over ``base`` with ``directions`` infinitesimals; 0 of them leave the base with operators.
+    """Jets over ``base`` with ``directions`` infinitesimals; with none of them a jet is an element of the base with
+    operators.
 
     The methods also take bare elements of the base, as constants. Strictly a ring: a jet of value 0 has no inverse.
     ``order`` is that of the base.

@@ -20,8 +20,8 @@ from jacobian.progress import Progress
 Motion = Callable[[Body, State], Any]
 """γ and M at the times, shape (N, 6), of a body from a state."""
 
-# guard digits beyond those lost to the step and the derivatives, and how often the derivatives may turn out larger than
-# expected
+# guard digits beyond those lost to the step and the derivatives, and the largest number of attempts when derivatives
+# are larger than expected
 GUARD, ATTEMPTS = 8, 6
 # motions of a body: two for each of nine directions
 MOTIONS = 18

@@ -8,8 +8,8 @@ import numpy as np
 
 from jacobian.errors import PrecisionLoss
 
-# largest number of Newton steps, and of halvings of one; a step below LAST has its square as error; a gap below ROUNDED
-# may be rounding
+# largest numbers of Newton steps and of halvings of a step. After a step below LAST the error is about its square; a
+# gap below ROUNDED may be rounding
 MOST_STEPS, MOST_HALVINGS, LAST, ROUNDED = 60, 30, 1e-8, 1e-12
 
 Array = np.ndarray

@@ -19,7 +19,7 @@ CURVES = 9
 # spectral lines below this fraction of the largest are not drawn; number of labelled lines
 FAINT, NAMED = 1e-6, 6
 LETTERS = {"gamma": "γ", "omega": "ω"}
-"""How quantities of a body are called."""
+"""The letters of quantities of a body."""
 APART = 0.05
 """A fraction of the picture's width: labels of lines closer than this would overlap."""
 

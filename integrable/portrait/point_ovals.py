@@ -36,12 +36,12 @@ class Form(NamedTuple):
 
 
 class Separation(NamedTuple):
-    """What the sums of forms over a pair are, in numbers of one field.
+    """The forms whose sums over a pair are known, in numbers of one field.
 
-    Those of the g ``forms`` grow with the ``rates``. The one of ``action`` is p dq without the further angles. A
-    further angle grows by its form in ``turns``, and by the constant rate next to it; its action is in ``momenta``.
-    ``known`` are branch points that are known exactly.
-    Where time is no such sum, the rates are per unit of τ, and dt/dτ is the product of ``factor(x)`` over two points.
+    The sums of the g ``forms`` grow at the ``rates``. The sum of ``action`` is p dq without the further angles. A
+    further angle grows by its form in ``turns`` and at the constant rate next to it; its action is in ``momenta``.
+    ``known`` are branch points that are known exactly. Where time is no such sum, the rates are per unit of τ, and
+    dt/dτ is the product of ``factor(x)`` over two points.
     """
 
     forms: Sequence[Form]

@@ -56,7 +56,7 @@ class Portrait(Immutable):
 
     ``drift`` is the mean velocity of the point of contact along −y of :attr:`Trajectory.attitude`, in the unit of the
     radius or in radii; None for a body that does not roll. ``mean_spin`` is the mean of (γ, ω), ``mean_g`` that of g =
-    dτ/dt over t. ``wide_frequencies`` are (f1, f2) to the digits of the set-up. ``ovals`` has the periods, None where
+    dτ/dt over t. ``wide_frequencies`` are (f1, f2) to the digits of the set-up. ``ovals`` holds the periods, None where
     the ovals have met; ``level`` describes the curve.
     """
 

@@ -66,7 +66,7 @@ class Sensitivity(Record):
             return self._secular
         if self._inputs is None:
             raise NotRepresentable(
-                "secular: the parts of derivatives are apart on a torus of dimension two; these are differences of "
+                "secular: derivatives have separate parts only on a torus of dimension two; these are differences of "
                 "motions that lie on none"
             )
         return read_only(_grown(self.times, *self._inputs))
@@ -221,7 +221,7 @@ class TorusVariations:
         level = np.broadcast_to(self._gradient, (len(rows), 4, 10)).copy()
         level[:, 2, 6:] -= here.energy
         found = here.inverse @ level + x[:, :, None] * a[:, None, :] + Y[:, :, None] * b[:, None, :]
-        # of τ the mean is t over that of 1/g
+        # the mean of τ is t over that of 1/g
         slow = float(self._torus.mean)
         secular = x[:, :, None] * mean_a / slow + Y[:, :, None] * mean_b / slow
         secular = steps[:, None, None] * secular

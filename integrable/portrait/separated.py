@@ -33,13 +33,13 @@ from jacobian.inexact.long_field import LongField
 from jacobian.linear import pivoted
 from jacobian.numbers.long_reals import BareReals
 
-# most nodes of an oval, whose numbers are powers of 2; beyond it, branch points nearly meet
+# largest number of nodes of an oval, a power of 2; where more are needed, branch points nearly meet
 MOST_NODES = 1 << 13
 # modes below this fraction of the mean are not needed in floats
 NEGLIGIBLE = 1e-18
-# bits of floats that Newton's method brings
+# bits that are right after Newton's method in floats
 FLOAT_BITS = 40
-# nodes beyond those that the digits need; digits of π beyond them
+# extra nodes, and extra digits of π
 SPARE_NODES, DIGITS_BEYOND = 8, 5
 
 
@@ -128,7 +128,7 @@ class SeparatedTorus:
         ]
 
     def phase_of(self, sums: Sequence[Any]) -> list[Any]:
-        """The phases in turns, one for each oval, where the forms have these sums."""
+        """The phases in turns, one for each oval, at which the forms have these sums."""
         N, genus = self._field, len(self.ovals)
         rows = [[2 * self._pi * means[j] for means in self.means] + [N.coerce(sums[j])] for j in range(genus)]
         found = pivoted(rows)

@@ -68,7 +68,7 @@ def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[n
 
 
 def _delays(torus: SeparatedTorus, phases: np.ndarray, oval: int) -> np.ndarray:
-    """The times from these phases to those at which the point is at the end where its own phase puts it."""
+    """The times from these phases until the point is at the end to which its own phase belongs."""
     sums, wanted = torus.in_floats, 2 * np.pi * phases[:, oval]
     nu = np.array([float(f) for f in torus.frequencies[: len(torus.ovals)]])
     rates = 2 * np.pi * nu @ sums.means

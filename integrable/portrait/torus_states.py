@@ -9,7 +9,7 @@ import numpy as np
 
 from integrable.portrait.separated import SeparatedTorus
 
-# samples of a turn about an axis, of which a state has the harmonics 0 and ±1
+# number of samples of a turn about an axis: a state has only the harmonics 0 and ±1 of it
 ROUND = 4
 
 
@@ -54,7 +54,9 @@ class TorusStates:
         return {name: np.stack(x, axis=-1).reshape(*shape, -1) for name, x in (("q", q), ("p", p))}
 
     def lines(self, counted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Modes and frequencies: a turn about the axis counts twice, as one of an oval after which signs return."""
+        """Modes and frequencies; a turn about the axis counts as two, like two turns in an oval, after which signs
+        return.
+        """
         further = len(self._frequencies) - self.dimension
         modes = np.rint(2 * counted / [*self._doubled, *[1] * further] * self._senses).astype(int)
         return modes, modes @ self._frequencies / 2

@@ -73,7 +73,9 @@ class Variation(NamedTuple):
         )
 
     def rates(self) -> tuple[Array, Array]:
-        """The coefficients of ȧ + ρb and ḃ: (N, 2, 4) for the four integrals, (N, 2, 4) for I and d beyond them."""
+        """The coefficients of ȧ + ρb and ḃ: (N, 2, 4) for changes of the four integrals, (N, 2, 4) for additional ones
+        of I and d.
+        """
         left = _left_inverse(self.fields)
         turning = left @ (self.J + self.J.transpose(0, 2, 1)) @ self.inverse
         return turning, left @ self.P - turning[:, :, 2:3] * self.energy[:, None, :]

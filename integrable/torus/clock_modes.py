@@ -34,7 +34,7 @@ class Cutoffs(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """Room: four numbers for each mode in ``modes``; lines and parts of
+    """Working memory: four numbers for each mode in ``modes``; lines and parts of
     :class:`~integrable.torus.clock_loops.ClockSeries`, of all modes and of the largest, and the parts without the loud
     ones, of which ``pairs`` are (k, m). ``counts``: the least second mode, how many there are, rows and modes of all,
     the same of the largest, and how many are loud, or −1 − n where the n-th place of ``modes`` is in resonance.

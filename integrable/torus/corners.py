@@ -48,9 +48,9 @@ class Corners:
     """The moving points at the corners of a torus's cells, by loops of :mod:`integrable.torus.loops`.
 
     ``units`` are those of the abscissa, ``lattice`` has the periods and cells, ``turns`` the signs of the periods;
-    ``closure`` says to what periods lead back, ``doubled`` how many of them are one of 1/g. PrecisionLoss where the
-    torus is not compact, or needs more than ``most`` cells or samples of 1/g; NotClosed where walks do not lead back,
-    or compiled loops lose digits beside the corners.
+    ``closure`` is the error with which periods lead back to the start, ``doubled`` their number in one period of 1/g.
+    PrecisionLoss where the torus is not compact, or needs more than ``most`` cells or samples of 1/g; NotClosed where
+    walks do not lead back, or compiled loops lose digits beside the corners.
     """
 
     _aslant = False
@@ -151,7 +151,7 @@ class Corners:
     def resolved(
         self, transformed: Callable[[Any], tuple[Any, tuple[int, int]]], samples: Samples | None = None
     ) -> Any:
-        """The spectrum of 1/g, or of what has other ``samples``, on a grid of its periods that shows it:
+        """The spectrum of 1/g, or of a function with other ``samples``, on a grid of its periods that resolves it:
         ``transformed(samples)`` are the spectrum and the shape of a grid that is fine enough.
         """
         return resolved(samples or self.samples, transformed, self._first_grid(), self._most)
@@ -166,9 +166,9 @@ class Corners:
         return max(2 * FIRST_SIZE, rows), max(columns, 2 ** ceil(log2(PASSAGES * extent)))
 
     def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Any:
-        """1/g on a grid of its periods that has ``sizes`` points to those of the divisor: an array of double-doubles
-        with a last axis, of interpreted loops of long doubles, or of their own numbers where they are for more digits.
-        ``known`` are the samples of a coarser grid.
+        """1/g on a grid of its periods, with ``sizes`` points for those of the divisor. Compiled loops give
+        double-doubles with a last axis; interpreted ones give long doubles, or their own numbers where these have more
+        digits. ``known`` are the samples of a coarser grid.
         """
         loops, fine = self.loops, self.fine(sizes, known)
         first, other = loops.room(sizes[0] * sizes[1]), loops.room(sizes[0] * sizes[1])
@@ -296,7 +296,7 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
     if not 0 < abs(area) < inf:
         return columns // 2
     turns = 0.5 + float(a1 * passed[1] - b1 * passed[0]) / area
-    # from a start near there, the walk back would end where it is worst
+    # from a start near there, the walk back would end where errors are largest
     least = columns // 8
     return max(1, least, min(round(columns * turns) % columns, columns - least))
 

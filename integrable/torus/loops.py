@@ -63,8 +63,8 @@ class NotClosed(PrecisionLoss):
 
 
 class ReadableLoops:
-    """The loops of :mod:`integrable.torus.walks` interpreted, on lists of numbers of the set-up's wide precision; what
-    they are for is good to ``digits``.
+    """The loops of :mod:`integrable.torus.walks` interpreted, on lists of numbers of the set-up's wide precision;
+    results are accurate to ``digits``.
     """
 
     def __init__(self, setup: Setup, digits: int = FLOAT_DIGITS) -> None:

@@ -99,9 +99,9 @@ class Found(NamedTuple):
     leaning: list[list[Any]] | None
 
     def wanted(self, digits: int, held: int) -> tuple[int, int]:
-        """The modes in either direction by which the tables fall below 10^(−digits) of their first: ``size`` where they
-        have. How fast they fall is read where they are not below 10^(−``held``) yet. PrecisionLoss where they end in
-        what rounding has left: more modes are no smaller.
+        """The number of modes in either direction after which the tables are below 10^(−digits) of their first:
+        ``size`` if they already are. The rate of decay is measured where they exceed 10^(−``held``). PrecisionLoss
+        where the last modes are rounding, so that more modes are no smaller.
         """
         rows, columns = self.size
         tables = [self.upright] if self.leaning is None else [self.upright, self.leaning]

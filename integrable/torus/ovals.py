@@ -145,7 +145,7 @@ class Oval:
         return (t3 * one / (t2 * four)) ** 2, (t4 * two / (t2 * four)) ** 2
 
     def angle(self, u: Real, y: Real) -> tuple[Real, Real]:
-        """φ/π of a point, in (−1, 1], and about how far it may be off: all of it where the oval is a point."""
+        """φ/π of a point, in (−1, 1], and an estimate of its error: that of a whole round where the oval is a point."""
         (a, b), others, arb = self._ends, self._others, self.flint.arb
         length = b - a
         if self._nome is None:

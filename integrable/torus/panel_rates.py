@@ -62,8 +62,8 @@ class PanelRates:
         return rates if self._right(point, steps, rates) else None
 
     def _right(self, point: Any, steps: Sequence[Any], rates: np.ndarray) -> bool:
-        """Whether some of the values, different ones from panel to panel and always the ends, agree with those of all
-        digits.
+        """Whether a sample of the values, which varies from panel to panel and includes the ends, agrees with values of
+        all digits.
         """
         bare, count = self._setup.bare, len(steps)
         self._checked += 1
@@ -140,7 +140,7 @@ class Scouts:
         return self._rules[length]
 
     def _transform(self, steps: list[Any], rows: list[list[Any]], number: Any) -> Callable[[Any], list[float]]:
-        """What gives the sizes of the coefficients around a moving point."""
+        """A function that returns the sizes of the coefficients around a moving point."""
         setup, rates = self._setup, self._rates
         if rates and number is float:
             packed, transform = rates.steps(steps), np.array(rows, dtype=float)

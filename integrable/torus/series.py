@@ -182,8 +182,8 @@ class LongSeries:
             self.origin = balls.element(field, self._origin)
 
     def at(self, angles: list[tuple[Any, Any]], digits: int | None = None) -> list[Any]:
-        """S at pairs of phases in turns: numbers of the field, as are those returned. With ``digits`` only to so many
-        of the size of F, fewer than all.
+        """S at pairs of phases in turns: numbers of the field, as are those returned. With ``digits`` only to that many
+        digits, relative to the size of F.
         """
         if digits not in self._levels:
             self._levels[digits] = self._level(digits)
@@ -239,7 +239,7 @@ class LongSeries:
 
 
 def _adding_up(sizes: np.ndarray, most: float) -> np.ndarray:
-    """Where the sizes are smallest, as many as add up to no more than ``most``."""
+    """The mask of the smallest sizes whose sum is at most ``most``."""
     order = np.argsort(sizes, axis=None)
     small = np.zeros(sizes.size, dtype=bool)
     small[order[np.cumsum(sizes.ravel()[order]) <= most]] = True
@@ -345,8 +345,8 @@ def fourier(
 
 
 def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int]:
-    """Powers of 2: the shape of a :func:`spectrum` where it ends, its last modes below ``noise`` in either direction
-    (relative), else a larger one where their decay leads, or the number of samples that averages their rounding.
+    """Powers of 2: the shape of a :func:`spectrum` whose last modes are below ``noise`` (relative) in either direction.
+    Otherwise a larger shape, extrapolated from the decay, or the number of samples that averages their rounding.
     """
     grid = np.abs(grid.astype(complex))
     grid /= grid.max()

@@ -15,7 +15,7 @@ from integrable.moving_point.elliptic_integrals import mean_slowness, oval_perio
 from integrable.moving_point.problem import MATRIX, MOMENTUM, SLOWNESS, TIME_SCALE
 from jacobian.numbers.roots import root
 
-# conjugate points of a translation at this part of the distance from its centre to the next branch point
+# conjugate points of a translation stay within this fraction of the distance from its centre to the next branch point
 REACH = 0.4
 # a torus with more cells counts as not compact
 MOST_CELLS = 1 << 16
@@ -29,8 +29,8 @@ REMOTE = 1e4
 # distance of two branch points
 FEW_CELLS = 1 << 11
 INNER = 8
-# or at this part of all distances, and in no narrower gap: translations about a centre lose twice the digits of its
-# distance to a branch point, which double-doubles must spare
+# or at this fraction of the distances of branch points, and in no narrower gap: translations about a centre lose twice
+# the digits of its distance from a branch point, as many as double-doubles can spare
 NEAREST = 2.0**-30
 # but only at this one where cells are no more than this, which costs almost no digits
 FAIR = 2.0**-12

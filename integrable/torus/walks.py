@@ -74,9 +74,9 @@ class Stride(NamedTuple):
 
 class Fine(NamedTuple):
     """A grid of ``finer[0]`` × ``finer[1]`` points to a cell: ``odd`` is whether a period turns an odd number of γ_i,
-    ``steps`` and ``counts`` are what :func:`offsets` makes, 20 numbers and one for each point; those that are so many
-    points from one another as ``coarser`` says, unless that is 0, are KNOWN. ``rest`` are (d, r) of the factor r − dx
-    of f where its values tell 1/g, of an upright body, else 0 (:func:`integrable.torus.corners.rest_of`).
+    ``steps`` and ``counts`` are what :func:`offsets` makes, 20 numbers and one for each point; those of a coarser grid,
+    with points ``coarser`` apart, are KNOWN (0: there is none). ``rest`` are (d, r) of the factor r − dx of f where its
+    values determine 1/g, for an upright body, else 0 (:func:`integrable.torus.corners.rest_of`).
     """
 
     cells: tuple[int, int]
@@ -92,9 +92,9 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
     """The moving points at the corners of the cells into ``states``, row by row of ten numbers; :func:`closure`.
 
     The first direction is walked in steps of an odd number of cells, up to ``most``, round and round, the second in
-    such steps that may lead down by one cell as well; columns backward take ``most`` = 1. Into ``ends`` where every
-    walk ends and into ``known`` where it should, signs included: that of the first direction, then those of the second
-    from all rows.
+    such steps that may lead down by one cell as well; columns backward take ``most`` = 1. ``ends`` receives the end of
+    every walk and ``known`` its goal, signs included: that of the first direction, then those of the second from all
+    rows.
     """
     (rows, columns), near = walk.cells, in_tuples(curve)
     down, _, parts0 = step_over(near, walk, 0)

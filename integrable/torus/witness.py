@@ -38,9 +38,9 @@ ALIKE = 1e-6
 # difference allowed for a correct torus. Other checks of states are stricter; this one detects wrong signs and
 # positions
 RIGHT = 1e-8
-# the number of borders checked, and the difference allowed between both corners in double-doubles; for close moments,
-# whose κ is small, less by 10κ, down to LEAST: where a γ_i passes 0, an error of V counts 1/κ times in M_i
-# (test_a_torus_of_close_moments_is_right_where_a_coordinate_plane_is_passed)
+# the number of borders checked, and the difference allowed between both corners in double-doubles. For close moments,
+# whose κ is small, it is multiplied by 10κ or at least by LEAST: where a γ_i passes 0, an error of V is magnified by
+# 1/κ in M_i (test_a_torus_of_close_moments_is_right_where_a_coordinate_plane_is_passed)
 BORDERS = 16
 SEAM, LEAST = 1e-13, 1e-2
 # the largest ratio of the phases' rates for which equations of motion are followed to a turn of the slower one

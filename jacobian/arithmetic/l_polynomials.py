@@ -83,7 +83,7 @@ def with_progress(C: HyperellipticCurve, bound: int, file: File | None = None, p
             bar.update(done - bar.n)
 
         found = l_polynomials(C, bound, file, tell)
-        # primes that were counted one by one were not told
+        # primes counted one by one have not been reported to ``tell``
         tell(len(found.p), len(found.p))
         return found
 

@@ -46,7 +46,8 @@ class CompiledRows(StoredRows):
         else:
             own = word_context(K.p)
             self.word_dtype = np.int32 if own.bits == 32 else np.int64
-            # canonical words are valid in a wide context too: other loops than sums are compiled for that one only
+            # canonical words are valid in a wide context too, so loops other than sums are compiled for that context
+            # only
             words = (Wide32 if own.bits == 32 else Wide64)(*own)
         self.dtype = np.float64 if self.floats else self.word_dtype
         if self.floats:

@@ -136,7 +136,7 @@ class Wide64(LongContext):
 
 
 class SingleProducts:
-    """What the contexts share that reduce each product of a dot on its own."""
+    """The operations shared by the contexts that reduce each product of a dot on its own."""
 
     __slots__ = ()
 

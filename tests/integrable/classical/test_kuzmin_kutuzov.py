@@ -1,4 +1,4 @@
-"""Stars in the galaxy of Kuzmin and Kutuzov: special orbits, what is refused, and galpy beside them."""
+"""Stars in the galaxy of Kuzmin and Kutuzov: special orbits, refusals, and comparison with galpy."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FLAT, LONG = (("3/2", 1), (1, "3/2"))
 
 
 def error(axes, q, p, time=12, steps=24):
-    """The error of a state in 30 digits against an integration."""
+    """The error of a state, relative to an integration in 30 digits."""
     K = MP(30)
     system = KuzminKutuzov(axes, 1, K)
     state = system.state(q, p)
@@ -29,7 +29,7 @@ def error(axes, q, p, time=12, steps=24):
 @pytest.mark.parametrize(
     ("axes", "q", "p"),
     [
-        (FLAT, (1, "1/2", 0), ("-1/4", "1/2", 0)),  # z = 0 stays
+        (FLAT, (1, "1/2", 0), ("-1/4", "1/2", 0)),  # in the plane z = 0 for ever
         (LONG, (2, "1/2", 0), ("-1/4", "1/2", 0)),
         (FLAT, (1, "1/2", 0), ("-1/4", "1/2", "1/4")),  # through z = 0 at the start
         (LONG, (2, "1/2", 0), ("-1/4", "1/2", "1/4")),
@@ -72,7 +72,7 @@ def test_a_star_at_a_focus() -> None:
     assert np.allclose(moved.q[0], (0, 0, 0.75), atol=1e-13)
     with pytest.raises((PrecisionLoss, NotRepresentable)):
         flow.at([1e9])
-    # with L ≠ 0 no star comes to a focus; one that turns about the axis next to it
+    # with L ≠ 0 no star reaches a focus; this one turns about the axis close to it
     assert error(("5/4", 1), ("1/50", 0, "3/4"), ("1/4", "1/8", "1/8")) < 1e-24
 
 

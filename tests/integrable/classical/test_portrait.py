@@ -1,4 +1,4 @@
-"""Frequencies and actions of every system: against derivatives of H, sums along motions, and special cases."""
+"""Frequencies and actions of every system, compared with derivatives of H, sums along motions, and special cases."""
 
 from __future__ import annotations
 
