@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,7 +48,7 @@ QUANTITIES = {
 UNITS = "those of SI, or of the consistent set that the body and M were given in"
 
 
-def checked(quantities: Any, among: Mapping[str, Quantity] = QUANTITIES) -> tuple[str, ...]:
+def checked(quantities: Iterable[str] | None, among: Mapping[str, Quantity] = QUANTITIES) -> tuple[str, ...]:
     """The names ``quantities`` as a tuple. Raises ArgumentError unless all are ``among`` the known ones."""
     known = ", ".join(among)
     asked = [quantities] if isinstance(quantities, str) else entries(quantities, "quantities", f"a list of {known}")
@@ -107,7 +107,7 @@ def reasons_text(reasons: Sequence[str]) -> str:
     return json.dumps(reasons[1:], ensure_ascii=False)
 
 
-def trajectory_frame(run: Any, quantities: Any) -> Frame:
+def trajectory_frame(run: Any, quantities: Iterable[str] | None) -> Frame:
     """The frame of a run along "time", or of an orbit along "step"."""
     names, dims = checked(quantities), ("time",)
     orbit = run.way == "steps"

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from jacobian.element import File
 from jacobian.errors import ArgumentError, names_a_file, shown
 
 __all__ = ["Patient", "reason", "replacing", "said", "target_of", "whole_file"]
@@ -23,7 +24,7 @@ FULL = {
 """The meanings of the system's errors for lack of room."""
 
 
-def target_of(path: Any, wanted: str, argument: str = "path") -> Path:
+def target_of(path: File, wanted: str, argument: str = "path") -> Path:
     """``path`` as a Path. Its folder must exist; otherwise ArgumentError says what is ``wanted``."""
     if not names_a_file(path):
         raise ArgumentError(f"{argument} = {shown(path)}: give {wanted}")
@@ -64,7 +65,7 @@ def replacing(target: Path, folder: Path | None = None) -> Iterator[Path]:
 
 
 @contextmanager
-def whole_file(path: Any, wanted: str) -> Iterator[Path]:
+def whole_file(path: File, wanted: str) -> Iterator[Path]:
     """:func:`replacing` for a file named by the user. System errors become an ArgumentError of one line."""
     target = target_of(path, wanted)
     if target.is_dir():

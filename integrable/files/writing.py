@@ -16,12 +16,13 @@ import numpy as np
 from integrable.extras import needed
 from integrable.files.frame import Column, Frame, dataframe, dataset
 from integrable.files.whole import replacing, said, target_of
+from jacobian.element import File
 from jacobian.errors import ArgumentError, shown
 
 __all__ = ["FORMATS", "save", "scaled"]
 
 
-def save(frame: Callable[[], Frame], path: Any) -> None:
+def save(frame: Callable[[], Frame], path: File) -> None:
     """Write a frame as .nc (netCDF 4), .h5 (HDF5), .zarr, .parquet, .csv or .mat. It is made only after all checks.
 
     The file (for .zarr the folder) appears when it is complete, and replaces an older one. Raises ArgumentError for

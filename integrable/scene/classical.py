@@ -6,7 +6,7 @@ The names ``gamma`` and ``M`` then stand for q and p.
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import islice
 from typing import Any
 
@@ -14,7 +14,8 @@ from integrable.mumford.flow import Path, Point
 from integrable.mumford.system import MumfordSystem
 from integrable.phase.enclosure import EnclosedPath
 from integrable.phase.state import State
-from jacobian.element import Numbers
+from jacobian.element import Number, Numbers, Value
+from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
 
 __all__ = ["ClassicalMotion", "ClassicalRun", "ClassicalSystem"]
@@ -51,7 +52,7 @@ class ClassicalSystem:
         """Whether an exact discretization of the system is implemented."""
         return hasattr(self.system, "discrete")
 
-    def state(self, q: Any, p: Any) -> State:
+    def state(self, q: Iterable[Value], p: Iterable[Value]) -> State:
         """The state with these q and p."""
         return _state(self.system.state(q, p))
 
@@ -64,13 +65,13 @@ class ClassicalSystem:
         found = self.system.integrals(_point(state))
         return namedtuple("Integrals", [name.replace(" ", "_") for name in found])(*found.values())
 
-    def rates_in(self, numbers: Any, y: Sequence[Any]) -> list[Any]:
+    def rates_in(self, numbers: Field, y: Sequence[Any]) -> list[Any]:
         """(q', p') at y = (q, p). Components may have any type with operators, such as symbolic expressions."""
         size = len(y) // 2
         rate = self.system._vector_field(numbers, Point(tuple(y[:size]), tuple(y[size:])))
         return [*rate.q, *rate.p]
 
-    def step(self, state: State, time: Any) -> State:
+    def step(self, state: State, time: Number) -> State:
         """The state after one step of the system's discretization; the step advances time by about ``time``."""
         return _state(self.system.discrete(_point(state), time))  # type: ignore[attr-defined]
 
@@ -102,7 +103,7 @@ class ClassicalMotion:
         self.system, self.state = system, state
         self._flow = system.system.flow(_point(state))
 
-    def _prepare(self, times: Any) -> None:
+    def _prepare(self, times: Numbers) -> None:
         """Does nothing: the method depends on the times, and its set-up is part of their computation."""
 
     def at(self, times: Numbers) -> ClassicalRun:

@@ -182,7 +182,7 @@ class Translation(Step):
         assert self._upright is not None
         return self._upright[1], plain, change
 
-    def _move(self, h1: Any, h2: Any) -> tuple[SignedGroup, SignedDivisor]:
+    def _move(self, h1: Real, h2: Real) -> tuple[SignedGroup, SignedDivisor]:
         """The sign-resolved [multiple]D' on the curve of (h1, h2); cached, because an orbit stays on one curve."""
         group, u, v = self._class(h1, h2)
         assert self._last is not None
@@ -190,7 +190,7 @@ class Translation(Step):
             vars(self)["_last"] = (*self._last, self._signed(group, u, v))
         return group, self._last[5]
 
-    def _class(self, h1: Any, h2: Any) -> tuple[SignedGroup, poly.Poly, poly.Poly]:
+    def _class(self, h1: Real, h2: Real) -> tuple[SignedGroup, poly.Poly, poly.Poly]:
         """The group of the curve of (h1, h2), and (u, v) of D' before it is multiplied; cached as in :meth:`_move`."""
         if not self._is_last(h1, h2):
             system = self.system

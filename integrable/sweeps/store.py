@@ -25,6 +25,7 @@ from integrable.files.quantities import columns, reasons_text, status_column
 from integrable.files.whole import Patient, replacing, said, target_of
 from integrable.files.writing import scaled
 from integrable.sweeps.jobs import Part
+from jacobian.element import File
 from jacobian.errors import ArgumentError, shown
 
 __all__ = ["SUFFIXES", "Layout", "Store"]
@@ -69,7 +70,7 @@ class Store:
     file existed already.
     """
 
-    def __init__(self, out: Any, layout: Layout) -> None:
+    def __init__(self, out: File, layout: Layout) -> None:
         known = " or ".join(SUFFIXES)
         self.path = target_of(out, f"the path of a file that ends with {known}", "out")
         if self.path.suffix not in SUFFIXES:

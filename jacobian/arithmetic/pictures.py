@@ -9,6 +9,7 @@ import numpy as np
 
 from jacobian.arithmetic.record import LPolynomials
 from jacobian.arithmetic.saved import path_of
+from jacobian.element import File
 from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def figure(L: LPolynomials) -> Figure:
     return drawn
 
 
-def draw(L: LPolynomials, path: Any) -> None:
+def draw(L: LPolynomials, path: File) -> None:
     """Writes the picture: .png, .svg or .pdf by the name of the file."""
     figure(L).savefig(path_of(path), dpi=150)
 

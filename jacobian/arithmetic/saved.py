@@ -13,13 +13,14 @@ import numpy as np
 
 from jacobian.arithmetic.residues import Place
 from jacobian.curve.curve import HyperellipticCurve
+from jacobian.element import File
 from jacobian.errors import ArgumentError, names_a_file, shown
 
 EVERY = 5.0
 """Seconds between two saved states."""
 
 
-def path_of(path: Any, argument: str = "path") -> Path:
+def path_of(path: File, argument: str = "path") -> Path:
     """The Path of a file name; ArgumentError if it is none."""
     if not names_a_file(path):
         raise ArgumentError(f"{argument} = {shown(path)}: give the name of a file")
@@ -31,7 +32,7 @@ class Saved:
     state.
     """
 
-    def __init__(self, path: Any, C: HyperellipticCurve, bound: int, genus: int) -> None:
+    def __init__(self, path: File, C: HyperellipticCurve, bound: int, genus: int) -> None:
         self.path, self._genus, self._last = path_of(path, "file"), genus, monotonic()
         self._run = json.dumps({"f": [str(c) for c in C.f], "h": [str(c) for c in C.h], "bound": bound})
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from jacobian import poly
+from jacobian.element import Arithmetic
 from jacobian.errors import FieldError
 from jacobian.fields.flint_polynomials import conversions
 from jacobian.fields.protocol import Field
@@ -29,7 +30,7 @@ def to_pari(K: Any, *polynomials: poly.Poly) -> str:
     return f"a = ffgen(Mod(1, {K.characteristic})*({modulus}), 'a); [{vector}]"
 
 
-def _pari_polynomial(K: Any, a: poly.Poly) -> str:
+def _pari_polynomial(K: Field, a: poly.Poly) -> str:
     terms = [f"{_pari_element(K, c)}*x^{i}" for i, c in enumerate(a) if c != K.zero]
     return " + ".join(terms) or _pari_element(K, K.zero)
 
@@ -70,7 +71,7 @@ def _exactly(c: Any) -> str:
     return str(mpq(c))
 
 
-def _exact(K: Any) -> Any:
+def _exact(K: Arithmetic) -> Any:
     if not K.exact:
         raise FieldError(f"field = {K.name}: finite fields and QQ are written for other systems, not floats")
     return K

@@ -35,7 +35,7 @@ class CurveQuestions(Immutable, Generic[Element]):
     model: str
     infinity_plus: Any
 
-    def _with(self, K: Any, f: poly.Poly[Element], h: poly.Poly[Element], infinity_plus: Any = None) -> Self:
+    def _with(self, K: Field, f: poly.Poly[Element], h: poly.Poly[Element], infinity_plus: Any = None) -> Self:
         return type(self)(K, f, h, infinity_plus)  # type: ignore[call-arg]
 
     def jacobian(self) -> Jacobian[Element]:

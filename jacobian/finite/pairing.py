@@ -26,6 +26,7 @@ from jacobian.errors import ArgumentError, CurveMismatch, FieldError, Infeasible
 from jacobian.fields import GF
 from jacobian.fields.change import change_of_field
 from jacobian.fields.flint_polynomials import conversions
+from jacobian.fields.protocol import Field
 from jacobian.finite.counting import irreducible
 from jacobian.finite.miller import EllipticFunctions, has_functions
 from jacobian.law.divisor import check_scalar
@@ -213,7 +214,7 @@ def _step(law: FlintCantor, composed: Any, places: Any) -> tuple[Flint, list[tup
     return total, factors
 
 
-def _non_zero(K: Any, value: Any) -> Any:
+def _non_zero(K: Field, value: Any) -> Any:
     if value == K.zero:
         raise _Collision
     return value

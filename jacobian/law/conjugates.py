@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 from math import lcm
-from typing import Any
 
 from jacobian import poly
 from jacobian.curve.points import INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Given, Point, PointAtInfinity
@@ -76,7 +75,7 @@ def support(D: Divisor, extension: Field | None = None) -> list[tuple[Point, int
     return points
 
 
-def _missing(D: Divisor, K: Any, rest: poly.Poly) -> str:
+def _missing(D: Divisor, K: Field, rest: poly.Poly) -> str:
     found = f"{D.degree - (len(rest) - 1)} of its {D.degree} roots in {K.name}"
     degree = splitting_degree(D)
     return found if degree is None else f"{found}: give the extension of degree {degree} of {D.jacobian.field.name}"

@@ -20,11 +20,13 @@ from typing import Any
 
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve, check_curve
+from jacobian.element import Arithmetic
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotASquare
 from jacobian.fields import GF, QQ
 from jacobian.fields.change import embedding
 from jacobian.fields.factor import factor, roots
 from jacobian.fields.primality import is_prime
+from jacobian.fields.protocol import Field
 from jacobian.linear import echelon, solution
 from jacobian.models.isomorphism import Isomorphism, substituted
 
@@ -91,7 +93,7 @@ def _with_matrix(C: HyperellipticCurve, E: HyperellipticCurve, matrix: Matrix) -
 # --- matrices over a finite field
 
 
-def _matrices(K: Any, F: poly.Poly, G: poly.Poly, genus: int) -> list[Matrix]:
+def _matrices(K: Field, F: poly.Poly, G: poly.Poly, genus: int) -> list[Matrix]:
     """Candidates (a : b : c : d), first number one, that take roots of the form F to roots of G."""
     from_places, to_places = (_places(K, form, genus) for form in (F, G))
     if sorted(k for k, _ in from_places) != sorted(k for k, _ in to_places):
@@ -109,7 +111,7 @@ def _matrices(K: Any, F: poly.Poly, G: poly.Poly, genus: int) -> list[Matrix]:
     return sorted(found)
 
 
-def _places(K: Any, form: poly.Poly, genus: int) -> list[Place]:
+def _places(K: Field, form: poly.Poly, genus: int) -> list[Place]:
     """(degree, irreducible factor) of a form of degree 2g + 2 without double roots; () for infinity."""
     found = [(len(P) - 1, P) for P, _ in factor(K, poly.monic(K, form))]
     return [*found, (1, ())] if len(form) == 2 * genus + 2 else found
@@ -149,7 +151,7 @@ def _equations(K: Any, P: Place, Q: Place) -> list[list[list[Any]]]:
     return systems
 
 
-def _rational_point(K: Any, place: Place) -> tuple[Any, Any]:
+def _rational_point(K: Arithmetic, place: Place) -> tuple[Any, Any]:
     return (K.neg(place[1][0]), K.one) if place[1] else (K.one, K.zero)
 
 
@@ -160,7 +162,7 @@ def _trace(inclusion: Any, x: Any, k: int) -> Any:
     return inclusion.back(total)
 
 
-def _null_vector(K: Any, rows: list[list[Any]]) -> Matrix | None:
+def _null_vector(K: Field, rows: list[list[Any]]) -> Matrix | None:
     """The only solution of a system for (a : b : c : d), with its first number one; None for none or ad = bc."""
     pivots = echelon(K, rows, 4)
     if len(pivots) != 3:

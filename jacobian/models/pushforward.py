@@ -17,6 +17,7 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import CurveMismatch, NotRepresentable
 from jacobian.fields import GF
 from jacobian.fields.change import change_of_field
+from jacobian.fields.protocol import Field
 from jacobian.law.divisor import Divisor
 from jacobian.linear import solution
 
@@ -26,7 +27,7 @@ TRIES = 50
 class Family:
     """A pair (U_t, V_t) over A = K[t]/u, deg u = 2. Elements of A are polynomials in t of degree at most one."""
 
-    def __init__(self, K: Any, u: poly.Poly) -> None:
+    def __init__(self, K: Field, u: poly.Poly) -> None:
         self.field, self.u = K, u
         self.generator: poly.Poly = (K.zero, K.one)
         self.modulus: list[poly.Poly] = []

@@ -19,6 +19,7 @@ from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve, check_curve, coefficient
 from jacobian.errors import ArgumentError, FieldError, entries, shown
 from jacobian.fields.factor import factor, roots
+from jacobian.fields.protocol import Field
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor
 from jacobian.models.isomorphism import Isomorphism
@@ -53,7 +54,7 @@ class RichelotIsogeny(Immutable):
         """The image of a class; over QQ NotRepresentable where no rational classes in general position are found."""
         return pushed(self.source, self.target, D, self._family)
 
-    def _family(self, L: Any, move: Mapped, u: poly.Poly, v: poly.Poly) -> Family | None:
+    def _family(self, L: Field, move: Mapped, u: poly.Poly, v: poly.Poly) -> Family | None:
         """(U, V) on the target for the points of (u, v), over L[t]/u, or None for special ones."""
         family = Family(L, u)
         (G1, G2), (H1, H2) = (map(move, pair[:2]) for pair in (self.quadratics, self.images))
@@ -126,7 +127,7 @@ class Splitting(Immutable):
         return first, pushed(E, self.targets[1], there, self._inverse_squares)
 
     @staticmethod
-    def _squares(L: Any, move: Mapped, u: poly.Poly, v: poly.Poly) -> Family:
+    def _squares(L: Field, move: Mapped, u: poly.Poly, v: poly.Poly) -> Family:
         family = Family(L, u)
         square = family.times(family.generator, family.generator)
         family.set_modulus([poly.neg(L, square), (L.one,)])
@@ -134,7 +135,7 @@ class Splitting(Immutable):
         return family
 
     @staticmethod
-    def _inverse_squares(L: Any, move: Mapped, u: poly.Poly, v: poly.Poly) -> Family | None:
+    def _inverse_squares(L: Field, move: Mapped, u: poly.Poly, v: poly.Poly) -> Family | None:
         family = Family(L, u)
         inverse = family.over((L.one,), family.generator)
         if inverse is None:
@@ -182,7 +183,7 @@ def quadratic_splittings(C: HyperellipticCurve) -> Iterator[Quadratics]:
         yield poly.scale(K, C.f[-1], first), second, third
 
 
-def _product(K: Any, a: poly.Poly, b: poly.Poly) -> poly.Poly:
+def _product(K: Field, a: poly.Poly, b: poly.Poly) -> poly.Poly:
     """The product of two linear forms; () stands for the point at infinity."""
     return poly.mul(K, a or (K.one,), b or (K.one,))
 
@@ -208,7 +209,7 @@ def _even_weight(C: HyperellipticCurve, G: poly.Poly) -> int | None:
     return 0 if C.model == "split" else None
 
 
-def determinant(K: Any, quadratics: Quadratics) -> Any:
+def determinant(K: Field, quadratics: Quadratics) -> Any:
     """The determinant of the coefficients of three quadratics, ascending."""
     (a, b, c), (d, e, f), (g, h, i) = ([coefficient(K, G, k) for k in range(3)] for G in quadratics)
     minors = (K.sub(K.mul(e, i), K.mul(f, h)), K.sub(K.mul(f, g), K.mul(d, i)), K.sub(K.mul(d, h), K.mul(e, g)))
@@ -229,7 +230,7 @@ def _checked(C: HyperellipticCurve, quadratics: Any) -> tuple[HyperellipticCurve
     return C, (first, second, third)
 
 
-def _brackets(K: Any, quadratics: Quadratics) -> Quadratics:
+def _brackets(K: Field, quadratics: Quadratics) -> Quadratics:
     first, second, third = quadratics
 
     def bracket(a: poly.Poly, b: poly.Poly) -> poly.Poly:
@@ -239,7 +240,7 @@ def _brackets(K: Any, quadratics: Quadratics) -> Quadratics:
     return bracket(second, third), bracket(third, first), bracket(first, second)
 
 
-def _to_squares(K: Any, quadratics: Quadratics) -> tuple[Any, Any, Any, Any]:
+def _to_squares(K: Field, quadratics: Quadratics) -> tuple[Any, Any, Any, Any]:
     """The matrix of x' = (x − s₁)/(x − s₂): s₁ and s₂ are the fixed points of the involution that all G_i share.
 
     It exchanges the roots of each; its fixed points are the roots of the Jacobian of any two independent ones.

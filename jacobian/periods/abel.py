@@ -15,6 +15,7 @@ from typing import Any
 
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import JacobianError, NotOnCurve, PrecisionLoss, shown
+from jacobian.fields.protocol import Field
 from jacobian.law.divisor import Divisor
 from jacobian.periods.image import AbelImage, Point, full_weight, plus
 from jacobian.periods.matrix import Oval, PeriodMatrix, nearest, periods, real_periods, solve
@@ -114,7 +115,7 @@ class AbelMap(AbelImage):
             return [self._on_curve(numbers.convert(x), Y) for x, Y in found]
         raise PrecisionLoss(failure)
 
-    def _on_field(self, field: Any) -> AbelMap:
+    def _on_field(self, field: Field) -> AbelMap:
         """The map over another field, cached."""
         if field not in self._others:
             convert = working_numbers(field).convert

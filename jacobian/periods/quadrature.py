@@ -14,6 +14,7 @@ from functools import lru_cache
 from typing import Any
 
 from jacobian.errors import FieldError, Infeasible
+from jacobian.fields.protocol import Field
 
 Vector = list[Any]
 Forms = Callable[[Any], Vector]
@@ -123,7 +124,7 @@ def complex_field(field: Any) -> Any:
 
 
 @lru_cache(maxsize=64)
-def working_numbers(field: Any) -> Numbers:
+def working_numbers(field: Field) -> Numbers:
     """The Numbers of a field, the same object for the same field: its nodes and weights are made once."""
     return Numbers(field)
 

@@ -27,6 +27,7 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.curve.points import INFINITY_MINUS, AffinePoint, Given
 from jacobian.element import Value
 from jacobian.errors import ArgumentError, FieldError, NotRepresentable, shown, written
+from jacobian.fields.protocol import Field
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_divisor
 from jacobian.relatives.fibre import FibreGroup, Unit
@@ -160,7 +161,7 @@ class Representative(Immutable):
         return RayClassGroup(self.curve, x0).from_mumford(self.u, self.v)
 
 
-def parameter(K: Any, pair: tuple[poly.Poly, poly.Poly], x0: Any, y0: Any) -> Any:
+def parameter(K: Field, pair: tuple[poly.Poly, poly.Poly], x0: Any, y0: Any) -> Any:
     """The c of :meth:`Representative.member` with P(x0) = y0 for the pair (u, v); c = y0 for ``x0`` = None, x₀ = ∞.
 
     NotRepresentable where u vanishes at x0.

@@ -21,6 +21,7 @@ from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, NotRepresentable, written
+from jacobian.fields.protocol import Field
 from jacobian.immutable import Immutable
 from jacobian.inexact import composition
 
@@ -244,12 +245,12 @@ class SignedGroup(Immutable):
         return poly.evaluate(K, cofactor, e)
 
 
-def sheared(K: Any, pairs: Sequence[Pair], c: Any) -> tuple[Pair, ...]:
+def sheared(K: Field, pairs: Sequence[Pair], c: Any) -> tuple[Pair, ...]:
     """The pairs of (U, V + cU), another parabola through the same points: κσν is its value at the branch point."""
     return tuple((sigma, K.add(nu, K.mul(c, sigma))) for sigma, nu in pairs)
 
 
-def reflected(K: Any, pairs: Sequence[Pair], roots: Sequence[Any]) -> tuple[Pair, ...]:
+def reflected(K: Field, pairs: Sequence[Pair], roots: Sequence[Any]) -> tuple[Pair, ...]:
     """(ν/ρ, −ρσ) at every branch point e: the pairs of (Ũ, −P), the other zeros of y − P besides (U, P).
 
     P² − f = R·U·Ũ with κσ² = U(e), κσν = P(e), and ρ² = R(e) ≠ 0; κ stays. R is the leading coefficient of P² − f for a
