@@ -41,8 +41,8 @@ PANEL_STEPS = 5
 FAR = 50
 # numbers of panels that take about a second: with states from the torus, and with single states
 MOST_PANELS, MOST_PRECISE = 4000, 60
-# in multiprecision: the number of panels from which on the torus costs less, and the number beyond which rules without
-# one take minutes
+# in multiprecision: the number of panels from which on the torus costs less, and the number that takes minutes without
+# a torus
 FAR_GAUSS, MOST_GAUSS = 4, 40
 # digits of the bounded part beyond those of the field
 GUARD = 2

@@ -22,7 +22,8 @@ from jacobian.numbers.long_reals import BareReals
 
 # values computed again with all digits: one in this many, and at least two
 ONE_IN = 25
-# a rule that shows how fast Legendre coefficients fall, for a cell and for a long panel, down to that size
+# numbers of nodes, for a cell and for a long panel, of the rule that shows how fast Legendre coefficients decrease; and
+# the least coefficient that counts for this
 SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
 SCOUT_BITS = 240
 # a relative variation of 1/g below the first is measured in multiprecision, or down to the second in double-doubles

@@ -20,7 +20,7 @@ NODES = 28
 TOLERANCE = 2e-15
 # bound of the rounding errors of the states themselves, on motions with fast passages
 NOISE = 1e-13
-# panels of a stretch whose ends show how long they may be, and the largest number of halvings
+# number of panels that are tried to find a length for the whole stretch, and the largest number of halvings
 PROBES = 8
 MOST_HALVINGS = 12
 # equal coefficients below this fraction of a column are rounding, which halving does not reduce; number of them that

@@ -50,17 +50,17 @@ def small_in_tuples(small: SmallSteps) -> SmallSteps:
 
 
 def four(row: Row) -> Any:
-    """The first numbers of a row."""
+    """The first four numbers of a row."""
     return row[0], row[1], row[2], row[3]
 
 
 def six(row: Row) -> Any:
-    """The first numbers of a row."""
+    """The first six numbers of a row."""
     return row[0], row[1], row[2], row[3], row[4], row[5]
 
 
 def eight(row: Row) -> Any:
-    """The first numbers of a row."""
+    """The first eight numbers of a row."""
     return row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]
 
 

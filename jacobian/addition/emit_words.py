@@ -218,7 +218,7 @@ LIMITS = {
     **dict.fromkeys(("u", "v", "closed", "opposite"), CANONICAL),
     **dict.fromkeys(("cubic", "bent", "meeting", "middle"), Size(0.5, 2, 3)),
 }
-"""How near to 0 the results of a step are, where that is promised or where many steps use them."""
+"""The bounds to which results of a step are reduced, where SETTLED is not enough or many steps use them."""
 
 
 def _step(

@@ -46,7 +46,7 @@ def case_of(start: Motion, oracle: Callable[[Motion], Any], wanted: list[float])
 
 
 def judged(got: Any, start: Motion, oracle: Any, wanted: list[float]) -> Complaint | None:
-    """Compared with the rows of an oracle: the worst row is reported."""
+    """Compares states with the rows of an oracle; the worst row is reported."""
     size = float(np.linalg.norm(start.M))
     if got.shape != (len(wanted), 6):
         return Complaint(f"shape {got.shape}", f"({len(wanted)}, 6)", "got.shape == expected")
