@@ -75,7 +75,7 @@ def modes_of_pace(motion: Any, digits: int, field: Any) -> Modes:
             )
         table = cosines(motion, sizes, bits)
         loud = abs(table) > table[0, 0] // 10**digits
-        # the last modes of a table that is too small are loud
+        # in a table that is too small the last modes are not small
         ends = loud[-1 - sizes[0] // 16 :].any(), loud[:, -1 - sizes[1] // 16 :].any()
         if not any(ends):
             rows, columns = (int(np.flatnonzero(loud.any(axis=1 - k))[-1]) + MARGIN for k in range(2))

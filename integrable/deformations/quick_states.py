@@ -199,7 +199,7 @@ class QuickClock:
 
 
 def check_no_resonance(spectrum: RateSpectrum, turns: list[float]) -> None:
-    """Raises PrecisionLoss for a mode nearly in resonance: its large oscillation has not the digits of floats."""
+    """Raises PrecisionLoss for a mode nearly in resonance: floats would lose digits of its large oscillation."""
     values, (rows, columns) = spectrum
     modes = np.hypot(*values[:, 0].reshape(-1, 2)[: (rows // 2 + 1) * columns].T).reshape(-1, columns)
     first = np.arange(rows // 2 + 1)[:, None] * turns[0]

@@ -1,4 +1,4 @@
-"""What compiled loops on moving points share, and repeated addition."""
+"""The common part of compiled loops on moving points, and repeated addition."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from jacobian.addition import cantor
 from jacobian.addition.straight import Formulas, Tape
 
 NAME, PRODUCT, SUM = 2, 1, 0
-"""How strongly a piece of text binds."""
+"""The precedence of the operation in a piece of text."""
 SIGNS = {"add": "+", "sub": "-"}
 
 Written = tuple[str, int]

@@ -33,9 +33,9 @@ class Size(NamedTuple):
 
 CANONICAL = Size(0.5, 0.5, 0.5)
 SETTLED = Size(1, 4, 4.5)
-"""What ``settled`` takes, and the greatest sum."""
+"""The bounds of arguments of ``settled``, and of sums."""
 NEAR = Size(1, 1.5, 4.5)
-"""What ``canonical`` takes."""
+"""The bounds of arguments of ``canonical``."""
 
 
 def within(size: Size, limit: Size) -> bool:

@@ -143,14 +143,14 @@ class Term:
 
 
 def cross(x1: Any, x0: Any, y1: Any, y0: Any) -> Any:
-    """x₁y₀ + x₀y₁, beside x₁y₁ and x₀y₀: over a field with one product more (Karatsuba and Ofman 1962)."""
+    """x₁y₀ + x₀y₁ where x₁y₁ and x₀y₀ are needed too: over a field by one more product (Karatsuba and Ofman 1962)."""
     if _saves_products(x1, x0, y1, y0):
         return (x1 + x0) * (y1 + y0) - x1 * y1 - x0 * y0
     return x1 * y0 + x0 * y1
 
 
 def square_of_twice(x: Any) -> Any:
-    """(2x)², beside x²: over a field without another product."""
+    """(2x)² where x² is needed too: over a field without another product."""
     if not _saves_products(x):
         return (x + x) * (x + x)
     twice = x * x + x * x

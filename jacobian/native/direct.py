@@ -172,4 +172,4 @@ class Method:
 
 
 _KEPT: list[Any] = []
-"""What functions in use point to."""
+"""Objects to which functions in use point."""

@@ -31,9 +31,9 @@ class Library:
     ``functions`` maps each entry's name to the function and the kinds of its arguments. ``library.name(…)`` calls it.
     For ``special`` functions the library has instructions of its own, beside those of
     :data:`jacobian.native.special.SPECIAL`. LLVM vectorises a loop only if what it calls is inlined: all functions
-    without loops are, but for those ``inlined_but``, unless this is None.
-    Arrays are NumPy arrays; double-doubles have a last axis (hi, lo). Tuples are tuples or :class:`Packed`.
-    Calls release Python's lock. The logger of this module reports when a library is not on disk and has to be compiled.
+    without loops are, except ``inlined_but``; if that is None, LLVM decides. Arrays are NumPy arrays; double-doubles
+    have a last axis (hi, lo). Tuples are tuples or :class:`Packed`. Calls release Python's lock. The logger of this
+    module reports when a library is not on disk and has to be compiled.
     """
 
     def __init__(

@@ -34,7 +34,7 @@ class Instance(NamedTuple):
 class Program:
     """An LLVM module. For ``special`` functions the compiler has its own instructions; where these are None, the
     function is compiled as it stands. Sums in ``fast`` functions may be reordered. Functions without a loop over
-    numbers are inlined, ``inlined_but`` some; LLVM decides if this is None.
+    numbers are inlined, except ``inlined_but``; if that is None, LLVM decides.
 
     Float operations may be contracted, but not in functions that take double-doubles.
     """
