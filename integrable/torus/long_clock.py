@@ -8,7 +8,7 @@ as theta functions.)
 
 from __future__ import annotations
 
-from math import log10
+from math import inf, log10
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,6 +29,8 @@ GAIN, FIRST_GOAL = 1e-13, 28
 # a mode is slow if k·ν₁ + m·ν₂ is below this fraction of its terms; a slope that takes slow modes as constant for some
 # periods has this relative error
 RESONANT, SLOW_GAIN = 2.0**-20, 2.0**-16
+# steps in floats that no longer shrink are rounding where they are below this part of the oscillation of τ
+SETTLED = 1e-9
 
 
 class LongClock:
@@ -95,15 +97,17 @@ class LongClock:
         nu, slow = np.array(self.frequencies, dtype=float), np.array([float(self._slow_rate(x)) for x in starts])
         mean = float(self.mean) + slow
         found, reach = np.zeros(len(starts)), 2 * self._series.rough.bound / mean
-        low, high = found - reach, found + reach
+        low, high, before = found - reach, found + reach, inf
         for _ in range(100):
             swings, rates = self._series.rough.swings_and_rates(*(rough + found[:, None] * nu).T)
             excess = mean * found + swings
             rates = rates + slow
             following, low, high = step_inside(found, excess, rates, low, high)
             steps, found = np.abs(following - found), following
-            if steps.max(initial=0) <= 8 * RR.eps * (1 + np.abs(found).max(initial=0)):
+            size, settled = steps.max(initial=0), SETTLED * np.min(reach, initial=inf)
+            if size <= 8 * RR.eps * (1 + np.abs(found).max(initial=0)) or before / 2 < size < settled:
                 break
+            before = size
         return self._refined(starts, angles, list(map(self.wide.coerce, found.tolist())), rates.tolist())
 
     def _refined(
