@@ -6,10 +6,9 @@ from math import floor, log2
 from typing import Any, NamedTuple
 
 from integrable.moving_point.addition import Real, Row, put
-from integrable.moving_point.translations import Expansion, expand_orders, expansion_of
+from integrable.moving_point.translations import Expansion, expand_orders, expansion_of, near_identity, with_pairs
 from integrable.torus.survey import about_centre
 from jacobian.numbers.abreast import abreast
-from jacobian.numbers.roots import root
 
 
 class TableRoom(NamedTuple):
@@ -90,7 +89,8 @@ def direction(motion: Row, chart: Any, parts: Row, k: int, row: Row, numbers: Ro
     rows, unit, height = about.rows, about.unit, about.height
     reach = chart.reaches[k] * (height / unit) + 0 * numbers[0]
     for n in abreast(0, 2):
-        step = near_centre(about, reach * (parts[2 * k + n] * (0.5 / chart.cells[n])))
+        eps = reach * (parts[2 * k + n] * (0.5 / chart.cells[n]))
+        step = near_identity(rows, about.axes, eps, len(rows.u0))
         put(recentred(step, centre, unit, height), halves, 20 * n + 10 * k)
     power = 1 + 0 * reach
     for n in range(len(rows.u0)):
@@ -148,30 +148,6 @@ def expansion_about(motion: Row, centre: Real, row: Row, numbers: Row) -> AboutC
     return AboutCentre(rows, (numbers[6], numbers[7], numbers[8]), unit, height)
 
 
-def near_centre(about: AboutCentre, eps: Real) -> Row:
-    """T(eps) in the abscissa of an expansion."""
-    rows, square, n = about.rows, eps * eps, len(about.rows.u0) - 1
-    u0, u1, v0, v1 = 0 * eps + rows.u0[n], 0 * eps + rows.u1[n], 0 * eps + rows.v0[n], 0 * eps + rows.v1[n]
-    for _ in range(len(rows.u0) - 1):
-        n -= 1
-        u0, u1 = u0 * square + rows.u0[n], u1 * square + rows.u1[n]
-        v0, v1 = v0 * square + rows.v0[n], v1 * square + rows.v1[n]
-    return with_pairs(about.axes, u0, u1, v0 * eps, v1 / eps)
-
-
-def with_pairs(axes: Row, u0: Real, u1: Real, v0: Real, v1: Real) -> Row:
-    """The translation with this divisor. Near the identity σ_i is α_i − c, whatever the centre c: continued around α_i
-    it has no branch.
-    """
-    a1, a2, a3 = axes[0], axes[1], axes[2]
-    r1, r2, r3 = (
-        signed_like(a1, root((a1 + u1) * a1 + u0)),
-        signed_like(a2, root((a2 + u1) * a2 + u0)),
-        signed_like(a3, root((a3 + u1) * a3 + u0)),
-    )
-    return u0, u1, v0, v1, r1, r2, r3, (v0 + v1 * a1) / r1, (v0 + v1 * a2) / r2, (v0 + v1 * a3) / r3
-
-
 def recentred(step: Row, centre: Real, unit: float, height: float) -> Row:
     """A translation in x and y from one in (x − centre)/unit and y/height."""
     u0, u1, v0, v1 = step[0] * unit * unit, step[1] * unit, step[2] * height, step[3] * (height / unit)
@@ -180,11 +156,6 @@ def recentred(step: Row, centre: Real, unit: float, height: float) -> Row:
         u0 - u1 * centre + (0 * u0 + centre) * centre, u1 - 2 * centre, v0 - v1 * centre, v1,
         step[4] * unit, step[5] * unit, step[6] * unit, step[7] * lift, step[8] * lift, step[9] * lift,
     )  # fmt: skip
-
-
-def signed_like(x: Real, size: Real) -> Real:
-    """``size`` with the sign of x."""
-    return -size if x < 0 else size
 
 
 def small_translation(small: SmallSteps, k: int, x: Real) -> Row:

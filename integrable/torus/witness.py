@@ -18,10 +18,10 @@ import numpy as np
 from integrable.moving_point.addition import Real, Row, moving_point, put, shift
 from integrable.moving_point.problem import Problem, vectors
 from integrable.moving_point.short_rows import curve_of, unit_axes
-from integrable.moving_point.translations import REACH, Translations
+from integrable.moving_point.translations import REACH, Translations, near_identity
 from integrable.phase.coordinates import directions_of
 from integrable.torus.states import Torus, point_at, point_beside, put_state, states_at_tau, torus_in_tuples
-from integrable.torus.tables import TableRoom, expansion_about, near_centre, recentred
+from integrable.torus.tables import TableRoom, expansion_about, recentred
 from integrable.torus.walks import Curve, in_tuples
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
@@ -166,7 +166,7 @@ def reached(line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> N
         doublings = ceil(log2(farthest / half_step)) + HALVINGS
         for i in abreast(0, len(times)):
             # doublings are done about its centre, where points near the identity keep their digits
-            step = near_centre(about, times[i] * scale / 2.0**doublings)
+            step = near_identity(about.rows, about.axes, times[i] * scale / 2.0**doublings, len(about.rows.u0))
             for _ in range(doublings):
                 step = shift(curve_of(numbers), unit_axes(numbers), step, step)
             step = recentred(step, centre, about.unit, about.height)

@@ -14,8 +14,8 @@ from integrable import ChaplyginBall, EulerTop
 from integrable.moving_point import addition
 from integrable.moving_point.balls import series_of
 from integrable.moving_point.compiled import SPECIAL
-from integrable.moving_point.translations import expand_orders, expansion_of
-from integrable.torus.tables import AboutCentre, near_centre, six
+from integrable.moving_point.translations import expand_orders, expansion_of, near_identity
+from integrable.torus.tables import six
 from jacobian import MP
 from jacobian.native.kinds import WIDE, WIDES, ArrayKind
 from jacobian.native.library import Library
@@ -46,7 +46,7 @@ def expanded(f, axes, eps, row, out):
     rows = expansion_of(row)
     expand_orders(six(f), rows, 0, len(rows.u0))
     for i in range(len(eps)):
-        addition.put(near_centre(AboutCentre(rows, (axes[0], axes[1], axes[2]), 1.0, 1.0), eps[i]), out[i], 0)
+        addition.put(near_identity(rows, axes, eps[i], len(rows.u0)), out[i], 0)
 
 
 def shifted(f, axes, start, steps, out):
