@@ -65,7 +65,7 @@ class Profile:
             start = self._place(N)
             forms = [Form((*[N.zero] * j, N.one)) for j in range(self._genus)]
             torus = SeparatedTorus(N, (start.f, start.u, start.v), Separation(forms, start.direction))
-            return PhaseTorus(torus, lambda halves: Extended(*torus.pair_at(Columns(), halves, ())[:2], ()))
+            return PhaseTorus(torus, lambda halves, _: Extended(*torus.pair_at(Columns(), halves, ())[:2], ()))
 
     def _read(self, xs: np.ndarray, D: Extended) -> list[list[Column]]:
         ((u, span),) = self._read_one(Columns(), D)

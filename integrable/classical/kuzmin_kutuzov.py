@@ -19,20 +19,18 @@ from typing import Any
 
 import numpy as np
 
-from integrable.mumford.flow import LONGEST, TORUS, MumfordFlow, Path, Point
+from integrable.mumford.columns import Columns
+from integrable.mumford.flow import BITS_OF_TORUS, ON_TORUS, TO_TORUS, TORUS, MumfordFlow, Path, Point
 from integrable.mumford.motion import settled_digits
+from integrable.mumford.phase_torus import PhaseTorus
 from integrable.mumford.system import MumfordSystem, Spectral, all_of
 from integrable.phase.enclosure import EnclosedPath
 from integrable.portrait.point_ovals import Form, Separation
 from integrable.portrait.separated import SeparatedTorus
-from integrable.torus.witness import witnesses
 from jacobian import RR, poly
-from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, shown
+from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
-
-# cost of a state by sums over ovals, in microseconds
-BY_SUMS = 3000
 
 
 class KuzminKutuzov(MumfordSystem):
@@ -120,7 +118,8 @@ class KuzminKutuzov(MumfordSystem):
         (a, c), along = self._constants_in(N), self._integrals(N, state)["L"]
         still, time = (N.zero, N.one), (N.zero, -c * c, N.zero, N.one)
         action = Form((N.zero, *self._quartic(N, state)), (a, -a))
-        turn = Form(poly.scale(N, along, time), (a, -a))
+        # without poles at L = 0, where a is a branch point
+        turn = Form((N.zero,)) if along == 0 else Form(poly.scale(N, along, time), (a, -a))
         known = (c, -c) if along != 0 else (c, -c, a, -a)
         return Separation([Form(still), Form(time)], (N.zero, N.one), action, [(turn, N.zero)], (along,), known)
 
@@ -176,27 +175,28 @@ class StarFlow(MumfordFlow):
         self._tori = dict[int, tuple[SeparatedTorus, Callable[[Any, Any, Any], Point]]]()
 
     def _budget(self, count: int) -> float:
-        return min(self._setting_up + count * BY_SUMS, LONGEST)
+        return TO_TORUS[3] + count * ON_TORUS[3]
 
     def _separated(self, N: LongField) -> SeparatedTorus:
         if not self.system.integrals(self.start)["E"] < 0:
             raise NotRepresentable("E ≥ 0: this star is unbound, and its far motion lies on no torus")
         return super()._separated(N)
 
-    def _made_torus(self) -> Any:
-        return StarTorus(self.portrait.frequencies)
+    def _made_torus(self) -> PhaseTorus:
+        with LongField(BITS_OF_TORUS) as N:
+            torus = self._separated(N)
+            read = self._states_on(N, torus)
+            return PhaseTorus(torus, lambda halves, turned: read(Columns(), halves, turned))
 
     def _far(self, given: list[Any]) -> Path:
-        if given and self._in_floats and self._torus is None:
-            # the reason, if it was one of precision
-            self._row(given[0])
-            raise PrecisionLoss("the far states of this star differ from those of the equations of motion")
+        # where double-doubles do not resolve the way past the axis, sums in long numbers do
         found = super()._far(given)
         return Path(found.times, found.q, found.p, TORUS)
 
     def _path(self, torus: Any, times: Any) -> Path:
-        rows = np.array([[[float(x) for x in part] for part in self._row(t)] for t in times.tolist()])
-        return Path(times, rows[:, 0], rows[:, 1], TORUS)
+        zero = 0 * times
+        q, p = (np.stack([x.hi + zero for x in part], axis=1) for part in torus.at(times))
+        return Path(times, q, p, TORUS)
 
     def _row(self, time: Any) -> Any:
         return settled_digits(lambda N: self._state(N, time), self.digits)
@@ -245,14 +245,3 @@ class StarFlow(MumfordFlow):
     def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> EnclosedPath:
         """Raises ArgumentError, as :meth:`enclosure` does."""
         return self.enclosure(tau, digits)
-
-
-class StarTorus:
-    """The times at which the far states of a star are compared with its equations of motion."""
-
-    def __init__(self, frequencies: Sequence[Any]) -> None:
-        self.witnesses = witnesses([float(f) for f in frequencies if f != 0])
-
-    def reaches(self, times: np.ndarray) -> bool:
-        """Whether the torus has states at these times: all of them."""
-        return True

@@ -408,7 +408,7 @@ class MumfordFlow:
             with LongField(BITS_OF_TORUS) as N:
                 separated = self._separated(N)
                 pairs = self._pairs_on(N, separated)
-                return PhaseTorus(separated, lambda halves: pairs(Columns(), halves))
+                return PhaseTorus(separated, lambda halves, _: pairs(Columns(), halves))
         from integrable.mumford.real_torus import OtherOvals, RealTorus
         from integrable.mumford.theta_torus import ThetaTorus
 

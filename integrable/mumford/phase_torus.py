@@ -13,12 +13,11 @@ from typing import Any
 import numpy as np
 
 from integrable.moving_point.arithmetic import MOST_TURNS
-from integrable.mumford.columns import Column
+from integrable.mumford.columns import Column, Columns
 from integrable.mumford.elliptic_torus import half_turn, long_numbers
 from integrable.portrait.separated import SeparatedTorus
 from integrable.torus.witness import witnesses
 from jacobian.numbers.double_double import split
-from jacobian.relatives.extended import Extended
 
 # parts of a half turn in the table of a circle; order of the power series between its points
 PARTS, ORDER = 32, 17
@@ -26,21 +25,24 @@ PARTS, ORDER = 32, 17
 BITS, NEGLIGIBLE = 160, 1e-34
 
 
-class PhaseTorus:
-    """D of a motion in double-doubles, at any times.
+Halves = list[tuple[Column, Column]]
 
-    ``torus`` has the periods in long numbers of an entered field, ``pairs(halves)`` returns D from (sin ½φ, cos ½φ) of
-    each point as columns.
+
+class PhaseTorus:
+    """What ``read`` returns of a motion in double-doubles, at any times.
+
+    ``torus`` has the periods in long numbers of an entered field. ``read(halves, turned)`` is called with
+    (sin ½φ, cos ½φ) of each point and (cos, sin) of each angle about an axis since the start, as columns.
     """
 
-    def __init__(self, torus: SeparatedTorus, pairs: Callable[[Any], Extended]) -> None:
-        self._pairs, self._floats = pairs, torus.in_floats
-        genus = len(torus.ovals)
-        self._frequencies = [Column.of(x) for x in torus.frequencies[:genus]]
+    def __init__(self, torus: SeparatedTorus, read: Callable[[Halves, Halves], Any]) -> None:
+        self._torus, self._read, self._floats = torus, read, torus.in_floats
+        self._genus = len(torus.ovals)
+        self._frequencies = [Column.of(x) for x in torus.frequencies]
         self._places = [Column.of(x) for x in torus.phases]
-        self._paces = [float(x) for x in torus.frequencies[:genus]]
-        self._means = [_columns(row[:genus]) for row in torus.means]
-        self._waves = [_waves(rows[:genus]) for rows in torus.waves]
+        self._paces = [float(x) for x in torus.frequencies if x]
+        self._means, self._waves = [*map(_columns, torus.means)], [*map(_waves, torus.waves)]
+        self._begin = [Column.of(x) for x in torus.swings_at_start]
 
     @property
     def witnesses(self) -> np.ndarray:
@@ -51,32 +53,67 @@ class PhaseTorus:
         """Whether double-doubles resolve the fraction of a turn at all of these times."""
         return float(np.abs(times).max(initial=0)) * max(map(abs, self._paces)) <= MOST_TURNS
 
-    def at(self, times: np.ndarray) -> Extended:
-        """The pairs with their data at N times, as columns of N numbers."""
-        phases = [Column(times) * nu + place for nu, place in zip(self._frequencies, self._places, strict=True)]
+    def at(self, times: np.ndarray) -> Any:
+        """What ``read`` returns at N times."""
+        phases = [Column(times) * nu for nu in self._frequencies]
+        phases[: self._genus] = [x + place for x, place in zip(phases, self._places, strict=False)]
         whole = [np.rint(x.hi) for x in phases]
         rest = [x - Column(n) for x, n in zip(phases, whole, strict=True)]
-        angles = self._floats.at(np.stack([x.hi for x in rest], axis=1))
+        angles = self._floats.at(np.stack([x.hi for x in rest[: self._genus]], axis=1))
         halves = [circles(phi / 2) for phi in angles.T]
-        gaps = self._gaps(angles, halves, rest)
-        late = np.linalg.solve(self._floats.slopes(angles), gaps[:, :, None])[:, :, 0].T / 2
+        sums = self._sums(angles, halves, rest)
+        late = np.linalg.solve(self._floats.slopes(angles), sums.hi[: self._genus].T[:, :, None])[:, :, 0].T
+        moved = []
+        for (s, c), x in zip(halves, late / 2, strict=True):
+            near = Column(1.0) - Column(x) * Column(x) / 2
+            moved.append((s * near - c * Column(x), c * near + s * Column(x)))
         turned = []
-        for (s, c), x, n in zip(halves, late, whole, strict=True):
-            sign, near = Column(1 - 2 * (n % 2)), Column(1.0) - Column(x) * Column(x) / 2
-            turned.append((sign * (s * near - c * Column(x)), sign * (c * near + s * Column(x))))
-        return self._pairs(turned)
+        for j in range(self._genus, len(phases)):
+            angle = 2 * circle_table()[2] * rest[j] + Column(sums.hi[j], sums.lo[j]) - self._begin[j - self._genus]
+            angle = angle + self._of_poles(j, moved) - Column(self._moved(j, angles, late))
+            sine, cosine = circles(angle.hi)
+            turned.append((cosine - sine * Column(angle.lo), sine + cosine * Column(angle.lo)))
+        signs = [Column(1 - 2 * (n % 2)) for n in whole]
+        return self._read([(sign * s, sign * c) for sign, (s, c) in zip(signs, moved, strict=False)], turned)
 
-    def _gaps(self, angles: np.ndarray, halves: Sequence[tuple[Column, Column]], rest: Sequence[Column]) -> np.ndarray:
-        """By how much the sums at these angles exceed those at the phases, (N, g)."""
+    def _sums(self, angles: np.ndarray, halves: Halves, rest: Sequence[Column]) -> Column:
+        """The sums of all forms at these angles, less what grows with the phases, (forms, N)."""
         total, round_ = Column(0.0), 2 * circle_table()[2]
-        for phi, (s, c), x, mean, waves in zip(angles.T, halves, rest, self._means, self._waves, strict=True):
+        for phi, (s, c), x, mean, waves in zip(angles.T, halves, rest, self._means, self._waves, strict=False):
             twice, sine = 2 * (c * c - s * s), 2 * s * c
             last, now = Column(0.0), Column(0.0)
             # Clenshaw's recurrence, for all forms at once
             for row in waves:
                 last, now = now, row + twice * now - last
             total = total + mean * (Column(phi) - round_ * x) + sine * now
-        return np.asarray(total.hi).T
+        return total
+
+    def _of_poles(self, j: int, halves: Halves) -> Column:
+        """The part of the sum of form j that belongs to poles."""
+        total = Column(0.0)
+        for k, (s, c) in enumerate(halves):
+            for pole in self._torus.poles[k][j]:
+                ratio = Column.of(pole.ratio)
+                x, y = c * c + ratio * s * s, (ratio - 1) * s * c
+                rough = np.arctan2(y.hi, x.hi)
+                sine, cosine = circles(rough)
+                beyond = (y * cosine - x * sine) / (x * x + y * y).sqrt()
+                total = total + Column.of(pole.mean) * 2 * (Column(rough) + beyond)
+        return total
+
+    def _moved(self, j: int, angles: np.ndarray, late: np.ndarray) -> np.ndarray:
+        """The change of the sum of form j, without its poles, where angles change by ``late``."""
+        K, found = Columns(), np.zeros(len(angles))
+        form = self._torus.forms[j]
+        for k, (phi, move) in enumerate(zip(angles.T, late, strict=True)):
+            oval = self._torus.ovals[k].over(K)
+            x = oval.middle - oval.radius * Column(np.cos(phi))
+            slope = form.coefficient(K, x) * oval.weight(K, x)
+            for pole in self._torus.poles[k][j]:
+                # the swing of a pole is less φ
+                slope = slope - Column.of(pole.residue) / (x - Column.of(pole.place)) + Column.of(pole.mean)
+            found += move * slope.hi
+        return found
 
 
 def _columns(values: Sequence[Any]) -> Column:

@@ -69,17 +69,17 @@ class SeparatedTorus:
         return self._field.one
 
     @cached_property
-    def _forms(self) -> list[Form]:
+    def forms(self) -> list[Form]:
         return [*self.separation.forms, *(form for form, _ in self.separation.turns)]
 
     @cached_property
     def _values(self) -> list[list[list[Any]]]:
-        """The coefficients of dφ of all forms at the nodes of each oval, without those of :attr:`_poles`."""
-        return [self._sampled(oval, self._forms) for oval in self.ovals]
+        """The coefficients of dφ of all forms at the nodes of each oval, without those of :attr:`poles`."""
+        return [self._sampled(oval, self.forms) for oval in self.ovals]
 
     @cached_property
-    def _poles(self) -> list[list[list[Pole]]]:
-        return [[self._poles_of(oval, form) for form in self._forms] for oval in self.ovals]
+    def poles(self) -> list[list[list[Pole]]]:
+        return [[self._poles_of(oval, form) for form in self.forms] for oval in self.ovals]
 
     def _poles_of(self, oval: PointOval, form: Form) -> list[Pole]:
         """The parts of a form whose modes decrease slowly if a pole is near the oval."""
@@ -124,7 +124,7 @@ class SeparatedTorus:
         """For each oval and form the mean of its coefficient of dφ."""
         return [
             [_mean(row, poles) for row, poles in zip(rows, places, strict=True)]
-            for rows, places in zip(self._values, self._poles, strict=True)
+            for rows, places in zip(self._values, self.poles, strict=True)
         ]
 
     def phase_of(self, sums: Sequence[Any]) -> list[Any]:
@@ -159,7 +159,7 @@ class SeparatedTorus:
         import gmpy2
 
         found = [self._field.zero] * len(self.means[0])
-        for phi, means, waves, poles in zip(angles, self.means, self.waves, self._poles, strict=True):
+        for phi, means, waves, poles in zip(angles, self.means, self.waves, self.poles, strict=True):
             sine, twice = gmpy2.sin(phi), 2 * gmpy2.cos(phi)
             for j, (mean, row) in enumerate(zip(means, waves, strict=True)):
                 # Clenshaw's recurrence for a sine series
@@ -256,16 +256,25 @@ class SeparatedTorus:
     def swings(self, angles: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """The angles about an axis, (N, m), less what grows with the phases; ``angles`` and ``phases`` are (N, g)."""
         genus, found = len(self.ovals), []
-        for j in range(genus, len(self._forms)):
+        for j in range(genus, len(self.forms)):
             total = np.zeros(len(angles))
             for k, (phi, turns) in enumerate(zip(angles.T, phases.T, strict=True)):
                 waves = np.array([float(x) for x in self.waves[k][j]])
                 total += float(self.means[k][j]) * (phi - 2 * np.pi * turns)
                 total += np.sin(np.outer(phi, np.arange(1, len(waves) + 1))) @ waves
-                for pole in self._poles[k][j]:
+                for pole in self.poles[k][j]:
                     total += float(pole.mean) * pole.swings(phi)
             found.append(total)
         return np.stack(found, axis=1) if found else np.zeros((len(angles), 0))
+
+    @property
+    def swings_at_start(self) -> list[Any]:
+        """The angles about an axis at the start, less what grows with the phases."""
+        sums, genus = self._sums(self.start), len(self.ovals)
+        return [
+            sums[j] - 2 * self._pi * sum(means[j] * x for means, x in zip(self.means, self.phases, strict=True))
+            for j in range(genus, len(sums))
+        ]
 
     @cached_property
     def in_floats(self) -> OvalAngles:
@@ -311,7 +320,10 @@ class SeparatedTorus:
         form = self.separation.action
         if form is None:
             return None
-        found = [_mean(self._sampled(oval, [form])[0], self._poles_of(oval, form)) for oval in self.ovals]
+        found = [
+            _mean(self._sampled(oval, [form])[0], self._poles_of(oval, form)) if oval.radius else self.one - self.one
+            for oval in self.ovals
+        ]
         return [*found, *self.separation.momenta]
 
 

@@ -166,3 +166,14 @@ def test_galpy_has_the_same_actions_and_frequencies(galpy) -> None:
 def test_a_flow_is_the_same_over_all_fields() -> None:
     system = KuzminKutuzov((1.5, 1.0), 2.0, RR)
     assert system.over(MP(20)).constants == (1.5, 1.0)
+
+
+def test_an_angular_momentum_of_rounding_alone() -> None:
+    """L is 0 in floats and 1e-18 exactly: the star passes the axis at that distance, and turns by half a round."""
+    system = KuzminKutuzov((1.5, 1.0))
+    state = system.state((1.1, 0.3, 0.2), (-0.11, -0.03, 0.35))
+    assert system.integrals(state)["L"] == 0
+    path, fine = system.flow(state).at([1e6, 1e6 + 1]), system.over(MP(40))
+    exact = fine.flow(Point(*(tuple(map(fine.field.coerce, part)) for part in state))).at([1e6, 1e6 + 1])
+    assert np.abs(path.q - exact.q.astype(float)).max() < 1e-15
+    assert abs(system.flow(system.state((0, 0, 0.25), (0, 0, 0.375))).portrait.actions[1]) < 1e-20

@@ -107,12 +107,12 @@ def test_a_wrong_sign_of_a_lift_is_noticed(name: str) -> None:
     for k in range(len(flow.system.constants)):
         torus = made_torus(flow)
 
-        def turned(halves: Any, pairs: Any = torus._pairs, k: int = k) -> Any:
-            D = pairs(halves)
+        def changed(halves: Any, turned: Any, read: Any = torus._read, k: int = k) -> Any:
+            D = read(halves, turned)
             kappa, sigma, nu = D.data[k]
             return D._replace(data=(*D.data[:k], (kappa, -sigma, -nu), *D.data[k + 1 :]))
 
-        torus._pairs = turned
+        torus._read = changed
         assert not confirmed(flow, torus)
 
 
