@@ -94,7 +94,7 @@ class PhaseTorus:
         for k, (s, c) in enumerate(halves):
             for pole in self._torus.poles[k][j]:
                 ratio = Column.of(pole.ratio)
-                x, y = c * c + ratio * s * s, (ratio - 1) * s * c
+                x, y = c * c + ratio * s * s, (ratio - Column(1.0)) * s * c
                 rough = np.arctan2(y.hi, x.hi)
                 sine, cosine = circles(rough)
                 beyond = (y * cosine - x * sine) / (x * x + y * y).sqrt()

@@ -70,7 +70,7 @@ class PointOval(NamedTuple):
         others = tuple((N.coerce(e), None if s is None else N.coerce(s)) for e, s in self.others)
         return PointOval(self.place, N.coerce(self.lead), N.coerce(self.middle), N.coerce(self.radius), others)
 
-    def weight(self, N: LongField, x: Any) -> Any:
+    def weight(self, N: Any, x: Any) -> Any:
         """1/√h."""
         h = -self.lead
         for e, square in self.others:

@@ -176,4 +176,3 @@ def test_an_angular_momentum_of_rounding_alone() -> None:
     path, fine = system.flow(state).at([1e6, 1e6 + 1]), system.over(MP(40))
     exact = fine.flow(Point(*(tuple(map(fine.field.coerce, part)) for part in state))).at([1e6, 1e6 + 1])
     assert np.abs(path.q - exact.q.astype(float)).max() < 1e-15
-    assert abs(system.flow(system.state((0, 0, 0.25), (0, 0, 0.375))).portrait.actions[1]) < 1e-20
