@@ -91,22 +91,13 @@ class WalkFirst:
         # after γ and M comes τ, or t in a walk in τ
         equations, start = Equations(system, physical), Point(state.gamma, (*state.M, 0.0, 0.0, 0.0))
         most = self._costs[0] + self._costs[1] * len(times)
-        found = None
-        if len(times):
-            found = equations._kind.quickly(equations._walk_constants, (*start.q, *start.p), times, most)
-        if found is not None:
-            states = found.states
-        elif self._costs == BY_THETA and (np.diff(times * np.sign(times[-1:])) >= 0).all():
-            # it was tried already
+        near = walked(equations, start, times, most)
+        if self._costs != BY_THETA:
+            near = finished(equations, start, times, near, most)
+        if len(near.places) != len(times):
             return None
-        else:
-            near = walked(equations, start, times, most)
-            if self._costs != BY_THETA:
-                near = finished(equations, start, times, near, most)
-            if len(near.places) != len(times):
-                return None
-            states = np.empty_like(near.states)
-            states[near.places] = near.states
+        states = np.empty_like(near.states)
+        states[near.places] = near.states
         flat = states.reshape(len(times), 9)
         return np.ascontiguousarray(flat[:, :6]), flat[:, 6].copy() if system.body.rolls else times
 

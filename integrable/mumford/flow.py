@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 RIGHT = 1e-12
 # costs in microseconds (python -m benchmarks near, real_torus): of a point by additions; of the longest series worth
 # trying; by genus, of a point on a torus, and of the set-up of a torus
-BY_ADDITIONS, LONGEST, ON_TORUS, TO_TORUS = 1500, 150_000, {1: 3, 2: 3, 3: 100}, {1: 300, 2: 3000, 3: 60_000}
+BY_ADDITIONS, LONGEST, ON_TORUS, TO_TORUS = 1500, 150_000, {1: 3, 2: 3, 3: 100}, {1: 300, 2: 2000, 3: 60_000}
 # number of times whose additions take as long as the set-up of theta functions of genus 2 (python -m benchmarks
 # real_torus)
 TIMES_TO_THETA = 12
@@ -124,37 +124,27 @@ class MumfordFlow:
         """
         import numpy as np
 
-        if self.digits == ROUNDED_TO_FLOATS and (path := self._quickly(times)) is not None:
-            return path
-        given = self._given(times)
-        if self.digits != ROUNDED_TO_FLOATS or not given:
-            return self._far(given)
-        near = self._near(np.array(given))
+        if self.digits != ROUNDED_TO_FLOATS:
+            return self._far(self._given(times))
+        given = np.array(times)
+        if given.dtype != np.float64 or given.ndim != 1:
+            given = np.array(self._given(times))
+        if not len(given):
+            return self._far([])
+        near = self._near(given)
+        if near.whole:
+            return Path(given, near.states[:, 0], near.states[:, 1], SERIES, max(near.error, ROUNDED))
+        # refuses times that are not finite
+        numbers = self._given(times)
         if not len(near.places):
-            return self._far(given)
+            return self._far(numbers)
         left, way = np.delete(np.arange(len(given)), near.places), SERIES
         states = np.empty((len(given), 2, self.system.size))
         states[near.places] = near.states
         if len(left):
-            far = self._far([given[i] for i in left])
+            far = self._far([numbers[i] for i in left])
             states[left], way = np.stack([far.q, far.p], axis=1), f"{SERIES}, {far.way}"
-        return Path(np.array(given), states[:, 0], states[:, 1], way, max(near.error, ROUNDED))
-
-    def _quickly(self, times: Any) -> Path | None:
-        """The states with the least overhead, if the times are sorted and a compiled walk reaches all of them.
-
-        They equal those of :meth:`at` without this shortcut. None otherwise.
-        """
-        import numpy as np
-
-        given, kind = np.array(times), self.system._kind
-        if given.dtype != np.float64 or given.ndim != 1 or not len(given) or kind is None:
-            return None
-        state, most = (*self.start.q, *self.start.p), self._budget(len(given))
-        found = kind.quickly(self.system._walk_constants, state, given, most, self.tolerance)
-        if found is None:
-            return None
-        return Path(given, found.states[:, 0], found.states[:, 1], SERIES, max(found.error, ROUNDED))
+        return Path(given, states[:, 0], states[:, 1], way, max(near.error, ROUNDED))
 
     def _budget(self, count: int) -> float:
         """The microseconds that the next method takes for this many times, its set-up included."""
@@ -168,12 +158,12 @@ class MumfordFlow:
 
     def _near(self, times: np.ndarray) -> Near:
         """The states that series reach in no more time than the next method would take."""
-        from integrable.series.near import finished, walked
+        from integrable.series import near as series
 
-        near = walked(self.system, self.start, times, self._budget(len(times)), self.tolerance)
-        if len(near.places) == len(times) or self._torus_for(len(times)) is not None:
+        near = series.walked(self.system, self.start, times, self._budget(len(times)), self.tolerance)
+        if near.whole or len(near.places) == len(times) or self._torus_for(len(times)) is not None:
             return near
-        return finished(self.system, self.start, times, near, self._cost_of_additions(len(times)))
+        return series.finished(self.system, self.start, times, near, self._cost_of_additions(len(times)))
 
     def _far(self, given: list[Any]) -> Path:
         """The states at times by a method for far times: the torus, or additions in long numbers."""
@@ -430,9 +420,9 @@ class MumfordFlow:
         path, true = self._path(torus, times), np.empty((len(times), 2, self.system.size))
         most = len(times) * BY_ADDITIONS
         near = walked(self.system, self.start, times, most)
-        places, rows, _ = finished(self.system, self.start, times, near, most)
-        true[places] = rows
-        for i in np.setdiff1d(np.arange(len(times)), places):
+        near = finished(self.system, self.start, times, near, most)
+        true[near.places] = near.states
+        for i in np.setdiff1d(np.arange(len(times)), near.places):
             (place,) = self._places([float(times[i])])
             true[i] = [[*map(float, x)] for x in self._row(place)]
         gaps = np.abs(np.stack([path.q, path.p], axis=1) - true).max(axis=2)

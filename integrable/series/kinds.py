@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from integrable.series.room import Orders, Room
-from integrable.series.steps import Reached, Steps, bounds_of, inverses, step_cost, steps_for
+from integrable.series.steps import Reached, Steps, bounds_of, inverses, step_cost
 from integrable.series.symbols import Functions, SymbolField
 from integrable.series.tape import Recorded, Tape, recorded
 from integrable.series.walk import LANES, Codes
@@ -96,26 +96,6 @@ class Kind:
             with self._lock:
                 found = self._walks.get(orders) or self._walks.setdefault(orders, self._loaded(orders))
         return found
-
-    def quickly(
-        self,
-        constants: Sequence[float],
-        state: Sequence[float],
-        times: np.ndarray,
-        most: float,
-        tolerance: float | None = None,
-    ) -> Reached | None:
-        """The states at times that ascend or descend from 0, within about ``most`` microseconds; None if a state is not
-        right: the walks disagree on it.
-        """  # fmt: skip
-        for steps in steps_for(tolerance):
-            walk = self.walk(steps.orders)
-            if walk is None:
-                return None
-            found = walk(constants, state, times, steps, most / walk.step_cost)
-            if found.reached == len(times) and found.wrong is None:
-                return found
-        return None
 
     def _loaded(self, orders: Orders) -> Compiled:
         folder, name = kept.place(), f"{self.name}_{orders.wide}_{orders.order}"

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from integrable.series.kinds import Compiled, Kind
+from integrable.series.kinds import Kind
 from integrable.series.steps import FINEST, SPARE, Reached, Steps, steps_for
 
 
@@ -34,18 +33,14 @@ class Walked(Protocol):
 class Near(NamedTuple):
     """The indices of the times that were reached, the states (q, p) there, of shape (N, 2, n), and an error estimate.
 
-    The estimate is of the largest error, relative to the largest component of q, or of p.
+    The estimate is of the largest error, relative to the largest component of q, or of p. ``whole`` says that all times
+    were reached, in their order.
     """
 
     places: np.ndarray
     states: np.ndarray
     error: float
-
-
-def compiled_walk(system: Walked, steps: Steps) -> Compiled | None:
-    """The compiled walk of the kind of system; None where nothing is compiled, or without equations on a tape."""
-    kind = system._kind
-    return None if kind is None else kind.walk(steps.orders)
+    whole: bool = False
 
 
 def walked(system: Walked, state: State, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
@@ -53,10 +48,21 @@ def walked(system: Walked, state: State, times: np.ndarray, most: float, toleran
 
     Where coarser steps miss the tolerance, the steps used are accurate to the last bits of a float.
     """
-    found = _nowhere(system)
+    kind, given = system._kind, (*state.q, *state.p)
+    found = None
     for steps in steps_for(tolerance):
-        found = _completed(found, system, state, times, steps, most)
-    return found
+        walk = None if kind is None or not len(times) else kind.walk(steps.orders)
+        if walk is None:
+            break
+        if found is None:
+            first = walk(system._walk_constants, given, times, steps, most / walk.step_cost)
+            if first.reached == len(times) and first.wrong is None:
+                return Near(np.arange(len(times)), first.states, SPARE * first.gap, True)
+            if first.reached >= 0:
+                found = _right(first, np.arange(len(times)), steps)
+                continue
+        found = _completed(found or _nothing(system), system, state, times, steps, most)
+    return found or _nothing(system)
 
 
 def finished(system: Walked, state: State, times: np.ndarray, near: Near, most: float) -> Near:
@@ -65,38 +71,32 @@ def finished(system: Walked, state: State, times: np.ndarray, near: Near, most: 
 
 
 def _completed(near: Near, system: Walked, state: State, times: np.ndarray, steps: Steps, most: float) -> Near:
-    """``near`` with those of the remaining times added that ``steps`` reach."""
+    """``near`` with those of the remaining times added that ``steps`` reach, of either sign in any order."""
     left = np.setdiff1d(np.arange(len(times)), near.places)
-    walk = compiled_walk(system, steps) if len(left) else None
+    kind = system._kind
+    walk = None if kind is None or not len(left) else kind.walk(steps.orders)
     if walk is None:
         return near
-    given, some = (*state.q, *state.p), most / walk.step_cost
-    other = both_ways(_shape(system), times[left], steps, lambda t: walk(system._walk_constants, given, t, steps, some))
-    places = np.concatenate([near.places, left[other.places]])
-    return Near(places, np.concatenate([near.states, other.states]), max(near.error, other.error))
-
-
-def both_ways(shape: tuple[int, int], times: np.ndarray, steps: Steps, walk: Callable[[np.ndarray], Reached]) -> Near:
-    """The states that a walk reaches at times of either sign in any order; ``shape`` is the shape of one state."""
-    places, rows, error = [np.empty(0, dtype=np.int64)], [np.empty((0, *shape))], 0.0
-    for ahead in (times >= 0, times < 0):
-        order = np.flatnonzero(ahead)
+    found, given = [near], (*state.q, *state.p)
+    for ahead in (times[left] >= 0, times[left] < 0):
+        order = left[ahead]
         order = order[np.argsort(np.abs(times[order]), kind="stable")]
         if len(order):
-            found = walk(times[order])
-            count = max(found.reached, 0)
-            right = np.ones(count, dtype=bool) if found.wrong is None else ~found.wrong
-            places.append(order[:count][right])
-            rows.append(found.states[:count][right])
-            error = max(error, min(found.gap, steps.agreed))
-    return Near(np.concatenate(places), np.concatenate(rows), SPARE * error)
+            reached = walk(system._walk_constants, given, times[order], steps, most / walk.step_cost)
+            found.append(_right(reached, order, steps))
+    places, states = np.concatenate([x.places for x in found]), np.concatenate([x.states for x in found])
+    return Near(places, states, max(x.error for x in found))
 
 
-def _nowhere(system: Walked) -> Near:
-    return Near(np.empty(0, dtype=np.int64), np.empty((0, *_shape(system))), 0.0)
+def _right(found: Reached, order: np.ndarray, steps: Steps) -> Near:
+    """The right ones of the states that a walk reached, at the times ``order``."""
+    count, error = max(found.reached, 0), SPARE * min(found.gap, steps.agreed)
+    if found.wrong is None:
+        return Near(order[:count], found.states[:count], error)
+    return Near(order[:count][~found.wrong], found.states[:count][~found.wrong], error)
 
 
-def _shape(system: Walked) -> tuple[int, int]:
-    """The shape of a state: q, p, and for some systems further parts, each of ``system.size`` numbers."""
+def _nothing(system: Walked) -> Near:
     kind = system._kind
-    return 2 if kind is None else kind.count // kind.half, system.size
+    parts = 2 if kind is None else kind.count // kind.half
+    return Near(np.empty(0, dtype=np.int64), np.empty((0, parts, system.size)), 0.0)

@@ -71,11 +71,6 @@ class Reached(NamedTuple):
     gap: float
     steps: int
 
-    @property
-    def error(self) -> float:
-        """An estimate of the largest error, relative to the largest component of q, or of p."""
-        return SPARE * self.gap
-
 
 def step_cost(tape: Tape, orders: Orders) -> float:
     """The approximate time of a step in microseconds (python -m benchmarks near)."""
