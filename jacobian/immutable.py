@@ -124,6 +124,23 @@ def read_only(array: Array) -> Array:
     return view
 
 
+if TYPE_CHECKING:
+    quick_property = cached_property
+else:
+
+    class quick_property(cached_property):
+        """A ``cached_property`` without a lock: that of Python 3.11 takes longer than what is computed here.
+
+        Threads may compute the value at the same time, and get equal ones.
+        """
+
+        def __get__(self, instance: Any, owner: Any = None) -> Any:
+            if instance is None:
+                return self
+            found = vars(instance)[self.attrname] = self.func(instance)
+            return found
+
+
 class Record(Immutable):
     """A result that holds arrays: its arrays are read-only, and results compare by their contents."""
 

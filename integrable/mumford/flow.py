@@ -15,7 +15,7 @@ from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import RR
 from jacobian.element import Element, Number, Numbers, Real
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, one_or_more
-from jacobian.immutable import Record, at_once, read_only
+from jacobian.immutable import Record, at_once, quick_property, read_only
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended, Lift
@@ -93,7 +93,7 @@ class MumfordFlow:
         self.start = state
         self.tolerance = tolerance
 
-    @cached_property
+    @quick_property
     def _genus(self) -> int:
         return self.system._genus() or len(self.system.spectral(self.start).v)
 

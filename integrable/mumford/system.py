@@ -11,7 +11,6 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property
 from inspect import signature
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
@@ -35,7 +34,7 @@ from jacobian.errors import (
     whole,
 )
 from jacobian.fields.protocol import Field, check_field
-from jacobian.immutable import replaced
+from jacobian.immutable import quick_property, replaced
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
 
@@ -69,18 +68,17 @@ class MumfordSystem(Made):
 
     def _set_up(self, field: Any, values: Any, argument: str, least: int) -> None:
         """Sets ``field`` and ``constants``; these must be at least ``least`` different numbers."""
-        self.field = check_field(field, "field")
         wanted = f"a sequence of at least {least} different numbers"
         if field is RR and _finite_floats(values):
-            self.constants = values
-            different = len(set(values)) == len(values)
+            constants, different = values, len(set(values)) == len(values)
         else:
+            check_field(field, "field")
             given = entries(values, argument, wanted)
-            self.constants = tuple(self.field.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given))
-            different = not any(x == y for i, x in enumerate(self.constants) for y in self.constants[:i])
-        if len(self.constants) < least or not different:
+            constants = tuple(field.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given))
+            different = not any(x == y for i, x in enumerate(constants) for y in constants[:i])
+        if len(constants) < least or not different:
             raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
-        self.size = len(self.constants)
+        vars(self).update(field=field, constants=constants, size=len(constants))
 
     # --- the table of a system
 
@@ -220,7 +218,7 @@ class MumfordSystem(Made):
                 )
         self._checked[:] = [state]
 
-    @cached_property
+    @quick_property
     def _checked(self) -> list[Point]:
         """The last state that was checked, in a list; empty before the first check."""
         return []
@@ -302,7 +300,7 @@ class MumfordSystem(Made):
         """For each parameter, whether it is not 0."""
         return tuple(x != self.field.zero for x in self.parameters)
 
-    @cached_property
+    @quick_property
     def _kind(self) -> Kind | None:
         """The compiled walks of systems like this one; None if its equations cannot be recorded as a tape."""
         from integrable.series.kinds import kind_of
@@ -332,7 +330,7 @@ class MumfordSystem(Made):
             # the equations call a function that cannot be recorded
             return None
 
-    @cached_property
+    @quick_property
     def _walk_constants(self) -> tuple[float, ...]:
         """The constants and parameters as floats; a final 0 keeps the tuple from being empty."""
         return (*map(float, self.constants), *map(float, self.parameters), 0.0)
@@ -356,7 +354,7 @@ class MumfordSystem(Made):
     _ordinary_size = 1e9
     """Largest |q|, |p| for which formulas stay in the range of floats, given constants between 1e-9 and 1e9."""
 
-    @cached_property
+    @quick_property
     def _ordinary_constants(self) -> bool:
         given = (*self.constants, *self.parameters)
         return self.field == RR and all(x == 0 or 1e-9 < abs(x) < 1e9 for x in given)

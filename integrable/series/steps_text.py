@@ -152,7 +152,8 @@ class Series(Sums):
         room = self.room
         unit = self.text.load(UNITS + k, self._base(k, 1))
         if k + 1 > self.wide:
-            return self.text.fmul(rate[0], unit), ""
+            # the parts of a sum that cancels overlap
+            return self.text.fmul(self.text.fadd(*rate) if rate[1] else rate[0], unit), ""
         if (k + 1) & k == 0:
             # k + 1 is a power of two, so that unit/(k + 1) has no low part
             return self.text.fmul(rate[0], unit), self.text.fmul(rate[1], unit)

@@ -10,12 +10,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from integrable.series.room import Room, Side, chunks
-from integrable.series.tape import CONSTANT
+from integrable.series.tape import CONSTANT, DIFFERENCE, SUM
 from integrable.series.text import Text, Wide, joined_lanes
 from jacobian.numbers.double_double_steps import fast_two_sum
 
 # number of orders in a round of the loop: a factor is loaded once for all of them
 AT_ONCE = 4
+# with this many orders in double-doubles, sums are renormalized at once, which takes a tenth of the time of a step:
+# these steps are for motions where others lose too much (a body of Veselova's with a moment of 5e-10)
+CAREFUL = 10
 Term = tuple[int, int, int]
 """(factor, j, k − j), for the term factor·p_j q_{k−j}."""
 
@@ -68,9 +71,11 @@ class Sums:
         return self._hi(n, k), self._lo(n, k) if k <= self.wide else ""
 
     def _put(self, n: int, k: int, x: Wide) -> None:
-        if k == 0 and x[1]:
+        # where sums cancel, the parts overlap, and products would be rounded to floats; later operations use other
+        # values before they are renormalized, and so do not wait
+        cancels = self.wide >= CAREFUL and self.tape.kinds[n] in (SUM, DIFFERENCE)
+        if x[1] and (k == 0 or cancels):
             x = fast_two_sum(self.text, *x)
-        # later operations use the value before it is renormalized, and so do not wait
         for part, y in enumerate(x):
             if y:
                 self._recent[n, k, part] = y

@@ -14,6 +14,7 @@ from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
+from integrable.classical.veselova import Veselova
 from integrable.mumford.flow import ROUNDED, Point
 from integrable.mumford.system import MumfordSystem
 from integrable.series.kinds import Formulas, Kind
@@ -253,3 +254,18 @@ def test_barriers_of_nothing_are_none() -> None:
     fine = system.over(K)
     true = both(fine.flow(fine._constrained(K, fine._inside(K, state))).at(times)).astype(float)
     assert off(found.states, true) <= 2.3e-16
+
+
+def test_sums_that_cancel_in_the_finest_steps_are_renormalized() -> None:
+    """A moment of 5e-10 makes terms of 2e9 cancel: coefficients of order 9 were wrong by 18 digits, and no method was
+    left.
+    """
+    system = Veselova((1.2621757818305703, 4.961471554761398e-10, 18.29136693104874))
+    q = (0.35583940977738115, 0.23069684990156253, 0.9056253518397004)
+    state = system.state(q, (-1.5388736411804946, 17.74826280998231, -3.9164941949594954))
+    walk = system._kind.walk(FINEST.orders)
+    given = system._walk_constants, (*state.q, *state.p)
+    found = walk(*given, np.array([0.001, 0.024]), FINEST, 1e3)
+    assert (found.reached, found.wrong) == (2, None)
+    true = states_of(system._kind, *given, [0.001, 0.024])
+    assert off(found.states, np.reshape(true, found.states.shape)) <= 2.0**-52
