@@ -21,6 +21,7 @@ from integrable.moving_point import addition
 from integrable.moving_point.addition import opposite
 from integrable.moving_point.balls import BallField, BallTranslations, picard_box, time_after
 from integrable.moving_point.problem import Problem, vectors
+from integrable.moving_point.translations import Translations
 from integrable.phase.enclosure import Enclosure, exact_times, is_bounded, rounded_up, widest
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
@@ -122,7 +123,10 @@ class BallMotion:
             K = self.field = BallField(self.reals)
             given = (*body.inertia, body.d, *state.gamma, *state.M)
             problem = self.problem = Problem.of(self.reals, given, state.tilted)
-            self._translations = BallTranslations(problem, self.reals)
+            middle = [[x.mid() for x in row] for row in (problem.f, problem.axes)]
+            half_step: Any = problem.half_step
+            plain = Translations(self.reals, middle[0], middle[1], half_step.mid())
+            self._translations = BallTranslations(problem, plain)
             # an exact 0 would send an addition into a branch for degenerate positions, which is not valid for nearby
             # points
             tiny = self._flint.arb(0, K.one / 2**bits)

@@ -10,23 +10,17 @@ by Krawczyk's test (1969).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import frexp, isqrt, log2
 from typing import TYPE_CHECKING, Any
 
-from integrable.moving_point.addition import Real, Row, carried
-from integrable.moving_point.translations import REACH, Translations
+from integrable.moving_point.addition import abel_slopes, abel_sums, carried, conjugate_points
+from integrable.moving_point.translations import Translations, series_of
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.inexact import InexactField
-from jacobian.numbers.long_reals import BallReals, BareReals
-from jacobian.numbers.roots import root
 
 if TYPE_CHECKING:
     from integrable.moving_point.problem import Problem
 
 
-# bits gained per term of the series at half a step, where the two points are at most 1.4·REACH away from 0. Each
-# halving of eps gains another bit
-TERM_BITS = -log2(1.4 * REACH)
 MOST_TRIALS = 12
 MOST_BOXES = 6
 
@@ -101,33 +95,23 @@ def time_after(tau: Any, rest: Any, rate: Callable[[Any], Any]) -> Any:
 class BallTranslations:
     """T(eps) of a motion, enclosed."""
 
-    def __init__(self, problem: Problem, balls: BallReals) -> None:
-        self._balls, reals = balls, BareReals(balls.bits + 16)
-        *f, half_step, a1, a2, a3 = balls.rounded((*problem.f, problem.half_step, *problem.axes[:3]), reals)
-        self._plain = Translations(reals, f, (a1, a2, a3), half_step)
-        one = balls.number(1)
+    def __init__(self, problem: Problem, plain: Translations) -> None:
+        self._plain = plain
+        one = plain.reals.number(1)
         self.f = problem.f
         self.axes = (*problem.axes[:3], one, one, one, one, 0 * one)
-        # a halving costs an addition and saves terms; this number is near the optimum
-        self._halvings = isqrt(balls.bits // 25)
-        size = int(balls.bits / (TERM_BITS + self._halvings)) + 6
+        size = len(plain.series)
         self._series, self._roots = (series_of(problem.f, power, size) for power in (-1, 1))
         # a lower bound of the distance to the nearest branch point
         self._nearest = min(x.abs_lower() for x in problem.branch_points)
 
     def near(self, eps: Any) -> tuple[Any, ...]:
         """T(eps) for a ball eps that does not contain 0."""
-        plain, balls = self._plain, self._balls
-        (middle,) = balls.rounded([eps], plain.reals)
-        # the number of halvings of eps, and the number of terms that its integrals need after them
-        exponent = frexp(float(max(abs(middle) / plain.half_step, 2.0**-500)))[1]
-        doublings = max(0, exponent + self._halvings)
-        size = self.terms(TERM_BITS + doublings - exponent)
+        plain = self._plain
+        doublings, term_bits = plain.plan(eps.mid())
         small = eps / 2**doublings
-        with plain.reals:
-            u0, u1 = plain.near(middle / 2**doublings)[:2]
-            m, r = balls.row((-u1 / 2, u1 * u1 / 4 - u0))
-        m, r, tail, reach = self._zero(m, r, small, size)
+        size = plain.terms(plain.reals.bits, term_bits)
+        m, r, tail, reach = self._zero(*plain.centre(small.mid(), term_bits), small, size)
         roots = list(self._roots[:size])
         # truncation errors: of (m+√r)^k + (m−√r)^k in the even sum and of S_k in the odd one
         roots[0] = around(roots[0], tail)
@@ -137,14 +121,10 @@ class BallTranslations:
             step = carried(self.f, self.axes, step, step)
         return step
 
-    def terms(self, term_bits: float) -> int:
-        """The number of terms of the integrals that give all bits, if each gains ``term_bits``."""
-        return min(len(self._series), int(self._balls.bits / term_bits) + 6)
-
     def _zero(self, m: Any, r: Any, eps: Any, size: int) -> tuple[Any, Any, Any, Any]:
         """Enclosures of m and r; a bound of Σ(k+1)⁴q^k over the omitted terms; a bound of |m| + √|r|."""
         target = self.f[0] * eps * eps / 4
-        noise = 2.0 ** (20 - self._balls.bits) + 8 * (eps.rad() / eps).abs_upper()
+        noise = 2.0 ** (20 - self._plain.reals.bits) + 8 * (eps.rad() / eps).abs_upper()
         radii = [abs(x).abs_upper() * noise for x in (m, r)]
         for _ in range(MOST_TRIALS):
             box = [around(x, radius) for x, radius in zip((m, r), radii, strict=True)]
@@ -185,70 +165,6 @@ class BallTranslations:
         if not ratio < 1:
             raise PrecisionLoss("a translation could not be enclosed: its series was not seen to converge")
         return (q**size * (size + 1) ** 4 / (1 - ratio)).abs_upper()
-
-
-def series_of(f: Row, power: int, size: int) -> list[Any]:
-    """The first coefficients of (f/f0)^(power/2) about 0, by the recurrence from its logarithmic derivative. f has six
-    coefficients, ascending.
-    """
-    ratios = [c / f[0] for c in f[1:]]
-    out = [f[0] / f[0]]
-    for k in range(1, size):
-        terms = ((i * (power + 2) - 2 * k) * c * out[k - i] for i, c in enumerate(ratios[:k], 1))
-        out.append(sum(terms, 0 * f[0]) / (2 * k))
-    return out
-
-
-def abel_sums(series: Row, m: Real, r: Real) -> tuple[Real, Real]:
-    """phi, psi with 2√r·phi = y0·Σ∫dx/y and 2√r·psi = y0·Σ∫x dx/y for the points at m ± √r."""
-    phi, psi = 0 * r, 0 * r
-    c = m * m - r
-    # S_j = ((m+√r)^j − (m−√r)^j)/(2√r), by S_{j+1} = 2m·S_j − c·S_{j−1}
-    s0, s1 = 0 * r, 1 + 0 * r
-    for k in range(len(series)):
-        s2 = 2 * m * s1 - c * s0
-        phi += series[k] / (k + 1) * s1
-        psi += series[k] / (k + 2) * s2
-        s0, s1 = s1, s2
-    return phi, psi
-
-
-def abel_slopes(series: Row, m: Real, r: Real) -> tuple[Real, Real, Real, Real]:
-    """The derivatives of :func:`abel_sums`: of phi with respect to m and r, then of psi."""
-    phi_m, phi_r, psi_m, psi_r = 0 * r, 0 * r, 0 * r, 0 * r
-    c = m * m - r
-    # S_j and its derivatives
-    s0, s1, d0, d1, e0, e1 = 0 * r, 1 + 0 * r, 0 * r, 0 * r, 0 * r, 0 * r
-    for k in range(len(series)):
-        s2 = 2 * m * s1 - c * s0
-        d2 = 2 * s1 + 2 * m * d1 - 2 * m * s0 - c * d0
-        e2 = 2 * m * e1 + s0 - c * e0
-        weight = series[k] / (k + 1)
-        phi_m += weight * d1
-        phi_r += weight * e1
-        weight = series[k] / (k + 2)
-        psi_m += weight * d2
-        psi_r += weight * e2
-        s0, s1, d0, d1, e0, e1 = s1, s2, d1, d2, e1, e2
-    return phi_m, phi_r, psi_m, psi_r
-
-
-def conjugate_points(roots: Row, f0: Real, axes: Row, eps: Real, m: Real, r: Real) -> Row:
-    """The translation whose divisor has points at m ± √r, as a moving point with κ = 1."""
-    # ±√(f/f0) at the two points: half their sum over √r, and half their difference
-    c = m * m - r
-    s0, s1, c0, c1 = 0 * r, 1 + 0 * r, 2 + 0 * r, 2 * m
-    even, odd = 0 * r, 0 * r
-    for k in range(len(roots)):
-        even += roots[k] * c0
-        odd += roots[k] * s0
-        s0, s1, c0, c1 = s1, 2 * m * s1 - c * s0, c1, 2 * m * c1 - c * c0
-    phi = root(f0 * eps * eps / (4 * r))
-    t1 = phi / eps * even
-    t0 = 2 * r * phi / eps * odd - t1 * m
-    x1, x2, x3 = axes[0] - m, axes[1] - m, axes[2] - m
-    r1, r2, r3 = root(x1 * x1 - r), root(x2 * x2 - r), root(x3 * x3 - r)
-    return (c, -2 * m, t0, t1, r1, r2, r3, (t0 + t1 * axes[0]) / r1, (t0 + t1 * axes[1]) / r2, (t0 + t1 * axes[2]) / r3)
 
 
 def _krawczyk(value: Any, slope: Any, point: Any, apart: Any) -> list[Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from math import ceil, log10
+from math import ceil, log, log10
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from integrable.moving_point.addition import opposite, rate_at, shift
 from integrable.moving_point.problem import Problem
 from integrable.moving_point.step_table import StepTable
-from integrable.moving_point.translations import Translations
+from integrable.moving_point.translations import REACH, Translations
 from integrable.phase.body import Body, Vector
 from integrable.phase.precisions import EPS_DIGITS, SET_UP_DIGITS
 from integrable.phase.state import State, onto_constraints
@@ -116,6 +116,11 @@ class Setup:
         """The translations by about 2^k basic steps."""
         return StepTable(self.translations)
 
+    @property
+    def terms(self) -> int:
+        """The number of terms with which a series reaches the wide precision within REACH."""
+        return ceil(self.digits * TERMS_A_DIGIT) + 4 + ceil(1.3 * (self.wide.dps - self.digits))
+
     @cached_property
     def step_time(self) -> float:
         """The duration of a basic step at the start, in the user's units of physical time.
@@ -125,6 +130,10 @@ class Setup:
         """
         problem = self.problem
         return abs(float(self.step_length * rate_at(problem.axes, problem.start) / self.time_scale))
+
+
+# number of terms per digit of a series within REACH
+TERMS_A_DIGIT = log(10) / -log(1.4 * REACH)
 
 
 class View:

@@ -1,22 +1,29 @@
 """Translations T(eps) of a flow by a time eps, to any precision: Σ∫dx/y = eps and Σ∫x dx/y = 0.
 
-Over bare reals T(eps) is a power series in eps² (:func:`expand_orders`) within half a basic step; beyond, it is 2^k
-times T(eps/2^k). Balls need bounds of truncation errors, which integrals in x give
-(:mod:`integrable.moving_point.balls`).
+Over bare reals T(eps) is a power series in eps² (:func:`expansion`) within half a basic step; beyond, it is 2^k times
+T(eps/2^k). Balls need bounds of truncation errors and therefore use Newton's iteration on the integrals in x
+(:meth:`Translations.centre`); each iteration doubles the digits.
 """
 
 from __future__ import annotations
 
-from math import ceil, inf, isqrt, log2
+from functools import cached_property
+from math import ceil, frexp, inf, isqrt, log2
+from operator import mul
 from typing import Any, NamedTuple
 
-from integrable.moving_point.addition import Real, Row, leading, opposite, shift
+from integrable.moving_point.addition import Row, centre, leading, opposite, shift
+from integrable.moving_point.legendre import doubling_precisions
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 
 # the points of T(half step) have this fraction of the distance from x = 0 to the next branch point: the terms of the
 # series fall like its powers
 REACH = 0.3
+# bits gained per term of the series at half a step, where the two points are at most 1.4·REACH away from 0. Each
+# halving of eps gains another bit
+TERM_BITS = -log2(1.4 * REACH)
+FLOAT_BITS = 44
 # SCOUT: number of terms from which the radius of an expansion is estimated. HALVED_FROM: for many translations half a
 # step is halved once per so many bits. FEW: up to this number of translations a long series does not pay
 SCOUT = 24
@@ -37,38 +44,39 @@ class Translations:
         # a halving costs an addition and saves terms; this number is near the optimum
         self._halvings = isqrt(reals.bits // 25)
         self._asked = 0
-        self._expansions: dict[int, tuple[Expansion, float]] = {}
+        self._expansions: dict[int, tuple[tuple[list[Any], ...], float]] = {}
 
-    def _expansion(self, rest: int) -> tuple[Expansion, float]:
-        """The :class:`Expansion` for half a step halved ``rest`` times, and its radius in half steps."""
+    @cached_property
+    def series(self) -> tuple[Any, ...]:
+        """The coefficients of 1/√(f/f0) about x = 0."""
+        size = int(self.reals.bits / (TERM_BITS + self._halvings)) + 6
+        with self.reals:
+            return series_of(self.f, -1, size)
+
+    def _expansion(self, rest: int) -> tuple[tuple[list[Any], ...], float]:
+        """The :func:`expansion` for half a step halved ``rest`` times, and its radius in half steps."""
         if rest not in self._expansions:
             self._expansions[rest] = self._expanded(rest)
         return self._expansions[rest]
 
-    def _expanded(self, rest: int) -> tuple[Expansion, float]:
+    def _expanded(self, rest: int) -> tuple[tuple[list[Any], ...], float]:
         half = self.half_step
         with self.reals.at(64):
             square = half * half
-            scaled = [[x * square**k for k, x in enumerate(row)] for row in self._orders(SCOUT)[:4]]
+            scaled = [[x * square**k for k, x in enumerate(row)] for row in expansion(self.f, SCOUT)]
             falls = [abs(row[SCOUT // 2] / row[-1]) for row in scaled if row[-1] != 0]
             known = SCOUT - 1 - SCOUT // 2
             radius = float(min(falls)) ** (0.5 / known) if falls else inf
         while True:
             size = self._terms(radius, 2.0**-rest)
             with self.reals:
-                found = self._orders(size)
+                found = expansion(self.f, size)
                 square = (half / 2**rest) ** 2
                 least = square ** (size - 1) * 2**self.reals.bits
                 # compared with the first coefficients that are not 0, of order 0 or 1
-                if all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in found[:4]):
+                if all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in found):
                     return found, radius
             radius = 1 + 0.8 * (radius - 1)
-
-    def _orders(self, count: int) -> Expansion:
-        """The first orders of the expansion."""
-        rows = expansion_of([self.reals.number(0)] * (7 * count))
-        expand_orders(self.f, rows, 0, count)
-        return rows
 
     def _terms(self, radius: float, size: float) -> int:
         """The number of terms that give all digits at an eps of this ``size``. ``size`` and the expansion's ``radius``
@@ -87,11 +95,20 @@ class Translations:
             size = float(max(abs(eps) / self.half_step, 2.0**-500))
             doublings = max(0, ceil(log2(size)) + rest)
             rows, radius = self._expansion(rest)
-            terms = min(self._terms(radius, size * 2.0**-doublings), len(rows.u0))
-            step = near_identity(rows, self.axes, eps / 2**doublings, terms)
+            step = self._summed(rows, self._terms(radius, size * 2.0**-doublings), eps / 2**doublings)
             for _ in range(doublings):
                 step = reals.plain_row(shift(self.f, self.axes, step, step))
         return reals.plain_row(step)
+
+    def _summed(self, rows: tuple[list[Any], ...], terms: int, eps: Any) -> tuple[Any, ...]:
+        """T(eps) by its expansion."""
+        square = eps * eps
+        u0, u1, v0, v1 = (0 * eps,) * 4
+        for a, b, c, d in zip(*(row[min(terms, len(row)) - 1 :: -1] for row in rows), strict=True):
+            u0, u1, v0, v1 = u0 * square + a, u1 * square + b, v0 * square + c, v1 * square + d
+        v0, v1 = v0 * eps, v1 / eps
+        sigma = [root((a + u1) * a + u0) for a in self.axes[:3]]
+        return (u0, u1, v0, v1, *sigma, *((v0 + v1 * a) / x for a, x in zip(self.axes[:3], sigma, strict=True)))
 
     def sum(self, first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...]:
         """The sum of two translations."""
@@ -107,11 +124,68 @@ class Translations:
             outer = [self.near(self.half_step * length * x) for x in nodes[: len(nodes) // 2]]
             return outer + [opposite(step) for step in outer[::-1]]
 
+    def plan(self, eps: Any) -> tuple[int, float]:
+        """(number of halvings of eps, bits gained per term of the series after them)."""
+        exponent = frexp(float(max(abs(eps) / self.half_step, 2.0**-500)))[1]
+        doublings = max(0, exponent + self._halvings)
+        return doublings, TERM_BITS + doublings - exponent
+
+    def centre(self, eps: Any, term_bits: float) -> tuple[Any, Any]:
+        """(m, r) of T(eps), whose points are at m ± √r, by Newton's method. It starts from floats or, for a tiny eps,
+        from the leading order.
+        """
+        reals, f0 = self.reals, self.f[0]
+        r = f0 * eps * eps / 4
+        m = -self.series[1] * r / 3
+        known = int(2 * term_bits)
+        if term_bits < 100:
+            known = FLOAT_BITS
+            series = tuple(map(float, self.series[: self.terms(53, term_bits)]))
+            passes = max(2, 2 + int(log2(27 / term_bits)))
+            floats = (float(f0), float(eps), float(m), float(r))
+            m, r = map(reals.number, centre(series, *floats, passes))
+        for bits in doubling_precisions(reals.bits, known):
+            with reals.at(bits + 16):
+                m, r = map(reals.plain, centre(self.series[: self.terms(bits, term_bits)], f0, eps, m, r, 1))
+        return m, r
+
+    def terms(self, bits: int, term_bits: float) -> int:
+        """The number of terms of the series that give ``bits`` bits, if each gains ``term_bits``."""
+        return min(len(self.series), int(bits / term_bits) + 6)
+
+
+def expansion(f: Row, count: int) -> tuple[list[Any], list[Any], list[Any], list[Any]]:
+    """u0, u1, v0/eps and v1·eps of T(eps) as power series in z = eps², ``count`` coefficients each.
+
+    They follow from u0' = v1u0 − u1v0, u1' = −v0, 2v0' = u1w0 − s0u0, 2v1' = w0 + u1w1 − s0u1 − w2u0, where
+    W = (f − V²)/U and s0 = w1 − f5u0 (:meth:`integrable.motion.enclosure.BallMotion.velocity`). These equations leave
+    two coefficients undetermined (resonance), so u0 = −f0z/4 + … and u1 = −f1z/12 + … are prescribed.
+    """
+    f0, f1, f2, f3, f4, f5 = f
+    zero, one = 0 * f0, f0 / f0
+    u0, u1, v0, v1 = [zero, -f0 / 4], [zero, -f1 / 12], [f1 / 6], [2 * one]
+    # the series of s0, of w0 + v1²/z + u1w1, and of (v1·eps)²
+    s0, rest, squares = [], [], [4 * one]
+    for k in range(1, count):
+        if k > 1:
+            u1.append(-v0[k - 1] / (2 * k))
+            u0.append((_product(v1, u0, k, k - 1) - _product(u1, v0, k - 1, k - 1)) / (2 * k - 2))
+        s0.append(f5 * (_product(u1, u1, k - 1, k - 2) - 2 * u0[k - 1]) - f4 * u1[k - 1])
+        rest.append(-_product(u1, s0, k - 1, k - 1) - f4 * u0[k - 1])
+        if k == 1:
+            s0[0], rest[0] = s0[0] + f3, rest[0] + f2
+        own = _product(v1, v1, k, k - 1)
+        mixed = 2 * f5 * _product(u0, u1, k - 1, k - 2)
+        v1.append((rest[k - 1] - f4 * u0[k - 1] + mixed - own) / (4 * k + 2))
+        squares.append(4 * v1[k] + own)
+        total = _product(u1, rest, k, k) - _product(u1, squares, k + 1, k) - _product(u0, s0, k, k)
+        v0.append(total / (2 * (2 * k + 1 - one / (k + 1))))
+    return u0, u1, v0, v1
+
 
 class Expansion(NamedTuple):
-    """Rows for the coefficients of u0, u1, v0/eps and v1·eps of T(eps), power series in z = eps², and for auxiliary
-    series: s0, (v1·eps)², and ``less``, the coefficients of w0 + v1²/z + u1w1 minus those of (v1·eps)² of the next
-    order.
+    """Rows for the coefficients of :func:`expansion` and for auxiliary series: s0, (v1·eps)², and ``less``, the
+    coefficients of w0 + v1²/z + u1w1 minus those of (v1·eps)² of the next order.
     """
 
     u0: Row
@@ -141,12 +215,7 @@ def high_parts(rows: Expansion) -> Expansion:
 
 
 def expand_orders(f: Row, rows: Expansion, begin: int, end: int) -> None:
-    """Computes the orders ``begin`` … ``end`` − 1 of an expansion from the earlier ones; compiled unchanged.
-
-    They follow from u0' = v1u0 − u1v0, u1' = −v0, 2v0' = u1w0 − s0u0, 2v1' = w0 + u1w1 − s0u1 − w2u0, where
-    W = (f − V²)/U and s0 = w1 − f5u0 (:meth:`integrable.motion.enclosure.BallMotion.velocity`). These equations leave
-    two coefficients undetermined (resonance), so u0 = −f0z/4 + … and u1 = −f1z/12 + … are prescribed.
-    """
+    """:func:`expansion` in a form that compiles: computes the orders ``begin`` … ``end`` − 1 from the earlier ones."""
     f0, f1, f2, f3, f4, f5 = f
     u0, u1, v0, v1, s0, squares, less = rows
     zero = 0 * f0
@@ -178,30 +247,36 @@ def expand_orders(f: Row, rows: Expansion, begin: int, end: int) -> None:
         v0[k] = (s - t) * (k + 1) / (2 * k * (2 * k + 3))
 
 
-def near_identity(rows: Expansion, axes: Row, eps: Real, terms: int) -> Row:
-    """T(eps) from that many terms of its expansion."""
-    n, square, zero = terms - 1, eps * eps, 0 * eps
-    u0, u1, v0, v1 = zero + rows.u0[n], zero + rows.u1[n], zero + rows.v0[n], zero + rows.v1[n]
-    for _ in range(terms - 1):
-        n -= 1
-        u0, u1 = u0 * square + rows.u0[n], u1 * square + rows.u1[n]
-        v0, v1 = v0 * square + rows.v0[n], v1 * square + rows.v1[n]
-    return with_pairs(axes, u0, u1, v0 * eps, v1 / eps)
+def _product(a: list[Any], b: list[Any], order: int, last: int) -> Any:
+    """Σ a_i·b_(order − i) for i from 1 to ``last``."""
+    if last < 1:
+        return 0 * a[0]
+    stop = order - last - 1
+    return sum(map(mul, a[1 : last + 1], b[order - 1 : stop if stop >= 0 else None : -1]), 0 * a[0])
 
 
-def with_pairs(axes: Row, u0: Real, u1: Real, v0: Real, v1: Real) -> Row:
-    """The translation with this divisor. Near the identity σ_i is α_i − c, whatever the centre c: continued around α_i
-    it has no branch.
+def series_of(f: tuple[Any, ...], power: int, size: int) -> tuple[Any, ...]:
+    """The first coefficients of (f/f0)^(power/2) about 0."""
+    out = [f[0]] * size
+    power_series(f, power, out)
+    return tuple(out)
+
+
+def power_series(f: Row, power: int, out: Row) -> None:
+    """Writes the coefficients of (f/f0)^(power/2) about 0 to ``out``, by the recurrence from its logarithmic
+    derivative. f has six coefficients, ascending.
     """
-    a1, a2, a3 = axes[0], axes[1], axes[2]
-    r1, r2, r3 = (
-        signed_like(a1, root((a1 + u1) * a1 + u0)),
-        signed_like(a2, root((a2 + u1) * a2 + u0)),
-        signed_like(a3, root((a3 + u1) * a3 + u0)),
-    )
-    return u0, u1, v0, v1, r1, r2, r3, (v0 + v1 * a1) / r1, (v0 + v1 * a2) / r2, (v0 + v1 * a3) / r3
-
-
-def signed_like(x: Real, size: Real) -> Real:
-    """``size`` with the sign of x."""
-    return -size if x < 0 else size
+    one = f[0] / f[0]
+    out[0] = one
+    r1, r2, r3, r4, r5 = f[1] / f[0], f[2] / f[0], f[3] / f[0], f[4] / f[0], f[5] / f[0]
+    for k in range(1, len(out)):
+        total = (power + 2 - 2 * k) * r1 * out[k - 1]
+        if k > 1:
+            total += (2 * (power + 2) - 2 * k) * r2 * out[k - 2]
+        if k > 2:
+            total += (3 * (power + 2) - 2 * k) * r3 * out[k - 3]
+        if k > 3:
+            total += (4 * (power + 2) - 2 * k) * r4 * out[k - 4]
+        if k > 4:
+            total += (5 * (power + 2) - 2 * k) * r5 * out[k - 5]
+        out[k] = total / (2 * k)

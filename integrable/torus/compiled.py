@@ -31,7 +31,7 @@ KINDS: dict[Any, TupleKind] = {
         _CURVE,
         _SMALL,
         record(Chart, _FLOATS, _FLOATS, TupleKind((_INTS, _INTS)), _INTS),
-        record(TableRoom, WIDES, WIDES, WIDES),
+        record(TableRoom, WIDES, WIDES, WIDES, WIDES),
         record(Line, _CURVE, WIDES, WIDES, WIDES, _FLOATS, BOOL),
         record(Walk, _INTS, INT, INT, _SIGNS, WIDES, WIDES),
         record(Fine, _INTS, _INTS, _FLAGS, WIDES, INTS, _INTS, WIDES),
@@ -58,7 +58,7 @@ LIBRARY = Library(
         "mean_height": (survey.mean_height, (WIDES, WIDES, WIDES)),
         "directions": (
             tables.directions,
-            (WIDES, KINDS[Chart], WIDES, FLOAT, KINDS[TableRoom], WIDES, WIDES),
+            (WIDES, KINDS[Chart], WIDES, FLOATS, INT, KINDS[TableRoom], WIDES, WIDES),
         ),
         "corners": (walks.corners, (_CURVE, WIDES, _WALK, WIDES, WIDES, WIDES)),
         "gridded": (walks.gridded, (_CURVE, _SMALL, WIDES, _FINE, WIDES, WIDES)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, cached_property
-from math import asinh, ceil, copysign, inf, log2, sqrt
+from math import asinh, ceil, copysign, cos, inf, log2, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from integrable.torus.states import Torus
 from integrable.torus.survey import RATES, REACH
 from integrable.torus.tables import SmallSteps, TableRoom
 from integrable.torus.walks import Fine, Walk
-from integrable.torus.witness import BORDERS, LEAST, ORDERS, SEAM, Line
+from integrable.torus.witness import BORDERS, LEAST, SEAM, TERMS, Line
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.double_double import EPS
 
@@ -44,6 +44,12 @@ Samples = Callable[[tuple[int, int], "np.ndarray | None"], Any]
 """A function that gives values on a grid of given sizes; values on a coarser grid may be known."""
 
 
+@cache
+def nodes(count: int) -> tuple[float, ...]:
+    """The Chebyshev nodes in z = (s/reach)², from 0 to 1, rounded to floats, which then count as exact."""
+    return tuple((1 + cos(pi * (k + 0.5) / count)) / 2 for k in range(count))
+
+
 class Corners:
     """The moving points at the corners of a torus's cells, by loops of :mod:`integrable.torus.loops`.
 
@@ -70,9 +76,9 @@ class Corners:
         leans = loops.floats(self.curve.axes[7:])[0] != 0
         self.doubled = (1 + odd[0], 1 + odd[1]) if leans else (1, 1)
         self.rates = self._made_rates(motion)
-        tables, self._halves, terms = self._translations(motion)
+        tables, self._halves = self._translations(motion)
         self._rest = loops.room(2) if leans else rest_of(motion, loops)
-        self.small = SmallSteps(self.curve.unit_axes, lattice.chart.centres, tables, terms, lattice.parts)
+        self.small = SmallSteps(self.curve.unit_axes, lattice.chart.centres, tables, loops.terms, lattice.parts)
         if self.sizes[0] * self.sizes[1] > most:
             raise PrecisionLoss(f"the torus of this motion needs {self.sizes[0]} × {self.sizes[1]} cells")
         self._walk_over(motion)
@@ -140,7 +146,7 @@ class Corners:
         # if the branch points cluster, the flow's centre is far from all of them
         far = self._aslant or self.units.length < 1
         line = Line(self._packed_curve, self._start, self._motion, self.rates, self.lattice.chart.centres, far)
-        return line, tau, TableRoom(room(7 * ORDERS), room(0), room(9)), room(10 * len(tau))
+        return line, tau, TableRoom(room(TERMS), room(TERMS), room(9), room(0)), room(10 * len(tau))
 
     def at_phases(self, phases: np.ndarray) -> np.ndarray:
         """γ and M at points of the torus, shape (N, 6): ``phases`` in turns from the start, shape (N, 2)."""
@@ -210,17 +216,12 @@ class Corners:
     def _packed_small(self) -> Any:
         return self.loops.packed(self.small)
 
-    def _translations(self, motion: Any) -> tuple[Any, Any, int]:
-        """The tables of both directions, one after the other, the translations by half a cell, and the number of terms
-        of a table.
-        """
-        loops, room = self.loops, self.loops.room
-        tables, halves = room(8 * loops.orders), room(40)
-        space = TableRoom(room(7 * loops.orders), room(7 * loops.orders), room(9))
-        terms = loops.directions(motion, self.lattice.chart, self.lattice.parts, loops.least, space, tables, halves)
-        if terms == 0:
-            raise NotClosed("the translations inside the cells of this motion's torus lose too many digits; use more")
-        return tables[: 8 * terms], halves, terms
+    def _translations(self, motion: Any) -> tuple[Any, Any]:
+        """The tables of both directions, one after the other, and the translations by half a cell."""
+        loops = self.loops
+        tables, halves = loops.room(8 * loops.terms), loops.room(40)
+        loops.directions(motion, self.lattice.chart, self.lattice.parts, nodes(loops.terms), tables, halves)
+        return tables, halves
 
     def _walk_over(self, motion: Any) -> None:
         """Walk over the corners of the cells; NotClosed where the walks do not lead back."""

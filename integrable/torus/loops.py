@@ -16,7 +16,7 @@ from integrable.torus.clock_loops import panel_values, states_at_times, times_at
 from integrable.torus.lattice import Beginning, Units
 from integrable.torus.series import half_spectrum
 from integrable.torus.states import states_at_phases, states_at_tau
-from integrable.torus.tables import directions
+from integrable.torus.tables import TableRoom, directions
 from integrable.torus.walks import Curve
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.double_double import EPS, split
@@ -26,11 +26,15 @@ if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
 
-# bits gained by each order of the power series of translations inside a cell, at least, and spare orders
-# (terms_above of tests/integrable/torus/test_access.py's bodies: 21 for 93 bits)
-BITS_AN_ORDER, SPARE_ORDERS = 4, 4
-# digits of these translations beyond those of results
-SPARE_DIGITS = 13
+# Newton steps from a float to a double-double number
+NEWTON_PASSES = 1
+# number of terms of a power series for 32 digits
+SERIES = 95
+# terms of the polynomials of a direction for 25 digits, terms for each further digit, and the bits lost per term where
+# values become coefficients
+TERMS = 19
+TERMS_A_DIGIT = 1.6
+BITS_A_TERM = 1.3
 
 
 BEYOND = "periods beyond the range of floats; use more digits"
@@ -44,7 +48,6 @@ PLAIN: dict[str, tuple[Callable[..., Any], tuple[int, ...]]] = {
     "clock_series": (clock_modes.clock_series, ()),
     "corners": (walks.corners, ()),
     "departure": (witness.departure, (2,)),
-    "directions": (directions, ()),
     "gridded": (walks.gridded, ()),
     "offsets": (walks.offsets, ()),
     "panel_values": (panel_values, ()),
@@ -69,9 +72,11 @@ class ReadableLoops:
 
     def __init__(self, setup: Setup, digits: int = FLOAT_DIGITS) -> None:
         self._digits = digits
-        self.reals = setup.reals
-        self.orders = ceil((digits + SPARE_DIGITS) * log2(10) / BITS_AN_ORDER) + SPARE_ORDERS
-        self.least = self.reals.number(setup.wide.coerce(10) ** -(digits + SPARE_DIGITS))
+        more = max(0, int(TERMS_A_DIGIT * (digits - 25)) + 1)
+        self.terms, bits = TERMS + more, setup.reals.bits + int(BITS_A_TERM * more)
+        self.reals = type(setup.reals)(bits)
+        # doublings from a float of 46 correct bits or more
+        self._passes, self._series = max(1, ceil(log2(bits / 46))), setup.terms
         # the arithmetic-geometric mean stops at ovals of this length
         self.short = float(setup.wide.eps) ** 0.5 / 16
         # size of rounding errors in 1/g, where its Fourier series ends
@@ -131,6 +136,12 @@ class ReadableLoops:
 
         return inside
 
+    def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
+        """:func:`integrable.torus.tables.directions`."""
+        room = TableRoom(*map(self.room, (self._series, self._series, 9, 10 * (len(nodes) + 2))))
+        with self.reals:
+            directions(motion, chart, parts, nodes, self._passes, room, tables, halves)
+
     def begun(self, setup: Any) -> None:
         """None: the set-up already has all digits."""
 
@@ -142,7 +153,7 @@ class ReadableLoops:
 class CompiledLoops:
     """The compiled loops, on arrays of double-double numbers."""
 
-    orders, least = 28, 10.0 ** -(FLOAT_DIGITS + SPARE_DIGITS)
+    terms = TERMS
     noise = 1e-15
     short = EPS**0.5 / 16
 
@@ -205,3 +216,7 @@ class CompiledLoops:
     def samples(self, values: Any, sizes: tuple[int, int]) -> np.ndarray:
         found: np.ndarray = values.reshape(*sizes, 2)
         return found
+
+    def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
+        room = TableRoom(*map(self.room, (SERIES, SERIES, 9, 10 * (len(nodes) + 2))))
+        self._entries.directions(motion, chart, parts, np.array(nodes), NEWTON_PASSES, room, tables, halves)

@@ -5,29 +5,33 @@ from __future__ import annotations
 from math import floor, log2
 from typing import Any, NamedTuple
 
-from integrable.moving_point.addition import Real, Row, put
-from integrable.moving_point.translations import Expansion, expand_orders, expansion_of, near_identity, with_pairs
+from integrable.moving_point.addition import Real, Row, moving_point, near_identity, put
+from integrable.moving_point.translations import power_series
 from integrable.torus.survey import about_centre
 from jacobian.numbers.abreast import abreast
+from jacobian.numbers.roots import root
 
 
 class TableRoom(NamedTuple):
-    """Working memory: the expansions about two centres, seven numbers for each of their orders, and nine numbers."""
+    """Working memory: two power series, nine numbers, and moving points, one for each node and two more."""
 
-    first: Row
-    second: Row
+    series: Row
+    roots: Row
     numbers: Row
+    points: Row
 
 
-class AboutCentre(NamedTuple):
-    """Translations near the identity about a centre: ``rows`` are the coefficients of T(eps) as power series in eps²,
-    ``axes`` the abscissae α1, α2, α3, in (x − centre)/``unit`` and y/``height``.
+class NearIdentity(NamedTuple):
+    """The arguments of :func:`integrable.moving_point.addition.near_identity` other than eps, about a centre and in a
+    unit.
     """
 
-    rows: Expansion
+    series: Row
+    roots: Row
+    f0: Real
     axes: Row
+    passes: int
     unit: float
-    height: float
 
 
 class SmallSteps(NamedTuple):
@@ -63,75 +67,46 @@ def eight(row: Row) -> Any:
     return row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]
 
 
-def directions(motion: Row, chart: Any, parts: Row, least: Real, room: TableRoom, tables: Row, halves: Row) -> int:
-    """Writes the power series of T(s) about either centre, |s| ≤ reach, to ``tables``, and the translations by half a
-    cell in either direction to ``halves``: both parts of the first, then of the second. Returns the number of terms
-    after which all are below ``least``, relative to their largest; 0 where ``room`` has too few orders for that.
+def directions(
+    motion: Row, chart: Any, parts: Row, nodes: Row, passes: int, room: TableRoom, tables: Row, halves: Row
+) -> None:
+    """Polynomials of T(s) about either centre, |s| ≤ reach, one after the other into ``tables``, and into ``halves``
+    the translations by half a cell in either direction, both parts of the first, then of the second.
 
-    With x = s/reach, z = x² and ξ from the centre, the divisor of T is ξ² + z·p(z)ξ + z·q(z), t(z)/x·ξ + x·v(z). The
-    coefficients of p, q, t, v follow one another. ``motion`` is as for :func:`integrable.torus.survey.survey`,
-    ``chart`` a :class:`~integrable.torus.lattice.Chart`.
+    With x = s/reach and z = x² the points of T are c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z)
+    about the centre c: those of p, q, t, v one after the other, from their values at ``nodes`` of z. ``motion`` is as
+    for :func:`integrable.torus.survey.survey`, ``chart`` a :class:`~integrable.torus.lattice.Chart`; ``passes`` are
+    those of Newton.
     """
-    one = direction(motion, chart, parts, 0, room.first, room.numbers, halves)
-    other = direction(motion, chart, parts, 1, room.second, room.numbers, halves)
-    terms = max(terms_above(one, least), terms_above(other, least))
-    if terms > len(one.u0) - 2:
-        return 0
-    put_series(one, tables, 0, terms)
-    put_series(other, tables, 4 * terms, terms)
-    return terms
+    size, points = len(nodes), room.points
+    for k in range(2):
+        centre, first = chart.centres[k], 4 * len(nodes) * k
+        about = expansion_about(motion, centre, room, passes)
+        unit, reach = about.unit, chart.reaches[k] / about.unit + 0 * about.f0
+        # the halves are computed together with the nodes, to fill the last SIMD lanes
+        for n in abreast(0, size + 2):
+            beyond = max(0, n - size)
+            x = root(nodes[min(n, size - 1)] + 0 * reach)
+            if n >= size:
+                x = parts[2 * k + beyond] * (0.5 / chart.cells[beyond])
+            put(near_centre(about, reach * x), points, 10 * n)
+        for n in abreast(0, size):
+            step, x, place = moving_point(points, 10 * n), root(nodes[n] + 0 * reach), first + n
+            m = -step[1] / 2
+            tables[place] = m * unit / nodes[n]
+            tables[place + size] = (m * m - step[0]) * (unit * unit) / nodes[n]
+            tables[place + 2 * size] = step[3] / unit * x
+            tables[place + 3 * size] = step[2] / x
+        for n in range(2):
+            step = moving_point(points, 10 * (size + n))
+            put(recentred(step, about.axes, centre, unit), halves, 20 * n + 10 * k)
+    for part in abreast(0, 8):
+        to_powers(nodes, tables, size * part)
 
 
-def direction(motion: Row, chart: Any, parts: Row, k: int, row: Row, numbers: Row, halves: Row) -> Expansion:
-    """The expansion about the centre ``k`` in x = s/reach, and in the unit of ``motion``; writes its ``halves``."""
-    centre = chart.centres[k]
-    about = expansion_about(motion, centre, row, numbers)
-    rows, unit, height = about.rows, about.unit, about.height
-    reach = chart.reaches[k] * (height / unit) + 0 * numbers[0]
-    for n in abreast(0, 2):
-        eps = reach * (parts[2 * k + n] * (0.5 / chart.cells[n]))
-        step = near_identity(rows, about.axes, eps, len(rows.u0))
-        put(recentred(step, centre, unit, height), halves, 20 * n + 10 * k)
-    power = 1 + 0 * reach
-    for n in range(len(rows.u0)):
-        rows.u0[n] = rows.u0[n] * (power * (unit * unit))
-        rows.u1[n] = rows.u1[n] * (power * unit)
-        rows.v0[n] = rows.v0[n] * (power * (reach * height))
-        rows.v1[n] = rows.v1[n] * (power * height / (reach * unit))
-        power = power * reach * reach
-    return rows
-
-
-def terms_above(rows: Expansion, least: Real) -> int:
-    """The number of terms of an expansion that are not below ``least``, relative to the largest of their row."""
-    u0, u1, v0, v1, terms = 0 * rows.u0[0], 0 * rows.u0[0], 0 * rows.u0[0], 0 * rows.u0[0], 1
-    for n in range(len(rows.u0)):
-        u0, u1, v0, v1 = (
-            max(u0, abs(rows.u0[n])),
-            max(u1, abs(rows.u1[n])),
-            max(v0, abs(rows.v0[n])),
-            max(v1, abs(rows.v1[n])),
-        )
-    for n in range(len(rows.u0)):
-        # u0 and u1 begin one order later; a NaN counts as large
-        if not (abs(rows.u0[n]) <= least * u0 and abs(rows.u1[n]) <= least * u1):
-            terms = max(terms, n)
-        if not (abs(rows.v0[n]) <= least * v0 and abs(rows.v1[n]) <= least * v1):
-            terms = n + 1
-    return terms
-
-
-def put_series(rows: Expansion, tables: Row, first: int, terms: int) -> None:
-    """Writes the first terms of p, q, t and v to ``tables`` from ``first`` on."""
-    for n in range(terms):
-        tables[first + n], tables[first + terms + n] = rows.u1[n + 1], rows.u0[n + 1]
-        tables[first + 2 * terms + n], tables[first + 3 * terms + n] = rows.v1[n], rows.v0[n]
-
-
-def expansion_about(motion: Row, centre: Real, row: Row, numbers: Row) -> AboutCentre:
-    """The expansion about a centre in ``row``, with as many orders as that holds; f and the axes, in its unit, go to
-    ``numbers``. The units are powers of 2 near the distance to the nearest branch point and near |y| at the centre, so
-    that powers stay in the range of floats and products do not round.
+def expansion_about(motion: Row, centre: Real, room: TableRoom, passes: int) -> NearIdentity:
+    """The expansion about a centre, with as many terms as ``room`` holds. Its unit is a power of 2 near the distance to
+    the nearest branch point, so that powers stay in the range of floats and products do not round.
     """
     place = float(centre)
     near = abs(float(motion[7]) - place)
@@ -139,23 +114,54 @@ def expansion_about(motion: Row, centre: Real, row: Row, numbers: Row) -> AboutC
         near = min(near, abs(float(motion[4 + i]) - place))
     if motion[8] > 0:
         near = min(near, abs(float(motion[10] / motion[8]) - place))
-    unit, rows = 2.0 ** floor(log2(near)), expansion_of(row)
+    unit, numbers = 2.0 ** floor(log2(near)), room.numbers
     about_centre(motion, centre, unit, numbers)
-    height = 2.0 ** floor(log2(-float(numbers[0])) / 2)
-    for k in range(6):
-        numbers[k] = numbers[k] / height / height
-    expand_orders(six(numbers), rows, 0, len(rows.u0))
-    return AboutCentre(rows, (numbers[6], numbers[7], numbers[8]), unit, height)
+    power_series(numbers, -1, room.series)
+    power_series(numbers, 1, room.roots)
+    return NearIdentity(room.series, room.roots, numbers[0], (numbers[6], numbers[7], numbers[8]), passes, unit)
 
 
-def recentred(step: Row, centre: Real, unit: float, height: float) -> Row:
-    """A translation in x and y from one in (x − centre)/unit and y/height."""
-    u0, u1, v0, v1 = step[0] * unit * unit, step[1] * unit, step[2] * height, step[3] * (height / unit)
-    lift = height / unit
+def near_centre(about: NearIdentity, eps: Real) -> Row:
+    """T(eps) in the abscissa of an expansion."""
+    return near_identity(about.series, about.roots, about.f0, about.axes, eps, about.passes)
+
+
+def recentred(step: Row, axes: Row, centre: Real, unit: float) -> Row:
+    """A translation in x from one in (x − centre)/unit, in which the axes are ``axes``.
+
+    Near the identity σ_i is α_i − c, whatever the centre c: continued around α_i it has no branch.
+    """
+    unit1, unit2, unit3 = signed_like(axes[0], unit), signed_like(axes[1], unit), signed_like(axes[2], unit)
+    u0, u1, v0, v1 = step[0] * unit * unit, step[1] * unit, step[2], step[3] / unit
     return (
-        u0 - u1 * centre + (0 * u0 + centre) * centre, u1 - 2 * centre, v0 - v1 * centre, v1,
-        step[4] * unit, step[5] * unit, step[6] * unit, step[7] * lift, step[8] * lift, step[9] * lift,
-    )  # fmt: skip
+        u0 - u1 * centre + (0 * u0 + centre) * centre,
+        u1 - 2 * centre,
+        v0 - v1 * centre,
+        v1,
+        step[4] * unit1,
+        step[5] * unit2,
+        step[6] * unit3,
+        step[7] / unit1,
+        step[8] / unit2,
+        step[9] / unit3,
+    )
+
+
+def signed_like(x: Real, size: Real) -> Real:
+    """``size`` with the sign of x."""
+    return -size if x < 0 else size
+
+
+def to_powers(nodes: Row, table: Row, first: int) -> None:
+    """Values at the nodes, in ``table`` from ``first`` on, replaced by their polynomial's coefficients, ascending."""
+    size = len(nodes)
+    # divided differences, and Newton's form as powers of z
+    for k in range(1, size):
+        for n in range(size - 1, k - 1, -1):
+            table[first + n] = (table[first + n] - table[first + n - 1]) / (nodes[n] - nodes[n - k])
+    for k in range(size - 2, -1, -1):
+        for n in range(k, size - 1):
+            table[first + n] = table[first + n] - nodes[k] * table[first + n + 1]
 
 
 def small_translation(small: SmallSteps, k: int, x: Real) -> Row:
@@ -163,12 +169,32 @@ def small_translation(small: SmallSteps, k: int, x: Real) -> Row:
     axes, centre, table, size = small.axes, small.centres[k], small.tables, small.terms
     z = x * x
     n = (4 * k + 1) * size - 1
-    u1, u0, t, v = table[n], table[n + size], table[n + 2 * size], table[n + 3 * size]
+    m, r, t, v = table[n], table[n + size], table[n + 2 * size], table[n + 3 * size]
     for _ in range(size - 1):
         n -= 1
-        u1 = u1 * z + table[n]
-        u0 = u0 * z + table[n + size]
+        m = m * z + table[n]
+        r = r * z + table[n + size]
         t = t * z + table[n + 2 * size]
         v = v * z + table[n + 3 * size]
-    around = axes[0] - centre, axes[1] - centre, axes[2] - centre
-    return recentred(with_pairs(around, u0 * z, u1 * z, v * x, t / x), centre, 1.0, 1.0)
+    m, r, t1, t0 = m * z, r * z, t / x, v * x
+    a1, a2, a3 = axes[0] - centre, axes[1] - centre, axes[2] - centre
+    x1, x2, x3 = a1 - m, a2 - m, a3 - m
+    # as in recentred
+    r1, r2, r3 = (
+        signed_like(a1, root(x1 * x1 - r)),
+        signed_like(a2, root(x2 * x2 - r)),
+        signed_like(a3, root(x3 * x3 - r)),
+    )
+    middle = m + centre
+    return (
+        middle * middle - r,
+        -2 * middle,
+        t0 - t1 * centre,
+        t1,
+        r1,
+        r2,
+        r3,
+        (t0 + t1 * a1) / r1,
+        (t0 + t1 * a2) / r2,
+        (t0 + t1 * a3) / r3,
+    )

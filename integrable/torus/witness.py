@@ -18,10 +18,10 @@ import numpy as np
 from integrable.moving_point.addition import Real, Row, moving_point, put, shift
 from integrable.moving_point.problem import Problem, vectors
 from integrable.moving_point.short_rows import curve_of, unit_axes
-from integrable.moving_point.translations import REACH, Translations, near_identity
+from integrable.moving_point.translations import REACH, Translations
 from integrable.phase.coordinates import directions_of
 from integrable.torus.states import Torus, point_at, point_beside, put_state, states_at_tau, torus_in_tuples
-from integrable.torus.tables import TableRoom, expansion_about, recentred
+from integrable.torus.tables import TableRoom, expansion_about, near_centre, recentred
 from integrable.torus.walks import Curve, in_tuples
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
@@ -45,8 +45,8 @@ BORDERS = 16
 SEAM, LEAST = 1e-13, 1e-2
 # the largest ratio of the phases' rates for which equations of motion are followed to a turn of the slower one
 SLOW = 8
-# numbers of halvings of a step and of orders of an expansion that together give a double-double number
-HALVINGS, ORDERS = 2, 16
+# numbers of halvings of a step, of terms and of Newton passes that together give a double-double number
+HALVINGS, TERMS, NEWTON_PASSES = 2, 32, 2
 
 
 class Line(NamedTuple):
@@ -157,19 +157,18 @@ def reached(line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> N
         put(moving_point(line.start, 0), points, 10 * i)
     for k in range(2 if line.far else 1):
         centre, share = leg(line, k)
-        numbers = room.numbers
-        about = expansion_about(line.motion, centre, room.first, numbers)
-        scale, half_step = share * (about.height / about.unit), 2 * REACH / float(root(-numbers[0]))
+        about, numbers = expansion_about(line.motion, centre, room, NEWTON_PASSES), room.numbers
+        scale, half_step = share / about.unit, 2 * REACH / float(root(-about.f0))
         farthest = half_step
         for time in times:
             farthest = max(farthest, abs(float(time * scale)))
         doublings = ceil(log2(farthest / half_step)) + HALVINGS
         for i in abreast(0, len(times)):
             # doublings are done about its centre, where points near the identity keep their digits
-            step = near_identity(about.rows, about.axes, times[i] * scale / 2.0**doublings, len(about.rows.u0))
+            step = near_centre(about, times[i] * scale / 2.0**doublings)
             for _ in range(doublings):
                 step = shift(curve_of(numbers), unit_axes(numbers), step, step)
-            step = recentred(step, centre, about.unit, about.height)
+            step = recentred(step, about.axes, centre, about.unit)
             put(shift(curve.f, curve.axes, moving_point(points, 10 * i), step), points, 10 * i)
     for i in range(len(times)):
         put_state(moving_point(points, 10 * i), (rates[0], rates[1], rates[2], rates[3]), out, 6 * i)

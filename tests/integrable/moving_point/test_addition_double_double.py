@@ -12,16 +12,12 @@ import pytest
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.moving_point import addition
-from integrable.moving_point.balls import series_of
 from integrable.moving_point.compiled import SPECIAL
-from integrable.moving_point.translations import expand_orders, expansion_of, near_identity
-from integrable.torus.tables import six
+from integrable.moving_point.translations import series_of
 from jacobian import MP
-from jacobian.native.kinds import WIDE, WIDES, ArrayKind
+from jacobian.native.kinds import INT, WIDE, WIDES, ArrayKind
 from jacobian.native.library import Library
 from jacobian.numbers import double_double
-from tests.integrable.moving_point import newton
-from tests.integrable.moving_point.newton import terms_of
 
 K = MP(60)
 GAMMA, MOMENTUM = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
@@ -41,12 +37,10 @@ CASES = {
 }
 
 
-def expanded(f, axes, eps, row, out):
-    """T(eps) for every eps ≠ 0 of an array (N, 2), into ``out`` of shape (N, 10, 2), by the expansion in ``row``."""
-    rows = expansion_of(row)
-    expand_orders(six(f), rows, 0, len(rows.u0))
+def near_identity(series, roots, f0, axes, eps, passes, out):
+    """T(eps) for every eps ≠ 0 of an array (N, 2), into ``out`` of shape (N, 10, 2)."""
     for i in range(len(eps)):
-        addition.put(near_identity(rows, axes, eps[i], len(rows.u0)), out[i], 0)
+        addition.put(addition.near_identity(series, roots, f0[0], axes, eps[i], passes), out[i], 0)
 
 
 def shifted(f, axes, start, steps, out):
@@ -61,7 +55,7 @@ TABLE = ArrayKind(WIDE, 2, 2)
 LOOPS = Library(
     "test_addition",
     {
-        "expanded": (expanded, (WIDES, WIDES, WIDES, WIDES, TABLE)),
+        "near_identity": (near_identity, (WIDES, WIDES, WIDES, WIDES, WIDES, INT, TABLE)),
         "shifted": (shifted, (WIDES, WIDES, WIDES, TABLE, WIDES)),
     },
     SPECIAL,
@@ -134,12 +128,11 @@ def test_near_identity(name):
     setup = setup_of(name)
     offsets = [setup.wide.coerce(x) * setup.mpf.half_step for x in ("1", "-0.3", "1e-3", "-1e-30")]
     f, axes = setup.mpf.f, setup.mpf.axes
-    packed = [double_double.pack(x) for x in (f, axes, offsets)]
+    series, roots = (series_of(f, power, setup.terms) for power in (-1, 1))
+    inputs = [double_double.pack(x) for x in (series, roots, f[0], axes)]
     out = np.empty((len(offsets), 10, 2))
-    LOOPS.expanded(*packed, np.zeros((7 * 28, 2)), out)
-    f, axes, offsets = map(exact, packed)
-    series, roots = (series_of(f, power, terms_of(setup)) for power in (-1, 1))
-    for row, eps in zip(out, offsets, strict=True):
-        true = newton.near_identity(series, roots, f[0], axes, eps, 6)
+    LOOPS.near_identity(*inputs[:2], inputs[2][None], inputs[3], double_double.pack(offsets), 2, out)
+    for row, eps in zip(out, exact(double_double.pack(offsets)), strict=True):
+        true = addition.near_identity(*map(exact, inputs), eps, 6)
         for x, y in zip(exact(row), true, strict=True):
             assert abs(x - y) < 1e-27 * abs(y)

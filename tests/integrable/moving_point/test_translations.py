@@ -1,18 +1,14 @@
 """Translations by short times: the expansion in time compared with Newton's iteration, and as a group."""
 
-from math import frexp
-
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.moving_point import addition
-from integrable.moving_point.balls import series_of
 from integrable.moving_point.legendre import LegendreSeries, legendre_transform
 from integrable.moving_point.setup import Setup
-from integrable.moving_point.translations import FEW, Expansion, Translations, expand_orders
+from integrable.moving_point.translations import FEW, Expansion, Translations, expand_orders, expansion
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
-from tests.integrable.moving_point.newton import centre, estimate, expansion, terms_of
 
 BODIES = {
     "ball": ChaplyginBall((1, 2, 3), 0.7),
@@ -39,10 +35,9 @@ def test_the_expansion_in_time_solves_the_integrals_in_x(ball, digits) -> None:
         for part in ("0.9", "-0.4", "1e-7", "1e-90"):
             eps = setup.bare.half_step * reals.number(setup.wide.coerce(part))
             # so small that Newton's series are short; the result is doubled back below
-            doublings = max(0, frexp(float(max(abs(reals.number(setup.wide.coerce(part))), 2.0**-500)))[1] + 5)
+            doublings, term_bits = few.plan(eps)
             small = eps / 2**doublings
-            series = series_of(setup.bare.f, -1, terms_of(setup))
-            m, r = centre(series, setup.bare.f[0], small, *estimate(series, setup.bare.f[0], small), 6)
+            m, r = few.centre(small, term_bits)
             for translations in (few, many):
                 u0, u1 = translations.near(small)[:2]
                 assert abs(u0 - m * m + r) <= 1e3 * 2.0**-reals.bits * abs(u0)

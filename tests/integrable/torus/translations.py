@@ -6,14 +6,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from integrable.moving_point.addition import shift
-from integrable.moving_point.balls import series_of
+from integrable.moving_point.addition import FLOAT_TERMS, near_identity, shift
 from integrable.moving_point.elliptic_integrals import oval_periods
+from integrable.moving_point.translations import series_of
 from integrable.torus.lattice import oval_ends
 from integrable.torus.survey import REACH
 from jacobian import poly
 from jacobian.periods.matrix import Oval
-from tests.integrable.moving_point.newton import FLOAT_TERMS, near_identity, terms_of
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -58,7 +57,7 @@ def directed(setup: Setup, centre: Any, eps: Any) -> tuple[Any, ...]:
     while abs(eps) > reach:
         eps, doublings = eps / 2, doublings + 1
     with setup.reals as reals:
-        series, roots = (reals.elements(K, series_of(reals.row(f), power, terms_of(setup))) for power in (-1, 1))
+        series, roots = (reals.elements(K, series_of(reals.row(f), power, setup.terms)) for power in (-1, 1))
     step = centred(near_identity(series, roots, f[0], axes, eps, PASSES), x0)
     for _ in range(doublings):
         step = combine(setup, step, step)
