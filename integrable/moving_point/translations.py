@@ -1,7 +1,7 @@
 """Translations T(eps) of a flow by a time eps, to any precision: Σ∫dx/y = eps and Σ∫x dx/y = 0.
 
-Over bare reals T(eps) is a power series in eps² (:func:`expansion`) within half a basic step; beyond, it is 2^k times
-T(eps/2^k). Balls need bounds of truncation errors and therefore use Newton's iteration on the integrals in x
+Over bare reals T(eps) is a power series in eps² (:func:`expand_orders`) within half a basic step; beyond, it is 2^k
+times T(eps/2^k). Balls need bounds of truncation errors and therefore use Newton's iteration on the integrals in x
 (:meth:`Translations.centre`); each iteration doubles the digits.
 """
 
@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import ceil, frexp, inf, isqrt, log2
-from operator import mul
 from typing import Any, NamedTuple
 
 from integrable.moving_point.addition import Row, centre, leading, opposite, shift
@@ -44,7 +43,7 @@ class Translations:
         # a halving costs an addition and saves terms; this number is near the optimum
         self._halvings = isqrt(reals.bits // 25)
         self._asked = 0
-        self._expansions: dict[int, tuple[tuple[list[Any], ...], float]] = {}
+        self._expansions: dict[int, tuple[Expansion, float]] = {}
 
     @cached_property
     def series(self) -> tuple[Any, ...]:
@@ -53,30 +52,36 @@ class Translations:
         with self.reals:
             return series_of(self.f, -1, size)
 
-    def _expansion(self, rest: int) -> tuple[tuple[list[Any], ...], float]:
-        """The :func:`expansion` for half a step halved ``rest`` times, and its radius in half steps."""
+    def _expansion(self, rest: int) -> tuple[Expansion, float]:
+        """The :class:`Expansion` for half a step halved ``rest`` times, and its radius in half steps."""
         if rest not in self._expansions:
             self._expansions[rest] = self._expanded(rest)
         return self._expansions[rest]
 
-    def _expanded(self, rest: int) -> tuple[tuple[list[Any], ...], float]:
+    def _expanded(self, rest: int) -> tuple[Expansion, float]:
         half = self.half_step
         with self.reals.at(64):
             square = half * half
-            scaled = [[x * square**k for k, x in enumerate(row)] for row in expansion(self.f, SCOUT)]
+            scaled = [[x * square**k for k, x in enumerate(row)] for row in self._orders(SCOUT)[:4]]
             falls = [abs(row[SCOUT // 2] / row[-1]) for row in scaled if row[-1] != 0]
             known = SCOUT - 1 - SCOUT // 2
             radius = float(min(falls)) ** (0.5 / known) if falls else inf
         while True:
             size = self._terms(radius, 2.0**-rest)
             with self.reals:
-                found = expansion(self.f, size)
+                found = self._orders(size)
                 square = (half / 2**rest) ** 2
                 least = square ** (size - 1) * 2**self.reals.bits
                 # compared with the first coefficients that are not 0, of order 0 or 1
-                if all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in found):
+                if all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in found[:4]):
                     return found, radius
             radius = 1 + 0.8 * (radius - 1)
+
+    def _orders(self, count: int) -> Expansion:
+        """The first orders of the expansion."""
+        rows = expansion_of([self.reals.number(0)] * (7 * count))
+        expand_orders(self.f, rows, 0, count)
+        return rows
 
     def _terms(self, radius: float, size: float) -> int:
         """The number of terms that give all digits at an eps of this ``size``. ``size`` and the expansion's ``radius``
@@ -100,11 +105,11 @@ class Translations:
                 step = reals.plain_row(shift(self.f, self.axes, step, step))
         return reals.plain_row(step)
 
-    def _summed(self, rows: tuple[list[Any], ...], terms: int, eps: Any) -> tuple[Any, ...]:
+    def _summed(self, rows: Expansion, terms: int, eps: Any) -> tuple[Any, ...]:
         """T(eps) by its expansion."""
         square = eps * eps
         u0, u1, v0, v1 = (0 * eps,) * 4
-        for a, b, c, d in zip(*(row[min(terms, len(row)) - 1 :: -1] for row in rows), strict=True):
+        for a, b, c, d in zip(*(row[min(terms, len(row)) - 1 :: -1] for row in rows[:4]), strict=True):
             u0, u1, v0, v1 = u0 * square + a, u1 * square + b, v0 * square + c, v1 * square + d
         v0, v1 = v0 * eps, v1 / eps
         sigma = [root((a + u1) * a + u0) for a in self.axes[:3]]
@@ -154,38 +159,10 @@ class Translations:
         return min(len(self.series), int(bits / term_bits) + 6)
 
 
-def expansion(f: Row, count: int) -> tuple[list[Any], list[Any], list[Any], list[Any]]:
-    """u0, u1, v0/eps and v1·eps of T(eps) as power series in z = eps², ``count`` coefficients each.
-
-    They follow from u0' = v1u0 − u1v0, u1' = −v0, 2v0' = u1w0 − s0u0, 2v1' = w0 + u1w1 − s0u1 − w2u0, where
-    W = (f − V²)/U and s0 = w1 − f5u0 (:meth:`integrable.motion.enclosure.BallMotion.velocity`). These equations leave
-    two coefficients undetermined (resonance), so u0 = −f0z/4 + … and u1 = −f1z/12 + … are prescribed.
-    """
-    f0, f1, f2, f3, f4, f5 = f
-    zero, one = 0 * f0, f0 / f0
-    u0, u1, v0, v1 = [zero, -f0 / 4], [zero, -f1 / 12], [f1 / 6], [2 * one]
-    # the series of s0, of w0 + v1²/z + u1w1, and of (v1·eps)²
-    s0, rest, squares = [], [], [4 * one]
-    for k in range(1, count):
-        if k > 1:
-            u1.append(-v0[k - 1] / (2 * k))
-            u0.append((_product(v1, u0, k, k - 1) - _product(u1, v0, k - 1, k - 1)) / (2 * k - 2))
-        s0.append(f5 * (_product(u1, u1, k - 1, k - 2) - 2 * u0[k - 1]) - f4 * u1[k - 1])
-        rest.append(-_product(u1, s0, k - 1, k - 1) - f4 * u0[k - 1])
-        if k == 1:
-            s0[0], rest[0] = s0[0] + f3, rest[0] + f2
-        own = _product(v1, v1, k, k - 1)
-        mixed = 2 * f5 * _product(u0, u1, k - 1, k - 2)
-        v1.append((rest[k - 1] - f4 * u0[k - 1] + mixed - own) / (4 * k + 2))
-        squares.append(4 * v1[k] + own)
-        total = _product(u1, rest, k, k) - _product(u1, squares, k + 1, k) - _product(u0, s0, k, k)
-        v0.append(total / (2 * (2 * k + 1 - one / (k + 1))))
-    return u0, u1, v0, v1
-
-
 class Expansion(NamedTuple):
-    """Rows for the coefficients of :func:`expansion` and for auxiliary series: s0, (v1·eps)², and ``less``, the
-    coefficients of w0 + v1²/z + u1w1 minus those of (v1·eps)² of the next order.
+    """Rows for the coefficients of u0, u1, v0/eps and v1·eps of T(eps), power series in z = eps², and for auxiliary
+    series: s0, (v1·eps)², and ``less``, the coefficients of w0 + v1²/z + u1w1 minus those of (v1·eps)² of the next
+    order.
     """
 
     u0: Row
@@ -215,7 +192,12 @@ def high_parts(rows: Expansion) -> Expansion:
 
 
 def expand_orders(f: Row, rows: Expansion, begin: int, end: int) -> None:
-    """:func:`expansion` in a form that compiles: computes the orders ``begin`` … ``end`` − 1 from the earlier ones."""
+    """Computes the orders ``begin`` … ``end`` − 1 of an expansion from the earlier ones; compiled unchanged.
+
+    They follow from u0' = v1u0 − u1v0, u1' = −v0, 2v0' = u1w0 − s0u0, 2v1' = w0 + u1w1 − s0u1 − w2u0, where
+    W = (f − V²)/U and s0 = w1 − f5u0 (:meth:`integrable.motion.enclosure.BallMotion.velocity`). These equations leave
+    two coefficients undetermined (resonance), so u0 = −f0z/4 + … and u1 = −f1z/12 + … are prescribed.
+    """
     f0, f1, f2, f3, f4, f5 = f
     u0, u1, v0, v1, s0, squares, less = rows
     zero = 0 * f0
@@ -245,14 +227,6 @@ def expand_orders(f: Row, rows: Expansion, begin: int, end: int) -> None:
             s += u1[i] * less[k - i]
             t += u0[i] * s0[k - i]
         v0[k] = (s - t) * (k + 1) / (2 * k * (2 * k + 3))
-
-
-def _product(a: list[Any], b: list[Any], order: int, last: int) -> Any:
-    """Σ a_i·b_(order − i) for i from 1 to ``last``."""
-    if last < 1:
-        return 0 * a[0]
-    stop = order - last - 1
-    return sum(map(mul, a[1 : last + 1], b[order - 1 : stop if stop >= 0 else None : -1]), 0 * a[0])
 
 
 def series_of(f: tuple[Any, ...], power: int, size: int) -> tuple[Any, ...]:

@@ -6,9 +6,10 @@ from integrable import ChaplyginBall, EulerTop
 from integrable.moving_point import addition
 from integrable.moving_point.legendre import LegendreSeries, legendre_transform
 from integrable.moving_point.setup import Setup
-from integrable.moving_point.translations import FEW, Expansion, Translations, expand_orders, expansion
+from integrable.moving_point.translations import FEW, Expansion, Translations, expand_orders
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
+from tests.integrable.moving_point.expansion_by_lists import expansion
 
 BODIES = {
     "ball": ChaplyginBall((1, 2, 3), 0.7),
