@@ -108,6 +108,19 @@ class BodyPath(Immutable):
         """:meth:`enclosure` at values of τ."""
         return _enclosed(self._flow.enclosure_at_tau(tau, digits))
 
+    @property
+    def portrait(self) -> Any:
+        """The body's own portrait of the motion."""
+        return self._flow.portrait
+
+    def spectrum(self) -> Any:
+        """The body's own spectral lines of γ, M and ω."""
+        return self._flow.spectrum()
+
+    def section(self, count: int, axis: str = "largest") -> Any:
+        """The body's own next ``count`` crossings of a Poincaré section."""
+        return self._flow.section(count, axis)
+
     def tau_near(self, time: Any, digits: int) -> Any:
         """τ at a time, a long number of about that many digits."""
         wide = MP(max(ball_digits(self.system.field, digits), self.digits))
