@@ -13,6 +13,10 @@ from integrable.torus.tables import six
 from jacobian.numbers.abreast import abreast
 
 
+# a Newton step of this part of a turn leaves an error below 1e-17 of one
+LAST_STEP = 1e-9
+
+
 class ClockSeries(NamedTuple):
     """A real Fourier series S on the torus that vanishes at the start, and dS/dτ.
 
@@ -97,9 +101,14 @@ def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, int
     start, rate = delay(clock.rough, clock.series, a, b, room)
     x = 0 * nu1 + start
     if len(modes) > 0:
-        p, q = (first + turn1 % double1 + nu1 * x) / double1, (second + turn2 % double2 + nu2 * x) / double2
-        rest, _ = swing_and_rate(clock.quiet, float(p), float(q), room)
-        x -= (loud_swing(modes, clock.loud, p, q) + x + rest) / rate
+        # floats have x to the rounding of the largest modes, which next to a resonance is much of a turn
+        for _ in range(3):
+            p, q = (first + turn1 % double1 + nu1 * x) / double1, (second + turn2 % double2 + nu2 * x) / double2
+            rest, _ = swing_and_rate(clock.quiet, float(p), float(q), room)
+            step = (loud_swing(modes, clock.loud, p, q) + x + rest) / rate
+            x -= step
+            if abs(float(step)) * (abs(float(nu1)) + abs(float(nu2))) <= LAST_STEP:
+                break
     first, more1 = whole_turns(first + nu1 * x)
     second, more2 = whole_turns(second + nu2 * x)
     return first, second, turn1 + more1, turn2 + more2, x
@@ -111,9 +120,9 @@ def times_at_tau(clock: Clock, tau: Row, times: Row, room: Row) -> None:
     for i in range(len(tau)):
         first, turn1 = whole_turns(nu1 * tau[i])
         second, turn2 = whole_turns(nu2 * tau[i])
-        a, b = (float(first) + turn1 % double1) / double1, (float(second) + turn2 % double2) / double2
-        swing, _ = swing_and_rate(clock.series, a, b, room)
-        times[i] = float(mean * tau[i] + float(mean) * swing)
+        a, b = (first + turn1 % double1) / double1, (second + turn2 % double2) / double2
+        swing, _ = swing_and_rate(clock.quiet, float(a), float(b), room)
+        times[i] = float(mean * (loud_swing(clock.modes, clock.loud, a, b) + tau[i] + swing))
 
 
 def loud_swing(modes: Row, loud: Row, a: Real, b: Real) -> Real:
@@ -157,6 +166,8 @@ def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room:
     1/g is small.
     """
     (nu1, nu2), bound = series.frequencies, series.bound
+    # near a resonance the bound of S is many turns, though x + S is still as curved as over one
+    turn = 1 / (abs(nu1) + abs(nu2))
     low, high, rate = -bound, bound, 1.0
     for _ in range(100):
         rest, rate = swing_and_rate(series, a + nu1 * x, b + nu2 * x, room)
@@ -169,7 +180,7 @@ def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room:
         if not low <= x - step <= high:
             step = x - 0.5 * (low + high)
         x -= step
-        if abs(step) <= near * bound:
+        if abs(step) <= near * min(bound, turn):
             break
     return x, rate
 

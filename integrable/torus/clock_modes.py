@@ -16,6 +16,8 @@ from jacobian.numbers.fourier import half_spectrum
 LEVEL = 1e-8
 # the largest number of modes that are summed in numbers longer than floats
 MOST_LOUD = 8
+# a mode by which τ oscillates by more turns is in resonance: floats would invert the clock to 1e-4 of a turn
+MOST_SWING = 1e12
 
 
 class Cutoffs(NamedTuple):
@@ -172,6 +174,7 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tabl
     for n in range(rows * columns):
         largest = max(largest, abs(float(values[n])))
     mean, pace, small = float(rates[2]), float(rates[3] * rates[2]), limits.rounding * largest
+    most = abs(float(rates[0])) + abs(float(rates[1]))
     for k in range(rows // 2):
         begin, end = columns, 0
         # those outside k = 0 count with their conjugates, as does the other half of that row
@@ -186,6 +189,8 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tabl
             if turns == 0:
                 return k * columns + i, 0.0, 0.0
             factor, size = 1 / (float(turns) * pace), size_of(x, y)
+            if size * abs(factor) * most > MOST_SWING:
+                return k * columns + i, 0.0, 0.0
             p, q, swing = y * factor, -x * factor, size * abs(factor)
             if size <= limits.noise * largest and swing <= limits.least:
                 continue
