@@ -12,7 +12,6 @@ from integrable.torus.states import Torus, state_at, torus_in_tuples, whole_turn
 from integrable.torus.tables import six
 from jacobian.numbers.abreast import abreast
 
-
 # a Newton step of this part of a turn leaves an error below 1e-17 of one
 LAST_STEP = 1e-9
 
