@@ -17,8 +17,9 @@ from typing import Any
 import numpy as np
 
 from integrable.deformations.enclosed import EnclosedMotion
-from integrable.deformations.equations import BY_DIGITS, WalkFirst
+from integrable.deformations.equations import BY_THETA, WalkFirst
 from integrable.deformations.hamiltonian import Hamiltonian
+from integrable.deformations.quick_states import packed, quick_way
 from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits, RoundedRows
 from integrable.motion.trajectory import Way
 from integrable.moving_point.losses import NOTHING, digits_of
@@ -152,13 +153,15 @@ class DeformedFlow(EnclosedMotion):
         """The size of the terms of λ_k."""
         return float(self.system.field.dot(self.state.M, self.state.M)) * max(self.system.a) ** self.system.degree
 
-    _costs = BY_DIGITS
+    _costs = BY_THETA
     """The costs of :attr:`_any_time` as :class:`WalkFirst` takes them."""
+    _pack = staticmethod(packed)
+    """What the compiled loops take for a carrier."""
 
-    @property
+    @cached_property
     def _any_time(self) -> Way:
         """The method for states at any time."""
-        return self._curves
+        return quick_way(self._curves, self._pack)
 
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
         if self.system.field != RR or interpreted():

@@ -22,9 +22,9 @@ from jacobian.immutable import replaced
 
 __all__ = ["WalkFirst", "right_hand_sides"]
 
-# costs of a set-up and of each time, in microseconds: by theta functions, by two curves in many digits, and by an
-# integrator: walks may take as long (python -m benchmarks near)
-BY_THETA, BY_DIGITS, BY_STEPS = (300, 3), (900, 75), (150_000, 0)
+# costs of a set-up and of each time, in microseconds: by theta functions, the same in poles, and by an integrator.
+# Walks may take as long (python -m benchmarks near)
+BY_THETA, BY_THETA_IN_POLES, BY_STEPS = (300, 3), (900, 3), (150_000, 0)
 
 
 def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[Any]]:
@@ -92,7 +92,7 @@ class WalkFirst:
         equations, start = Equations(system, physical), Point(state.gamma, (*state.M, 0.0, 0.0, 0.0))
         most = self._costs[0] + self._costs[1] * len(times)
         near = walked(equations, start, times, most)
-        if self._costs != BY_THETA:
+        if self._costs == BY_STEPS:
             near = finished(equations, start, times, near, most)
         if len(near.places) != len(times):
             return None

@@ -150,6 +150,65 @@ def integrals_drift_of(frame: Frame, gamma: Three, M: Three) -> float:
     return max(change, float(abs(second + b[15] * b[16])) / frame.sizes[1])
 
 
+def pole_states(first: Track, second: Track, frame: Frame, phases: Row, found: tuple[Row, Row, Row]) -> float:
+    """:func:`states` of the tilde pair in repelling poles; heights on the curves are the ũ_k.
+
+    ``frame.numbers`` are three a_i, three b_i, three c_i, the signs of the γ_i, λ1, λ2, H and K.
+    """
+    out, rest, roots = found
+    count, worst = len(phases) // 2, 0.0
+    put_roots(first, phases, 0, roots)
+    put_roots(second, phases, 1, roots)
+    for n in range(count):
+        p = roots[6 * n], roots[6 * n + 1], roots[6 * n + 2]
+        q = roots[6 * n + 3], roots[6 * n + 4], roots[6 * n + 5]
+        gamma, M = state_in_poles(frame.numbers, p, q, first, second)
+        drift = poles_drift_of(frame, gamma, M)
+        if not drift <= worst:
+            worst = drift
+        put_split(gamma, out, rest, 6 * n)
+        put_split(M, out, rest, 6 * n + 3)
+    return worst
+
+
+def state_in_poles(b: Row, p: Three, q: Three, first: Track, second: Track) -> tuple[Three, Three]:
+    """(γ, M) from the roots on both curves (:mod:`integrable.deformations.pole_flow`)."""
+    u1, u2 = height(first, p), height(second, q)
+    gap = u2 - u1
+    # V(x) = −(y1(u2 − x) + y2(x − u1))/gap, and h2
+    y1, y2 = 2 * p[0] * p[1] * p[2] * first.numbers[7] / gap, 2 * q[0] * q[1] * q[2] * second.numbers[7] / gap
+    h2 = (b[12] - b[13]) / gap
+    x0, w0 = component_in_poles(b[0] - u1, b[0] - u2, y1, y2, h2, b[3], b[6], b[9])
+    x1, w1 = component_in_poles(b[1] - u1, b[1] - u2, y1, y2, h2, b[4], b[7], b[10])
+    x2, w2 = component_in_poles(b[2] - u1, b[2] - u2, y1, y2, h2, b[5], b[8], b[11])
+    return (x0, x1, x2), crossed((w0, w1, w2), (x0, x1, x2))
+
+
+def component_in_poles(
+    over: Real, under: Real, y1: Real, y2: Real, h2: Real, b: Real, c: Real, sign: Real
+) -> tuple[Real, Real]:
+    """(γ_i, w_i) from a_i − ũ_k, whose product is c_iE_i², and ũ_k' over ũ2 − ũ1."""
+    v = y1 * under - y2 * over
+    x = sign * root((4 * b * c * c + v * v) / (4 * h2 * c * over * under))
+    return x, v / (2 * c * x)
+
+
+def poles_drift_of(frame: Frame, gamma: Three, M: Three) -> float:
+    """The larger of the relative changes of H and K in repelling poles (:mod:`integrable.deformations.tilde`)."""
+    b = frame.numbers
+    x0, x1, x2 = gamma[0] * gamma[0], gamma[1] * gamma[1], gamma[2] * gamma[2]
+    s = b[0] * x0 + b[1] * x1 + b[2] * x2
+    p0, p1, p2 = b[3] / x0, b[4] / x1, b[5] / x2
+    l0, l1, l2 = b[0] * M[0], b[1] * M[1], b[2] * M[2]
+    m1, m2 = l0 * M[0] + l1 * M[1] + l2 * M[2], M[0] * M[0] + M[1] * M[1] + M[2] * M[2]
+    xi = l0 * gamma[0] + l1 * gamma[1] + l2 * gamma[2]
+    t0, t1, t2 = s - b[0], s - b[1], s - b[2]
+    energy = m1 - s * m2 - p0 * (t1 + t2) - p1 * (t2 + t0) - p2 * (t0 + t1)
+    second = (m2 + p0 + p1 + p2) * (xi * xi - p0 * t1 * t2 - p1 * t2 * t0 - p2 * t0 * t1)
+    change = float(abs(energy - b[14])) / frame.sizes[0]
+    return max(change, float(abs(second - b[15])) / frame.sizes[1])
+
+
 def lifted_row(back: Row, gamma: Three, M: Three) -> tuple[Three, Three]:
     """The lift of (γ, M) by the diagonal ``back``, as :func:`integrable.phase.isometry.lift`."""
     b0, b1, b2 = back[0], back[1], back[2]
@@ -191,6 +250,7 @@ LIBRARY = Library(
     "deformations",
     {
         "states": (states, (_TRACK, _TRACK, _FRAME, WIDES, TupleKind((FLOATS, FLOATS, WIDES)))),
+        "pole_states": (pole_states, (_TRACK, _TRACK, _FRAME, WIDES, TupleKind((FLOATS, FLOATS, WIDES)))),
         "paces": (paces, (_TRACK, _TRACK, WIDES, TupleKind((WIDES, WIDES)), WIDES, WIDES)),
     },
     SPECIAL,

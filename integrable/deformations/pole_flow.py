@@ -16,7 +16,9 @@ from __future__ import annotations
 from typing import Any
 
 from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, at_its_precision
+from integrable.deformations.equations import BY_THETA_IN_POLES
 from integrable.deformations.oval import SeparatedOval, root_of_rounded
+from integrable.deformations.quick_states import packed_in_poles
 from integrable.deformations.separated_flow import interlaced
 from integrable.phase.body import cross
 from integrable.phase.state import State
@@ -32,6 +34,9 @@ class PoleFlow(DeformedFlow):
 
     NotRepresentable if moments are equal or a λ_k vanishes.
     """
+
+    _costs = BY_THETA_IN_POLES
+    _pack = staticmethod(packed_in_poles)
 
     def _terms(self) -> float:
         poles = self.system.potential.poles
@@ -61,20 +66,20 @@ class CubicCarrier(CurvesCarrier):
         self._well: poly.Poly = (K.zero,) * 3
         for b, c, pair in zip(self._poles, system.body.differences, self._pairs, strict=True):
             self._well = poly.add(K, self._well, poly.scale(K, 4 * b * c, pair))
-        self._signs = [1 if x > 0 else -1 for x in state.gamma]
-        u, rate, self._lambdas = self._separated(state)
-        one, two = self._lambdas
+        self.signs = [1 if x > 0 else -1 for x in state.gamma]
+        u, rate, self.lambdas = self._separated(state)
+        one, two = self.lambdas
         self.momentum = ((one - two) / (u[1] - u[0])) ** (K.one / 2)
         self.sizes = abs(one) + abs(two), abs(one * two)
-        self._curves = [self._curve(*row) for row in zip(u, rate, self._lambdas, strict=True)]
+        self.cubics = [self._curve(*row) for row in zip(u, rate, self.lambdas, strict=True)]
 
     @at_its_precision
     def turns(self, tau: Real) -> Any:
-        return abs(tau) / min(curve.period for curve in self._curves)
+        return abs(tau) / min(curve.period for curve in self.cubics)
 
     @at_its_precision
     def point(self, tau: Numbers) -> tuple[list[Any], list[Any]]:
-        return self._state(*(curve.moved(tau) for curve in self._curves))
+        return self._state(*(curve.moved(tau) for curve in self.cubics))
 
     def _separated(self, state: State) -> tuple[list[Any], list[Any], list[Any]]:
         """The ũ_k, their derivatives, and the λ_k."""
@@ -100,14 +105,14 @@ class CubicCarrier(CurvesCarrier):
 
     def _curve(self, u: Any, rate: Any, value: Any) -> _Cubic:
         K = self.system.field
-        if abs(value) <= 64 * K.eps * max(map(abs, self._lambdas)):
-            raise NotRepresentable(f"λ = {shown(self._lambdas)}: K vanishes, and one of the two curves degenerates")
+        if abs(value) <= 64 * K.eps * max(map(abs, self.lambdas)):
+            raise NotRepresentable(f"λ = {shown(self.lambdas)}: K vanishes, and one of the two curves degenerates")
         cubic = poly.sub(K, poly.scale(K, value, self._phi), self._well)
         return _Cubic(K, cubic, value, u, rate)
 
     def _state(self, first: Any, second: Any) -> tuple[list[Any], list[Any]]:
         """(γ, M) from (ũ, ũ') on both curves."""
-        K, one, two = self.system.field, *self._lambdas
+        K, one, two = self.system.field, *self.lambdas
         (u1, y1), (u2, y2) = first, second
         h2 = (one - two) / (u2 - u1)
         slope = (y2 - y1) / (u2 - u1)
@@ -116,7 +121,7 @@ class CubicCarrier(CurvesCarrier):
         gamma, w = [], []
         for i, (a, c) in enumerate(zip(self.system.a, self.system.body.differences, strict=True)):
             square = poly.evaluate(K, U, a) / (U[2] * c)
-            x = self._signs[i] * abs(square) ** (K.one / 2)
+            x = self.signs[i] * abs(square) ** (K.one / 2)
             gamma.append(x)
             w.append((V[0] + V[1] * a) / (2 * c * x))
         return gamma, list(cross(K, (w[0], w[1], w[2]), (gamma[0], gamma[1], gamma[2])))
@@ -129,24 +134,24 @@ class _Cubic:
     """
 
     def __init__(self, K: Any, q: poly.Poly, scale: Any, u: Any, rate: Any) -> None:
-        self._scale, self._shift = scale, q[2] / 12
-        g2 = 12 * self._shift * self._shift - scale * q[1]
+        self.scale, self.shift = scale, q[2] / 12
+        g2 = 12 * self.shift * self.shift - scale * q[1]
         # at u = 0, where Z = shift: λ²q(0) = 4Z³ − g2Z − g3
-        g3 = (4 * self._shift * self._shift - g2) * self._shift - scale * scale * q[0]
-        e, z, slope = roots_of_cubic(K, g2, g3), scale * u + self._shift, scale * rate
+        g3 = (4 * self.shift * self.shift - g2) * self.shift - scale * scale * q[0]
+        e, z, slope = roots_of_cubic(K, g2, g3), scale * u + self.shift, scale * rate
         sizes = [root_of_rounded(K, z - x) for x in e]
         # next to a branch point Z' has the digits that Z − e_i lacks
         i = min(range(3), key=lambda n: sizes[n])
         others = sizes[i - 2] * sizes[i - 1]
         if others:
             sizes[i] = abs(slope) / (2 * others)
-        self._oval = SeparatedOval(K, e, lambda i, j: e[i] - e[j], sizes, 1 if slope >= 0 else -1)
-        self.period = self._oval.period
+        self.oval = SeparatedOval(K, e, lambda i, j: e[i] - e[j], sizes, 1 if slope >= 0 else -1)
+        self.period = self.oval.period
 
     def moved(self, t: Any) -> tuple[Any, Any]:
         """(u, u') after a time t from the start."""
-        r = self._oval.moved(t)
-        return (self._oval.height(r) - self._shift) / self._scale, 2 * r[0] * r[1] * r[2] / self._scale
+        r = self.oval.moved(t)
+        return (self.oval.height(r) - self.shift) / self.scale, 2 * r[0] * r[1] * r[2] / self.scale
 
 
 def roots_of_cubic(K: Any, g2: Real, g3: Any) -> list[Real]:

@@ -8,6 +8,7 @@ periods away, that carrier computes the states.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -50,9 +51,11 @@ MOST_SAMPLES = 1 << 14
 class Packed(NamedTuple):
     """The arguments of :func:`integrable.deformations.oval_loops.states` for a motion.
 
-    ``order`` is the order of the axes in them, ``rates`` are the turns of either phase per unit of τ.
+    ``states`` is that loop or ``pole_states``, ``order`` is the order of the axes in them, ``rates`` are the turns of
+    either phase per unit of τ.
     """
 
+    states: Any
     first: Track
     second: Track
     frame: Frame
@@ -63,8 +66,8 @@ class Packed(NamedTuple):
 class QuickStates:
     """The :class:`integrable.motion.trajectory.Way` of a motion over RR; ``rows`` is the Way of its carrier."""
 
-    def __init__(self, rows: RoundedRows) -> None:
-        self._rows, self.way = rows, rows.way
+    def __init__(self, rows: RoundedRows, pack: Callable[[Any], Packed]) -> None:
+        self._rows, self.way, self._pack = rows, rows.way, pack
         self._packed: tuple[Any, Packed | None] = (None, None)
         self._clock: tuple[Any, QuickClock | None] = (None, None)
 
@@ -126,10 +129,10 @@ class QuickStates:
         return None if rows is None else (rows, tau)
 
     def _compiled(self, carrier: Any) -> Packed | None:
-        """The result of :func:`packed` for a carrier, cached."""
+        """What the loops take for a carrier, cached."""
         if self._packed[0] is not carrier:
             try:
-                self._packed = carrier, packed(carrier)
+                self._packed = carrier, self._pack(carrier)
             except (ArgumentError, PrecisionLoss):
                 # numbers such as |M|² exceed the range of floats
                 self._packed = carrier, None
@@ -139,7 +142,7 @@ class QuickStates:
         """γ and M at phases since the start; None if H and K, or the row ``far`` compared with ``truth``, are off."""
         count = len(phases) // 2
         out, rest, room = np.empty(6 * count), np.empty(6 * count), np.empty((6 * count, 2))
-        lost = LIBRARY.states(packed.first, packed.second, packed.frame, phases, (out, rest, room))
+        lost = packed.states(packed.first, packed.second, packed.frame, phases, (out, rest, room))
         if not lost <= MOST_LOST:
             return None
         places = np.argsort(packed.order)
@@ -221,9 +224,9 @@ def samples(carrier: Any, packed: Packed, sizes: tuple[int, int], known: np.ndar
     return table.reshape(rows, columns, 2)
 
 
-def quick_way(rows: RoundedRows) -> RoundedRows | QuickStates:
-    """The method for states over the field of ``rows``."""
-    return QuickStates(rows) if rows.field == RR else rows
+def quick_way(rows: RoundedRows, pack: Callable[[Any], Packed]) -> RoundedRows | QuickStates:
+    """The method for states over the field of ``rows``; ``pack`` is :func:`packed` or :func:`packed_in_poles`."""
+    return QuickStates(rows, pack) if rows.field == RR else rows
 
 
 def packed(carrier: Any) -> Packed:
@@ -255,13 +258,30 @@ def packed(carrier: Any) -> Packed:
         (float(tilde.sizes[0]), float(tilde.sizes[1])),
     )
     rates = Column.of(speed / one.period), Column.of(speed / two.period)
-    return Packed(_track(one, tilde.mu[0]), _track(two, tilde.mu[1]), frame, order, rates)
+    one, two = (_track(curve, curve.e, mu) for curve, mu in zip(tilde.curves, tilde.mu, strict=True))
+    return Packed(LIBRARY.states, one, two, frame, order, rates)
 
 
-def _track(curve: Any, mu: Any) -> Track:
-    """The track of a curve, whose points are at Z = μz."""
+def packed_in_poles(carrier: Any) -> Packed:
+    """:func:`packed` for a motion in repelling poles."""
+    K, body, cubics = carrier.field, carrier.system.body, carrier.cubics
+    numbers = [*body.a, *carrier.system.potential.poles, *body.differences, *map(K.coerce, carrier.signs)]
+    numbers += [*carrier.lambdas, *carrier.system.integrals(carrier.start)[2:]]
+    frame = Frame(
+        double_double_row(numbers),
+        double_double_row([K.one] * 3),
+        False,
+        (float(carrier.sizes[0]), float(carrier.sizes[1])),
+    )
+    one, two = (_track(c.oval, [e - c.shift for e in c.oval.e], c.scale) for c in cubics)
+    first, second = (Column.of(1 / c.period) for c in cubics)
+    return Packed(LIBRARY.pole_states, one, two, frame, [0, 1, 2], (first, second))
+
+
+def _track(curve: Any, e: Sequence[Any], mu: Any) -> Track:
+    """The track of a curve whose branch points are at μz = ``e``."""
     numbers = [*curve.factors, curve.since / curve.period]
-    numbers += [curve.e[i] / mu for i in (curve.low, curve.middle, curve.high)]
+    numbers += [e[i] / mu for i in (curve.low, curve.middle, curve.high)]
     # rows of four coefficients
     table = curve.table[: 4 * terms_of(curve.nome)]
     return Track(double_double_row([*numbers, 1 / mu]), double_double_row(table), inverse_factorials())

@@ -13,9 +13,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, at_its_precision
-from integrable.deformations.equations import BY_THETA
 from integrable.deformations.oval import SeparatedOval, root_of_rounded
-from integrable.deformations.quick_states import quick_way
 from integrable.moving_point.losses import digits_of
 from integrable.phase.body import cross
 from integrable.phase.isometry import lift, roots
@@ -26,20 +24,9 @@ __all__ = ["IsometricFlow", "SeparatedFlow"]
 
 if TYPE_CHECKING:
     from integrable.deformations.ovals_clock import OvalsClock
-    from integrable.motion.trajectory import Way
 
 
-class _QuickFlow(DeformedFlow):
-    """A motion that is computed in floats by compiled theta functions."""
-
-    _costs = BY_THETA
-
-    @cached_property
-    def _any_time(self) -> Way:
-        return quick_way(self._curves)
-
-
-class SeparatedFlow(_QuickFlow):
+class SeparatedFlow(DeformedFlow):
     """The motion of a tilde pair without potential through a state; ``system.flow`` returns it.
 
     At d ≠ 0 a Fourier series on the torus gives physical times (:mod:`integrable.deformations.ovals_clock`).
@@ -70,7 +57,7 @@ class SeparatedFlow(_QuickFlow):
         return State((x1, x2, x3), (m1, m2, m3))
 
 
-class IsometricFlow(_QuickFlow):
+class IsometricFlow(DeformedFlow):
     """The motion of a check or hat pair: that of the tilde pair of A⁻¹ at another speed, lifted back."""
 
     def _moving(self, system: Any, state: State) -> CurvesCarrier:

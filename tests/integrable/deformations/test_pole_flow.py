@@ -9,10 +9,14 @@ import pytest
 
 from integrable import Check, Tilde
 from integrable.deformations.integrated import IntegratedMotion
+from integrable.deformations.oval import SeparatedOval
 from integrable.deformations.pole_flow import PoleFlow
+from integrable.deformations.quick_states import packed_in_poles
+from integrable.motion.precise import RoundedRows
 from integrable.phase.state import State
 from jacobian import GF, MP, RR
 from jacobian.errors import ArgumentError, NotRepresentable
+from tests.integrable.deformations import additions
 from tests.integrable.deformations.extrapolation import extrapolate
 
 START = (("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
@@ -154,3 +158,41 @@ def test_equal_moments_and_infinite_potentials_are_refused() -> None:
     at_pole = Tilde((1, 2, 4), potential=(0, 0, 2, 4, 6))
     with pytest.raises(NotRepresentable, match="infinite"):
         at_pole.flow(at_pole.state((1, 0, 0), (0, 1, 1)))
+
+
+TAU = np.array([0, -0.37, 1e-9, 3.25, -41.5, 1234.5678, 9e4])
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e5])
+@pytest.mark.parametrize("inertia", [(1, 2, 4), (4, 1, 2), (0.3, 7, 2.5)])
+def test_compiled_states_are_those_of_additions_in_many_digits(size, inertia, monkeypatch) -> None:
+    start = START[0], [str(size * float(m)) for m in START[1]]
+    system, state = case([size**2 * b for b in (0.3, 0.4, 0.5)], RR, inertia, start)
+    flow = system.flow(state)
+    with monkeypatch.context() as changed:
+        changed.setattr(SeparatedOval, "moved", additions.moved)
+        readable = flow._curves.at_tau(TAU / size)
+
+    def unwanted(*_):
+        raise AssertionError("the compiled loops have been given up")
+
+    monkeypatch.setattr(RoundedRows, "at_tau", unwanted)
+    found = flow.at_tau(TAU / size)
+    for rows, true in ((found.gamma, readable[:, :3]), (found.M, readable[:, 3:])):
+        assert np.abs(rows - true).max() <= 2.3e-16 * np.abs(true).max()
+
+
+@pytest.mark.parametrize(("place", "factor"), [(0, 1 + 1e-15), (4, 1 + 1e-15), (9, -1.0), (12, 1 + 1e-15), (14, 1.1)])
+def test_numbers_that_are_off_go_the_readable_way(place, factor, monkeypatch) -> None:
+    """A moment, a pole, a sign, λ1 and H of the compiled loops."""
+    system, state = case((0.3, 0.4, 0.5), RR)
+    truth = system.flow(state)._curves.at_tau(TAU)
+
+    def changed(carrier):
+        found = packed_in_poles(carrier)
+        found.frame.numbers[place] *= factor
+        return found
+
+    monkeypatch.setattr(PoleFlow, "_pack", staticmethod(changed))
+    found = system.flow(state).at_tau(TAU)
+    assert np.array_equal(np.hstack([found.gamma, found.M]), truth)
