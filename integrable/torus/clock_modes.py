@@ -185,12 +185,10 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tabl
             # most modes are far below; this test avoids their square roots
             if abs(x) + abs(y) <= small or size_of(x, y) <= small:
                 continue
-            turns = k * rates[0] + m * rates[1]
-            if turns == 0:
+            turns, size = k * rates[0] + m * rates[1], size_of(x, y)
+            if size * most >= MOST_SWING * abs(float(turns) * pace):
                 return k * columns + i, 0.0, 0.0
-            factor, size = 1 / (float(turns) * pace), size_of(x, y)
-            if size * abs(factor) * most > MOST_SWING:
-                return k * columns + i, 0.0, 0.0
+            factor = 1 / (float(turns) * pace)
             p, q, swing = y * factor, -x * factor, size * abs(factor)
             if size <= limits.noise * largest and swing <= limits.least:
                 continue
