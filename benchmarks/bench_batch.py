@@ -150,7 +150,7 @@ def _measured(
 
 
 def _on_arrays(action: Callable[[], Any], A: DivisorArray, processors: int, smoke: bool) -> dict[str, object]:
-    """For the operator: nanoseconds per row on one thread, the gain from all processors, and memory."""
+    """An operator's nanoseconds per row on one thread, its gain from all processors, its memory over its result's."""
     repeat = 3 if smoke else max(5, 4_000_000 // len(A))
     try:
         set_threads(1)

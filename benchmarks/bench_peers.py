@@ -88,7 +88,7 @@ def compiled(name: str) -> None:
 
 
 def grid(T: int) -> list[float]:
-    """The times."""
+    """OUTPUTS equally spaced times from 0 to T."""
     return [T * k / (OUTPUTS - 1) for k in range(OUTPUTS)]
 
 

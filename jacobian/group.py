@@ -64,7 +64,7 @@ class Jacobian(FiniteGroup[Element]):
             self._adopt(kernel(model, self._adopt))
 
     def _adopt(self, chosen: Kernel) -> None:
-        """Makes a kernel the one used here; the first one may name a better one later."""
+        """Adds with this kernel from now on. The first kernel calls this function again when it finds a better one."""
         for name, function in zip(("_sum_of", "_double", "_multiple"), chosen, strict=True):
             object.__setattr__(self, name, function)
 

@@ -97,7 +97,7 @@ class TodaLattice(MumfordSystem):
         return Form((N.zero, *poly.neg(N, poly.derivative(N, self._trace(N, state)))))
 
     def _vector_field(self, N: Any, state: Point) -> Point:
-        if N.exact:  # the q are exponentials
+        if N.exact:  # an exact state holds exp(q) in place of q
             links, rates = self._links(N, state), tuple(x * y for x, y in zip(state.q, state.p, strict=True))
         else:  # exponentials of differences rather than quotients
             q, rates = state.q, state.p

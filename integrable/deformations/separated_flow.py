@@ -45,7 +45,7 @@ class SeparatedFlow(DeformedFlow):
         while True:
             carrier: Any = many.carrier
             times = carrier.times_of(time_of)
-            # the extra digits are those of the number of periods
+            # None: digits were added, as many as the number of periods has
             if many.enough(max(map(abs, times))) is None:
                 continue
             moved = carrier.moved(times)

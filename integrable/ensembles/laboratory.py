@@ -35,7 +35,8 @@ if TYPE_CHECKING:
 
 __all__ = ["LaboratoryEnsemble", "LaboratoryRuns", "laboratory_ensemble"]
 
-# near a rotation about an axis, where ω is constant
+# least ratio of the second largest to the largest component of ω for a quick computation: below it the motion is nearly
+# a rotation about an axis, with constant ω
 ASIDE = 1e-8
 # an orientation and ω
 COLUMNS = 12
@@ -310,7 +311,7 @@ class LaboratoryRuns(Runs, Exported):
         return Frame(dims, coordinates, variables, said)
 
     def _value(self) -> tuple[Real, ...]:
-        # without the NaN of refused members, which equal nothing
+        # refused members hold NaN, which differs even from itself: they are left out
         kept = self.status == 0
         arrays = self._times, self.matrices[kept], self.omega_body[kept], self.status
         return self.ensemble, self.reasons, *(part for x in arrays for part in (x.shape, tuple(x.ravel().tolist())))

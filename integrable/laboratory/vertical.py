@@ -51,7 +51,10 @@ class Vertical(Along):
         return self._after(counts, half, inside, *(np.frompyfunc(f, 1, 1) for f in (context.sin, context.cos)))
 
     def _after(self, counts: Any, half: Any, inside: Any, sin: Any, cos: Any) -> Any:
-        """x(nT + s), computed from x(s) = ``inside``, n = ``counts`` and nΔ/2 = ``half``."""
+        """The path x(nT + s): each of n = ``counts`` periods T turns it by an angle Δ.
+
+        ``inside`` is x(s), ``half`` is nΔ/2.
+        """
         step = np.array([self._half_turn])
         s, c = sin(step)[0], cos(step)[0]
         ends = self._path(np.array([-self._half_period, self._half_period]))

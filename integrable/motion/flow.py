@@ -1,9 +1,9 @@
 """The exact flow: time is addition on the Jacobian.
 
 D(τ + δ) = D(τ) + T(δ), with T(δ) independent of the state (Abel quadratures; Tsiganov 2017, section 3). On a compact
-torus any τ and any physical time t = ∫dτ/g is two additions away from a table (:mod:`integrable.torus.access`); for few
-turns short runs need no torus (:mod:`integrable.motion.short`). Motions beyond floats or the torus, and multiprecision,
-are computed with as many digits as needed (:mod:`integrable.motion.precise`).
+torus any τ and any physical time t = ∫dτ/g is two additions away from a table (:mod:`integrable.torus.access`). A few
+turns are computed as a short run, without a torus (:mod:`integrable.motion.short`). Where floats or the torus do not
+suffice, and in multiprecision, a motion gets as many digits as it needs (:mod:`integrable.motion.precise`).
 """
 
 from __future__ import annotations

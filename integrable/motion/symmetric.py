@@ -293,7 +293,7 @@ def complete_over(K: Any, modulus: Any, p: Any) -> Any:
 
 
 def half_turns(N: Any, rest: Any) -> tuple[Any, Any]:
-    """(half turns, the rest in [−½, ½] of one) of parts of a turn."""
+    """(n, r) for angles ``rest``, in turns, of n + r half turns: n is whole, r in [−½, ½]."""
     half = N.nearest(2 * rest)
     return half, 2 * rest - half
 

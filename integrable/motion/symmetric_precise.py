@@ -80,7 +80,7 @@ class PreciseClosedForm:
         return tuple(np.frompyfunc(partial(reals.element, field), 1, 1)(values) for values in found)
 
     def _digits(self, times: np.ndarray, of_flow: bool) -> int:
-        """Digits that suffice at the farthest time: two computations of it agree."""
+        """Digits with which the state at the farthest time agrees with a computation in more digits."""
         own = int(self._field.dps)
         rough, context = self._form(own + GUARD), MP(own + GUARD).context
         farthest = np.array([max(times, key=abs)] if len(times) else [], dtype=object)

@@ -166,7 +166,7 @@ class BodySystem(MumfordSystem):
         The c_i are close together for a light ball, and one is close to 0 for a long body. Returns 0 if two of them
         coincide in the numbers of N.
         """
-        # the curve has a branch point where l vanishes
+        # 0 joins the c_i, because the curve also has a branch point where l(x) = 0
         weights = [N.zero, *sorted(self._weights(N))]
         gap = min(y - x for x, y in pairwise(weights)) / weights[-1]
         return max(0, ceil(-DIGITS_A_GAP * float(N.context.log10(gap))) - SPARE) if gap else 0

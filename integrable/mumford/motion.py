@@ -116,7 +116,7 @@ class Placed:
         PrecisionLoss if the pair is so close to rest that more bits are needed to decide this, or to follow it.
         """
         K, moved = self.field, self._moved
-        # eps = 0 for balls, which decide it exactly
+        # balls have eps = 0, and their comparison with 0 is a proof
         if K.eps == 0:
             return moved <= 0
         still = moved <= STILL * K.eps

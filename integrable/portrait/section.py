@@ -92,7 +92,8 @@ def section(flow: Any, count: int, axis: str) -> Section:
     sums = 2 * (one * ovals.A0 + two * ovals.B0), 2 * (one * ovals.A1 + two * ovals.B1)
     own, other = ((ovals.A0, ovals.A1), (ovals.B0, ovals.B1)) if first else ((ovals.B0, ovals.B1), (ovals.A0, ovals.A1))
     series = OvalSeries(level, 1 if first else 0)
-    # the first crossings are those of τ > 0: some n before are tried too; on the second oval n decreases
+    # n counts the crossings, downwards on the second oval. Only their τ tells which is the first with τ > 0, so a few
+    # before it are computed too
     sign = 1 if first else -1
     steps = np.array([sign * n for n in range(-3, count + 4)], dtype=object)
     rest = [sums[1] - 2 * n * own[1] for n in steps]

@@ -12,7 +12,7 @@ import numpy as np
 from integrable.series.room import Orders
 from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Tape
 
-# for a step of Neumann's point on S², in units of a product: its time apart from products, and all of its time
+# run time of a step of Neumann's point on S², in run times of a product: the part without products, and the whole
 FIXED, STANDARD = 3, 13
 # microseconds of that step: per order, per square of the order, and more per order in double-doubles
 PER_ORDER, PER_SQUARE, PER_WIDE_ORDER = 5e-3, 0.25e-3, 28e-3

@@ -64,7 +64,7 @@ class Corners:
 
     def __init__(self, setup: Source, loops: Any, most: int) -> None:
         self.setup, self.loops, self._most = setup, loops, most
-        # the motion in an abscissa of its own
+        # numbers of the motion, in units of length and time of its own
         self.units, motion, self.curve, self._start, self._problem = beginning(setup, loops)
         self._motion = motion
         self.lattice = lattice = TorusLattice(loops, motion)

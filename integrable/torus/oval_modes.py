@@ -75,7 +75,8 @@ def modes_of_rate(
     with balls:
         # computed first, because it raises if digits are lost
         whole = OvalTorus(setup, balls, max(digits, mean_digits), direction)
-        # far from 0, t is nearly its mean rate times τ, which needs ``mean_digits``; phases need only as many as modes
+        # far from 0, t is nearly its mean rate times τ: this rate needs ``mean_digits``. Phases need ``digits`` only,
+        # as the modes do
         torus = whole if mean_digits <= digits else OvalTorus(setup, balls, digits, direction)
         few = min(SCOUT_DIGITS, digits)
         scout = OvalTorus(setup, balls, min(few + HELD, digits), direction)

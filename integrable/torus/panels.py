@@ -23,8 +23,8 @@ NOISE = 1e-13
 # number of panels that are tried to find a length for the whole stretch, and the largest number of halvings
 PROBES = 8
 MOST_HALVINGS = 12
-# equal coefficients below this fraction of a column are rounding, which halving does not reduce; number of them that
-# shows it
+# last coefficients that do not decrease, and are below this fraction of a column, are rounding, which halving does not
+# reduce; number of halvings in a row without progress after which this is certain
 ROUGH, MOST_IN_VAIN = 1e-8, 4
 # coefficients of a panel below this part of its largest count as zero in the search for zeros
 LEVEL = 1e-14

@@ -171,8 +171,10 @@ def cells(s1: float, t1: float, s2: float, t2: float) -> tuple[int, int]:
 def survey(
     motion: Row, near: float, points: Row, out: Row
 ) -> tuple[float, float, float, float, int, int, int, int, int, int]:
-    """:func:`best_chart` of a motion, and into ``out`` the basis Λ₁, Λ₂ (four numbers), its frequencies ν₁, ν₂, then
-    s₁ of Λ₁ and Λ₂ and s₂ of both, over the reaches, and :func:`mean_slowness`.
+    """Returns :func:`best_chart` of a motion, and fills ``out``.
+
+    ``out`` gets the basis Λ₁, Λ₂ (four numbers) and its frequencies ν₁, ν₂. Then follow s₁ of Λ₁ and Λ₂ over the first
+    reach, s₂ of Λ₁ and Λ₂ over the second, and :func:`mean_slowness`.
 
     ``motion`` holds the ends of both ovals, α1, α2, α3, ζ, d, π, r and the origin x₀: all abscissae are less by x₀, the
     last factor of f is r − dx with r = 1 − dx₀. ``points`` is room for floats, as many as there are branch points (four

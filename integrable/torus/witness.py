@@ -88,7 +88,7 @@ def left_open(paces: list[float], departs: Callable[[np.ndarray], float]) -> np.
 def confirmed(setup: Source, tau: np.ndarray, found: np.ndarray, by_additions: np.ndarray) -> bool:
     """Whether the states of a torus at the times ``tau``, shape (N, 6), agree with translations in many digits.
 
-    They are used where those of :func:`departure` do not suffice; other times are not checked again.
+    Only times at which the states differ from ``by_additions``, those of :func:`departure`, are checked here.
     """
     rows = [
         (t, x.tolist()) for t, x, y in zip(tau.tolist(), found, by_additions, strict=True) if not states_agree(x, y)

@@ -142,7 +142,7 @@ def _unitary() -> dict[str, list[Part]]:
         found[f"D{n},1"] = parts(_rotations(f"C{half}") + [pi / 2] * half, odd + [pi / 2] * half)
     for n in (3, 4, 6):
         found[f"D{n},2"] = parts(_rotations(f"C{n}"), [pi / 2] * n)
-    # of the rotations of the octahedron those of the tetrahedron come without J
+    # the rotations of the tetrahedron come without J; the other twelve of the octahedron, by π or π/2, come with J
     found["O,1"] = parts(_rotations("T"), [pi / 2] * 6 + [pi / 4] * 6)
     return found
 

@@ -65,11 +65,11 @@ class DivisorArray(Immutable, Generic[Element]):
     ints over a longer GF(p)). ``degree`` (N,) is deg u. ``status`` (N,) is 0 for a row that holds a class; over an
     exact field every row does.
 
-    Over these fields the arithmetic is compiled, and large arrays are spread over the processors
+    The arithmetic of arrays of ints and floats is compiled, and large arrays are spread over the processors
     (:func:`jacobian.batch.set_threads`). Genus 2 has explicit formulas with one inversion for 256 rows, also for p of
-    two words (p < 2^128) and GF(2^n), n < 128. So has genus 3 for f of degree 7 over GF(p), p < 2^128; other curves use
-    Cantor's algorithm. RR and CC in genus 2 use the composition of :mod:`jacobian.inexact.composition`, unrolled. Over
-    other fields the Jacobian adds row by row.
+    two words (p < 2^128) and GF(2^n), n < 128. Genus 3 has them for f of degree 7 over GF(p), p < 2^128. Other curves
+    use Cantor's algorithm. RR and CC in genus 2 use the composition of :mod:`jacobian.inexact.composition`, unrolled.
+    Over other fields the Jacobian adds row by row.
     """
 
     __slots__ = ("_engine", "_rows", "jacobian")

@@ -23,7 +23,8 @@ Triple = tuple[tuple[Number, ...], tuple[Number, ...], "int | None"]
 
 __all__ = ["Sum", "add", "compose"]
 
-# bits by which f may vary, at the points and in its leading coefficient, for the field's own digits to be tried
+# the field's own digits are tried if f at the smallest point and its leading coefficient are at least 2^−SPREAD, in
+# units of the largest point
 SPREAD = 24
 # the largest remainders, in units of the last digit
 REMAINDER = 64
@@ -70,8 +71,9 @@ def _balanced(curve: Any, first: Triple, second: Triple) -> Triple:
 
 
 def _split(curve: Any, *summands: Triple) -> Triple:
-    """The reduced triple of the sum of one or two pairs on a split model of odd genus, by steps at infinity, in more
-    digits.
+    """The reduced triple of a class, or of the sum of two, on a split model of odd genus.
+
+    It takes steps at infinity, in more digits than the field's.
     """
     K, g = curve.field, curve.genus
     lean = sum(lean_of(g, len(u) - 1, n) for u, _, n in summands if n is not None)

@@ -123,8 +123,8 @@ def slope(a: Four, b: Four, r: Four) -> tuple[Number, Number, Number]:
     r0, r1, r2, r3 = r0 - dot_r * h, r1 - dot_r * a1, r2 - dot_r * a2, r3 - dot_r * a3
     rest = square(b1) + square(b2) + square(b3)
     overlap = b1.conjugate() * r1 + b2.conjugate() * r2 + b3.conjugate() * r3
-    # the unknowns are overlap/rest and (r0 − b0·overlap/rest)/(−norm); homogeneous, so that opposite points only send q
-    # to 0
+    # the unknowns are overlap/rest and (r0 − b0·overlap/rest)/(−norm). They are returned times q = rest·norm, so that
+    # nothing is divided by q, which is 0 for opposite points
     if size + sqrt(rest) / 16 == size:
         # opposite points, to rounding: the null vector of the triangle
         rest, overlap = 0 * rest, 1 + 0 * overlap

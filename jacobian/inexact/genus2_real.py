@@ -112,8 +112,8 @@ def slope(a: Four, b: Four, r: Four) -> tuple[Real, Real, Real]:
     r3 -= dot_r * a3
     size = b1 * b1 + b2 * b2 + b3 * b3
     overlap = b1 * r1 + b2 * r2 + b3 * r3
-    # the unknowns are overlap/size and (r0 − b0·overlap/size)/(−norm); homogeneous, so that opposite points only send q
-    # to 0
+    # the unknowns are overlap/size and (r0 − b0·overlap/size)/(−norm). They are returned times q = size·norm, so that
+    # nothing is divided by q, which is 0 for opposite points
     if negligible(root(size) / 16, norm):
         # opposite points, to rounding: the null vector of the triangle
         size, overlap = 0 * size, 1 + 0 * size

@@ -120,7 +120,7 @@ def made(body: Any, kind: Any, parts: list[str]) -> str:
 
 
 def method(body: Any, name: str, instance: Any, head: list[str], given: Objects) -> str:
-    """The LLVM text of an entry; ``body`` has loaded the scalars of the leading arguments, ``head``."""
+    """The LLVM text of an entry. ``head`` are the scalars of its first arguments, which ``body`` has already loaded."""
     values, place = list(head), 0
     for kind in given.kinds:
         if isinstance(kind, Scratch):

@@ -152,8 +152,9 @@ class TupleKind:
 
 
 def form_of(kind: Any) -> tuple[Any, ...]:
-    """(kind, dtype, axes, forms), which every call inspects, computed once: dtype and number of axes of an array, forms
-    of a tuple's items. They are None, 0 and None for other kinds.
+    """(kind, dtype, axes, forms): what every call inspects of a kind, computed once.
+
+    An array has a dtype and a number of axes, a tuple the forms of its items. What a kind lacks is None, 0 or None.
     """
     if isinstance(kind, ArrayKind):
         return kind, kind.dtype, kind.axes, None

@@ -62,8 +62,8 @@ class AbelBalls(Immutable):
     def __call__(self, D: Divisor) -> tuple[Any, ...]:
         """The image of a divisor class of ``curve``: g balls, reduced modulo periods to coordinates in [−½, ½].
 
-        Over RR, CC and MP the image of the exact divisor whose x are the roots of u, each on the sheet that v is nearer
-        to; PrecisionLoss where u has nearly equal roots there.
+        Over RR, CC and MP, where u and v are rounded, it is the image of an exact divisor. The x of its points are the
+        roots of u, and each point is on the sheet nearer to v. PrecisionLoss where u has nearly equal roots.
         """
         D = self._images[0].check_divisor(D)
 
@@ -122,7 +122,7 @@ class AbelBalls(Immutable):
 
 
 class _Image(AbelImage):
-    """The map at one precision, inside that of its numbers."""
+    """The map at one precision. It is evaluated while the precision of its numbers is in force."""
 
     def __init__(self, curve: HyperellipticCurve, periods: PeriodMatrix) -> None:
         self.periods, self.given, self.curve = periods, curve, curve

@@ -175,7 +175,7 @@ def semi_axis(u: Any) -> Any:
 
 @lru_cache(maxsize=16)
 def ball_numbers(bits: int) -> BallNumbers:
-    """The BallNumbers of a precision, the same object for the same one: its nodes and weights are made once."""
+    """The BallNumbers of a precision. Calls share one object, so that its nodes and weights are made once."""
     return BallNumbers(bits)
 
 

@@ -104,8 +104,9 @@ class Numbers:
         return path_sums(self, self.nodes(n), self.fejer(n), ratios, forms)
 
     def node_count(self, digits_per_node: float, most: int = MOST_NODES) -> int:
-        """The number of nodes, an even number of a sparse sequence, for that many digits per node; Infeasible beyond
-        ``most``.
+        """The number of nodes that suffice if each brings ``digits_per_node``; Infeasible if it exceeds ``most``.
+
+        It is rounded up to one of few even numbers, so that rules are shared.
         """
         needed = (self.digits + 3) / digits_per_node if digits_per_node > 0 else math.inf
         if needed > most:

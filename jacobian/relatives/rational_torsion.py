@@ -195,7 +195,7 @@ def _root(u: poly.Poly, value: poly.Poly) -> poly.Poly | None:
     """A square root of a value in QQ[x]/u, deg u = 2, by its norm and its trace."""
     t, s = (list(value) + [QQ.zero] * 2)[:2]
     c, b, _ = u
-    # of t + sx: the norm and the trace
+    # the norm and the trace of t + sx
     norm, trace = t * t - b * s * t + c * s * s, 2 * t - b * s
     for sign in (1, -1):
         try:
