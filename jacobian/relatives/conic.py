@@ -13,7 +13,7 @@ with modulus π*(x₀), and leaves the class in the Jacobian unchanged. Hence st
 
     y₀ ∘ y₁ = (f(x₀) + y₀y₁)/(y₀ + y₁ + h(x₀)),
 
-y₀ = ∞ being the identity, −y₀ − h(x₀) the inverse and, for h = 0, y₀ = 0 the element of order two.
+The identity is y₀ = ∞, the inverse of y₀ is −y₀ − h(x₀), and for h = 0 the element of order two is y₀ = 0.
 """
 
 from __future__ import annotations
@@ -81,9 +81,9 @@ class Representative(Immutable):
     # --- the pencil
 
     def member(self, c: Any) -> Representative:
-        """The member of the pencil with P = V + cU; ``c`` = None is this one.
+        """The member of the pencil with P = V + cU; for ``c`` = None the pair itself.
 
-        NotRepresentable where it contains a point at infinity: c² + h_(g+1)·c = f_(2g+2).
+        NotRepresentable where the member contains a point at infinity: c² + h_(g+1)·c = f_(2g+2).
         """
         if c is None:
             return self
@@ -102,7 +102,7 @@ class Representative(Immutable):
         return result
 
     def members(self) -> Iterator[Representative]:
-        """The members of the pencil without points at infinity, this one first, over a finite field."""
+        """Yields the members of the pencil without points at infinity, first the pair itself, over a finite field."""
         K: Any = self.curve.field
         if K.order is None:
             raise FieldError(f"field = {K.name} is infinite: the pencil cannot be listed, use member(c)")
@@ -113,10 +113,10 @@ class Representative(Immutable):
                 yield self.member(c)
 
     def step(self, x0: Value | None, y0: Value) -> Representative:
-        """The step through the plane point (x0, y0), which is not on the curve; ``x0`` = None is x₀ = ∞.
+        """The pair after the step through the plane point (x0, y0), which is not on the curve; ``x0`` = None is x₀ = ∞.
 
         ``y0`` = None is the identity. ArgumentError for a point of the curve, NotRepresentable where the divisor has a
-        point over x₀, or the new one a point at infinity.
+        point over x₀, or the new divisor has a point at infinity.
         """
         K, fibre = self.curve.field, FibreGroup(self.curve, x0)
         if y0 is None:
@@ -133,7 +133,10 @@ class Representative(Immutable):
         return parameter(self.curve.field, (self.u, self.v), x0, y0)
 
     def translate(self, x0: Any, unit: Unit) -> Representative:
-        """The step that adds a class (a : b) of ``FibreGroup(curve, x0)``: at one x₀ steps compose as classes do."""
+        """The pair after the step that adds a class (a : b) of ``FibreGroup(curve, x0)``.
+
+        Two steps at one x₀ add the product of their classes.
+        """
         fibre = FibreGroup(self.curve, x0)
         return self.step(x0, fibre._height(fibre._checked(unit, "unit")))
 
@@ -152,7 +155,7 @@ class Representative(Immutable):
     # --- the classes
 
     def divisor(self) -> Divisor:
-        """The class in the Jacobian, the same for the whole pencil (exact fields): that of ``from_mumford(u, v)``."""
+        """The class ``from_mumford(u, v)`` in the Jacobian, the same for the whole pencil (exact fields)."""
         result: Divisor = self.curve.jacobian().from_mumford(self.u, self.v)
         return result
 
@@ -162,7 +165,7 @@ class Representative(Immutable):
 
 
 def parameter(K: Field, pair: tuple[poly.Poly, poly.Poly], x0: Any, y0: Any) -> Any:
-    """The c of :meth:`Representative.member` with P(x0) = y0 for the pair (u, v); c = y0 for ``x0`` = None, x₀ = ∞.
+    """The parameter c with P(x0) = y0, P = v + cu (:meth:`Representative.member`); c = y0 for ``x0`` = None, x₀ = ∞.
 
     NotRepresentable where u vanishes at x0.
     """
@@ -183,7 +186,7 @@ def representative(D: Divisor, point: Given) -> Representative:
     """The member of degree g+1 of the pencil of the class D that contains an affine point Q, over an exact field.
 
     It is the sum of Q and the reduced divisor of D − Q, and its :meth:`Representative.divisor` is D. NotRepresentable
-    where that divisor has weight below g or contains the opposite of Q; almost every other point will do.
+    where the divisor of D − Q has weight below g or contains the opposite of Q. For almost every Q neither is the case.
     """
     J = check_divisor(D, "D").jacobian
     C, K = J.curve, J.field
@@ -193,7 +196,7 @@ def representative(D: Divisor, point: Given) -> Representative:
     rest = D - (J(point, INFINITY_MINUS) if C.model == "split" else J(point))
     if rest.degree < C.genus:
         raise NotRepresentable(f"point = {shown(point)}: the member through it has a point at infinity, choose another")
-    # interpolation: v takes the value of Q in addition to those of the rest, or is tangent to the curve there
+    # y = v passes through Q and the points of the rest, and is tangent to the curve at a point that occurs twice
     u, v, _ = cantor.compose(C, (rest.u, rest.v, None), ((K.neg(point.x), K.one), poly.trim(K, (point.y,)), None))
     if len(u) != C.genus + 2:
         raise NotRepresentable(

@@ -26,8 +26,9 @@ QUADRATIC = [tuple(chosen.count(i) for i in range(4)) for chosen in combinations
 
 
 def bad_part(surface: KummerSurface) -> int:
-    """|2⁴ disc(f)|, f as a binary sextic: the common divisor of δ(x) for primitive x divides it (Stoll 1999, theorem
-    6.1).
+    """|2⁴ disc(f)|, f as a binary sextic. For primitive x it is a multiple of the common divisor of the four δ_i(x).
+
+    Source: Stoll (1999), theorem 6.1.
     """
     from flint import fmpz_poly
 
@@ -37,9 +38,9 @@ def bad_part(surface: KummerSurface) -> int:
 
 @lru_cache(maxsize=32)
 def real_bounds(surface: KummerSurface) -> tuple[float, float]:
-    """low and high with low ≤ log |δ(x)| − 4 log |x| ≤ high at real points of the surface, |x| being the largest |x_i|.
+    """(low, high) with low ≤ log |δ(x)| − 4 log |x| ≤ high at real points of the surface, |x| being the largest |x_i|.
 
-    PrecisionLoss where the roots of f do not determine them.
+    PrecisionLoss where the enclosures of the roots of f are too wide for finite bounds.
     """
     bits = FIRST_BITS
     for _ in range(TRIALS):
@@ -57,7 +58,7 @@ def real_bounds(surface: KummerSurface) -> tuple[float, float]:
 
 
 def _largest_square(surface: KummerSurface, numbers: BallNumbers) -> Any:
-    """A with max x_i² ≤ A·√max |δ_j(x)|."""
+    """A constant A with max x_i² ≤ A·√(max |δ_j(x)|) at all real points x of the surface."""
     acb_mat = numbers.flint.acb_mat
     forms = list(tropes(surface, numbers))
     matrix = acb_mat([[y.get(m, 0) for m in QUADRATIC] for _, y in forms]).inv()
@@ -70,7 +71,7 @@ def _largest_square(surface: KummerSurface, numbers: BallNumbers) -> Any:
 
 
 def tropes(surface: KummerSurface, numbers: BallNumbers) -> Iterator[tuple[Vector, Form]]:
-    """The ten pairs (ℓ, y): ℓ₁ … ℓ₄ with ℓ₄ = 1, and the quadratic form y with ℓ(δ(x)) = y(x)² on the surface."""
+    """Yields ten pairs (ℓ, y) with ℓ(δ(x)) = y(x)² on the surface: the coefficients of ℓ, ℓ₄ = 1, and the form y."""
     from flint import fmpq_poly
 
     roots: Vector = ball_roots(numbers, fmpq_poly(list(surface.f)), fmpq_poly([]))
@@ -86,7 +87,7 @@ def tropes(surface: KummerSurface, numbers: BallNumbers) -> Iterator[tuple[Vecto
 
 
 def _cubic(numbers: BallNumbers, lead: int, roots: Vector) -> Vector:
-    """The coefficients of lead·Π(x − e), None standing for ∞."""
+    """The four coefficients, ascending, of lead·Π(x − e) over the finite roots e; None stands for the root ∞."""
     found = [numbers.convert(lead)]
     for e in roots:
         if e is not None:
@@ -95,7 +96,7 @@ def _cubic(numbers: BallNumbers, lead: int, roots: Vector) -> Vector:
 
 
 def _root_on_surface(surface: KummerSurface, linear: Vector, numbers: BallNumbers) -> Form:
-    """y with y² = Σ ℓ_j δ_j + c·(Rξ₄² + Sξ₄ + T), the last being the equation of the surface."""
+    """The quadratic form y with y² = Σ ℓ_j δ_j + c·(Rξ₄² + Sξ₄ + T); Rξ₄² + Sξ₄ + T = 0 is the surface's equation."""
     total: Form = {}
     for factor, form in zip(linear, surface.delta, strict=True):
         total = _plus(total, form, factor)
@@ -119,7 +120,7 @@ def _root_on_surface(surface: KummerSurface, linear: Vector, numbers: BallNumber
 
 
 def _part(form: Form, power: int, factor: float = 1) -> Form:
-    """The coefficient of ξ₄^power."""
+    """The coefficient of ξ₄^power, a form in ξ₁, ξ₂, ξ₃, times a factor."""
     return {m[:3]: c * factor for m, c in form.items() if m[3] == power}
 
 

@@ -2,17 +2,17 @@
 
 A pair (U, V) on y² = f(x) carries any of these, each a group extension:
 
-* at a root e of f the *lift* (κ, σ, ν), κσ² = U(e), κσν = V(e), κν² = −W(e), W = (f − V²)/U: the sign of √U(e), and
-  with ν the remaining data where U(e) = 0. (κ, σ, ν) and (κ/c², cσ, cν) are the same;
-* at any other point (x₀, y₀) the pair (κ, σ, σ̄), κσσ̄ = Π(x_i − x₀), up to (κ/c², cσ, cσ̄): the generalized
-  Jacobian with modulus (x₀, y₀) + (x₀, −y₀) (Rosenlicht 1954);
+* at a root e of f the *lift* (κ, σ, ν), κσ² = U(e), κσν = V(e), κν² = −W(e), W = (f − V²)/U. It holds the sign of
+  √U(e), and in ν its sign where U(e) = 0. (κ, σ, ν) and (κ/c², cσ, cν) are the same lift;
+* at any other point (x₀, y₀) the triple (κ, σ, σ̄), κσσ̄ = Π(x_i − x₀), the same as (κ/c², cσ, cσ̄). Its group is the
+  generalized Jacobian with modulus (x₀, y₀) + (x₀, −y₀) (Rosenlicht 1954);
 * on a model of odd degree the second-kind datum Ω = Σ∫x^g dx/y, with its pole at ∞;
 * on a model of even degree with leading coefficient r² the third-kind datum Z = exp(rΣ∫x^g dx/y), modulus ∞₊ + ∞₋.
 
-A composition adds or multiplies them. A reduction step, f − V² = κ·U·U', V' = −V mod U', changes them according to the
-function y − V. These two operations suffice for every degree and genus, and no root is taken. Over inexact fields
-degrees are those of summands in general position; the caller compares two precisions. The sign-resolved group of
-:mod:`jacobian.relatives.signed` is the case of genus 2 with lifts; it also has its steps at infinity.
+A composition adds or multiplies these data. A reduction step, f − V² = κ·U·U', V' = −V mod U', changes them according
+to the function y − V. These two operations suffice for every degree and genus, and no root is taken. Over inexact
+fields the degrees are assumed to be those of summands in general position, and the caller compares two precisions. The
+sign-resolved group of :mod:`jacobian.relatives.signed` is the case of genus 2 with lifts; it has steps at infinity too.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from jacobian.linear import pivoted
 
 
 class Extended(NamedTuple):
-    """A Mumford pair and its data, one for each kind of its group."""
+    """A Mumford pair (u, v) and ``data``, one datum for each of the group's kinds."""
 
     u: poly.Poly
     v: poly.Poly
@@ -37,7 +37,11 @@ class Extended(NamedTuple):
 
 
 class Composition(NamedTuple):
-    """(u, v) of a sum; ``common`` are the points that cancelled with their opposites, ``quotients`` the (v − vᵢ)/uᵢ."""
+    """The unreduced pair (u, v) of a sum of two pairs (uᵢ, vᵢ).
+
+    ``common``: the polynomial whose roots are the abscissas of the opposite points that cancelled; ``quotients``: the
+    two polynomials (v − vᵢ)/uᵢ.
+    """
 
     u: poly.Poly
     v: poly.Poly
@@ -46,9 +50,10 @@ class Composition(NamedTuple):
 
 
 class Reduction(NamedTuple):
-    """A step from (u, v) to (other, k·other − v); ``degree`` is that of v, ``lead`` its coefficient there.
+    """A step from the pair (u, v) to (other, k·other − v), where f − v² = −scale·u·other.
 
-    f − v² = −scale·u·other; ``high`` where v², not f, has its leading coefficient.
+    ``degree`` and ``lead``: the degree and the leading coefficient of v; ``high``: whether the leading term of f − v²
+    is that of −v², not that of f.
     """
 
     u: poly.Poly
@@ -62,7 +67,7 @@ class Reduction(NamedTuple):
 
 
 class Kind(Protocol):
-    """The rules for one datum; ``group`` has the field and the curve."""
+    """The rules by which one datum changes in zero, −D, a sum and a step; ``group`` has the field and the curve."""
 
     def zero(self, group: ExtendedGroup) -> Any: ...
 
@@ -124,7 +129,7 @@ class ExtendedGroup(Immutable):
         return total
 
     def compose(self, D: Extended, E: Extended) -> Extended:
-        """The unreduced pair of all points of D and E, without opposite ones."""
+        """The unreduced pair of all points of D and E except those that cancel with opposite points."""
         step = self._exact_composition(D, E) if self.field.exact else self._general_composition(D, E)
         data = tuple(kind.composed(self, step, x, y) for kind, x, y in zip(self.kinds, D.data, E.data, strict=True))
         return Extended(step.u, step.v, data)
@@ -139,7 +144,10 @@ class ExtendedGroup(Immutable):
         return Composition(u, v, common, (quotients[0], quotients[1]))
 
     def _general_composition(self, D: Extended, E: Extended) -> Composition:
-        """v = v₁ + u₁k, k·u₁ ≡ v₂ − v₁ mod u₂, or k·2v ≡ (f − v²)/u mod u for a double."""
+        """The composition of pairs in general position: v = v₁ + u₁k with k·u₁ ≡ v₂ − v₁ mod u₂.
+
+        Of a double k·2v ≡ (f − v²)/u mod u.
+        """
         K = self.field
         if len(D.u) == 1 or len(E.u) == 1:
             return Composition(poly.mul(K, D.u, E.u), D.v or E.v, (K.one,), (E.v, D.v))
@@ -153,7 +161,7 @@ class ExtendedGroup(Immutable):
         return Composition(poly.mul(K, D.u, E.u), v, (K.one,), (k, other))
 
     def _quotient_modulo(self, a: poly.Poly, b: poly.Poly, u: poly.Poly) -> poly.Poly:
-        """The k of degree below deg u with kb ≡ a modulo u."""
+        """The polynomial k of degree below deg u with kb ≡ a modulo u."""
         K, size = self.field, len(u) - 1
         column = self._padded(poly.mod(K, b, u), size)
         columns = [column]
@@ -219,7 +227,7 @@ class ExtendedGroup(Immutable):
         return poly.quotient(K, poly.sub(K, self.f, poly.mul(K, v, v)), u)
 
     def reduce(self, D: Extended) -> Extended:
-        """One step: the other zeros of y − v, on the opposite side; the class stays."""
+        """The pair after one reduction step: the opposites of the other zeros of y − v, in the same class."""
         K = self.field
         cofactor = self.cofactor(D.u, D.v)
         if not K.exact:
@@ -236,12 +244,12 @@ class ExtendedGroup(Immutable):
 
 
 class Lift(NamedTuple):
-    """(κ, σ, ν) at a branch point e."""
+    """The kind of datum (κ, σ, ν) at a branch point e."""
 
     e: Any
 
     def of(self, group: ExtendedGroup, u: poly.Poly, v: poly.Poly, sigma: Any = None) -> Any:
-        """The datum of a pair with κ = U(e), σ = 1; with κ = U(e)/σ² where σ is given. U(e) must not vanish."""
+        """The datum of the pair (u, v) with κ = u(e) and σ = 1, or with the given σ and κ = u(e)/σ². u(e) ≠ 0."""
         K = group.field
         value = poly.evaluate(K, u, self.e)
         sigma = K.one if sigma is None else sigma
@@ -257,7 +265,7 @@ class Lift(NamedTuple):
         return group.field.one, group.field.one, group.field.zero
 
     def negated(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any:
-        # κ → 1/κ, with the datum divided by κ, so that D − E + E has the κ of D
+        # (1/κ, κσ, −κν) is the same lift as (κ, σ, −ν); with 1/κ the sum D − E + E has the κ of D
         K, (kappa, sigma, nu) = group.field, datum
         return K.inv(kappa), K.mul(kappa, sigma), K.neg(K.mul(kappa, nu))
 
@@ -283,7 +291,7 @@ class Lift(NamedTuple):
         return kappa, sigma, K.div(top, bottom)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
-        """(σ, ν) → (ν, −cσ + k(e)ν) with κ → κ/c, −c the leading coefficient of (f − V²)/U over the other's."""
+        """(κ/c, ν, −cσ + k(e)ν), where −c is the leading coefficient of (f − V²)/U."""
         K, (kappa, sigma, nu) = group.field, datum
         k = poly.evaluate(K, step.k, self.e)
         if step.high:
@@ -295,7 +303,10 @@ class Lift(NamedTuple):
 
 
 class PointLift(NamedTuple):
-    """(κ, σ, σ̄) at a point (x, y) of the curve: not a branch point, and not a point of an added divisor."""
+    """The kind of datum (κ, σ, σ̄) at a point (x, y) of the curve.
+
+    The point must not be a branch point, nor a point of an added divisor.
+    """
 
     x: Any
     y: Any
@@ -318,7 +329,7 @@ class PointLift(NamedTuple):
         K = group.field
         kappa, sigma, bar = map(K.mul, first, second)
         if len(step.common) > 1:
-            # each of the two loses the factor of the point and of its opposite
+            # the cancelled points and their opposites are factors of both σ and σ̄
             scale = poly.evaluate(K, step.common, self.x)
             sigma, bar = K.div(sigma, scale), K.div(bar, scale)
         return kappa, sigma, bar
@@ -337,7 +348,7 @@ class PointLift(NamedTuple):
 
 
 class SecondKind(NamedTuple):
-    """Ω = Σ∫x^g dx/y on a model of odd degree."""
+    """The kind of datum Ω = Σ∫x^g dx/y on a model of odd degree."""
 
     def zero(self, group: ExtendedGroup) -> Any:
         return group.field.zero
@@ -349,7 +360,7 @@ class SecondKind(NamedTuple):
         return group.field.add(first, second)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
-        """Ω − 2/lead(V) where deg V = g + 1, Ω − 2v_g/ℓ where it is less, Ω where it is more."""
+        """Ω − 2/lead(V) for deg V = g + 1, Ω − 2v_g/lead(f) for a lower degree, Ω for a higher one."""
         K, g = group.field, group.genus
         if step.degree > g + 1:
             return datum
@@ -361,7 +372,7 @@ class SecondKind(NamedTuple):
 
 
 class ThirdKind(NamedTuple):
-    """Z = exp(rΣ∫x^g dx/y) on a model of even degree with leading coefficient r²."""
+    """The kind of datum Z = exp(rΣ∫x^g dx/y) on a model of even degree with leading coefficient r²."""
 
     r: Any
 
@@ -375,7 +386,7 @@ class ThirdKind(NamedTuple):
         return group.field.mul(first, second)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
-        """Z(b − r)/(b + r), b the coefficient of x^(g+1) in V, where deg V ≤ g + 1; Z where it is more."""
+        """Z(b − r)/(b + r) for deg V ≤ g + 1, where b is the coefficient of x^(g+1) in V; Z for a higher degree."""
         K, degree = group.field, step.degree
         if degree > group.genus + 1:
             return datum

@@ -2,8 +2,8 @@
 
 It is the kernel of the generalized Jacobian with modulus π*(x₀) over the Jacobian (Rosenlicht 1954), and the group of
 the conic steps through the plane points (x₀, y₀) (:mod:`jacobian.relatives.conic`). A class (a : b) stands for the
-function a + b·y on the two points over x₀, a unit there, up to a constant. With two points it is G_m, with a branch
-point G_a, with a pair of conjugate points the circle of norm one.
+function a + b·y on the two points over x₀, a unit there, up to a constant. The group is G_m where the field has two
+points over x₀, G_a at a branch point, and the circle of norm one at a pair of conjugate points.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Function = tuple[poly.Poly, poly.Poly]
 
 
 class FibreGroup(Immutable):
-    """The group of classes (a : b), a + b·y a unit at the points of ``curve`` over x₀; ``x0`` = None is x₀ = ∞.
+    """The group of classes (a : b) for which a + b·y is a unit at the points of ``curve`` over x₀; None is x₀ = ∞.
 
     At infinity y stands for y/x^(g+1). ``kind``: "split" (G_m), "ramified" (G_a) or "inert" (a circle); ``values``: the
     values of y over x₀ that lie in the field; ``identity``: (1 : 0). Classes are pairs, written with b = 1 or as
@@ -52,12 +52,12 @@ class FibreGroup(Immutable):
         return f"Fibre group over x = {'∞' if self.x0 is None else self.x0} of {self.curve!r}"
 
     def norm(self, c: Unit) -> Any:
-        """a² − h₀ab − f₀b², zero exactly where a + b·y is not a unit."""
+        """The norm a² − h₀ab − f₀b² of a + b·y, which is zero exactly where a + b·y is not a unit."""
         K, (a, b) = self.field, c
         return K.sub(K.mul(a, K.sub(a, K.mul(self.h0, b))), K.mul(self.f0, K.mul(b, b)))
 
     def is_unit(self, c: Unit) -> bool:
-        """Whether a + b·y vanishes at no point over x₀ (against the size of its terms over an inexact field)."""
+        """Whether a + b·y vanishes at no point over x₀; over an inexact field the norm is compared with its terms."""
         K, (a, b) = self.field, c
         scale = None if K.exact else abs(a) ** 2 + abs(self.h0 * a * b) + abs(self.f0) * abs(b) ** 2
         return not K.is_zero(self.norm(c), scale)
@@ -82,7 +82,7 @@ class FibreGroup(Immutable):
         return self.element(*pair)
 
     def normal(self, c: Unit) -> Unit:
-        """The class with b = 1, or (1, 0)."""
+        """The normal form of a class: (a/b, 1), or (1, 0) if b = 0."""
         K, (a, b) = self.field, c
         return self.identity if b == K.zero else (K.div(a, b), K.one)
 
@@ -97,7 +97,7 @@ class FibreGroup(Immutable):
         return first, K.sub(K.add(K.mul(a, b2), K.mul(b, a2)), K.mul(last, self.h0))
 
     def inverse(self, c: Unit) -> Unit:
-        """The inverse class, that of the conjugate a − h₀b − b·y."""
+        """The inverse class: the class of the conjugate function a − h₀b − b·y."""
         return self._conjugate(self._checked(c))
 
     def _conjugate(self, c: Unit) -> Unit:
@@ -117,13 +117,13 @@ class FibreGroup(Immutable):
         return result
 
     def through(self, y0: Any) -> Unit:
-        """The class (−y₀ : 1) of y − y₀, that of the conic step through (x₀, y₀); ``y0`` = None is the identity."""
+        """The class (−y₀ : 1) of y − y₀, which the conic step through (x₀, y₀) adds; ``y0`` = None is the identity."""
         return (
             self.identity if y0 is None else self.element(self.field.neg(self.field.coerce(y0, "y0")), self.field.one)
         )
 
     def height(self, c: Unit) -> Any:
-        """The y₀ of :meth:`through`; None at the identity."""
+        """The number y₀ for which :meth:`through` gives the class c; None for the identity."""
         return self._height(self._checked(c))
 
     def _height(self, c: Unit) -> Any:
@@ -141,7 +141,7 @@ class FibreGroup(Immutable):
         return K.div(first, rest[0]) if rest else K.div(b, first)
 
     def from_coordinate(self, t: Any) -> Unit:
-        """The class with that :meth:`coordinate`: t ≠ 0 of G_m, or any t of G_a."""
+        """The class whose :meth:`coordinate` is t: t ≠ 0 for G_m, any t for G_a."""
         K = self.field
         t = K.coerce(t, "t")
         if self.kind == "inert":
@@ -156,13 +156,13 @@ class FibreGroup(Immutable):
         return self.element(K.sub(K.one, K.mul(b, y2)), b)
 
     def order(self) -> int:
-        """q − 1, q or q + 1 over GF(q) (FieldError elsewhere)."""
+        """The order of the group over GF(q): q − 1 (split), q (ramified) or q + 1 (inert). FieldError elsewhere."""
         if self.field.order is None:
             raise FieldError(f"field = {self.field.name} is infinite, and so is this group")
         return int(self.field.order) + {"split": -1, "ramified": 0, "inert": 1}[self.kind]
 
     def elements(self) -> Iterator[Unit]:
-        """All classes, over a finite field, the identity first."""
+        """Yields all classes over a finite field, the identity first."""
         self.order()
         yield self.identity
         for a in self.field.elements():
@@ -172,8 +172,9 @@ class FibreGroup(Immutable):
     # --- functions on the curve, up to functions of x
 
     def value(self, function: Function) -> Unit:
-        """(a : b) of the function a(x) + b(x)·y at the points over x₀, after division by the power of x − x₀ (of 1/x)
-        that it contains. It need not be a unit.
+        """The value (a : b) of the function a(x) + b(x)·y at the points over x₀. It need not be a unit.
+
+        A common power of x − x₀ in a(x) and b(x), at infinity of 1/x, is divided out first.
         """
         K, (a, b) = self.field, function
         if self.x0 is None:
@@ -188,7 +189,10 @@ class FibreGroup(Immutable):
             a, b = poly.quotient(K, a, linear), poly.quotient(K, b, linear)
 
     def class_of(self, functions: list[Function]) -> Unit:
-        """The class of a product that is a unit over x₀, up to a power of x − x₀; its factors need not be units."""
+        """The class of a product of functions that is a unit over x₀ up to a power of x − x₀.
+
+        Its factors need not be units.
+        """
         total, rest = self.identity, None
         for function in functions:
             c = self.value(function)
@@ -211,6 +215,6 @@ def multiply(C: HyperellipticCurve, first: Function, second: Function) -> Functi
 
 
 def conjugate(C: HyperellipticCurve, function: Function) -> Function:
-    """a − h·b − b·y, the image of a + b·y under the involution: its inverse up to a function of x."""
+    """The image a − h·b − b·y of a + b·y under the involution, which is its inverse up to a function of x."""
     K, (a, b) = C.field, function
     return poly.sub(K, a, poly.mul(K, b, C.h)), poly.neg(K, b)

@@ -4,9 +4,9 @@ A divisor Σ m_P P over the field is stored as
 
     div(u, v) + π*(r) + Σ m_∞ ∞,    r = numerator/denominator a rational function of x, u and v as in Mumford's pairs.
 
-No polynomial is factored. The whole fibres π*(x − e) = P + ιP of the affine part go into r; the rest is one
-semi-reduced pair. The form is unique: it splits the ideal into a primitive one and its content. Sums compose pairs by
-Cantor's formulas and put the common part into r. Nothing is reduced; classes are computed on request.
+No polynomial is factored. The whole fibres π*(x − e) = P + ιP of the affine part, ι being the involution, go into r;
+the rest is one semi-reduced pair. The form is unique: it splits the ideal into a primitive one and its content. Sums
+compose pairs by Cantor's formulas and put the common part into r. Nothing is reduced; classes are computed on request.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ MOST_POINTS = 2000
 
 
 class FormalSum(Immutable):
-    """A divisor Σ m_P P of ``curve``, rational over its exact field: ``+``, ``−``, ``m * A``, ``==``, ``hash``.
+    """A divisor Σ m_P P of ``curve``, rational over its exact field, with ``+``, ``−``, ``m * A``, ``==`` and ``hash``.
 
     ``u``, ``v``: the part without opposite points; ``numerator``, ``denominator``: coprime monic polynomials whose
     fibres are added and subtracted; ``weights``: the multiplicities of ``curve.points_at_infinity()``, or of the one
-    place of degree two of an inert model. Make one by :meth:`zero`, :meth:`from_points`, :meth:`from_divisor` or
-    :func:`principal_divisor`.
+    place of degree two of an inert model. Formal sums are made by :meth:`zero`, :meth:`from_points`,
+    :meth:`from_divisor` and :func:`principal_divisor`.
     """
 
     def __init__(
@@ -68,7 +68,10 @@ class FormalSum(Immutable):
     def from_points(
         curve: HyperellipticCurve, points: Iterable[Given], multiplicities: Iterable[int] | None = None
     ) -> FormalSum:
-        """Σ m_i P_i for pairs (x, y) and points at infinity; ``multiplicities``: ints of any sign, 1 by default."""
+        """The sum Σ m_i P_i of ``points``, pairs (x, y) and points at infinity.
+
+        ``multiplicities``: the ints m_i, of any sign, 1 by default.
+        """
         total = FormalSum.zero(curve)
         given, numbers = counted(points, multiplicities)
         if len(given) > MOST_POINTS:
@@ -93,7 +96,7 @@ class FormalSum(Immutable):
 
     @property
     def degree(self) -> int:
-        """Σ m_P deg P."""
+        """The degree Σ m_P deg P."""
         ends = sum(self.weights) * (2 if self.curve.model == "inert" else 1)
         return len(self.u) - 1 + 2 * (len(self.numerator) - len(self.denominator)) + ends
 
@@ -106,7 +109,7 @@ class FormalSum(Immutable):
         return len(self.denominator) == 1
 
     def multiplicity(self, point: Given) -> int:
-        """m_P of a point of the curve over its field."""
+        """The multiplicity m_P of a point P of the curve over its field."""
         P, C, K = self.curve.check_point(point), self.curve, self.curve.field
         if isinstance(P, PointAtInfinity):
             return self.weights[C.points_at_infinity().index(P)]
@@ -248,7 +251,7 @@ def principal_divisor(curve: HyperellipticCurve, a: Any, b: Any = ()) -> FormalS
 
 
 def intersection(D: Divisor, E: Divisor) -> Intersection:
-    """The curve y = P(x) of lowest degree through two divisors of one group over an exact field, and its divisor.
+    """The curve y = P(x) of lowest degree through two divisors of one group over an exact field, and the divisor y − P.
 
     Where D and E are in general position, of weight two on a curve of genus two, P is a cubic, and X·Y consists of the
     points of D, E and −(D + E): the addition of divisors (Abel 1841). Common points are tangencies,
@@ -267,12 +270,16 @@ def intersection(D: Divisor, E: Divisor) -> Intersection:
 
 
 def _at_infinity(affine: FormalSum, function: tuple[poly.Poly, poly.Poly], content: poly.Poly) -> tuple[int, ...]:
-    """The orders at infinity of content·(a + by), from the degree 0 and the leading terms."""
+    """The orders of the function content·(a + by) at the points at infinity.
+
+    They follow from its leading terms, and from the degree 0 of its divisor, whose affine part is given.
+    """
     C, K, (a, b) = affine.curve, affine.curve.field, function
     total = affine.degree
     if C.model != "split":
         return (-total if C.model == "ramified" else -total // 2,)
-    # y is z·x^(g+1) + … there: at one of the two points at least the leading terms do not cancel
+    # y is z·x^(g+1) + … at infinity, with z of opposite sign at ∞₊ and ∞₋ if h = 0: at one of the two points at least
+    # the leading terms of a and by do not cancel
     g, rise = C.genus, len(content) - 1
     top = max(len(a) - 1, len(b) + g if b else 0)
     lead = K.add(coefficient(K, a, top), K.mul(coefficient(K, b, top - g - 1), C.infinity_plus))

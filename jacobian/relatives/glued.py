@@ -1,8 +1,9 @@
 """The generalized Jacobian of an elliptic curve with modulus ∞₊ + ∞₋ (Rosenlicht 1954; Serre 1959).
 
-Divisors of degree zero away from infinity, up to the functions that take one value at both points at infinity of y² =
-f(x), deg f = 4. Its dimension is two: a general class is P₁ + P₂ − (∞₊ + ∞₋), written as a Mumford pair with deg u = 2.
-The Euler top moves on it, as the Chaplygin ball does on the Jacobian of genus two of which it is the limit d → 0.
+Its elements are divisors of degree zero away from infinity on y² = f(x), deg f = 4, up to the divisors of functions
+that take one value at both points at infinity. Its dimension is two: a general class is P₁ + P₂ − (∞₊ + ∞₋), written as
+a Mumford pair with deg u = 2. The Euler top moves on this group, the Chaplygin ball on a Jacobian of genus two, which
+tends to this group for d → 0.
 """
 
 from __future__ import annotations
@@ -25,11 +26,11 @@ from jacobian.law.from_points import pair_of_points, repeated
 
 
 class GeneralizedJacobian(Jacobian):
-    """Classes modulo ∞₊ + ∞₋ on y² = f(x), deg f = 4: the operators of :class:`~jacobian.group.Jacobian` on pairs of
-    degree two.
+    """The classes modulo ∞₊ + ∞₋ on y² = f(x), deg f = 4, as pairs of degree two.
 
-    The classes with fewer affine points form a multiplicative group. Only its identity is represented; a sum equal to
-    another of its elements raises NotRepresentable.
+    It has the operators of :class:`~jacobian.group.Jacobian`. The classes with fewer affine points form a
+    multiplicative group, of which only the identity is represented: a sum equal to another element of it raises
+    NotRepresentable.
     """
 
     def __init__(self, curve: HyperellipticCurve) -> None:
@@ -71,7 +72,7 @@ class GeneralizedJacobian(Jacobian):
         multiplicities: Iterable[int] | None = None,
         extension: Field[Element] | None = None,
     ) -> Divisor:
-        """The class of P + Q − (∞₊ + ∞₋) for two affine points (x, y); NotRepresentable for any others."""
+        """The class of P + Q − (∞₊ + ∞₋) for two affine points (x, y); NotRepresentable for any other points."""
         if extension is not None:
             raise NotRepresentable(f"extension = {shown(extension)}: points modulo ∞₊ + ∞₋ lie over the field itself")
         pair = [self.curve.check_point(point) for point in repeated(points, multiplicities)]
@@ -88,7 +89,7 @@ class GeneralizedJacobian(Jacobian):
         return GeneralizedJacobian(self.curve.change_ring(K))
 
     def random(self, rng: Rng | None = None, size: int | None = None) -> Any:
-        """The class of two random points: not uniform in the group; one at a time, without ``size``."""
+        """The class of two random points, which is not uniform in the group. ``size`` must be None: one at a time."""
         if size is not None:
             raise NotRepresentable(f"size = {shown(size)}: the classes of a generalized Jacobian are no rows of arrays")
         if rng is None:
@@ -129,7 +130,7 @@ class GeneralizedJacobian(Jacobian):
         return Divisor(self, D.u, poly.neg(self.field, D.v), None)
 
     def multiply(self, m: int, D: Divisor) -> Divisor:
-        """m·D for any int m, by additions of this group: the kernels of a Jacobian have another group law."""
+        """m·D for any int m, by this group's additions, because the compiled ones add in the Jacobian instead."""
         if m == 0:
             return self.zero()
         if m < 0:
@@ -141,11 +142,11 @@ class GeneralizedJacobian(Jacobian):
         return self.double(D)
 
     def order(self) -> int:
-        """Not computed here: NotRepresentable."""
+        """Raises NotRepresentable: the order of a generalized Jacobian is not computed."""
         raise NotRepresentable("the order of a generalized Jacobian is not computed")
 
     def frobenius_polynomial(self) -> list[int]:
-        """Not computed here: NotRepresentable."""
+        """Raises NotRepresentable: the polynomial of a generalized Jacobian is not computed."""
         raise NotRepresentable("the order of a generalized Jacobian is not computed")
 
     def _represented(self, u: poly.Poly, v: poly.Poly) -> Divisor:

@@ -1,10 +1,12 @@
 """Canonical heights in genus 2 over QQ with proven error bounds, regulators, and relations between points.
 
-ĥ(D) = lim 4⁻ⁿ h(2ⁿD), h the logarithmic height on the Kummer surface: the height of the divisor 2Θ, whose pairing ⟨D,
-E⟩ = (ĥ(D+E) − ĥ(D) − ĥ(E))/2 is that of Birch and Swinnerton-Dyer's conjecture. By the doubling forms δ it is h(D) + Σ
-4^(−n−1) (log |δ(x)| − 4 log |x| − log g) over x, the primitive vectors of the 2ⁿD, g being the common divisor of δ(x)
-(Flynn & Smart 1997). The x are kept as real balls, and modulo a power of 16·disc(f), which g divides: no factorization
-is needed (after Müller & Stoll 2016). :mod:`jacobian.relatives.doubling_bounds` bounds the rest of the sum.
+The canonical height is ĥ(D) = lim 4⁻ⁿ h(2ⁿD), where h is the logarithmic height on the Kummer surface. It belongs to
+the divisor 2Θ, and its pairing ⟨D, E⟩ = (ĥ(D+E) − ĥ(D) − ĥ(E))/2 is that of Birch and Swinnerton-Dyer's conjecture.
+
+With the doubling forms δ it is ĥ(D) = h(D) + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g), where x is the primitive
+vector of 2ⁿD on the surface and g the common divisor of the δ_i(x) (Flynn & Smart 1997). Each x is kept as real balls,
+and modulo a power of 16·disc(f), which g divides: no factorization is needed (after Müller & Stoll 2016).
+:mod:`jacobian.relatives.doubling_bounds` bounds the terms that are left out.
 """
 
 from __future__ import annotations
@@ -32,10 +34,10 @@ TRIALS = 5
 
 
 def canonical_height(D: Divisor, digits: int = 20) -> Real:
-    """ĥ(D) for a class over QQ in genus 2: a ball (flint's arb) of radius at most 10^−digits.
+    """The canonical height ĥ(D) of a class over QQ in genus 2, a ball (flint's arb) of radius at most 10^−digits.
 
-    The time grows like the cube of the digits, and is announced (:mod:`jacobian.progress`): 1000, the most, take some
-    ten seconds. FieldError for other curves, PrecisionLoss where the radius is not reached.
+    The time grows like the cube of the digits; 1000, the most, take some ten seconds. A long computation shows its
+    progress (:mod:`jacobian.progress`). FieldError for other curves, PrecisionLoss where the radius is not reached.
     """
     digits = whole(digits, "digits", f"the digits of a height are an int, 1 … {MOST_DIGITS}", 1, MOST_DIGITS)
     return _height(_checked(D, "D"), digits)
@@ -63,8 +65,9 @@ def _height(D: Divisor, digits: int) -> Any:
 
 
 def _sum(surface: KummerSurface, x: Sequence[int], terms: int, bound: int, reals: BallReals) -> Any:
-    """log |x| + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g) over the first terms; each is computed with only the bits,
-    and modulo only the power of the bound, that the remaining terms need.
+    """log |x| + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g), the sum of the first ``terms`` terms.
+
+    The bits and the power of the bound shrink from term to term, as the remaining terms need fewer.
     """
     import gmpy2
     from flint import arb
@@ -99,7 +102,10 @@ def _largest(values: Sequence[Any]) -> Any:
 
 
 def height_pairing(D: Divisor, E: Divisor, digits: int = 20) -> Real:
-    """⟨D, E⟩ = (ĥ(D+E) − ĥ(D) − ĥ(E))/2 as a ball; ⟨D, D⟩ = ĥ(D). Errors as :func:`canonical_height`."""
+    """The height pairing ⟨D, E⟩ = (ĥ(D+E) − ĥ(D) − ĥ(E))/2, a ball; ⟨D, D⟩ = ĥ(D).
+
+    Errors as :func:`canonical_height`.
+    """
     if _checked(D, "D") == _checked(E, "E"):
         return canonical_height(D, digits)
     both, first, second = (canonical_height(G, digits) for G in (D + E, D, E))
@@ -128,10 +134,11 @@ def regulator(classes: Sequence[Divisor], digits: int = 20) -> Real:
 
 
 def relation(classes: Sequence[Divisor], digits: int = 20) -> list[int] | None:
-    """None if the classes are proven to be independent, else integers m, not all 0, with Σ m_i D_i of finite order.
+    """A relation of the classes: integers m, not all 0, with Σ m_i D_i of finite order; None if there is provably none.
 
-    Independence is proven by a determinant of pairings, a ball without 0. Dependence is proven by integers, rounded
-    ratios of pairings, whose combination is exactly of finite order. PrecisionLoss where that many digits show neither.
+    Independence is proven by a determinant of pairings, a ball without 0. To prove dependence, ratios of pairings are
+    rounded to integers m_i, and Σ m_i D_i is shown to be of finite order exactly. PrecisionLoss where neither succeeds
+    with this many digits.
     """
     classes = _of_one_group(classes)
     matrix = pairings(classes, digits)
@@ -144,8 +151,8 @@ def relation(classes: Sequence[Divisor], digits: int = 20) -> list[int] | None:
 
 
 def dependence(matrix: Any, classes: Sequence[Divisor], digits: int) -> tuple[list[int], int] | None:
-    """(m, n), n > 0, with n·D − Σ m_i·D_i of finite order for the last D of some classes, the others being independent;
-    None where it is proven to be independent of them. ``matrix``: their pairings, or those of more that follow.
+    """(m, n), n > 0, with n·D − Σ m_i·D_i of finite order, where D is the last class and the D_i, the others, are
+    independent; None if D is provably independent of them. ``matrix``: the pairings of the classes; more may follow.
     """
     from flint import arb_mat
 
@@ -182,7 +189,7 @@ def _of_one_group(classes: Sequence[Divisor]) -> list[Divisor]:
 
 
 def pairings(classes: Sequence[Divisor], digits: int) -> Any:
-    """The matrix of ⟨D_i, D_j⟩ of some classes (flint's arb_mat), from heights with this many digits."""
+    """The matrix of the pairings ⟨D_i, D_j⟩ of the classes (flint's arb_mat), from heights with ``digits`` digits."""
     from flint import arb_mat
 
     size = len(classes)

@@ -45,9 +45,9 @@ Coordinates = tuple[Any, ...]
 
 
 class KummerSurface(Immutable):
-    """The Kummer surface of the Jacobian of a curve of genus 2 over QQ or GF(p), p odd, by :func:`kummer_surface`.
+    """The Kummer surface of the Jacobian of a curve of genus 2 over QQ or GF(p), p odd, made by :func:`kummer_surface`.
 
-    ``f``: the integers of y² = f(x), which the curve becomes with ``scale``·(2y + h) for y.
+    ``f``: seven integers, the coefficients of the curve Y² = f(x), where Y = ``scale``·(2y + h(x)).
     """
 
     def __init__(self, curve: HyperellipticCurve) -> None:
@@ -72,9 +72,9 @@ class KummerSurface(Immutable):
         return f"Kummer surface of {self.curve!r}"
 
     def point(self, D: Divisor) -> Coordinates:
-        """The image of D, the same for −D; CurveMismatch for a class of another curve.
+        """The image κ(D) of D, the same for −D; CurveMismatch for a class of another curve.
 
-        Over QQ four integers without a common divisor, over GF(p) residues, the first that is not 0 being 1.
+        Over QQ it is four integers without a common divisor, over GF(p) four residues, the first nonzero one being 1.
         """
         if check_divisor(D, "D").jacobian.curve != self.curve:
             raise CurveMismatch(f"D = {D} is not a divisor class of {self.curve!r}")
@@ -106,14 +106,18 @@ class KummerSurface(Immutable):
 
     @cached_property
     def delta(self) -> list[dict[tuple[int, ...], int]]:
-        """δ₁ … δ₄, each as {exponents: coefficient}, modulo the equation of the surface; δ₄ has ξ₄⁴ once."""
+        """The doubling forms δ₁ … δ₄, each as {exponents: coefficient}.
+
+        They are unique modulo the equation of the surface, with the coefficient 1 of ξ₄⁴ in δ₄.
+        """
         whole = self.integers(4 * len(MONOMIALS), self._delta_modulo)
         rows = [whole[i : i + len(MONOMIALS)] for i in range(0, len(whole), len(MONOMIALS))]
         return [{m: c for m, c in zip(MONOMIALS, row, strict=True) if c} for row in rows]
 
     def integers(self, count: int, modulo: Callable[[Jacobian], list[int]]) -> list[int]:
-        """Coefficients that are integral polynomials of degree 4 in those of f, from their values modulo primes p:
-        ``modulo`` takes the Jacobian of y² = f(x) over GF(p).
+        """``count`` integers that are integral polynomials of degree 4 in the coefficients of f, from residues.
+
+        ``modulo(J)`` returns them modulo p, J being the Jacobian of y² = f(x) over GF(p).
         """
         size = max(map(abs, self.f)) ** 4
         modulus, residues = 1, [0] * count
@@ -130,7 +134,7 @@ class KummerSurface(Immutable):
         return whole
 
     def _reductions(self) -> Iterator[Jacobian]:
-        """The Jacobian modulo some primes below 2⁶¹ of good reduction."""
+        """Yields the Jacobians of y² = f(x) over GF(p) for primes p of good reduction just below 2⁶¹."""
         for p in filter(is_prime, range(2**61 - 1, 2**61 - 50 * MOST_PRIMES, -2)):
             try:
                 C = HyperellipticCurve(GF(p), [c % p for c in self.f])
@@ -139,7 +143,7 @@ class KummerSurface(Immutable):
             yield C.jacobian()
 
     def _delta_modulo(self, J: Jacobian) -> list[int]:
-        """All coefficients of δ modulo a prime: for D, D + E, D + 2E, … they take κ(D) to κ(2D)."""
+        """All coefficients of δ modulo a prime, from the condition that δ takes κ(D) to κ(2D) for CLASSES classes D."""
         rows, p = [], J.field.characteristic
         for x, y in self._doubles(J):
             values = monomials(x).values()
@@ -154,7 +158,7 @@ class KummerSurface(Immutable):
         return found
 
     def _doubles(self, J: Jacobian) -> Iterator[tuple[Coordinates, Coordinates]]:
-        """κ(D), κ(2D) modulo p for CLASSES classes D of weight 2."""
+        """Yields (κ(D), κ(2D)) modulo p for CLASSES classes D of weight 2 in arithmetic progression."""
         p = J.field.characteristic
         rng = Random(p)
         D, E = J.random(rng), J.random(rng)
@@ -167,14 +171,15 @@ class KummerSurface(Immutable):
                 count += 1
 
     def double(self, x: Sequence[Any]) -> list[Any]:
-        """δ(x), of integers or balls: common divisors stay, and nothing is reduced modulo p."""
+        """δ(x) for integers or balls x. Common divisors are not removed, and nothing is reduced modulo p."""
         values = monomials(x)
         return [sum((c * values[m] for m, c in form.items()), 0 * x[0]) for form in self.delta]
 
 
 def kummer_surface(curve: HyperellipticCurve) -> KummerSurface:
-    """The KummerSurface of a curve of genus 2 over QQ or GF(p), p odd, the same for the same curve; FieldError for
-    others.
+    """The KummerSurface of a curve of genus 2 over QQ or GF(p), p odd; FieldError for others.
+
+    Calls with equal curves return one object, so that its forms are found once.
     """
     return _known_surface(check_curve(curve))
 
@@ -185,8 +190,9 @@ def _known_surface(curve: HyperellipticCurve) -> KummerSurface:
 
 
 def null_vector(rows: Sequence[Sequence[int]], one: int, p: int) -> list[int] | None:
-    """The vector that spans the kernel of a matrix modulo p, its entry ``one`` being 1; None where the kernel has
-    another dimension.
+    """The vector that spans the kernel of the matrix ``rows`` modulo p, scaled so that its entry ``one`` is 1.
+
+    None if the dimension of the kernel is not 1.
     """
     from flint import nmod_mat
 
@@ -199,19 +205,19 @@ def null_vector(rows: Sequence[Sequence[int]], one: int, p: int) -> list[int] | 
 
 
 def coordinates(f: Sequence[Any], u: Sequence[Any], v: Sequence[Any]) -> Coordinates:
-    """κ of the class of (u, v), deg u = 2: with y₁² + y₂² = f(x₁) + f(x₂) the division by (x₁−x₂)² is carried out."""
+    """κ of the class of (u, v), deg u = 2. By y_i² = f(x_i) its last entry needs no division by (x₁−x₂)²."""
     s, p = -u[1], u[0]
     last = s * s - p
     return 1, s, p, v[1] ** 2 - f[2] - s * f[3] - s * s * f[4] - s * last * f[5] - last * last * f[6]
 
 
 def normalized(p: int, x: Sequence[int]) -> Coordinates:
-    """The residues of the same point, scaled so that the first nonzero one is 1."""
+    """The coordinates x of a point, multiplied modulo p so that the first nonzero one is 1."""
     inverse = pow(next(c for c in x if c % p), -1, p)
     return tuple(int(c * inverse % p) for c in x)
 
 
 def monomials(x: Sequence[Any]) -> dict[tuple[int, ...], Any]:
-    """The values of MONOMIALS at x."""
+    """The values at x of the quartic MONOMIALS, by their exponents."""
     pairs = {(i, j): x[i] * x[j] for i, j in combinations_with_replacement(range(4), 2)}
     return {m: pairs[first] * pairs[second] for m, (first, second) in FACTORS.items()}

@@ -2,8 +2,9 @@
 
 On the surface D and −D are one point, so κ(D) and κ(E) have two sums, κ(D + E) and κ(D − E): either determines the
 other. They are the two factors of a symmetric form whose coefficients are biquadratic in κ(D), κ(E) (Cassels & Flynn
-1996, chapter 3). These are found as the doubling is in :mod:`jacobian.relatives.kummer`: from classes over finite
-fields, by linear algebra modulo primes and the Chinese remainder theorem. :mod:`jacobian.relatives.pseudo_sums` adds.
+1996, chapter 3). The coefficients are found like the doubling forms of :mod:`jacobian.relatives.kummer`: from classes
+over finite fields, by linear algebra modulo primes and the Chinese remainder theorem. The formulas of addition are in
+:mod:`jacobian.relatives.pseudo_sums`.
 """
 
 from __future__ import annotations
@@ -48,8 +49,9 @@ Point = tuple[int, int, int, int]
 
 
 class Residues(namedtuple("Residues", "p one")):
-    """Arithmetic modulo a prime of any length in Python, with the interface of the compiled contexts: a word is the
-    number.
+    """Arithmetic modulo a prime of any length in Python, with the interface of the compiled contexts.
+
+    The compiled contexts encode a residue in words; here the residue is its own code.
     """
 
     __slots__ = ()
@@ -142,8 +144,9 @@ class PseudoGroup(Immutable):
         return self._run("multiply_point", {"x": points}, bits.reshape(-1, longest))
 
     def _residues(self, x: Any, name: str) -> tuple[list[int], bool]:
-        """(the residues of some points, one after the other, whether it was a single point); ArgumentError for anything
-        else.
+        """The residues of x, one point after the other, and whether x is a single point.
+
+        ArgumentError if x is neither a point nor an array of points.
         """
         if type(x) is tuple and len(x) == 4 and all(type(c) is int and 0 <= c < self._p for c in x):
             return list(x), True
@@ -161,7 +164,7 @@ class PseudoGroup(Immutable):
     # --- sums
 
     def _run(self, name: str, found: dict[str, tuple[list[int], bool]], *bits: Any) -> Any:
-        """The operation of that name on single points, or the loop over arrays of them, by the names of arguments."""
+        """The result of the operation ``name`` on single points or on arrays of points, ``found`` by argument name."""
         if len({(len(values), single) for values, single in found.values()}) > 1:
             raise ArgumentError(f"{', '.join(found)}: points, or as many of each, are needed")
         operands, single = [values for values, _ in found.values()], next(iter(found.values()))[1]
@@ -209,7 +212,7 @@ class PseudoGroup(Immutable):
 
 
 def forms_of_surface(surface: KummerSurface, modulus: int, to_word: Callable[[int], int]) -> Forms:
-    """All forms of a surface modulo a number, as :mod:`jacobian.relatives.pseudo_sums` takes them."""
+    """All forms of a surface modulo ``modulus``, packed for :mod:`jacobian.relatives.pseudo_sums`."""
     table = [[c % modulus for c in row] for row in biquadratic(surface)]
     of = {key: dict(zip(TERMS, row, strict=True)) for key, row in zip(INDICES, table, strict=True)}
     tables = [[of[min(i, j), max(i, j)] for j in range(4)] for i in range(4)]
@@ -222,7 +225,7 @@ FACTORED = {tuple(sorted(INDICES[k] + INDICES[m])): (k, m) for k, m in reversed(
 
 
 def doubled(form: dict[tuple[int, int], int], p: int) -> dict[tuple[int, int], int]:
-    """The terms of a form at one point twice: products of its quadratic monomials, equal ones together."""
+    """The terms of a biquadratic form at (x, x): products of two quadratic monomials of x, equal products merged."""
     found: dict[tuple[int, int], int] = {}
     for (k, m), c in form.items():
         pair = FACTORED[tuple(sorted(INDICES[k] + INDICES[m]))]
@@ -231,7 +234,7 @@ def doubled(form: dict[tuple[int, int], int], p: int) -> dict[tuple[int, int], i
 
 
 def packed(tables: Sequence[Sequence[dict[tuple[int, int], int]]], to_word: Callable[[int], int]) -> Forms:
-    """The terms and the forms of each table, those that are not 0 modulo p."""
+    """The tables of forms as arrays (see Forms), without terms whose coefficient is 0."""
     pairs_of, ends, place, begin = [], [0], [], [0]
     coefficients: list[int] = []
     for table in tables:
@@ -250,8 +253,9 @@ def packed(tables: Sequence[Sequence[dict[tuple[int, int], int]]], to_word: Call
 
 
 def equation(f: Sequence[int]) -> dict[tuple[int, ...], int]:
-    """The equation of the surface, K₂ξ₄² + K₁ξ₄ + K₀ (Cassels & Flynn 1996, (3.1.8)), by the indices of the four
-    factors of its monomials.
+    """The equation K₂ξ₄² + K₁ξ₄ + K₀ = 0 of the surface (Cassels & Flynn 1996, (3.1.8)).
+
+    Returned are its coefficients, by the indices of the four factors of each monomial.
     """
     f0, f1, f2, f3, f4, f5, f6 = f
     linear = {"000": 2 * f0, "001": f1, "002": 2 * f2, "012": f3, "022": 2 * f4, "122": f5, "222": 2 * f6}
@@ -278,8 +282,9 @@ def equation(f: Sequence[int]) -> dict[tuple[int, ...], int]:
 
 @lru_cache(maxsize=32)
 def biquadratic(surface: KummerSurface) -> list[list[int]]:
-    """The coefficients of the forms b_ij, in the order of INDICES, at the TERMS: with q_k the quadratic monomials,
-    q_k(x)·q_l(y) + q_l(x)·q_k(y), or q_k(x)·q_k(y).
+    """The coefficients of the forms b_ij, in the order of INDICES; each form has one for each of the TERMS.
+
+    The term (k, l) is q_k(x)·q_l(y) + q_l(x)·q_k(y), or q_k(x)·q_k(y) for k = l, q_k being the quadratic monomials.
     """
     size = len(TERMS)
     whole = surface.integers(len(INDICES) * size, lambda J: biquadratic_modulo(surface, J))
@@ -287,7 +292,10 @@ def biquadratic(surface: KummerSurface) -> list[list[int]]:
 
 
 def biquadratic_modulo(surface: KummerSurface, J: Jacobian) -> list[int]:
-    """The same modulo a prime of 61 bits: b₁₁ and b₁₂ from their ratio, and the others from b₁₁."""
+    """The coefficients of :func:`biquadratic` modulo a prime of 61 bits, in one list.
+
+    The ratio of b₁₁ to b₁₂ determines these two, and b₁₁ the others.
+    """
     from flint import nmod_mat
 
     rows, sums = zip(*_pairs_of_classes(surface.f, J), strict=True)
@@ -309,8 +317,9 @@ def biquadratic_modulo(surface: KummerSurface, J: Jacobian) -> list[int]:
 
 
 def _pairs_of_classes(f: Sequence[int], J: Jacobian) -> list[tuple[list[int], list[int]]]:
-    """(the terms at κ(D) and κ(E), the values of the forms there up to a factor) modulo p, for CLASSES pairs in general
-    position.
+    """For CLASSES pairs (D, E) of classes in general position: two lists modulo p.
+
+    They are the terms at κ(D), κ(E), and the values of the forms there up to a common factor.
     """
     p = J.field.characteristic
     rng = Random(p)

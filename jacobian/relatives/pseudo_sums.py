@@ -34,7 +34,7 @@ SCRATCH = TERMS + 55
 
 
 def monomials_into(K: Any, S: Any, at: Any, x: Any) -> None:
-    """The quadratic monomials of a point."""
+    """Writes the ten quadratic monomials of the point x into the scratch array S from index ``at`` on."""
     for i in range(4):
         for j in range(i, 4):
             S[at] = mul(K, x[i], x[j])
@@ -42,7 +42,7 @@ def monomials_into(K: Any, S: Any, at: Any, x: Any) -> None:
 
 
 def sum_of(K: Any, F: Any, S: Any, a: Any, b: Any, difference: Any, i: Any) -> Any:
-    """κ(a + b) from κ(a), κ(b) and κ(a − b), whose coordinate i is 1."""
+    """κ(a + b) from κ(a), κ(b) and ``difference`` = κ(a − b), whose coordinate i is 1."""
     monomials_into(K, S, 0, a)
     monomials_into(K, S, QUADRATIC, b)
     begin = F.ends[i]
@@ -63,7 +63,7 @@ def sum_of(K: Any, F: Any, S: Any, a: Any, b: Any, difference: Any, i: Any) -> A
 
 
 def forms_of(K: Any, F: Any, S: Any, table: Any) -> Any:
-    """The values of the four forms of a table at its terms."""
+    """The values of the four forms of a table; S holds the values of its terms."""
     return (
         form(K, F, S, 4 * table),
         form(K, F, S, 4 * table + 1),
@@ -73,7 +73,7 @@ def forms_of(K: Any, F: Any, S: Any, table: Any) -> Any:
 
 
 def form(K: Any, F: Any, S: Any, which: Any) -> Any:
-    """The value of one form at the terms."""
+    """The value of one form; S holds the values of its table's terms."""
     total = sub(K, K.one, K.one)
     for n in range(F.begin[which], F.begin[which + 1], 4):
         c, at = F.coefficient, F.place
@@ -84,13 +84,13 @@ def form(K: Any, F: Any, S: Any, which: Any) -> Any:
 
 
 def identity(K: Any) -> Any:
-    """κ(0)."""
+    """The point κ(0) = (0, 0, 0, 1)."""
     zero = sub(K, K.one, K.one)
     return zero, zero, zero, K.one
 
 
 def terms_twice(K: Any, F: Any, S: Any, table: Any, a: Any) -> None:
-    """The terms of a table at one point twice."""
+    """Writes the values at (a, a) of the terms of a table into the scratch array S."""
     monomials_into(K, S, 0, a)
     begin = F.ends[table]
     for n in range(begin, F.ends[table + 1]):
@@ -98,13 +98,13 @@ def terms_twice(K: Any, F: Any, S: Any, table: Any, a: Any) -> None:
 
 
 def double_of(K: Any, F: Any, S: Any, a: Any) -> Any:
-    """κ(2a): b_i4 at the difference κ(0)."""
+    """κ(2a), the values of b_14 … b_44 at (κ(a), κ(a)): the difference is κ(0), whose coordinate 4 is 1."""
     terms_twice(K, F, S, 4, a)
     return forms_of(K, F, S, 4)
 
 
 def is_point(K: Any, F: Any, S: Any, a: Any) -> Any:
-    """Whether it is a point of the surface, its first nonzero coordinate being 1."""
+    """Whether a is a point of the surface whose first nonzero coordinate is 1."""
     if a[unit(a)] != K.one:
         return False
     terms_twice(K, F, S, 5, a)
@@ -112,7 +112,7 @@ def is_point(K: Any, F: Any, S: Any, a: Any) -> Any:
 
 
 def multiple_of(K: Any, F: Any, S: Any, x: Any, i: Any, bits: Any) -> Any:
-    """κ(ma) by Montgomery's ladder (1987), the bits of m from the top; coordinate i of x = κ(a) is 1."""
+    """κ(ma) for x = κ(a), whose coordinate i is 1, by Montgomery's ladder (1987); ``bits``: those of m from the top."""
     low, high = identity(K), x
     for n in range(len(bits)):
         total = sum_of(K, F, S, low, high, x, i)
@@ -129,12 +129,12 @@ def unit(x: Any) -> Any:
 
 
 def encoded(K: Any, x: Any) -> Any:
-    """A point of residues in words."""
+    """The point x, given as residues, in the words of the context K."""
     return encode(K, x[0]), encode(K, x[1]), encode(K, x[2]), encode(K, x[3])
 
 
 def normal(K: Any, x: Any) -> Any:
-    """The residues of a point, the first nonzero one being 1."""
+    """The residues of a point given in words, scaled so that the first nonzero one is 1."""
     c = inverse(K, x[unit(x)])
     return (
         decode(K, mul(K, x[0], c)),
@@ -144,11 +144,11 @@ def normal(K: Any, x: Any) -> Any:
     )
 
 
-# --- one point: (0, the result), or (the index of the argument that is not a point, undefined)
+# --- one point: returns (0, the result), or (i, anything) if argument i, counted from 1, is not a point
 
 
 def add_point(K: Any, F: Any, x: Any, y: Any, difference: Any, S: Any) -> Any:
-    """x + y where the difference is known."""
+    """(0, κ(D + E)) for x = κ(D), y = κ(E) and difference = κ(D − E), or the number of the wrong argument."""
     a, b, d = encoded(K, x), encoded(K, y), encoded(K, difference)
     if not is_point(K, F, S, a):
         return 1, x
@@ -160,7 +160,7 @@ def add_point(K: Any, F: Any, x: Any, y: Any, difference: Any, S: Any) -> Any:
 
 
 def double_point(K: Any, F: Any, x: Any, S: Any) -> Any:
-    """2x."""
+    """(0, κ(2D)) for x = κ(D), or the number of the wrong argument."""
     a = encoded(K, x)
     if not is_point(K, F, S, a):
         return 1, x
@@ -168,18 +168,18 @@ def double_point(K: Any, F: Any, x: Any, S: Any) -> Any:
 
 
 def multiply_point(K: Any, F: Any, x: Any, bits: Any, S: Any) -> Any:
-    """mx."""
+    """(0, κ(mD)) for x = κ(D) and the bits of m from the top, or the number of the wrong argument."""
     a = encoded(K, x)
     if not is_point(K, F, S, a):
         return 1, x
     return 0, normal(K, multiple_of(K, F, S, a, unit(a), bits))
 
 
-# --- columns of points: an entry that is not a point stays unchanged, with its argument in ``wrong``
+# --- columns of points: ``wrong`` gets the number of the argument that is not a point, or 0
 
 
 def add_points(K: Any, F: Any, operands: Any, out: Any, wrong: Any, span: Any, S: Any) -> None:
-    """x + y where the differences are known, for the columns of a span of (x, y, differences)."""
+    """Writes the sums of a span of columns to ``out``; operands are (x, y, differences)."""
     x, y, difference = operands
     for j in range(span[0], span[1]):
         wrong[j], found = add_point(K, F, column(x, j), column(y, j), column(difference, j), S)
@@ -187,14 +187,16 @@ def add_points(K: Any, F: Any, operands: Any, out: Any, wrong: Any, span: Any, S
 
 
 def double_points(K: Any, F: Any, operands: Any, out: Any, wrong: Any, span: Any, S: Any) -> None:
-    """2x, likewise, of (x,)."""
+    """Writes the doubles of a span of columns to ``out``; operands are (x,)."""
     for j in range(span[0], span[1]):
         wrong[j], found = double_point(K, F, column(operands[0], j), S)
         out[0, j], out[1, j], out[2, j], out[3, j] = found
 
 
 def multiply_points(K: Any, F: Any, operands: Any, out: Any, wrong: Any, span: Any, S: Any) -> None:
-    """mx, likewise, of (x, bits): a row of bits for each, or one for all."""
+    """Writes the multiples of a span of columns to ``out``; operands are (x, bits), with a row of bits for each
+    column, or one for all.
+    """
     x, bits = operands
     for j in range(span[0], span[1]):
         wrong[j], found = multiply_point(K, F, column(x, j), bits[min(j, bits.shape[0] - 1)], S)
@@ -202,7 +204,7 @@ def multiply_points(K: Any, F: Any, operands: Any, out: Any, wrong: Any, span: A
 
 
 def column(x: Any, j: Any) -> Any:
-    """The point of a column."""
+    """The four coordinates in column j of x."""
     return x[0, j], x[1, j], x[2, j], x[3, j]
 
 

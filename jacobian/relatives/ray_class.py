@@ -1,15 +1,17 @@
 """Generalized Jacobians with modulus a fibre π*(x₀): ∞₊ + ∞₋, 2∞, (x₀, y₀) + (x₀, −y₀ − h), or twice a branch point.
 
-Divisors of degree zero prime to the modulus m, up to the functions that are constant on m: the ray class group of m, an
-extension of the Jacobian by the group A*/K* of :mod:`jacobian.relatives.fibre` (Rosenlicht 1954; Serre 1959, chapters V
-and VII). Here a class is a reduced divisor D of the Jacobian, which need not be prime to m, and a class of A*/K*. The
-pair (D, c) represents the line bundle O(D) with the generator c·φ_D over m, where φ_D is a fixed function with the
-divisor of D there. If D₁ + D₂ = D₃ + div F, then
+The group consists of divisors of degree zero prime to the modulus m, up to divisors of functions that are constant on
+m. It is the ray class group of m, an extension of the Jacobian by the group A*/K* of :mod:`jacobian.relatives.fibre`
+(Rosenlicht 1954; Serre 1959, chapters V and VII).
+
+Here a class is a reduced divisor D of the Jacobian, which need not be prime to m, and a class c of A*/K*. The pair
+(D, c) represents the line bundle O(D) with the generator c·φ_D over m, where φ_D is a fixed function with the divisor
+of D there. If D₁ + D₂ = D₃ + div F, then
 
     (D₁, c₁) + (D₂, c₂) = (D₃, c₁c₂ · φ₁φ₂/(F φ₃)),
 
-the last factor being a unit over x₀. Functions of x are constant on m, so F is the product of the y − v of the steps of
-the reduction, and nothing else of it is needed. (Déchène 2005 has this in genus 1 and in general position.)
+the last factor being a unit over x₀. Functions of x are constant on m and may be dropped. So F is the product of the
+functions y − v of the steps of the reduction. (Déchène 2005 has this in genus 1 and in general position.)
 """
 
 from __future__ import annotations
@@ -35,9 +37,9 @@ from jacobian.relatives.fibre import FibreGroup, Function, Unit, conjugate
 class RayClassGroup(Immutable):
     """The generalized Jacobian of ``curve`` with modulus the points over x₀, ``x0`` = None being x₀ = ∞.
 
-    Any model that has a Jacobian here, any genus, exact fields (FieldError for others; the inexact law on general pairs
-    of an elliptic curve is :class:`jacobian.relatives.glued.GeneralizedJacobian`). ``jacobian``: the Jacobian that it
-    maps onto; ``fibre``: the kernel, a :class:`~jacobian.relatives.fibre.FibreGroup`.
+    The curve has any genus, and any model that has a Jacobian here; FieldError over an inexact field, for which
+    :class:`jacobian.relatives.glued.GeneralizedJacobian` adds general pairs of an elliptic curve. ``jacobian``: the
+    Jacobian onto which this group maps; ``fibre``: the kernel, a :class:`~jacobian.relatives.fibre.FibreGroup`.
     """
 
     def __init__(self, curve: HyperellipticCurve, x0: Any = None) -> None:
@@ -72,7 +74,7 @@ class RayClassGroup(Immutable):
         return RayClass(self, D, self.fibre.identity)
 
     def from_fibre(self, a: Any, b: Any) -> RayClass:
-        """The class of the kernel with the generator a + b·y over x₀; ArgumentError where that is not a unit."""
+        """The class (a : b) of the kernel; ArgumentError where a + b·y is not a unit over x₀."""
         return RayClass(self, self.jacobian.zero(), self.fibre.element(a, b))
 
     def from_mumford(self, u: Coefficients, v: Coefficients | Value, n: int | None = None) -> RayClass:
@@ -133,7 +135,7 @@ class RayClassGroup(Immutable):
         return (RayClass(self, D, c) for D in self.jacobian.points() for c in units)
 
     def order(self) -> int:
-        """#J times q − 1 (two points over x₀), q (a branch point) or q + 1 (conjugate points)."""
+        """The order over GF(q): #J times q − 1 (two points over x₀), q (a branch point) or q + 1 (conjugate points)."""
         return self.jacobian.order() * self.fibre.order()
 
     # --- the group law
@@ -168,7 +170,7 @@ class RayClassGroup(Immutable):
         return multiple(m, C, self.add, double, self.negate)
 
     def _reduced(self, triple: cantor.Triple, functions: list[Function], unit: Unit) -> RayClass:
-        """The class of (div of the triple, unit · Π functions), the triple being on the arithmetic model."""
+        """The class of (divisor of the triple, unit · Π functions); the triple belongs to the Jacobian's own model."""
         model = self.jacobian._model
         u, v, n = triple
         functions = list(functions)
@@ -186,12 +188,12 @@ class RayClassGroup(Immutable):
         return RayClass(self, self.jacobian._out((u, v, n)), unit)
 
     def _minus(self, v: poly.Poly) -> Function:
-        """y − v, v being on the arithmetic model and y on the curve."""
+        """The function y − v on the curve; v is given on the Jacobian's own model."""
         K, move = self.field, self.jacobian._move
         return poly.neg(K, v if move is None else poly.add(K, v, move)), (K.one,)
 
     def _generator(self, triple: cantor.Triple) -> list[Function]:
-        """φ_D as a list of factors, up to functions of x: a function with the divisor of D over x₀."""
+        """The factors of φ_D, a function with the divisor of D over x₀, up to functions of x."""
         return self._generator_at_infinity(triple) if self.x0 is None else self._generator_at(triple, self.x0)
 
     def _generator_at(self, triple: cantor.Triple, x0: Any) -> list[Function]:
@@ -218,11 +220,10 @@ class RayClassGroup(Immutable):
 
 
 class RayClass(Immutable):
-    """A class of a :class:`RayClassGroup`: ``divisor``, its image in the Jacobian, and ``unit``, (a : b) with b = 1 or
-    (1, 0).
+    """A class of a :class:`RayClassGroup`, with ``+``, ``−``, ``m * C``, ``==`` and ``hash``; immutable.
 
-    Immutable; ``+``, ``−``, ``m * C``, ``==``, ``hash``; ``bool(C)`` is False for the identity. CurveMismatch where
-    classes of two groups are combined.
+    ``divisor``: its image in the Jacobian; ``unit``: the pair (a, 1) or (1, 0) of its class (a : b). ``bool(C)`` is
+    False for the identity. CurveMismatch where classes of two groups are combined.
     """
 
     __slots__ = ("divisor", "group", "unit")

@@ -1,15 +1,16 @@
 """The sign-resolved group: divisors together with square roots at chosen branch points.
 
 At a root e of f the numbers U(e), V(e), −W(e), W = (f − V²)/U, form a symmetric matrix of rank one, because V² + UW = f
-vanishes there. A *pair* (σ, ν) with κσ² = U(e), κσν = V(e), κν² = −W(e) is a square root of it up to the constant κ,
-and the pairs at several branch points resolve the signs that the divisor forgets. They add: if q·y − p vanishes on D
-and D', b² is the leading coefficient of (p² − q²f)/(U·U'), and
+vanishes there. A *pair* (σ, ν) with κσ² = U(e), κσν = V(e), κν² = −W(e) is a square root of this matrix up to the
+constant κ. The pairs at several branch points resolve the signs that the divisor forgets. Pairs add as follows, with
+one prime for the second summand and two for the sum. If q·y − p vanishes on D and D', b² is the leading coefficient of
+(p² − q²f)/(U·U'), and
 
     L = (p − qV)/U,    L'' = (p + qV'')/U'',    N = (L(V'' − V) + qW)/U''
 
-then (σ'', ν'') = ((L(e)σ + qν), (N(e)σ + L''(e)ν))/(bκ'σ'), a matrix of determinant 1/κ', with κ'' = κκ'; the summands
-may change places. This is a commutative group law on divisors of weight g = 2, with inverse (−D; σ, −ν). (Tsiganov's
-s'' = P(e)/(b s s') is its first component; the second keeps it regular where U(e) = 0.)
+then (σ'', ν'') = (L(e)σ + qν, N(e)σ + L''(e)ν)/(bκ'σ') and κ'' = κκ'. This linear map of (σ, ν) has the determinant
+1/κ', and the summands may change places. It is a commutative group law on divisors of weight g = 2, with inverse
+(−D; σ, −ν). (Tsiganov's s'' = P(e)/(b s s') is its first component; the second keeps it regular where U(e) = 0.)
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ class SignedDivisor(NamedTuple):
 
 
 class Row(NamedTuple):
-    """divisor·x = value; over an inexact field ``terms`` is the size of the terms of the value."""
+    """The equation divisor·x = value for a number x; ``terms``: the size of the value's terms over an inexact field."""
 
     divisor: Any
     value: Any
@@ -46,12 +47,11 @@ class Row(NamedTuple):
 
 
 class SignedGroup(Immutable):
-    """Divisors of weight two on y² = f(x), deg f = 5 or 4, or of weight one, deg f = 3, with pairs at the given branch
-    points.
+    """The group of divisors on y² = f(x) with pairs at the given branch points.
 
-    deg f = 5 is the Jacobian of a curve of genus 2; deg f = 4 the generalized Jacobian of an elliptic curve with
-    modulus ∞₊ + ∞₋; deg f = 3 an elliptic curve. Divisors of weight one are admitted on deg f = 5 and 3 when √(leading
-    coefficient) lies in the field.
+    Their weight is two for deg f = 5, the Jacobian of a curve of genus 2, and for deg f = 4, the generalized Jacobian
+    of an elliptic curve with modulus ∞₊ + ∞₋. It is one for deg f = 3, an elliptic curve. Summands of weight one are
+    admitted for deg f = 5 and 3 if the field contains √(leading coefficient).
     """
 
     def __init__(self, curve: HyperellipticCurve, branch_points: Sequence[Any]) -> None:
@@ -67,9 +67,9 @@ class SignedGroup(Immutable):
                 raise ArgumentError(f"branch_points: {written(e)} is not a root of f")
 
     def lift(self, u: poly.Poly, v: poly.Poly, signs: Sequence[int] | None = None) -> SignedDivisor:
-        """(u, v) with κ = 1 (−1 for weight one) and σ the square root of ±U(e), times ``signs``.
+        """The pair (u, v) with κ = 1 (−1 for weight one) and, at each branch point e, σ = √(κu(e)) times its sign.
 
-        NotASquare where there is none in the field.
+        NotASquare where the field has no such root.
         """
         K = self.field
         kappa = K.one if len(u) == 3 else K.neg(K.one)
@@ -86,7 +86,10 @@ class SignedGroup(Immutable):
         return SignedDivisor(u, v, tuple(pairs), (kappa,) * len(pairs))
 
     def twist(self, u: poly.Poly, v: poly.Poly) -> SignedDivisor:
-        """(u, v) with σ = 1 and κ = U(e): no square root, and its double has κ = 1. U(e) must not vanish."""
+        """The pair (u, v) with σ = 1 and κ = u(e), which needs no square root; its double has κ = 1.
+
+        NotRepresentable where u vanishes at a branch point.
+        """
         K = self.field
         kappas = tuple(poly.evaluate(K, u, e) for e in self.branch_points)
         if any(kappa == K.zero for kappa in kappas):
@@ -99,7 +102,7 @@ class SignedGroup(Immutable):
         return SignedDivisor(u, v, pairs, kappas)
 
     def negate(self, D: SignedDivisor) -> SignedDivisor:
-        """(−D; σ, −ν), for weight one (−D; −σ, ν): the inverse of adding D."""
+        """The inverse of D: (−D; σ, −ν), for weight one (−D; −σ, ν)."""
         K = self.field
         if len(D.u) == 2:
             pairs = tuple((K.neg(sigma), nu) for sigma, nu in D.pairs)
@@ -108,7 +111,7 @@ class SignedGroup(Immutable):
         return D._replace(v=poly.neg(K, D.v), pairs=pairs)
 
     def double(self, D: SignedDivisor) -> SignedDivisor:
-        """D + D, with κ = 1 (−1 for weight one): its κ² is a square."""
+        """D + D, with κ = 1 (−1 for weight one): its own κ² is a square and is moved into σ and ν."""
         K = self.field
         total, sign = self.add(D, D), K.one if self.weight == 2 else K.neg(K.one)
         scales = [K.mul(sign, k) for k in D.kappas]
@@ -132,10 +135,7 @@ class SignedGroup(Immutable):
             D = self.double(D)
 
     def add(self, D: SignedDivisor, E: SignedDivisor) -> SignedDivisor:
-        """D + E, of weight two or one.
-
-        Raises NotRepresentable where the sum has less than full weight, or both summands are at one branch point.
-        """
+        """D + E. NotRepresentable where its weight is below the group's, or both summands contain one branch point."""
         K = self.field
         if len(D.u) < len(E.u):
             D, E = E, D
@@ -156,7 +156,7 @@ class SignedGroup(Immutable):
         return SignedDivisor(u, v, tuple(pairs), tuple(kappas))
 
     def _two_points(self, D: SignedDivisor, E: SignedDivisor) -> SignedDivisor:
-        """P + Q of two points, which needs no reduction: U'' = UU', V'' the line through both, σ'' = σσ'."""
+        """The sum of two divisors of weight one, without reduction: U'' = UU', V'' the line through both, σ'' = σσ'."""
         K = self.field
         if K.exact:
             u, v, _ = cantor.compose(self.curve, (D.u, D.v, None), (E.u, E.v, None))
@@ -178,7 +178,7 @@ class SignedGroup(Immutable):
         return SignedDivisor(u, v, tuple(pairs), tuple(kappas))
 
     def _sum(self, D: SignedDivisor, E: SignedDivisor) -> tuple[poly.Poly, Any, Any, poly.Poly, poly.Poly]:
-        """(p, q, b, u, v) of D + E."""
+        """(p, q, b, u, v) for D + E: the function q·y − p, the root b, and the reduced sum (u, v)."""
         K, f = self.field, self.curve.f
         if K.exact:
             product, p, _ = cantor.compose(self.curve, (D.u, D.v, None), (E.u, E.v, None))
@@ -202,7 +202,7 @@ class SignedGroup(Immutable):
     def _transfer(
         self, p: poly.Poly, q: Any, u: poly.Poly, v: poly.Poly, u1: poly.Poly, v1: poly.Poly
     ) -> tuple[poly.Poly, poly.Poly]:
-        """(L, N) of one summand (u1, v1)."""
+        """The polynomials (L, N) that belong to one summand (u1, v1); (u, v) is the sum."""
         K, f = self.field, self.curve.f
         minus = K.neg(q)
         slope = poly.quotient(K, poly.add(K, p, poly.scale(K, minus, v1) if v1 else v1), u1)
@@ -213,7 +213,7 @@ class SignedGroup(Immutable):
     def _row(
         self, e: Any, q: Any, transfer: tuple[poly.Poly, poly.Poly], last: poly.Poly, pair: Pair, divisor: Any
     ) -> tuple[Row, Row]:
-        """divisor·σ'' and divisor·ν'' from one summand."""
+        """The equations for σ'' and ν'' at the branch point e that one summand gives."""
         K = self.field
         (slope, lower), (sigma, nu) = transfer, pair
         first = K.add(K.mul(poly.evaluate(K, slope, e), sigma), K.mul(q, nu))
@@ -226,7 +226,9 @@ class SignedGroup(Immutable):
         )
 
     def _combine(self, e: Any, rows: list[tuple[Row, Row]]) -> Pair:
-        """(σ'', ν'') from both rows: the one with a divisor, or over an inexact field the least-squares mean."""
+        """(σ'', ν'') from the equations of both summands: from one with divisor ≠ 0, or over an inexact field the
+        least-squares mean.
+        """
         K = self.field
         used = [row for row in rows if row[0].divisor != K.zero]
         if not used:
@@ -246,12 +248,12 @@ class SignedGroup(Immutable):
 
 
 def sheared(K: Field, pairs: Sequence[Pair], c: Any) -> tuple[Pair, ...]:
-    """The pairs of (U, V + cU), another parabola through the same points: κσν is its value at the branch point."""
+    """The pairs of (U, V + cU), given those of (U, V): σ stays, since U does, and ν becomes ν + cσ."""
     return tuple((sigma, K.add(nu, K.mul(c, sigma))) for sigma, nu in pairs)
 
 
 def reflected(K: Field, pairs: Sequence[Pair], roots: Sequence[Any]) -> tuple[Pair, ...]:
-    """(ν/ρ, −ρσ) at every branch point e: the pairs of (Ũ, −P), the other zeros of y − P besides (U, P).
+    """The pairs (ν/ρ, −ρσ) of (Ũ, −P), where Ũ has the other zeros of y − P besides those of (U, P); ``roots``: the ρ.
 
     P² − f = R·U·Ũ with κσ² = U(e), κσν = P(e), and ρ² = R(e) ≠ 0; κ stays. R is the leading coefficient of P² − f for a
     step along the pencil of :mod:`jacobian.relatives.conic`, and −f₅(x − x') for the addition of the point (x', P(x')).
@@ -260,7 +262,7 @@ def reflected(K: Field, pairs: Sequence[Pair], roots: Sequence[Any]) -> tuple[Pa
 
 
 def _size_at(a: poly.Poly, e: Any) -> Any:
-    """Σ |a_i||e|^i."""
+    """Σ |a_i||e|^i, the size of the terms of a(e)."""
     total, size = 0, abs(e)
     for c in reversed(a):
         total = total * size + abs(c)
@@ -268,7 +270,7 @@ def _size_at(a: poly.Poly, e: Any) -> Any:
 
 
 def _mean(rows: Sequence[Row]) -> Any:
-    """The least-squares x of divisor·x = value, each weighted by the rounding of its terms."""
+    """The least-squares solution x of the equations divisor·x = value, each divided by the size of its terms."""
     numerator = denominator = 0
     for divisor, value, terms in rows:
         unit = terms or 1

@@ -1,11 +1,12 @@
-"""All classes of finite order over QQ in genus 2, lifted from those modulo a prime.
+"""All classes of finite order over QQ in genus 2, lifted from classes modulo a prime.
 
 Let the class T̄ of J(GF(p)) have order m, prime to p. It is the reduction of one class T of order m over the p-adic
-numbers, so that κ(T) is the fixed point of the multiplication by m + 1 on the Kummer surface above κ(T̄). This
-multiplication acts on tangents as the factor m + 1, so Newton's x − ((m + 1)x − x)/m doubles the digits. If T is
-rational its canonical height is 0, which bounds the integral coordinates of κ(T)
-(:mod:`jacobian.relatives.doubling_bounds`); so once pᵏ exceeds twice the square of the bound, T is found or does not
-exist. Müller & Reitsma (2023) do the same in genus 3.
+numbers. So κ(T) is the fixed point, above κ(T̄), of the multiplication by m + 1 on the Kummer surface. This
+multiplication acts on tangents as the factor m + 1, hence Newton's step x − ((m + 1)x − x)/m doubles the p-adic digits.
+
+If T is rational, its canonical height is 0, which bounds the integral coordinates of κ(T)
+(:mod:`jacobian.relatives.doubling_bounds`). So once pᵏ exceeds twice the square of the bound, either a rational T is
+found or none exists. Müller & Reitsma (2023) do the same in genus 3.
 """
 
 from __future__ import annotations
@@ -28,12 +29,11 @@ from jacobian.relatives.pseudo_sums import SCRATCH, multiple_of, unit
 
 
 def grow(group: PrimaryGroup, reduced: PrimaryGroup, whole: PrimaryGroup) -> None:
-    """Enlarges a ``group`` of rational classes of ℓ-power order to all of them.
+    """Enlarges a ``group`` of rational classes of ℓ-power order to the group of all of them.
 
-    ``reduced``: the group of their reductions; ``whole``: that of all such classes modulo a prime p ≠ 2, ℓ of good
-    reduction.
-
-    For ℓ = 2 the group has all classes of order two, which are the nodes of the surface.
+    ``reduced``: the group of their reductions modulo a prime p ≠ 2, ℓ of good reduction; ``whole``: the group of all
+    classes of ℓ-power order modulo p. For ℓ = 2 the group must already have all classes of order two, which are nodes
+    of the surface.
     """
     lifts = TorsionLifts(group.zero.jacobian, whole.zero.jacobian.field.characteristic)  # type: ignore[arg-type]
     tried: set[Divisor] = set()
@@ -56,7 +56,7 @@ def _elements(group: PrimaryGroup) -> Iterator[Divisor]:
 
 
 def _divided(group: PrimaryGroup, whole: PrimaryGroup) -> Iterator[Divisor]:
-    """Classes T of the whole group, outside the group but with ℓT in it: at least one of each coset."""
+    """Yields classes T of ``whole`` outside ``group`` with ℓT in ``group``, at least one of each coset of ``group``."""
     ell = whole.prime
     socle = [ell ** (e - 1) for e in whole.exponents]
     for chosen in product(range(ell), repeat=len(group.generators)):
@@ -70,13 +70,13 @@ def _divided(group: PrimaryGroup, whole: PrimaryGroup) -> Iterator[Divisor]:
 
 
 class TorsionLifts:
-    """The rational classes of finite order that reduce to given ones modulo a prime p ≠ 2 of good reduction."""
+    """Finds rational classes of finite order from their reductions modulo a prime p ≠ 2 of good reduction."""
 
     def __init__(self, J: Jacobian, p: int) -> None:
         self.J, self.p = J, p
         self.surface = kummer_surface(J.curve)
         self.reduced = kummer_surface(J.change_ring(GF(p)).curve)
-        # ĥ = 0 lies between h(T) + low/3 − log(bad part)/3 and an upper bound
+        # ĥ(T) = 0 is at least h(T) + low/3 − log(bad part)/3, which bounds h(T)
         low, _ = real_bounds(self.surface)
         self.bits = ceil((log(bad_part(self.surface)) - low) / 3 / log(2)) + 1
         self.digits = 1
@@ -86,7 +86,7 @@ class TorsionLifts:
         self.equation = equation(self.surface.f)
 
     def lifted(self, T: Divisor, m: int) -> Divisor | None:
-        """A rational class whose reduction is T or −T, of an order that divides m, if there is one; 2T ≠ 0, p ∤ m."""
+        """A rational class that reduces to T or −T and whose order divides m; None if there is none. 2T ≠ 0, p ∤ m."""
         x = list(self.reduced.point(T))
         # the reduction has the equation y² = F, the surface y² = scale²·F
         x[3] = x[3] * self.surface.scale**2 % self.p
@@ -117,12 +117,12 @@ class TorsionLifts:
         return self._scaled(found, i, modulus)
 
     def _solved(self, x: list[int], k: int, modulus: int) -> int:
-        """The coordinate k of a point of the surface with these others: one Newton step."""
+        """The coordinate k of the point of the surface with the other coordinates of x, after one Newton step."""
         value = sum(c * x[a] * x[b] * x[d] * x[e] for (a, b, d, e), c in self.equation.items())
         return (x[k] - value * pow(self._slope(x, k), -1, modulus)) % modulus
 
     def _slope(self, x: list[int], k: int) -> int:
-        """The derivative of the equation by the coordinate k."""
+        """The derivative at x of the surface's equation by the coordinate k."""
         total = 0
         for indices, c in self.equation.items():
             if (power := indices.count(k)) > 0:
@@ -132,7 +132,7 @@ class TorsionLifts:
         return total
 
     def _integers(self, x: list[int], modulus: int) -> list[int] | None:
-        """The only primitive integers of at most ``bits`` bits that could be this point."""
+        """The only primitive integers of at most ``bits`` bits that can be the point x modulo ``modulus``, or None."""
         fractions = [rational_of(c, modulus, 1 << self.bits) for c in x]
         if None in fractions:
             return None
@@ -142,7 +142,10 @@ class TorsionLifts:
 
 
 def rational_of(c: int, modulus: int, bound: int) -> tuple[int, int] | None:
-    """(n, d) with n ≡ cd, |n| ≤ bound, 0 < d ≤ bound and n, d without a common divisor: Euclid's algorithm."""
+    """The fraction (n, d) with n ≡ cd modulo ``modulus``, |n| ≤ bound, 0 < d ≤ bound and gcd(n, d) = 1, or None.
+
+    It is found by Euclid's algorithm.
+    """
     (r, s), (d, e) = (modulus, c % modulus), (0, 1)
     while s > bound:
         quotient = r // s
@@ -153,13 +156,13 @@ def rational_of(c: int, modulus: int, bound: int) -> tuple[int, int] | None:
 
 
 def rational_class(surface: KummerSurface, J: Jacobian, x: Coordinates | list[int] | None) -> Divisor | None:
-    """D or −D of J with κ(D) = x, integers without a common divisor up to sign, if D is rational."""
+    """A rational class D of J with κ(D) = ±x, or None if there is none; the integers x have no common divisor."""
     if x is None:
         return None
     try:
         candidates = list(_of_weight_two(surface, J, x) if x[0] else _of_less_weight(J, x))
     except JacobianError:
-        # a square root that is not rational, or no point of the curve
+        # a square root is not rational, or x belongs to no point of the curve: no class is rational
         return None
     return next((D for D in candidates if surface.point(D) in (tuple(x), tuple(-c for c in x))), None)
 
@@ -183,7 +186,7 @@ def _of_weight_two(surface: KummerSurface, J: Jacobian, x: Any) -> Iterator[Divi
 
 
 def _of_less_weight(J: Jacobian, x: Any) -> Iterator[Divisor]:
-    """The classes of a point and those of ∞₊ − ∞₋ and back."""
+    """Yields the classes of weight below two that may have κ = x: those of one affine point, ±(∞₊ − ∞₋) and 0."""
     K, weights = QQ, (0, 1, 2) if J.curve.model == "split" else (None,)
     if x[1]:
         a = K.div(K.coerce(x[2]), K.coerce(x[1]))
