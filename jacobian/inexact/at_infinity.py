@@ -18,7 +18,10 @@ from jacobian.numbers.roots import root
 
 
 class Infinity(NamedTuple):
-    """The ``lean`` of a sum, and the approximate value of y/x^(g+1) at ∞₊ with its size; h/2 is added to y."""
+    """The ``lean`` to be added to a sum, and ``plus``, the approximate value of (y + h/2)/x^(g+1) at ∞₊.
+
+    Only the phase of ``plus`` is used.
+    """
 
     lean: int
     plus: complex
@@ -30,13 +33,14 @@ def lean_of(genus: int, degree: int, n: int) -> int:
 
 
 def weight_of(genus: int, degree: int, lean: int) -> int:
-    """The weight n of a pair at ∞₊; the pair is reduced if 0 ≤ n ≤ g − deg u."""
+    """The weight n at ∞₊ of a pair with this lean and deg u = ``degree``. A pair is reduced if 0 ≤ n ≤ g − deg u."""
     return (lean - degree) // 2 + (genus + 1) // 2
 
 
 def reduced(field: Any, genus: int, f: Coefficients, total: Total, infinity: Infinity) -> tuple[Total, Number]:
-    """The reduced pair of a class with deg u ≤ g + 1, and the largest remainder of its divisions, relative to their
-    terms.
+    """The reduced pair of the class of ``total``, deg u ≤ g + 1, after steps at infinity.
+
+    Returned with it is the largest remainder of the divisions, relative to their terms.
     """
     u, v, lean, rest = total.u, total.v, total.lean + infinity.lean, field.zero
     plus = principal_part(genus, f, infinity.plus)
@@ -51,7 +55,7 @@ def reduced(field: Any, genus: int, f: Coefficients, total: Total, infinity: Inf
 
 
 def principal_part(genus: int, f: Sequence[Number], plus: complex) -> Coefficients:
-    """The polynomial part of √f at ∞₊."""
+    """The polynomial part of √f at ∞₊, ascending; ``plus`` selects one of the two roots."""
     top = root(f[-1])
     if (top * plus.conjugate()).real < 0:
         top = -top
@@ -65,9 +69,9 @@ def principal_part(genus: int, f: Sequence[Number], plus: complex) -> Coefficien
 def _turned(
     field: Any, f: Coefficients, u: Coefficients, v: Coefficients, part: Coefficients
 ) -> tuple[Coefficients, Coefficients, Number]:
-    """(u', w, remainder) with w ≡ v mod u near ``part``, and u' = (f − w²)/u, monic.
+    """(u', w, remainder): w ≡ v mod u has the leading terms of ``part``, and u' is (f − w²)/u, made monic.
 
-    f − w² = (f − part²) − (w − part)(w + part): the cancellation at infinity is exact.
+    Since f − w² = (f − part²) − (w − part)(w + part), the leading terms cancel exactly.
     """
     change = remainder(added(v, [-c for c in part]), u)
     scale = max(size(v), size(part))

@@ -1,10 +1,12 @@
 """Inexact composition: sums of Mumford pairs over RR, CC and MP.
 
-The numbers are scaled by powers of two so that the points are at |x| ≤ 1 and f is of size 1; composition commutes with
-x → 2x and y → 2y to the bit. There :mod:`jacobian.inexact.stacked` adds. More digits (:mod:`jacobian.inexact.decided`)
-are used where points, or the coefficients of the curve, are of very different sizes, or where a quantity that must
-vanish does not to rounding. The summands are then moved onto the curve, within their last bits, and degrees are decided
-by the effect of these bits. PrecisionLoss where they do not determine the sum.
+The numbers are scaled by powers of two so that the points are at |x| ≤ 1 and f is of size 1. Composition commutes with
+x → 2x and y → 2y to the bit. In these units :mod:`jacobian.inexact.stacked` adds.
+
+More digits (:mod:`jacobian.inexact.decided`) are used in two cases: if the points, or the coefficients of the curve,
+are of very different sizes, or if a remainder that must vanish exceeds rounding. The summands are then moved onto the
+curve, within their last bits, and the effect of these bits decides degrees. PrecisionLoss where they do not determine
+the sum.
 """
 
 from __future__ import annotations
@@ -26,9 +28,9 @@ __all__ = ["Sum", "add", "compose"]
 # the field's own digits are tried if f at the smallest point and its leading coefficient are at least 2^−SPREAD, in
 # units of the largest point
 SPREAD = 24
-# the largest remainders, in units of the last digit
+# the largest remainder of a division that counts as rounding, in units of the last digit
 REMAINDER = 64
-# multiples of the field's bits to try
+# multiples of the field's bits that are tried, one after the other, where its own do not suffice
 FACTORS = (4, 12)
 
 
@@ -79,7 +81,7 @@ def _split(curve: Any, *summands: Triple) -> Triple:
     lean = sum(lean_of(g, len(u) - 1, n) for u, _, n in summands if n is not None)
     pairs = [(list(u), list(v)) for u, v, _ in summands if len(u) > 1]
     units = units_of(K, curve.f, curve.h, pairs)
-    # −h/2 lies midway between the two
+    # −h/2 lies midway between the values at ∞₊ and ∞₋, so half their difference is that of y + h/2
     plus = curve.infinity_plus - curve.infinity_minus
     infinity = Infinity(lean, complex(plus / abs(plus)))
     total, lean = _careful(K, partial(_turned, g, infinity), curve.f, curve.h, pairs, units)
@@ -87,10 +89,10 @@ def _split(curve: Any, *summands: Triple) -> Triple:
 
 
 def _turned(genus: int, infinity: Infinity, field: Any, f: Coefficients, pairs: Sequence[Pair]) -> tuple[Total, Number]:
-    """The reduced sum of zero, one or two pairs with a lean, and the largest remainder."""
+    """The reduced sum of zero, one or two pairs with the lean of ``infinity``, and the largest relative remainder."""
     rest = field.zero
     if len(pairs) == 2:
-        # reduction steps preserve the parity
+        # reduction steps preserve the parity of the degree: they end at g or g + 1
         first, second = pairs
         degree = len(first[0]) + len(second[0]) - 2
         total, rest = stacked.compose(field, genus + (degree - genus) % 2, f, first, second, infinity.plus)
@@ -106,8 +108,9 @@ def negated(curve: Any, D: Triple) -> Triple:
 
 
 def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair, h: Sequence[Number] = ()) -> Sum:
-    """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² + h(x)y = f(x) of the given arithmetic genus;
-    p and q belong to y + h/2.
+    """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² + h(x)y = f(x) of the given arithmetic genus.
+
+    Its p and q belong to y + h/2 in place of y.
 
     A quartic f with ``genus=2`` is the elliptic curve with its two points at infinity glued: the sum is that of the
     generalized Jacobian with modulus ∞₊ + ∞₋, because (y − p)/x³ then takes the same value at both.
@@ -124,7 +127,10 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
 
 
 class Units(NamedTuple):
-    """The units 2^x of x and 2^y of y; the smallest nonzero abscissa is about 2^low."""
+    """The units 2^x of abscissas and 2^y of ordinates.
+
+    ``low``: the smallest nonzero abscissa of the summands is about 2^low; ``at_zero``: whether an abscissa is 0.
+    """
 
     x: int
     y: int
@@ -136,12 +142,12 @@ class Units(NamedTuple):
         return [move(c, sign * self.x * (len(u) - 1 - i)) for i, c in enumerate(u)]
 
     def of_p(self, p: Sequence[Any], move: Any, sign: int = -1, power: int = 1) -> Coefficients:
-        """A polynomial with values of the size of y (of y² with ``power=2``), in these units; see :meth:`of_u`."""
+        """p in these units; its values have the unit of y, or of y² with ``power=2``. Arguments as of :meth:`of_u`."""
         return [move(c, sign * (power * self.y - self.x * i)) for i, c in enumerate(p)]
 
 
 def units_of(field: Any, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair]) -> Units:
-    """Units in which the points of all pairs are at |x| ≤ 1 and f at |x| = 1 is of size 1."""
+    """The units in which the points of all pairs are at |x| ≤ 1 and f at |x| = 1 is of size 1."""
     sizes = [[field.exponent(c) if c else None for c in u] for u, _ in pairs]
     largest = [-((-e) // (len(u) - 1 - i)) for u in sizes for i, e in enumerate(u[:-1]) if e is not None]
     of_f = [(i, field.exponent(c)) for i, c in enumerate(f) if c]
@@ -176,7 +182,7 @@ def _quick(
 
 
 class Plain:
-    """A field for :mod:`jacobian.inexact.stacked` that raises PrecisionLoss for numbers that may be noise."""
+    """A field for :mod:`jacobian.inexact.stacked` that raises PrecisionLoss for numbers that may be only rounding."""
 
     largest = staticmethod(index_of_largest)
 
@@ -185,7 +191,7 @@ class Plain:
         self._clear = field.eps**0.5
 
     def is_zero(self, x: Number, scale: Number, of_degree: bool = True) -> bool:
-        """False if x is clear of noise; otherwise raises PrecisionLoss."""
+        """False if |x| is at least √ε of ``scale``; otherwise PrecisionLoss, because x may be only rounding."""
         if abs(x) >= self._clear * scale:
             return False
         raise PrecisionLoss("not clear of noise")
@@ -201,21 +207,21 @@ def _returned(
 
 
 def _even(f: Coefficients, units: Units) -> bool:
-    """Whether neither f at the smallest point nor its leading coefficient is small, in units of the largest point."""
+    """Whether f at the smallest point and its leading coefficient are at least 2^−SPREAD in the units of the points."""
     depth, least = units.low - units.x, 2.0**-SPREAD
     at_low = max(abs(c) * 2.0 ** max(depth * i, -1000) for i, c in enumerate(f))
     return bool(min(at_low, abs(f[-1])) >= least and not (units.at_zero and 0 < abs(f[0]) < least))
 
 
 def _centred(u: Coefficients, v: Coefficients, half: Coefficients) -> Pair:
-    """(u, v) on y² = f + h²/4, by y → y + h/2."""
+    """The pair (u, v) moved to y² = f + h²/4 by y → y + h/2; ``half`` is h/2."""
     return u, added(v, remainder(half, u)) if half and v else v
 
 
 def _careful(
     field: Any, law: Any, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair], units: Units
 ) -> tuple[Sum, int]:
-    """The sum with more digits, rounded, and its lean."""
+    """The sum computed with more digits by ``law`` and rounded to the field, and its lean."""
     from jacobian.inexact.decided import Passes
     from jacobian.inexact.digits import Digits, MoreDigits
 

@@ -1,15 +1,15 @@
 """Sums that a field's own digits do not decide: computed with more digits, several times, and compared.
 
-The summands are moved onto the curve, within their last bits, and count as exact from there on. The sum is computed
-three times: from them, from them moved by a few units of the last working bit, and from summands moved by a few units
-of the last bit *of the field*. All passes answer the questions of a pass alike: whether a quantity is zero, and which
-column is the largest. The second pass shows the error of the working precision, the third the effect of the field's own
-rounding of the summands, for any algorithm.
+The summands are moved onto the curve, within their last bits, and count as exact from there on. The sum is computed in
+three passes: from these summands, from summands moved by a few units of the last working bit, and from summands moved
+by a few units of the last bit *of the field*. The second and third pass take the decisions of the first: which
+quantities are zero, and which column is the largest. The second pass shows the error of the working precision, the
+third the effect of the field's own rounding of the summands, for any algorithm.
 
-First only a quantity that vanishes at every precision is zero. A sum that is then known relative to the effect of
-rounding is the answer: nothing was decided. Otherwise a point of the sum may be at infinity to rounding, or points of
-the summands opposite. A quantity counts as zero if one unit in the last place of the summands moves it as far as it is
-from zero. It counts as not zero if it is far larger than the effect of rounding. In between, PrecisionLoss is raised.
+At first only a quantity that vanishes at every precision counts as zero. If the sum is then known to all but its last
+digits, it is the answer. Otherwise a point of the sum may be at infinity, or points of the summands may be opposite, to
+rounding. A quantity then counts as zero if one unit in the last place of the summands moves it as far as it is from
+zero. It counts as not zero if it is far larger than the effect of rounding. In between, PrecisionLoss is raised.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from jacobian.inexact.dense import Coefficients, index_of_largest
 from jacobian.inexact.digits import Digits, MoreDigits, on_curve, places
 from jacobian.inexact.stacked import Pair, Total
 
-# a quantity is zero up to this multiple of the effect of a unit in the last place of the summands
+# a quantity counts as zero up to this multiple of the effect of a unit in the last place of the summands
 ZERO = 16
 # error of summands that are sums themselves, in units of the last place. A quantity is nonzero if it exceeds the effect
-# of such errors by NONZERO where it decides a degree, by DISTINCT if it is the distance of a point from an opposite one
+# of such errors by the factor NONZERO where it decides a degree, by DISTINCT where it decides if points are opposite
 ROUNDED, NONZERO, DISTINCT = 4, 4096, 64
-# largest relative change of a sum by rounding: where nothing was decided, and in any case
+# largest relative change of a sum by rounding: CLEAR where only exact zeros were zero, UNKNOWN in any case
 CLEAR, UNKNOWN = 2.0**-12, 2.0**-4
-# a number is resolved when it exceeds its error at the working precision by this factor
+# a number is resolved if it exceeds its error at the working precision by this factor
 RESOLVED = 2**16
 # number of random roundings of the summands that are tried where a degree depends on rounding
 WAYS = 4
@@ -41,14 +41,20 @@ Law = Callable[[Any, Coefficients, Sequence[Pair]], tuple[Total, Any]]
 
 
 class Question(NamedTuple):
-    """Is this number zero? ``of_degree``: a degree depends on it, or whether points are opposite."""
+    """A number of which a pass asked whether it is zero.
+
+    ``of_degree``: whether the answer decides a degree; otherwise it decides if points are opposite.
+    """
 
     value: Any
     of_degree: bool
 
 
 class Pass:
-    """The ``field`` of one pass of :func:`jacobian.inexact.stacked.compose`: its questions, answers and results."""
+    """The ``field`` argument of one pass of :func:`jacobian.inexact.stacked.compose`.
+
+    It records the questions asked, their answers, and the result. ``like``: an earlier pass whose columns are taken.
+    """
 
     def __init__(self, digits: Digits, answer: Callable[[int, Any], bool], like: Pass | None = None) -> None:
         self.zero, self.one, self.eps = digits.zero, digits.one, digits.eps
@@ -60,28 +66,29 @@ class Pass:
         self.rest: Any = 0
 
     def is_zero(self, x: Any, scale: Any, of_degree: bool = True) -> bool:
-        """Whether this pass counts x as zero; records the question and the answer."""
+        """Whether this pass counts x as zero. The question and the answer are recorded."""
         self.answers.append(self._answer(len(self.questions), x))
         self.questions.append(Question(x, of_degree))
         return self.answers[-1]
 
     def largest(self, sizes: Sequence[Any]) -> int:
-        """The index of the largest; a repeated pass returns the same index."""
+        """The index of the largest size, or the index that the earlier pass ``like`` found at this place."""
         largest = self._like.columns[len(self.columns)] if self._like else index_of_largest(sizes)
         self.columns.append(largest)
         return largest
 
     @property
     def coefficients(self) -> list[Any]:
-        """All numbers of the sum."""
+        """All numbers of the sum that the pass computed: the coefficients of u, v and p, and q."""
         u, v, p, q, _ = self.total
         return [*u[:-1], *v, *p, q]
 
 
 class Passes:
-    """Passes over one sum of pairs (u, v), in entered :class:`Digits`, on y² = curve with y + half for y.
+    """The passes over one sum of pairs (u, v), while the precision ``digits`` is in force.
 
-    ``even``: all sizes are moderate. ``law(field, curve, pairs)`` returns the sum and the remainders of its divisions.
+    The pairs belong to y² + 2·half·y = curve − half², and are moved to Y² = curve with Y = y + half. ``even``: whether
+    all sizes are moderate. ``law(field, curve, pairs)`` returns a sum and the largest remainder of its divisions.
     """
 
     def __init__(
@@ -91,9 +98,10 @@ class Passes:
         self._even, self._rng = even, Random(0)
 
     def sum(self, least: float) -> Total:
-        """The sum. ``least``: the size of the point of the summands that is nearest to 0.
+        """The sum of the pairs. ``least``: the absolute value of the smallest abscissa of the summands.
 
-        PrecisionLoss where rounding of the summands decides, MoreDigits where this precision does not resolve it.
+        PrecisionLoss where rounding of the summands decides a degree; MoreDigits where this precision does not resolve
+        the sum.
         """
         units = self._digits.own_eps
         first = [self._on_curve(pair) for pair in self._pairs]
@@ -112,7 +120,7 @@ class Passes:
         total = compared.sum()
         if len(total.u) == 1 or compared.first.rest <= self._digits.floor:
             return total
-        # dropped terms move the sum off the curve, within its known accuracy
+        # terms that counted as zero were dropped, which moved the sum off the curve within its accuracy
         u, v = on_curve(self._digits, self._curve, [], (total.u, total.v), self._even)
         return total._replace(u=u, v=v)
 
@@ -128,8 +136,9 @@ class Passes:
         return field
 
     def _moved(self, part: Any, floor: Any) -> list[Pair]:
-        """The summands with every coefficient changed by the given part of itself, or of its size if all points were as
-        large as the largest.
+        """The summands with every coefficient changed at random by about ``part`` of its size, moved onto the curve.
+
+        The size is at least ``floor`` times the size that it would have if all points were as large as the largest.
         """
         known = self._digits.own_eps**2
         return [self._on_curve(self._jogged(pair, part, floor), known) for pair in self._pairs]
@@ -148,8 +157,10 @@ class Passes:
 
 
 class Compared(NamedTuple):
-    """Three passes with the same answers: from the summands, from them moved in the last working bit, and from them
-    moved as sums are by rounding.
+    """Three passes with the same answers, from different summands.
+
+    ``first``: the summands themselves; ``near``: the summands moved in the last working bit; ``rounded``: the summands
+    moved as far as the field's rounding moves a sum.
     """
 
     digits: Digits
@@ -158,7 +169,7 @@ class Compared(NamedTuple):
     rounded: Pass
 
     def wrong_answer(self, ways: Sequence[Pass]) -> int | None:
-        """The first question whose answer the random roundings ``ways`` contradict; None if there is none."""
+        """The index of the first question whose answer the random roundings ``ways`` contradict, or None."""
         for k, ((x, of_degree), answer) in enumerate(zip(self.first.questions, self.first.answers, strict=True)):
             size, rounding = abs(x), abs(x - self.near.questions[k].value)
             noise = max(abs(x - way.questions[k].value) for way in ways)
@@ -173,7 +184,7 @@ class Compared(NamedTuple):
         return None
 
     def clear(self, least: float) -> bool:
-        """Whether the sum is known to all but its last digits, with only those zeros that hold at every precision."""
+        """Whether the sum is known to all but its last digits, and every zero holds at every precision."""
         asked = zip(self.first.questions, self.near.questions, self.first.answers, strict=True)
         return (
             all(zero or abs(x) >= RESOLVED * abs(x - y) for (x, _), (y, _), zero in asked)
@@ -183,7 +194,7 @@ class Compared(NamedTuple):
         )
 
     def check(self, least: float) -> None:
-        """PrecisionLoss if nothing is known of the points of the sum, MoreDigits if it is not resolved."""
+        """Raises PrecisionLoss if rounding leaves the points of the sum unknown, MoreDigits if it is not resolved."""
         asked = zip(self.first.questions, self.first.answers, strict=True)
         dropped = max((abs(x) for (x, _), zero in asked if zero), default=0)
         if (self.first.rest > self.digits.floor >= dropped) or not self._resolved():
@@ -192,7 +203,7 @@ class Compared(NamedTuple):
             raise PrecisionLoss(LOST)
 
     def sum(self) -> Total:
-        """The sum, with exact zeros for quantities that are zero at every precision."""
+        """The first pass's sum, in which numbers that vanish at every precision are replaced by exact zeros."""
         floor = self.digits.floor
         pairs = zip(self.first.coefficients, self.near.coefficients, strict=True)
         values = iter([0 * x if abs(x) <= floor and 2 * abs(x - y) > abs(x) else x for x, y in pairs])
@@ -201,7 +212,9 @@ class Compared(NamedTuple):
         return Total(*found, next(values), lean)
 
     def _resolved(self) -> bool:
-        """Whether the working precision determines every number of the sum as well as the field or the summands can."""
+        """Whether the working error of every number of the sum is below the field's last bits, or below the effect of
+        the summands' rounding.
+        """
         own, floor = self.digits.own_eps / 8, self.digits.floor
         numbers = zip(*(run.coefficients for run in (self.first, self.near, self.rounded)), strict=True)
         return all(abs(x) <= floor or abs(x - y) <= own * abs(x) or 8 * abs(x - y) <= abs(x - z) for x, y, z in numbers)

@@ -1,7 +1,7 @@
 """Polynomials of fixed length, never trimmed, and orthogonal linear algebra on a few rows.
 
-For inexact composition, on any numbers with ``+ − · /``, ``abs``, ``** 0.5`` and ``conjugate``. Polynomials are
-ascending lists.
+Inexact composition uses them on any numbers with ``+ − · /``, ``abs``, ``** 0.5`` and ``conjugate``. Polynomials are
+lists of coefficients, ascending.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ Coefficients = list[Number]
 
 
 def added(a: Sequence[Number], b: Sequence[Number]) -> Coefficients:
-    """a + b."""
+    """The sum a + b of two polynomials."""
     short, long = (a, b) if len(a) < len(b) else (b, a)
     return [*map(add, short, long), *long[len(short) :]]
 
 
 def product(a: Sequence[Number], b: Sequence[Number]) -> Coefficients:
-    """a·b."""
+    """The product a·b of two polynomials."""
     if not a or not b:
         return []
     result = [0 * a[0]] * (len(a) + len(b) - 1)
@@ -35,7 +35,7 @@ def product(a: Sequence[Number], b: Sequence[Number]) -> Coefficients:
 
 
 def divided(a: Sequence[Number], monic: Sequence[Number]) -> tuple[Coefficients, Coefficients]:
-    """(quotient, remainder) of a by a monic polynomial."""
+    """(quotient, remainder) of the division of a by a monic polynomial."""
     rest, m = list(a), len(monic) - 1
     lower = monic[:m]
     for i in range(len(rest) - m - 1, -1, -1):
@@ -46,7 +46,7 @@ def divided(a: Sequence[Number], monic: Sequence[Number]) -> tuple[Coefficients,
 
 
 def remainder(a: Sequence[Number], monic: Sequence[Number]) -> Coefficients:
-    """a mod u, of length deg u exactly."""
+    """The remainder of a modulo a monic polynomial u, a list of exactly deg u coefficients."""
     rest, lower = list(a), monic[:-1]
     m = len(lower)
     for i in range(len(rest) - m - 1, -1, -1):
@@ -57,7 +57,7 @@ def remainder(a: Sequence[Number], monic: Sequence[Number]) -> Coefficients:
 
 
 def residue(f: Sequence[Number], u: Sequence[Number], v: Sequence[Number]) -> tuple[Coefficients, Coefficients]:
-    """Quotient and remainder of f − v² by u."""
+    """(quotient, remainder) of the division of f − v² by u."""
     return divided(added(f, [-c for c in product(v, v)]), u)
 
 
@@ -80,12 +80,15 @@ def absolute(a: Sequence[Number]) -> Coefficients:
 
 
 def bound(monic: Sequence[Number]) -> Coefficients:
-    """The modulus whose remainders of absolute values bound the remainders modulo u, without cancellation."""
+    """The modulus x^m − Σ |u_i|x^i for a monic u of degree m.
+
+    Remainders modulo it of polynomials of absolute values bound the remainders modulo u, because nothing cancels.
+    """
     return [-abs(c) for c in monic[:-1]] + [abs(monic[-1])]
 
 
 def multiplication(factor: Sequence[Number], monic: Sequence[Number]) -> list[Coefficients]:
-    """The matrix of c ↦ factor·c modulo u, on coefficients."""
+    """The matrix, as rows, of the multiplication c ↦ factor·c modulo a monic polynomial, on coefficients."""
     column = remainder(factor, monic)
     columns = []
     for _ in column:
@@ -95,7 +98,7 @@ def multiplication(factor: Sequence[Number], monic: Sequence[Number]) -> list[Co
 
 
 def norm(values: Any) -> Number:
-    """The Euclidean norm."""
+    """The Euclidean norm of a vector."""
     return root(sum([abs(x) ** 2 for x in values]))
 
 
@@ -107,8 +110,9 @@ def index_of_largest(sizes: Sequence[Number]) -> int:
 def pivoted_qr(
     columns: list[Coefficients], largest: Callable[[Sequence[Number]], int] = index_of_largest
 ) -> tuple[list[int], list[Coefficients]]:
-    """Column order and R (by columns) of a QR factorisation that takes the largest remaining column first, chosen by
-    ``largest``.
+    """The order of the columns, and R by columns, of a QR factorisation with pivoting.
+
+    Each step takes the largest remaining column, chosen by ``largest``.
     """
     columns = [list(column) for column in columns]
     order = list(range(len(columns)))
@@ -121,7 +125,7 @@ def pivoted_qr(
 
 
 def null_vector(order: list[int], triangle: list[Coefficients]) -> Coefficients:
-    """The null vector of R, whose last column depends numerically on the others; entries in the original order."""
+    """The null vector of R = ``triangle``, whose last column depends on the others, in the original column order."""
     n = len(order)
     solution = _back_substitute(triangle[:-1], [-x for x in triangle[-1][: n - 1]])
     result = [*solution, 1 + 0 * triangle[-1][0]]
@@ -137,8 +141,9 @@ def least_squares(rows: list[Coefficients], right: Coefficients) -> Coefficients
 
 
 def _reflect(columns: list[Coefficients], k: int) -> None:
-    """The Householder reflection that clears column k below its diagonal, applied to columns k, k+1, …; then row k is
-    turned so that the diagonal is positive, which makes R a continuous function of the columns.
+    """Applies to columns k, k+1, … the Householder reflection that clears column k below its diagonal.
+
+    Then row k is turned so that the diagonal is positive, which makes R a continuous function of the columns.
     """
     head = columns[k][k:]
     length = norm(head)

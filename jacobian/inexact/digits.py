@@ -23,14 +23,17 @@ class MoreDigits(Exception):
 
 
 class Digits:
-    """Numbers of ``bits`` bits, real or complex, for the elements of an inexact field; to be entered with ``with``."""
+    """Numbers of ``bits`` bits, real or complex, that stand for elements of an inexact field.
+
+    They are computed inside ``with digits:``, since the precision belongs to the thread.
+    """
 
     def __init__(self, field: Any, bits: int) -> None:
         self.bits = bits
         self.field = field
         self._complex = field.complex
         self._reals = BareReals(bits)
-        # quantities that are zero at every precision stay below it
+        # quantities that vanish at every precision stay below the floor
         self.floor = self._reals.number(0.5) ** (bits // 2)
         self.eps = self._reals.number(0.5) ** bits
         self.own_eps = self._reals.number(field.eps)
@@ -44,7 +47,7 @@ class Digits:
         self._reals.__exit__(*error)
 
     def number(self, x: Any, exponent: int = 0) -> Any:
-        """An element of the field times 2^exponent."""
+        """The number x·2^exponent for an element x of the field."""
         scale = self._reals.number(2) ** exponent
         if not self._complex:
             return self._reals.number(x) * scale
@@ -70,10 +73,10 @@ class Digits:
 
 
 def on_curve(digits: Digits, f: Coefficients, half: Coefficients, pair: Pair, even: bool, known: Any = None) -> Pair:
-    """(u, v + half mod u) on y² = f near the given pair, by Newton's method with steps of least length.
+    """The pair (u, v + half mod u) on y² = f near the given (u, v), by Newton's method with steps of least length.
 
-    Every coefficient is measured by itself, or, where all sizes are moderate (``even``), at least by its share of the
-    last bit. The iteration ends with steps below the part ``known`` of that, by default those below the working digits.
+    Every coefficient is measured in units of its own size; where all sizes are moderate (``even``) the unit is at least
+    the last bit of the largest. The iteration ends with a step below ``known`` units, by default the working precision.
     """
     (u, v), size, last = map(list, pair), None, digits.own_eps
     m, known = len(u) - 1, known or digits.eps
@@ -100,7 +103,7 @@ def on_curve(digits: Digits, f: Coefficients, half: Coefficients, pair: Pair, ev
 
 
 def _scales(f: Coefficients, u: Coefficients, v: Coefficients, last: Any, even: bool) -> Coefficients:
-    """The units in which the coefficients of u, except the first, and of v are measured."""
+    """The units in which a step measures the coefficients of u, except the leading one, and of v."""
     least = last if even else last**2
     return [
         abs(c) if c != 0 and not even else max(abs(c), least * place)
@@ -109,7 +112,9 @@ def _scales(f: Coefficients, u: Coefficients, v: Coefficients, last: Any, even: 
 
 
 def places(f: Coefficients, u: Coefficients) -> Coefficients:
-    """The sizes of the coefficients of u, but the first, and of v if all points were as large as the largest."""
+    """The sizes that the coefficients of u, except the leading one, and of v would have if all points were as large as
+    the largest.
+    """
     m = len(u) - 1
     radius = max(abs(c) ** (1 / (m - i)) for i, c in enumerate(u[:-1]))
     height = max(abs(c) * radius**i for i, c in enumerate(f)) ** 0.5

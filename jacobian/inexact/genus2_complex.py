@@ -23,7 +23,7 @@ Seven = tuple[Number, Number, Number, Number, Number, Number, Number]
 
 
 def square(z: Number) -> Any:
-    """|z|²."""
+    """|z|², a real number."""
     return z.real * z.real + z.imag * z.imag
 
 
@@ -55,7 +55,7 @@ def add(f: Seven, first: Four, second: Four) -> tuple[Four, Number]:
 
 
 def cofactor(f: Seven, divisor: Four) -> tuple[Number, Number, Number, Number]:
-    """(w0, w1, w2, w3) of W = (f − V²)/U, whose w4 is f6."""
+    """The coefficients (w0, w1, w2, w3) of W = (f − V²)/U; its leading coefficient w4 is f6."""
     u0, u1, _, v1 = divisor
     w3 = f[5] - u1 * f[6]
     w2 = f[4] - u1 * w3 - u0 * f[6]
@@ -66,18 +66,18 @@ def cofactor(f: Seven, divisor: Four) -> tuple[Number, Number, Number, Number]:
 def remainder(
     a0: Number, a1: Number, a2: Number, a3: Number, a4: Number, u0: Number, u1: Number
 ) -> tuple[Number, Number]:
-    """a mod x² + u1·x + u0, deg a ≤ 4."""
+    """The two coefficients of a mod x² + u1·x + u0, deg a ≤ 4."""
     high = a3 - u1 * a4
     low = a2 - u1 * high - u0 * a4
     return a0 - u0 * low, a1 - u1 * low - u0 * high
 
 
 def chord(f: Seven, first: Four, second: Four) -> tuple[Number, Number, Number]:
-    """(q, l1, l0) of L·U ≡ q(V' − V), L·(V + V') ≡ q·W modulo U', the largest of them of size 1.
+    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0; the largest has size 1.
 
-    Each congruence is solved by itself, L = q·R/A mod U' with the resultant of A and U' below, and the two are averaged
-    with the squared resultants as weights. Where both resultants are small (opposite points) the stacked system is
-    solved by reflections.
+    Each congruence L·A ≡ q·R is solved by itself, L = q·R/A mod U', with the resultant of A and U' as the denominator.
+    The two solutions are averaged with the squared resultants as weights. Where both resultants are small (opposite
+    points) the stacked system is solved by reflections.
     """
     u0, u1, v0, v1 = first
     s0, s1, t0, t1 = second
@@ -139,15 +139,16 @@ def second_polynomial(
 ) -> tuple[Number, Number]:
     """V'' = c0 + c1·x from q·V'' ≡ −p and L·(V'' − V) ≡ −q·W for both summands, modulo U'' = x² + b1·x + b0.
 
-    Averaged like :func:`chord`; where all three are ill-conditioned, by reflections and the equation of the curve.
+    The solutions of the three congruences are averaged as in :func:`chord`. Where all three are ill-conditioned, V''
+    follows by reflections and from the equation of the curve.
     """
     v0, v1 = first[2], first[3]
     s1, t0, t1 = second[1], second[2], second[3]
     p0, p1, p2, l1 = p
-    # −p
+    # the right-hand side −p modulo U''
     high = p2 - b1 * l1
     r0, r1 = b0 * high - p0, b0 * l1 + b1 * high - p1
-    # L·V − q·W
+    # the right-hand side L·V − q·W modulo U''
     w0, w1, w2, w3 = cofactor(f, first)
     top = -q * f[6]
     r2, r3 = remainder(l0 * v0 - q * w0, l0 * v1 + l1 * v0 - q * w1, l1 * v1 - q * w2, -q * w3, top, b0, b1)
@@ -170,8 +171,9 @@ def second_polynomial(
 
 
 def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Four, right: Six) -> tuple[Number, Number]:
-    """V'' from the stacked system of :func:`second_polynomial`, solved by Householder reflections. In a direction that
-    the system does not determine, the equation of the curve does.
+    """V'' from the stacked system of :func:`second_polynomial`, solved by Householder reflections.
+
+    The equation of the curve determines V'' in a direction in which the system does not.
     """
     x2, x3, x4, x5 = factors
     r0, r1, r2, r3, r4, r5 = right
@@ -190,13 +192,13 @@ def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Fou
     size = square(q) + square(y2) + square(y3) + square(y4) + square(y5)
     overlap = q.conjugate() * r1
     overlap += y2.conjugate() * r2 + y3.conjugate() * r3 + y4.conjugate() * r4 + y5.conjugate() * r5
-    # c0 is known from c1: c0 = lean·c1 + rest
+    # c0 follows from c1: c0 = lean·c1 + rest
     inverse = turn.conjugate() * (1 / norm)
     lean, rest = -dot_y * h * inverse, -(r0 - dot_r * h) * inverse
-    # size = 0: only the curve determines the tangent
+    # with size = 0 only the curve determines the tangent
     c1 = overlap * (1 / size) if size > 0 else 0 * overlap
     c0 = lean * c1 + rest
-    # a tangent that only the curve determines: two Newton steps along the direction that the rows do not determine
+    # two Newton steps towards the curve, along the direction that the rows determine least
     for _ in range(2):
         c0, c1 = newton_step(f, b0, b1, c0, c1, lean, size / scale)
     return c0, c1
@@ -205,8 +207,9 @@ def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Fou
 def newton_step(
     f: Seven, b0: Number, b1: Number, c0: Number, c1: Number, lean: Number, noise: Any
 ) -> tuple[Number, Number]:
-    """c + t·(lean, 1), nearer to V''² ≡ f modulo U'', with t reduced where this equation is noisier than those that
-    gave c.
+    """(c0, c1) + t·(lean, 1), nearer to V''² ≡ f modulo U'' by one Newton step.
+
+    t is reduced where this equation has more rounding noise than the rows from which (c0, c1) came.
     """
     sizes = square(c0) + square(c1)
     doubt = noise * (sizes * sizes + square(f[0]) + square(f[1]))
@@ -224,8 +227,9 @@ def newton_step(
 
 
 def retracted(f: Seven, divisor: Four) -> Four:
-    """The divisor after one Newton step of least length towards f ≡ V² mod U, as
-    :func:`jacobian.inexact.retraction.retracted` makes it.
+    """The divisor after one Newton step of least length towards f ≡ V² mod U.
+
+    :func:`jacobian.inexact.retraction.retracted` is the same step for real numbers.
     """
     u0, u1, v0, v1 = divisor
     w0, w1, w2, w3 = cofactor(f, divisor)

@@ -43,11 +43,11 @@ def add(f: Six, first: Four, second: Four) -> tuple[Four, tuple[Real, Real, Real
 
 
 def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
-    """(q, l1, l0) of L·U ≡ q(V' − V), L·(V + V') ≡ q·W modulo U', the largest of them about 1.
+    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0, the largest of the three about 1.
 
-    Each congruence is solved by itself, L = q·R/A mod U' with the resultant of A and U' below, and the two are averaged
-    with the squared resultants as weights. Where both resultants are small (opposite points) the stacked system is
-    solved by reflections.
+    Each congruence L·A ≡ q·R is solved by itself, L = q·R/A mod U', with the resultant of A and U' as the denominator.
+    The two solutions are averaged with the squared resultants as weights. Where both resultants are small (opposite
+    points) the stacked system is solved by reflections.
     """
     f2, f3, f4, f5 = f[2], f[3], f[4], f[5]
     u0, u1, v0, v1 = first
@@ -76,8 +76,10 @@ def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
 
 
 def chord_apart(first: Four, second: Four) -> tuple[Real, Real, Real, bool]:
-    """(q, l1, l0) of L·U ≡ q(V' − V) modulo U', of any size, and whether that is well conditioned: no abscissa of one
-    divisor is near one of the other. A seventh of the operations of :func:`chord`.
+    """(q, l1, l0) of any size with L·U ≡ q(V' − V) modulo U', and whether this congruence is well conditioned.
+
+    It is, if no abscissa of one divisor is near an abscissa of the other. This takes a seventh of the operations of
+    :func:`chord`.
     """
     u0, u1, v0, v1 = first
     s0, s1, t0, t1 = second
@@ -130,16 +132,16 @@ def second_polynomial(
 ) -> tuple[Real, Real]:
     """V'' = c0 + c1·x from q·V'' ≡ −p and L·(V'' − V) ≡ −q·W for both summands, modulo U'' = x² + b1·x + b0.
 
-    Averaged like :func:`chord`; where all three are ill-conditioned, by reflections and the equation of the curve.
+    Averaged like :func:`chord`. Where all three are ill-conditioned, reflections and the equation of the curve give it.
     """
     f2, f3, f4, f5 = f[2], f[3], f[4], f[5]
     u0, u1, v0, v1 = first
     s0, s1, t0, t1 = second
     p0, p1, p2, l1 = p
-    # −p
+    # the right-hand side −p modulo U''
     high = p2 - b1 * l1
     r0, r1 = b0 * high - p0, b0 * l1 + b1 * high - p1
-    # L·V − q·W
+    # the right-hand side L·V − q·W modulo U''
     g3 = -q * f5
     w2 = f4 - u1 * f5
     w1 = f3 - u1 * w2 - u0 * f5
@@ -168,8 +170,9 @@ def second_polynomial(
 
 
 def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right: Six) -> tuple[Real, Real]:
-    """V'' from the stacked system of :func:`second_polynomial`, solved by Householder reflections. In a direction that
-    the system does not determine, the equation of the curve does.
+    """V'' from the stacked system of :func:`second_polynomial`, solved by Householder reflections.
+
+    The equation of the curve determines V'' in a direction in which the system does not.
     """
     x2, x3, x4, x5 = factors
     r0, r1, r2, r3, r4, r5 = right
@@ -186,18 +189,19 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
     y2, y3, y4, y5 = y2 - dot_y * x2, y3 - dot_y * x3, y4 - dot_y * x4, y5 - dot_y * x5
     r2, r3, r4, r5 = r2 - dot_r * x2, r3 - dot_r * x3, r4 - dot_r * x4, r5 - dot_r * x5
     size = q * q + y2 * y2 + y3 * y3 + y4 * y4 + y5 * y5
-    # size = 0: only the curve determines the tangent
+    # with size = 0 only the curve determines the tangent
     c1 = size if size == 0 else (q * r1 + y2 * r2 + y3 * r3 + y4 * r4 + y5 * r5) / size
     c0 = (y0 * c1 - r0) / norm
-    # a tangent that only the curve determines: two Newton steps along the direction that the rows do not determine
+    # two Newton steps towards the curve, along the direction that the rows determine least
     for _ in range(2):
         c0, c1 = newton_step(f, b0, b1, c0, c1, y0 / norm, size / scale)
     return c0, c1
 
 
 def newton_step(f: Six, b0: Real, b1: Real, c0: Real, c1: Real, lean: Real, noise: Real) -> tuple[Real, Real]:
-    """c + t·(lean, 1), nearer to V''² ≡ f modulo U'', with t reduced where this equation is noisier than those that
-    gave c.
+    """(c0, c1) + t·(lean, 1), nearer to V''² ≡ f modulo U'' by one Newton step.
+
+    t is reduced where this equation has more rounding noise than the rows from which (c0, c1) came.
     """
     f0, f1, f2, f3, f4, f5 = f
     square = c0 * c0 + c1 * c1

@@ -10,7 +10,10 @@ from jacobian.numbers.long_reals import BareReals
 
 
 class LongField(InexactField):
-    """Numbers of ``bits`` bits, real or complex, for the elements of RR, CC, MP and QQ; to be entered with ``with``."""
+    """A field of numbers of ``bits`` bits, real or complex, that stand for elements of RR, CC, MP and QQ.
+
+    They are computed inside ``with field:``, since the precision belongs to the thread.
+    """
 
     name = "long numbers"
 
@@ -42,7 +45,7 @@ class LongField(InexactField):
         self._reals.__exit__(*error)
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
-        """The number that equals an int, a float, a complex number, an mpf or an mpc."""
+        """The number of this field nearest to an int, a float, a complex number, an mpf or an mpc."""
         if isinstance(value, self._mpc):
             return value
         if self.complex:
@@ -53,11 +56,11 @@ class LongField(InexactField):
         return self._reals.number(value)
 
     def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
-        """Σ x_i y_i."""
+        """The sum Σ x_i y_i."""
         return sum([x * y for x, y in zip(xs, ys, strict=True)], self.zero)
 
     def exponent(self, x: Any) -> int | None:
-        """The e with 2^(e−1) ≤ |x| < 2^e, None for 0."""
+        """The exponent e with 2^(e−1) ≤ |x| < 2^e; None for 0."""
         return self._exponent(abs(x)) if x else None
 
     def doubled(self, x: Any, n: int) -> Any:
@@ -96,11 +99,11 @@ class LongField(InexactField):
         return self._reals.nearest(x.real)
 
     def sqrt(self, x: Any) -> Any:
-        """√x, the principal one over complex numbers; NaN for a negative real."""
+        """√x, the principal root over complex numbers; NaN for a negative real x."""
         return self._sqrt(x)
 
     def balls(self, values: Sequence[Any]) -> list[Any]:
-        """Each as flint's arb or acb, of radius 0."""
+        """The values as flint's arb or acb, balls of radius 0."""
         from flint import acb, arb
 
         def ball(x: Any) -> Any:
@@ -110,7 +113,7 @@ class LongField(InexactField):
         return [acb(ball(x.real), ball(x.imag)) if self.complex else ball(x) for x in values]
 
     def from_ball(self, x: Any) -> Any:
-        """The midpoint of flint's arb or acb."""
+        """The midpoint of a ball, flint's arb or acb, as a number of this field."""
 
         def middle(part: Any) -> Any:
             mantissa, exponent = part.mid().man_exp()

@@ -1,7 +1,7 @@
 """Long real numbers with mpmath's functions, on gmpy2: some five times as fast as mpmath.
 
-They are a field with those functions of mpmath's contexts that motions on elliptic curves use, so that these formulas
-run on the numbers of MP(digits) too.
+The field has those functions of mpmath's contexts that motions on elliptic curves use. So their formulas run on
+mpmath's numbers and on these.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from jacobian.inexact.long_field import LongField
 
 
 class LongNumbers(LongField):
-    """Real numbers of ``dps`` decimal digits, those of mpmath's precision of the same name; to be entered with
-    ``with``, as precision belongs to the thread.
+    """Real numbers of ``dps`` decimal digits, with as many bits as mpmath has for this ``dps``.
+
+    They are computed inside ``with numbers:``, since the precision belongs to the thread.
     """
 
     def __init__(self, dps: int) -> None:
@@ -49,7 +50,7 @@ class Functions:
         return self._gmpy2.const_pi()
 
     def log(self, x: Any, base: int) -> Any:
-        """log x to a base."""
+        """The logarithm of x to the given base."""
         return self._gmpy2.log(x) / self._gmpy2.log(base)
 
     def ldexp(self, x: Any, n: int) -> Any:
@@ -66,9 +67,10 @@ class Functions:
         return self.sin(self.pi * x)
 
     def elliprf(self, x: Any, y: Any, z: Any) -> Any:
-        """R_F(x, y, z) of numbers ≥ 0, one of them 0 at most, by duplication (Carlson 1995, with the series of DLMF
-        19.36.1 to the seventh order). PrecisionLoss where it has no value, such as for an argument that rounding has
-        made negative.
+        """Carlson's integral R_F(x, y, z) of numbers ≥ 0, at most one of them 0, by duplication (Carlson 1995).
+
+        The series is that of DLMF 19.36.1 to the seventh order. PrecisionLoss where the integral has no value, such as
+        for an argument that rounding has made negative.
         """
         root, one, bits = self.sqrt, self._gmpy2.mpfr(1), self.prec
         close = one / 2 ** (bits // 8 + 1)

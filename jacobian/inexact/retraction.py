@@ -15,7 +15,7 @@ __all__ = ["remainder", "retracted"]
 
 
 def remainder(f: Six, point: Four) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """f − V² = W·U + r1·x + r0 for monic U: (r0, r1, w0, w1, w2, w3)."""
+    """(r0, r1, w0, w1, w2, w3) with f − V² = W·U + r1·x + r0, for the point (u0, u1, v0, v1) and monic U."""
     u0, u1, v0, v1 = point
     w3 = f[5]
     w2 = f[4] - u1 * w3
@@ -25,10 +25,10 @@ def remainder(f: Six, point: Four) -> tuple[Any, Any, Any, Any, Any, Any]:
 
 
 def retracted(f: Six, point: Four) -> Four:
-    """The point after one Newton step of least length towards f ≡ V² mod U: the residual is squared.
+    """The point after one Newton step of least length towards f ≡ V² mod U, which squares a small residual.
 
-    Regular wherever the curve is smooth: the differential 2V·δV + W·δU mod U vanishes only where U, V and W have a
-    common root.
+    The step is regular wherever the curve is smooth: the differential 2V·δV + W·δU mod U is singular only where U, V
+    and W have a common root.
     """
     u0, u1, v0, v1 = point
     r0, r1, w0, w1, w2, w3 = remainder(f, point)

@@ -1,20 +1,20 @@
-"""The stacked linear systems of inexact composition: one formula from generic position to exact doubling and opposite
-points.
+"""The stacked linear systems of inexact composition: one formula for generic, equal, near and opposite points.
 
 Cantor's algorithm needs greatest common divisors, which do not exist in floats. Here the function q·y − p(x) that
 vanishes on both divisors is found as the null vector of a stacked linear system, by orthogonal transformations:
 
     L·U ≡ q·(V' − V)  (mod U')      and      L·(V + V') ≡ q·W  (mod U'),      W = (f − V²)/U,    p = q·V + U·L.
 
-The first congruence alone is the classical one; it loses all digits when D' approaches D. The second fails when D'
-approaches −D. Together, with q kept as an unknown, they determine p/q wherever the sum depends continuously on the
-summands: q → 0 means that a point of D' meets the opposite of a point of D. The sum has U'' ∝ (p² − q²f)/(U·U'), and
-V'' solves a system stacked in the same way, to which the equation of the curve is added, each row weighted by its
-rounding noise.
+The first congruence alone is the classical one; it loses all digits when D' = (U', V') approaches D = (U, V). The
+second fails when D' approaches −D. Together, with q kept as an unknown, they determine p/q wherever the sum depends
+continuously on the summands; q → 0 means that a point of D' meets the opposite of a point of D. The sum has U'' ∝
+(p² − q²f)/(U·U'). V'' solves a system stacked in the same way, to which the equation of the curve is added, each row
+weighted by its rounding noise.
 
-Sizes are compared directly: :mod:`jacobian.inexact.composition` chooses units in which the points are at |x| ≤ 1 and f
-is of size 1. Numbers are those of a field, or have more bits. ``field`` decides which numbers are zero and which column
-is the largest: :class:`jacobian.inexact.composition.Plain` or :class:`jacobian.inexact.decided.Pass`.
+Sizes are compared directly, since :mod:`jacobian.inexact.composition` chooses units in which the points are at |x| ≤ 1
+and f is of size 1. Numbers are those of a field, or have more bits. The argument ``field`` decides which numbers are
+zero and which column is the largest. It is a :class:`jacobian.inexact.composition.Plain` or a
+:class:`jacobian.inexact.decided.Pass`.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from jacobian.inexact.dense import (
 
 Pair = tuple[Coefficients, Coefficients]
 
-# the part of u by which p may be smaller, where the remainder of a division may be one unit in the last place
+# p may be smaller than u by this factor before the lost digits exceed those of a remainder of one unit
 FEWER = 16
 
 UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
@@ -65,11 +65,10 @@ class Total(NamedTuple):
 def compose(
     field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair, plus: complex | None = None
 ) -> tuple[Total, Number]:
-    """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² = f(x), and the largest remainder of the exact
-    divisions, relative to the size of its terms.
+    """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² = f(x), and the largest remainder.
 
-    ``plus`` is an :class:`jacobian.inexact.at_infinity.Infinity`; without it NotRepresentable where the sum has a point
-    at infinity.
+    It is the largest of the exact divisions, relative to the size of its terms. ``plus`` as in
+    :class:`jacobian.inexact.at_infinity.Infinity`; without it NotRepresentable where a point goes to infinity.
     """
     (u1, v1), (u2, v2) = first, second
     f, (w1, _), both = list(f), residue(f, u1, v1), product(u1, u2)
@@ -147,7 +146,7 @@ def _without_noise(field: Any, f: Coefficients, p: Coefficients, q: Number) -> t
 def _monic_quotient(
     field: Any, f: Coefficients, p: Coefficients, q: Number, both: Coefficients, plus: complex | None
 ) -> tuple[Coefficients, Number, int]:
-    """(p² − q²f)/(U·U'), made monic, the remainder relative to the size of the terms, and the lean."""
+    """(p² − q²f)/(U·U') made monic, its relative remainder, and the lean; ``both`` is U·U'."""
     psi, lean = product(p, p), 0
     terms = size(psi)
     if q:
@@ -160,9 +159,9 @@ def _monic_quotient(
 
 
 def _vanishing(field: Any, psi: Coefficients, lead: Number, plus: complex | None, scale: Number) -> int:
-    """The lean of a function y − w that vanishes at infinity, ``lead`` the leading coefficient of w.
+    """The lean of a function y − w that vanishes at infinity; ``lead`` is the leading coefficient of w.
 
-    The leading coefficients of ψ = w² − f that are zero because of it are removed.
+    The leading coefficients of ``psi`` ∝ w² − f, which then are zero, are removed.
     """
     if plus is None:
         raise NotRepresentable(_AT_INFINITY)
@@ -188,7 +187,7 @@ def _second_polynomial(
     modulus, unit = bound(u), size(f) ** 0.5
 
     def stack(factor: Coefficients, value: Coefficients, noise: Coefficients) -> None:
-        # at a point at 0 remainders do not show the noise of the factor's first coefficient
+        # if U'' has a root at 0, remainders do not show the noise of the factor's first coefficient
         least = field.eps**0.5 * size(factor)
         weight = size(remainder(noise, modulus)) + unit * (size(remainder(absolute(factor), modulus)) + least) or 1
         for row, c in zip(multiplication(factor, u), remainder(value, u), strict=True):
@@ -199,13 +198,13 @@ def _second_polynomial(
     for slope, v, w in summands:
         noise = added(product(absolute(slope), absolute(v)), [abs(q * c) for c in w])
         stack(slope, added(product(slope, v), [-q * c for c in w]), noise)
-    # below the noise of those rows: it selects a small one of the solutions that opposite points allow
+    # rows below the noise of the others: of the solutions that opposite points allow they select a small one
     small = field.eps / (unit or 1)
     rows.extend([small if i == j else field.zero for j in range(m)] for i in range(m))
     right.extend([field.zero] * m)
     solution = least_squares(rows, right)
-    # the tangent at a point of D + D' that comes from opposite points is known from the curve alone; every round
-    # doubles the order to which it is
+    # only the curve determines the tangent at a multiple point of D + D' if opposite points cancelled; every round
+    # doubles the order to which the tangent is known
     for _ in range(max(2, m.bit_length())):
         del rows[3 * m :], right[3 * m :]
         sizes = absolute(solution)
@@ -219,7 +218,7 @@ def _second_polynomial(
 def _reduction_step(
     field: Any, f: Coefficients, u: Coefficients, v: Coefficients, plus: complex | None
 ) -> tuple[Coefficients, Coefficients, int]:
-    """One step of Cantor's reduction (u, v) → ((f − v²)/u, −v), and its lean."""
+    """The pair after one step of Cantor's reduction (u, v) → ((f − v²)/u, −v), and the lean of that step."""
     scale = max(size(v), size(f) ** 0.5)
     v = list(v)
     while v and field.is_zero(v[-1], scale):
@@ -241,7 +240,7 @@ def departure(f: Coefficients, u: Coefficients, v: Coefficients) -> Number:
 
 
 def _mismatch(u: Coefficients, v: Coefficients, p: Coefficients, q: Number, terms: Coefficients) -> Number:
-    """The largest remainder p + q·v mod u, relative to the size of its terms; those of p are given."""
+    """The largest remainder p + q·v mod u, relative to the size of its terms; ``terms`` are those of p."""
     return _share(remainder(added(p, [q * c for c in v]), u), added(terms, [abs(q * c) for c in v]), u)
 
 
