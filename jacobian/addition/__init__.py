@@ -1,2 +1,2 @@
-"""Exact addition of reduced triples by Cantor's algorithm, explicit formulas, NUCOMP or compiled code, and the choice
-between them."""
+"""Exact addition of reduced triples, and the choice of its method: Cantor's algorithm, explicit formulas, NUCOMP or
+compiled code."""

@@ -1,8 +1,8 @@
 """One addition, doubling or multiple of reduced triples, each in a single call of compiled code.
 
 The loops are those of :mod:`jacobian.addition.class_loops`, compiled for a kind of field and of equation at their first
-use; what is compiled stays on disk. Over fields of word size they cover all classes of all curves. Over GF(p), p of two
-words, and GF(2^n), n < 128, there are explicit formulas alone, and the kernel in Python does the rest.
+use; the compiled code stays on disk. Over fields of word size they cover all classes of all curves. Over GF(p), p of
+two words, and GF(2^n), n < 128, only explicit formulas are compiled, and the Python kernel takes the special cases.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from jacobian.numbers.words import Wide64, word_context
 
 
 def context(K: Any) -> Any:
-    """The context of a word-size field. The class is the same for all primes: each needs a compilation of its own, and
-    a narrower one would save only a tenth of a multiple's time.
+    """The context of a word-size field. All primes share one class of contexts: each class needs its own compilation,
+    and one for small primes would save only a tenth of a multiple's time.
     """
     return table_context(K) if isinstance(K, TableField) else Wide64(*word_context(K.p, 64))
 
@@ -43,7 +43,7 @@ def two_word_context(K: Any) -> TwoWords | BinaryContext:
 
 
 def library_of(K: Any, equation: Any) -> Library:
-    """The compiled loops for a context and an equation, or Plain()."""
+    """The compiled loops for a context K and an equation; ``Plain()`` stands for Cantor's algorithm alone."""
     return library(K.__class__, equation.__class__)
 
 
@@ -55,7 +55,7 @@ def library(context: type, model: type) -> Library:
     head = CONTEXTS[context], record(model, *[item] * len(model._fields))  # type: ignore[attr-defined]
     kinds: dict[str, tuple[Any, ...]] = {}
     if short:
-        # scratch, two classes or one, and for a multiple the scalar and its digits
+        # the arguments: scratch memory, then two classes or one, and for a multiple the scalar and its digits
         kinds["sum_in_place"] = (INTS, Objects((Rows(ROWS), INTS)))
         kinds["multiple_in_place"] = (INTS, Objects((Rows(ROWS), INTS, BYTES, INTS), unlocked=True))
     if model is not Plain:
@@ -72,7 +72,7 @@ def library(context: type, model: type) -> Library:
 class WordKernel:
     """Addition, doubling and multiples of reduced triples on one curve, an arithmetic model over a word-size field.
 
-    Sums are Cantor's; a multiple takes the formulas of ``equation`` where they apply.
+    Sums run Cantor's algorithm; a multiple takes the explicit formulas of ``equation`` where they apply.
     """
 
     def __init__(self, C: HyperellipticCurve, equation: Any = None) -> None:
@@ -80,7 +80,7 @@ class WordKernel:
         equation = Plain() if equation is None else equation
         run, curve = library_of(K, equation), packed_curve(C, K.to_word)
         self._sum, self._times = (each(K, equation, curve) for each in (run.sum_in_place, run.multiple_in_place))
-        # what the compiled calls point to, and scratch memory for a sum, during which no other thread runs
+        # the compiled calls get the addresses of these arrays; no two sums run at once, so one scratch memory is enough
         self._pointed, self._size = (K, curve), 8 * ROWS * (4 * g + 8)
         self._room, self._split, self._middle = bytearray(self._size), C.model == "split", 4 + g
         self._result = Struct(f"{width(g)}q")
@@ -115,14 +115,14 @@ class WordKernel:
 
 
 def scalar(m: int) -> tuple[bytes, bytearray]:
-    """m > 0 in bytes, and memory for its signed digits."""
+    """The little-endian bytes of m > 0, and memory for its signed digits."""
     size = (m.bit_length() + 7) >> 3
     return m.to_bytes(size, "little"), bytearray(64 * size + 8)
 
 
 class ExplicitKernel:
-    """Addition and doubling by explicit formulas on a curve with a short equation, in the context K; ``others`` has the
-    same functions for the special cases.
+    """Addition and doubling by explicit formulas on a curve with a short equation, in the context K. Special cases go
+    to the kernel ``others``.
     """
 
     def __init__(self, C: HyperellipticCurve, K: Any, equation: Any, others: Any) -> None:

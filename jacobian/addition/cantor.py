@@ -26,7 +26,7 @@ def zero(C: HyperellipticCurve) -> Triple:
 
 
 def weight_of_zero(C: HyperellipticCurve) -> int | None:
-    """The n of the identity."""
+    """The weight n of the identity at ∞₊: ⌈g/2⌉ on a split model, None on others."""
     return (C.genus + 1) // 2 if C.model == "split" else None
 
 
@@ -52,8 +52,8 @@ def compose(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
 
 
 def _assembled(C: HyperellipticCurve, d: Poly, u1: Poly, u2: Poly, v: Poly, k: Poly, weights: int | None) -> Triple:
-    """(u₁u₂, v + u₂·(k mod u₁)) and the weight. d is already divided out of u₁ and u₂; each point so removed adds one
-    to the weight.
+    """The triple (u₁u₂, v + u₂·(k mod u₁), n). The factor d is already divided out of u₁ and u₂; each of its roots adds
+    1 to the weight n.
     """
     K = C.field
     u, v = mul(K, u1, u2), add(K, v, mul(K, u2, mod(K, k, u1)))
@@ -63,7 +63,7 @@ def _assembled(C: HyperellipticCurve, d: Poly, u1: Poly, u2: Poly, v: Poly, k: P
 
 
 def _common_part(C: HyperellipticCurve, d: Poly, trace: Poly, k: Poly, u: Poly, v: Poly) -> tuple[Poly, Poly]:
-    """(gcd(d, trace), the k of :func:`compose` for it)."""
+    """Replaces d = gcd(u₁, u₂) by gcd(d, trace), trace = v₁+v₂+h; returns it with the matching k of :func:`compose`."""
     K = C.field
     common, t = half_xgcd(K, d, trace)
     if not t:
@@ -138,7 +138,8 @@ def reflect(C: HyperellipticCurve, u: Poly, v: Poly, n: int | None) -> Triple:
     """The same class, written with the other zeros of y − v: u' = (f − hv − v²)/u, v' = −v − h modulo u'.
 
     y − v has a pole of order a₊ at ∞₊, so div(u, v) ~ div(u', v') + (a₊ − deg u')∞₊ + (a₋ − deg u')∞₋. A pole is of
-    order max(deg v, g+1) unless v and y agree in their leading terms there; a₊ + a₋ = deg u + deg u' gives that one.
+    order max(deg v, g+1) unless v and y agree in their leading terms there; then a₊ + a₋ = deg u + deg u' gives its
+    order.
     """
     K = C.field
     sum_ = add(K, v, C.h)

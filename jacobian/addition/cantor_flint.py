@@ -46,7 +46,7 @@ class FlintCantor:
         self.genus, self.split = C.genus, C.model == "split"
         self.limit = C.genus + self.split
         if self.split:
-            # V₊ and V₋ with the leading coefficient of V₊
+            # V₊, V₋ and the leading coefficient of V₊
             self.parts = tuple(map(self._into, C.principal_parts))
             self.lead = self._into((C.infinity_plus,))[0]
 
@@ -62,7 +62,9 @@ class FlintCantor:
         return self._reduced(u, v, n)
 
     def composed(self, a: Flint, b: Flint) -> tuple[Any, Any, int | None, Any]:
-        """(u, v, n) of a + b before reduction, and :func:`jacobian.addition.cantor.cancelled`; all are flint's."""
+        """(u, v, n, d) in flint's polynomials: a + b before reduction, and d =
+        :func:`jacobian.addition.cantor.cancelled`.
+        """
         (u1, v1, n1), (u2, v2, n2) = a, b
         d, _, s = u1.xgcd(u2)
         k = s * (v1 - v2)
@@ -73,7 +75,7 @@ class FlintCantor:
         return self._assembled(u1, u2, v2, k, d, None if n1 is None or n2 is None else n1 + n2)
 
     def doubled(self, a: Flint) -> tuple[Any, Any, int | None, Any]:
-        """:meth:`composed` for a + a."""
+        """(u, v, n, d) as in :meth:`composed`, for a + a."""
         u, v, n = a
         d, _, t = u.xgcd(v + v + self.h)
         k = t * self._cofactor(u, v)
@@ -87,12 +89,12 @@ class FlintCantor:
     def _assembled(
         self, u1: Any, u2: Any, v: Any, k: Any, d: Any, weights: int | None
     ) -> tuple[Any, Any, int | None, Any]:
-        """(u₁u₂, v + u₂·(k mod u₁), n, d), from u₁ and u₂ without the points of d."""
+        """(u₁u₂, v + u₂·(k mod u₁), n, d). The factor d is already divided out of u₁ and u₂."""
         n = None if weights is None else weights + d.degree() - (self.genus + 1) // 2
         return u1 * u2, v + u2 * (k % u1), n, d
 
     def reductions(self, u: Any, v: Any, n: int | None) -> Iterator[tuple[Any, Flint]]:
-        """The steps of :func:`jacobian.addition.cantor.reduce`: for each the v of y − v, and (u', v', n')."""
+        """Yields (v, (u', v', n')) for each step of :func:`jacobian.addition.cantor.reduce`, by the function y − v."""
         while u.degree() > self.limit:
             line = v
             u, v, n = self._reflect(u, v, n)
@@ -115,7 +117,7 @@ class FlintCantor:
         return self._back(u), self._back(v % u), n
 
     def _reflect(self, u: Any, v: Any, n: int | None) -> tuple[Any, Any, int | None]:
-        """:func:`jacobian.addition.cantor.reflect`, without making u' monic."""
+        """The triple of :func:`jacobian.addition.cantor.reflect`, but u' is not made monic."""
         other = self._cofactor(u, v)
         if n is not None:
             size = self.genus + 1

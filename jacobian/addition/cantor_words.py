@@ -24,8 +24,8 @@ _HEAD = 7
 
 
 def packed_curve(C: HyperellipticCurve, to_word: Any) -> Any:
-    """The curve as an array of words: genus, whether it is split, the lengths of f, h, V₊ and V₋, the value of
-    y/x^(g+1) at ∞₊, then the four polynomials.
+    """The curve as an array of words: its genus, 1 if it is split, the lengths of f, h, V₊ and V₋, the value of
+    y/x^(g+1) at ∞₊, then these four polynomials.
     """
     parts = C.principal_parts if C.model == "split" else ((), ())
     polynomials = (C.f, C.h, *parts)
@@ -136,7 +136,7 @@ def _divide(K: Any, q: Any, r: Any, size: Any, b: Any, nb: Any) -> Any:
 
 
 def _half_xgcd(K: Any, S: Any, d: Any, s: Any, a: Any, na: Any, b: Any, nb: Any) -> Any:
-    """(length of d, length of s): d = gcd(a, b), monic, and s·b ≡ d modulo a."""
+    """Writes the monic d = gcd(a, b) and an s with s·b ≡ d modulo a; returns the lengths of d and s."""
     r0, r1, s0, s1, q = S[0], S[1], S[2], S[3], S[4]
     n0, n1, m0, m1 = _copy(r0, a, na), _copy(r1, b, nb), 0, 1
     s1[0] = K.one
@@ -161,13 +161,13 @@ def _half_xgcd(K: Any, S: Any, d: Any, s: Any, a: Any, na: Any, b: Any, nb: Any)
 
 
 def equation(curve: Any) -> Any:
-    """(f, its length, h, its length), without leading zeros."""
+    """The tuple (f, length of f, h, length of h), the lengths without leading zeros."""
     begin = _HEAD + curve[2]
     return curve[_HEAD:begin], curve[2], curve[begin : begin + curve[3]], curve[3]
 
 
 def _cofactor(K: Any, curve: Any, S: Any, q: Any, u: Any, nu: Any, v: Any, nv: Any) -> Any:
-    """(f − hv − v²)/u."""
+    """Writes (f − hv − v²)/u to q and returns its length."""
     f, nf, h, nh = equation(curve)
     trace, rest = S[5], S[6]
     size = _product(K, rest, v, nv, trace, _sum(K, trace, v, nv, h, nh))
@@ -194,7 +194,7 @@ def add_classes(K: Any, curve: Any, S: Any, first: Any, second: Any, result: Any
 
 
 def _without(K: Any, S: Any, r: Any, u: Any, nu: Any, d: Any, nd: Any) -> Any:
-    """u/d."""
+    """Writes u/d to r and returns its length."""
     if nd == 1:
         return _copy(r, u, nu)
     return _divide(K, r, S[6], _copy(S[6], u, nu), d, nd)[0]

@@ -2,15 +2,15 @@
 
 The choice follows measurements (``python -m benchmarks single nucomp heights``). Genus 2 takes explicit formulas,
 except where Python's arithmetic is slow; so does genus 3 over GF(p) on y² = x⁷ + … and on split models with h = 0.
-:func:`jacobian.addition.cantor_flint.pays` decides what goes to python-flint. The rest runs Cantor's algorithm in
-Python or, from a genus on that depends on the model, NUCOMP. All give the same triples.
+:func:`jacobian.addition.cantor_flint.pays` selects the curves that python-flint adds on. On all other curves Cantor's
+algorithm runs in Python, or NUCOMP from a genus on that depends on the model. All give the same triples.
 
 Over fields of word size (GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements), and over GF(p), 2^63 < p < 2^128, and
 GF(2^n), 16 < n < 128, where explicit formulas apply, the compiled kernels of :mod:`jacobian.addition.calls` are faster
-than all of them. They have to be compiled at their first use on a machine, and loaded by each process. So a group
-starts with one of the kernels above. It switches when the process has spent as much work on such groups as the switch
-costs: READY additions if the kernels are on disk (``python -m jacobian compile`` puts them there), else COLD ones.
-:meth:`jacobian.group.Jacobian.compile` switches at once.
+than all of these. They have to be compiled at their first use on a machine, and loaded by each process. So a group
+starts with one of the kernels above. It switches to the compiled one as soon as the process has done as many additions
+on such groups as the switch costs: READY additions if the kernels are on disk (``python -m jacobian compile`` puts them
+there), else COLD ones. :meth:`jacobian.group.Jacobian.compile` switches at once.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ PROCESS = Work()
 
 
 class Kernel(NamedTuple):
-    """Addition, doubling and multiples by m > 0 of reduced triples on one curve, an arithmetic model."""
+    """Three functions of reduced triples on one arithmetic model: addition, doubling, and multiples by m > 0."""
 
     sum_of: Addition
     double: Doubling
@@ -112,28 +112,28 @@ def _with_ladder(C: HyperellipticCurve, sum_of: Addition, double: Doubling) -> K
 
 
 def is_word_sized(C: HyperellipticCurve) -> bool:
-    """Whether there are compiled kernels for C: over GF(p), p < 2^63 odd, and GF(p^k) of at most 2^16 elements."""
+    """Whether C has a compiled kernel of word size: over GF(p), p < 2^63 odd, and GF(p^k) of at most 2^16 elements."""
     K = C.field
     return isinstance(K, TableField) or (type(K) is PrimeField and 2 < K.p < 1 << 63)
 
 
 def is_two_words_long(C: HyperellipticCurve) -> bool:
-    """Whether there are compiled formulas of two words for C: genus 2 with, for odd p, h = 0 and, in degree 5, a monic
-    f; genus 3 on y² = x⁷ + … over GF(p).
+    """Whether compiled formulas exist for C over a field whose elements take two words. They exist in genus 2, for odd
+    p with h = 0 and in degree 5 a monic f, and in genus 3 on y² = x⁷ + … over GF(p).
     """
     return has_two_words(C.field) and short_equation(C, int) is not None
 
 
 def has_two_word_rows(C: HyperellipticCurve) -> bool:
-    """Whether arrays on C are compiled on two words. The condition is that of :func:`is_two_words_long`, but for any h
-    and f, since arrays are first moved to a short equation.
+    """Whether compiled loops exist for arrays of classes of C over a field whose elements take two words. As in
+    :func:`is_two_words_long`, but with any h and f, since arrays are first moved to a short equation.
     """
     septic = C.genus == 3 and C.model == "ramified" and C.field.characteristic != 2
     return has_two_words(C.field) and (C.genus == 2 or septic)
 
 
 def has_two_words(K: Field[Any]) -> bool:
-    """Whether K is GF(p) for an odd p of two words, or GF(2^n) of at most two words without tables of logarithms."""
+    """Whether K is GF(p) for an odd p of two words, or GF(2^n) of at most two words but without a logarithm table."""
     if type(K) is PrimeField:
         return 1 << 63 < K.p < 1 << 128
     return isinstance(K, DigitField) and K.p == 2 and K.degree <= MOST_DEGREE
@@ -150,8 +150,8 @@ def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
 
 
 class Counted:
-    """A kernel that counts its additions. It switches to the compiled kernel when all such groups together have done
-    enough additions.
+    """A kernel that counts its additions. It switches to the compiled kernel when all groups that share its ``work``
+    have done enough additions together.
     """
 
     def __init__(self, C: HyperellipticCurve, chosen: Kernel, adopt: Callable[[Kernel], None], work: Work) -> None:
@@ -175,7 +175,7 @@ class Counted:
 
     def multiple(self, m: int, a: cantor.Triple) -> cantor.Triple:
         """The reduced triple of m·a, m > 0."""
-        # a doubling for each bit and an addition for every fifth
+        # a multiple takes a doubling for each bit of m and an addition for every fifth bit
         self._left -= m.bit_length() * 6 // 5
         if self._left < 0:
             self._account()
@@ -210,7 +210,7 @@ def _is_kept(C: HyperellipticCurve) -> bool:
 
 
 def costs(C: HyperellipticCurve) -> tuple[int, int]:
-    """(ready, cold): the additions in the time of obtaining C's compiled kernels, if they are on disk and if not."""
+    """Numbers of additions that take as long as loading C's compiled kernels from disk, and as compiling them."""
     return (BINARY_READY, BINARY_COLD) if not is_word_sized(C) and C.field.characteristic == 2 else (READY, COLD)
 
 

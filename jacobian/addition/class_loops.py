@@ -1,8 +1,8 @@
 """Sums, doubles and multiples of single classes: loops to be compiled, for every context and equation.
 
-Explicit formulas add in general position. Over a field of word size Cantor's algorithm does the rest in compiled code
-too (:mod:`jacobian.addition.cantor_words`), step by step in the ladder of a multiple. Other contexts report a special
-case to the caller. All loops run in Python unchanged.
+Explicit formulas add two classes in general position. In a special case Cantor's algorithm takes over: over fields of
+word size in compiled code, :mod:`jacobian.addition.cantor_words`, also within a multiple. In other contexts the loop
+reports the special case to its caller. Without compilation the same functions run in Python.
 """
 
 from __future__ import annotations
@@ -37,17 +37,17 @@ ROWS = ODD + 8
 
 
 def sum_of(K: Any, C: Any, first: Any, second: Any) -> Any:
-    """(whether the case is general, the sum), in words."""
+    """Adds two classes of words: (True, the sum), or (False, ``first``) if the explicit formulas do not apply."""
     return from_quotient(K, C, chord(K, C, first, second), first, second)
 
 
 def double_of(K: Any, C: Any, first: Any) -> Any:
-    """The same for the double."""
+    """Doubles a class of words, with the result of :func:`sum_of`."""
     return from_quotient(K, C, tangent(K, C, first), first, first)
 
 
 def from_quotient(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> Any:
-    """The same from the first half."""
+    """Finishes :func:`sum_of` or :func:`double_of` from the quotient, the first half of the sum."""
     multiple = canonical(K, product(K, C, quotient))
     if multiple == 0:
         return False, first
@@ -55,27 +55,27 @@ def from_quotient(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> Any
 
 
 def returned(K: Any, C: Any, general: Any, found: Any) -> Any:
-    """(u, v, whether the case is general and v has all its coefficients), in residues."""
+    """Returns (u, v, valid) in residues; ``valid`` means that the formulas applied and that v has degree g − 1."""
     u, v = decoded(K, C, found)
     return u, v, general and v[len(v) - 1] != 0
 
 
 def add_classes(K: Any, C: Any, u: Any, v: Any, other_u: Any, other_v: Any) -> Any:
-    """What :func:`returned` does, for the sum of two classes of weight g."""
+    """Adds two classes of weight g, given in residues; returns the triple of :func:`returned`."""
     general, found = sum_of(K, C, encoded(K, C, u, v), encoded(K, C, other_u, other_v))
     return returned(K, C, general, found)
 
 
 def double_class(K: Any, C: Any, u: Any, v: Any) -> Any:
-    """The same for a double."""
+    """Doubles a class of weight g, given in residues; returns the triple of :func:`returned`."""
     general, found = double_of(K, C, encoded(K, C, u, v))
     return returned(K, C, general, found)
 
 
 def multiple_of_class(K: Any, C: Any, u: Any, v: Any, scalar: Any, digits: Any, odd: Any) -> Any:
-    """The same for a multiple by a scalar > 0 in little-endian bytes; the case is general if all steps are.
+    """Multiplies a class of weight g by a scalar > 0 in little-endian bytes; returns the triple of :func:`returned`.
 
-    ``digits``, with 0 for each bit and one more, and ``odd``, with a column for each odd digit, are scratch.
+    Scratch memory: ``digits`` has a zero for each bit and one more, ``odd`` a column for each odd digit.
     """
     position, first = signed_windows(scalar, 5, digits), encoded(K, C, u, v)
     keep(odd, 0, first)
@@ -99,8 +99,8 @@ def multiple_of_class(K: Any, C: Any, u: Any, v: Any, scalar: Any, digits: Any, 
 
 
 def signed_windows(scalar: Any, width: int, digits: Any) -> Any:
-    """Writes the :func:`jacobian.addition.ladder.signed_digits` of a scalar > 0 into ``digits``, which are 0; returns
-    the place of the last one that is not 0.
+    """Writes the :func:`jacobian.addition.ladder.signed_digits` of a scalar > 0 into ``digits``, an array of zeros.
+    Returns the index of the most significant digit.
     """
     size, position, carry, last = 8 * len(scalar), 0, 0, 0
     while position <= size:
@@ -132,7 +132,7 @@ def twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
 
 
 def explicit_plus(K: Any, C: Any, curve: Any, S: Any, a: Any, b: Any, result: Any) -> None:
-    """The sum by explicit formulas where they apply."""
+    """result = a + b by explicit formulas where they apply, else by Cantor's algorithm."""
     g = curve[0]
     if a[0] == g + 1 and b[0] == g + 1:
         general, found = sum_of(K, C, class_in(K, C, a), class_in(K, C, b))
@@ -143,7 +143,7 @@ def explicit_plus(K: Any, C: Any, curve: Any, S: Any, a: Any, b: Any, result: An
 
 
 def explicit_twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
-    """The double by explicit formulas where they apply."""
+    """result = a + a by explicit formulas where they apply, else by Cantor's algorithm."""
     g = curve[0]
     if a[0] == g + 1:
         general, found = double_of(K, C, class_in(K, C, a))
@@ -154,12 +154,12 @@ def explicit_twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> N
 
 
 def plain_plus(K: Any, C: Any, curve: Any, S: Any, a: Any, b: Any, result: Any) -> None:
-    """The sum by Cantor's algorithm."""
+    """result = a + b by Cantor's algorithm."""
     cantor_words.add_classes(K, curve, S, a, b, result)
 
 
 def plain_twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
-    """The double by Cantor's algorithm."""
+    """result = a + a by Cantor's algorithm."""
     cantor_words.double_class(K, curve, S, a, result)
 
 
@@ -170,7 +170,7 @@ STEPS: dict[str, dict[type, Any]] = {
 
 
 def put(K: Any, g: Any, found: Any, result: Any) -> None:
-    """Writes a class of weight g, and of weight 0 at infinity, into an array."""
+    """Writes ``found``, a class with deg u = g and hence n = 0, into an array of :mod:`cantor_words`."""
     place = g + 2
     for x in found:
         result[place] = x
@@ -198,7 +198,7 @@ def enter(K: Any, g: Any, data: Any, header: Any, begin: Any, a: Any) -> Any:
 
 
 def leave(K: Any, g: Any, a: Any, data: Any) -> None:
-    """Writes the class a into ``data``, in field elements."""
+    """Writes the class a into ``data``, its words decoded to field elements."""
     data[0], data[1], data[2] = a[0], a[1], a[2]
     for i in range(3, 2 * g + 4):
         data[i] = decode(K, a[i])
@@ -213,7 +213,7 @@ def sum_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any) -> None:
 
 
 def multiple_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any, scalar: Any, digits: Any) -> None:
-    """Replaces the class in ``data`` by its multiple; scalar and digits as in :func:`multiple_of_class`."""
+    """Replaces the class in ``data`` by scalar times it; ``scalar``, ``digits`` as in :func:`multiple_of_class`."""
     g, total, other = curve[0], S[TOTAL], S[OTHER]
     width = 2 if len(scalar) < 2 else 4 if len(scalar) < 24 else 5
     position = signed_windows(scalar, width, digits)

@@ -1,8 +1,9 @@
-"""Python code from formulas: addition and doubling of triples, on ints modulo p or in any field.
+"""Writes Python code from formulas: addition and doubling of triples, on ints modulo p or in any field.
 
-:func:`text_of` returns the code, which a reader may look at, and :func:`maker` what it defines. On ints a sum of
-products is reduced once, where it becomes a factor or a result. In CPython a call costs as much as a product of machine
-words, so fewer products for more sums gain nothing there. A field gets the operations of the formulas as they stand.
+:func:`text_of` returns the code as text, and :func:`maker` the function that it defines. On ints a sum of products is
+reduced once, where it becomes a factor or a result. In CPython an addition costs as much as a product of machine words,
+so saving products by more sums gains nothing there. In other fields the code has the operations of the formulas as they
+stand.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ Written = tuple[str, int]
 
 
 class OnInts:
-    """How operations on ints modulo p are written."""
+    """The style of code for ints modulo p."""
 
     needs = ("p",)
     zero, one = "0", "1"
@@ -62,7 +63,7 @@ class OnInts:
 
 
 class OnElements:
-    """How operations of a field are written."""
+    """The style of code for elements of a field."""
 
     needs = ("add", "sub", "mul", "neg", "inv", "zero", "one")
     zero, one = "zero", "one"
@@ -92,7 +93,7 @@ def _listed(letter: str, count: int) -> str:
 
 
 def lines_of(tape: Tape, results: dict[int, str], style: OnInts | OnElements, otherwise: str) -> list[str]:
-    """The lines that compute the results, which have names; ``otherwise`` is the line for what has no inverse."""
+    """The lines that compute ``results`` (operation: name), with ``otherwise`` run where an inverse does not exist."""
     live = tape.live(results)
     uses, inverted = tape.uses(live, results), {tape.operands(i)[0] for i in live if tape.operations[i][0] == "inv"}
     factors = inverted.union(*(tape.operands(i) for i in live if tape.operations[i][0] == "mul"))
@@ -127,7 +128,7 @@ def lines_of(tape: Tape, results: dict[int, str], style: OnInts | OnElements, ot
 def _function(
     formulas: Formulas, known: dict[str, int], style: OnInts | OnElements, name: str, given: str
 ) -> list[str]:
-    """The lines of the addition, given two triples "ab", or of the doubling, given "a"."""
+    """The lines of the addition if ``given`` is "ab", two triples, or of the doubling if it is "a"."""
     g, names = formulas.genus, (("a", "b"), ("c", "d"))[: len(given)]
     tape = Tape(known["characteristic"] == 2, style.karatsuba)
     C = formulas.equation(known, tape)
@@ -150,8 +151,8 @@ def _function(
 def text_of(formulas: Formulas, known: tuple[tuple[str, int], ...], style: Any) -> str:
     """The text of a function ``made`` that returns (sum_of, double) for one curve, as methods.
 
-    ``known`` has the coefficients that are 0 or 1, and the characteristic where it is 2; the other coefficients are
-    arguments of ``made``, after what the style needs.
+    ``known`` has the coefficients that are 0 or 1, and the characteristic if it is 2. The arguments of ``made`` are
+    those that the style needs, then the other coefficients.
     """
     table = {"characteristic": 0, **dict(known)}
     unknown = [name for name in formulas.coefficients if name not in table]
@@ -166,7 +167,7 @@ def text_of(formulas: Formulas, known: tuple[tuple[str, int], ...], style: Any) 
 
 @cache
 def maker(formulas: Formulas, known: tuple[tuple[str, int], ...], style: Any) -> Callable[..., Any]:
-    """The function of :func:`text_of`."""
+    """The function ``made`` that the text of :func:`text_of` defines."""
     defined: dict[str, Any] = {"cantor": cantor, "trimmed": trimmed}
     exec(compile(text_of(formulas, known, style), "<explicit formulas>", "exec"), defined)
     made: Callable[..., Any] = defined["made"]

@@ -1,9 +1,9 @@
-"""Python code from formulas, in the operations of :mod:`jacobian.numbers.words`, for loops that are compiled.
+"""Writes Python code from formulas, in the operations of :mod:`jacobian.numbers.words`, for loops to be compiled.
 
-:func:`texts` returns the code, one function for each step of the formulas, and :func:`functions` what it defines. Sums
-of products are reduced together, up to four of them. The sizes of all numbers are followed, in units of p, on contexts
-with spare bits, on those without, and on floats: a number is brought back where an operation would exceed its bound.
-Binary fields and tables need none of that; for tables the code is the same.
+:func:`texts` returns the code, one function for each step of the formulas; :func:`functions` returns these functions.
+A sum of up to four products is reduced once. The writer follows the sizes of all numbers, in units of p, on contexts
+with spare bits, on contexts without, and on floats. It reduces a number where an operation would exceed its bound.
+Binary fields and tables need no such reductions; for tables the code is the same.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ NEAR = Size(1, 1.5, 4.5)
 
 
 def within(size: Size, limit: Size) -> bool:
-    """Whether all bounds are kept."""
+    """Whether no bound of ``size`` exceeds that of ``limit``."""
     return all(x <= y for x, y in zip(size, limit, strict=True))
 
 
 class Writer:
-    """The lines of one step. ``sizes`` are those of its inputs, by name."""
+    """The lines of code of one step. ``sizes`` maps the name of each input to its size."""
 
     def __init__(self, tape: Tape, results: Sequence[int], sizes: dict[str, Size]) -> None:
         self.tape, self.sizes, self.lines = tape, dict(sizes), list[str]()
@@ -63,7 +63,7 @@ class Writer:
                 self.names[i] = self._written(i)
 
     def _repeated(self, results: Sequence[int]) -> Iterable[int]:
-        """The products that occur in several sums of products, each with room for it: they cost no reduction there."""
+        """The products that occur in several sums, each short enough to take one product more without a reduction."""
         parts = {i: self._parts(i) for i in self.live if i in self.named}
         for i in self.named.difference(self.factors, results):
             sums = [products for products, others in parts.values() if i in others]
@@ -71,7 +71,7 @@ class Writer:
                 yield i
 
     def _parts(self, i: int) -> tuple[list[tuple[int, int, int]], Counter[int]]:
-        """The products (sign, x, y) and the other terms, with their multiplicities, whose sum is an operation."""
+        """Operation i as a sum: its products (sign, x, y), and its other terms with their multiplicities."""
         products, others = list[tuple[int, int, int]](), Counter[int]()
 
         def gather(i: int, sign: int, inside: bool) -> None:
@@ -90,7 +90,7 @@ class Writer:
         return products, others
 
     def _written(self, i: int) -> str:
-        """The name of an operation, after the lines that compute it."""
+        """Writes the lines that compute operation i, unless they exist; returns the name of its result."""
         name, *operands = self.tape.operations[i]
         if name == "input":
             return str(operands[0])
@@ -99,7 +99,7 @@ class Writer:
             return "K.one"
         products, others = self.parts[i]
         signs = sum(sign for sign, _, _ in products)
-        # subtracting a dot is as good as adding it
+        # a reduced sum of products can be subtracted at the cost of adding it
         turned = signs < 0 and (any(count > 0 for count in others.values()) or len(products) == -signs)
         dots = self._dots([(-sign if turned else sign, x, y) for sign, x, y in products])
         rest = [self.names[x] for x in others.elements()], [self.names[x] for x in (-others).elements()]
@@ -111,7 +111,7 @@ class Writer:
         return self._sum([*plus, *rest[0]], [*minus, *rest[1]])
 
     def _dots(self, products: list[tuple[int, int, int]]) -> list[str]:
-        """The names of sums of products, each of at most MOST, as even as possible."""
+        """Writes the products as sums of at most MOST products each, of about equal length; returns their names."""
         count = ceil(len(products) / MOST)
         ends = [len(products) * k // count for k in range(count + 1)] if count else [0]
         return [self._dot(products[begin:end]) for begin, end in pairwise(ends)]
@@ -126,7 +126,7 @@ class Writer:
         return self._line(f"{operation}(K, {', '.join(factors)})", size)
 
     def _factors(self, sign: int, x: int, y: int) -> tuple[str, str]:
-        """The names of the factors of a product; a sign goes to the factor that needs one most often."""
+        """The names of the factors of a product. A minus sign goes to the factor that occurs negated most often."""
         first, second = self.names[x], self.names[y]
         if sign > 0:
             return first, second
@@ -140,7 +140,7 @@ class Writer:
         return self.negatives[x]
 
     def _sum(self, plus: list[str], minus: list[str]) -> str:
-        """The name of a sum of numbers with signs."""
+        """Writes the sum of the names in ``plus`` minus those in ``minus``; returns its name."""
         if not plus:
             return self._negative(self._sum(minus, []))
         total = plus[0]
@@ -179,18 +179,18 @@ def _sum_size(x: Size, y: Size) -> Size:
 
 
 def _dot_size(factors: list[Size]) -> Size | None:
-    """The size of a reduced sum of products; None if it is too long to be reduced."""
+    """The size of a sum of products after its reduction; None if the sum is too large to be reduced."""
     pairs = list(zip(factors[::2], factors[1::2], strict=True))
     wide, lazy = sum(x.wide * y.wide for x, y in pairs), sum(x.lazy * y.lazy for x, y in pairs)
     each = [x.double * y.double for x, y in pairs]
-    # the rounded quotient of a product of floats is wrong by a half, and by three roundings
+    # on floats the rounded quotient of each product is off by up to a half, and by three roundings
     size = Size(wide / 2 + 1 / 2, lazy / 8 + 1 / 2, sum(1 / 2 + 0.19 * x for x in each))
     return size if wide <= 1 and lazy <= 28 and max(each) < 16 and within(size, SETTLED) else None
 
 
 @cache
 def texts(model: type) -> dict[str, str]:
-    """The code of each step on a short equation, by the step's name."""
+    """The code of every step for one class of short equations, by the name of the step."""
     formulas, known = MODELS[model]
     g = formulas.genus
     places = [*reversed(range(g)), *reversed(range(g, 2 * g))]
@@ -224,7 +224,7 @@ LIMITS = {
 def _step(
     formulas: Formulas, known: dict[str, int], name: str, step: Callable[..., Any], sizes: dict[str, list[Size]]
 ) -> tuple[str, list[Size]]:
-    """The code of a step, and the sizes of its results."""
+    """The code of one step, and the sizes of its results."""
     tape, bounds, lines = Tape(known.get("characteristic") == 2), dict[str, Size](), []
     C = formulas.equation(known, tape, "C.")
     bounds |= {f"C.{x}": CANONICAL for x in formulas.coefficients}
@@ -258,7 +258,7 @@ def _names(parameter: str, count: int) -> list[str]:
 
 @cache
 def functions(model: type) -> dict[str, Callable[..., Any]]:
-    """The steps on a short equation; ``text`` of each is its code."""
+    """The functions of all steps for one class of short equations; the attribute ``text`` of each is its code."""
     formulas, _ = MODELS[model]
     found = {}
     for name, text in texts(model).items():

@@ -1,7 +1,7 @@
 """Explicit formulas in Python: additions and doublings of triples on one curve.
 
-The code is what :mod:`jacobian.addition.emit` writes for the curve's equation. Cantor's algorithm gets the classes of
-lower weight, and the sums for which a number to be inverted is 0. Tests compare both in every special case.
+:mod:`jacobian.addition.emit` writes the code for the curve's equation. Cantor's algorithm takes over for classes of
+lower weight and where a number to be inverted is 0. Tests compare both in every special case.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def formulas_of(C: HyperellipticCurve) -> Formulas | None:
 
 
 def coefficients(C: HyperellipticCurve, names: tuple[str, ...]) -> dict[str, Any]:
-    """The coefficients of C by their names: f₃ is "f3", and the leading one of y at ∞₊ is "c"."""
+    """The coefficients of C by name: "f3" is f₃, and "c" is the leading coefficient of y at ∞₊."""
     parts = {"f": C.f, "h": C.h}
     return {
         name: C.infinity_plus if name == "c" else coefficient(C.field, parts[name[0]], int(name[1:])) for name in names
@@ -41,7 +41,7 @@ def coefficients(C: HyperellipticCurve, names: tuple[str, ...]) -> dict[str, Any
 class ExplicitFormulas:
     """Addition and doubling of reduced triples on one curve, an arithmetic model over an exact field.
 
-    ``number`` converts the elements of the field that the code starts with.
+    ``number`` converts the coefficients that are passed to the code.
     """
 
     style: Any = OnElements
@@ -52,7 +52,7 @@ class ExplicitFormulas:
             raise ArgumentError(f"C = {C}: explicit formulas are for genus 2, and for genus 3 over GF(p) with h = 0")
         self.curve, self.formulas = C, formulas
         values = coefficients(C, formulas.coefficients)
-        # f₂ and f₃, in genus 3 f₃, f₄ and f₅, are only added: code that knows them would save little
+        # the formulas only add f₂, f₃ (genus 2) and f₃, f₄, f₅ (genus 3): code for their special values saves little
         factors = values.keys() - {f"f{k}" for k in range(C.genus, 2 * C.genus)}
         known = {x: int(values[x] == K.one) for x in values if x in factors and values[x] in (K.zero, K.one)}
         self.known = (*known.items(), *((("characteristic", 2),) if K.characteristic == 2 else ()))
@@ -65,7 +65,7 @@ class ExplicitFormulas:
         self.sum_of, self.double = (MethodType(function, self) for function in functions)
 
     def text(self) -> str:
-        """The code that runs."""
+        """The text of the code that adds and doubles."""
         return text_of(self.formulas, self.known, self.style)
 
 
@@ -85,7 +85,7 @@ class GmpFormulas:
     def __init__(self, C: HyperellipticCurve) -> None:
         from gmpy2 import mpz
 
-        # an operation with one mpz returns an mpz, so converting p and the coefficients is enough
+        # an operation of an int with an mpz returns an mpz, so converting p and the coefficients is enough
         self._integer, formulas = mpz, PrimeFormulas(C, mpz)
         self._sum_of, self._double = formulas.sum_of, formulas.double
         self._ladder = partial(

@@ -72,13 +72,13 @@ def tangent_of_degree_5(C: Any, first: Line) -> Quotient:
 
 
 def product_of_degree_5(C: Any, quotient: Quotient) -> Any:
-    """r·(r·s₁), which is inverted."""
+    """r·(r·s₁), the number that a sum inverts."""
     r, s1, _ = quotient
     return r * s1
 
 
 def cubic_of_degree_5(C: Any, quotient: Quotient, inverse: Any, first: Line) -> Line:
-    """(s₁, s₀/s₁, 1/s₁, 1/s₁²), without the factor r, from the inverse of the product."""
+    """(s₁, s₀/s₁, 1/s₁, 1/s₁²), without the factor r of the quotient, from the inverse of the product."""
     r, s1, s0 = quotient
     shrink = r * inverse
     w4 = r * shrink
@@ -125,7 +125,7 @@ def lead_of_degree_6(C: Any, quotient: Quotient) -> Any:
 
 
 def product_of_degree_6(C: Any, quotient: Quotient) -> Any:
-    """r³·(s₁² + h₃s₁ − f₆), which is inverted."""
+    """r³·(s₁² + h₃s₁ − f₆), the number that a sum inverts."""
     return quotient[0] * lead_of_degree_6(C, quotient)
 
 

@@ -5,7 +5,7 @@ s of degree 2, passes through both. It meets the curve in four more points, the 
 cubic v' = −ℓ modulo u' passes through these and, in degree 7, meets the curve in three more points. Their divisor is
 the sum: u = (f − v'²)/u', v = −v' modulo u. In degree 8 let c be the leading coefficient of y at ∞₊. A quartic with
 leading coefficient c passes through the four points; it meets the curve at ∞₊ and in three more points. This is the
-step at infinity of Galbraith, Harrison and Mireles Morales (2008), and costs a second inversion.
+step at infinity of Galbraith, Harrison and Mireles Morales (2008); it costs a second inversion.
 
 Composition and reduction are those of Cantor (1987); Wollinger, Pelzl and Paar 2005 ("Cantor versus Harley") and Fan,
 Wollinger and Gong 2007 order such steps so that one inversion is enough, of the resultant times the leading coefficient
@@ -35,7 +35,7 @@ def opposite(C: Any, first: Row) -> Row:
 def quotient_by(m: Triple, w: Triple, u: Triple) -> Four:
     """(r, r·s₂, r·s₁, r·s₀) for s = w/m modulo the monic cubic u; r is the resultant of m and u."""
     (m2, m1, m0), (w2, w1, w0), (c2, c1, c0) = m, w, u
-    # xm and x²m modulo u: with m the columns of the multiplication by m, and i = r/m its first cofactors
+    # xm and x²m modulo u; with m they are the columns of the multiplication by m, whose first cofactors give i = r/m
     n2, n1, n0 = m1 - c2 * m2, m0 - c1 * m2, -(c0 * m2)
     p2, p1, p0 = n1 - c2 * n2, n0 - c1 * n2, -(c0 * n2)
     i0, i1, i2 = n1 * p2 - p1 * n2, p1 * m2 - m1 * p2, m1 * n2 - n1 * m2
@@ -71,13 +71,13 @@ def tangent(C: Any, first: Row) -> Four:
 
 
 def product(C: Any, quotient: Four) -> Any:
-    """r·(r·s₂), which is inverted."""
+    """r·(r·s₂), the number that a sum inverts."""
     r, s2, _, _ = quotient
     return r * s2
 
 
 def quintic(C: Any, quotient: Four, inverse: Any) -> Four:
-    """(s₂, s₁/s₂, s₀/s₂, 1/s₂), without the factor r, from the inverse of the product."""
+    """(s₂, s₁/s₂, s₀/s₂, 1/s₂), without the factor r of the quotient, from the inverse of :func:`product`."""
     r, s2, s1, s0 = quotient
     shrink = r * inverse
     return s2 * s2 * inverse, s1 * shrink, s0 * shrink, r * shrink
@@ -139,7 +139,7 @@ def quartic(C: Any, meeting: Four, middle: Four) -> Four:
 
 
 def sum_u_of_degree_8(C: Any, meeting: Four, curve: Four) -> Triple:
-    """(u₂, u₁, u₀) of the sum's u, from the quartic ``curve``; there are fewer points if what is inverted is 0."""
+    """(u₂, u₁, u₀) of the sum's u, from the quartic ``curve``. The weight is lower if the inverted number is 0."""
     (e3, e2, e1, _), (w3, w2, w1, w0) = meeting, curve
     twice = w3 + w3
     inverse = 1 / (C.f7 - C.c * twice)

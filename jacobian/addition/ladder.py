@@ -1,7 +1,7 @@
 """Multiples by doubling and adding, in any group: the non-adjacent form and the ladder over it.
 
-Over QQ the coefficients of m·D have about m² times as many digits as those of D; Infeasible is raised if they exceed
-MOST_BITS.
+Over QQ the coefficients of m·D have about m² times as many digits as those of D. If they exceed MOST_BITS bits,
+Infeasible is raised.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ PART = 1 << 15
 
 
 def signed_digits(m: int, width: int) -> list[int]:
-    """The width-w non-adjacent form of m > 0, least significant digit first. Digits are 0, or odd and of size below
-    2^(w−1).
+    """The digits of m > 0 in the width-w non-adjacent form, least significant first. A digit is 0, or odd and below
+    2^(w−1) in absolute value.
     """
     digits = []
     while m:
@@ -40,7 +40,7 @@ def signed_digits(m: int, width: int) -> list[int]:
 
 
 def bits_of(K: Any, *polynomials: Any) -> int:
-    """The bits of the longest numerator or denominator in polynomials over QQ; 0 over other fields."""
+    """The number of bits of the longest numerator or denominator in polynomials over QQ; 0 over other fields."""
     if K is not QQ:
         return 0
     return max((max(c.numerator.bit_length(), c.denominator.bit_length()) for a in polynomials for c in a), default=0)
@@ -59,7 +59,7 @@ def check_growth(K: Any, *polynomials: Any) -> None:
 def by_parts(
     m: int, a: Class, multiple_of: Callable[[int, Class], Class], sum_of: Callable[[Class, Class], Class]
 ) -> Class:
-    """m·a for m > 0, by Horner's rule in base 2^PART; ``multiple_of`` gets scalars up to 2^PART."""
+    """m·a for m > 0, by Horner's rule in base 2^PART; ``multiple_of`` multiplies by scalars up to 2^PART."""
     if m.bit_length() <= PART:
         return multiple_of(m, a)
     places = range(m.bit_length() // PART * PART, -1, -PART)

@@ -43,7 +43,7 @@ def sum_of(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
 
 
 def double(C: HyperellipticCurve, a: Triple) -> Triple:
-    """The reduced triple of a + a (NUDUPL)."""
+    """The reduced triple of a + a; for quadratic forms this is Shanks' NUDUPL."""
     K = C.field
     u, v, n = a
     trace = add(K, add(K, v, v), C.h)
@@ -79,8 +79,8 @@ def _shortened(
 
 
 def _half_euclid(K: Any, A: Poly, k: Poly, bound: int) -> tuple[Poly, Poly, Poly, int]:
-    """(r, c, c', ε): r = ck − qA is the first remainder of degree ≤ bound, c' the previous multiplier, and cr' − c'r =
-    εA.
+    """Runs the Euclidean algorithm on A and k until the remainder r = ck − qA has degree ≤ bound; returns (r, c, c',
+    ε). c' and r' are the multiplier and remainder one step earlier, and cr' − c'r = εA.
     """
     r0, r1 = A, k
     c0: Poly = ()

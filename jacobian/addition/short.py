@@ -1,4 +1,4 @@
-"""Short equations: the coefficients that explicit formulas use on words, and the formulas they belong to."""
+"""Short equations: named tuples of the curve's coefficients in words, one class for each set of explicit formulas."""
 
 from __future__ import annotations
 

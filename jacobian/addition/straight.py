@@ -1,7 +1,7 @@
 """Straight-line code from explicit formulas: a formula is written once, with + − · and 1/x, and traced.
 
 A formula (:mod:`jacobian.addition.genus2`, :mod:`jacobian.addition.genus3`) is a Python function of numbers. Called
-with :class:`Term` objects it leaves its operations on a :class:`Tape`, each once and none whose result is not used. A
+with :class:`Term` objects it records its operations on a :class:`Tape`, each once; unused results are dropped later. A
 coefficient of the curve that is 0 or 1 is passed as that int, so products by it are never written; in characteristic 2
 signs and doubles vanish. :mod:`jacobian.addition.emit` and :mod:`jacobian.addition.emit_words` write code from a tape.
 """
@@ -21,8 +21,8 @@ COMMUTE = ("add", "mul")
 
 
 class Tape:
-    """Operations in the order of a formula. ``binary``: in characteristic 2. ``karatsuba``: products are saved by
-    more sums.
+    """The recorded operations of a formula, in order. ``binary`` means characteristic 2; with ``karatsuba``, products
+    are saved at the cost of more sums.
     """
 
     def __init__(self, binary: bool = False, karatsuba: bool = False) -> None:
@@ -32,7 +32,7 @@ class Tape:
         self._places: dict[tuple[Any, ...], int] = {}
 
     def inputs(self, *names: str) -> tuple[Term, ...]:
-        """One term for each name."""
+        """Records one input for each name; returns their terms."""
         return tuple(self.term("input", name) for name in names)
 
     def term(self, operation: str, *operands: Any) -> Term:
@@ -137,7 +137,7 @@ class Term:
         return one if number == 1 else -one
 
     def _negated(self) -> Any:
-        """x for −x, else None."""
+        """The term x if this term is −x, else None."""
         operation = self.tape.operations[self.index]
         return Term(self.tape, operation[1]) if operation[0] == "neg" else None
 
@@ -158,7 +158,7 @@ def square_of_twice(x: Any) -> Any:
 
 
 def _saves_products(*numbers: Any) -> bool:
-    """Whether a product costs more than some sums."""
+    """Whether the numbers are of a kind for which saving a product is worth some sums more."""
     return any(isinstance(x, Term) and x.tape.karatsuba for x in numbers)
 
 
@@ -166,8 +166,8 @@ class Formulas(NamedTuple):
     """The explicit formulas of one model: the genus, the coefficients of the curve that they use, and their steps.
 
     ``chord`` and ``tangent`` take the coefficients C and one or two classes to a quotient, ``opposite`` a class to its
-    negative. The other ``steps`` come with the names of their results; their parameters are C, ``first``, ``second``,
-    ``quotient``, ``inverse``, that of the "product", and results of earlier steps. The sum is (*u, *v).
+    negative. Each of the other ``steps`` has a name for its result. Its parameters are C, ``first``, ``second``,
+    ``quotient``, ``inverse`` (of the result "product"), and results of earlier steps. The sum is (*u, *v).
     """
 
     genus: int
@@ -178,7 +178,7 @@ class Formulas(NamedTuple):
     steps: tuple[tuple[str, Callable[..., Any]], ...]
 
     def equation(self, known: dict[str, int], tape: Tape, prefix: str = "") -> Any:
-        """The coefficients as known ints or as inputs of a tape."""
+        """The coefficients of the curve: an int where ``known`` has one, else an input of the tape."""
         names = self.coefficients
         return SimpleNamespace(**{x: known[x] if x in known else tape.inputs(f"{prefix}{x}")[0] for x in names})
 

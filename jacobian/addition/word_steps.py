@@ -1,8 +1,8 @@
-"""The explicit formulas on words: what compiled loops call, in the arithmetic of :mod:`jacobian.numbers.words`.
+"""The steps of the explicit formulas on words, which compiled loops call.
 
-A step takes a context K and a short equation C, whose class chooses the code: :data:`STEPS` has what
-:mod:`jacobian.addition.emit_words` writes for each. Loops with these steps run in Python and compiled. Tests run all
-steps on intervals to show that no word overflows.
+The arithmetic is that of :mod:`jacobian.numbers.words`. A step takes a context K and a short equation C, whose class
+chooses the code: :data:`STEPS` holds the functions that :mod:`jacobian.addition.emit_words` writes for each class.
+Loops with these steps run in Python and compiled. Tests run all steps on intervals to show that no word overflows.
 
 A class of weight g is a tuple of 2g words, u and v from the highest coefficient down. In an array its row is stored as
 a column in the order u₀ … u_{g−1}, v₀ … v_{g−1}. Single classes are passed and returned as residues in that order.
@@ -20,12 +20,12 @@ from jacobian.addition.short import MODELS
 
 
 def class_at(K: Any, C: Any, x: Any, j: Any) -> Any:
-    """Row j as a class."""
+    """The class that column j of the array x stores, as a tuple of words."""
     return STEPS["class_at"][type(C)](K, C, x, j)
 
 
 def keep(x: Any, j: Any, found: Any) -> None:
-    """Stores a class as row j."""
+    """Stores the class ``found``, a tuple of words, in column j of the array x."""
     g = len(found) >> 1
     k = g - 1
     for a in found:
@@ -34,22 +34,22 @@ def keep(x: Any, j: Any, found: Any) -> None:
 
 
 def quotient_at(K: Any, C: Any, S: Any, j: Any) -> Any:
-    """The first half of row j, from the third row of a scratch array on."""
+    """The quotient, the first half of a sum, that column j of the scratch array S stores from its third row on."""
     return STEPS["quotient_at"][type(C)](K, C, S, j)
 
 
 def class_in(K: Any, C: Any, a: Any) -> Any:
-    """A class of weight g from an array of :mod:`jacobian.addition.cantor_words`."""
+    """The tuple of words of a class of weight g, read from an array of :mod:`jacobian.addition.cantor_words`."""
     return STEPS["class_in"][type(C)](K, C, a)
 
 
 def encoded(K: Any, C: Any, u: Any, v: Any) -> Any:
-    """The words of a class (u, v) of residues."""
+    """The tuple of words of a class whose u and v are given in residues."""
     return STEPS["encoded"][type(C)](K, C, u, v)
 
 
 def decoded(K: Any, C: Any, D: Any) -> Any:
-    """(u, v) of a class in residues, u with its leading 1."""
+    """The pair (u, v) in residues of a class D of words; u includes its leading 1."""
     return STEPS["decoded"][type(C)](K, C, D)
 
 
@@ -62,22 +62,22 @@ def opposite(K: Any, C: Any, first: Any) -> Any:
 
 
 def chord(K: Any, C: Any, first: Any, second: Any) -> Any:
-    """The first half of a sum: the resultant r, and r·s of the curve V + U·s through both divisors."""
+    """The first half of a sum: the resultant r, and r·s of the curve y = V + U·s through both divisors."""
     return STEPS["chord"][type(C)](K, C, first, second)
 
 
 def tangent(K: Any, C: Any, first: Any) -> Any:
-    """The first half of a double."""
+    """The first half of a double: r and r·s as in :func:`chord`, for the curve y = V + U·s tangent at the divisor."""
     return STEPS["tangent"][type(C)](K, C, first)
 
 
 def product(K: Any, C: Any, quotient: Any) -> Any:
-    """The product to be inverted; 0 in every special case."""
+    """The product that a sum must invert; 0 in every special case."""
     return STEPS["product"][type(C)](K, C, quotient)
 
 
 def closed(K: Any, C: Any, quotient: Any, inverse: Any, first: Any, second: Any) -> Any:
-    """The second half, from the inverse of the product: the sum."""
+    """The sum, from its quotient and the inverse of the product: the second half of the computation."""
     return STEPS["closed"][type(C)](K, C, quotient, inverse, first, second)
 
 
@@ -113,7 +113,7 @@ def next_u(K: Any, C: Any, bent: Any, first: Any, second: Any) -> Any:
 
 
 def next_v(K: Any, C: Any, bent: Any, meeting: Any, first: Any, second: Any) -> Any:
-    """The quintic modulo u'."""
+    """The coefficients of the quintic modulo u'."""
     return STEPS["middle"][type(C)](K, C, bent, meeting, first, second)
 
 
