@@ -20,7 +20,7 @@ Claim = tuple[str, str, bool]
 
 
 def claims(study: Study) -> list[tuple[str, ...]]:
-    """The lines of a table, its head first: claim, measurement, verdict."""
+    """The rows (claim, measurement, verdict) of the table of claims; the first row is its head."""
     found = [
         _floor(study),
         *_far(study),

@@ -55,7 +55,7 @@ def _none_yet(behind: Behind) -> str:
 
 
 def _how_far(behind: Behind) -> str:
-    """The ratios of errors and of run times by which a row is ahead of the flow, as text."""
+    """The text that says by which factors of error and of run time a comparator's row beats the flow."""
     row = behind.row["result"]
     if behind.cheaper and behind.first is not None:
         error, time = (row[key] / (behind.first[key] or row[key] or 1) for key in ("error_gamma", "total"))
@@ -66,7 +66,7 @@ def _how_far(behind: Behind) -> str:
 
 
 def horizon_name(T: float | None) -> str:
-    """The head of a column of standings."""
+    """The head of the column of standings at the time T, or at all times of a scene if T is None."""
     return "all its times" if T is None else f"T = {plain_power(T)}"
 
 

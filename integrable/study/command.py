@@ -92,7 +92,7 @@ def planned(scenes: Sequence[Scene], sources: Sequence[str], mode: str) -> list[
 def report_data(
     contents: Sequence[dict[str, Any]], chosen: Sequence[str], quick: bool, minutes: float | None = None
 ) -> dict[str, Any]:
-    """The content of report.json (integrable/schemas/report.json): all rows except the states of truths."""
+    """The content of report.json, as in integrable/schemas/report.json: all rows, without the states of the truths."""
     options = [*(["--quick"] if quick else []), *([f"--minutes {minutes:g}"] if minutes else [])]
     command = " ".join(["integrable report", *(() if set(chosen) == set(scene_names()) else chosen), *options])
     states = ("gamma", "M", "tau")
@@ -141,7 +141,7 @@ def _named(machine: dict[str, Any]) -> str:
 
 
 def _write(study: Study, data: dict[str, Any], out: Path, formats: tuple[str, ...]) -> None:
-    """Writes the figures, the page, and one file of all rows."""
+    """Writes the figures, ``report.md``, and ``report.json``, which holds all rows."""
     if formats:
         from integrable.study.figures import as_bytes, error_against_run_time, floors
 

@@ -23,7 +23,7 @@ DEEP = 1e-17
 
 
 def as_bytes(figure: Any, suffix: str) -> bytes:
-    """The figure as a file of that format."""
+    """The bytes of a file that shows the figure; ``suffix`` is the file's format."""
     content = io.BytesIO()
     with rc_context(STYLE):
         figure.savefig(content, format=suffix, dpi=160, metadata={"Date": None} if suffix == "svg" else None)
@@ -85,7 +85,7 @@ def _handles(methods: Sequence[str], rows: Sequence[dict[str, Any]], found: Scen
 
 
 def _mark_floor(axes: Any, floor: float) -> Line2D:
-    """A line at the floor, and its handle for the legend."""
+    """Draws a line at the floor, and returns its handle for the legend."""
     axes.axhline(floor, **FLOOR)
     return Line2D([], [], **FLOOR, label=f"what rounding the\ninputs does, {floor:.0e}")
 
@@ -108,13 +108,13 @@ def _series(axes: Any, method: str, rows: list[dict[str, Any]]) -> None:
 
 
 def _handle(method: str, stopped: bool, setting: str = "") -> Line2D:
-    """A line of the legend; † for a method with a setting that gave no figure."""
+    """The legend's entry of a method; † marks a method with a setting that gave no figure."""
     name = ", ".join(filter(None, (method, setting))) + (" †" if stopped else "")
     return Line2D([], [], markersize=6, label=name, **_look(method, setting))
 
 
 def _look(method: str, setting: str) -> dict[str, Any]:
-    """The look of a method's marks. The flow's encode its arithmetic, so points need no labels."""
+    """The colour and shape of a method's marks. The marks of the flow show its arithmetic, so points need no labels."""
     face = {"compiled": {"markerfacecolor": "white"}, "floats": {}, "": {}}.get(setting, {"fillstyle": "bottom"})
     return {**look_of(method), **(face if method in OWN else {})}
 

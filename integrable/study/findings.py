@@ -85,7 +85,7 @@ class Standing:
 
     @property
     def outcome(self) -> str:
-        """The outcome of the comparison in a word.
+        """The outcome of the comparison: "met", "slower", "none" or "stopped".
 
         "met" means that another method is as accurate. "slower" means that it could be so only beyond its time limit.
         "none" means that strong methods ran and none was accurate enough, "stopped" that they could not run.
@@ -100,7 +100,7 @@ class Standing:
 
 @dataclass
 class SceneFindings:
-    """The rows of a scene by kind, and their evaluation. The time ``total`` includes a start."""
+    """The rows of a scene by kind, and their evaluation. The time ``total`` of a row includes that of a start."""
 
     scene: Scene
     flow: list[dict[str, Any]] = field(default_factory=list)
@@ -117,7 +117,7 @@ class SceneFindings:
 
     @property
     def moved_by_divisors(self) -> bool:
-        """Whether the flow of the scene is an addition of divisors."""
+        """Whether the flow of the scene advances by adding divisors."""
         return any(content["row"]["method"] == FLOW for content in self.flow)
 
     @property
@@ -152,7 +152,7 @@ class SceneFindings:
 
     @property
     def silently_wrong(self) -> bool:
-        """Whether the returned states have errors too large for use, which rounding of the inputs does not explain."""
+        """Whether the flow returned states with large errors, which rounding of the inputs does not explain."""
         row = self.judged
         if row is None or self.over_floor is None:
             return False
@@ -160,7 +160,7 @@ class SceneFindings:
 
     @property
     def cause(self) -> str:
-        """The direction of an error above the floor: off the level set of the integrals, or along it (in the phase)."""
+        """The direction of an error above the floor: off the level set of the integrals, or along the level set."""
         row = self.judged
         if row is None:
             return ""
@@ -174,8 +174,8 @@ class SceneFindings:
     def doubtful(self) -> bool:
         """Whether the truth is unconfirmed.
 
-        That is so if it differs from the independent integrator by more than its digits allow, or if it was computed
-        by that integrator alone.
+        A truth is unconfirmed if it differs from the independent integrator by more than its digits allow, or if that
+        integrator alone computed it.
         """
         if self.truth is None:
             return False
@@ -187,7 +187,7 @@ class SceneFindings:
 
     @property
     def standings(self) -> list[Standing]:
-        """The comparisons at single times, the shortest first, then the one over all times of the scene."""
+        """The comparisons at single times, the shortest first, then the comparison over all times of the scene."""
         rows = [(content["row"]["value"], content["result"]) for content in self.horizons]
         rows.sort(key=lambda row: (row[0] is None, row[0]))
         return [Standing(T, *(r[key] for key in ("flow", "peer", "tried", "strong"))) for T, r in rows]
@@ -215,7 +215,7 @@ class SceneFindings:
     def _beside(row: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
         """A result of the flow for comparison with a row.
 
-        In floats its run time is that measured in turn with the comparator, if there is one.
+        For a result in floats the run time is the one measured in turn with the comparator, if there is such a time.
         """
         in_turn = own["row"]["setting"] == "floats" and "flow" in row
         result: dict[str, Any] = own["result"]
@@ -277,7 +277,7 @@ class Study:
     def behind(self) -> list[Behind]:
         """Rows of comparators that the flow does not beat, in three groups, each by descending run time.
 
-        First scenes with T ≥ 1000, then rows that are more accurate than the flow in the same time, then rows that are
+        The groups are: scenes with T ≥ 1000; rows that are more accurate than the flow in the same time; rows that are
         faster.
         """
         found = [(f, b) for f in self.findings for b in f.behind()]
@@ -290,7 +290,7 @@ class Study:
     def behind_by_method(self) -> list[tuple[Behind, int]]:
         """The most accurate row of :attr:`behind` for each scene and method, with the number of such rows.
 
-        The order is that of :attr:`behind`.
+        The results are in the order of :attr:`behind`.
         """
         groups: dict[tuple[str, str], list[Behind]] = {}
         for behind in self.behind:
@@ -320,7 +320,7 @@ def gather(scenes: Sequence[Scene], contents: Iterable[dict[str, Any]]) -> list[
 
 
 def study_from(data: dict[str, Any], scenes: Sequence[Scene]) -> Study:
-    """The study in the data of a report.json; ``scenes`` are those that it names."""
+    """The study whose ``report.json`` holds ``data``; ``scenes`` are the scenes named there."""
     taken = ("mode", "command", "versions", "machine", "seconds", "dates", "commits", "load")
     missing = [name for name in scene_names() if name not in {scene.name for scene in scenes}]
     return Study(

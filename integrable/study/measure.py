@@ -34,7 +34,7 @@ Data = dict[str, Any]
 
 
 class Unjudged(RuntimeError):
-    """Raised if there is no reference to compare a run with."""
+    """Raised where a run cannot be judged, because no truth exists to compare its states with."""
 
 
 def measured(task: Task, truth: Data | None, tick: Tick = silent) -> Data:
@@ -75,7 +75,7 @@ def _floor(task: Task, _: Data | None, __: Tick) -> Data:
 
 
 def _chosen(scene: Scene, digits: int, most: float) -> tuple[list[Any], Any]:
-    """About ``most`` of the scene's times, including the last (of an orbit the last step), and the motion."""
+    """About ``most`` of the scene's times (steps of an orbit), including the last one, and the motion."""
     if scene.steps is None:
         times = scene.times.at(digits)
         return times[:: -max(1, int((len(times) - 1) // most))], None
@@ -92,7 +92,7 @@ def _chosen(scene: Scene, digits: int, most: float) -> tuple[list[Any], Any]:
 
 def _flow(task: Task, kept: Data | None, tick: Tick) -> Data:
     result, found = flow_run(task, tick)
-    del result["first"]  # it is "machine" and "total"
+    del result["first"]  # "machine" and "total" already tell it
     return result | _truth_of(task, kept).judge(found.gamma, found.M)
 
 
@@ -208,7 +208,7 @@ def _timed(once: Callable[[], Timed], task: Task, tick: Tick) -> tuple[Data, Any
 
 
 def _in_turn(runs: dict[str, Callable[[], Timed]], task: Task, tick: Tick) -> dict[str, Timing]:
-    """The times of several things run repeatedly in turn. A run longer than the limits allow is not repeated."""
+    """The times of functions that run repeatedly in turn. A run longer than the limits allow is not repeated."""
     limits = task.limits
     return interleaved(runs, limits.repeat, min(limits.patience, limits.run), partial(tick, task.label))
 
@@ -216,7 +216,7 @@ def _in_turn(runs: dict[str, Callable[[], Timed]], task: Task, tick: Tick) -> di
 def _horizon(task: Task, kept: Data | None, tick: Tick) -> Data:
     """The comparison of the flow with the fastest other method that is accurate enough.
 
-    It is made at one time T, or at all times of the scene.
+    The comparison is made at one time T, or at all times of the scene.
     """
     if task.value is None:
         truth = _truth_of(task, kept)
@@ -234,7 +234,7 @@ def _orbit(task: Task, _: Data | None, __: Tick) -> Data:
     assert report is not None, "an orbit that is measured has a report"
     found = report.as_dict()
     for one in found["rows"]:
-        del one["growth"]  # one pair for each step: `integrable run` shows it
+        del one["growth"]  # a pair for each step, which only `integrable run` shows
     return found
 
 

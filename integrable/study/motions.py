@@ -114,7 +114,7 @@ class _Lines:
 
 
 class _Run:
-    """The tasks of a run, and their results."""
+    """The tasks of a run, each executed once, and their results."""
 
     def __init__(self, scene: Scene, digits: int, tick: Tick = silent) -> None:
         assert scene.report is not None, "the scene has no [report]"
@@ -139,7 +139,7 @@ class _Run:
 
     @cached_property
     def flows(self) -> list[Task]:
-        """The motion at each number of digits, the own result first."""
+        """The tasks that compute the motion at each number of digits; the first computes the run's own result."""
         asked = self.asked
         names = {cost: "floats" if cost <= FLOAT_DIGITS else f"{cost} digits" for cost in (self.digits, *asked.digits)}
         tasks = [self._task("flow", self.moved, name, cost, name, asked.repeat) for cost, name in names.items()]
@@ -172,7 +172,7 @@ class _Run:
     def truths(self) -> dict[bool, Task]:
         """The tasks that compute the truth: from the scene's numbers (True) and from these rounded to doubles (False).
 
-        Each is there only if some row starts from the same numbers.
+        A task is left out if no row starts from the same numbers.
         """
         digits = max(self.asked.truth_digits, self.digits + MORE)
         used = {task.scene is self.scene for task in (*self.flows, *self.rivals)}
@@ -182,7 +182,7 @@ class _Run:
 
     @cached_property
     def others(self) -> list[Task]:
-        """Tasks without rows."""
+        """The tasks that have no row in the table."""
         tasks = []
         if steps := self.asked.steps:
             tasks.append(self._task("growth", self.moved, "residual growth", len(steps), "residual growth"))
@@ -192,13 +192,13 @@ class _Run:
 
     @property
     def tasks(self) -> list[Task]:
-        """All tasks."""
+        """All tasks of the run."""
         return [*self.flows, *self.truths.values(), *self.rivals, *self.others]
 
     # --- their execution
 
     def truth(self, given: Scene) -> dict[str, Any]:
-        """The truth of a scene, computed once."""
+        """The truth of a scene, computed at the first call."""
         exact = given is self.scene
         if exact not in self._truths:
             task = self.truths[exact]
@@ -208,7 +208,7 @@ class _Run:
         return found
 
     def flow(self, task: Task) -> Any:
-        """The trajectory of a task, computed once."""
+        """The trajectory of a task, computed at the first call."""
         if task.key not in self._found:
             with _pieces(task, self.tick) as step:
                 self._found[task.key] = flow_run(task, step)

@@ -51,7 +51,7 @@ class OrbitRow:
 class OrbitReport:
     """The error, drift and cost per step of an orbit.
 
-    ``jump`` is the difference between its end and a single addition of [count]D', or None if unknown.
+    ``jump`` is the difference between the end of the orbit and a single addition of [count]D', or None if unknown.
     """
 
     title: str
@@ -103,7 +103,7 @@ def measure_orbit(scene: Scene, digits: int, tick: Tick) -> Orbit:
 
 
 def _exact(scene: Scene, tick: Tick) -> Orbit:
-    """The orbit over the scene's finite field. The drift of an integral is the number of states where it differs."""
+    """The orbit over the scene's finite field. The drift of an integral is the number of states where it changed."""
     found, costs = _timed(scene, FLOAT_DIGITS, partial(tick, f"exact orbit over {scene.finite_field}"))
     system, state = scene.start(FLOAT_DIGITS)
     before = system.integrals(state)

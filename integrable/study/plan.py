@@ -95,7 +95,7 @@ class Task:
 
     @cached_property
     def key(self) -> str:
-        """The name of its row's file, unique in the study on every file system."""
+        """The name of the task's file, unique in the study on every file system."""
         words = [_plain(word) for word in (self.scene.name, self.kind, self.method, self.setting)]
         # without a hash, names that differ only in replaced characters would coincide
         name = self.scene.name if words[0] != self.scene.name else ""
@@ -195,7 +195,7 @@ def first_answer_tasks(scenes: Sequence[Scene], sources: Sequence[str]) -> list[
 
 
 def _comparators(scene: Scene, task: Any, mode: str, truth: str) -> list[Task]:
-    """The tasks of each method, cheapest setting first. If one runs out of time, costlier ones are skipped.
+    """The tasks of each method, cheapest setting first. If a setting runs out of time, costlier settings are skipped.
 
     Settings with as many digits as the truth are left out, because their rows would measure the truth's error.
     """

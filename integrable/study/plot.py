@@ -176,7 +176,7 @@ def _label(axes: Any, row: Row, side: int, colour: str, lower: bool) -> None:
     """Writes the setting of a row as a label: above an integrator's mark, whose line falls to the right, or below the
     flow's.
     """
-    # a white background keeps the label legible where a line crosses it
+    # a white background keeps the label legible where a line of the diagram crosses the text
     behind = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.6}
     text: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": colour, "bbox": behind}
     if side > 0:

@@ -58,7 +58,7 @@ class TruthCheck:
 
     @property
     def agrees(self) -> bool:
-        """Whether the two agree to all but ten digits of their precision."""
+        """Whether truth and integrator agree to all but ten digits of their precision."""
         return max(self.error_gamma, self.error_M) < 10.0 ** -(self.digits - 10)
 
 
@@ -151,7 +151,7 @@ def _floor(report: Report) -> list[str]:
 
 
 def _words(report: Report) -> list[str]:
-    """The definitions of errors and drifts."""
+    """Lines of text that define the errors and drifts."""
     if report.letters == ("q", "p"):
         names = ", ".join(report.integrals)
         return [

@@ -83,7 +83,7 @@ def first_use(task: Task) -> tuple[float, float]:
 
 
 def _compile_walks(scene: Scene) -> None:
-    """Compiles or loads the walks near the start for systems like that of a scene, which longer use compiles anyway."""
+    """Compiles or loads the walks near the start for systems like the scene's, as longer use would do anyway."""
     from integrable.deformations.equations import kind_in
     from integrable.deformations.hamiltonian import Hamiltonian
     from integrable.series.steps import steps_for
@@ -99,14 +99,14 @@ def _compile_walks(scene: Scene) -> None:
 
 
 def method_once(scene: Scene, method: Method, value: float) -> tuple[Problem, Callable[[], Timed]]:
-    """The inputs of a method for a scene, and a function that runs it."""
+    """The problem that a scene poses to a method, and a function that runs the method on it."""
     times = scene.times.at(int(value) if method.parameter == "digits" else FLOAT_DIGITS)
     problem = problem_of(*scene.start(method.digits(value)))
     return problem, lambda: timed_run(method, problem, times, value)
 
 
 def at_times(scene: Scene, times: Iterable[Any]) -> Scene:
-    """The scene at other times."""
+    """The scene with its times replaced by ``times``."""
     return replace(scene, times=Times(given=tuple(map(Fraction, times))))
 
 
@@ -122,7 +122,7 @@ def at_one_time(task: Task) -> Task:
 
 
 def standing(task: Task, truth: Truth, floor: float, tick: Tick) -> Data:
-    """A comparison with the keys "flow", "peer" and "tried".
+    """The comparison of the flow with other methods, with the keys "flow", "peer" and "tried".
 
     "peer" is the fastest other method whose error is at most the flow's or ``floor``, or None if there is none. "tried"
     has the most accurate run of each method, or the reason why there is none.
@@ -235,6 +235,6 @@ def pilot(task: Task) -> float:
         done, before = time, seconds
         time = min(4 * time, last)
         seconds = seconds_to(time)
-        if seconds >= ENOUGH + before:  # check whether it is a real cost or a hiccup of the machine
+        if seconds >= ENOUGH + before:  # run again: other work on the machine may have delayed this run
             seconds = min(seconds, seconds_to(time))
     return seconds + max(0.0, seconds - before) / (time - done) * (last - time) if time < last else seconds

@@ -1,4 +1,4 @@
-"""Runs a scene. Results that it does not ask for are not computed, and their code is not imported."""
+"""Runs a scene. Results for which the scene does not ask are not computed, and their code is not imported."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ def run(
     formats: tuple[str, ...] = ("png",),
     lines: Callable[[str], None] | None = None,
 ) -> Trajectory:
-    """Run a scene, given as such or by name or file: a Trajectory at its times, or an Orbit of its steps.
+    """Runs a scene (a Scene, name or file); returns a Trajectory at its times, or an Orbit of its steps.
 
-    It has a ``.report`` if the scene asks for one; an Orbit always has one. ``digits`` overrides the scene's own: up to
-    15 means floats, above that multiprecision. ``out`` is a folder for ``result.json``, ``report.txt`` and the
-    pictures. Each file is written completely or not at all, and the folder is tested before anything is computed.
-    Pictures of the motion alone are written before any comparison.
+    The result has a ``.report`` if the scene asks for one; an Orbit always has one. ``digits`` overrides the
+    scene's own: up to 15 means floats, above that multiprecision. ``out`` is a folder for ``result.json``,
+    ``report.txt`` and the pictures. Each file is written completely or not at all, and the folder is tested before
+    anything is computed. Pictures of the motion alone are written before any comparison.
 
     ``progress`` draws a bar on stderr. ``lines`` is called with each line of the report as soon as it is known; the
     first is the run's own result. Parts that need a missing library are left out, with a MissingExtraWarning before

@@ -41,7 +41,7 @@ def run_tasks(
     progress: Callable[[Task], None] = lambda _task: None,
     seconds: float = inf,
 ) -> dict[str, dict[str, Any]]:
-    """The contents of the files of all tasks, by key: stored tasks are read, the others measured.
+    """Measures all tasks that are not stored; returns the contents of the files of all tasks, by key.
 
     ``jobs`` processes compute truths and floors; timed tasks run alone. Tasks that another process holds are awaited,
     and taken over if that process dies. ``progress`` is called with each finished task. No task begins after
@@ -145,7 +145,7 @@ class _Worker:
 
     def take(self, task: Task, store: Store, finished: dict[str, Any]) -> bool:
         """Start a task, unless another process works on it or has just finished it."""
-        # of two studies in one folder only one may time at once
+        # two studies in one folder must not time tasks at the same moment
         locks = [store.claim(name) for name in (task.key, *(["timing"] if task.timed else []))]
         held = [lock for lock in locks if lock is not None]
         if len(held) < len(locks) or _kept(task, store) is not None:
@@ -188,7 +188,7 @@ class _Worker:
         return None
 
     def let_go(self, store: Store) -> None:
-        """Release the claims of the task."""
+        """Releases the locks on the task."""
         for lock in self._locks:
             store.release(lock)
         self.task, self._locks = None, []
@@ -206,7 +206,7 @@ def _end(process: Any) -> None:
     """Kill a worker and the processes that it has started, which would disturb the next tasks."""
     if hasattr(os, "killpg"):  # Windows has no groups to kill
         with suppress(ProcessLookupError, PermissionError):
-            # its process group, if it leads one
+            # the whole process group, if the worker leads one
             if os.getpgid(process.pid) == process.pid:
                 os.killpg(process.pid, signal.SIGKILL)
     process.kill()
@@ -241,9 +241,9 @@ def _work(connection: Connection) -> None:
     if hasattr(os, "setpgid"):
         os.setpgid(0, 0)
     end_with_parent()
-    warnings.simplefilter("ignore", NoCacheWarning)  # the parent printed the line
+    warnings.simplefilter("ignore", NoCacheWarning)  # the parent has printed this warning
     warnings.simplefilter("ignore", RuntimeWarning)  # a comparator's values may overflow; its row says so
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where nothing shields this process (Windows)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # on Windows nothing else keeps the interrupt from this process
     for name in _THREADS:
         os.environ.setdefault(name, "1")
     used: set[tuple[str, str]] = set()

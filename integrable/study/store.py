@@ -67,7 +67,7 @@ class Store:
         return content
 
     def write(self, key: str, stamp: str, content: dict[str, Any]) -> dict[str, Any]:
-        """Store a row and return it; the file is replaced as a whole."""
+        """Stores a row and returns it. A file of that row is replaced as a whole."""
         kept = {"schema": SCHEMA, "stamp": stamp, **content}
         with OutputFolder(self._rows) as folder:
             folder.write_text(f"{key}.json", as_json(kept))
@@ -84,7 +84,7 @@ class Store:
         return lock
 
     def release(self, lock: FileLock | None) -> None:
-        """End a claim."""
+        """Releases a lock that :meth:`claim` returned."""
         if lock is not None:
             _claims.discard(lock)
             lock.release()

@@ -1,4 +1,4 @@
-"""Median times of several things that are run repeatedly, in turn."""
+"""Median times of several functions that are run repeatedly, in turn."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ class TooLong(RuntimeError):
 def at_most(seconds: float, late: BaseException | None = None, busy: bool = False) -> Iterator[None]:
     """Raises TooLong, or ``late``, in a block that takes more than ``seconds``.
 
-    They are seconds of the clock, or of this process's CPU time if ``busy``. It works only in a main thread. Windows
-    has no such alarm; a row that takes too long there ends with its worker.
+    The seconds are of the clock, or of this process's CPU time if ``busy``. The limit works only in a main thread.
+    Windows has no such alarm; there a row that takes too long ends with its worker.
     """
     if not isfinite(seconds) or not hasattr(signal, "setitimer") or current_thread() is not main_thread():
         yield
@@ -74,7 +74,7 @@ NOBODY = Watch()
 
 
 class Timing(NamedTuple):
-    """The times of repeated runs of one thing."""
+    """The times of repeated runs of one function."""
 
     spent: Spent
     """The costs of the median run. The cost once a machine is the largest one, that of the first run."""
@@ -100,7 +100,7 @@ def interleaved(
     tick: Callable[[], None] = silent,
     again: int = REMEASURED,
 ) -> dict[str, Timing]:
-    """The times of things that are run in rounds. Each runs once per round, so a slow second affects all alike.
+    """The times of functions run in rounds. Each runs once per round, so a slow second affects all alike.
 
     There are at least ``repeat`` rounds, and up to ``again`` times as many until no time scatters by more than a tenth
     of its median. None starts after ``patience`` seconds. ``tick`` is called between the first ``repeat`` rounds.
@@ -115,7 +115,7 @@ def interleaved(
             tick()
         for name, once in every.items():
             if rounds and len(every) > 1 and spent[name][-1].counted < COLD:
-                once()  # refill the processor's caches, which hold the previous thing's data
+                once()  # refill the processor's caches, which hold the data of the function before
             part, found[name] = once()
             spent[name].append(part)
         rounds += 1

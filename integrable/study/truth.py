@@ -1,6 +1,6 @@
 """The truth of a scene: its motion at more digits than any row, checked by an integrator that shares no code with it.
 
-It is stored as decimal strings. :class:`Truth` reads it back and measures the errors of other tasks' states.
+The truth is stored as decimal strings. :class:`Truth` reads it and measures the errors of other tasks' states.
 """
 
 from __future__ import annotations
@@ -127,8 +127,8 @@ def kept(system: Any, found: Sequence[Any], digits: int) -> dict[str, Any]:
 def _check(scene: Scene, flow: Any, digits: int, patience: float = 0.0, time: Fraction | None = None) -> dict[str, Any]:
     """The largest differences between the truth and the independent integrator.
 
-    They are taken at one ``time``, or from one time scale of the motion on, as far as the integrator gets in
-    ``patience`` seconds.
+    Both are compared at ``time``. By default this time is one time scale of the motion, doubled as long as the
+    integrator needs little of ``patience`` seconds.
     """
     system = flow.system
     context = system.field.context
@@ -229,7 +229,7 @@ class Judge:
         return [x / max(size, *map(abs, row)) for x, row in zip(self.distances(rows, true), true, strict=True)]
 
     def distances(self, rows: Any, true: list[list[Any]]) -> list[Any]:
-        """The largest difference over the components, for each row."""
+        """For each row, the largest difference over its components from the true row."""
         pairs = zip(self._rows(rows), true, strict=True)
         return [max(abs(x - y) for x, y in zip(row, other, strict=True)) for row, other in pairs]
 
@@ -242,12 +242,12 @@ class Judge:
 
 
 def _several(value: Any) -> tuple[Any, ...]:
-    """The components of an integral."""
+    """The components of an integral as a tuple, also where it is a single number."""
     return value if isinstance(value, tuple) else (value,)
 
 
 class Truth(Judge):
-    """A truth, read back from its stored form."""
+    """A truth, read from its stored form."""
 
     def __init__(self, scene: Scene, kept: dict[str, Any]) -> None:
         self.digits: int = kept["digits"]
