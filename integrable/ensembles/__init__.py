@@ -1,1 +1,1 @@
-"""Many motions at once: one system, many bodies and states, with the results of single flows."""
+"""Many motions at once, of many bodies and states of one kind of system; single flows have the same results."""

@@ -38,8 +38,8 @@ REFUSED = -1
 class Outcome(NamedTuple):
     """The outcome for all members, in numbers.
 
-    0 or the number of a reason, shape (K,), the indices of their ways in ``WORDS``, the reasons, and the reason numbers
-    of all rows of members with refused rows.
+    ``status``, shape (K,), holds 0 or the number of a reason, ``ways`` the indices of the ways in ``WORDS``.
+    ``partial`` maps each member with refused rows to the reason numbers of all its rows.
     """
 
     status: np.ndarray
@@ -93,7 +93,7 @@ class _Work(NamedTuple):
     out: np.ndarray
 
     def outcome(self, most: int | None) -> Outcome:
-        """All members, range by range."""
+        """Computes all members, range by range, and returns their outcome."""
         count, length = self.out.shape[:2]
         return gathered(count, length, self.part, most)
 
@@ -113,7 +113,7 @@ class _Work(NamedTuple):
         return had
 
     def one(self, member: int) -> Said:
-        """The states of one member by its flow."""
+        """Computes the states of one member by its flow, and returns the outcome."""
         times = times_of(self.times, member)
         try:
             run = self.motion(member).at(times, strict=False)
@@ -171,7 +171,7 @@ def _outcome(count: int, said: list[Said]) -> Outcome:
 
 
 def statuses(status: np.ndarray, partial: dict[int, np.ndarray], length: int) -> np.ndarray:
-    """The number of the reason of every row, shape (K, length), from those of an :class:`Outcome`."""
+    """The reason number of every row, shape (K, length), from two attributes of an :class:`Outcome`."""
     rows = np.repeat(status[:, None], length, axis=1)
     for member, numbers in partial.items():
         rows[member] = numbers
@@ -189,7 +189,7 @@ def held(count: int, length: int, columns: int, instead: str) -> None:
 
 
 def _memory() -> float:
-    """Bytes of this machine's memory; infinity if unknown."""
+    """The bytes of this machine's memory; infinity if unknown."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, OSError, ValueError):

@@ -1,4 +1,4 @@
-"""Many motions of one kind: arrays of bodies and states in, arrays of states out, on all threads."""
+"""Many motions of one kind, computed on all threads from arrays of bodies and states."""
 
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ def ensemble(
 
 
 class Ensemble(Members):
-    """The result of :func:`ensemble`."""
+    """Many motions of one kind of system, made by :func:`ensemble`."""
 
     def at(self, times: Numbers, *, out: np.ndarray | None = None) -> Trajectories:
         """The states of all members at physical times of any order, sign and size.
 
         Times have shape (N,), the same for all members, or (K, N). Motions over a few turns are short runs, whose times
-        have an error of at most 2·10⁻¹³ plus 4·10⁻¹⁶ of the time; the rest comes from :meth:`flow`. A refused member or
+        have an error of at most 2·10⁻¹³ plus 4·10⁻¹⁶ of the time; others come from :meth:`flow`. A refused member or
         time does not affect the others: see :attr:`Trajectories.status`. ``out``, shape (K, N, 7), receives γ, M and τ
         and is used in the result. For results larger than memory give a ``numpy.memmap``, or use :meth:`chunks`.
         """

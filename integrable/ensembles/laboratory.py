@@ -1,4 +1,4 @@
-"""Many motions of one body in the laboratory: arrays of orientations and ω in, arrays of both out, on all threads."""
+"""Many motions of one body in the laboratory, computed on all threads from arrays of orientations and ω."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ __all__ = ["LaboratoryEnsemble", "LaboratoryRuns", "laboratory_ensemble"]
 # least ratio of the second largest to the largest component of ω for a quick computation: below it the motion is nearly
 # a rotation about an axis, with constant ω
 ASIDE = 1e-8
-# an orientation and ω
+# floats of one state: the nine entries of an orientation, and ω
 COLUMNS = 12
 WANTED = "rotations of shape (K, 3, 3) or (3, 3), or SciPy's Rotation, are needed"
 
@@ -106,13 +106,13 @@ class LaboratoryEnsemble(Record):
         return replaced(self, **parts)
 
     def _joined(self, others: Iterable[LaboratoryEnsemble]) -> LaboratoryEnsemble:
-        """These members and those of ``others``."""
+        """An ensemble of these members, followed by the members of ``others``."""
         every = (self, *others)
         names = ("orientations", "omega", "contacts")
         return replaced(self, **{name: np.concatenate([getattr(many, name) for many in every]) for name in names})
 
     def motion(self, member: int) -> LaboratoryMotion:
-        """The motion of one member; raises its refusal."""
+        """The motion of one member. Raises the member's error if it is refused."""
         member = whole(member, "member", f"the members are 0 … {len(self) - 1}", 0, len(self) - 1)
         place = () if self.body.radius is None else (self.contacts[member],)
         found: LaboratoryMotion = self.body.motion(self.orientations[member], self.omega[member], *place)
@@ -168,7 +168,7 @@ class _Work(NamedTuple):
         return [Said(k, REFUSED, why) for k, why in found if why]
 
     def put(self, which: np.ndarray, rows: np.ndarray) -> None:
-        """Writes the orientations and ω that follow from γ and M, shape (H, N, 6)."""
+        """Writes orientations and ω of the H members ``which``; ``rows`` are their γ and M, shape (H, N, 6)."""
         inertia, d = self.members[0, :3].tolist(), float(self.members[0, 3])
         gamma, M = rows[..., :3].reshape(-1, 3), rows[..., 3:].reshape(-1, 3)
         axes = self.many.body.axes
@@ -178,7 +178,7 @@ class _Work(NamedTuple):
         self.omega[which] = omega.reshape(*rows.shape[:2], 3) @ axes.T
 
     def one(self, member: int) -> str:
-        """Computes one member by its own motion. Returns the reason of its refusal, or ""."""
+        """Computes one member by its own motion. Returns the reason if the motion is refused, else ""."""
         try:
             run = self.many.motion(member).at(times_of(self.times, member))
             self.matrices[member], self.omega[member] = run.matrices, run.omega_body

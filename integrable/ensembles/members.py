@@ -21,7 +21,7 @@ from jacobian.element import Rows
 from jacobian.errors import ArgumentError, chosen, floats, several, shown, whole
 from jacobian.immutable import Record, replaced
 
-# margin of the bounds: members nearer to one are checked singly
+# margin of the bounds: members nearer than this to a bound are checked singly
 HALF, FAR_INSIDE = 0.5, 1e-3
 # least difference of the extreme moments, relative to the largest plus d; least distance from M ∥ γ and from M along a
 # principal axis
@@ -57,12 +57,12 @@ class Members(Record):
 
     @property
     def inertia(self) -> np.ndarray:
-        """Shape (K, 3)."""
+        """The moments of inertia of each member, shape (K, 3)."""
         return self.members[:, :3]
 
     @property
     def d(self) -> np.ndarray:
-        """Shape (K,)."""
+        """d of each member, shape (K,)."""
         return self.members[:, 3]
 
     @property
@@ -82,7 +82,7 @@ class Members(Record):
 
 
 def member_number(member: Any, count: int) -> int:
-    """The index of a member, negative ones from the end, as 0 … count − 1."""
+    """The index of a member as 0 … count − 1; a negative ``member`` counts from the end."""
     return whole(member, "member", f"the members are 0 … {count - 1}", -count, count - 1) % count
 
 
@@ -148,18 +148,18 @@ def time_rows(times: Any, count: int) -> np.ndarray:
 
 
 def times_of(times: np.ndarray, member: int) -> np.ndarray:
-    """The times of one member, shape (N,), from those of :func:`time_rows`."""
+    """The times of one member, shape (N,), from the array that :func:`time_rows` returns."""
     row: np.ndarray = times[member if len(times) > 1 else 0]
     return row
 
 
 def times_of_some(times: np.ndarray, which: Any) -> np.ndarray:
-    """The times of some members, from those of :func:`time_rows`; shape (1, N) if all have the same."""
+    """The times of some members, from the array that :func:`time_rows` returns; shape (1, N) if all have the same."""
     return times[which] if len(times) > 1 else times
 
 
 def system_of(system: Any, row: np.ndarray) -> Any:
-    """The system of one member, ``system`` itself where it has that body."""
+    """The system of one member, whose body is in ``row``; ``system`` itself if it has the same body."""
     if not isinstance(system, System):
         return system
     inertia, d = tuple(row[:3].tolist()), float(row[3])
@@ -169,7 +169,7 @@ def system_of(system: Any, row: np.ndarray) -> Any:
 
 
 def motion_of(system: Any, row: np.ndarray, tilted: bool, kernel: str = "auto") -> Motion:
-    """The motion of one member; raises its refusal. ``kernel`` as for :class:`integrable.motion.flow.Flow`."""
+    """The motion of one member, or its error if refused; ``kernel`` as for :class:`integrable.motion.flow.Flow`."""
     own = system_of(system, row)
     state = own.state(tuple(row[4:7].tolist()), tuple(row[7:].tolist()), **({"tilted": True} if tilted else {}))
     motion: Motion = own.flow(state, kernel) if isinstance(own, System) else own.motion_through(state)
@@ -179,7 +179,8 @@ def motion_of(system: Any, row: np.ndarray, tilted: bool, kernel: str = "auto") 
 def plain(members: np.ndarray, tilted: bool) -> np.ndarray:
     """A mask of shape (K,) of the plain members.
 
-    They are certainly accepted, have distinct or two equal moments, and M is off every axis.
+    A plain member is certainly accepted. Its moments are well apart, or exactly two are equal, and M is not along a
+    principal axis.
     """
     inertia, d, gamma, M = members[:, :3], members[:, 3], members[:, 4:7], members[:, 7:]
     with np.errstate(all="ignore"):

@@ -51,7 +51,7 @@ class Runs(Record):
         return self._some(np.flatnonzero(self.status == 0))
 
     def __getitem__(self, which: Rows) -> Any:
-        """A member (raises its refusal as a whole), or some members."""
+        """One member (an error if it is refused as a whole), or the members chosen by a slice or an array."""
         if several(which):
             return self._some(np.arange(len(self))[chosen(which, len(self))])
         return self._one(member_number(which, len(self)))
@@ -73,7 +73,7 @@ class Runs(Record):
         raise NotImplementedError
 
     def _of_some(self, places: np.ndarray) -> dict[str, Any]:
-        """The attributes of some members in a subclass, by name."""
+        """The subclass's attributes, by name, restricted to the members ``places``."""
         raise NotImplementedError
 
     def _refusal(self, member: int) -> ArgumentError:
@@ -85,7 +85,7 @@ class Runs(Record):
 
 
 def joined_times(every: Sequence[Runs]) -> np.ndarray:
-    """Times of all members: of shape (1, N) where they are the same, else (K, N)."""
+    """The times of all joined members: shape (1, N) where all have the same times, else (K, N)."""
     times = every[0]._times
     if len(times) == 1 and all(np.array_equal(runs._times, times) for runs in every):
         return times
