@@ -1,4 +1,4 @@
-"""The interface of an integrator: built once for a kind of system, started at a state, evaluated at times.
+"""The interface of integrators. They are built for a kind of system, started at a state, and evaluated at times.
 
     class Euler(Method):
         def build(self, kind, setting):                             # once a machine: compilation
@@ -122,17 +122,17 @@ class Method(ABC):
 
     @property
     def in_doubles(self) -> bool:
-        """Whether it computes in doubles rather than in a higher precision."""
+        """Whether the method computes in doubles rather than in a higher precision."""
         return self.parameter != "digits" and not self.guard
 
     @property
     def multiprecision(self) -> bool:
-        """Whether it integrates in mpf: a step takes hundreds of times as long as in doubles."""
+        """Whether the method integrates in mpf, where a step takes hundreds of times as long as in doubles."""
         return self.parameter == "digits" and not self.module
 
     @property
     def installed(self) -> bool:
-        """Whether its libraries are installed."""
+        """Whether the libraries of the method are installed."""
         return not self.module or installed(self.module)
 
     def refusal(self, system: Any) -> str | None:
@@ -189,7 +189,7 @@ def kept(method: Method, kind: Kind, setting: Any) -> Built:
 
 
 def _kept(method: Method, kind: Kind, setting: Any) -> tuple[Built, float]:
-    """That code, and the seconds that building it took in this process.
+    """The built code of a method for a kind, and the seconds that building took in this process.
 
     The seconds are the maximum over all settings: code that serves all settings is compiled for the first of them.
     """
@@ -202,7 +202,7 @@ def _kept(method: Method, kind: Kind, setting: Any) -> tuple[Built, float]:
 
 
 def timed_run(method: Method, problem: Problem, times: Iterable[Any], setting: Any) -> tuple[Spent, Solution]:
-    """The clock time of a run's parts, and its solution.
+    """Runs a method on a problem; returns the seconds of the run's parts, and the solution.
 
     The part spent once per machine is the value first measured in this process.
     """

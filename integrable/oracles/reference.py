@@ -141,7 +141,7 @@ def odefun(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> So
     rows: list[list[Any]] = [start] * len(wanted)
     for sign in (1, -1):
         order = sorted((i for i in range(len(wanted)) if sign * wanted[i] > 0), key=lambda i: abs(wanted[i]))
-        # odefun integrates forwards only
+        # odefun only integrates forwards: for negative times the equations are reversed
         solution = context.odefun(lambda t, y, s=sign: [s * x for x in counted(t, y)], context.zero, start)
         for i in order:
             rows[i] = list(solution(abs(wanted[i])))

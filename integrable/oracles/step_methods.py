@@ -17,7 +17,7 @@ __all__ = ["Collocation", "DiscreteTop"]
 
 @dataclass(frozen=True)
 class Collocation(Method):
-    """Gauss's method with a given number of stages."""
+    """Gauss's collocation method (an implicit Runge–Kutta method) with a given number of stages."""
 
     stages: int = 1
 

@@ -1,4 +1,4 @@
-"""Requested times of any order and sign, for integrators that need ascending times and for fixed-step methods in
+"""Helpers that reach times of any order and sign, by integrators that need ascending times and by fixed steps in
 plain Python.
 """
 
