@@ -59,7 +59,7 @@ def animate(run: Any, path: File, fps: int) -> None:
 
 @contextmanager
 def _of_ffmpeg(target: Path) -> Iterator[None]:
-    """On failure of ffmpeg, its last message as one line."""
+    """Turns a failure of ffmpeg in the block into an error with ffmpeg's last message as one line."""
     try:
         yield
     except CalledProcessError as error:

@@ -2,8 +2,8 @@
 
 With J = Q diag(I) Qᵀ, R₀ the orientation at time 0 and z up: γ = QᵀR₀ᵀz and ω along the principal axes, M = (I + d)ω −
 d(γ, ω)γ, d = mr². R M is constant in space, about the point of contact of a rolling body or the centre of mass of a
-free one. So the states of the flow give the orientation without an integration (:mod:`integrable.phase.attitude`), and
-its contact path the one in metres.
+free one. So the states of the flow give the orientation without an integration (:mod:`integrable.phase.attitude`). The
+contact path of the flow, scaled, is the path in metres.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from jacobian.element import Real, Table, Value
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.fields.protocol import Field
 
-# extra digits of a set-up, and of a flow, beyond those of MP(digits)
+# digits that a set-up, and a flow, carry beyond those of MP(digits)
 GUARD, INNER = 15, 5
 # M counts as vertical within this many roundings; floats lose digits if its horizontal part is below the second ratio
 VERTICAL, NEARLY = 64, 1e-2
@@ -56,7 +56,7 @@ class RigidBody(Made):
         say_unphysical([float(x) for x in self._principal.moments], RR)
         self.moments = tuple(field.coerce(x) for x in self._principal.moments)
         self._d = self._wide.zero
-        # the moments of the free body behind a motion: these, or others for a ball with vertical momentum
+        # the moments of the free body whose flow gives a motion: other moments for a ball with vertical momentum
         self._free_moments = self._principal.moments
 
     @property
@@ -220,7 +220,7 @@ def _wide_field(field: Field) -> Any:
 
 
 def _inner(field: Any, lost: int) -> Any:
-    """The field of a flow that loses that many digits in the conversion to orientations."""
+    """The field of a flow whose states lose ``lost`` digits in the conversion to orientations."""
     if field == RR:
         return MP(ROUNDED_TO_FLOATS + lost) if lost else RR
     return MP(field.dps + INNER + lost)

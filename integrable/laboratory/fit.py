@@ -41,7 +41,7 @@ class OrientationFit(Record):
 
     @property
     def omega(self) -> Any:
-        """ω of the start in the laboratory."""
+        """The angular velocity of the start in the laboratory, rad/s."""
         return self.motion.at([0.0]).omega[0]
 
     def _repr_html_(self) -> str:
@@ -61,7 +61,7 @@ class OrientationFit(Record):
 
 
 def fitted(guess: Any, times: Numbers, orientations: Iterable[object]) -> OrientationFit:
-    """The motion nearest to measured orientations, from a guess; see the method of the motion."""
+    """The motion nearest to measured orientations, found from a ``guess``: ``LaboratoryMotion.fitted``."""
     needed("scipy", "fitted")
     from scipy.optimize import least_squares
 
@@ -92,7 +92,7 @@ def _rotations(orientations: Any, count: int) -> np.ndarray:
         raise ArgumentError(
             f"orientations have the shape {found.shape}: give a rotation for each of {written(count)} times"
         )
-    # 2 is no valid entry of a rotation, so the check below fails
+    # NaN and infinities become 2, which is no entry of a rotation, so that the check below finds them
     safe = np.where(np.isfinite(found), found, 2)
     off = abs(safe @ safe.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     wrong = (off > MEASURED) | (np.linalg.det(safe) < 0)
@@ -124,7 +124,7 @@ class _Problem:
         return found
 
     def result(self, x: np.ndarray) -> Any:
-        """The motion in the axes of the guess's tensor."""
+        """The fitted motion at the parameters ``x``, in the axes of the guess's tensor."""
         moments, turned = self.moments(x), _rotation(x[:3]) @ self._start
         plain = bool((self._axes == np.eye(3)).all())
         tensor = moments if plain else self._axes @ np.diag(moments) @ self._axes.T
@@ -160,7 +160,7 @@ class _Problem:
         flow, matrices = motion.flow, motion.at(self._times).matrices
         run, moments, omega = flow.at(self._times), self.moments(x), self._omega + x[3:6]
         S = flow.sensitivity(self._times).matrix
-        # M = Iω of the start, by ω and by log I
+        # derivatives of the start's M = Iω by ω and by log I
         by_start = np.hstack([np.diag(moments), np.diag(moments * omega)[:, :2]])
         change = S[:, :, 3:6] @ by_start
         change[:, :, 3:] += S[:, :, 6:8] * moments[:2]

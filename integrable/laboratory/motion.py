@@ -36,7 +36,7 @@ class LaboratoryMotion(Immutable):
     def __init__(self, body: Any, start: np.ndarray, spin: np.ndarray, contact: Any) -> None:
         """``start`` is the wide matrix from principal axes to the laboratory, ``spin`` ω along them."""
         self.body, self._start, self._spin, self._contact = body, start, spin, contact
-        # the flow is made now, so that its refusal is raised now
+        # make the flow now, so that a refusal is raised here and not at the first use
         self.flow = self._way.flow
 
     @cached_property
@@ -121,7 +121,7 @@ class LaboratoryRun(Exported):
         return map(self.__getitem__, range(len(self)))
 
     def concatenated(self, *others: LaboratoryRun) -> LaboratoryRun:
-        """These times and those of the ``others``, which are of the same motion."""
+        """The run at these times and then at the times of the ``others``, which must be runs of the same motion."""
         for other in others:
             if not isinstance(other, LaboratoryRun) or other.motion != self.motion:
                 raise ArgumentError(f"others: {shown(other)} given; runs of the same motion are needed")
@@ -183,7 +183,7 @@ class LaboratoryRun(Exported):
 
     @property
     def orientation(self) -> Rotation:
-        """The same as one Rotation of SciPy (the extra ``app``), in floats."""
+        """The ``matrices`` as one Rotation of SciPy (the extra ``app``), in floats."""
         from integrable.extras import needed
 
         needed("scipy", "orientation, a Rotation,")
@@ -227,7 +227,7 @@ class LaboratoryRun(Exported):
 
 
 def going_on(quaternions: np.ndarray) -> np.ndarray:
-    """The same rotations, shape (…, N, 4), with signs such that each quaternion is close to the previous one."""
+    """The given quaternions, shape (…, N, 4), with signs such that each quaternion is close to the previous one."""
     steps = np.sum(quaternions[..., 1:, :] * quaternions[..., :-1, :], axis=-1)
     turned = np.where(steps >= 0, 1, -1)
     signs = np.cumprod(np.concatenate([np.ones_like(quaternions[..., :1, 0], dtype=int), turned], axis=-1), axis=-1)

@@ -62,7 +62,7 @@ def principal(K: Field, table: Matrix, eps: Any) -> Principal:
 
 
 def _joined(moments: list[Real], near: Any) -> list[Real]:
-    """The moments, those within rounding of each other replaced by their mean."""
+    """The moments, where moments within ``near`` of each other are replaced by their mean."""
     order = sorted(range(3), key=lambda i: moments[i])
     low, mid, high = (moments[i] for i in order)
     if mid - low <= near and high - mid <= near:
@@ -84,7 +84,7 @@ def diagonalised(K: Any, table: Matrix) -> tuple[np.ndarray, np.ndarray]:
             break
         for i, j in ((0, 1), (0, 2), (1, 2)):
             if table[i, j]:
-                # the smaller of the two angles
+                # of two possible rotations the one by the smaller angle
                 lean = (table[j, j] - table[i, i]) / (2 * table[i, j])
                 t = (1 if lean >= 0 else -1) / (abs(lean) + K.sqrt(1 + lean * lean))
                 c = 1 / K.sqrt(1 + t * t)
@@ -125,7 +125,7 @@ def matrices_of(orientation: Any) -> Any:
 
 
 def matrix(K: Arithmetic, values: Any, argument: str, wanted: str, moments: bool = False) -> Matrix:
-    """A 3×3 matrix of K, diagonal for three ``moments``; ArgumentError for other shapes."""
+    """The values as a 3×3 matrix over K, diagonal for three ``moments``; ArgumentError for other shapes."""
     try:
         rows = entries(values, argument, wanted)
         given = np.array([_row(row, argument) for row in rows], dtype=object)

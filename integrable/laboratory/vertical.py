@@ -51,7 +51,7 @@ class Vertical(Along):
         return self._after(counts, half, inside, *(np.frompyfunc(f, 1, 1) for f in (context.sin, context.cos)))
 
     def _after(self, counts: Any, half: Any, inside: Any, sin: Any, cos: Any) -> Any:
-        """The path x(nT + s): each of n = ``counts`` periods T turns it by an angle Δ.
+        """The path x(nT + s) for n = ``counts`` periods T, each of which turns the ball by an angle Δ.
 
         ``inside`` is x(s), ``half`` is nΔ/2.
         """
@@ -60,7 +60,7 @@ class Vertical(Along):
         ends = self._path(np.array([-self._half_period, self._half_period]))
         delta = ends[1] - _turned(*_double(s, c), ends[0])
         sums = sin(half) / s if s else counts
-        # R((n − 1)Δ/2)δ
+        # Σ_{j<n} R(jΔ)δ = (sin(nΔ/2)/sin(Δ/2))·R((n − 1)Δ/2)δ
         gone = sums[:, None] * _turned(sin(half) * c - cos(half) * s, cos(half) * c + sin(half) * s, delta)
         return gone + _turned(*_double(sin(half), cos(half)), inside)
 
@@ -68,7 +68,7 @@ class Vertical(Along):
 
     @cached_property
     def _rates(self) -> tuple[Any, Any, Any]:
-        """1/T, the turns Δ/2π, both wide, and their field."""
+        """The frequency 1/T and the turns Δ/2π, both in wide numbers, and the field of these numbers."""
         portrait = self.flow.portrait
         if portrait.axis is None:
             raise PrecisionLoss(
@@ -83,12 +83,12 @@ class Vertical(Along):
 
     @cached_property
     def _half_turn(self) -> Any:
-        """Δ/2."""
+        """Half of the angle Δ by which the ball turns about the vertical in a period."""
         _, advance, wide = self._rates
         return self._field.coerce(wide.context.pi * (advance - wide.context.nint(advance)))
 
     def _path(self, times: np.ndarray) -> Any:
-        """x(s) for |s| ≤ T/2."""
+        """The path x(s) of the point of contact at the times s, |s| ≤ T/2."""
         if self._field != RR:
             return np.array([self._by_gauss(t) for t in times], dtype=object).reshape(-1, 2)
         found = np.zeros((len(times), 2))
@@ -127,6 +127,6 @@ def _double(s: Any, c: Any) -> tuple[Any, Any]:
 
 
 def _turned(s: Any, c: Any, points: Any) -> Any:
-    """Points turned by angles of these sines and cosines."""
+    """The points, turned by the angles with sines ``s`` and cosines ``c``."""
     x, y = points[..., 0], points[..., 1]
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
