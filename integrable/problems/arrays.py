@@ -21,7 +21,7 @@ class Arrays:
 
     @staticmethod
     def coerce(x: Any) -> Any:
-        """A constant as a float; an array unchanged."""
+        """The float of a constant; an array is returned unchanged."""
         return x if isinstance(x, (np.ndarray, np.generic)) else float(x)
 
     @staticmethod
@@ -37,5 +37,5 @@ def columns(y: Any) -> list[Any]:
 
 
 def stacked(parts: Iterable[Any]) -> np.ndarray:
-    """The inverse of :func:`columns`."""
+    """The array of states, shape (…, n), with the given components: the inverse of :func:`columns`."""
     return np.stack(np.broadcast_arrays(*parts), axis=-1)

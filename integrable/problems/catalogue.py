@@ -18,7 +18,7 @@ def problem_names() -> list[str]:
 
 
 def problem(name: str | Path | Scene) -> Problem:
-    """The problem with that name.
+    """The initial value problem with the given name.
 
     ``name`` is one of :func:`problem_names`, a ball or top of :func:`certified_names`, or any scene or scene file that
     moves a ball, a top or a system of :mod:`integrable.classical`. Raises ArgumentError for other scenes, and where

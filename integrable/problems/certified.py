@@ -72,7 +72,7 @@ class Certified(NamedTuple):
 
 
 def certified(name: str) -> Certified:
-    """The motion of that name; ArgumentError for a name not in :func:`certified_names`."""
+    """The certified motion with the given name; ArgumentError for a name not in :func:`certified_names`."""
     motions = _motions()
     given = motions[one_of(name, "name", tuple(motions), f"give one of {', '.join(motions)}")]
     rows = given["rows"]
@@ -93,12 +93,12 @@ def certified(name: str) -> Certified:
 
 
 def certified_names() -> list[str]:
-    """The names of all motions."""
+    """The names of all certified motions."""
     return list(_motions())
 
 
 def schema() -> dict[str, Any]:
-    """The JSON Schema of the file."""
+    """The JSON Schema of the file of certified motions."""
     found: dict[str, Any] = json.loads(_text("schemas", "certified.json"))
     return found
 

@@ -26,7 +26,7 @@ MOST_ATTEMPTS = 6
 
 
 class Scales(NamedTuple):
-    """The factors that scale a motion of unit length to a problem's: of q, of p, and of times (which are divided)."""
+    """The factors of q and p, and the divisor of times, that scale a motion of unit length to that of a problem."""
 
     q: Any
     p: Any
@@ -83,7 +83,7 @@ class UnitMotion:
         return Scales(*(square ** (context.mpf(power) / 2) for power in self.unit[:3]))
 
     def start(self, digits: int) -> tuple[Any, State]:
-        """The system and the start of unit length."""
+        """The system and its start, scaled to unit length."""
         system = self.system(digits)
         number, scales = system.field.coerce, self.scales(system)
         q = tuple(number(float(x)) / scales.q for x in self.scene.gamma)

@@ -19,7 +19,7 @@ LARGEST = 64
 
 
 def another(motion: UnitMotion, rng: np.random.Generator) -> list[float]:
-    """A random start: q and p of about the size of a motion's start."""
+    """A random start whose q and p have about the size of those at the start of ``motion``."""
     q, p = ([float(x) for x in part] for part in (motion.scene.gamma, motion.scene.M))
     unit = motion.unit
     if unit is None:

@@ -25,7 +25,7 @@ class Unit(NamedTuple):
     normal: bool = True
 
     def square(self, constants: Sequence[Any], q: Sequence[Any]) -> Any:
-        """s², in the number type of ``q``."""
+        """The square of the length s, in the number type of ``q``."""
         return sum(x * y for x, y in zip(self.dual(constants, q), q, strict=True))
 
     def along(self, constants: Sequence[Any], q: Sequence[Any], p: Sequence[Any]) -> Any:
@@ -33,7 +33,7 @@ class Unit(NamedTuple):
         return sum(x * y for x, y in zip(self.dual(constants, q), p, strict=True))
 
     def dual(self, constants: Sequence[Any], q: Sequence[Any]) -> list[Any]:
-        """q, or if weighted q/a."""
+        """The vector q, or q/a if ``weighted``."""
         return [x / a for x, a in zip(q, constants, strict=True)] if self.weighted else list(q)
 
 
