@@ -29,12 +29,12 @@ class ClassicalRun(Path):
 
     @property
     def gamma(self) -> Any:
-        """q."""
+        """The vector q of every state, shape (N, n)."""
         return self.q
 
     @property
     def M(self) -> Any:
-        """p."""
+        """The vector p of every state, shape (N, n)."""
         return self.p
 
 

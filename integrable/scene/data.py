@@ -24,7 +24,7 @@ MOST_STEPS = 10_000_000
 class Kind(NamedTuple):
     """Where a scene's system is defined: its folder, its class there, the keys of ``[body]`` and its arguments.
 
-    The name of its module is included if it differs from that of the system.
+    The name of the module is included if it differs from the name of the system.
     """
 
     room: str
@@ -129,7 +129,7 @@ class Map:
 
 @dataclass(frozen=True)
 class Steps:
-    """An orbit, and the settings of its report. A step applies ``maps`` in their order; there are ``count`` steps."""
+    """An orbit of ``count`` steps, and the settings of its report. A step applies ``maps`` in their order."""
 
     maps: tuple[Map, ...]
     count: int
@@ -306,7 +306,7 @@ def _field(digits: int) -> Any:
 
 
 def _numbers(digits: int) -> Callable[[Fraction], Any]:
-    """The conversion of fractions for a run at ``digits`` digits."""
+    """The function that converts fractions to the numbers of a run at ``digits`` digits."""
     if digits <= FLOAT_DIGITS:
         return float
     context = _field(digits).context

@@ -36,5 +36,5 @@ OTHER = ("#666666", "p", False)
 
 
 def look(method: str) -> tuple[str, str, bool]:
-    """The colour and marker of a method, and whether the marker is filled. Unknown methods have a default."""
+    """The colour and marker of a method, and whether the marker is filled. An unknown method gets a default."""
     return LOOKS.get(method, OTHER)

@@ -1,5 +1,6 @@
-"""The output folder of a run, and the JSON of a result. The folder is tested before the run, and never holds a partial
-file.
+"""The output folder of a run, and the JSON of a result.
+
+The folder is tested before the run, and never holds a partial file.
 """
 
 from __future__ import annotations
@@ -59,7 +60,7 @@ class OutputFolder:
 
     def write_text(self, name: str, text: str) -> Path:
         """Write a UTF-8 text file, which appears complete."""
-        # a file name outside the terminal's encoding holds its bytes as surrogates
+        # the text may contain a file name whose undecodable bytes are surrogates
         return self.write_bytes(name, text.encode(errors="surrogateescape").decode(errors="replace").encode())
 
     def write_bytes(self, name: str, content: bytes) -> Path:

@@ -32,7 +32,7 @@ def bar_of_pieces(name: str, total: int) -> Iterator[Callable[[str], None]]:
 
         yield tick
         bar.update(1)
-        # redraw even right after the last update
+        # redraw now, even if the bar was drawn a moment ago
         bar.refresh()
 
 
@@ -53,7 +53,7 @@ def compilation_said(bar: Any) -> Iterator[None]:
 
 @contextmanager
 def going(bar: Any, seconds: float) -> Iterator[None]:
-    """Redraw a bar repeatedly, so that its clock runs during one long piece of work."""
+    """Redraws a bar repeatedly while the block runs, so that the bar's clock advances during a long piece of work."""
     over = threading.Event()
 
     def draw() -> None:
