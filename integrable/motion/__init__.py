@@ -1,3 +1,1 @@
-"""From a start to the states at physical times, near and far, in floats or to any number of digits, with proven
-bounds.
-"""
+"""Motions: the states of a start at any physical times, in floats, to many digits, or with proven bounds."""

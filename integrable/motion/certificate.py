@@ -26,7 +26,7 @@ WIDER = 15
 LEAST = 30
 # two moments with a larger relative difference are treated as different
 BESIDE = 3
-# digits that must agree by default: all but the last few bits
+# by default all digits of the field but this many must agree
 SLACK = 1
 FLOAT_SLACK = 3
 
@@ -40,7 +40,7 @@ def certified(flow: Motion, times: Numbers, digits: int | None) -> Trajectory:
     run = flow.at(times)
     more = max(own + WIDER, LEAST)
     K = MP(more)
-    # use the times of the run, so that both runs have the same numbers
+    # use the times of the run, so that both runs use identical times
     finer = _vectors(flow, [K.coerce(t) for t in run.times], K)
     errors = []
     for gamma, M, (true_gamma, true_M) in zip(run.gamma, run.M, finer, strict=True):
@@ -60,7 +60,7 @@ def certified(flow: Motion, times: Numbers, digits: int | None) -> Trajectory:
 
 
 def _vectors(flow: Motion, times: list[Any], K: Any) -> list[tuple[Any, Any]]:
-    """γ and M at physical times, wide numbers, to the digits of K: by additions, or a formula of their own."""
+    """γ and M at physical times, which are wide numbers, to the digits of K: by additions or an independent formula."""
     body, state = flow.system.body, flow.state
     if body.rolls and state.tilted and symmetry_axis(flow.system.inertia) is not None:
         if len(set(flow.system.inertia)) == 1:
@@ -72,7 +72,9 @@ def _vectors(flow: Motion, times: list[Any], K: Any) -> list[tuple[Any, Any]]:
 
 
 def _turned(flow: Motion, time: Any, K: Any) -> tuple[Any, Any]:
-    """γ and M of a ball with three equal moments: γ turns uniformly about L = M + dnγ, which is constant, as n is."""
+    """γ and M of a ball with three equal moments: γ turns uniformly about L = M + dnγ, n = (γ, ω); L and n are
+    constant.
+    """
     context = MP(K.dps + _turns(flow, time, K)).context
     body, state = flow.system.body, flow.state
     inertia, d, *vectors = map(context.mpf, (body.inertia[0], body.d, *state.gamma, *state.M))

@@ -1,4 +1,4 @@
-"""The conditioning of a motion: the growth of rounding in the inputs, and the floor of every error.
+"""The conditioning of a motion: how rounding of the inputs grows, and the least possible error of any method.
 
 An input known only to its last digit, x(1 + eps), changes the state at time t by eps·|x ∂state/∂x|, for any method.
 :func:`conditioning` sums these over all inputs (moments of inertia, d, the parameters of a deformation, γ and M) by
@@ -89,7 +89,7 @@ def conditioning(system: Any, state: State, times: Sequence[Real], motion: Motio
 
 
 def _sizes(system: Any, state: State, rows: tuple[np.ndarray, np.ndarray]) -> list[Any]:
-    """The units for changes of γ and of M, at each time."""
+    """The sizes of γ and of M, at each time, to which their changes are relative."""
     size = float(system.field.sqrt(system.field.dot(state.M, state.M))) or 1.0
     if not hasattr(system, "inputs"):
         return [1.0, size]
@@ -98,7 +98,7 @@ def _sizes(system: Any, state: State, rows: tuple[np.ndarray, np.ndarray]) -> li
 
 
 def flow_motion(system: Any, state: State, times: Sequence[Real]) -> tuple[np.ndarray, np.ndarray]:
-    """γ and M by the system's own motion."""
+    """γ and M at ``times`` by the system's own motion."""
     trajectory = system.motion_through(state).at(times)
     return trajectory.gamma, trajectory.M
 
@@ -119,8 +119,8 @@ def _inputs(system: Any, state: State) -> tuple[list[str], list[Any]]:
 
 
 def _problem(system: Any, state: State, names: list[str], values: list[Any]) -> tuple[Any, State]:
-    """The system and the state of these inputs. γ is normalized and, unless the state is tilted, M is made
-    orthogonal.
+    """The system and the state with the given values of the inputs. γ is normalized and, unless the state is tilted, M
+    is made orthogonal.
     """
     field, given = system.field, dict(zip(names, values, strict=True))
     if hasattr(system, "inputs"):

@@ -8,7 +8,7 @@ The centre moves with the velocity r·ω×γ, and the point of contact stays bel
 
 On average ẋ is 0, n is −kH1 and ẏ is −rH1(1 + kc)/m, with k of Chaplygin's transformation (k = 0 at c = 0); the rest is
 bounded, an integral of a function with mean 0. With two equal moments it is a function of the state
-(:mod:`integrable.motion.contact_symmetric`), with three it is 0.
+(:mod:`integrable.motion.contact_symmetric`), with three equal moments it is 0.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ FAR_GAUSS, MOST_GAUSS = 4, 40
 GUARD = 2
 # γ × M loses digits where it is this much smaller than M
 PARALLEL = 30
-# near rotations about a principal axis rounding of this size is all that remains of the bounded part
+# the size of rounding errors of the rates, of which the bounded part consists near rotations about a principal axis
 LEAST = 1 / 16
 # the accuracy of states near the start, computed in floats
 TOLERANCE = 1e-13
@@ -119,8 +119,8 @@ class Rolling:
     def rates(self, rows: np.ndarray) -> np.ndarray:
         """The derivatives of the bounded part by τ, dt = dτ/g, at states γ and M side by side: shape (N, 2).
 
-        From A less its value on one axis, by which ẋ is multiplied with (M, γ×M) = (γ, γ×M) = 0: the a_i of heavy
-        bodies hardly differ. n less its mean is ñ·g/(p·g̃), ñ = g̃²(γ̃, AM̃), by Chaplygin's transformation.
+        A is replaced by A minus its middle a_i: that part drops out because (M, γ×M) = (γ, γ×M) = 0, and the a_i of
+        heavy bodies hardly differ. n minus its mean is ñ·g/(p·g̃), ñ = g̃²(γ̃, AM̃), by Chaplygin's transformation.
         """
         gamma, M = rows[:, :3], rows[:, 3:]
         w = np.cross(gamma, M)
@@ -191,7 +191,9 @@ class Rolling:
         return self.rates(np.hstack([run.gamma, run.M]))
 
     def _by_gauss(self, tau: np.ndarray, length: Any) -> np.ndarray:
-        """In multiprecision: Gauss–Legendre between 0, the ends of the panels and the values of τ."""
+        """The bounded part at ``tau`` in multiprecision, by Gauss–Legendre rules between 0, the ends of panels and all
+        τ.
+        """
         K = self.flow.system.field
         ends = {K.zero, *tau}
         for sign in (1, -1):
@@ -204,12 +206,12 @@ class Rolling:
         return np.array([sums[place[t]] - sums[place[K.zero]] for t in tau], dtype=object).reshape(-1, 2)
 
     def _gauss(self, first: Any, last: Any) -> np.ndarray:
-        """The integral over one interval."""
+        """The integral of :meth:`rates` from ``first`` to ``last``."""
         return integral(self.flow.system.field, lambda tau: self._at(1, tau), first, last, self.loss)
 
 
 def on_torus(flow: BodyMotion) -> TorusIntegral | PreciseContact | None:
-    """The bounded part along the flow as a Fourier series; None where the motion is no line on a compact torus."""
+    """The bounded part of the path as a Fourier series; None if the motion is not a line on a compact torus."""
     from integrable.motion.integral import TorusIntegral
 
     try:
@@ -222,7 +224,7 @@ def on_torus(flow: BodyMotion) -> TorusIntegral | PreciseContact | None:
 
 
 class PreciseContact:
-    """The bounded part in multiprecision, by a Fourier series on the torus; PrecisionLoss where there is none."""
+    """The bounded part in multiprecision, by a Fourier series on the torus; PrecisionLoss where no series exists."""
 
     def __init__(self, flow: BodyMotion) -> None:
         from integrable.torus.long_integral import LongIntegral
@@ -241,7 +243,7 @@ class PreciseContact:
         self._integral = LongIntegral(setup, flow.system.field.dps + GUARD, rates)
 
     def at(self, run: Trajectory) -> np.ndarray:
-        """At the times of a run, shape (N, 2): for given times τ is computed again, to all digits."""
+        """The bounded part at the times of a run, shape (N, 2). For physical times τ is recomputed to all digits."""
         tau = run.tau.tolist() if run.given_in_tau else self._flow._precise.many.at(run.times.tolist())[0]
         wide, scale = self._setup.wide.coerce, self._setup.time_scale
         rows = [self._integral.at(wide(t) * scale) for t in tau]

@@ -1,17 +1,17 @@
-"""The path of a rolling body with two equal moments, a function of its state.
+"""The path of a rolling body with two equal moments, as a function of its state.
 
-Let I be the two and axis 3 the other, q_i = 1 − d·a_i, Δ = (I_3 − I)a·a_3 and w = γ × M. Then γ̇_3 = a·w_3, M_3 = K/g −
-(dc/I)γ_3 with K constant (Routh 1905, article 244), and ẋ is a total derivative:
+Let I be the two equal moments and axis 3 the axis of the other, q_i = 1 − d·a_i, Δ = (I_3 − I)a·a_3 and w = γ × M. Then
+γ̇_3 = a·w_3, M_3 = K/g − (dc/I)γ_3 with K constant (Routh 1905, article 244), and ẋ is a total derivative:
 
     x = −(Δ·q·K/(a·m)) ∫ dγ_3/√(q + d·Δ·γ_3²).
 
-The bounded part of y is c/m times ∫(n − mean) dt = ∫ñ dt̃/p, ñ = g̃²(γ̃, AM̃), on the body of Chaplygin's transformation
-(tildes), where γ̃_3 oscillates harmonically in t̃. With K̃ = M̃_3g̃, h = H̃2 + d̃ΔK̃² and z = −w̃_3/√h, which is dγ̃_3/dφ for
-the phase φ,
+The bounded part of y is c/m times ∫(n − mean) dt = ∫ñ dt̃/p, ñ = g̃²(γ̃, AM̃), on the body of Chaplygin's
+transformation (tildes), where γ̃_3 oscillates harmonically in t̃. With K̃ = M̃_3g̃, h = H̃2 + d̃ΔK̃² and z = −w̃_3/√h,
+which is dγ̃_3/dφ for the phase φ,
 
     ∫ñ dt̃ = −(Δ·K̃/(a·√h)) ∫ dz/√(q̃_3H̃2/h − d̃Δz²).
 
-The roots are 1/g and 1/g̃.
+The square roots in the two integrands are 1/g and 1/g̃.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from jacobian import RR
 
 
 class SymmetricPath:
-    """The bounded part of (x, y) in radii as a function of the state; the constants are made in wide numbers."""
+    """Computes the bounded part of (x, y), in radii, from the state; the constants are computed in wide numbers."""
 
     def __init__(self, flow: BodyMotion) -> None:
         wide, tilt, self._field = flow.setup.wide, flow.setup.tilt, flow.system.field
@@ -70,7 +70,7 @@ class SymmetricPath:
         )
 
     def _primitive(self, factor: Any, slope: Any, constant: Any, x: np.ndarray, root: np.ndarray) -> np.ndarray:
-        """factor·∫_0^x dx/√(constant + slope·x²), ``root`` being the denominator at x."""
+        """The integral factor·∫_0^x dx/√(constant + slope·x²); ``root`` is the value of the square root at x."""
         scale = abs(slope) ** 0.5
         if self._field == RR:
             asinh, atan2 = np.arcsinh, np.arctan2

@@ -41,7 +41,7 @@ def check_domain(system: PhaseSpace, state: State) -> None:
     if max(*inertia, d, momentum) > LARGEST:
         name, x = next(pair for pair in _named(system, state) if abs(pair[1]) > LARGEST)
         raise ArgumentError(f"{name} = {x}: floats take up to {LARGEST:.0e} here{_UNITS}")
-    # a tilted one is refused as M ∥ γ is
+    # a tilted state with M = 0 is refused elsewhere, as M ∥ γ
     if not (momentum or state.tilted):
         raise ArgumentError("M = (0, 0, 0): the body is at rest; a flow needs M ≠ 0")
     if min(*inertia, d or 1, momentum or 1) < 1 / LARGEST:

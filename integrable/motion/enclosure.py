@@ -3,9 +3,9 @@ bounded.
 
 At a given τ a state is one addition of T(τ), the 2^k-fold of a translation near the identity. Physical time is a sum of
 Gauss–Legendre rules on panels. A bound of 1/g on a disc of complex τ bounds their error (Trefethen 2008, theorem 4.5).
-The disc comes from Picard's theorem for the differential equations of the moving point, which are polynomial. A given t
-is then inverted with dt/dτ = 1/g > 0. The body's constants, γ, M and the times count as exact; γ is divided by |γ|, and
-M (of an upright state) loses its part along γ.
+The disc comes from Picard's theorem for the differential equations of the moving point, which are polynomial. For a
+given t, τ is found from the monotonic t(τ), dt/dτ = 1/g > 0. The body's constants, γ, M and the times count as exact; γ
+is divided by |γ|, and M (of an upright state) loses its part along γ.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ LOST = 14
 BOUND_BITS = 64
 MOST_ATTEMPTS = 8
 MOST_PANELS = 100_000
-# beyond it the number of steps exceeds the range of floats
+# largest number of doublings: with more, the number of steps exceeds the range of floats
 MOST_DOUBLINGS = 1000
 
 
 def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: Any) -> Enclosure:
-    """The motion at physical times; ``clock``: the number of the flow's units in a unit of time."""
+    """Enclosures of the states at physical times. ``clock`` is the number of the flow's units in a unit of time."""
     farthest = max(map(abs, times), default=0)
     # half a panel is at most that of an ellipse in a unit disc, and τ is at least t
     if body.rolls and farthest * clock > MOST_PANELS:
@@ -64,7 +64,7 @@ def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: An
 
 
 def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> Enclosure:
-    """The motion at values of τ."""
+    """Enclosures of the states at values of τ."""
 
     def place(motion: BallMotion, t: Any) -> Any:
         return motion.field.coerce(t) * motion.problem.time_scale
@@ -78,7 +78,7 @@ def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> E
 
 
 def _bits(body: Body, state: State, digits: int, tau: Any) -> int:
-    """The number of bits with which a row at τ starts."""
+    """The number of bits with which the computation of the state at τ starts."""
     # computed by exponents, since the product may exceed the range of floats
     doublings = 4 + max(0, mag(tau) + mag(2 * max(body.a) * max(map(abs, state.M))))
     if doublings > MOST_DOUBLINGS:
@@ -91,7 +91,7 @@ def _narrow(
 ) -> tuple[Any, Any, Any, float]:
     """(τ, γ, M, radius) of one row, at a precision raised from ``bits`` until the radius is at most 10^(−digits).
 
-    ``motions`` are those made for previous rows, by their bits.
+    ``motions`` maps bits to the motions that were made for previous rows.
     """
     digits = given[2]
     for _ in range(MOST_ATTEMPTS):
@@ -131,7 +131,8 @@ class BallMotion:
             # points
             tiny = self._flint.arb(0, K.one / 2**bits)
             self._start = tuple(x + tiny for x in problem.start)
-        # of physical time: half a panel, the sums over whole panels in either direction, the nodes of one
+        # for physical time: half the length of a panel, the sums over whole panels in either direction, the nodes of a
+        # panel
         self._half, self._reach = 0.0, 1.0
         self._sums: dict[int, list[Any]] = {}
         self._kept_nodes: tuple[float, list[tuple[Any, Any]]] | None = None
@@ -146,8 +147,8 @@ class BallMotion:
         return point if tau.is_exact() else self._spread(point, tau.rad().abs_upper())
 
     def _spread(self, point: Any, width: Any) -> tuple[Any, ...]:
-        """The moving point at all times within ``width`` of those of ``point``, by the mean value theorem on a Picard
-        box.
+        """Balls for the moving point at all τ within ``width`` of the τ of ``point``, by the mean value theorem on a
+        Picard box.
         """
         arb = self._flint.arb
         sizes = [width * (1.1 * abs(x).abs_upper() + 2.0**-20) for x in self._velocity(point)]
@@ -189,7 +190,7 @@ class BallMotion:
             self._sums.clear()
 
     def _swept(self, tau: Any, whole: int) -> Any:
-        """The integral over that many whole panels and the remainder up to τ; None where a disc is too small for a
+        """∫dτ/g over ``whole`` panels and the remainder up to τ; None where a disc of analyticity is too small for a
         panel.
         """
         sign = 1 if tau > 0 else -1
@@ -206,8 +207,8 @@ class BallMotion:
         return None if piece is None else sums[whole] + piece
 
     def _panel(self, middle: Any, half: Any) -> Any:
-        """The integral from ``middle`` − ``half`` to ``middle`` + ``half``; None where its disc is too small for the
-        ellipse.
+        """∫dτ/g from ``middle`` − ``half`` to ``middle`` + ``half``; None where the disc of analyticity is smaller than
+        the ellipse.
         """
         axes, f, arb = self.problem.axes, self.problem.f, self._flint.arb
         needed = abs(half) * (ELLIPSE + 1 / ELLIPSE) / 2
@@ -223,7 +224,7 @@ class BallMotion:
         return half * sum((w * addition.rate_after(f, axes, centre, step) for step, w in nodes), arb(0, error))
 
     def _nodes(self, half: Any) -> list[tuple[Any, Any]]:
-        """(translation, weight) at the nodes of a panel's rule; those of whole panels are cached."""
+        """The pairs (translation, weight) for the nodes of a panel's rule; the pairs of whole panels are cached."""
         if self._kept_nodes is not None and self._kept_nodes[0] == self._half and abs(half) == self._half:
             return self._kept_nodes[1]
         count = 2 * ceil(((self._digits + 8) / 0.954 + 3) / 2)
@@ -237,12 +238,12 @@ class BallMotion:
     # --- a disc of complex τ on which the motion is analytic
 
     def _disc(self, point: Any, start: float) -> float:
-        """The radius of a disc of complex τ around a point's on which Picard's theorem gives the motion."""
+        """The radius of a disc of complex τ about the τ of ``point`` on which Picard's theorem gives the motion."""
         return self._bounded_disc(point, start, 0)[0]
 
     def _bounded_disc(self, point: Any, start: float, enough: Any) -> tuple[float, Any]:
-        """(radius, bound of |1/g|) of such a disc, the first radius found from ``start`` down; (0, None) for none that
-        reaches ``enough``.
+        """(radius, bound of |1/g|) of a disc as in :meth:`_disc`, with the first radius that works from ``start`` down;
+        (0, None) if none that exceeds ``enough`` works.
         """
         with self.reals.at(BOUND_BITS):
             speed = [abs(x).abs_upper() for x in self._velocity(point)]
@@ -256,7 +257,7 @@ class BallMotion:
         return 0.0, None
 
     def _velocity(self, point: Any) -> list[Any]:
-        """d/dτ of a moving point.
+        """The derivative of a moving point by τ.
 
         U' = v1·U − (x + u1)V, 2V' = (x + u1)W − s·U with W = (f − V²)/U and s the quotient of (x + u1)W by U; at the
         branch point α, 2σ' = v1σ − (α + u1)ν and 2ν' = −s(α)σ − v1ν.
@@ -281,7 +282,7 @@ class BallMotion:
         return velocity
 
     def _rate_bound(self, box: Any) -> Any:
-        """A bound of |1/g| on a box of complex moving points, None where none is found."""
+        """An upper bound of |1/g| on a box of complex moving points, or None if the box is too large for one."""
         a1, a2, a3 = self.problem.axes[:3]
         x1, x2, x3, y1, y2, y3 = box[4:]
         square = (x1 * x1 + x2 * x2 + x3 * x3).real

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
 
 Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
-# number of panels searched together
+# number of panels that are searched together
 PANELS = 512
-# a panel takes some ten microseconds
+# largest number of panels of one search: each takes some ten microseconds
 MOST_PANELS = 10_000_000
 # the accuracy of states near the start, computed in floats; the zeros are refined on the flow
 TOLERANCE = 1e-12
@@ -56,7 +56,7 @@ def events(flow: BodyMotion, condition: Condition, start: Any, end: Any, directi
 
 
 def _in_floats(flow: BodyMotion) -> BodyMotion:
-    """The same motion in floats, for the search."""
+    """The given motion over RR, for the search."""
     if flow.system.field == RR:
         return flow
     body = flow.system.body
@@ -66,7 +66,7 @@ def _in_floats(flow: BodyMotion) -> BodyMotion:
 
 
 def _stretches(flow: BodyMotion, first: float, last: float) -> Iterator[tuple[float, float, float]]:
-    """(start, end, length of a panel): a panel is a fraction of a turn of the body."""
+    """Divides an interval of time into stretches (start, end, length of a panel); a panel is a fraction of a turn."""
     length = PANEL_STEPS * flow.setup.step_time
     coarse = float(np.spacing(max(abs(first), abs(last))))
     if coarse > COARSEST * length:
@@ -102,8 +102,8 @@ def _values(flow: BodyMotion, condition: Condition, times: np.ndarray) -> np.nda
 def _polished(
     flow: BodyMotion, condition: Condition, times: Any, slopes: Any, halves: Any, first: Any, last: Any
 ) -> np.ndarray:
-    """The zeros in the precision of the flow, by Newton's method with the slopes of the panels; only those between the
-    two times.
+    """Refines zeros to the precision of the flow, by Newton's method with the slopes of the panels, and keeps those
+    between ``first`` and ``last``.
     """
     field = flow.system.field
     found = np.array([field.coerce(float(t)) for t in times], dtype=np.float64 if field == RR else object)
@@ -114,7 +114,7 @@ def _polished(
             return found
         steps = _values(flow, condition, found) / rates
         sizes = np.abs(steps).astype(float)
-        # rounding is reached where a step is no shorter than the last
+        # a zero is accurate to rounding once a step is hardly shorter than the one before
         moving = sizes < before / 2
         if not moving.any():
             # a zero at the start or the end may be found outside by rounding

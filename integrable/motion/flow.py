@@ -49,8 +49,8 @@ if TYPE_CHECKING:
 
 KERNELS = ("auto", "python", "compiled")
 CHOOSE = f"choose one of {', '.join(map(repr, KERNELS))}"
-# states whose integrals differ from those of the start by more than this fraction are refused; this many are compared
-# at a time
+# states whose integrals differ from the integrals of the start by more than the fraction DRIFT are refused; the second
+# number is how many states are compared at a time
 DRIFT = 1e-9
 CHUNK = 8192
 # up to this many states Python is faster than arrays
@@ -59,7 +59,7 @@ FEW = 16
 # values of 1/g on the way to a time
 MOST_INTERPRETED = 4096
 MOST_RATES = 16_000
-# digits of t needed for states in floats, as far away as that many values of 1/g reach
+# digits of t that states in floats need, at the farthest times that so many values of 1/g reach
 CLOCK_DIGITS = 24
 
 
@@ -90,7 +90,7 @@ class Flow(BodyMotion):
         else:
             _ = self.setup
         if state.tilted:
-            # M ∥ γ is refused in the precision of the state
+            # raises if M ∥ γ in the precision of the state
             leaning(field, state.gamma, state.M)
 
     @cached_property
@@ -120,8 +120,8 @@ class Flow(BodyMotion):
 
         The Trajectory has ``error``, the larger of the differences in γ and in M/|M|, and ``digits``, how many decimal
         digits agree, both of shape (N,). The inputs count as exact. PrecisionLoss where fewer than ``digits`` agree; by
-        default all but one of MP(digits), 12 of RR. This compares two computations; :meth:`enclosure` bounds the error
-        rigorously.
+        default all digits but one of MP(digits), 12 of RR. This compares two computations; :meth:`enclosure` bounds the
+        error rigorously.
         """
         from integrable.motion.certificate import certified
 
@@ -131,7 +131,7 @@ class Flow(BodyMotion):
         """Proven bounds of the states at physical times: balls of radius at most 10^(−digits) that contain them.
 
         The inputs count as exact; ``digits`` are by default those of the field, 15 for RR. The cost of a time grows
-        with it; that of :meth:`enclosure_at_tau` does not. PrecisionLoss where no such balls were found.
+        with the time; the cost of :meth:`enclosure_at_tau` does not. PrecisionLoss where no such balls were found.
         (:mod:`integrable.motion.enclosure`)
         """
         from integrable.motion.enclosure import enclosure
@@ -165,7 +165,7 @@ class Flow(BodyMotion):
         return events(self, condition, start, end, direction)
 
     def sensitivity(self, times: Numbers) -> Sensitivity:
-        """∂(γ, M)/∂(γ(0), M(0), I, d) at physical times, to rounding at any time
+        """The derivatives ∂(γ, M)/∂(γ(0), M(0), I, d) at physical times, accurate to rounding at any time
         (:mod:`integrable.portrait.sensitivity`).
 
         On a torus the secular and periodic parts are separate. Over MP(digits), and next to a separatrix, differences
@@ -177,22 +177,22 @@ class Flow(BodyMotion):
 
     def section(self, count: int, axis: str = "largest") -> Section:
         """The next ``count`` crossings of the Poincaré section of the axis of the "largest" or the "least" moment: γ̃
-        (γ where (γ, M) = 0) across that axis. In closed form (:mod:`integrable.portrait.section`).
+        (γ where (γ, M) = 0) is orthogonal to that axis. They are in closed form (:mod:`integrable.portrait.section`).
         """
         from integrable.portrait.section import section
 
         return section(self, count, axis)
 
     def spectrum(self) -> Spectrum:
-        """The spectral lines of γ, M and ω with their complex amplitudes, to rounding
-        (:mod:`integrable.portrait.spectrum`); floats only, NotRepresentable for a motion on no torus of dimension two.
+        """The spectral lines of γ, M and ω with their complex amplitudes, accurate to rounding
+        (:mod:`integrable.portrait.spectrum`). Floats only; NotRepresentable for a motion on no torus of dimension two.
         """
         from integrable.portrait.spectrum import BodyStates, lines_of
 
         return lines_of(BodyStates(self))
 
     def residual_growth(self, counts: Iterable[int]) -> list[tuple[int, Real]]:
-        """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""
+        """For each n in ``counts``, (n, |f − V² mod U| relative to |f|) after n additions of one basic step."""
         from integrable.motion.residual import residual_growth
 
         return residual_growth(self.setup, counts, self.kernel)
@@ -206,7 +206,7 @@ class Flow(BodyMotion):
 
     @cached_property
     def _variations(self) -> TorusVariations | None:
-        """None where floats or a compact torus do not suffice for derivatives."""
+        """The equations of variation on the torus; None where floats or a compact torus do not suffice for them."""
         if self.system.field != RR or self._closed or not (self._torus and self._torus.compiled):
             return None
         from integrable.portrait.sensitivity import TorusVariations
@@ -224,7 +224,7 @@ class Flow(BodyMotion):
         there = vars(self)
         runs = there.get("_short")
         if runs is None:
-            # without the lock of a cached_property
+            # stored by hand, to avoid the lock of a cached_property
             runs = there["_short"] = ShortRuns(self.system, self.state, self.kernel)
         return ShortFirst(runs, lambda: self._far)
 
@@ -250,7 +250,7 @@ class Flow(BodyMotion):
 
     @cached_property
     def _precise(self) -> RoundedRows:
-        """The flow to as many digits as needed."""
+        """The method that computes the states to as many digits as needed."""
         from integrable.motion.precise import RoundedRows
 
         return RoundedRows(self.system.field, self._many, "multiprecision")
@@ -300,7 +300,7 @@ class Flow(BodyMotion):
 
     @cached_property
     def _torus(self) -> TorusFlow | None:
-        """None if the torus is not compact, or so nearly not that its corners lose too many digits."""
+        """The torus of the motion; None if it is not compact, or if its corners lose too many digits."""
         from integrable.torus.access import TorusFlow
         from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
 
@@ -315,13 +315,13 @@ class Flow(BodyMotion):
 
     @cached_property
     def contact_on_torus(self) -> TorusIntegral | PreciseContact | None:
-        """The :attr:`Trajectory.contact` far from the start, cached for later runs."""
+        """The contact point as a series on the torus, or None where there is none; cached for later runs."""
         from integrable.motion.contact import on_torus
 
         return on_torus(self)
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:
-        """The :attr:`Trajectory.contact` (:mod:`integrable.motion.contact`)."""
+        """Computes :attr:`Trajectory.contact` for a run (:mod:`integrable.motion.contact`)."""
         from integrable.motion.contact import positions
 
         return positions(run)
@@ -333,13 +333,13 @@ class Flow(BodyMotion):
         return h1, h2
 
     def _off(self, rows: np.ndarray, way: Way) -> tuple[np.ndarray, str]:
-        """The rows whose integrals differ from those of the start.
+        """Finds the rows whose integrals differ from the integrals of the start, as :meth:`Motion._off`.
 
         Near a separatrix and on bodies beyond this precision an addition can lose every digit; it then leaves the
         level set.
         """
         if way.way == "short run" or rows.dtype == object:
-            # these methods have compared them already, the precise flow with more digits
+            # these methods have compared the integrals already, the precise flow with more digits
             return super()._off(rows, way)
         found: list[np.ndarray] = []
         why = ""
@@ -361,7 +361,7 @@ class Flow(BodyMotion):
 
 
 def integrals_drift(flow: Flow, rows: np.ndarray) -> np.ndarray:
-    """The relative change of H1 and H2 (the larger) at every state, shape (N,)."""
+    """The larger of the relative changes of H1 and H2 since the start, at every state: shape (N,)."""
     (h1, h2), energies = flow._level, flow.system.body.energies
     if len(rows) <= FEW:
         found = [energies(row[:3], row[3:]) for row in rows.tolist()]

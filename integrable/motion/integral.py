@@ -1,4 +1,4 @@
-"""Integrals along a motion of functions of its state with mean 0, at any time: a Fourier series on the torus."""
+"""Integrals along a motion of functions of the state with mean 0, by a Fourier series on the torus."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 FIRST_SIZE = 32
 # largest number of samples if states are compiled, and if interpreted
 MOST_SAMPLES, MOST_INTERPRETED = 1 << 18, 1 << 12
-# relative: modes below this are rounding
+# modes below this fraction of the largest are rounding
 NOISE = 1e-15
 TINY = 1e-300
 
@@ -49,7 +49,7 @@ class TorusIntegral:
         self._series = [TorusSeries(grid, (first, second), noise=max(x, flow.closure)) for grid, x in found]
 
     def _sampled(self, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
-        """F on a grid of its periods, shape (*sizes, m); those on a coarser one are known."""
+        """The samples of F on a grid over its periods, shape (*sizes, m); ``known`` are those on a coarser grid."""
         phases = [n * np.arange(size) / size for n, size in zip(self._doubled, sizes, strict=True)]
         grid = np.stack(np.meshgrid(*phases, indexing="ij"), axis=-1)
         new = np.ones(sizes, dtype=bool)

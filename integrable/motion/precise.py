@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 # extra digits of the second computation of the farthest state, beyond those that it may lose
 WIDER = 10
-# digits that a result keeps beyond those requested
+# digits that a result keeps in addition to the requested ones
 SPARE = 2
 # the largest allowed loss, in addition to the requested digits: half a minute of computing on the separatrix
 MOST_LOST = 400
@@ -48,9 +48,10 @@ ALONE_FROM, ROUGH_DIGITS = 250, 30
 
 
 class Carrier:
-    """A motion at one precision: the working part of :class:`ManyDigits`. Times and τ are wide, in units of its own.
+    """A motion at one precision: the working part of :class:`ManyDigits`. Times and τ are wide numbers in the carrier's
+    units.
 
-    ``digits`` are those of its results, without guard digits.
+    ``digits`` is the number of digits of its results, without guard digits.
     """
 
     digits: int
@@ -66,15 +67,15 @@ class Carrier:
         return t
 
     def lost(self, tau: Real) -> int:
-        """The number of digits by which an error may grow until τ ≥ 0."""
+        """The number of digits by which an error may grow from the start to τ ≥ 0."""
         raise NotImplementedError
 
     def most_tau(self, t: Real) -> Real:
-        """An estimate of τ at a physical time t ≥ 0, for the loss there before there is a clock."""
+        """An estimate of τ at a physical time t ≥ 0, to estimate the loss of digits before a clock exists."""
         return t
 
     def tau(self, times: list[Real], digits: int) -> list[Any]:
-        """τ at physical times, to that many digits."""
+        """The values of τ at physical times, to ``digits`` digits."""
         return times
 
     def tau_alone(self, time: Any, digits: int) -> Real:
@@ -82,11 +83,11 @@ class Carrier:
         return self.tau([time], digits)[0]
 
     def times(self, tau: list[Any], digits: int) -> list[Any]:
-        """Physical times at values of τ."""
+        """The physical times t(τ) at values of τ: shape (N,)."""
         return tau
 
     def clock_missing(self, tau: Real, digits: int) -> int:
-        """The number of digits that the clock lacks at its τ for this accuracy, if it is known."""
+        """The number of digits that the clock at τ lacks for an accuracy of ``digits``; at most 0 if it lacks none."""
         return -digits
 
     def point(self, tau: Real) -> Any:
@@ -98,19 +99,19 @@ class Carrier:
         raise NotImplementedError
 
     def drift(self, points: list[Real]) -> int:
-        """The decimal exponent of the largest relative change of the integrals."""
+        """The decimal exponent of the largest relative change of the integrals since the start."""
         raise NotImplementedError
 
     def gap(self, point: Real, truth: Any, tau: Real) -> int:
-        """The decimal exponent of the relative difference between a point and that of a carrier with more digits at
-        τ.
+        """The decimal exponent of the relative difference between a point at τ and the point of ``truth``, a carrier
+        with more digits.
         """
         raise NotImplementedError
 
 
 def begun_with_few_digits(method: Any) -> Any:
-    """Decorates a method of :class:`ManyDigits` for times: it starts again with the first digits, and restores the
-    digits if Ctrl-C ends it, so that near times are as fast after a far one as before.
+    """Decorates a method of :class:`ManyDigits` for times: a call starts again with the first digits, and Ctrl-C
+    restores the digits. So near times are as fast after a far time as before.
     """
 
     @wraps(method)
@@ -160,7 +161,7 @@ class ManyDigits:
             self.carrier, self._witness, self._witnessed = self._few
 
     def carrier_of(self, digits: int) -> Carrier:
-        """The motion at that many digits."""
+        """A carrier of the motion with so many digits."""
         raise NotImplementedError
 
     def at(self, times: list[Any]) -> tuple[list[Any], list[Any]]:
@@ -192,7 +193,7 @@ class ManyDigits:
         return [self.carrier.vectors(point) for point in points]
 
     def add_digits(self, more: int) -> None:
-        """Restart with that many more digits."""
+        """Replaces the carrier by one with ``more`` more digits."""
         digits = self.carrier.digits + more
         if digits > 2 * self.digits + MOST_LOST:
             lost = digits - self.digits
@@ -206,7 +207,7 @@ class ManyDigits:
         self.carrier, self._witness, self._witnessed = known or (self.carrier_of(digits), None, 0)
 
     def _add_missing(self, missing: int, times: list[Any]) -> None:
-        """Restart with the digits that a computation has shown to be missing."""
+        """Replaces the carrier by one with the digits that a computation has shown to be missing."""
         self._too_far = min(self._too_far, max(map(abs, times), default=0))
         # if no digit is right, the number of missing ones is unknown
         self.add_digits(min(missing, self.carrier.digits) + WIDER)
@@ -217,7 +218,7 @@ class ManyDigits:
             carrier = self.carrier
             tau = [carrier.scaled(t) for t in times]
             far = max(map(abs, tau), default=0)
-            # for a time that is too far no clock is needed
+            # a time that is too far is refused before a clock is made
             lost = self.enough(carrier.most_tau(far) if clock else far)
             if lost is None:
                 continue
@@ -226,7 +227,7 @@ class ManyDigits:
                 if len(tau) == 1:
                     tau = [carrier.tau_alone(tau[0], wanted)]
                 else:
-                    # the farthest shows whether the digits suffice
+                    # the farthest time shows whether the digits suffice
                     if self.enough(abs(carrier.tau([max(tau, key=abs)], wanted)[0])) is None:
                         continue
                     tau = carrier.tau(tau, wanted)
@@ -241,7 +242,7 @@ class ManyDigits:
             self._add_missing(missing, times)
 
     def enough(self, tau: Real) -> int | None:
-        """The digits by which errors may grow until τ; None if there were too few, after adding the missing ones."""
+        """The digits by which errors may grow until τ; None if the carrier had too few and was replaced."""
         lost = self.carrier.lost(tau)
         missing = lost - self.expected - (self.carrier.digits - self.digits)
         if missing <= 0:
@@ -273,16 +274,16 @@ class RoundedRows:
         self.field, self.many, self.way = field, many, way
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
+        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
         tau, points = self.many.at(times.tolist())
         return self.rows(points), rounded(self.field, tau)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M at values of τ, shape (N, 6)."""
+        """γ and M side by side at values of τ: shape (N, 6)."""
         return self.rows(self.many.at_tau(tau.tolist()))
 
     def times(self, tau: np.ndarray) -> np.ndarray:
-        """Physical times at values of τ."""
+        """The physical times t(τ) at values of τ: shape (N,)."""
         return rounded(self.field, self.many.times(tau.tolist()))
 
     def rows(self, points: list[Any]) -> np.ndarray:
@@ -362,7 +363,7 @@ class BodyCarrier(Carrier):
             return digits_of(max(abs(x - y) for x, y in zip(mine, again, strict=True)) / size)
 
     def tau(self, times: list[Real], digits: int = 0) -> list[Any]:
-        """τ at every physical time, to the digits of the setup."""
+        """The values of τ at physical times, to the digits of the set-up."""
         setup = self.setup
         # estimated with the initial rate, since a heavy ball's τ runs a thousand times faster than t
         rate = abs(addition.rate_at(setup.problem.axes, setup.problem.start))
@@ -390,7 +391,7 @@ class BodyCarrier(Carrier):
         return super().tau_alone(time, digits)
 
     def _one_time(self, time: Any) -> Any:
-        """τ at a physical time by :class:`~integrable.motion.precise_clock.OneTime`; None where that is not its way."""
+        """τ at a physical time by :class:`~integrable.motion.precise_clock.OneTime`; None where it does not apply."""
         setup, sign = self.setup, -1 if time < 0 else 1
         rough = BodyCarrier(Setup(*self._problem, digits=ROUGH_DIGITS), self._problem)
         (found,) = rough.tau([rough.scaled(self.unscaled(time))])
@@ -407,7 +408,7 @@ class BodyCarrier(Carrier):
         return [self._near_time(t) for t in tau]
 
     def _near_time(self, tau: Any) -> Any:
-        """Physical time at τ, wide, by counting steps."""
+        """The physical time at τ, a wide number, from the clock's panels."""
         setup = self.setup
         sign = -1 if tau < 0 else 1
         with setup.reals:
@@ -415,7 +416,7 @@ class BodyCarrier(Carrier):
             return setup.reals.element(setup.wide, sign * self._clock(sign).time(*place))
 
     def _place(self, tau: Any) -> tuple[int, Any]:
-        """(whole basic steps, half steps beyond them) of τ ≥ 0."""
+        """Splits τ ≥ 0 into (n, x): the nearest number n of basic steps, and the rest x in half steps."""
         half = self.setup.bare.half_step
         cell = self.setup.reals.nearest(tau / (2 * half))
         return cell, (tau - 2 * cell * half) / half

@@ -1,8 +1,8 @@
 """Physical time to many digits: t = ∫dτ/g by Gauss–Legendre quadrature on panels of the flow's own time.
 
-A *cell* is the basic step around a multiple of it; there 1/g is kept as a Legendre series, from which t and its inverse
-are read. Far from the start cells are taken nine at a time, by a rule for their integral only: the number of nodes of a
-panel grows more slowly with its length than that of its cells.
+A *cell* is an interval of one basic step, centred at a multiple of the step; on it 1/g is kept as a Legendre series,
+from which t and its inverse are read. Far from the start cells are taken nine at a time, by a rule for their integral
+only: the number of nodes of a panel grows more slowly with its length than that of its cells.
 """
 
 from __future__ import annotations
@@ -81,7 +81,9 @@ class RatePanels:
         self._scouts = Scouts(setup, limits.compiled) if scouts is None else scouts
 
     def _at_nodes(self, nodes: list[Any], length: Any) -> Nodes:
-        """T at nodes of [−1, 1], symmetric about 0 and without it, over ``length`` cells."""
+        """The translations T to ``nodes`` of [−1, 1], scaled to ``length`` cells; nodes are symmetric about 0, without
+        0.
+        """
         steps = self._setup.translations.at_nodes(nodes, self._sign * length)
         roots, d = None, self._d
         if not self._setup.tilt and min(1 - d * x for x in self._setup.bare.axes[:3]) > LIGHT:
@@ -103,11 +105,11 @@ class RatePanels:
     # --- the number of nodes
 
     def _node_count(self, rate: float) -> int:
-        """An even number of nodes that give the digits of the setup if each gains ``rate`` of them."""
+        """An even number of nodes that suffices for the clock's digits if each node gains ``rate`` digits."""
         return 2 * int(0.525 * (self._digits + 6) / rate) + 8
 
     def _digits_a_node(self, length: int) -> float:
-        """The digits gained per Legendre coefficient of 1/g over ``length`` cells, at worst."""
+        """The least number of digits gained per Legendre coefficient of 1/g over ``length`` cells."""
         return self._scouts.digits_a_node(self._sign, length)
 
 
@@ -134,7 +136,7 @@ class PanelClock(RatePanels):
         return self._resolved(lambda: self._time(cell, x))
 
     def _resolved(self, compute: Any) -> Any:
-        """The result; the number of nodes is raised if a cell up to there needs more."""
+        """The result of ``compute``, repeated with more nodes as long as a cell on the way needs them."""
         while True:
             try:
                 with self._setup.reals:
@@ -176,7 +178,7 @@ class PanelClock(RatePanels):
             x = max(-1.0, min(1.0, x))
             angle, rate = addition.integrate_series(floats, x)
             step = (angle - goal) / rate
-            # the place is as accurate as floats allow
+            # steps no longer decrease: the place is as accurate as floats allow
             if not abs(step) < last:
                 break
             x, last = x - step, abs(step)
@@ -194,7 +196,7 @@ class PanelClock(RatePanels):
         while self._end(len(self._ends) - 2) <= t and len(self._ends) <= NEAR_CELLS + 1:
             self._end(len(self._ends) - 1)
         if self._ends[-1] <= t:
-            # at the mean rate of the known cells
+            # estimated with the mean rate of the known cells
             self._afford(float(t / self._ends[-1]) * len(self._ends))
         if self._ends[-1] > t or not self._far_reaches(t):
             while self._ends[-1] <= t:
@@ -221,7 +223,7 @@ class PanelClock(RatePanels):
         return total
 
     def _far_reaches(self, t: Any) -> bool:
-        """Wind the long panels beyond t; False where there are none."""
+        """Extends the long panels beyond t; returns False if the clock has no long panels."""
         if not self._long_panels():
             return False
         while not self._far or self._far[-1] <= t:
@@ -232,7 +234,7 @@ class PanelClock(RatePanels):
         return True
 
     def _wind(self, panels: int) -> None:
-        """t at the ends of that many long panels, after the near cells."""
+        """Extends the table of t at the ends of long panels to ``panels`` panels after the near cells."""
         if not self._far:
             self._far.append(self._end(NEAR_CELLS))
         nodes, weights = self._long_rule()
@@ -244,7 +246,7 @@ class PanelClock(RatePanels):
             self._far.append(self._far[-1] + LONG * self._half * total)
 
     def _afford(self, cells: float, uneven: float = 1) -> None:
-        """PrecisionLoss if a clock of so many cells exceeds its limits, by more than the factor ``uneven``."""
+        """Raises PrecisionLoss if a clock of so many cells exceeds its limit by more than the factor ``uneven``."""
         work = cells * (len(self._long_rule()[0].steps) / LONG if self._long_panels() else len(self._nodes.steps))
         if work > uneven * self._most:
             raise PrecisionLoss(
@@ -257,7 +259,7 @@ class PanelClock(RatePanels):
         return self._digits_a_node(LONG) > SLOWEST_LONG
 
     def _long_rule(self) -> tuple[Nodes, list[Any]]:
-        """Nodes as translations, and weights, of a long panel."""
+        """The nodes, as translations, and the weights of the rule of a long panel."""
         if self._long is None:
             x, weights = gauss_legendre(self._setup.reals, self._node_count(2 * self._digits_a_node(LONG)))
             self._long = self._at_nodes(x, LONG), weights
@@ -273,7 +275,7 @@ class PanelClock(RatePanels):
         return self._means[cell]
 
     def _coefficients(self, cell: int) -> list[Any]:
-        """The Legendre series of 1/g over a cell; Unresolved where its end is too large."""
+        """The Legendre series of 1/g over a cell; Unresolved if its last coefficients are too large."""
         if cell not in self._series:
             plain = self._setup.reals.plain
             values = self._rates_at(self._setup.bare.reached(self._sign, cell), self._nodes)
@@ -294,8 +296,8 @@ class OneTime(RatePanels):
     """
 
     def tau(self, t: Any, start: Any, point: Callable[[Any], Any]) -> Any:
-        """τ at t > 0, both without the sign of the direction, from one that is right to more than END_DIGITS; None
-        where the way is long, or its panels are not resolved.
+        """|τ| at |t| = ``t`` > 0, from a value ``start`` that is right to more than END_DIGITS digits; None if the way
+        is long or its panels are not resolved.
         """
         if start > 2 * NEAR_CELLS * self._half:
             return None

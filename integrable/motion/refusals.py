@@ -26,7 +26,7 @@ class Rows(NamedTuple):
 
 
 def kept_rows(compute: Compute, values: np.ndarray, nan: Real) -> Rows:
-    """``compute(values)``, rows and τ, without the rows that it refuses: those are ``nan``.
+    """The rows and τ of ``compute(values)``; rows that it refuses are ``nan``.
 
     A time that is too far is refused in any call. So bisection over single rows finds the first refused distance in
     each direction, and the rows before it are computed together.
@@ -46,7 +46,7 @@ def kept_rows(compute: Compute, values: np.ndarray, nan: Real) -> Rows:
 
 
 def refused_rows(found: Rows, refused: dict[int, str], nan: Real) -> Rows:
-    """The rows with those in ``refused`` set to NaN, with their reasons."""
+    """A copy of the rows in which the rows in ``refused`` are NaN and have their reasons."""
     if not refused:
         return found
     rows, tau, reasons = found.rows.copy(), found.tau.copy(), list(found.reasons)

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
 # from this many additions on it pays to load or compile the loop
 COMPILE_FROM = 100_000
-# a minute of compiled additions
+# largest number of additions: a minute of compiled ones
 MOST_COUNT = 100_000_000
 
 
 def residual_growth(setup: Setup, counts: Iterable[int], kernel: str) -> list[tuple[int, Any]]:
-    """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""
+    """For each n in ``counts``, (n, |f − V² mod U| relative to the size of f) after n additions of one basic step."""
     wanted = f"a sequence of ints ≥ 0, {MOST_COUNT} at most,"
     given = entries(counts, "counts", wanted)
     counts = [
@@ -46,7 +46,7 @@ def residual_growth(setup: Setup, counts: Iterable[int], kernel: str) -> list[tu
 
 
 def residual(f: Any, point: Any) -> Any:
-    """|f − V² mod U| over the size of f, for a moving point."""
+    """The distance |f − V² mod U| of a moving point from its curve, relative to the largest coefficient of f."""
     u0, u1, v0, v1 = point[:4]
     rest = [f[0] - v0 * v0, f[1] - 2 * v0 * v1, f[2] - v1 * v1, f[3], f[4], f[5]]
     for k in range(5, 1, -1):

@@ -1,6 +1,7 @@
-"""Rotations about a principal axis, M along it and γ across it: in closed form, at any time. Then (γ, AM) = 0, so ω =
-a_iM is constant and γ turns by θ = θ₀ + a_i|M|t, γ_j + iγ_k = e^(∓iθ), also about the unstable middle axis. With g⁻² =
-r_j cos²θ + r_k sin²θ, r = 1 − da, τ is an elliptic integral of the first kind.
+"""Rotations about principal axis i, with M along that axis and γ orthogonal to it: closed form, at any time.
+
+Then (γ, AM) = 0, so ω = a_iM is constant, and γ_j + iγ_k = e^(∓iθ) with θ = θ₀ + a_i|M|t. This holds for the unstable
+middle axis too. With g⁻² = r_j cos²θ + r_k sin²θ, r = 1 − da, τ is an elliptic integral of the first kind.
 """
 
 from __future__ import annotations
@@ -47,12 +48,12 @@ class PrincipalRotation:
         self._flow_turning = root * rate / (4 * quarter), start / (2 * pi) + N.wide(self._start[0]) / (4 * quarter)
 
     def radians(self, t: Any, of_flow: bool) -> Any:
-        """The approximate number of radians until a physical time, or until a time of the flow."""
+        """The approximate angle in radians by which γ turns until t, a physical time or (``of_flow``) a τ."""
         rate = self._flow_turning[0] if of_flow else self._turning[0]
         return 2 * self.numbers.field.context.pi * abs(t * rate) + 1
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
+        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
         N = self.numbers
         half, part = half_turns(N, N.turns_of(times, *self._turning)[1])
         x = N.pi * part
@@ -62,11 +63,11 @@ class PrincipalRotation:
         return self._rows(half, x), N.result(tau)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M at values of τ, shape (N, 6)."""
+        """γ and M side by side at values of τ: shape (N, 6)."""
         return self._rows(*self._at_tau(tau)) if self._rolls else self.at(tau)[0]
 
     def times(self, tau: np.ndarray) -> np.ndarray:
-        """Physical times at values of τ."""
+        """The physical times t(τ) at values of τ: shape (N,)."""
         if not self._rolls:
             return tau
         _, x = self._at_tau(tau)

@@ -53,18 +53,19 @@ class TorusCost(NamedTuple):
     dense: float
 
 
-# without a clock; with one; and for moments whose I/(I + d) differ by this factor, where 1/g has far more modes
+# costs without a clock, with a clock, and for moments whose I/(I + d) differ by the factor THINNER: 1/g then has far
+# more Fourier modes
 FREE, ROLLING, THIN = TorusCost(600.0, 0.7, 0.3), TorusCost(1100.0, 3.0, 1.0), TorusCost(4500.0, 6.0, 5.5)
 THINNER = 20.0
 DENSE_FROM = 5000
-# states from a torus are rounded correctly, those from panels are some roundings off: a single run must be this many
-# times cheaper than the torus, many runs only as cheap
+# states from panels are less accurate than states from a torus by some roundings: a single run must therefore be WORTH
+# times cheaper than the torus. Many runs need to be only as cheap
 WORTH, WORTH_OF_MANY = 2.0, 1.0
-# largest number of panels: errors grow with it, as the effect of input rounding does
+# largest number of panels: errors grow with the number, as the effect of input rounding does
 MOST_PANELS = 3000
 # largest number of times
 MOST_TIMES = 20_000
-# limits if interpreted: panels of one run, and times
+# limits where nothing is compiled: panels of one run, and number of times
 INTERPRETED_PANELS, INTERPRETED_TIMES = 64, 500
 # the allowed error of a run's clock: absolute, in the units of the motion, and relative to the time. For many motions
 # at once the limits are wider, since rounding of the inputs moves the clocks as much
@@ -75,18 +76,19 @@ MOST_CENTRES, MOST_CARE = 400, 10_000
 # digits lost in an addition (twice those by which errors grow) from which on rounding in float panels is smaller than
 # the effect of input rounding
 SENSITIVE = 16
-# runs with at most this many times leave their memory for the next
+# runs with at most this many times keep their working memory for the next run
 KEPT_TIMES = 512
-# bits of the wide numbers if nothing is compiled
+# bits of the wide numbers where nothing is compiled
 BITS = 160
 
 Found = tuple[np.ndarray, np.ndarray]
 
 
 class ShortRuns:
-    """γ and M at times within a few turns of one state, in the user's units; None if another method is needed.
+    """Computes γ and M within a few turns of one state, in the user's units. Its methods return None if another method
+    is needed.
 
-    ``kernel`` as for :class:`integrable.motion.flow.Flow`. The result depends on times, body and state only, not on
+    ``kernel`` is that of :class:`integrable.motion.flow.Flow`. The result depends on times, body and state only, not on
     previous calls.
     """
 
@@ -95,25 +97,27 @@ class ShortRuns:
         self._given = np.array([[*body.inertia, body.d, *state.gamma, *state.M]], dtype=np.float64)
         self._tilted, self._rolls, self._kernel = state.tilted, body.rolls, kernel
         self._cost = torus_cost(min(body.inertia), max(body.inertia), body.d)
-        # of the last run; only measurements read them
+        # the number of panels of the last run, read by measurements only
         self.panels = 0
 
     def at(self, times: np.ndarray) -> Found | None:
-        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
+        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
         return self._run(times, self._rolls, False)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray | None:
-        """γ and M at values of τ, shape (N, 6)."""
+        """γ and M side by side at values of τ: shape (N, 6)."""
         found = self._run(tau, False, False)
         return None if found is None else found[0]
 
     def times(self, tau: np.ndarray) -> np.ndarray | None:
-        """Physical times at values of τ."""
+        """The physical times t(τ) at values of τ: shape (N,)."""
         found = self._run(tau, False, True)
         return None if found is None else found[1]
 
     def _run(self, times: np.ndarray, physical: bool, clock: bool) -> Found | None:
-        """The states, and τ at ``physical`` times or, with ``clock``, physical times at τ."""
+        """(γ and M, other times). ``times`` are physical if ``physical``, else τ; the others are τ, or t with
+        ``clock``.
+        """
         if len(times) > MOST_TIMES:
             return None
         status = short.FAR
@@ -152,7 +156,7 @@ class ShortRuns:
 
 class GuardedRuns(ShortRuns):
     """Short runs near a separatrix: the centres of their panels are computed with as many extra digits as errors may
-    grow by, and checked against a computation with more (:meth:`integrable.motion.precise.PreciseFlow.centres`).
+    grow by, and checked against a computation with more digits (:meth:`integrable.motion.precise.PreciseFlow.centres`).
     """
 
     def __init__(self, system: PhaseSpace, state: State, many: PreciseFlow) -> None:
@@ -231,8 +235,9 @@ def compiled_runs(
 def compiled_run(
     asked: Asked, times: np.ndarray, centres: np.ndarray | None = None
 ) -> tuple[int, int, np.ndarray, np.ndarray]:
-    """(status, cost in panels, γ and M, the other times) of one motion at ``times``. The status is 0 or the reason for
-    failure; ``centres`` is that of :class:`Request`, shape (10·panels, 2).
+    """Runs one motion at ``times`` and returns (status, cost in panels, γ and M, the other times).
+
+    The status is 0 or the reason for failure; ``centres`` is that of :class:`Request`, shape (10·panels, 2).
     """
     prepared, length = _prepared(), len(times)
     try:
@@ -267,23 +272,23 @@ def panels_within(torus: TorusCost, count: int, worth: float = WORTH) -> int:
 
 
 class ShortFirst:
-    """The :class:`integrable.motion.trajectory.Way` of one call: a short run, or what ``other`` gives."""
+    """The :class:`integrable.motion.trajectory.Way` of one call: a short run or, where that fails, ``other()``."""
 
     def __init__(self, runs: ShortRuns, other: Callable[[], Way]) -> None:
         self._runs, self._other = runs, other
         self.way = "short run"
 
     def at(self, times: np.ndarray) -> Found:
-        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
+        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
         return self._runs.at(times) or self._far().at(times)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M at values of τ, shape (N, 6)."""
+        """γ and M side by side at values of τ: shape (N, 6)."""
         found = self._runs.at_tau(tau)
         return self._far().at_tau(tau) if found is None else found
 
     def times(self, tau: np.ndarray) -> np.ndarray:
-        """Physical times at values of τ."""
+        """The physical times t(τ) at values of τ: shape (N,)."""
         found = self._runs.times(tau)
         return self._far().times(tau) if found is None else found
 
@@ -295,7 +300,7 @@ class ShortFirst:
 
 @cache
 def rule() -> Rule:
-    """The nodes of a panel with their weights."""
+    """The interpolation rule of a panel: its nodes, their barycentric weights and the Chebyshev coefficients."""
     places: list[float] = []
     for j, (first, second) in enumerate(SUMS):
         begin = 0.5**first if j < LOT else places[first]
@@ -315,7 +320,7 @@ def rule() -> Rule:
 
 
 def lagrange(nodes: np.ndarray, weights: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """The values of the Lagrange polynomials of the nodes at ``places``, none of which is a node: shape (places, nodes)
+    """The values at ``places`` of the Lagrange polynomials of ``nodes``, shape (places, nodes). No place may be a node
     (Berrut & Trefethen 2004, 3.3).
     """
     apart = places[:, None] - nodes
@@ -330,17 +335,17 @@ def _listed() -> Rule:
 
 
 class Prepared(NamedTuple):
-    """Data that calls of the compiled loops share."""
+    """The constant arguments and the working memory that all calls of the compiled loops share."""
 
     call: Any
     rule: Packed
     none: Packed
     """The empty array of centres, for runs without given centres."""
     ascending: Packed
-    """The empty order, for times that ascend already."""
+    """The empty array in place of a sorting order, for times that ascend already."""
     room: Callable[[int, int], Packed]
     kept: list[Packed]
-    """Working memory of finished runs, for one motion at KEPT_TIMES times each. Two threads never use the same one."""
+    """Memory of finished runs, each for one motion at KEPT_TIMES times. Two threads never use the same memory."""
 
 
 @cache

@@ -14,7 +14,7 @@ from integrable.motion.trajectory import Motion
 from jacobian import RR
 from jacobian.errors import ArgumentError, shown, whole
 
-# states computed at a time
+# number of states that are computed together
 CHUNK = 200_000
 BYTES_OF_A_STATE = 56
 

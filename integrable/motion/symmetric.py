@@ -1,24 +1,24 @@
 """The motion of a body with two or three equal moments in closed form, rolling or not, at any time.
 
 Let axis 3 be the one of the other moment, a its two equal a_i, r_i = 1 − d·a_i, δ = d(a₃ − a) = r − r₃ and (γ, M) = 0.
-gM₃ = K is constant, and γ₃ swings like a pendulum of small amplitude at *physical* times:
+gM₃ = K is constant, and γ₃ oscillates harmonically in *physical* time:
 
     γ₃ = A sin θ,  θ̇ = Ω = a|M|√(r₃/μ),  μ = r − δA²,  g⁻² = r − δγ₃².
 
-With κ² = 1 − A², of the sign of K, so K = |M|κ/√μ, the other two are an ellipse that turns by an angle φ(t):
+With κ = ±√(1 − A²) of the sign of K, K = |M|κ/√μ. The other two components trace an ellipse, turned by an angle φ(t):
 
     γ₁ + iγ₂ = e^{iφ}(cos θ − iκ sin θ),  M₁ + iM₂ = e^{iφ}(A|M|/√μ)(i√r₃ + κδ sin θ(−cos θ + iκ sin θ)/(1/g + √r₃)),
 
     φ = φ₀ + arctan(κ tan θ) − κ√(r₃/r)·Π(A²; θ | m) − κ(a₃ − a)/(a√(r·r₃))·F(θ | m),  m = δA²/r,
 
-with elliptic integrals of the third and the first kind; τ is the latter. F is its mean (2K/π)θ plus an oscillation P(θ)
-of the size of m. Where the moments differ by many orders, φ turns that much faster than θ, so the mean is computed from
-the time since the start.
+with elliptic integrals Π of the third and F of the first kind; τ is proportional to F. F is its mean (2K/π)θ plus an
+oscillation P(θ) of the size of m. Where the moments differ by many orders of magnitude, φ turns faster than θ by as
+many, so the mean is computed from the time since the start.
 
-Chaplygin (1903) integrates the ball with theta functions; with equal moments his curve has a double point, and this is
-the limit. It is derived from γ̇ = γ×ω with the integral gM₃. At d = 0 both integrals are elementary: the free symmetric
-top. Chaplygin's transformation brings a tilted body to (γ, M) = 0; its time is t up to a function of θ, an equation
-like Kepler's.
+Chaplygin (1903) integrates the ball with theta functions; with equal moments his curve has a double point, and the
+formulas above are the limit. They are derived from γ̇ = γ×ω with the integral gM₃. At d = 0 both integrals are
+elementary: the free symmetric top. Chaplygin's transformation brings a tilted body to (γ, M) = 0; its time is t up to a
+function of θ, an equation like Kepler's.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class SymmetricFlow:
         self._phases(swing, *swing.clock(upright))
 
     def _shape(self, swing: Swing) -> None:
-        """The constants of the states except θ and φ."""
+        """Sets the constants of the formulas for γ and M, other than the phases θ and φ."""
         r, r3, delta, _, momentum, kappa, size, mu = swing[:8]
         number, sqrt = self.numbers.number, self.numbers.field.sqrt
         # at d = 0 and for three equal moments F is θ, and Π cancels the arctangent
@@ -76,7 +76,7 @@ class SymmetricFlow:
         self._factors = number(first), number(third)
 
     def _phases(self, swing: Swing, rate: Any, kepler: Any) -> None:
-        """The rates of the phases, in turns of θ and φ to a unit of t and of τ, and of φ to half a turn of θ."""
+        """Sets the rates of θ and φ in turns per unit of t and of τ, and the turns of φ per half turn of θ."""
         N, K = self.numbers, self.numbers.field
         pi, number = K.context.pi, N.number
         self._kepler, self._rate = number(kepler / (2 * pi)), rate / (2 * pi)
@@ -94,7 +94,7 @@ class SymmetricFlow:
         if swing.kappa and not self._flat:
             pole = complete_over(K, modulus, swing.kappa * swing.kappa)
             self._third_advance = ((pi if swing.kappa > 0 else -pi) - 2 * third * pole) / (2 * pi)
-        # their values at time 0
+        # the phases at time 0
         count = int(K.context.nint(swing.theta / pi))
         x = number(swing.theta - count * pi)
         self._start_count, self._start_x = count, x
@@ -119,7 +119,7 @@ class SymmetricFlow:
     # --- at times
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
+        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
         N, number = self.numbers, self.numbers.number
         count, x = self._at_times(times)
         delay, swing = self._delay(count, x), self._first_kind.swing(x) - self._start_swing
@@ -133,14 +133,14 @@ class SymmetricFlow:
         return rows, N.result(times * number(self._rate / self._flow_rate) + gap)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M at values of τ, shape (N, 6)."""
+        """γ and M side by side at values of τ: shape (N, 6)."""
         if not self._rolls:
             return self.at(tau)[0]
         N = self.numbers
         return self._rows(*self._at_tau(tau), N.turns_of(tau, self._turning[1], N.field.zero)[1])
 
     def times(self, tau: np.ndarray) -> np.ndarray:
-        """Physical times at values of τ."""
+        """The physical times t(τ) at values of τ: shape (N,)."""
         if not self._rolls:
             return tau
         N, number = self.numbers, self.numbers.number
@@ -154,7 +154,7 @@ class SymmetricFlow:
         return self._kepler * (self._lean(self.numbers.cos(x) * _sign(count)) - self._start_lean)
 
     def _at_times(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(half turns, x) with θ = π·(half turns) + x, |x| ≤ π/2."""
+        """The phase θ = π·n + x at physical times, as (n, x) with n whole and |x| ≤ π/2."""
         N = self.numbers
         whole, rest = N.turns_of(times, self._rate, self._start)
         low, high = rest - self._farthest_lean, rest + self._farthest_lean
@@ -172,8 +172,8 @@ class SymmetricFlow:
         return 2 * whole + N.result(half), N.pi * part
 
     def _turned_nearby(self, times: np.ndarray, gap: Any, turned: Any) -> Any:
-        """``turned``, but from F(θ) − F(θ₀) itself where θ − θ₀, about ``gap``, is small: φ may turn a million times as
-        fast as F, and each F has only the digits of N. By the addition theorem F(θ) − F(θ₀) = F(ψ).
+        """``turned``, recomputed from F(θ) − F(θ₀) where θ − θ₀ (about ``gap``) is small. φ may turn a million times as
+        fast as F, and the difference of two F loses digits. By the addition theorem F(θ) − F(θ₀) = F(ψ).
         """
         near, N = np.flatnonzero(np.abs(gap) < NEARBY), self.numbers
         if self._flat or not len(near):
@@ -193,8 +193,8 @@ class SymmetricFlow:
         return turned
 
     def _gap(self, gap: Any, goal: Any) -> Any:
-        """θ − θ₀ to its last digit from a nearby value; it equals ``goal`` up to the effect of a tilted body's
-        clock.
+        """θ − θ₀ to its last digit, from the nearby value ``gap``. For an upright body it is ``goal``; the clock of a
+        tilted body adds a correction.
         """
         if not self._kepler:
             return goal
@@ -202,7 +202,7 @@ class SymmetricFlow:
         for _ in range(PASSES):
             s, c = self._angle_at(gap)
             root0, root = (N.sqrt(1 + self._bulge * y * y) for y in (c0, c))
-            # G(cos θ) − G(cos θ₀) is G of this
+            # by the addition theorem G(cos θ) − G(cos θ₀) is G of one argument
             alike = c0 * c > 0
             below = np.where(alike, c * root0 + c0 * root, 1)
             difference = np.where(alike, self._change_of_square(gap) / below, c * root0 - c0 * root)
@@ -226,11 +226,11 @@ class SymmetricFlow:
 
     @property
     def _farthest_lean(self) -> Any:
-        """A bound of the difference between θ/2π and its mean."""
+        """An upper bound of the difference between θ/2π and its mean."""
         return abs(self._kepler) * self._lean(1 + 0 * self._root_mu)
 
     def _at_tau(self, tau: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The result of :meth:`_at_times`."""
+        """The phase θ = π·n + x at values of τ, as (n, x) like :meth:`_at_times`."""
         N = self.numbers
         whole, rest = N.turns_of(tau, self._flow_rate, self._flow_start)
         half, part = half_turns(N, rest)
@@ -239,7 +239,7 @@ class SymmetricFlow:
     def _lean(self, c: Any) -> Any:
         """G(c) = ∫_0^c du/√(μ + δA²u²)."""
         y, N = self._bulge * c * c, self.numbers
-        # below it three terms of the series are right to the last digit
+        # for arguments below this three terms of the series are right to the last digit
         small = N.eps ** (1 / 3)
         far = N.sqrt(np.maximum(abs(y), small))
         long = N.arcsinh(far) / far if self._bulge > 0 else N.arcsin(np.minimum(far, 1)) / far
@@ -249,10 +249,10 @@ class SymmetricFlow:
     # --- states
 
     def _turned(self, x: Any) -> Any:
-        """φ at θ = x, less φ at θ = 0 and the contribution of F."""
+        """φ(x) − φ(0) as a function of θ, without the contribution of F."""
         if self._flat or self._kappa == 0:
             return 0 * x
-        # the arctangent and Π, each of which changes by half a turn within κ of π/2, are taken on the same side of it
+        # near θ = π/2 the arctangent and Π each change by half a turn within κ: both are taken on the same side of π/2
         N = self.numbers
         s, c = N.sin(x), np.maximum(N.cos(x), 0)
         k2, n, square = self._first_kind.k**2, self._size**2, self._kappa**2
@@ -282,8 +282,8 @@ class SymmetricFlow:
 
 
 def complete_over(K: Any, modulus: Any, p: Any) -> Any:
-    """:func:`~integrable.moving_point.elliptic_integrals.complete` with a = b = 1, of numbers of K: by bare reals,
-    some times as fast.
+    """The complete integral :func:`~integrable.moving_point.elliptic_integrals.complete` with a = b = 1, for numbers of
+    K. It is computed in bare reals, which are faster.
     """
     reals = BareReals(K.context.prec)
     with reals as numbers:
@@ -293,7 +293,7 @@ def complete_over(K: Any, modulus: Any, p: Any) -> Any:
 
 
 def half_turns(N: Any, rest: Any) -> tuple[Any, Any]:
-    """(n, r) for angles ``rest``, in turns, of n + r half turns: n is whole, r in [−½, ½]."""
+    """Splits angles ``rest``, in turns, into n + r half turns: returns (n, r) with n whole and r in [−½, ½]."""
     half = N.nearest(2 * rest)
     return half, 2 * rest - half
 

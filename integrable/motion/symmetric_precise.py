@@ -1,8 +1,8 @@
 """Motions in closed form in multiprecision, at any time: two or three equal moments, and rotations about an axis.
 
 The forms are those of :mod:`integrable.motion.symmetric` and :mod:`integrable.motion.rotation` in bare reals. The
-digits are those requested, plus those taken by the turns until the farthest time, plus those found missing when this
-time is computed again with more.
+working digits are those requested, plus the digits that the turns until the farthest time take, plus the digits found
+missing when the state at this time is computed again with more digits.
 """
 
 from __future__ import annotations
@@ -37,7 +37,9 @@ MOST_LOST = 2000
 
 
 class PreciseClosedForm:
-    """γ and M at any times over MP(digits), to all digits, by a closed form in wider fields: ``form``."""
+    """Computes γ and M at any times over MP(digits), correct to all digits, by the closed form ``form`` in wider
+    fields.
+    """
 
     way = "closed form"
 
@@ -52,16 +54,16 @@ class PreciseClosedForm:
         self._forms: dict[int, Form] = {}
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
+        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
         rows, tau = self._computed(self._digits(times, of_flow=False), times, lambda form, t: form.at(t))
         return rows, tau
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M at values of τ, shape (N, 6)."""
+        """γ and M side by side at values of τ: shape (N, 6)."""
         return self._computed(self._digits(tau, of_flow=True), tau, lambda form, t: (form.at_tau(t),))[0]
 
     def times(self, tau: np.ndarray) -> np.ndarray:
-        """Physical times at values of τ."""
+        """The physical times t(τ) at values of τ: shape (N,)."""
         return self._computed(self._digits(tau, of_flow=True), tau, lambda form, t: (form.times(t),))[0]
 
     def _form(self, digits: int) -> Form:
@@ -72,7 +74,9 @@ class PreciseClosedForm:
         return self._forms[digits]
 
     def _computed(self, digits: int, times: np.ndarray, compute: Compute, field: Any = None) -> tuple[np.ndarray, ...]:
-        """What a form of that many digits computes, as elements of ``field``, by default that of the system."""
+        """Evaluates the closed form with so many digits; the results are elements of ``field``, by default the
+        system's.
+        """
         form, field = self._form(digits), field or self._field
         reals = form.numbers.reals
         with reals:
@@ -80,7 +84,7 @@ class PreciseClosedForm:
         return tuple(np.frompyfunc(partial(reals.element, field), 1, 1)(values) for values in found)
 
     def _digits(self, times: np.ndarray, of_flow: bool) -> int:
-        """Digits with which the state at the farthest time agrees with a computation in more digits."""
+        """The working digits with which the state at the farthest time agrees with a computation in more digits."""
         own = int(self._field.dps)
         rough, context = self._form(own + GUARD), MP(own + GUARD).context
         farthest = np.array([max(times, key=abs)] if len(times) else [], dtype=object)

@@ -1,4 +1,4 @@
-"""Motions, and their states at given times, whose quantities are computed on request."""
+"""Motions, and trajectories: the states of a motion at given times, with quantities that are computed on request."""
 
 from __future__ import annotations
 
@@ -58,13 +58,13 @@ class Way(Protocol):
     way: str
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(γ and M side by side, τ) at physical times, shapes (N, 6) and (N,)."""
+        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M at values of τ, shape (N, 6)."""
+        """γ and M side by side at values of τ: shape (N, 6)."""
 
     def times(self, tau: np.ndarray) -> np.ndarray:
-        """Physical times at values of τ."""
+        """The physical times t(τ) at values of τ: shape (N,)."""
 
 
 class Motion(Immutable):
@@ -111,7 +111,9 @@ class Motion(Immutable):
     # --- for subclasses
 
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        """The method for the states at these times, values of τ unless ``physical``."""
+        """Chooses the method for the states at ``times``, which are physical times or, without ``physical``, values of
+        τ.
+        """
         raise NotImplementedError
 
     def _prepare(self, times: Numbers) -> None:
@@ -119,15 +121,15 @@ class Motion(Immutable):
         self._way_to(self._checked(times, "times"), physical=True)
 
     def _off(self, rows: np.ndarray, way: Way) -> tuple[np.ndarray, str]:
-        """(indices of rows that are not on the motion, the defect of the first)."""
+        """Returns (indices of rows that have left the motion, description of the first row's defect)."""
         return NO_ROWS, ""
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:
-        """The :attr:`Trajectory.contact`."""
+        """Computes :attr:`Trajectory.contact` for a run."""
         raise NotRepresentable(f"{self.system!r} is no body that rolls on a plane: it has no point of contact")
 
     def _kept(self, way: Way, given: np.ndarray, physical: bool, nan: Any) -> Rows:
-        """The rows that ``way`` accepts."""
+        """The rows that ``way`` computes; rows that it refuses are set to ``nan``."""
         return kept_rows(lambda times: _computed(way, times, physical), given, nan)
 
     # --- inside
@@ -179,17 +181,17 @@ class BodyMotion(Motion):
 
     @cached_property
     def _precise(self) -> Any:
-        """The way to states with more digits than those of the field."""
+        """The method that computes states with more digits than the field has."""
         raise NotImplementedError
 
     @cached_property
     def contact_on_torus(self) -> Any:
-        """The contact point far from the start, or None; cached for later runs."""
+        """The contact point as a series on the torus, or None where there is none; cached for later runs."""
         raise NotImplementedError
 
     @cached_property
     def _torus(self) -> Any:
-        """Random access to the states, or None."""
+        """The torus of the motion, which gives states at any time, or None where there is none."""
         raise NotImplementedError
 
 
@@ -198,7 +200,7 @@ class Trajectory(Exported):
 
     ``times`` has shape (N,), vectors (N, 3); floats give float64 arrays, multiprecision object arrays of mpf. ``tau``
     is the time of the flow, dτ = g dt. ``way`` names what computed the rows, a word of :data:`WAYS`. ``reasons``: see
-    :attr:`status`. ``report`` is the report of a scene's run, or None; ``error`` and ``digits`` are those of
+    :attr:`status`. ``report`` is the report of a scene's run, or None; ``error`` and ``digits`` are set by
     :meth:`integrable.motion.flow.Flow.certify`, else None. Arrays are read-only; a ``.copy()`` is not.
     """
 
@@ -211,7 +213,7 @@ class Trajectory(Exported):
     _times: np.ndarray | None
     _tau: np.ndarray
     _rows: np.ndarray
-    # None: all rows are there
+    # None if no row was refused
     _status: np.ndarray | None
 
     @at_once
@@ -247,8 +249,10 @@ class Trajectory(Exported):
     def __getitem__(self, which: slice | Sequence[int] | np.ndarray) -> Trajectory: ...
 
     def __getitem__(self, which: object) -> State | Trajectory:
-        """The State of one row (NotRepresentable for one that was refused), or the Trajectory of those that a slice, or
-        an array of numbers or truth values chooses.
+        """The State of one row, or the Trajectory of the rows that a slice or an array of numbers or truth values
+        chooses.
+
+        NotRepresentable for a single row that was refused.
         """
         if several(which):
             return self._some(np.arange(len(self))[chosen(which, len(self))])
@@ -285,7 +289,7 @@ class Trajectory(Exported):
     def _value(self) -> tuple[object, ...]:
         if self._status is None:
             return super()._value()
-        # without the NaN of refused rows, which equal nothing
+        # refused rows are left out of the comparison, since NaN is not equal to itself
         asked = self._tau if self._times is None else self._times
         return *self.kept._value(), tuple(asked.tolist()), tuple(self._status.tolist()), self.reasons
 
@@ -307,8 +311,8 @@ class Trajectory(Exported):
 
     @property
     def status(self) -> Times:
-        """0 for every computed row, shape (N,); with ``strict=False`` n > 0 for a refused row, with the reason
-        ``reasons[n]``.
+        """The status of each row, shape (N,): 0 if it was computed; with ``strict=False`` n > 0 if it was refused for
+        the reason ``reasons[n]``.
 
         γ and M of refused rows are NaN; quantities computed from them are refused (NotRepresentable): use :attr:`kept`.
         """
@@ -362,14 +366,14 @@ class Trajectory(Exported):
     def attitude(self) -> Matrices:
         """Rotation matrices from the body frame to space, shape (N, 3, 3): rows are the axes of space in the body
         frame, z = γ vertical, x along the horizontal part of M, which is fixed in space
-        (:mod:`integrable.phase.attitude`). NotRepresentable for a deformation, whose M is not.
+        (:mod:`integrable.phase.attitude`). NotRepresentable for a deformation, whose M is not fixed in space.
         """
         self._check_kept("attitude")
         return read_only(self.system._attitude_along(self.gamma, self.M))
 
     @cached_property
     def quaternion(self) -> Vectors:
-        """The same rotations as unit quaternions (w, x, y, z) with w ≥ 0, shape (N, 4)."""
+        """The rotations of :attr:`attitude` as unit quaternions (w, x, y, z) with w ≥ 0, shape (N, 4)."""
         from integrable.phase import attitude
 
         return read_only(attitude.quaternions(self.attitude))
@@ -394,7 +398,7 @@ class Trajectory(Exported):
         return type(values)(*map(read_only, values))
 
     def _check_kept(self, name: str) -> None:
-        """NotRepresentable where rows were refused: their NaN would pass comparisons silently."""
+        """Raises NotRepresentable if rows were refused, because their NaN would pass comparisons silently."""
         if self.system.field.exact:
             raise NotRepresentable(f"{name}: along a run over RR or MP(digits), not over {self.system.field.name}")
         if self._status is not None:
