@@ -20,7 +20,7 @@ __all__ = ["angular_velocities", "matrices", "quaternions"]
 def angular_velocities(body: Body, gamma: np.ndarray, M: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """ω = A M + d·n·A γ, shape (N, 3), and n = (γ, ω) = g²(γ, A M), shape (N,), from γ and M of shape (N, 3).
 
-    Each row is that of :meth:`integrable.phase.body.Body.omega`.
+    Each row of ω is the result of :meth:`integrable.phase.body.Body.omega`.
     """
     a = np.array(body.a)
     moved = a * M

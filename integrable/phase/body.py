@@ -24,7 +24,7 @@ from jacobian.fields.protocol import Field, check_field
 Vector = tuple[Element, Element, Element]
 
 REALS: Any = RR
-"""The field where none is given; without a type, so that a body has the type of the field that is."""
+"""The default field. Its type is Any, so that a body's type follows from the field that is given."""
 
 _unwarned = ContextVar("unwarned", default=False)
 
@@ -55,14 +55,14 @@ class Body(Generic[Element]):
 
     @staticmethod
     def make(inertia: Iterable[Value], d: Value, field: Field[Element]) -> Body[Element]:
-        """A Body of checked parameters; ArgumentError names the one that is wrong."""
+        """A Body with checked parameters; ArgumentError names the parameter that is wrong."""
         check_body_field(field)
         K: Any = field
         moments = triple(K, inertia, "inertia")
         offset = K.coerce(d, "d")
         if field.characteristic == 0 and offset < 0:
             raise ArgumentError(f"d = {shown(d)} is negative: d = m r² ≥ 0 (0 for the Euler top)")
-        # over the reals sums of positive terms do not vanish
+        # positive real moments give I_i + d > 0 and need no check
         if field.characteristic != 0 or not min(moments) > 0:
             for i, moment in enumerate(moments):
                 _check_moment(field, moment, offset, i)
@@ -77,14 +77,14 @@ class Body(Generic[Element]):
 
     @cached_property
     def contact(self) -> Vector[Element]:
-        """1 − d·a_i, computed as I_i·a_i so that thin bodies lose no digits."""
+        """The numbers 1 − d·a_i, computed as I_i·a_i so that thin bodies lose no digits."""
         K = self.field
         r1, r2, r3 = (K.mul(moment, a) for moment, a in zip(self.inertia, self.a, strict=True))
         return r1, r2, r3
 
     @cached_property
     def differences(self) -> Vector[Element]:
-        """(a_i − a_j)(a_i − a_k), zero for an axis whose moment is shared.
+        """The products (a_i − a_j)(a_i − a_k) for i = 1, 2, 3; zero if another axis has the same moment.
 
         a_i − a_j is computed from I_j − I_i, which is exact where the moments are close.
         """
@@ -122,14 +122,14 @@ class Body(Generic[Element]):
         return Integrals(K.dot(gamma, gamma), K.dot(gamma, M), K.dot(self.omega(gamma, M), M), K.dot(M, M))
 
     def energies(self, gamma: Any, M: Any) -> tuple[Any, Any]:
-        """(H1, H2) with operators: of real numbers, or of the three columns of many γ and M."""
+        """(H1, H2), computed with operators: γ and M are three real numbers each or three arrays each."""
         (r1, r2, r3), (x1, x2, x3), (m1, m2, m3) = self.contact, gamma, M
         weight = self.d / (r1 * x1 * x1 + r2 * x2 * x2 + r3 * x3 * x3)
         a: Vector = self.a
         return energy(a, weight, gamma, M), m1 * m1 + m2 * m2 + m3 * m3
 
     def polynomial(self, h1: Element, h2: Element) -> poly.Poly[Element]:
-        """f(x) = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x h2 − h1), ascending; degree 5, or 4 at d = 0."""
+        """Coefficients, ascending, of f(x) = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x h2 − h1): degree 5, or 4 at d = 0."""
         K = self.field
         four = poly.integer(K, 4)
         f: poly.Poly[Element] = (K.neg(K.mul(four, h1)), K.mul(four, h2))
@@ -141,7 +141,7 @@ class Body(Generic[Element]):
 
 
 def check_body_field(field: Field[Element]) -> None:
-    """FieldError unless ``field`` is one that bodies are over."""
+    """Raises FieldError unless ``field`` can be the field of a body."""
     if field != RR and is_complex(check_field(field, "field").zero):
         raise FieldError(f"field = {field.name}: bodies are over RR, MP(dps) or exact fields, not complex numbers")
 
@@ -162,7 +162,7 @@ def say_unphysical(inertia: Sequence[Any], field: Any) -> None:
 
 @contextmanager
 def unwarned() -> Iterator[None]:
-    """A block in which bodies are made without the warning, which the user has had already."""
+    """A context in which bodies are made without UnphysicalMoments, a warning that the user has already seen."""
     before = _unwarned.set(True)
     try:
         yield
@@ -171,7 +171,7 @@ def unwarned() -> Iterator[None]:
 
 
 def energy(a: Sequence[Real], weight: Real, gamma: Sequence[Real], M: Sequence[Real]) -> Any:
-    """H1 = (ω, M) = (M, AM) + weight·(γ, AM)², weight = d·g², by operators."""
+    """H1 = (ω, M) = (M, AM) + weight·(γ, AM)² with weight = d·g², computed with operators."""
     # written out for speed: every step of a map compares the energies of its image
     (a1, a2, a3), (x1, x2, x3), (m1, m2, m3) = a, gamma, M
     n1, n2, n3 = a1 * m1, a2 * m2, a3 * m3
@@ -180,7 +180,7 @@ def energy(a: Sequence[Real], weight: Real, gamma: Sequence[Real], M: Sequence[R
 
 
 def triple(field: Field, values: Any, argument: str) -> Vector:
-    """Three field elements, or an ArgumentError that names ``argument``."""
+    """The three given values as elements of the field; other input raises an ArgumentError that names ``argument``."""
     if field is RR and type(values) in (list, tuple) and len(values) == 3:
         x, y, z = values
         # fast path: building the argument's names for messages would cost a large part of a short run
@@ -194,7 +194,7 @@ def triple(field: Field, values: Any, argument: str) -> Vector:
 
 
 def cross(field: Arithmetic, x: Vector, y: Vector) -> Vector:
-    """x × y."""
+    """The vector product x × y."""
     if field is RR:
         (x1, x2, x3), (y1, y2, y3) = x, y
         return x2 * y3 - x3 * y2, x3 * y1 - x1 * y3, x1 * y2 - x2 * y1
@@ -218,7 +218,7 @@ def _check_moment(field: Any, moment: Any, d: Any, i: int) -> None:
 
 
 def square_root(field: Field[Element], x: Element, name: str) -> Element:
-    """√x, or NotASquare with the name of the quantity."""
+    """The field's own root √x. NotASquare, with the ``name`` of the quantity, if it has none."""
     try:
         return field.sqrt(x)
     except NotASquare:

@@ -5,8 +5,8 @@ ones: docs/errata.md, item 1). On (γ, M), with cyclic (i, j, k),
 
     {M_i, M_j} = −(M_k/g − d·g(M, Aγ)γ_k),   {M_i, γ_j} = {γ_i, M_j} = −γ_k/g,   {γ_i, γ_j} = 0,
 
-at d = 0 the Lie–Poisson bracket of e*(3) reversed. On (u1, u2, p1, p2) a bracket is {u_i, p_j} = w_iδ_ij: w = 1 the
-canonical one, w = u the bracket W, w = λ the second bracket Π' of a Poisson–Nijenhuis pair.
+which at d = 0 is the Lie–Poisson bracket of e*(3) with the opposite sign. On (u1, u2, p1, p2) a bracket is {u_i, p_j} =
+w_iδ_ij: w = 1 is the canonical bracket, w = u the bracket W, w = λ the second bracket Π' of a Poisson–Nijenhuis pair.
 
 Derivatives are exact over exact fields, by :mod:`integrable.phase.jets`, and difference quotients elsewhere. A function
 of a state is f(system, state), a function of a tuple of coordinates f(field, point). They must compute with the given
@@ -36,7 +36,7 @@ STENCIL_SCALE = 60
 
 
 def ball_matrix(body: Body, gamma: Vector, M: Vector, g: Any = None) -> Matrix:
-    """The 6×6 matrix of brackets of (γ1, γ2, γ3, M1, M2, M3) at any (γ, M), e*(3) at d = 0.
+    """The 6×6 matrix of brackets of (γ1, γ2, γ3, M1, M2, M3) at any (γ, M), also for (γ, M) ≠ 0.
 
     ``g`` is the root of g² (by default the field's own; NotASquare where there is none).
     """
@@ -53,7 +53,7 @@ def ball_matrix(body: Body, gamma: Vector, M: Vector, g: Any = None) -> Matrix:
 
 
 def weighted_matrix(K: Field, weights: Sequence[Real]) -> Matrix:
-    """{u_i, p_j} = w_iδ_ij as a 4×4 matrix on (u1, u2, p1, p2)."""
+    """The 4×4 matrix of the bracket {u_i, p_j} = w_iδ_ij on (u1, u2, p1, p2)."""
     (first, second), zero = weights, K.zero
     minus = K.neg(first), K.neg(second)
     return (
@@ -65,12 +65,12 @@ def weighted_matrix(K: Field, weights: Sequence[Real]) -> Matrix:
 
 
 def canonical_matrix(K: Field) -> Matrix:
-    """{u_i, p_j} = δ_ij."""
+    """The 4×4 matrix of the canonical bracket {u_i, p_j} = δ_ij on (u1, u2, p1, p2)."""
     return weighted_matrix(K, (K.one, K.one))
 
 
 def _skew(K: Any, x: Vector) -> Matrix:
-    """−ε_ijk x_k."""
+    """The 3×3 matrix −ε_ijk x_k of a vector x."""
     zero, (x1, x2, x3) = K.zero, x
     return ((zero, K.neg(x3), x2), (x3, zero, K.neg(x1)), (K.neg(x2), x1, zero))
 
@@ -79,13 +79,13 @@ def _skew(K: Any, x: Vector) -> Matrix:
 
 
 def jacobian_matrix(K: Any, function: Callable[[Any, tuple[Any, ...]], Sequence[Any]], point: Sequence[Any]) -> Matrix:
-    """The rows ∂f_i/∂x_k at ``point`` of f(field, x): exact over an exact field, else of sixth order in eps^(1/7)."""
+    """The matrix ∂f_i/∂x_k of f(field, x) at ``point``: exact over an exact field, else differences of order six."""
     if K.exact:
         jets = JetField(K, len(point))
         try:
             return tuple(jets.coerce(y).slopes for y in function(jets, jets.variables(point)))
         except ZeroDivisionError:
-            # the root is zero here but not nearby
+            # a square root is zero at the point but not near it
             raise NotRepresentable(
                 f"the function passes a special position over {K.name}: no derivative there"
             ) from None
@@ -107,14 +107,14 @@ def _difference(function: Callable[[Any], Sequence[Any]], point: tuple[Any, ...]
 
 
 def over(system: PhaseSpace, field: Any) -> Any:
-    """The same system with its body over another field, such as jets over its own."""
+    """A copy of the system with its body over another field, such as jets over its own field."""
     if hasattr(system, "over"):
         return system.over(field)
     return replaced(system, body=replace(system.body, field=field))
 
 
 def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
-    """(γ, M) moved to the values of C1 and C2 of ``like``, to first order, with the root g on the side of ``like``.
+    """The state of (γ, M), moved to first order to the leaf of ``like``: its C1 and C2, its sign of the root g.
 
     A function extended off its symplectic leaf by this map has the same brackets, because C1 and C2 are Casimirs.
     """
@@ -134,7 +134,7 @@ def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
 
 
 def differential(system: PhaseSpace, function: Callable[[Any, State], Sequence[Any]], state: State) -> Matrix:
-    """The rows ∂f_i/∂(γ, M) at ``state`` of f(system, state), along its symplectic leaf."""
+    """The matrix ∂f_i/∂(γ, M) of f(system, state) at ``state``, along the symplectic leaf of the state."""
 
     def of_point(field: Arithmetic, point: tuple[Any, ...]) -> Sequence[Real]:
         moved = over(system, field)
@@ -145,19 +145,19 @@ def differential(system: PhaseSpace, function: Callable[[Any, State], Sequence[A
 
 
 def bracket(system: PhaseSpace, F: Callable[[Any, State], Any], G: Callable[[Any, State], Any], state: State) -> Real:
-    """{F, G} at ``state``, for the bracket of :meth:`System.poisson`."""
+    """The value of {F, G} at ``state``, for the bracket of :meth:`System.poisson`."""
     rows = differential(system, lambda s, x: (F(s, x), G(s, x)), state)
     return pushed(system.field, rows, system.poisson(state))[0][1]
 
 
 def pushed(K: Field, rows: Matrix, matrix: Matrix) -> Matrix:
-    """J Π Jᵀ: the brackets of the functions whose differentials are the rows of J."""
+    """J Π Jᵀ, the brackets of functions whose differentials are the rows of J = ``rows``, with Π = ``matrix``."""
     left = [[K.dot(row, column) for column in zip(*matrix, strict=True)] for row in rows]
     return tuple(tuple(K.dot(first, second) for second in rows) for first in left)
 
 
 def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State) -> tuple[Matrix, Matrix]:
-    """(brackets of the image of (γ, M) under a step, the matrix of :meth:`System.poisson` at the image).
+    """Two 6×6 matrices: the brackets of the image of (γ, M) under a step, and :meth:`System.poisson` at the image.
 
     A Poisson map makes them equal. ``step(system, state)`` or a step with ``.over(system)``, as in
     :mod:`integrable.steps.translation`.
@@ -182,7 +182,7 @@ def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State)
 def jacobi_defects(
     K: Field, matrix: Callable[[Any, tuple[Any, ...]], Matrix], point: tuple[Real, ...]
 ) -> dict[tuple[int, int, int], Any]:
-    """Σ_cyclic {x_i, {x_j, x_k}} at ``point`` for i < j < k: all zero for a Poisson structure."""
+    """The sums Σ_cyclic {x_i, {x_j, x_k}} at ``point``, by (i, j, k), i < j < k: all zero for a Poisson structure."""
     size = len(point)
     entries = [(j, k) for j in range(size) for k in range(size)]
     rows = jacobian_matrix(K, lambda field, x: [matrix(field, x)[j][k] for j, k in entries], point)
@@ -199,7 +199,7 @@ def jacobi_defects(
 
 
 def conformal_field(system: PhaseSpace, state: State) -> tuple[Real, ...]:
-    """g{x, H1/2} for x = (γ, M): the vector field of the motion in its conformally Hamiltonian form."""
+    """The vector field g{x, H1/2} of x = (γ, M): the motion in its conformally Hamiltonian form."""
     K = system.field
     (row,) = differential(system, lambda s, x: (s.integrals(x).H1,), state)
     g = K.one if not system.body.rolls else root(system, state)
@@ -208,12 +208,12 @@ def conformal_field(system: PhaseSpace, state: State) -> tuple[Real, ...]:
 
 
 def root(system: PhaseSpace, state: State) -> Any:
-    """The root g of g² = 1/(1 − d(γ, Aγ)) of a state."""
+    """The root g of g² = 1/(1 − d(γ, Aγ)) that belongs to a state."""
     return coordinates.root_of_g(system.body, state.gamma) if state.g is None else state.g
 
 
 def measure_divergence(body: Body, gamma: Vector, M: Vector) -> Any:
-    """div(g·(γ × ω, M × ω))/g at any (γ, M): zero, because g dγ dM is an invariant measure (Chaplygin 1903).
+    """The divergence div(g·(γ × ω, M × ω))/g at any (γ, M): 0, as g dγ dM is an invariant measure (Chaplygin 1903).
 
     Rational in (γ, M): the derivative of g enters as −½g²·∂(g⁻²), g⁻² = 1 − d(γ, Aγ).
     """
@@ -235,7 +235,7 @@ def measure_divergence(body: Body, gamma: Vector, M: Vector) -> Any:
 
 
 def _inverse_square(body: Body, gamma: Sequence[Any]) -> Any:
-    """1 − d(γ, Aγ) off the sphere too."""
+    """1 − d(γ, Aγ), for γ of any length."""
     K = body.field
     return K.sub(K.one, K.mul(body.d, K.dot(body.a, [K.mul(x, x) for x in gamma])))
 

@@ -34,7 +34,7 @@ def branch_points(body: Body) -> tuple[Real, ...]:
 
 
 def kappas(body: Body) -> tuple[Real, ...]:
-    """κ at every branch point of :func:`branch_points`."""
+    """The factors κ of the pairs (see above) at all points of :func:`branch_points`."""
     K = body.field
     values = [K.mul(r, c) for r, c in zip(body.contact, body.differences, strict=True)]
     if len(branch_points(body)) == 4:
@@ -49,7 +49,7 @@ def root_of_g(body: Body[Element], gamma: Vector[Element]) -> Element:
 
 
 def upright_pairs(body: Body, state: State) -> tuple[Pair, ...]:
-    """(gγ_i, 2w_i), the pairs at a1, a2, a3 of the parabola P = V − λU, which passes through (1/d, 0); at d = 0 of V.
+    """The pairs (gγ_i, 2w_i) at a1, a2, a3. They belong to the parabola P = V − λU through (1/d, 0); at d = 0 to V.
 
     NotASquare when g = √g² is not in the field.
     """
@@ -64,7 +64,7 @@ def upright_pairs(body: Body, state: State) -> tuple[Pair, ...]:
 
 
 def to_pairs(body: Body, state: State) -> tuple[Pair, ...]:
-    """The pairs at :func:`branch_points` of a state; NotASquare when g = √g² is not in the field."""
+    """The pairs of a state at :func:`branch_points`; NotASquare when g = √g² is not in the field."""
     K, pairs = body.field, upright_pairs(body, state)
     if not body.rolls:
         return pairs
@@ -77,8 +77,8 @@ def to_pairs(body: Body, state: State) -> tuple[Pair, ...]:
 
 
 def from_pairs(body: Body, pairs: tuple[Pair, ...]) -> State:
-    """The state of the pairs; g comes from the pair at 1/d if there is one, else it is the positive root of Σγ̂_i².
-    NotRepresentable where g vanishes, over a finite field.
+    """The state with the given pairs; g comes from the pair at 1/d if there is one, else it is the positive root of
+    Σγ̂_i². NotRepresentable where g vanishes, over a finite field.
     """
     K = body.field
     sigma, nu = (tuple(column) for column in zip(*pairs[:3], strict=True))
@@ -96,8 +96,8 @@ def from_pairs(body: Body, pairs: tuple[Pair, ...]) -> State:
 
 
 def directions_of(point: tuple[Real, ...]) -> tuple[tuple[Real, Real, Real], tuple[Real, Real, Real]]:
-    """γ and M/|M| of a moving point whose last six numbers are σ = γ̂ and ν = n̂/(2|M|): :func:`from_pairs` on bare
-    reals: floats, mpf, balls, or double-doubles when compiled.
+    """γ and M/|M| of a moving point whose last six numbers are σ = γ̂ and ν = n̂/(2|M|). This is :func:`from_pairs` for
+    bare reals: floats, mpf, balls, or double-doubles when compiled.
     """
     s1, s2, s3, n1, n2, n3 = point[4], point[5], point[6], point[7], point[8], point[9]
     square = s1 * s1 + s2 * s2 + s3 * s3
@@ -109,7 +109,7 @@ def directions_of(point: tuple[Real, ...]) -> tuple[tuple[Real, Real, Real], tup
 
 
 def to_mumford(body: Body, pairs: tuple[Pair, ...]) -> tuple[poly.Poly, poly.Poly]:
-    """(U, V): U monic of degree 2, V of degree at most 1. Exact: V trimmed; inexact: of length 2."""
+    """Mumford's (U, V) of pairs: U is monic of degree 2, V of degree ≤ 1, of length 2 over inexact fields."""
     K = body.field
     u0, u1, v0, v1 = (K.zero,) * 4
     for i, (r, (x, y)) in enumerate(zip(body.contact, pairs, strict=False)):
@@ -125,7 +125,7 @@ def to_mumford(body: Body, pairs: tuple[Pair, ...]) -> tuple[poly.Poly, poly.Pol
 def pairs_of(
     body: Body, f: poly.Poly, u: poly.Poly, v: poly.Poly, like: tuple[Pair, ...] | None = None
 ) -> tuple[Pair, ...]:
-    """The pairs of a divisor, on every axis the one of two signs on the side of ``like``.
+    """The pairs of a divisor, each with the sign that brings it closer to the pair of ``like``.
 
     Without ``like`` the sign is that of the field's own root of γ̂², or of n̂² where γ̂ = 0: over the reals γ_i > 0.
     NotASquare where a γ̂_i² has no root in the field, NotRepresentable where moments coincide: (U, V) does not
@@ -154,7 +154,7 @@ def integrals_of(body: Body, D: Divisor) -> tuple[Real, Real]:
     K: Any = body.field
     curve = D.jacobian.curve
     if curve.field == K and not curve.h:
-        # −4e3·H1 is the lower end of f; −4H2 or 4dH2 the upper one
+        # the lowest coefficient of f is −4a1a2a3·H1, the highest −4H2 or 4dH2
         f, (lower, upper) = curve.f, (body.polynomial(K.one, K.zero), body.polynomial(K.zero, K.one))
         if len(f) == len(upper):
             h1, h2 = K.div(f[0], lower[0]), K.div(f[-1], upper[-1])
@@ -166,11 +166,11 @@ def integrals_of(body: Body, D: Divisor) -> tuple[Real, Real]:
 
 
 def root_pair(K: Any, square: Any, product: Real, other: Any, model: Pair | None = None) -> Pair:
-    """(σ, ν) with σ² = square, σν = product, ν² = other, on the side of ``model``; without it as in
-    :func:`pairs_of`.
+    """(σ, ν) with σ² = square, σν = product and ν² = other. Of ±(σ, ν) the one closer to ``model`` is returned; without
+    a model the sign is chosen as in :func:`pairs_of`.
     """
     if square == other == K.zero:
-        # σν = 0 too: M is along the axis and γ orthogonal to it, a double point of the curve
+        # σ = ν = 0: M is along the axis and γ orthogonal to it, at a double point of the curve
         return K.zero, K.zero
     if (square == K.zero) if K.exact else (abs(square) < abs(other)):
         nu = square_root(K, other, "n̂²")

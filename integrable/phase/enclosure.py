@@ -17,11 +17,11 @@ from jacobian.immutable import Record
 from jacobian.numbers.long_reals import BallReals
 
 Row = tuple[Any, Sequence[Any], Sequence[Any], float]
-"""τ, the two vectors of a state, the radius."""
+"""One row: τ, the two vectors of a state, and the largest radius."""
 
 
 class BallRows(Record):
-    """States at ``times`` in balls (``flint.arb``), the base class for bodies and for systems of any genus.
+    """States at ``times`` as balls (``flint.arb``): the base class for bodies and for systems of any genus.
 
     ``tau`` and ``times`` have shape (N,). ``radius``, shape (N,), is the largest radius in each row, relative to the
     size of its vector, as a float rounded up and at least 2.2e-308.
@@ -74,14 +74,14 @@ class EnclosedPath(BallRows):
 
 
 def ball_digits(field: Any, digits: int | None) -> int:
-    """The number of digits requested for balls, by default that of the field, 15 for RR."""
+    """``digits``, checked, or the default number of digits of balls: that of the field, 15 for RR."""
     if digits is None:
         return FLOAT_DIGITS if field == RR else int(field.dps)
     return whole(digits, "digits", f"the balls' digits are an int ≥ 1, {MOST_DIGITS} at most", 1, MOST_DIGITS)
 
 
 def exact_times(times: Sequence[Real]) -> list[Real]:
-    """Times as balls of radius 0."""
+    """The given times as balls of radius 0."""
     return list(BallReals(64).row(float(t) if isinstance(t, float) else t for t in times))
 
 
@@ -101,7 +101,7 @@ def widest(*vectors: tuple[Sequence[Real], Real]) -> Real:
 
 
 def rounded_up(radius: Real) -> float:
-    """A float that is at least the radius."""
+    """The radius rounded up to a float."""
     return max(float(radius) * (1 + 2.0**-50), sys.float_info.min)
 
 

@@ -25,7 +25,7 @@ def symmetry_axis(inertia: Vector) -> int | None:
 
 
 class Swing(NamedTuple):
-    """The data of the module's formulas, wide: r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω, θ and φ at the start."""
+    """The constants r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω of the formulas, and θ and φ at the start: wide numbers."""
 
     r: Any
     r3: Any
@@ -41,7 +41,7 @@ class Swing(NamedTuple):
 
     @staticmethod
     def of(body: Body, gamma: Vector, M: Vector) -> Swing:
-        """The data of an upright state. The axes are in the order (equal, equal, other)."""
+        """The constants of the motion through an upright state. The axes are in the order (equal, equal, other)."""
         K: Any = body.field
         (a, _, a3), (r, _, r3), (g1, g2, g3), (m1, m2, m3) = body.a, body.contact, gamma, M
         ratio = (body.inertia[0] - body.inertia[2]) * a3
@@ -55,7 +55,7 @@ class Swing(NamedTuple):
         kappa = K.sqrt(kappa2) * (1 if m3 > 0 else -1)
         rate = a * momentum * K.sqrt(r3 / mu)
         atan2 = K.context.atan2
-        # computed from γ₃ and its rate, as the difference above loses all digits for a motion about the axis
+        # from γ₃ and its rate: the difference above loses all digits for a motion about the axis
         size = K.sqrt(g3 * g3 + (a * across / rate) ** 2)
         theta = atan2(g3, a * across / rate) if size else K.zero
         swing = Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, K.zero)
@@ -67,27 +67,27 @@ class Swing(NamedTuple):
 
     @property
     def spread(self) -> Real:
-        """δA², the amplitude of g⁻²."""
+        """The amplitude δA² of g⁻²."""
         return self.delta * self.size * self.size
 
     @property
     def spin(self) -> Any:
-        """gM₃, which is constant."""
+        """The constant gM₃."""
         return self.momentum * self.kappa / _sqrt(self.mu)
 
     @property
     def factors(self) -> tuple[Real, Real]:
-        """The factors of F and Π in −φ."""
+        """The factors of the elliptic integrals F and Π in −φ."""
         first = self.kappa * self.ratio / _sqrt(self.r * self.r3)
         return first, self.kappa * _sqrt(self.r3 / self.r)
 
     def clock(self, upright: Upright) -> tuple[Real, Real]:
-        """(Ω', ε) of Ω't = θ − θ₀ − ε(G(cos θ) − G(cos θ₀)) at the times t of the tilted body; 0 for an upright one."""
+        """(Ω', ε) in Ω't = θ − θ₀ − ε(G(cos θ) − G(cos θ₀)), t the tilted body's time; ε = 0 for an upright body."""
         alpha, beta = upright.clock
         return self.rate / alpha, beta * self.spin * upright.body.a[0] * self.ratio * self.size / alpha
 
     def ellipse(self, c: Real, s: Real) -> tuple[list[Real], list[Real]]:
-        """γ and M at θ with the cosine c and the sine s, before the turn by φ."""
+        """γ and M before the turn by φ, at the phase θ with cos θ = c and sin θ = s."""
         root3, spread = _sqrt(self.r3), self.spread
         slow = _sqrt(self.mu + spread * c * c if self.delta > 0 else self.r - spread * s * s)
         lean, scale = self.kappa * self.delta * s / (slow + root3), self.momentum / _sqrt(self.mu)

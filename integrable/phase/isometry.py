@@ -1,4 +1,4 @@
-"""The isometries that make the d = 0 geodesic flows of the tilde, check and hat pairs one family.
+"""The isometries that map the geodesic flows (d = 0) of the tilde, check and hat pairs to each other.
 
 The lift of γ ↦ γ' = Bγ/|Bγ| to (γ, M) = 0 is M' = Bγ × B⁻¹(M × γ), a canonical map. With a' = 1/a (moments I'_i = a_i):
 B² = A^∨ takes the hat pair of A to e3 times the tilde pair of A⁻¹, B² = A the check pair to −e3 times it.
@@ -15,8 +15,8 @@ from jacobian.fields.protocol import Field
 
 
 def lift(field: Any, B: Sequence[Any], gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
-    """(γ', M') under the diagonal matrix B, undone by the lift of B⁻¹. NotASquare where |Bγ| is not in the field,
-    NotRepresentable where it is zero.
+    """The image (γ', M') of (γ, M) under the lift of the diagonal matrix B; its inverse is the lift of B⁻¹. NotASquare
+    where |Bγ| is not in the field, NotRepresentable where it is zero.
     """
     K = field
     turned = (K.mul(B[0], gamma[0]), K.mul(B[1], gamma[1]), K.mul(B[2], gamma[2]))
@@ -29,6 +29,6 @@ def lift(field: Any, B: Sequence[Any], gamma: Vector, M: Vector) -> tuple[Vector
 
 
 def roots(field: Field, squares: Sequence[Any]) -> Vector:
-    """The diagonal of B from that of B²."""
+    """The diagonal of B from the diagonal of B²; NotASquare where the field lacks a root."""
     x, y, z = (square_root(field, value, "B²") for value in squares)
     return x, y, z

@@ -93,11 +93,11 @@ class Jet:
 
 
 class JetField:
-    """Jets over ``base`` with ``directions`` infinitesimals; with none of them a jet is an element of the base with
-    operators.
+    """The jets over the field ``base`` with ``directions`` infinitesimals ε_k. For 0 directions a jet is an element of
+    the base with operators.
 
-    The methods also take bare elements of the base, as constants. Strictly a ring: a jet of value 0 has no inverse.
-    ``order`` is that of the base.
+    The methods also take bare elements of the base, as constants. Strictly this is a ring: a jet of value 0 has no
+    inverse. ``order`` is the order of the base.
     """
 
     def __init__(self, base: Any, directions: int) -> None:
@@ -123,22 +123,24 @@ class JetField:
         return hash(("JetField", self.base, self.directions))
 
     def constant(self, value: Any) -> Jet:
-        """The jet of an element of the base, all slopes zero."""
+        """The jet with a given value in the base and all slopes zero."""
         return Jet(self, value, self._flat)
 
     def variables(self, values: Sequence[Any]) -> tuple[Jet, ...]:
-        """values[k] + ε_k."""
+        """The jets values[k] + ε_k, one for each direction."""
         zero, one = self.base.zero, self.base.one
         return tuple(
             Jet(self, x, tuple(one if k == i else zero for k in range(self.directions))) for i, x in enumerate(values)
         )
 
     def integer(self, m: int) -> Jet:
-        """m·1."""
+        """The jet m·1 of an int m."""
         return self.constant(poly.integer(self.base, m))
 
     def coerce(self, value: Any, argument: str = "value") -> Jet:
-        """A jet of this field unchanged, anything else as a constant of the base; else FieldError."""
+        """A jet of this field unchanged, or the constant jet of a value that the base accepts. FieldError for other
+        jets.
+        """
         if not isinstance(value, Jet):
             return self.constant(self.base.coerce(value, argument))
         if len(value.slopes) != self.directions:
@@ -167,7 +169,7 @@ class JetField:
         return Jet(self, K.mul(a, b), slopes)
 
     def inv(self, x: Any) -> Jet:
-        """1/x; ZeroDivisionError where the value is zero."""
+        """The inverse 1/x; ZeroDivisionError where the value of x is zero."""
         K, x = self.base, self._jet(x)
         inverse = K.inv(x.value)
         factor = K.neg(K.mul(inverse, inverse))
@@ -177,21 +179,21 @@ class JetField:
         return self.mul(x, self.inv(y))
 
     def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Jet:
-        """Σ x_i y_i."""
+        """The sum Σ x_i y_i."""
         total = self.zero
         for x, y in zip(xs, ys, strict=True):
             total = self.add(total, self.mul(x, y))
         return total
 
     def is_zero(self, x: Any, scale: Any = None) -> bool:
-        """Whether value and slopes are zero (an inexact base: the value, against ``scale``)."""
+        """Whether value and slopes are all zero. Over an inexact base: whether the value is, relative to ``scale``."""
         x = self._jet(x)
         if self.exact:
             return x == self.zero
         return bool(self.base.is_zero(x.value, scale.value if isinstance(scale, Jet) else scale))
 
     def sqrt(self, x: Any, root: Any = None) -> Jet:
-        """The square root whose value is ``root``, by default the base's own; NotASquare as there.
+        """The square root of x whose value is ``root``, by default the base's own root; NotASquare if there is none.
 
         NotRepresentable at value 0 with a slope: the root is not differentiable.
         """
@@ -205,17 +207,17 @@ class JetField:
         return Jet(self, root, tuple([K.mul(half, s) for s in x.slopes]))
 
     def random(self, rng: Rng) -> Jet:
-        """A random constant."""
+        """The constant jet of a random element of the base."""
         return self.constant(self.base.random(rng))
 
     def key(self, x: Any) -> Hashable:
-        """The keys of value and slopes."""
+        """A hashable key of a jet, from the base's keys of its value and slopes."""
         x = self._jet(x)
         return (self.base.key(x.value), *map(self.base.key, x.slopes))
 
 
 def apply(field: Any, function: Any, *values: Any) -> Any:
-    """The value of ``function`` at elements of a field; it is written with operators and receives jets.
+    """The value at elements of a field of ``function``, which is written with operators and is called on jets.
 
     NotRepresentable where it divides by zero.
     """

@@ -17,7 +17,7 @@ __all__ = ["Made"]
 
 class Made(Immutable):
     """A value that its constructor arguments determine: ``type(x)(**x.arguments, field=x.field) == x``. Its ``repr`` is
-    that call, in the names of :mod:`jacobian` and :mod:`integrable`.
+    this constructor call, in the names of :mod:`jacobian` and :mod:`integrable`.
     """
 
     field: Any
@@ -31,7 +31,7 @@ class Made(Immutable):
     def identity(self) -> dict[str, object]:
         """The identity of this value, for JSON: its type, its field, and every argument to the last bit.
 
-        ArgumentError where the arguments do not reproduce the value, as in a subclass with more of them.
+        ArgumentError where the arguments do not reproduce the value, as in a subclass with further arguments.
         """
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -62,19 +62,19 @@ def _plain(value: Any) -> Any:
 
 
 def _short(n: int) -> int | str:
-    """An int, or its text in base 16 where Python refuses to write decimals."""
+    """The int itself, or its text in base 16 if it is too long for Python to write in decimals."""
     return n if n.bit_length() < MOST_BITS else hex(n)
 
 
 def _text(value: Any) -> str:
-    """``repr`` of a plain value; an int in base 16 without quotes."""
+    """The ``repr`` of a plain value; an int that is stored as text in base 16 is written without quotes."""
     if isinstance(value, tuple):
         return f"({', '.join(map(_text, value))}{',' if len(value) == 1 else ''})"
     return value if isinstance(value, str) and "0x" in value[:3] and "/" not in value else repr(value)
 
 
 def _decimal(x: Any) -> float | str:
-    """A float if that is exact, otherwise a string with as many digits as needed."""
+    """A number as a float if that is exact, otherwise as a string with as many digits as needed."""
     from mpmath.libmp import repr_dps, to_str
 
     if float(x) == x:

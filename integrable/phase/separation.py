@@ -1,8 +1,8 @@
-"""Separating coordinates: (γ, M) ↔ (u, p) ↔ (q, p_q) at (γ, M) = 0, u and p canonical: {u_i, p_j} = δ_ij.
+"""Separating coordinates (γ, M) ↔ (u, p) ↔ (q, p_q) for (γ, M) = 0, with u and p canonical: {u_i, p_j} = δ_ij.
 
 u1, u2 are the roots of U and y_k = V(u_k) = φ(u_k)p_k with φ(x) = 4(dx − 1)(a1 − x)(a2 − x)(a3 − x) (Tsiganov's
-coordinates; sphero-conical at d = 0). q = du/(1 − du) are the roots of Σ γ_i²/(x − d/I_i), Chaplygin's own coordinates
-of 1903, which do not exist at d = 0.
+coordinates; sphero-conical at d = 0). q = d·u/(1 − d·u) are the roots of Σ γ_i²/(x − d/I_i), Chaplygin's own
+coordinates of 1903, which do not exist at d = 0.
 """
 
 from __future__ import annotations
@@ -39,22 +39,22 @@ def phi(body: Body, x: Real) -> Any:
 
 
 def to_separated(body: Body, state: State) -> Separated:
-    """(u, p) of a state; u1 < u2 over the reals, in the order of the field's root elsewhere.
+    """The coordinates (u, p) of a state: u1 < u2 over the reals, over other fields in the order that the root gives.
 
     NotASquare where u1, u2 are not in the field; NotRepresentable where u1 = u2 or a γ_i vanishes (some u_k = a_i,
-    whose momentum is infinite): the divisor and the pairs are regular there.
+    whose momentum is infinite). The divisor and the pairs are regular in all these cases.
     """
     u, v = coordinates.to_mumford(body, coordinates.to_pairs(body, state))
     return of_mumford(body, u, v)
 
 
 def of_mumford(body: Body, u: poly.Poly, v: poly.Poly) -> Separated:
-    """(u, p) of a divisor of weight two; raises as :func:`to_separated`."""
+    """The coordinates (u, p) of a divisor (U, V) of weight two; errors as in :func:`to_separated`."""
     return of_roots(body.field, u, v, lambda x: phi(body, x))
 
 
 def of_roots(K: Field, u: poly.Poly, v: poly.Poly, phi: Callable[[Any], Any]) -> Separated:
-    """The roots of u and the momenta v(u_k)/φ(u_k); raises as :func:`to_separated`."""
+    """The roots u_k of ``u`` with the momenta v(u_k)/φ(u_k); errors as in :func:`to_separated`."""
     first, second = _roots(K, u)
     p = []
     for x in (first, second):
@@ -81,7 +81,7 @@ def _roots(K: Any, u: poly.Poly) -> Two:
 
 
 def separated_to_mumford(body: Body, point: Separated) -> tuple[poly.Poly, poly.Poly]:
-    """(U, V) with roots u_k and V(u_k) = φ(u_k)p_k; NotRepresentable where u1 = u2."""
+    """The divisor (U, V) of (u, p): U has the roots u_k, and V(u_k) = φ(u_k)p_k. NotRepresentable where u1 = u2."""
     K, ((u1, u2), _) = body.field, point
     if u1 == u2:
         raise NotRepresentable(f"u1 = u2 = {written(u1)}: (u, p) are no coordinates there; use the divisor")
@@ -90,7 +90,7 @@ def separated_to_mumford(body: Body, point: Separated) -> tuple[poly.Poly, poly.
 
 
 def integrals(body: Body, point: Separated) -> Two:
-    """(H1, H2) of (u, p): the solution of φ(u_k)p_k² = H1 − u_k H2."""
+    """The integrals (H1, H2) at (u, p): the solution of φ(u_k)p_k² = H1 − u_k H2 for k = 1, 2."""
     K, ((u1, u2), _) = body.field, point
     if u1 == u2:
         raise NotRepresentable(f"u1 = u2 = {written(u1)}: (u, p) are no coordinates there; use the divisor")
@@ -100,7 +100,8 @@ def integrals(body: Body, point: Separated) -> Two:
 
 
 def from_separated(body: Body, point: Separated, like: State | None = None) -> State:
-    """The state of (u, p). Eight states share it; the signs of ``like``, or of the field's own roots, choose one.
+    """The state with coordinates (u, p). Of eight such states, the signs of ``like``, or of the field's roots, choose
+    one.
 
     NotASquare where a γ_i² or g² has no root in the field (over the reals: u outside of its oval), NotRepresentable
     where u1 = u2 or moments coincide.
@@ -112,7 +113,7 @@ def from_separated(body: Body, point: Separated, like: State | None = None) -> S
 
 
 def to_chaplygin(body: Body, point: Separated) -> Separated:
-    """(q, p_q): q = du/(1 − du), p_q = p·du/dq, again canonical; ArgumentError at d = 0."""
+    """Chaplygin's (q, p_q) of (u, p): q = d·u/(1 − d·u), p_q = p·∂u/∂q, again canonical; ArgumentError at d = 0."""
     K = body.field
     _check_rolling(body)
     q, p = [], []
@@ -126,7 +127,7 @@ def to_chaplygin(body: Body, point: Separated) -> Separated:
 
 
 def from_chaplygin(body: Body, point: Separated) -> Separated:
-    """(u, p) of (q, p_q): u = q/(d(q + 1)); ArgumentError at d = 0."""
+    """The coordinates (u, p) of Chaplygin's (q, p_q): u = q/(d(q + 1)); ArgumentError at d = 0."""
     K = body.field
     _check_rolling(body)
     u, p = [], []

@@ -71,7 +71,7 @@ class PhaseSpace(Made, Generic[Element]):
         exists except for M ∥ γ.
 
         ``g`` chooses the root of g² over an exact field with d ≠ 0. The default is the field's own root; NotASquare if
-        it has none. ArgumentError names the argument, its value and what is accepted.
+        it has none. ArgumentError names the argument, its value and the accepted values.
         """
         K: Any = self.field
         tilted = flag(tilted, "tilted")
@@ -114,17 +114,17 @@ class PhaseSpace(Made, Generic[Element]):
         return root
 
     def integrals(self, state: State[Element]) -> Integrals[Element]:
-        """C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M)."""
+        """The integrals C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M) of a state."""
         state = self._checked(state)
         return self.body.integrals(state.gamma, state.M)
 
     def _integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> Integrals:
-        """:meth:`integrals` of many real states, γ and M of shape (N, 3): each of shape (N,)."""
+        """The :meth:`integrals` of N real states, γ and M of shape (N, 3): four arrays of shape (N,)."""
         x, m = gamma.T, M.T
         return Integrals(sum(x * x), sum(x * m), *self.body.energies(x, m))
 
     def _omega_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
-        """:meth:`omega` of many real states, shape (N, 3)."""
+        """The angular velocities :meth:`omega` of N real states, shape (N, 3)."""
         from integrable.phase import attitude
 
         return attitude.angular_velocities(self.body, gamma, M)[0]
@@ -150,7 +150,8 @@ class PhaseSpace(Made, Generic[Element]):
         raise NotImplementedError
 
     def upright(self, state: State[Element]) -> tuple[PhaseSpace[Element], State[Element], ChaplyginTransformation]:
-        """(system, state, transformation): the motion of a tilted state as one with (γ̃, M̃) = 0 on another body.
+        """(system, state, transformation): Chaplygin's map of a tilted state to a state with (γ̃, M̃) = 0 of another
+        body.
 
         ``transformation.invert`` is the inverse. Raises NotRepresentable at M ∥ γ, NotASquare over a field without the
         roots.
@@ -162,7 +163,7 @@ class PhaseSpace(Made, Generic[Element]):
         return replaced(self, body=change.upright), change.apply(state), change
 
     def curve(self, h1: Element | Value, h2: Element | Value) -> HyperellipticCurve[Element]:
-        """y² = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x·h2 − h1) for values of H1 and H2.
+        """The curve y² = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x·h2 − h1) of the motions with H1 = h1 and H2 = h2.
 
         Genus 2 with one point at infinity for d ≠ 0; genus 1 with two for d = 0. SingularCurve (exact fields) where
         roots coincide.
@@ -245,7 +246,7 @@ class PhaseSpace(Made, Generic[Element]):
     def from_separated(
         self, u: Iterable[Value], p: Iterable[Value], like: State[Element] | None = None
     ) -> State[Element]:
-        """The state of (u, p), with the signs of ``like`` or of the field's own roots.
+        """The state with coordinates (u, p), with the signs of ``like`` or of the field's own roots.
 
         See :func:`integrable.phase.separation.from_separated`.
         """
@@ -278,8 +279,8 @@ class PhaseSpace(Made, Generic[Element]):
 
 
 def check_state(system: Any, state: Any) -> State:
-    """``state`` unchanged. Raises ArgumentError, with a hint how to make a state, if it is none, and FieldError if its
-    numbers are of another field.
+    """``state`` unchanged. Raises ArgumentError, with a hint how to make a state, if the argument is not a State, and
+    FieldError if its numbers are of another field.
     """
     if not isinstance(state, State):
         raise ArgumentError(f"state = {shown(state)}: give a State, made by {type(system).__name__}.state(gamma, M)")

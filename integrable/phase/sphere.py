@@ -1,4 +1,4 @@
-"""The free motion on the sphere and the other equivalence of divisors: conics through plane points (d = 0).
+"""The free motion on the sphere (d = 0), and steps of divisors by parabolas through points of the plane.
 
 H1 = (M, M) and H2 = −(M, AM) in the coordinates (u, p) of :mod:`integrable.phase.separation` at d = 0; here φ(x) =
 4Π(a_i − x), y_k = φ(u_k)p_k and y² = f(x) = φ(x)(H1·x + H2), so that V is minus that of :meth:`System.divisor`.
@@ -18,7 +18,7 @@ Divisor = tuple[poly.Poly, poly.Poly]
 
 
 def phi_poly(K: Field, a: tuple[Real, Real, Real]) -> poly.Poly:
-    """φ(x) = 4Π(a_i − x), ascending."""
+    """The coefficients of φ(x) = 4Π(a_i − x), ascending."""
     value: poly.Poly = (poly.integer(K, 4),)
     for e in a:
         value = poly.mul(K, value, (e, K.neg(K.one)))
@@ -26,7 +26,7 @@ def phi_poly(K: Field, a: tuple[Real, Real, Real]) -> poly.Poly:
 
 
 def momentum_line(K: Field, a: tuple[Real, Real, Real], point: Separated) -> poly.Poly:
-    """The line through (u_k, φ(u_k)p_k), of length 2; NotRepresentable where u1 = u2."""
+    """The line through the two points (u_k, φ(u_k)p_k), as two coefficients; NotRepresentable where u1 = u2."""
     (u1, u2), _ = point
     if u1 == u2:
         raise NotRepresentable(f"u1 = u2 = {written(u1)}: (u, p) are no coordinates there")
@@ -34,7 +34,7 @@ def momentum_line(K: Field, a: tuple[Real, Real, Real], point: Separated) -> pol
 
 
 def sphere_integrals(K: Field, a: tuple[Real, Real, Real], point: Separated) -> tuple[Real, Real]:
-    """(H1, H2) with φ(u_k)p_k² = H1·u_k + H2."""
+    """The integrals (H1, H2) at (u, p), from φ(u_k)p_k² = H1·u_k + H2 for k = 1, 2."""
     (u1, u2), _ = point
     first, second = (K.mul(poly.evaluate(K, phi_poly(K, a), x), K.mul(p, p)) for x, p in zip(*point, strict=True))
     h1 = K.div(K.sub(first, second), K.sub(u1, u2))
@@ -42,7 +42,7 @@ def sphere_integrals(K: Field, a: tuple[Real, Real, Real], point: Separated) -> 
 
 
 def conic_sum(K: Field, f: poly.Poly, divisor: Divisor, x0: Real | None, y0: Real) -> Divisor:
-    """(Ũ, Ṽ) = ((P² − f)/U made monic, −P mod Ũ) for P = V + cU through (x0, y0); x0 = None: c = y0.
+    """The divisor (Ũ, Ṽ) = ((P² − f)/U made monic, −P mod Ũ), P = V + cU through (x0, y0). For x0 = None c = y0.
 
     For Mumford data of N points on y² = f(x), deg f = 2N (:meth:`jacobian.relatives.conic.Representative.step`). It
     preserves {u_i, p_j} = (u_i − x0)δ_ij, y = φp, for constant y0. NotRepresentable where U(x0) = 0.
@@ -60,13 +60,13 @@ def conic(K: Field, a: tuple[Real, Real, Real], point: Separated, x0: Real | Non
 
 
 def rho(K: Field, point: Separated) -> Separated:
-    """ρ: (u, p) ↦ (u, u·p), which takes the canonical bracket to W: {u_i, u_jp_j} = u_iδ_ij."""
+    """The map ρ: (u, p) ↦ (u, u·p), which takes the canonical bracket to W: {u_i, u_jp_j} = u_iδ_ij."""
     (u1, u2), (p1, p2) = point
     return Separated((u1, u2), (K.mul(u1, p1), K.mul(u2, p2)))
 
 
 def rho_inverse(K: Field, point: Separated) -> Separated:
-    """(u, p) ↦ (u, p/u); NotRepresentable at u_k = 0."""
+    """The inverse map ρ⁻¹: (u, p) ↦ (u, p/u); NotRepresentable at u_k = 0."""
     (u1, u2), (p1, p2) = point
     if K.zero in (u1, u2):
         raise NotRepresentable("u_k = 0: ρ has no inverse there")
@@ -74,12 +74,15 @@ def rho_inverse(K: Field, point: Separated) -> Separated:
 
 
 def hat(K: Field, a: tuple[Real, Real, Real], point: Separated) -> Separated:
-    """(û, p̂) = ρ⁻¹ ∘ (conic through (0, 0)) ∘ ρ: canonical again, p̂ = −ℓ(û)/φ(û), ℓ the line of (u_k, φ_kp_k)."""
+    """The hat variables (û, p̂) = ρ⁻¹ ∘ (conic through (0, 0)) ∘ ρ of (u, p), again canonical.
+
+    p̂ = −ℓ(û)/φ(û) with ℓ the line through the points (u_k, φ(u_k)p_k).
+    """
     return rho_inverse(K, conic(K, a, rho(K, point), K.zero, K.zero))
 
 
 def hat_eigenvalues(K: Field, a: tuple[Real, Real, Real], point: Separated) -> tuple[Real, Real]:
-    """ν_k = û_kφ(û_k)p̂_k² of the hat variables of (u, p)."""
+    """The numbers ν_k = û_kφ(û_k)p̂_k² of the hat variables of (u, p)."""
     first, second = (
         K.mul(K.mul(x, poly.evaluate(K, phi_poly(K, a), x)), K.mul(p, p))
         for x, p in zip(*hat(K, a, point), strict=True)

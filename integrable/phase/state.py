@@ -1,4 +1,4 @@
-"""Points of the phase space."""
+"""States: points of the phase space."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ MOST_BITS = 14_000
 
 @dataclass(frozen=True)
 class State(Generic[Element]):
-    """(γ, M): γ the unit vertical and M the angular momentum about the contact point, both in the body frame.
+    """A state (γ, M): the unit vertical γ and the angular momentum M about the contact point, both in the body frame.
 
     ``system.state(gamma, M)`` makes one and checks it. Over an exact field with d ≠ 0 the state carries the root ``g``
-    of g², whose sign tells D from −D; over the reals g > 0 is understood and ``g`` is None. ``tilted``: (γ, M) may
-    differ from 0; divisors, steps and the flow then use :mod:`integrable.phase.upright`.
+    of g², whose sign distinguishes the divisor D from −D; over the reals g > 0 is understood and ``g`` is None.
+    ``tilted``: (γ, M) may differ from 0; divisors, steps and the flow then use :mod:`integrable.phase.upright`.
     """
 
     gamma: Vector[Element]
@@ -39,7 +39,7 @@ class State(Generic[Element]):
 
 
 def _text(value: Any) -> str:
-    """``repr`` of a number or a vector; Python refuses to write fractions of more than 4300 digits."""
+    """The ``repr`` of a number or vector, also of fractions too long for Python to write (4300 digits)."""
     if isinstance(value, tuple):
         return f"({', '.join(map(_text, value))})"
     long = isinstance(value, Fraction) and max(value.numerator.bit_length(), value.denominator.bit_length()) > MOST_BITS
@@ -62,7 +62,7 @@ def onto_constraints(system: Any, state: State) -> State:
 
 
 def rotation_axis(state: State) -> int | None:
-    """The axis i along which M lies exactly, if also γ_i = 0 exactly; else None."""
+    """The axis i along which M lies, if γ_i = 0, both without any rounding; else None."""
     x, m = state.gamma, state.M
     if m.count(0) != 2:
         return None

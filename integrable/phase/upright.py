@@ -33,7 +33,7 @@ class ChaplyginTransformation:
     s: Any
     p: Any
     shift: Real
-    """d·k·H1."""
+    """The product d·k·H1."""
 
     @staticmethod
     def of(body: Body, gamma: Vector, M: Vector) -> ChaplyginTransformation:
@@ -59,28 +59,28 @@ class ChaplyginTransformation:
         return ChaplyginTransformation(body, Body.make(moments, d, K), k, s, p, shift)
 
     def apply(self, state: State) -> State:
-        """(γ, M) ↦ (γ̃, M̃), with g̃ = g/(s(1 − dkn)) where the state carries g."""
+        """The upright state (γ̃, M̃) of (γ, M), with g̃ = g/(s(1 − dkn)) where the state carries g."""
         K = self.body.field
         gamma, M = self.apply_vectors(state.gamma, state.M)
         g = None if state.g is None else K.div(state.g, K.mul(self.s, self._slip(state.gamma, state.M)))
         return State(gamma, M, g)
 
     def apply_vectors(self, gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
-        """γ̃ = p(γ + kM), M̃ = s(M − dkH1γ)."""
+        """The vectors γ̃ = p(γ + kM) and M̃ = s(M − dkH1γ)."""
         K = self.body.field
         tilde = tuple(K.mul(self.p, K.add(x, K.mul(self.k, y))) for x, y in zip(gamma, M, strict=True))
         momentum = tuple(K.mul(self.s, K.sub(y, K.mul(self.shift, x))) for x, y in zip(gamma, M, strict=True))
         return (tilde[0], tilde[1], tilde[2]), (momentum[0], momentum[1], momentum[2])
 
     def invert(self, state: State) -> State:
-        """(γ̃, M̃) ↦ (γ, M), a tilted State."""
+        """The tilted State (γ, M) of an upright state (γ̃, M̃)."""
         K = self.body.field
         gamma, M = self.invert_vectors(state.gamma, state.M)
         g = None if state.g is None else K.mul(state.g, K.mul(self.s, self._slip(gamma, M)))
         return State(gamma, M, g, tilted=True)
 
     def invert_vectors(self, gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
-        """γ = s²(γ̃/p − kM̃/s), M = s²(M̃/s + dkH1·γ̃/p)."""
+        """The vectors γ = s²(γ̃/p − kM̃/s) and M = s²(M̃/s + dkH1·γ̃/p)."""
         K = self.body.field
         a, b, c, d = self.inverse_matrix()
         back = tuple(K.add(K.mul(a, x), K.mul(b, y)) for x, y in zip(gamma, M, strict=True))
@@ -88,13 +88,13 @@ class ChaplyginTransformation:
         return (back[0], back[1], back[2]), (momentum[0], momentum[1], momentum[2])
 
     def inverse_matrix(self) -> tuple[Real, Real, Real, Real]:
-        """(a, b, c, d) with γ = aγ̃ + bM̃, M = cγ̃ + dM̃."""
+        """The inverse as four numbers (a, b, c, d): γ = aγ̃ + bM̃, M = cγ̃ + dM̃."""
         K = self.body.field
         upright = K.div(K.mul(self.s, self.s), self.p)
         return upright, K.neg(K.mul(self.s, self.k)), K.mul(upright, self.shift), self.s
 
     def rate(self) -> tuple[Any, Any]:
-        """(α, β) with 1/g = (α + βñ)/g̃, ñ = g̃²(γ̃, AM̃): physical time on the transformed motion, t = ∫dτ/g.
+        """(α, β) with 1/g = (α + βñ)/g̃, ñ = g̃²(γ̃, AM̃): they give physical time t = ∫dτ/g from the upright motion.
 
         α = s and β = dks²/p, from dt̃/dt = s(1 − dkn) and ω = ω̃ dt̃/dt.
         """
@@ -102,7 +102,7 @@ class ChaplyginTransformation:
         return self.s, K.div(K.mul(K.mul(self.body.d, self.k), K.mul(self.s, self.s)), self.p)
 
     def _slip(self, gamma: Vector, M: Vector) -> Any:
-        """1 − dkn, n = (γ, ω)."""
+        """The factor 1 − dkn, with n = (γ, ω)."""
         K = self.body.field
         slip = K.sub(K.one, K.mul(K.mul(self.body.d, self.k), K.dot(gamma, self.body.omega(gamma, M))))
         if K.exact and slip == K.zero:
@@ -111,17 +111,17 @@ class ChaplyginTransformation:
 
 
 def leaning(K: Any, gamma: Vector, M: Vector) -> Real:
-    """|γ × M|²; NotRepresentable at M ∥ γ, M = 0 included."""
+    """The square |γ × M|²; raises NotRepresentable at M ∥ γ, M = 0 included."""
     w = cross(K, gamma, M)
     square, size = K.dot(w, w), K.dot(M, M)
-    # there k = −1/c
+    # at M ∥ γ, k = −1/c and the transformation does not exist
     if K.zero == size or not (K.exact or square > (16 * K.eps) ** 2 * size):
         raise parallel(K.dot(gamma, M))
     return square
 
 
 def _root(body: Body, integrals: Any, square: Any) -> tuple[Any, Any]:
-    """(k, 1 + kc), k = −2c/((H2 − dH1) + √((H2 − dH1)² + 4c²dH1)), ``square`` = |γ × M|².
+    """(k, 1 + kc) with k = −2c/((H2 − dH1) + √((H2 − dH1)² + 4c²dH1)); ``square`` is |γ × M|².
 
     Over an exact field the other sign of the square root is used if the denominator vanishes.
     """
