@@ -2,7 +2,7 @@
 
 The integrals are those of :mod:`jacobian.periods.image`, by Fejér's rule. The inverse follows Newton's method along a
 segment from the image of a divisor of random points to z, in doubles; then it refines at the field's own precision. A
-class of weight g has one divisor, so any solution is the right one.
+class of weight g contains one divisor of g points, so any solution is the right one.
 """
 
 from __future__ import annotations
@@ -64,11 +64,11 @@ class AbelMap(AbelImage):
     # --- the inverse
 
     def inverse(self, z: Sequence[Any]) -> Divisor:
-        """The divisor class with the image z, in the Jacobian of ``curve``: g numbers, of any size, modulo periods.
+        """The divisor class, in the Jacobian of ``curve``, whose image is z modulo periods; z: g numbers of any size.
 
-        The identity for z in the lattice (to half the digits), otherwise a class of weight g: PrecisionLoss where the
-        class has less weight or nearly coinciding points, where some hundred Newton steps do not reach it, or where the
-        result is off the curve or has another image.
+        It is the identity for z in the lattice (to half the digits), otherwise a class of weight g. PrecisionLoss where
+        the class has less weight or nearly coinciding points, where some hundred Newton steps do not reach it, or where
+        the result is off the curve or has another image.
         """
         given = self.check_image(z)
         target = [self.cover.numbers.convert(self.field.coerce(x, f"z[{i}]")) for i, x in enumerate(given)]
@@ -166,7 +166,7 @@ class AbelMap(AbelImage):
         return [self._on_curve(convert(x), rng.choice((1, -1)) * (1 + 1j)) for x in xs]
 
     def _on_curve(self, x: Any, rough: Any) -> Point:
-        """(x, Y) with the Y on the side of a rough value."""
+        """The point (x, Y) whose Y is the root nearer to a rough value."""
         return x, self.cover.numbers.root(horner(self.cover.coefficients, x), complex(rough))
 
     def _gap(self, points: Sequence[Point], target: Vector) -> Vector:
@@ -179,8 +179,9 @@ class AbelMap(AbelImage):
     def _polished(
         self, points: list[Point], target: Vector, allowed: Iterable[int] = range(12), tolerance: Any = None
     ) -> list[Point]:
-        """Newton's method for Σ ∫ = target: Σ x_i^k dx_i/Y_i = gap_k. PrecisionLoss where it does not settle in the
-        steps allowed.
+        """The points after Newton's method for the image ``target``, with steps Σ x_i^k dx_i/Y_i = gap_k.
+
+        PrecisionLoss where it does not settle in the steps ``allowed``.
         """
         g, numbers = self.curve.genus, self.cover.numbers
         digits = numbers.digits
@@ -209,7 +210,7 @@ class AbelMap(AbelImage):
 
 
 def complexified(curve: HyperellipticCurve, field: Any) -> HyperellipticCurve:
-    """The curve over a complex field, ∞₊ being the same point."""
+    """The same curve over a complex field, with the same point named ∞₊."""
     machine = field.dps is None
 
     def move(c: Any) -> Any:

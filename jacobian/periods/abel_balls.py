@@ -1,4 +1,4 @@
-"""The Abel–Jacobi map and its inverse in balls: proven errors there, a proven divisor back.
+"""The Abel–Jacobi map and its inverse in balls: images with proven errors, and proven divisors of an image.
 
 The image is that of :mod:`jacobian.periods.image`, with the quadratures of :mod:`jacobian.periods.balls`. The inverse
 starts from the floats of :class:`jacobian.periods.abel.AbelMap`; Newton's method in the midpoints of balls sharpens
@@ -31,7 +31,7 @@ MOST_STEPS, PROOFS = 20, 3
 
 
 class BallDivisor(NamedTuple):
-    """g points (x, y) as pairs of balls, and Mumford's pair of their divisor, ascending: u monic, v interpolates."""
+    """A divisor of g points: the ``points`` (x, y) as pairs of balls, and its Mumford pair (u, v), ascending."""
 
     points: tuple[Point, ...]
     u: tuple[Any, ...]
@@ -74,7 +74,7 @@ class AbelBalls(Immutable):
         return self._at_some_precision(image, "the image")
 
     def inverse(self, z: Sequence[Any]) -> BallDivisor:
-        """The divisor of weight g with the image z, proven: for every z in the balls given there is one in the result.
+        """The divisor of weight g with the image z, in balls that provably contain one for every z in the given balls.
 
         ``z``: g balls or numbers, which are exact, modulo periods. PrecisionLoss where the class has less weight or may
         have it, where points nearly coincide with each other, with a branch point or with infinity, or where z is not
@@ -139,7 +139,7 @@ class _Image(AbelImage):
         return [self._above(x, horner(v, x) + self._half_h(x)) for x in ball_roots(numbers, *exact_polynomial(D.u))]
 
     def _above(self, x: Any, rough: Any) -> Point:
-        """(x, Y) with the Y on the side of ``rough``."""
+        """The point (x, Y) whose Y is the root nearer to ``rough``."""
         return x, self.cover.numbers.root(horner(self.cover.coefficients, x), rough)
 
     def checked(self, x: Any, argument: str) -> Any:
@@ -155,7 +155,7 @@ class _Image(AbelImage):
         return self.periods.reduce([self.cover.numbers.convert(x) for x in z])
 
     def proven(self, z: Sequence[Any], rough: Sequence[Point]) -> BallDivisor:
-        """:meth:`AbelBalls.inverse`, from points near those of the divisor."""
+        """The divisor of :meth:`AbelBalls.inverse`, from approximations of its points; else PrecisionLoss."""
         numbers, target = self.cover.numbers, self.target(z)
         exact = [self._above(numbers.convert(x).mid(), numbers.convert(Y)) for x, Y in rough]
         points = self._sharpened(exact, target)
@@ -183,7 +183,7 @@ class _Image(AbelImage):
         return self.periods.reduce(plus(target, self._image_of(points, full_weight(self.given)), -1))
 
     def _steps(self, points: Sequence[Point], gap: Vector) -> Vector:
-        """dx with Σ x_i^k dx_i/Y_i = gap_k."""
+        """The Newton steps dx_i of the abscissas: Σ x_i^k dx_i/Y_i = gap_k, k < g."""
         return solve([[x**k / Y for x, Y in points] for k in range(self.given.genus)], gap)
 
     def _divisor(self, points: Sequence[Point]) -> BallDivisor:

@@ -38,7 +38,7 @@ class BallCover(BranchedCover):
             if len(self.roots) != len(self.coefficients) - 1:
                 raise ArgumentError(f"curve = {curve!r}: f + h²/4 has a double root")
             for e, other in combinations(self.roots, 2):
-                # then decisions read off doubles are right
+                # with this distance decisions from doubles are right
                 if not 2**30 * (e.rad() + other.rad()) < abs(e - other):
                     raise PrecisionLoss(f"the branch points {e} and {other} are not separated; use more digits")
         self._rough = [complex(e) for e in self.roots]
@@ -60,7 +60,7 @@ class BallCover(BranchedCover):
         return [numbers.widened(x, size * cosh**m) for m, x in enumerate(self._means(others, n, count))]
 
     def _moments_from_ends(self, others: Vector, count: int) -> Vector:
-        """The same by integrals from −1 and 1 to 0, where other branch points are near to the ends."""
+        """The moments by integrals from −1 and from 1 to 0, for edges with other branch points near to their ends."""
         numbers = self.numbers
         roots = [numbers.convert(-1), numbers.convert(1), *others]
         right = sum(1 for u in others if u.real > 0)
@@ -77,7 +77,7 @@ class BallCover(BranchedCover):
         return [(x - y) / numbers.pi for x, y in zip(below, above, strict=True)]
 
     def tree(self) -> list[tuple[int, int]]:
-        """The edges of the tree, those of a cover in floats, proven to be disjoint except for their ends."""
+        """The edges of the tree, chosen in floats and proven to be disjoint except for their ends."""
         edges = super().tree()
         for first, second in combinations(edges, 2):
             if not set(first) & set(second) and not (self._aside(first, second) or self._aside(second, first)):

@@ -6,9 +6,9 @@ bounded by the size M of the integrand on the ellipse with foci ±1 and semi-axi
 * Gauss–Chebyshev, n nodes, ∫ φ/√(1−t²): 2πM/(e^(2ρn) − 1) (Chawla & Jain 1968; Molin & Neurohr 2019, section 4);
 * Gauss–Legendre, n ≥ 2 nodes, ∫ φ: 64M/(15(1 − e^(−2ρ))e^(2ρn)) (Rabinowitz 1969).
 
-For u outside |t − u| ≥ (|u − 1| + |u + 1|)/2 − cosh ρ on that ellipse, by the triangle inequality. Doubles choose
-between two square roots: an argument with an error below 30° decides, and no path comes so near to a branch point that
-the error is larger.
+For a point u outside, |t − u| ≥ (|u − 1| + |u + 1|)/2 − cosh ρ for t on that ellipse, by the triangle inequality.
+Doubles choose between two square roots. An argument with an error below 30° is enough, and no path comes so near to a
+branch point that the error is larger.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ NODES_A_DIGIT, MORE_NODES, LEAST_PIECE = 2, 40, 2.0**-30
 
 
 class BallNumbers(Numbers):
-    """Complex balls of ``bits`` bits, as the working numbers of a cover; inside ``with numbers.working():``."""
+    """Complex balls of ``bits`` bits, the working numbers of a cover, computed inside ``with numbers.working():``."""
 
     def __init__(self, bits: int) -> None:
         import flint
@@ -65,7 +65,7 @@ class BallNumbers(Numbers):
         return self.flint.arb(10) ** exponent
 
     def sqrt(self, x: Any) -> Any:
-        """One of the square roots, a small ball if x is one: beside the negative axis it is √(−x)·i."""
+        """A square root of x. It is a small ball if x is; for Re x < 0 it is √(−x)·i."""
         if float(x.real) >= 0:
             return x.sqrt()
         return (-x).sqrt() * self.flint.acb(0, 1)
@@ -106,8 +106,9 @@ class BallNumbers(Numbers):
         return found
 
     def along_path(self, ratios: Vector, forms: Forms, rate: float) -> Vector:
-        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, by Gauss's rule on pieces that are halved near singularities; the rate is
-        not used.
+        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, by Gauss's rule on pieces that are halved near singularities.
+
+        The argument ``rate`` is not used.
         """
         pieces, total = [(0.0, 1.0)], None
         while pieces:
@@ -123,7 +124,7 @@ class BallNumbers(Numbers):
     def _piece(self, ratios: Vector, forms: Forms, start: float, end: float) -> Vector | None:
         """The integral from ``start`` to ``end``, or None where that takes too many nodes."""
         arb = self.flint.arb
-        # the integrand is even, so that the first piece is half of one to both sides
+        # the integrand is even, so the integral from 0 is half of that over the interval [−end, end]
         middle, half = (0.0, end) if start == 0 else ((start + end) / 2, (end - start) / 2)
         axes = []
         for ratio in ratios:
@@ -153,8 +154,9 @@ class BallNumbers(Numbers):
         return [self.widened(x, error * abs(form)) for x, form in zip(sums, forms(s * s), strict=True)]
 
     def rule(self, axes: Sequence[float], power: float, most: int) -> tuple[int, Any]:
-        """(number of nodes, ρ of the ellipse in the error bound), for singularities of this power on ellipses with
-        these semi-axes; Infeasible beyond ``most`` nodes.
+        """(number of nodes, ρ of the ellipse in the error bound) of a rule; Infeasible beyond ``most`` nodes.
+
+        The integrand has singularities of this ``power`` on ellipses with the semi-axes ``axes``.
         """
         widest = min(MOST_RHO, *(math.acosh(max(axis, 1.0)) for axis in axes)) if axes else MOST_RHO
 

@@ -20,7 +20,10 @@ from jacobian.periods.roots import check_separated, conjugated, simple_roots
 
 
 class Edge(NamedTuple):
-    """Branch points i → j, ∫ x^k dx/Y along the edge, and the unit directions of its cycle at i and j (in Y/√F')."""
+    """An edge of the tree from branch point i to j, with its integrals ∫ x^k dx/Y.
+
+    The unit directions of its cycle at i and j are those of Y/√F'.
+    """
 
     i: int
     j: int
@@ -29,7 +32,10 @@ class Edge(NamedTuple):
 
 
 class BranchedCover:
-    """Y² = lead·Π(x − e): working numbers and branch points of a curve; ``roots`` may bring the e, in any order."""
+    """The double cover Y² = lead·Π(x − e) of a curve: its working numbers and its branch points e.
+
+    ``roots``: the e in any order, if known.
+    """
 
     def __init__(self, curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> None:
         self.curve = check_curve(curve)
@@ -109,7 +115,7 @@ class BranchedCover:
             factor * sum(comb(k, m) * middle ** (k - m) * half**m * moments[m] for m in range(k + 1))
             for k in range(len(moments))
         ]
-        # Y/√(x − e) at both ends, against the fixed root of F' there
+        # the directions of Y/√(x − e) at both ends, relative to the fixed root of F' there
         rough = [(complex(u), u.real > 0) for u in others]
         start = _unit(_unit(c) * rough_root(rough, -1) / self._slope_root(i))
         end = _unit(-_unit(c) * rough_root(rough, 1) / self._slope_root(j))
@@ -159,16 +165,16 @@ def _unit(z: Any) -> complex:
 
 
 def rough_root(others: Sequence[tuple[complex, bool]], t: float) -> complex:
-    """Π√(±(t − u)) to a few digits, each root principal, for pairs of u and whether it lies to the right."""
+    """Π√(±(t − u)) to a few digits, each root principal; ``others``: pairs of u and whether Re u > 0 (sign −)."""
     value = 1 + 0j
     for u, right in others:
-        # for t in [−1, 1] it stays off the negative axis
+        # for t in [−1, 1] the radicand stays off the negative axis
         value *= (u - t if right else t - u) ** 0.5
     return value
 
 
 def crossings(edges: Sequence[Edge]) -> list[list[int]]:
-    """Intersection numbers of the cycles of edges: at a common branch point, the orientation of their directions.
+    """The matrix of intersection numbers of the edges' cycles, from their directions at common branch points.
 
     Edges of a minimal tree meet at 60° or more, their lifts at 30°; PrecisionLoss where they do not.
     """

@@ -1,6 +1,6 @@
 """Period matrices as other programs write them, and changes between bases of the cycles.
 
-All have g rows of 2g, (∮ along a_1 … a_g, b_1 … b_g), with a_i·b_j = δ_ij; they differ by the differentials:
+All programs have g rows of 2g, (∮ along a_1 … a_g, b_1 … b_g), with a_i·b_j = δ_ij. Their differentials differ:
 
 * here x^k dx/(y + h/2);
 * Magma, ``BigPeriodMatrix(AnalyticJacobian(f))``: x^k dx/y on y² = f; of a curve with h it takes y² = 4f + h²;
@@ -21,16 +21,17 @@ PROGRAMS = ("magma", "sage")
 
 
 def in_convention(P: PeriodMatrix, program: str) -> tuple[tuple[Any, ...], ...]:
-    """(A, B) for the differentials of "magma" or "sage": g rows of 2g, as numbers or balls."""
+    """The period matrix (A, B) for the differentials of "magma" or "sage": g rows of 2g numbers or balls."""
     size = _size(P, program)
     with P.cover.numbers.working():
         return tuple(tuple(x * size for x in row) for row in P.big)
 
 
 def change_of_cycles(P: PeriodMatrix, other: Sequence[Sequence[Any]], program: str | None = None) -> list[list[int]]:
-    """M in Sp(2g, ℤ) with other = (A, B)·M, for a period matrix of the same curve from "magma" or "sage", or of here.
+    """The matrix M in Sp(2g, ℤ) with other = (A, B)·M, (A, B) being the periods P.
 
-    ``other``: g rows of 2g numbers, right to 4 digits at least. ArgumentError where it is not such a matrix.
+    ``other``: a period matrix of the same curve, g rows of 2g numbers, right to 4 digits at least; else ArgumentError.
+    ``program``: "magma" or "sage", whose differentials it has; None for those of this package.
     """
     g, size = P.cover.genus, _size(P, program)
     rows = [list(row) for row in other]
@@ -49,7 +50,7 @@ def change_of_cycles(P: PeriodMatrix, other: Sequence[Sequence[Any]], program: s
 
 
 def whole_coordinates(P: PeriodMatrix, z: Sequence[Any]) -> list[int] | None:
-    """The integers n with z = (A, B)·n, or None where it is off by more than 10⁻³ of them."""
+    """The integers n with z = (A, B)·n, or None if a coordinate of z is off an integer by 10⁻³ or more."""
     found = P.coordinates(z)
     whole = [nearest(c) for c in found]
     return whole if all(abs(complex(c - n)) < 1e-3 for c, n in zip(found, whole, strict=True)) else None

@@ -1,9 +1,9 @@
 """Endomorphisms of a Jacobian over the complex numbers, seen in its period matrix.
 
-An endomorphism is an integral R of 2g × 2g with A·Π = Π·R for some A of g × g, Π = (Π_1, Π_2) the periods. With τ =
-Π_1⁻¹Π_2 and R = (a, b; c, d) that is b + τd − aτ − τcτ = 0, linear in R: the small vectors of a lattice (Lenstra,
-Lenstra & Lovász 1982; as van Wamelen 1999 does). Those over QQ are the ones with a rational A, as x^k dx/Y is a
-basis over QQ; they too are small vectors of a lattice.
+An endomorphism is an integral R of 2g × 2g with A·Π = Π·R for some A of g × g, where Π = (Π_1, Π_2) are the periods.
+With τ = Π_1⁻¹Π_2 and R = (a, b; c, d) this is b + τd − aτ − τcτ = 0. It is linear in R, so its integral solutions are
+the small vectors of a lattice (Lenstra, Lenstra & Lovász 1982; as van Wamelen 1999 does). An endomorphism is defined
+over QQ if A is rational, as x^k dx/Y is a basis over QQ. These too are small vectors of a lattice.
 """
 
 from __future__ import annotations
@@ -29,9 +29,11 @@ SMALL = 4
 
 
 class Endomorphisms(NamedTuple):
-    """``matrices``: a ℤ-basis R_i of the ring over the complex numbers, which contains 1, given by the action on the
-    cycles of ``periods``. ``rational``: integral combinations c for which the Σ c_i R_i are a QQ-basis of the
-    endomorphisms over QQ. ``digits``: those to which A·Π = Π·R holds.
+    """The endomorphisms of a Jacobian that its ``periods`` show.
+
+    ``matrices``: a ℤ-basis R_i of the ring over the complex numbers, each by its action on the cycles of ``periods``.
+    ``rational``: integral vectors c for which the Σ c_i R_i are a QQ-basis of the endomorphisms over QQ. ``digits``:
+    the number of digits to which A·Π = Π·R holds.
     """
 
     periods: PeriodMatrix
@@ -76,7 +78,7 @@ def endomorphisms(C: HyperellipticCurve, digits: int = 100) -> Endomorphisms:
 
 
 def _equations(tau: Any, g: int) -> list[list[Any]]:
-    """For each entry of a, b, c, d in turn, its contribution to the entries of b + τd − aτ − τcτ."""
+    """The rows of the linear map R = (a, b; c, d) ↦ b + τd − aτ − τcτ, one for each entry of a, b, c, d in turn."""
     rows = []
     for block, i, j in product("abcd", range(g), range(g)):
         entry = {
@@ -90,7 +92,7 @@ def _equations(tau: Any, g: int) -> list[list[Any]]:
 
 
 def _relations(rows: Sequence[Sequence[Any]], digits: int) -> list[list[int]]:
-    """Small integral v with Σ v_i·rows_i = 0 to ``digits`` digits, a basis of them."""
+    """A basis of the small integral vectors v with Σ v_i·rows_i = 0 to ``digits`` digits."""
     from flint import arb, fmpz_mat
 
     scale, size = arb(10) ** digits, len(rows)
@@ -111,7 +113,7 @@ def _blocks(v: Sequence[int], g: int) -> Integers:
 
 
 def _tangent(P: PeriodMatrix, R: Integers) -> list[list[Any]]:
-    """A = Π_1·(a + τc)·Π_1⁻¹: Π·(first columns of R)·Π_1⁻¹."""
+    """The matrix A of R on the tangent space: Π·(the first g columns of R)·Π_1⁻¹."""
     from flint import acb_mat, fmpz_mat
 
     g = P.cover.genus

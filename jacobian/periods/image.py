@@ -1,8 +1,8 @@
 """From divisors to ℂ^g: integrals of x^k dx/(y + h/2) from a branch point to the points of a divisor.
 
-They run from a branch point e to a point by the path x = e + (x_P − e)s², on which Y/s has no zero, from the branch
-point of fastest convergence. Between branch points they are half-periods (:mod:`jacobian.periods.branched_cover`), and
-so is the integral from ∞ of a ramified model, −Σ ∫_{e₀}^{e_i}, since Σ e_i − (2g+1)∞ is the divisor of Y.
+The path from a branch point e to a point P is x = e + (x_P − e)s², on which Y/s has no zero; e is the branch point of
+fastest convergence. Integrals between branch points are half-periods (:mod:`jacobian.periods.branched_cover`). So is
+the integral from ∞ to e₀ on a ramified model, −Σ ∫_{e₀}^{e_i}, since Σ e_i − (2g+1)∞ is the divisor of Y.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _DIRECTIONS = (0.37 + 1.93j, 0.52 - 1.71j, -1.86 - 0.44j, 1.77 + 0.23j)
 
 
 class AbelImage(Immutable):
-    """The images of divisors of the curve ``given``, and of those of ``curve``, by the integrals of a PeriodMatrix."""
+    """The images of divisors of the curves ``given`` and ``curve``, by the integrals of a PeriodMatrix."""
 
     periods: PeriodMatrix
     given: HyperellipticCurve
@@ -63,7 +63,7 @@ class AbelImage(Immutable):
         return horner([self.cover.numbers.convert(c) for c in h], x) / 2 if h else 0
 
     def _weight_of(self, D: Divisor) -> int:
-        """The multiple of ∞₊ that accompanies Σ(P_i − e₀); on a ramified model that of e₀ − ∞."""
+        """The weight w for which D has the class Σ(P_i − e₀) + w·(∞₊ − e₀), on a ramified model + w·(e₀ − ∞)."""
         degree = len(D.u) - 1
         if D.jacobian.curve.model == "ramified":
             return degree
@@ -76,7 +76,7 @@ class AbelImage(Immutable):
         return plus(total, self._from_infinity(), weight) if weight else total
 
     def _to_point(self, point: Point) -> Vector:
-        """∫ from e₀ to a point, modulo periods; along an arc of a circle where no straight path works."""
+        """The integrals from e₀ to a point, modulo periods, along an arc of a circle where no straight path works."""
         g, cover = self.curve.genus, self.cover
 
         def forms(x: Any) -> Vector:
@@ -104,7 +104,7 @@ class AbelImage(Immutable):
         return centre + radius * self.cover.numbers.convert(direction)
 
     def _to_image(self, c: Any, xi: Any, eta: Any) -> Vector:
-        """∫ from e₀ to the point (ξ, η) of η² = ξ^(2g+2)·F(c + 1/ξ), modulo periods: ∞ is ξ = 0."""
+        """The integrals from e₀ to the point (ξ, η) of η² = ξ^(2g+2)·F(c + 1/ξ), modulo periods; ξ = 0 is ∞."""
         cover, g, half_periods = self.cover, self.curve.genus, self.half_periods
         lead = cover.lead
         for e in cover.roots:
@@ -122,7 +122,7 @@ class AbelImage(Immutable):
 
     @cached_property
     def half_periods(self) -> list[Vector]:
-        """∫ from e₀ to every branch point of ``periods.cover.roots``, modulo periods, as working numbers."""
+        """The integrals from e₀ to each branch point of ``periods.cover.roots``, modulo periods, as working numbers."""
         cover = self.cover
         found: dict[int, Vector] = {0: [cover.numbers.convert(0)] * cover.genus}
         for edge in self.periods.edges:
@@ -134,7 +134,7 @@ class AbelImage(Immutable):
         return [found[i] for i in range(len(cover.roots))]
 
     def _from_infinity(self) -> Vector:
-        """∫ from ∞ to e₀ on a ramified model, from e₀ to ∞₊ on another, modulo periods."""
+        """The integrals from ∞ to e₀ on a ramified model, from e₀ to ∞₊ on another, modulo periods."""
         if self.curve.model == "ramified":
             return [-sum(values) for values in zip(*self.half_periods, strict=True)]
         g, numbers = self.curve.genus, self.cover.numbers
@@ -150,5 +150,5 @@ def plus(a: Vector, b: Vector, factor: Any = 1) -> Vector:
 
 
 def full_weight(curve: HyperellipticCurve) -> int:
-    """The weight that ``from_points`` of g points needs."""
+    """The weight, as in ``_weight_of``, of the class that ``from_points`` makes of g points."""
     return curve.genus if curve.model == "ramified" else -(curve.genus % 2)

@@ -1,4 +1,4 @@
-"""Kleinian functions of genus 2: ℘_ij and ζ_i as symmetric functions of the divisor that a point of ℂ² inverts to.
+"""Kleinian functions of genus 2: ℘_ij and ζ_i at u in ℂ², as symmetric functions of the divisor with the image u.
 
 On Y² = F(x) let u = Σ ∫ (dx/Y, x dx/Y) over P_1 + P_2, and e a branch point (where Y = 0) or infinity. For two
 abscissae x, z among e, x_1, x_2 the polar form is F(x, z) = Σ x^i z^i (2F_2i + F_2i+1 (x + z)), and ℘_11 + ℘_12 (x + z)
@@ -27,7 +27,7 @@ from jacobian.periods.second_kind import SecondKind, moments, second_kind
 
 
 class Wp(NamedTuple):
-    """℘_ij = −∂²(log σ)/∂u_i∂u_j."""
+    """The values of ℘_ij = −∂²(log σ)/∂u_i∂u_j at a point."""
 
     p11: Any
     p12: Any
@@ -35,7 +35,7 @@ class Wp(NamedTuple):
 
 
 class KleinianFunctions(Immutable):
-    """℘_ij and ζ_i of a curve of genus 2, by its AbelMap or AbelBalls, whose kind of numbers they take and return.
+    """The functions ℘_ij and ζ_i of a curve of genus 2, by its AbelMap or AbelBalls, in whose kind of numbers.
 
     Their poles are the classes [P − e], e being infinity on a ramified model, where ℘_22 = F_5 (x_1 + x_2)/4, and on
     others the branch point of number ``branch_point`` in ``abel.periods.cover.roots``. ArgumentError for another genus.
@@ -58,8 +58,10 @@ class KleinianFunctions(Immutable):
             return Wp(*self._out(self._wp(self._divisor(z))))
 
     def zeta(self, z: Sequence[Any]) -> tuple[Any, Any]:
-        """(ζ_1, ζ_2) at z: odd, ∂ζ_i/∂z_j = −℘_ij, and ζ falls by the periods of the second kind where z grows by those
-        of the first. Infeasible where a branch point is too near to all paths.
+        """(ζ_1, ζ_2) at z. The functions are odd, and ∂ζ_i/∂z_j = −℘_ij.
+
+        Where z grows by a period of the first kind, ζ falls by that of the second kind. Infeasible where a branch point
+        is too near to all paths.
         """
         image, numbers = self._image, self._image.cover.numbers
         with numbers.working():
@@ -110,7 +112,7 @@ class KleinianFunctions(Immutable):
         return [b - e * a + e * e * p22, a - e * p22, p22]
 
     def _algebraic(self, at: _Divisor) -> Vector:
-        """½ Σ Y_k·c_j(x_k)/Π′(x_k)."""
+        """The algebraic part of (ζ_1, ζ_2): ½ Σ Y_k·c_j(x_k)/Π′(x_k)."""
         if self.branch_point is None:
             return [at.V[1] / 2, 0]
         Q, e = at.quotient, self._image.cover.roots[self.branch_point]
@@ -136,7 +138,10 @@ class KleinianFunctions(Immutable):
 
     @cached_property
     def _halves(self) -> dict[int, Vector]:
-        """∫ x^k dx/Y, k < 5, from branch point 0 to each; to one that is not in the tree from its nearest."""
+        """The integrals of x^k dx/Y, k < 5, from branch point 0 to each, by the edges of the tree.
+
+        To a branch point that is not in the tree they continue from its nearest neighbour.
+        """
         cover = self._image.cover
         found: dict[int, Vector] = {0: [cover.numbers.convert(0)] * 5}
         for edge in self._image.periods.edges:
@@ -148,7 +153,7 @@ class KleinianFunctions(Immutable):
 
 
 class _Divisor(NamedTuple):
-    """P_1 + P_2: the ring of polynomials modulo u, Y modulo u, and F."""
+    """The divisor P_1 + P_2: the ring of polynomials modulo u, the interpolant V of Y modulo u, and F."""
 
     quotient: _Quotient
     V: Vector
@@ -156,7 +161,7 @@ class _Divisor(NamedTuple):
 
 
 class _Quotient:
-    """Polynomials modulo u = x² − s·x + p, ascending, of two coefficients."""
+    """The ring of polynomials modulo u = x² − s·x + p; its elements are two coefficients, ascending."""
 
     def __init__(self, u: Vector) -> None:
         self.u, self.s, self.p = u, -u[1], u[0]
@@ -172,7 +177,7 @@ class _Quotient:
         return found
 
     def divided(self, a: Vector) -> Vector:
-        """a/u without the remainder, for a of degree 6."""
+        """The quotient of a by u without the remainder, deg a = 6."""
         rest, found = list(a), [0] * 5
         for i in range(4, -1, -1):
             found[i] = rest[i + 2]
@@ -184,7 +189,7 @@ class _Quotient:
         return horner(self.u, e)
 
     def inverse(self, e: Any) -> Vector:
-        """1/(x − e): u = (x − e)(x + e − s) + u(e)."""
+        """The inverse of x − e, by u = (x − e)(x + e − s) + u(e)."""
         value = self.value(e)
         return [(self.s - e) / value, -1 / value]
 

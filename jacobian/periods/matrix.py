@@ -51,12 +51,12 @@ class PeriodMatrix(Immutable):
 
     @property
     def big(self) -> tuple[tuple[Any, ...], ...]:
-        """(A, B): g rows of 2g."""
+        """The matrix (A, B): g rows of 2g numbers."""
         return tuple((*a, *b) for a, b in zip(self.A, self.B, strict=True))
 
     @cached_property
     def tau(self) -> tuple[tuple[Any, ...], ...]:
-        """A⁻¹B: symmetric, its imaginary part positive definite."""
+        """The matrix τ = A⁻¹B, which is symmetric with a positive definite imaginary part."""
         return self.cover.rounded(self._working_tau)
 
     @cached_property
@@ -67,7 +67,7 @@ class PeriodMatrix(Immutable):
         return [list(row) for row in zip(*columns, strict=True)]
 
     def coordinates(self, z: Sequence[Any]) -> list[Any]:
-        """The 2g real c with z = (A, B)·c, as working numbers; integers where z is in the lattice."""
+        """The 2g real coordinates c with z = (A, B)·c, as working numbers; they are integers for z in the lattice."""
         g, numbers = self.cover.genus, self.cover.numbers
         if len(z) != g:
             raise ArgumentError(f"z has {len(z)} entries: g = {g} are needed")
@@ -77,7 +77,7 @@ class PeriodMatrix(Immutable):
             return solve(rows, [x.real for x in z] + [x.imag for x in z])
 
     def reduce(self, z: Sequence[Any]) -> list[Any]:
-        """z less the lattice vector that leaves coordinates in [−½, ½], as working numbers."""
+        """z minus a vector of the lattice, so that its coordinates are in [−½, ½], as working numbers."""
         whole = [nearest(c) for c in self.coordinates(z)]
         with self.cover.numbers.working():
             return [
@@ -86,7 +86,7 @@ class PeriodMatrix(Immutable):
             ]
 
     def bilinear_residual(self) -> Any:
-        """The largest |τ_ij − τ_ji|: zero by Riemann's bilinear relations."""
+        """The largest |τ_ij − τ_ji|, which would be zero by Riemann's bilinear relations if nothing were rounded."""
         tau = self._working_tau
         with self.cover.numbers.working():
             return max(abs(tau[i][j] - tau[j][i]) for i in range(len(tau)) for j in range(len(tau)))
@@ -120,9 +120,10 @@ def period_matrix(cover: BranchedCover, recipe: tuple[Callable[..., PeriodMatrix
 
 
 def symplectic_basis(matrix: list[list[int]]) -> list[list[int]]:
-    """Rows a_1 … a_g, b_1 … b_g of integers, a unimodular change of basis with a_i·b_j = δ_ij and the rest 0.
+    """A symplectic basis: integer rows a_1 … a_g, b_1 … b_g with a_i·b_j = δ_ij and all other products 0.
 
-    ``matrix``: an alternating integer matrix of determinant 1 (else PrecisionLoss: the crossings were misjudged).
+    ``matrix``: the products of the given cycles, an alternating integer matrix of determinant 1. PrecisionLoss if it
+    has another determinant, because crossings were then misjudged.
     """
     size = len(matrix)
 
@@ -178,8 +179,9 @@ def _is_positive(tau: Matrix) -> bool:
 def real_periods(curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> list[Oval]:
     """The bounded ovals of a curve over RR or MP(dps), by ascending x, each with 2∫ x^k dx/|y + h/2|, k < g.
 
-    They lie between neighbouring real roots of f + h²/4, where it is positive; Gauss–Chebyshev quadrature in real
-    numbers. FieldError over a complex or an exact field; otherwise as :func:`periods`.
+    They lie between neighbouring real roots of F = f + h²/4, where F is positive. The integrals are computed by
+    Gauss–Chebyshev quadrature in real numbers. FieldError over a complex or an exact field; otherwise as
+    :func:`periods`.
     """
     cover = BranchedCover(curve, roots)
     if not cover.real:
@@ -218,7 +220,7 @@ def _oval(cover: BranchedCover, a: Any, b: Any, lines: Vector) -> Oval:
 
 
 def nearest(c: Any) -> int:
-    """The integer nearest to a working real number, or to the middle of a ball."""
+    """The integer nearest to a real working number, or to the midpoint of a ball."""
     if isinstance(c, float):
         return round(c)
     if hasattr(c, "context"):

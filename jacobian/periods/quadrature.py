@@ -1,7 +1,8 @@
 """Integration on a hyperelliptic curve: working numbers with guard digits, nodes, weights, paths.
 
-Gauss–Chebyshev for ∫ φ(t)/√(1−t²) dt and Fejér's first rule (1933) for ∫ φ(t) dt on [−1, 1], on the same nodes. For φ
-analytic in the ellipse with foci ±1 and sum of semi-axes r, their errors fall as r^(−2n) and r^(−n).
+Gauss–Chebyshev quadrature is used for ∫ φ(t)/√(1−t²) dt and Fejér's first rule (1933) for ∫ φ(t) dt on [−1, 1]. Both
+have the same n nodes. For φ analytic in the ellipse with foci ±1 and sum of semi-axes r, their errors fall as r^(−2n)
+and r^(−n).
 """
 
 from __future__ import annotations
@@ -44,13 +45,13 @@ class Numbers:
         self._weights: dict[int, list[Any]] = {}
 
     def real(self, x: Any) -> Any:
-        """x, a real number of any kind, as a working one."""
+        """The real number x, of any kind, as a real working number."""
         if self.machine:
             return float(x)
         return self.context.make_mpf(x._mpf_) if hasattr(x, "_mpf_") else self.context.mpf(x)
 
     def convert(self, x: Any) -> Any:
-        """x, a number of any kind, as a working complex one."""
+        """The number x, of any kind, as a complex working number."""
         if self.machine:
             return complex(x)
         if hasattr(x, "_mpc_"):
@@ -62,7 +63,7 @@ class Numbers:
         return 10.0**exponent if self.machine else self.context.mpf(10) ** exponent
 
     def working(self) -> AbstractContextManager[Any]:
-        """A context for the precision of these numbers, which the numbers carry themselves."""
+        """A context manager that does nothing, because these numbers carry their precision themselves."""
         return nullcontext()
 
     def root(self, square: Any, approximation: Any) -> Any:
@@ -98,8 +99,8 @@ class Numbers:
         return self._weights[n]
 
     def along_path(self, ratios: Vector, forms: Forms, rate: float) -> Vector:
-        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, where a node brings ``rate`` digits: by Fejér's rule."""
-        # computing the weights takes time proportional to the square of this
+        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds by Fejér's rule; each node brings ``rate`` digits."""
+        # the number of nodes is limited, since computing the weights takes time proportional to its square
         n = self.node_count(rate, 500 + 10 * self.digits)
         return path_sums(self, self.nodes(n), self.fejer(n), ratios, forms)
 
@@ -126,7 +127,7 @@ def complex_field(field: Any) -> Any:
 
 @lru_cache(maxsize=64)
 def working_numbers(field: Field) -> Numbers:
-    """The Numbers of a field, the same object for the same field: its nodes and weights are made once."""
+    """The Numbers of a field. Calls with one field share one object, so that nodes and weights are made once."""
     return Numbers(field)
 
 
@@ -139,7 +140,7 @@ def ellipse(u: complex) -> float:
 def from_branch_point(
     numbers: Numbers, roots: Vector, lead: Any, point: tuple[Any, Any], forms: Forms
 ) -> tuple[int, Vector]:
-    """(i, ∫ forms(x) dx/Y from the branch point i to the point) on Y² = lead·Π(x − e), i being the best start."""
+    """(i, ∫ forms(x) dx/Y from branch point i to the point) on Y² = lead·Π(x − e); from i convergence is fastest."""
     rough, target = [complex(e) for e in roots], complex(point[0])
     scale = max(abs(e - target) for e in rough)
     rates = [_rate([e for j, e in enumerate(rough) if j != i], start, target, scale) for i, start in enumerate(rough)]
@@ -150,7 +151,7 @@ def from_branch_point(
 def path_from(
     numbers: Any, i: int, roots: Vector, lead: Any, point: tuple[Any, Any], forms: Forms, rate: float
 ) -> Vector:
-    """∫ forms(x) dx/Y from the branch point i to the point; a node brings ``rate`` digits."""
+    """∫ forms(x) dx/Y from the branch point i to the point (x, Y); each node brings ``rate`` digits."""
     x, Y = point
     e, span = roots[i], x - roots[i]
     ratios = [span / (other - e) for j, other in enumerate(roots) if j != i]
@@ -177,7 +178,10 @@ def path_sums(numbers: Any, nodes: Sequence[Any], weights: Sequence[Any], ratios
 
 
 def _rate(others: list[complex], start: complex, target: complex, scale: float) -> float:
-    """Digits per node of Fejér's rule on the path from ``start``: the singularities in s are ±√((e − start)/span)."""
+    """The digits per node of Fejér's rule on the path from ``start`` to ``target``.
+
+    The singularities of the integrand in s are ±√((e − start)/(target − start)).
+    """
     if abs(target - start) < 1e-14 * scale:
         return 16.0
     return min((ellipse(cmath.sqrt((e - start) / (target - start))) for e in others), default=16.0)

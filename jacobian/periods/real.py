@@ -11,11 +11,11 @@ from jacobian.periods.matrix import PeriodMatrix
 
 
 def real_period(P: PeriodMatrix) -> Any:
-    """Ω = ∫ |ω_0 ∧ … ∧ ω_(g−1)| over J(ℝ), ω_k = x^k dx/(2y + h), a ball; P in balls, of a curve over the reals.
+    """The real period Ω = ∫ |ω_0 ∧ … ∧ ω_(g−1)| over J(ℝ), ω_k = x^k dx/(2y + h), a ball.
 
-    That of Birch and Swinnerton-Dyer's conjecture where the equation is minimal. It is the volume of the lattice of
-    traces z + z̄ of periods z of these ω_k, whose basis is exact, since conjugation acts on the cycles by an integral
-    matrix. ArgumentError for a matrix in floats, or of a curve over complex numbers.
+    P must be in balls, of a curve over the reals; else ArgumentError. If the equation is minimal, Ω is the period of
+    Birch and Swinnerton-Dyer's conjecture. It is the volume of the lattice of the traces z + z̄ of periods z of the
+    ω_k. A basis of this lattice is known exactly, since conjugation acts on the cycles by an integral matrix.
     """
     from flint import arb_mat, fmpz_mat
 

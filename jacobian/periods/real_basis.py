@@ -1,9 +1,9 @@
 """The data of theta functions on the real torus of a curve y² = f(x) of degree 5, in long numbers. They are periods in
 a basis in which real motions are real, the odd characteristics of the branch points, and the image of a pair of points.
 
-Integrals go straight from branch point to branch point (Gauss & Chebyshev; Gauss & Legendre to points), sheets are
-those that make τ symmetric with Im τ > 0. Exactly one of the 16 characteristics η₀ makes all η₀ + 2(q, p)_i odd, where
-∫_{r₀}^{r_i} = Ap + Bq (Mumford 1984).
+Paths go straight from branch point to branch point (Gauss–Chebyshev quadrature) and to points (Gauss–Legendre). Sheets
+are chosen so that τ is symmetric with Im τ > 0. Exactly one of the 16 characteristics η₀ makes all η₀ + 2(q, p)_i odd,
+where ∫_{r₀}^{r_i} = Ap + Bq (Mumford 1984).
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def half_integrals(Z: LongField, roots: list[Any], lead: Any) -> Periods:
 
 
 def along(Z: LongField, roots: list[Any], lead: Any, k: int) -> Vector:
-    """∫(dx/y, x dx/y) between neighbouring roots, straight (Gauss & Chebyshev)."""
+    """∫(dx/y, x dx/y) along the straight path from root k to the next one, by Gauss–Chebyshev quadrature."""
     import gmpy2
 
     middle, half = (roots[k] + roots[k + 1]) / 2, (roots[k + 1] - roots[k]) / 2
@@ -84,8 +84,9 @@ def along(Z: LongField, roots: list[Any], lead: Any, k: int) -> Vector:
 
 
 def image(Z: LongField, roots: list[Any], lead: Any, halves: list[Vector], pair: tuple[Any, Any, Any, Any]) -> Vector:
-    """∫ from the first root to both points of the pair U = x² + u₁x + u₀, V = v₁x + v₀, given as (u₀, u₁, v₀, v₁),
-    modulo periods.
+    """The sum, modulo periods, of the integrals from the first root to both points of a pair (u₀, u₁, v₀, v₁).
+
+    The pair is U = x² + u₁x + u₀, V = v₁x + v₀.
     """
     u0, u1, v0, v1 = map(Z.coerce, pair)
     spread = Z.sqrt(u1 * u1 / 4 - u0)
@@ -97,7 +98,10 @@ def image(Z: LongField, roots: list[Any], lead: Any, halves: list[Vector], pair:
 
 
 def to_point(Z: LongField, roots: list[Any], lead: Any, halves: list[Vector], point: Vector) -> Vector:
-    """∫ from the first root to a point, modulo periods: from the root that takes fewest nodes, x = r + (x₁ − r)t²."""
+    """The integrals from the first root to a point (x₁, y₁), modulo periods.
+
+    The path x = r + (x₁ − r)t² starts at the root r that takes fewest nodes.
+    """
     (x1, y1), rules = point, []
     for k, r in enumerate(roots):
         if x1 == r:
@@ -142,7 +146,7 @@ def checked(count: int) -> int:
 
 @cache
 def chebyshev_nodes(count: int) -> list[Any]:
-    """cos((n + ½)π/count)."""
+    """The Chebyshev nodes cos((n + ½)π/count), n < count."""
     import gmpy2
 
     with LongField(BITS):
@@ -165,20 +169,20 @@ def legendre_nodes(count: int) -> list[tuple[Any, Any]]:
 
 
 def solved(Z: LongField, columns: Sequence[Vector], w: Vector) -> Vector:
-    """x with Σ x_k·column_k = w."""
+    """The solution x of Σ x_k·column_k = w for two columns."""
     (a, c), (b, d) = columns
     area = a * d - b * c
     return (w[0] * d - w[1] * b) / area, (w[1] * a - w[0] * c) / area
 
 
 def ratio(Z: LongField, cycles: Sequence[Vector]) -> tuple[tuple[Any, ...], ...]:
-    """τ = A⁻¹B."""
+    """The matrix τ = A⁻¹B of the periods."""
     first, second = (solved(Z, cycles[:2], w) for w in cycles[2:])
     return (first[0], second[0]), (first[1], second[1])
 
 
 def coordinates(Z: LongField, cycles: Sequence[Vector], w: Vector) -> tuple[Any, Any, Any, Any]:
-    """p and q, real, with w = Ap + Bq."""
+    """The real coordinates (p₁, p₂, q₁, q₂) with w = Ap + Bq."""
     (t11, t12), (_, t22) = ratio(Z, cycles)
     z1, z2 = solved(Z, cycles[:2], w)
     area = t11.imag * t22.imag - t12.imag**2
@@ -188,7 +192,7 @@ def coordinates(Z: LongField, cycles: Sequence[Vector], w: Vector) -> tuple[Any,
 
 
 def combined(whole: Whole, cycles: Sequence[Vector]) -> Vector:
-    """A sum of cycles."""
+    """The periods of the integral combination ``whole`` of the cycles."""
     x, y = (sum(n * c[k] for n, c in zip(whole, cycles, strict=True)) for k in (0, 1))
     return x, y
 
@@ -219,7 +223,7 @@ def real_basis(Z: LongField, found: Periods) -> Periods:
 
 
 def reduced(Z: LongField, found: Periods) -> Periods:
-    """The same with 2|Y₁₂| ≤ Y₁₁ ≤ Y₂₂."""
+    """The same periods in a basis with 2|Y₁₂| ≤ Y₁₁ ≤ Y₂₂, Y = Im τ."""
     a1, a2, b1, b2 = found.cycles
     while True:
         tau = ratio(Z, (a1, a2, b1, b2))
@@ -242,7 +246,7 @@ def reduced(Z: LongField, found: Periods) -> Periods:
 
 
 def characteristics(Z: LongField, found: Periods) -> list[Whole]:
-    """(ε₁, ε₂, δ₁, δ₂) of the odd θ of every branch point."""
+    """The characteristics (ε₁, ε₂, δ₁, δ₂) of the odd theta functions that belong to the branch points."""
     bits = [[round(2 * float(x)) % 2 for x in coordinates(Z, found.cycles, w)] for w in found.halves]
     for e1, e2, d1, d2 in product((0, 1), repeat=4):
         chars = [((e1 + q1) % 2, (e2 + q2) % 2, (d1 + p1) % 2, (d2 + p2) % 2) for p1, p2, q1, q2 in bits]

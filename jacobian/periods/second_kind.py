@@ -1,8 +1,8 @@
 """Differentials of the second kind that complete x^k dx/Y, k < g, to a basis of de Rham cohomology, and their periods.
 
 With Y² = F(x) = Σ F_i x^i = f + h²/4 they are ρ_j = r_j dx/Y, r_j = Σ_{k=j}^{2g+1−j} (k+1−j)·F_{k+1+j}·x^k/4, j = 1 … g
-(Baker 1897; Buchstaber, Enolskii & Leykin 1997): their poles are at infinity, without residues, and Legendre's relation
-for the periods (A, B) of the first kind and (E, H) of these is A·Hᵀ − B·Eᵀ = 2πi.
+(Baker 1897; Buchstaber, Enolskii & Leykin 1997). Their poles are at infinity, without residues. Legendre's relation for
+the periods (A, B) of the first kind and (E, H) of the second is A·Hᵀ − B·Eᵀ = 2πi.
 """
 
 from __future__ import annotations
@@ -17,8 +17,10 @@ from jacobian.periods.quadrature import Vector
 
 @dataclass(frozen=True, eq=False)
 class SecondKind:
-    """``polynomials``: the r_j, ascending, j = 1 … g; ``A`` and ``B``: g×g tuples of rows, A[j][i] = ∮ ρ_(j+1) along
-    a_i of the PeriodMatrix, numbers of the same kind as its own. The η and η′ of Weierstrass and Baker are −A/2, −B/2.
+    """The differentials ρ_1 … ρ_g and their periods, numbers of the same kind as those of the PeriodMatrix.
+
+    ``polynomials``: the r_j, ascending, j = 1 … g; ``A`` and ``B``: g×g tuples of rows, A[j][i] = ∮ ρ_(j+1) along a_i
+    of the PeriodMatrix. The η and η′ of Weierstrass and Baker are −A/2, −B/2.
     """
 
     polynomials: tuple[tuple[Any, ...], ...]
@@ -27,7 +29,7 @@ class SecondKind:
 
 
 def polynomials(cover: BranchedCover) -> Matrix:
-    """r_1 … r_g, each with 2g + 1 coefficients, as working numbers."""
+    """The polynomials r_1 … r_g, each with 2g + 1 coefficients, as working numbers."""
     g, F = cover.genus, cover.coefficients
     zero = cover.numbers.convert(0)
     padded = [*F, *[zero] * (2 * g + 3 - len(F))]
@@ -38,9 +40,7 @@ def polynomials(cover: BranchedCover) -> Matrix:
 
 
 def second_kind(P: PeriodMatrix) -> SecondKind:
-    """The periods of ρ_1 … ρ_g along the cycles of a PeriodMatrix, in the arithmetic of that matrix: floats, many
-    digits or balls.
-    """
+    """The periods of ρ_1 … ρ_g along the cycles of a PeriodMatrix, in its arithmetic: floats, many digits or balls."""
     cover, g = P.cover, P.cover.genus
     with cover.numbers.working():
         rows = polynomials(cover)
@@ -54,5 +54,5 @@ def second_kind(P: PeriodMatrix) -> SecondKind:
 
 
 def moments(cover: BranchedCover, i: int, j: int) -> Vector:
-    """∫ x^k dx/Y, k = 0 … 2g, from branch point i to j, on the sheet of :meth:`BranchedCover.edge`."""
+    """The integrals of x^k dx/Y, k = 0 … 2g, from branch point i to j, on the sheet of :meth:`BranchedCover.edge`."""
     return cover.edge(i, j, 2 * cover.genus + 1).integrals

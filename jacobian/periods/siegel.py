@@ -16,8 +16,10 @@ GRAM_BITS = 40
 
 
 class SiegelReduced(NamedTuple):
-    """``tau``: (aτ + b)(cτ + d)⁻¹ as a flint acb_mat, for ``acb_mat.theta``; ``matrix``: (a b; c d), an fmpz_mat of
-    2g×2g in Sp(2g, ℤ).
+    """A reduced period matrix.
+
+    ``tau``: (aτ + b)(cτ + d)⁻¹ as a flint acb_mat, for ``acb_mat.theta``; ``matrix``: (a b; c d) in Sp(2g, ℤ), an
+    fmpz_mat of 2g×2g.
     """
 
     tau: Any
@@ -25,7 +27,7 @@ class SiegelReduced(NamedTuple):
 
 
 def siegel_reduced(found: PeriodMatrix) -> SiegelReduced:
-    """τ of a period matrix in balls, reduced: Im τ by LLL, |Re τ_ij| ≤ ½ and |τ_11| ≥ 1, all up to the radii.
+    """The reduced τ of a period matrix in balls: Im τ reduced by LLL, |Re τ_ij| ≤ ½ and |τ_11| ≥ 1, up to the radii.
 
     The matrix is exact, so that the ball of the result contains the reduced τ of the curve. ArgumentError for a period
     matrix in floats, whose errors are not known.
@@ -49,7 +51,7 @@ def siegel_reduced(found: PeriodMatrix) -> SiegelReduced:
 
 
 def _moved(matrix: Any, tau: Any) -> Any:
-    """(aτ + b)(cτ + d)⁻¹."""
+    """The image (aτ + b)(cτ + d)⁻¹ of τ under the matrix (a b; c d)."""
     from flint import acb_mat
 
     g = tau.nrows()
