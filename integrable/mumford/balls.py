@@ -63,7 +63,7 @@ class Balls(BallField):
         super().__init__(BallReals(bits))
         self._acb: Any = acb
         self.zero, self.one = self.coerce(0), self.coerce(1)
-        # a ball counts as 0 only if that is proven
+        # a ball counts as 0 only if it is proven to be 0
         self.eps = abs(self.zero)
 
     def __enter__(self) -> Balls:
@@ -86,11 +86,11 @@ class Balls(BallField):
         return self._reals.nearest(x.real)
 
     def balls(self, values: Sequence[Any]) -> list[Any]:
-        """The values unchanged."""
+        """Returns ``values`` unchanged: they are balls already."""
         return list(values)
 
     def from_ball(self, x: Any) -> Any:
-        """The ball unchanged."""
+        """Returns the ball ``x`` unchanged."""
         return x
 
 
@@ -155,7 +155,10 @@ class PointIntegrals:
 
 
 class EnclosedReference:
-    """E(τ), the points whose integrals from those of E sum to c_kτ, enclosed by the interval Newton method."""
+    """The divisor E(τ) in balls: its points solve Σ∫x^k dx/y = c_kτ, with the points of E as the lower ends.
+
+    The interval Newton method encloses them.
+    """
 
     def __init__(self, field: Balls, points: Sequence[PointIntegrals], pair: Any, direction: Sequence[Any]) -> None:
         self._field, self._points, self._direction = field, points, direction
@@ -218,7 +221,7 @@ def flint_kinds(complex: bool) -> tuple[Any, Any]:
 
 
 class EnclosedTranslations(GroupTranslations):
-    """T(τ) in balls."""
+    """The translations T(τ) of a motion, computed in balls."""
 
     _fraction = FRACTION
 
@@ -241,7 +244,7 @@ class EnclosedTranslations(GroupTranslations):
         return self.field.bits // (PART - 1) + 8
 
     def _on_curve(self, D: Extended) -> Extended:
-        # nothing to do: a better midpoint would not narrow a ball
+        # divisors stay as they are: a better midpoint would not narrow a ball
         return D
 
 
@@ -257,6 +260,6 @@ def middles_of_ovals(f: poly.Poly) -> list[float]:
 
 
 class EnclosedPlace(Placed):
-    """A motion in balls."""
+    """A motion whose divisors are computed in balls."""
 
     _kind = EnclosedTranslations

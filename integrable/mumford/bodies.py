@@ -87,7 +87,7 @@ class BodySystem(MumfordSystem):
         return tuple(x - pull * e * y for x, e, y in zip(turned, a, gamma, strict=True))
 
     def _stretch(self, N: Any, gamma: Sequence[Any]) -> Any:
-        """s = Σc_iγ_i²."""
+        """The sum s = Σc_iγ_i²; dt/dτ is its square root."""
         return N.dot(self._weights(N), [x * x for x in gamma])
 
     def _vector_field(self, N: Any, state: Point) -> Point:
@@ -206,7 +206,7 @@ class BodyFlow(MumfordFlow):
         self._clocks = dict[int, SeriesClock | WalkedClock]()
 
     def _places(self, times: list[Any]) -> list[Any]:
-        """τ at the given times, with the digits that states at the farthest of them need."""
+        """The values of τ at the given times, with the digits that the state at the farthest time needs."""
         last = max([abs(float(t)) for t in times], default=0.0)
         far = last * self._pace
         if not far < FARTHEST:
@@ -255,6 +255,6 @@ class BodyFlow(MumfordFlow):
 
 
 def _rate(N: Any, D: Extended) -> tuple[tuple[Any]]:
-    """dt/dτ at a divisor, from its lifts."""
+    """The rate dt/dτ at a divisor, computed from its lifts."""
     sigma = [datum[1] for datum in D.data]
     return ((1 / N.sqrt(N.dot(sigma, sigma)),),)

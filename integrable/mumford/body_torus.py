@@ -50,7 +50,7 @@ class Unit(NamedTuple):
 
 
 class Timed(NamedTuple):
-    """A :class:`integrable.torus.lattice.TimedSource`."""
+    """The motion and its clock as compiled loops read them: a :class:`integrable.torus.lattice.TimedSource`."""
 
     bare_problem: Problem
     wide: Any
@@ -114,7 +114,7 @@ class RateCurve(NamedTuple):
 
 
 class RateSource(NamedTuple):
-    """A :class:`integrable.torus.oval_modes.ModesSource`."""
+    """The source of the modes of dt/dτ: a :class:`integrable.torus.oval_modes.ModesSource`."""
 
     problem: RateCurve
     wide: Any
@@ -171,7 +171,7 @@ class WalkedClock:
         step = 1 if t >= 0 else -1
         if abs(t) > MOST_PANELS * self._longest:
             raise self._too_far(t)
-        # shown: the time t at the near end of the panel
+        # ``shown`` is the time t at the near end of the panel
         panel, shown = min(step, 0), 0 * t
         while abs(t - shown) > self._panel(panel)[1]:
             shown += step * self._panel(panel)[1]

@@ -1,4 +1,4 @@
-"""Columns of double-doubles with operators: they evaluate a formula for many states of a motion at once."""
+"""Columns of double-doubles with operators, with which a formula is evaluated for many states of a motion at once."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Column:
 
     @staticmethod
     def of(x: Any) -> Column:
-        """The column of a number of any kind; a column is returned unchanged."""
+        """Converts a number of any kind to a column; a column is returned unchanged."""
         return x if isinstance(x, Column) else Column(*split(x))
 
     def __add__(self, other: Column) -> Column:

@@ -1,4 +1,4 @@
-"""Far times of motions of genus 1 with real data: sn, cn and dn of a phase linear in time, by theta functions.
+"""Far times of motions of genus 1 with real data, by theta functions for sn, cn and dn of a phase linear in time.
 
 On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the point moves between x₁ and x₂. There x = x₁ + (x₂ − x₁)sn², x₂ − x = (x₂ −
 x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are multiples of sn, cn and dn, signs included. Models with
@@ -72,7 +72,7 @@ def theta_quotients(table: Row, cv: Real, sv: Real) -> tuple[Real, Real, Real]:
 
 
 def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:
-    """(cos, sin) of an angle given in turns."""
+    """The pair (cos, sin) of an angle given in turns."""
     whole = turns - float(floor(float(turns) + 0.5))
     quarters = floor(4 * float(whole) + 0.5)
     y = (whole - quarters / 4) * inverse[0]
@@ -150,7 +150,7 @@ class EllipticTorus:
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times more than one period away, in both directions."""
+        """Times more than one period from the start, in both directions, for a comparison with another method."""
         return np.array([2 * turns / self._pace for turns in TURNS])
 
     def reaches(self, times: np.ndarray) -> bool:
@@ -286,7 +286,7 @@ def thetas(N: Any, nome: Any, count: int) -> tuple[list[Any], list[Any], tuple[A
 
 
 class ThetaTable(NamedTuple):
-    """The set-up of one modulus, in long numbers.
+    """The constants of the theta functions of one modulus, in long numbers.
 
     ``levels`` are those of :func:`part_of_round`, ``table`` that of :func:`theta_quotients`; ``at_zero`` are θ₂, θ₃ and
     θ₄ at 0.
@@ -305,7 +305,7 @@ def theta_table(N: LongField, k: Any, k1: Any) -> ThetaTable:
 
 
 def theta_rows(N: Any, nome: Any, count: int) -> tuple[list[Any], tuple[Any, Any, Any]]:
-    """The table of :func:`theta_quotients` with this many terms, and θ₂, θ₃ and θ₄ at 0."""
+    """The table of :func:`theta_quotients` with ``count`` terms, and the values of θ₂, θ₃ and θ₄ at 0."""
     odd, even, at_zero = thetas(N, nome, count)
     table = []
     for n, (o, e) in enumerate(zip(odd, even, strict=True)):
@@ -322,5 +322,5 @@ def inverse_factorials() -> np.ndarray:
 
 
 def double_double_row(values: Sequence[Any]) -> np.ndarray:
-    """Long numbers as an array of double-doubles."""
+    """Converts long numbers to an array of double-doubles."""
     return np.array([split(x) for x in values])

@@ -118,7 +118,7 @@ def _size(before: Sequence[Any], now: Sequence[Any]) -> Any:
 
 
 def _tau(flow: Any, place: EnclosedPlace, time: Any, guess: Any) -> Any:
-    """An enclosure of τ at a time of a motion that carries its clock."""
+    """An enclosure of the τ that belongs to a time, for a motion that carries its clock."""
     K, clock = place.field, flow.system._clock
     if time == 0:
         return time

@@ -134,7 +134,7 @@ class MumfordFlow:
         near = self._near(given)
         if near.whole:
             return Path(given, near.states[:, 0], near.states[:, 1], SERIES, max(near.error, ROUNDED))
-        # refuses times that are not finite
+        # raises an error for times that are not finite
         numbers = self._given(times)
         if not len(near.places):
             return self._far(numbers)
@@ -157,7 +157,7 @@ class MumfordFlow:
         return min(self._setting_up + count * BY_ADDITIONS, LONGEST)
 
     def _near(self, times: np.ndarray) -> Near:
-        """The states that series reach in no more time than the next method would take."""
+        """The states at those times that Taylor series reach sooner than the next method would."""
         from integrable.series import near as series
 
         near = series.walked(self.system, self.start, times, self._budget(len(times)), self.tolerance)
@@ -166,7 +166,7 @@ class MumfordFlow:
         return series.finished(self.system, self.start, times, near, self._cost_of_additions(len(times)))
 
     def _far(self, given: list[Any]) -> Path:
-        """The states at times by a method for far times: the torus, or additions in long numbers."""
+        """The states at far times, computed on the torus or by additions in long numbers."""
         import numpy as np
 
         K = self.system.field
@@ -230,7 +230,7 @@ class MumfordFlow:
         return TorusPortrait(self._settled_on_torus)
 
     def _settled_on_torus(self, read: Callable[[SeparatedTorus], Any]) -> list[list[Any]]:
-        """What ``read`` finds on the torus in separated coordinates, to the digits of the field."""
+        """The result of ``read`` for the torus in separated coordinates, to the digits of the field."""
         found = settled_digits(lambda N: read(self._separated(N)), self.digits)
         return [[element(self.system.field, x) for x in row] for row in found]
 
@@ -259,7 +259,7 @@ class MumfordFlow:
         """The next ``count`` states where the point in an oval is at its "lower" or its "upper" end, in floats.
 
         Ovals are numbered in ascending order. If the end is a branch point a_i at which q_i is a lift, q_i = 0 there.
-        Refusals are those of :meth:`spectrum`. (:mod:`integrable.portrait.torus_section`)
+        It raises the same errors as :meth:`spectrum`. (:mod:`integrable.portrait.torus_section`)
         """
         from integrable.portrait.torus_section import TorusSection, crossings
 
@@ -278,11 +278,11 @@ class MumfordFlow:
         return torus
 
     def _ends(self, N: LongField) -> list[Any]:
-        """The branch points at which a state has signs."""
+        """The branch points at which the lifts of a state have signs."""
         return [kind.e for kind in self._place(N).kinds if isinstance(kind, Lift)]
 
     def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Any, Any]]:
-        """The q and p of :meth:`_states_on` for arrays of floats."""
+        """The function of :meth:`_states_on` that returns q and p, for arrays of floats."""
         import numpy as np
 
         from integrable.mumford.columns import Column, Columns
@@ -301,7 +301,8 @@ class MumfordFlow:
     def _states_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[Any, Any, Any], Point]:
         """``read(K, halves, turned)``: the state in the numbers of K at given angles.
 
-        They are (sin ½φ, cos ½φ) of each point, and (cos, sin) of each angle about an axis since the start.
+        ``halves`` are (sin ½φ, cos ½φ) of each point; ``turned`` are (cos, sin) of each angle about an axis since the
+        start.
         """
         pairs = self._pairs_on(N, torus)
 
@@ -312,7 +313,7 @@ class MumfordFlow:
         return read
 
     def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[Any, Any], Extended]:
-        """``pairs(K, halves)``: the pair with its data at given angles, in the numbers of K; those of a clock are 0."""
+        """``pairs(K, halves)``: the pair with its data at given angles in the numbers of K; a clock has the datum 0."""
         start, ends = self._place(N), self._ends(N)
         here = iter(torus.pair_at(N, torus.halves, ends)[2])
         scales: list[Any] = []

@@ -40,7 +40,7 @@ def shifted(K: Field, f: Poly, pair: Pair, root: Real) -> Pair:
     """
     u, v = pair
     g = len(u) - 1
-    # the coefficient of x^{g} in R is half that of x^{2g+1} in f over −root; V has lower degree
+    # deg V < g, so x^{2g+1} cancels in f − R² if the coefficient of x^g in R is f_{2g+1}/(−2·root)
     half = K.inv(K.add(root, root))
     c = K.sub(K.mul(root, u[g - 1]), K.mul(half, f[2 * g + 1]))
     r = poly.add(K, v, poly.mul(K, u, (c, K.neg(root))))
@@ -82,7 +82,8 @@ def generating_function(K: Field, f_fixed: Poly, x: Real, u: Poly, new: Poly, c:
     g, lead = len(u) - 1, f_fixed[-1]
     product = poly.mul(K, poly.mul(K, u, new), (K.neg(K.mul(lead, x)), lead))
     q = poly.sub(K, f_fixed, product)[: 2 * g + 1]
-    # in t = 1/x: Q = x^{2g}·q(t), f_fixed = x^{2g+1}·b(t), x^{2g(m+1/2)−(2g+1)m} = x^{g−m}: [x⁻¹] is that of t^{g−m+1}
+    # in t = 1/x: Q = x^{2g}·q(t), f_fixed = x^{2g+1}·b(t), x^{2g(m+1/2)−(2g+1)m} = x^{g−m}. So
+    # [x⁻¹] is the coefficient of t^{g−m+1}
     size = g + 1
     q_series = padded(K, q[::-1], size)
     inverse = _inverse(K, padded(K, f_fixed[::-1], size))

@@ -49,7 +49,7 @@ Read = Callable[[LongField, Extended], Vectors]
 
 
 class Placed:
-    """A motion in the numbers of one field."""
+    """A motion computed in the numbers of one field: its divisor D at any τ."""
 
     _kind: type[GroupTranslations] = GroupTranslations
 
@@ -180,7 +180,7 @@ class MumfordMotion:
         )
 
     def tau_at(self, time: Any, digits: int, clock: Any) -> Any:
-        """τ at the time that the clock shows, as :meth:`row` finds it."""
+        """The τ at which the clock shows ``time``, found as in :meth:`row`."""
         return self.row(time, lambda K, D: ((self._reached[1],),), digits, clock)[0][0]
 
     def _read(self, bits: int, times: tuple[Any, ...], read: Read, clock: Any) -> Vectors:
@@ -204,7 +204,7 @@ class MumfordMotion:
 def settled_digits(read: Callable[[LongField], Vectors], digits: int) -> Vectors:
     """The result of ``read`` in long numbers, with ``digits`` correct digits relative to each vector's size.
 
-    It is that of the first precision whose result agrees with one 64 bits higher. PrecisionLoss if none does.
+    The precision is raised until the result agrees with that at 64 more bits. PrecisionLoss if no precision suffices.
     """
     wanted, extra = _bits(digits), OF_START
     while extra < MOST_BITS:
@@ -228,7 +228,7 @@ def _in_bits(read: Callable[[LongField], Vectors], bits: int) -> Vectors:
 
 
 def _agree(rough: Vectors, fine: Vectors, wanted: int) -> bool:
-    """Whether each vector agrees in its first ``wanted`` bits."""
+    """Whether each vector of ``rough`` agrees with that of ``fine`` in its first ``wanted`` bits."""
     for a, b in zip(rough, fine, strict=True):
         scale = max([abs(x) for x in b], default=0)
         # reject infinities, which would agree with anything

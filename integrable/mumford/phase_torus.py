@@ -1,7 +1,7 @@
-"""Far times of motions of genus 3 and more in floats: each point of the pair is found in its oval at the phases.
+"""Far times of motions of genus 3 and more in floats: the phases determine the place of each point in its oval.
 
-The sums of :mod:`integrable.portrait.separated` are inverted in floats. One more step, with the sums in double-doubles,
-doubles the digits. A set-up takes some tens of milliseconds, a time some tens of microseconds for each oval.
+Newton's method inverts the sums of :mod:`integrable.portrait.separated` in floats. One more step, with the sums in
+double-doubles, doubles the digits. A set-up takes some tens of milliseconds, a time some tens of microseconds per oval.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Halves = list[tuple[Column, Column]]
 
 
 class PhaseTorus:
-    """What ``read`` returns of a motion in double-doubles, at any times.
+    """A motion in double-doubles: :meth:`at` evaluates the function ``read`` at any times.
 
     ``torus`` has the periods in long numbers of an entered field. ``read(halves, turned)`` is called with
     (sin ½φ, cos ½φ) of each point and (cos, sin) of each angle about an axis since the start, as columns.
@@ -54,7 +54,7 @@ class PhaseTorus:
         return float(np.abs(times).max(initial=0)) * max(map(abs, self._paces)) <= MOST_TURNS
 
     def at(self, times: np.ndarray) -> Any:
-        """What ``read`` returns at N times."""
+        """The values of ``read`` at N times."""
         phases = [Column(times) * nu for nu in self._frequencies]
         phases[: self._genus] = [x + place for x, place in zip(phases, self._places, strict=False)]
         whole = [np.rint(x.hi) for x in phases]
@@ -89,7 +89,7 @@ class PhaseTorus:
         return total
 
     def _of_poles(self, j: int, halves: Halves) -> Column:
-        """The part of the sum of form j that belongs to poles."""
+        """The terms of the sum of form j that come from poles of the form."""
         total = Column(0.0)
         for k, (s, c) in enumerate(halves):
             for pole in self._torus.poles[k][j]:
@@ -123,7 +123,7 @@ def _columns(values: Sequence[Any]) -> Column:
 
 
 def _waves(rows: Sequence[Sequence[Any]]) -> list[Column]:
-    """The modes of all forms on one oval, the highest first, those omitted that are negligible."""
+    """The Fourier modes of all forms on one oval in descending order, without the negligible high ones."""
     sizes = np.abs(np.array([[float(x) for x in row] for row in rows]))
     kept = np.flatnonzero((sizes > NEGLIGIBLE * sizes.max(initial=0)).any(axis=0))
     return [_columns([row[n] for row in rows]) for n in range(int(kept.max(initial=0)), -1, -1)]

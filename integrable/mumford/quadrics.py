@@ -1,4 +1,4 @@
-"""Common formulas of the systems of Neumann, Garnier, and Hénon and Heiles: potentials that separate in elliptic or
+"""Common formulas of the systems of Neumann, Garnier, and Hénon and Heiles, whose potentials separate in elliptic or
 parabolic coordinates (Eilbeck, Enolskii, Kuznetsov & Tsiganov 1994).
 
 With f₁ = Π(x − a_i), a the constants, positions q_i and momenta p_i on the axes, ε = ±1 and polynomials u₀, w₀:
@@ -44,7 +44,7 @@ class QuadricSystem(MumfordSystem):
     """The number of q that precede those of the axes."""
 
     def _shape(self, N: Any, state: Point) -> Shape:
-        """Table: u₀, ½u₀' and w₀ of a state."""
+        """Table: the polynomials u₀, ½u₀' and w₀ of a state."""
         raise NotImplementedError
 
     def _genus(self) -> int:
@@ -52,7 +52,7 @@ class QuadricSystem(MumfordSystem):
         raise NotImplementedError
 
     def _first(self, N: Any, u: poly.Poly, v: poly.Poly) -> Point:
-        """Table, needed if ``before`` > 0: the q that precede those of the axes, and their p, from a pair."""
+        """Table, if ``before`` > 0: from a pair, the first ``before`` coordinates q (without axes) and their p."""
         return Point((), ())
 
     def _barriers(self) -> Sequence[Any]:
@@ -164,7 +164,7 @@ class QuadricSystem(MumfordSystem):
         return bool(x != y if K.exact else abs(x - y) > OFF * K.eps * abs(y))
 
     def _roots(self, roots: Any) -> list[Any]:
-        """The ``roots`` of a step as elements of the field."""
+        """The square roots ``roots`` of a step as elements of the field."""
         wanted = f"{len(self.constants)} square roots of ℓ(λ - a_i) are needed"
         given = entries(roots, "roots", wanted)
         if len(given) != len(self.constants):

@@ -53,7 +53,7 @@ MOST_STEPS, SAME = 20, 1e-27
 
 
 class OtherOvals(PrecisionLoss):
-    """Not all branch points are real, or the pair does not have one point in each bounded oval."""
+    """Raised if a branch point is not real, or if the pair does not have one point in each bounded oval."""
 
 
 class OvalModel(NamedTuple):
@@ -187,7 +187,7 @@ class RealTorus(Corners):
         self.clock = TorusClock(loops, spectrum, loops.row(rates), scale, max(self.closure, loops.noise / 64))
 
     def _given(self, K: LongField, model: OvalModel, lifts: dict[Any, tuple[Any, ...]]) -> GivenSource:
-        """The motion in ξ, η with x = first + second·ξ, y = height·η; also sets how lifts are read from a row."""
+        """The motion in ξ, η with x = first + second·ξ, y = height·η; also sets how to read lifts from a row."""
         sign = 1 if model.lead > 0 else -1
         e1, e2, e3, e4, far = sorted(model.roots, key=lambda e: sign * e)
         second = 2 * (far - e1)

@@ -1,4 +1,4 @@
-"""Power series of a motion on y² = f(x) from one pair whose points are known: series in one variable suffice.
+"""Power series, in one variable each, of a motion on y² = f(x) from one pair whose points are known.
 
 The sums Σ∫x^k dx/y over the points grow as c_kτ. Since 1/y satisfies a linear equation of first
 order, a recurrence gives the coefficients of each integral. Newton's method then finds the points at τ.
@@ -42,8 +42,8 @@ def radius_of(rows: Sequence[Sequence[Any]]) -> float:
 class PointSeries:
     """Power series of ∫x^k dx/y, k = 0 … g, and ∫dx/(y(x − e)), e in ``others``, from a point of y² = f(x).
 
-    They have ``order`` terms over an inexact field. ``count`` is the number of integrals, ``radius`` an estimate of the
-    radius of convergence.
+    Over an inexact field each series has ``order`` terms. ``count`` is the number of integrals, ``radius`` an estimate
+    of the radius of convergence.
     """
 
     def __init__(self, K: LongField, f: Poly, point: tuple[Any, Any], others: Sequence[Any], order: int) -> None:
@@ -139,7 +139,7 @@ class PointMotion:
 
 
 def through(K: Any, xs: Sequence[Any], ys: Sequence[Any]) -> tuple[Poly, Poly]:
-    """(U, V) of points with different x, by Lagrange interpolation; V has all its coefficients."""
+    """The pair (U, V) of points with different x, by Lagrange interpolation; V has all its coefficients."""
     total = [K.zero] * len(xs)
     for j, (x, y) in enumerate(zip(xs, ys, strict=True)):
         others = poly.from_roots(K, [*xs[:j], *xs[j + 1 :]])

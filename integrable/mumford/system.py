@@ -48,7 +48,7 @@ LEAST = 2.0**-50
 
 
 class Spectral(NamedTuple):
-    """A state on its curve y² = f(x): f and the pair (u, v), with all coefficients in ascending order."""
+    """The curve y² = f(x) of a state and the pair (u, v) on it; all coefficients are in ascending order."""
 
     f: poly.Poly
     u: poly.Poly
@@ -111,7 +111,7 @@ class MumfordSystem(Made):
         return ()
 
     def _rational_rates(self, N: Any, state: Point, auxiliary: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Table, likewise: q', p' and the derivatives of those functions, by the four operations."""
+        """Table, with :meth:`_auxiliary`: q', p' and the derivatives of its functions, by the four operations."""
         rate = self._vector_field(N, state)
         return (*rate.q, *rate.p)
 
@@ -156,7 +156,7 @@ class MumfordSystem(Made):
         """Table, if ``clocked``: (t, dt/dτ) at a divisor of the motion."""
         raise NotImplementedError
 
-    # --- what follows
+    # --- derived from the table
 
     @property
     def numbers(self) -> Any:
@@ -262,7 +262,7 @@ class MumfordSystem(Made):
         )
 
     def spectral(self, state: Point) -> Spectral:
-        """f, u and v of a state, with all coefficients in ascending order."""
+        """The polynomials f, u and v of a state, with all coefficients in ascending order."""
         return Spectral(*(tuple(map(self._bare, a)) for a in self._formula(self._spectral, state)))
 
     def divisor(self, state: Point[Element]) -> Divisor[Element]:
@@ -297,7 +297,7 @@ class MumfordSystem(Made):
 
     @property
     def _standing(self) -> tuple[bool, ...]:
-        """For each parameter, whether it is not 0."""
+        """Tells for each parameter whether it differs from 0."""
         return tuple(x != self.field.zero for x in self.parameters)
 
     @quick_property
@@ -379,7 +379,7 @@ class MumfordSystem(Made):
         return at, y if sign > 0 else K.neg(y)
 
     def _time_step(self, h: Any) -> Any:
-        """h as an element of the field, RR or MP(digits); ArgumentError if its square is 0."""
+        """The time step h as an element of the field, RR or MP(digits); ArgumentError if its square is 0."""
         long_digits(self.field)
         step = self.field.coerce(h, "h")
         if self.field.mul(step, step) == self.field.zero:
@@ -457,7 +457,7 @@ def _finite_floats(values: Any) -> bool:
 
 
 def _in_range(found: Any) -> bool:
-    """Whether all floats in a number, a tuple or a dict of these are finite."""
+    """Whether ``found``, a number or a tuple or dict of numbers, contains only finite floats."""
     if isinstance(found, dict):
         found = tuple(found.values())
     if isinstance(found, tuple):
@@ -466,7 +466,7 @@ def _in_range(found: Any) -> bool:
 
 
 def normalized(N: Any, q: Sequence[Any]) -> tuple[Any, ...]:
-    """q/|q| over an inexact field."""
+    """The unit vector q/|q| over an inexact field."""
     size = N.sqrt(N.dot(q, q))
     return tuple(x / size for x in q)
 

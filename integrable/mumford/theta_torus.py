@@ -146,7 +146,7 @@ class ThetaTorus:
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times more than one period away, for each phase and in both directions."""
+        """Times more than one period of each phase from the start, in both directions, for a comparison."""
         return witnesses(self._paces)
 
     def reaches(self, times: np.ndarray) -> bool:
@@ -301,7 +301,7 @@ def theta_sums(
 
 
 def weights_of(lattice: Lattice, char: Whole) -> tuple[list[Any], Any]:
-    """The weights of one class, divided by the largest term, and that term."""
+    """The weights of one class divided by the largest term of its series, and this term."""
     import gmpy2
 
     (e1, e2, d1, d2), (y, halves, (rows, columns), along), pi = char, lattice, half_turn()

@@ -65,7 +65,7 @@ class GroupTranslations:
     def _expanded(self, points: Any, pair: Pair, direction: Sequence[Any], others: Sequence[Any]) -> Any:
         """An object whose ``at(τ)`` is E(τ) near E, as for :class:`~integrable.mumford.series.PointMotion`.
 
-        E is given as (xs, ys) and as a pair; ``others`` are those of the third-kind integrals. Also sets ``unit``, h.
+        E is given as (xs, ys) and as a pair; ``others`` are the poles e of third-kind integrals. Also sets ``unit``, h.
         """
         order = self.field.bits // (FRACTION - 1) + 8
         found = PointMotion(self.field, self.group.f, points, direction, others, order)
@@ -73,7 +73,7 @@ class GroupTranslations:
         return found
 
     def carried(self, D: Extended, tau: Numbers) -> Extended:
-        """D + T(τ)."""
+        """The divisor D + T(τ)."""
         if tau == 0:
             return D
         # r = τ − count·h is in [h/2, 3h/2), so that E(r) is not too close to E
@@ -91,7 +91,7 @@ class GroupTranslations:
         return self.field.nearest(tau / self.unit) - 1
 
     def added(self, D: Extended, k: int, digit: int) -> Extended:
-        """D ± T(2^k h)."""
+        """The divisor D + T(2^k h) or D − T(2^k h), by the sign of ``digit``."""
         group = self.group
         if digit < 0:
             return group.negate(self.added(group.negate(D), k, 1))
@@ -127,13 +127,13 @@ class GroupTranslations:
         return self._settled(self._on_curve(self.group.add(self.group.add(D, E, *self._with), *self._back)))
 
     def _with_single(self, D: Extended, S: Extended) -> Extended:
-        """D + S, with S from :meth:`_single`."""
+        """The divisor D + S, where S is a result of :meth:`_single`."""
         total = self.group.add(D, S, *self._with)
         # on models of odd degree, sums in general position do not drift off the curve
         return self._settled(total if self.group.odd else self._on_curve(total))
 
     def _settled(self, D: Extended) -> Extended:
-        """D with the original κ of its lifts; two sums in odd genus divide κ by ℓ²."""
+        """The divisor D with the original κ of its lifts, since two sums in odd genus divide κ by ℓ²."""
         group = self.group
         if not (group.odd and group.genus % 2):
             return D
@@ -170,7 +170,7 @@ class GroupTranslations:
         return bool(self.group.size_of_x(D.u) < NEAR * self._size)
 
     def _near(self, time: Any) -> Extended:
-        """E(time), with its data."""
+        """The divisor E(time), with its data."""
         u, v, omega, thirds = self._series.at(time)
         return self._placed(u, v, omega, self._start, thirds)
 
@@ -201,7 +201,7 @@ def part_at(K: Any, a: poly.Poly, e: Any) -> Any:
 
 
 def reference(group: ExtendedGroup) -> tuple[list[Any], list[Any]]:
-    """The x and the y of g + 1 points that are apart from each other and from the branch points.
+    """The abscissas x and the ordinates y of g + 1 points far from each other and from the branch points.
 
     They are real points outside the circle that contains the roots of f, on the side where f > 0. Over complex numbers
     they are points around that circle.
