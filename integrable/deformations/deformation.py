@@ -49,7 +49,7 @@ class Deformation(Hamiltonian):
         return IntegratedMotion(self, state)
 
     def divisor(self, state: State) -> TwoPoints:
-        """The two points of a state, one on each elliptic curve (:mod:`integrable.deformations.two_curves`).
+        """The divisor of a state: two points, one on each elliptic curve (:mod:`integrable.deformations.two_curves`).
 
         It is available for tilde, check and hat pairs without potential; ArgumentError for the others.
         """
@@ -59,7 +59,7 @@ class Deformation(Hamiltonian):
         return two_curves.divisors(self, self._checked(state))
 
     def from_divisor(self, D: TwoPoints, like: State | None = None) -> State:
-        """The state of two points. Eight states share them; the one with the signs of ``like`` is returned.
+        """The state that belongs to two points, one of eight that share them: the state with the signs of ``like``.
 
         Without ``like`` the signs are those of the field's square roots of w_i², w = γ × M, and of g².
         """

@@ -1,9 +1,9 @@
-"""The common part of the flows of the deformations: how many digits a time needs, and the checks of every state.
+"""The common part of the flows of the deformations: it chooses the digits for a time, and checks every state.
 
 For n requested digits a flow computes with GUARD_DIGITS more, plus the digits of the number of periods in the time. Any
 further loss is measured on every call: by the integrals of each state, by the farthest state computed again with more
-digits, which also checks the signs, and by the state at τ = 0. If digits are missing, everything is repeated with that
-many more; PrecisionLoss if this does not help.
+digits, which also checks the signs, and by the state at τ = 0. If k digits are missing, everything is repeated with k
+more; PrecisionLoss if digits are still missing.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ ORDINARY = 1e-6
 
 
 def at_its_precision(method: Any) -> Any:
-    """Decorator: the method of a carrier, run inside the context ``precision`` of the carrier."""
+    """Decorator of a carrier's method: it runs inside the context ``precision`` of the carrier."""
 
     @wraps(method)
     def inside(self: Any, *arguments: Any) -> Real:
@@ -82,7 +82,7 @@ class CurvesCarrier(Carrier):
         return self.system.body.rolls
 
     def turns(self, tau: Numbers) -> Any:
-        """The number of periods in |τ|, counted in the shorter of the two."""
+        """The number of periods in |τ|, for the shorter of the periods of the two curves."""
         raise NotImplementedError
 
     def scaled(self, t: Real) -> Any:
@@ -141,7 +141,7 @@ class DeformedFlow(EnclosedMotion):
         return RoundedRows(self.system.field, OnCurves(self.system, self.state, self._moving), self.method)
 
     def _is_ordinary(self) -> bool:
-        """Whether a check in floats already excludes the errors that the set-up could raise."""
+        """Whether a check in floats proves that the set-up will raise no error."""
         system, state = self.system, self.state
         if system.field != RR or 0 in system.body.differences or min(system.body.contact) < ORDINARY:
             return False
@@ -160,7 +160,7 @@ class DeformedFlow(EnclosedMotion):
 
     @cached_property
     def _any_time(self) -> Way:
-        """The method for states at any time."""
+        """The method that computes states at any time."""
         return quick_way(self._curves, self._pack)
 
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:

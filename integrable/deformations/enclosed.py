@@ -3,7 +3,7 @@ remainders.
 
 From every state Picard's theorem gives a disc of complex times |t| ≤ r on which the motion stays in a box. Cauchy's
 estimate on this disc bounds the truncation error of a step of r/8. Balls grow with every step, so the precision is
-raised by the bits that they lose. The cost grows with the time, and with the number of digits that the motion loses in
+raised by the number of bits lost. The cost grows with the time, and with the number of digits that the motion loses in
 it. (Moore 1966, *Interval Analysis*; Tucker 2011, *Validated Numerics*.)
 """
 
@@ -45,7 +45,7 @@ SMALLEST_DISC = 1e-15
 
 
 class EnclosedMotion(Motion):
-    """A motion whose equations can be enclosed: the base class of the motions of deformations."""
+    """The base class of the motions of deformations: states can be enclosed in balls from the equations of motion."""
 
     def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
         """Enclosures of the states at physical times: balls of radius at most 10^(−digits) that provably contain them.
@@ -72,7 +72,7 @@ def deformed_enclosure(system: Hamiltonian, state: State, times: list[Real], dig
 
 def _narrow(system: Hamiltonian, state: State, times: list[Any], digits: int) -> list[Any]:
     """The rows at times of one sign in ascending size, computed with as many bits as they need."""
-    # the bits that balls lose grow with time; those by which M outgrows its unit do not
+    # the bits that balls lose grow with time; the bits by which M outgrows its unit do not
     needed = ceil(3.33 * (digits + 2)) + _March(system, state, BOUND_BITS).outgrown()
     bits = needed + SPARE_BITS
     for _ in range(MOST_ATTEMPTS):
@@ -148,7 +148,7 @@ class _March:
         return found
 
     def left(self, end: Any) -> float:
-        """The ratio of the time until ``end`` to the time reached."""
+        """The time that remains until ``end``, divided by the time reached."""
         return float(abs(self.reals.number(end)) / (abs(self._now) + 2.0**-1000))
 
     def _check(self, end: Any) -> None:
@@ -178,7 +178,7 @@ class _March:
         return _Around(self._now, self._series(self._point, self._order, self._flint.arb), radius, reach)
 
     def _at(self, around: _Around, distance: Any) -> list[Any]:
-        """The point at a distance in time: the value of the series, widened by Cauchy's bound on the remainder."""
+        """The point ``distance`` later: the value of the series, widened by Cauchy's bound on the remainder."""
         count = len(self._point)
         found = [self.reals.number(0)] * count
         values_at(distance, self._order, around.series, count, found, 0)
@@ -222,7 +222,7 @@ class _March:
         with self.reals.at(BOUND_BITS):
             speed = [float(abs(x).abs_upper()) for x in self._velocity(self._point)]
             sizes = [*[1.0] * 3, *[self._size(speed)] * 3, 1.0]
-            # τ is excluded: nothing depends on it, and its rate has another unit
+            # τ is excluded: no rate depends on it, and its own rate has another unit
             rate = max(x / size for x, size in zip(speed[:6], sizes, strict=False)) or 1.0
             radius = radius or 1 / rate
             least = SMALLEST_DISC * (self._longest or radius)

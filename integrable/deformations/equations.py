@@ -22,8 +22,8 @@ from jacobian.immutable import replaced
 
 __all__ = ["WalkFirst", "right_hand_sides"]
 
-# costs of a set-up and of each time, in microseconds: by theta functions, the same in poles, and by an integrator.
-# Walks may take as long (python -m benchmarks near)
+# costs in microseconds of a set-up and of each time: by theta functions, by theta functions in repelling poles, and
+# by an integrator. A walk may take as long as the method that it replaces (python -m benchmarks near)
 BY_THETA, BY_THETA_IN_POLES, BY_STEPS = (300, 3), (900, 3), (150_000, 0)
 
 
@@ -86,9 +86,9 @@ class WalkFirst:
         return other
 
     def walked(self, times: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray] | None:
-        """The rows and τ, or unless ``physical`` the rows and t; None if the walk does not reach all times."""
+        """The rows (γ, M) with τ if ``physical``, with t otherwise; None if the walk does not reach all times."""
         system, state = self._motion.system, self._motion.state
-        # after γ and M comes τ, or t in a walk in τ
+        # the variable after γ and M is τ, or t if the walk is in τ
         equations, start = Equations(system, physical), Point(state.gamma, (*state.M, 0.0, 0.0, 0.0))
         most = self._costs[0] + self._costs[1] * len(times)
         near = walked(equations, start, times, most)
@@ -109,7 +109,7 @@ def constants_of(system: Hamiltonian) -> tuple[float, ...]:
 
 
 def of_constants(system: Hamiltonian, field: Any, values: Sequence[Any]) -> Hamiltonian:
-    """The system like this one with these numbers over ``field``, in the order of :func:`constants_of`."""
+    """The system of the same kind over ``field`` whose :func:`constants_of` are ``values``."""
     moments, rest = (values[0], values[1], values[2]), list(values[4:])
     changes: dict[str, Any] = {"rigid": replaced(system.rigid, body=Body(moments, values[3], field))}
     if system.potential is not None:
@@ -119,7 +119,7 @@ def of_constants(system: Hamiltonian, field: Any, values: Sequence[Any]) -> Hami
 
 
 def kind_in(system: Hamiltonian, physical: bool) -> Kind:
-    """The walks of systems like this one, in t, or in τ unless ``physical``."""
+    """The compiled walks of systems of this kind, in t if ``physical``, otherwise in τ."""
     # terms with constant 0 must be omitted, because they may divide by quantities that vanish
     there = tuple(x != 0 for x in constants_of(system))
     symbols = [Symbol("constant", i) if is_there else 0.0 for i, is_there in enumerate(there)]

@@ -141,7 +141,7 @@ class Scalars:
 
 
 class Potential(NamedTuple):
-    """The five parameters of a potential: ``a``, ``b`` of its polynomial part, and ``poles``, those of the 1/γ_i²."""
+    """The five parameters of a potential: ``a`` and ``b`` of its polynomial part, ``poles`` the factors of 1/γ_i²."""
 
     a: Real
     b: Real
@@ -160,7 +160,7 @@ class Hamiltonian(Made):
     """The names of further constants."""
 
     def _build(self, inertia: Iterable[Value], d: Value, potential: Sequence[Value] | None, field: Field = RR) -> None:
-        # the moments are parameters of a Hamiltonian, not those of a ball
+        # the moments are parameters of a Hamiltonian, and need not be moments of a ball
         with unwarned():
             self.rigid = ChaplyginBall(inertia, d, field=field)
         self.potential = None if potential is None else _potential(field, potential)
@@ -182,7 +182,7 @@ class Hamiltonian(Made):
 
     @property
     def d(self) -> Real:
-        """The d of the bracket."""
+        """The constant d of the bracket."""
         return self.rigid.d
 
     def state(self, gamma: Iterable[Value], M: Iterable[Value], g: Value | None = None) -> State:
@@ -199,7 +199,7 @@ class Hamiltonian(Made):
         return replaced(self, rigid=rigid, potential=potential)
 
     def poisson(self, state: State) -> tuple[tuple[Real, ...], ...]:
-        """The 6×6 matrix of the Poisson brackets of (γ, M), which are those of the ball."""
+        """The 6×6 matrix of the Poisson brackets of (γ, M), the same as for the ball."""
         return self.rigid.poisson(self._checked(state))
 
     def integrals(self, state: State[Element]) -> DeformedIntegrals[Element]:
@@ -255,15 +255,15 @@ class Hamiltonian(Made):
         return State(tuple(rate), tuple(momentum))
 
     def flow(self, state: State) -> Motion:
-        """The motion through a state, if its curves are known."""
+        """The motion through a state by additions on curves; only some deformations have such curves."""
         raise NotImplementedError
 
     def divisor(self, state: State) -> Any:
-        """The two points of a state, one on each elliptic curve."""
+        """The divisor of a state: two points, one on each elliptic curve."""
         raise NotImplementedError
 
     def from_divisor(self, D: Any, like: State | None = None) -> State:
-        """The state of two points: of the eight states that share them, the one with the signs of ``like``."""
+        """The state that belongs to two points: of the eight that share them, the state with the signs of ``like``."""
         raise NotImplementedError
 
     @property
@@ -370,7 +370,7 @@ def combination(*terms: tuple[Any, Sequence[Any]]) -> list[Any]:
 
 
 class _Infinite:
-    """Context that turns a division by a vanishing γ_i, s or 1 − ds into NotRepresentable."""
+    """Context in which a division by a vanishing γ_i, s or 1 − ds raises NotRepresentable."""
 
     def __enter__(self) -> None:
         return None

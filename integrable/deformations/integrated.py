@@ -47,7 +47,7 @@ class IntegratedMotion(EnclosedMotion):
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
-        # computed here so that another field is refused at once
+        # computed here so that a field other than RR or MP(digits) is refused at once
         _ = self._equations
 
     @cached_property
@@ -89,7 +89,7 @@ class IntegratedStates:
         return self.kept(tau, False, None, strict=True).tau
 
     def kept(self, given: np.ndarray, physical: bool, nan: Any, strict: bool = False) -> Rows:
-        """The rows at values of t, or of τ unless ``physical``; their ``tau`` holds τ, or t unless ``physical``."""
+        """The rows at values of t with τ in ``tau``; unless ``physical``, at values of τ with t in ``tau``."""
         refused: dict[int, str] = {}
         found = self._integrated(given, physical, None if strict else refused)
         had = [i for i in range(len(found)) if i not in refused]
@@ -130,12 +130,12 @@ class IntegratedStates:
         return exponent if abs(exponent) > USUAL else 0
 
     def _missing(self, rows: list[list[Any]]) -> list[int]:
-        """For each row, the number of digits that H and K lack of those requested minus LOST_DIGITS."""
+        """For each row, the number of digits by which H and K miss an accuracy of LOST_DIGITS less than requested."""
         wanted, nearby = self._asked - LOST_DIGITS, self._nearby
         tape = recorded(self._integrals, 6)
         found = evaluate(self._system.field, tape, [*nearby, *rows], self._asked + STEP_DIGITS, 2)
         (before, *moved), found = found[: len(nearby)], found[len(nearby) :]
-        # the size of F = H, K is |F| + Σ|ΔF/part|
+        # H and K are measured relative to |F| + Σ|ΔF/part|, F = H or K, ΔF its change at a nearby state
         part = self._system.field.coerce(PART)
         sizes = [abs(F) + sum(abs(row[k] - F) for row in moved) / part for k, F in enumerate(before)]
         pairs = [zip(row, before, sizes, strict=True) for row in found]

@@ -15,7 +15,7 @@ from jacobian.element import Real
 
 
 class SeparatedOval:
-    """The oval with the branch points ``e``, from the sizes |R_i| at a point in their order, and the sign of Z' there.
+    """The oval with the branch points ``e``, from all |R_i| at one point and the sign of Z' there.
 
     ``gap(i, j)`` returns e_i − e_j, to all digits. ``low``, ``middle`` and ``high`` are the indices of the smallest,
     middle and largest e_i. ``period`` is the real period, after which R_low and R_middle have changed sign. ``table``
@@ -68,19 +68,19 @@ class SeparatedOval:
         return r
 
     def _since_low(self) -> Any:
-        """The time since Z = e_low, within ± half a period: an elliptic integral of the first kind."""
+        """The time since Z = e_low, between −½ and ½ period, as an elliptic integral of the first kind."""
         context, r = self.field.context, self.start
         cosine, delta = r[self.middle] ** 2 / self.swing, r[self.high] ** 2 / self.breadth
         time = r[self.low] / context.sqrt(self.swing) * context.elliprf(cosine, delta, 1)
         return time / context.sqrt(self.breadth)
 
     def imaginary_half(self, z: Any) -> Any:
-        """The imaginary time from Z = e_low down to Z = z; for None down to −∞, which is half the imaginary period."""
+        """The imaginary time from Z = e_low down to Z = z; if z is None, down to −∞: half the imaginary period."""
         integral = self.field.context.elliprf
         half = integral(0, self.swing, self.breadth)
         return half if z is None else half - integral(*(x - z for x in self.e))
 
 
 def root_of_rounded(K: Any, x: Any) -> Real:
-    """√|x|, for an x that is nonnegative up to rounding."""
+    """The root √|x| of a number that is nonnegative up to rounding."""
     return K.context.sqrt(abs(x))

@@ -83,7 +83,7 @@ def put_roots(track: Track, phases: Row, which: int, roots: Row) -> None:
 
 
 def put_split(vector: Three, out: Row, rest: Row, place: int) -> None:
-    """Writes three numbers as floats to ``out``, and their remainders to ``rest``."""
+    """Writes three numbers, rounded to floats, to ``out``, and what rounding leaves to ``rest``."""
     out[place], out[place + 1], out[place + 2] = float(vector[0]), float(vector[1]), float(vector[2])
     rest[place] = float(vector[0] - out[place])
     rest[place + 1] = float(vector[1] - out[place + 1])
@@ -238,7 +238,7 @@ def paces(first: Track, second: Track, numbers: Row, places: tuple[Row, Row], ta
 
 
 def put_shares(track: Track, d: Real, weight: Real, count: int, roots: Row) -> None:
-    """Replaces the first root of each triple by weight·(1 + dz); the triples are six numbers apart."""
+    """Replaces the first root of each triple by weight·(1 + dz), z the height there; triples are six numbers apart."""
     for n in range(count):
         place = 6 * n
         roots[place] = weight * (1 + d * height(track, (roots[place], roots[place + 1], roots[place + 2])))

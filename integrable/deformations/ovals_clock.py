@@ -20,7 +20,7 @@ from jacobian.numbers.long_reals import BallReals
 
 # largest number of modes at USUAL_DIGITS digits, about a second of set-up; at more digits fewer
 MOST_MODES, USUAL_DIGITS = 1 << 16, 60
-# number of modes beyond that which their decay suggests
+# number of modes added to the number that their decay suggests
 MARGIN = 6
 GUARD_BITS = 30
 
@@ -88,7 +88,7 @@ def series_sizes(motion: Any, digits: int) -> tuple[int, int]:
     """The number of modes in either phase: c_mn decay as e^(−m·strip) if 1/g has no singularity in the strip.
 
     z has a pole at the imaginary half-period of either curve. g² vanishes where Σ|λ_k|(1 + dz_k) does. On the second
-    curve, where z < 0, that is as far from the real axis as the pole; on the first curve it is nearer.
+    curve, where z < 0, this zero is as far from the real axis as the pole; on the first curve it is nearer.
     """
     d, (one, two) = motion.system.d, motion.curves
     share = motion.weights[1] / motion.weights[0]
@@ -136,7 +136,7 @@ def _transformed(values: np.ndarray, count: int, bits: int) -> np.ndarray:
 
 
 def _from_start(motion: Any, table: np.ndarray, field: Any, bits: int) -> Modes:
-    """The modes with these cosines, with phases from the start."""
+    """The Fourier modes, in phases from the start, of the cosine series with the coefficients ``table``."""
     import flint
 
     rows, columns = table.shape

@@ -98,7 +98,7 @@ class CubicCarrier(CurvesCarrier):
         return u, [-(V[0] + V[1] * x) for x in u], [h1 - x * h2 for x in u]
 
     def _cofactor(self, h1: Any, h2: Any, U: poly.Poly, V: poly.Poly) -> poly.Poly:
-        """(f − V²)/U for the quadratic U."""
+        """The cofactor (f − V²)/U of a quadratic U."""
         K = self.system.field
         f = poly.sub(K, poly.mul(K, self._phi, (h1, -h2)), self._well)
         return poly.quotient(K, poly.sub(K, f, poly.mul(K, V, V)), U)
@@ -140,7 +140,7 @@ class _Cubic:
         g3 = (4 * self.shift * self.shift - g2) * self.shift - scale * scale * q[0]
         e, z, slope = roots_of_cubic(K, g2, g3), scale * u + self.shift, scale * rate
         sizes = [root_of_rounded(K, z - x) for x in e]
-        # next to a branch point Z' has the digits that Z − e_i lacks
+        # next to a branch point Z − e_i loses digits, which Z' restores
         i = min(range(3), key=lambda n: sizes[n])
         others = sizes[i - 2] * sizes[i - 1]
         if others:

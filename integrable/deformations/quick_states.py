@@ -103,7 +103,7 @@ class QuickStates:
         return self._rows.times(tau)
 
     def _timed(self, carrier: Any, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """The result of :meth:`at` by the clock in floats; None if that is not accurate enough."""
+        """The result of :meth:`at`, computed by the clock in floats; None if this clock is not accurate enough."""
         far = int(np.argmax(np.abs(times)))
         if not carrier.turns(abs(carrier.most_tau(carrier.field.coerce(float(times[far]))))) < MOST_TURNS:
             return None
@@ -129,7 +129,7 @@ class QuickStates:
         return None if rows is None else (rows, tau)
 
     def _compiled(self, carrier: Any) -> Packed | None:
-        """What the loops take for a carrier, cached."""
+        """The arguments of the compiled loops for a carrier, cached."""
         if self._packed[0] is not carrier:
             try:
                 self._packed = carrier, self._pack(carrier)
@@ -139,7 +139,7 @@ class QuickStates:
         return self._packed[1]
 
     def _quick(self, carrier: Any, packed: Packed, phases: np.ndarray, far: int, truth: Any) -> np.ndarray | None:
-        """γ and M at phases since the start; None if H and K, or the row ``far`` compared with ``truth``, are off."""
+        """γ and M at phases since the start; None if H or K changes, or if row ``far`` differs from ``truth``."""
         count = len(phases) // 2
         out, rest, room = np.empty(6 * count), np.empty(6 * count), np.empty((6 * count, 2))
         lost = packed.states(packed.first, packed.second, packed.frame, phases, (out, rest, room))
@@ -183,7 +183,7 @@ class QuickClock:
         return phases, (Column(times) * self._pace + Column(delays)).hi
 
     def holds(self, carrier: Any, moved: list[Any], turns: list[Any], tau: np.ndarray, time: float) -> bool:
-        """Whether the clock is accurate at one time: t(τ) returns ``time``, and dt/dτ agrees with the carrier's.
+        """Whether the clock is accurate at ``time``: t(τ) returns this time, and dt/dτ agrees with that of the carrier.
 
         The phases there are ``turns``; on the carrier's curves they are the times ``moved``.
         """
@@ -225,7 +225,7 @@ def samples(carrier: Any, packed: Packed, sizes: tuple[int, int], known: np.ndar
 
 
 def quick_way(rows: RoundedRows, pack: Callable[[Any], Packed]) -> RoundedRows | QuickStates:
-    """The method for states over the field of ``rows``; ``pack`` is :func:`packed` or :func:`packed_in_poles`."""
+    """The method that computes states over the field of ``rows``; ``pack`` is :func:`packed` or its form for poles."""
     return QuickStates(rows, pack) if rows.field == RR else rows
 
 

@@ -37,15 +37,15 @@ class SeparatedFlow(DeformedFlow):
         return OvalCarrier(system, state)
 
     def translated(self, time_of: Any) -> State:
-        """The state after adding points on both curves, k = 0, 1.
+        """The state after an addition of a point on each of the curves k = 0, 1.
 
-        The point of curve k is the one that its motion adds in the time ``time_of(k, field, μ_k, μ_k/I_i)``.
+        On curve k the motion adds this point in the time ``time_of(k, field, μ_k, μ_k/I_i)``.
         """
         many = self._curves.many
         while True:
             carrier: Any = many.carrier
             times = carrier.times_of(time_of)
-            # None: digits were added, as many as the number of periods has
+            # None: digits were added for the number of periods, and the carrier is new
             if many.enough(max(map(abs, times))) is None:
                 continue
             moved = carrier.moved(times)
@@ -58,7 +58,7 @@ class SeparatedFlow(DeformedFlow):
 
 
 class IsometricFlow(DeformedFlow):
-    """The motion of a check or hat pair: that of the tilde pair of A⁻¹ at another speed, lifted back."""
+    """The motion of a check or hat pair: the motion of the tilde pair of A⁻¹ at another speed, lifted back."""
 
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
         return LiftedCarrier(system, state)
@@ -156,7 +156,7 @@ class OvalCarrier(CurvesCarrier):
 
     @at_its_precision
     def times_of(self, time_of: Any) -> list[Any]:
-        """The times of :meth:`SeparatedFlow.translated`."""
+        """The time on each curve for :meth:`SeparatedFlow.translated`."""
         return [time_of(k, self.field, mu, c.e) for k, (mu, c) in enumerate(zip(self.mu, self.curves, strict=True))]
 
     @at_its_precision
@@ -234,7 +234,7 @@ def _rate(system: Any, state: State) -> State:
 
 
 def _image(K: Any, state: State, rate: State, h2: Any) -> tuple[list[Any], list[Any]]:
-    """w = γ × M, and |M|·(w/|M|)'."""
+    """The vectors w = γ × M and |M|·(w/|M|)'."""
     w = cross(K, state.gamma, state.M)
     moved = [x + y for x, y in zip(cross(K, rate.gamma, state.M), cross(K, state.gamma, rate.M), strict=True)]
     growth = sum(x * y for x, y in zip(state.M, rate.M, strict=True)) / h2

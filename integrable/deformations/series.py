@@ -1,4 +1,4 @@
-"""Integration along the Taylor series of a tape, and evaluation of a tape, for numbers of any kind.
+"""Loops that integrate along the Taylor series of a tape, or evaluate a tape, for numbers of any kind.
 
 :mod:`integrable.deformations.series_compiled` compiles these loops for double-doubles.
 """
@@ -116,7 +116,7 @@ def step_within(order: int, tolerance: float, count: int, series: Any) -> float:
 
 
 def too_long(told: Any, most: float, now: float, end: float) -> bool:
-    """Whether the number of steps so far, or that expected until ``end``, exceeds ``most``."""
+    """Whether the steps so far exceed ``most``, or those expected until ``end`` exceed UNEVEN times ``most``."""
     part = abs(now / end)
     expected = told[STEPS] / part if told[STEPS] >= KNOWN_FROM and part > 0 else 0.0
     return told[STEPS] > most or expected > UNEVEN * most

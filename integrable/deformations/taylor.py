@@ -110,8 +110,8 @@ def integrate(
 
     The truncation error of a step is below 10^−digits, relative to the largest of the three variables of a vector.
     PrecisionLoss if steps shrink to 10^−digits of the first step or of the time, as at a singularity; Infeasible if
-    there would be too many. ``refused``, if given, receives the index of each such time and the reason instead. Reasons
-    state times multiplied by ``unit``, as the user gave them.
+    there would be too many steps. ``refused``, if given, receives the index and the reason of each time that fails.
+    Reasons state times multiplied by ``unit``, as the user gave them.
     """
     rows: list[list[Any]] = [list(start)] * len(times)
     for sign in (1, -1):
@@ -149,7 +149,7 @@ def _on_loops(compute: Callable[..., Any], digits: int, field: Any, *problem: An
 
 
 def _middles(loops: _Loops, field: Any, tape: Tape, values: Sequence[Any]) -> tuple[Any, Any]:
-    """(the tape, the values of its variables and constants) in the form of the loops."""
+    """The tape, and the values of its variables and constants, in the form that the loops take."""
     constants = [field.coerce(x) if k == CONSTANT else 0 for k, x in zip(tape.kinds, tape.constants, strict=True)]
     packed = loops.tape((tape.kinds, tape.left, tape.right, tape.results))
     return packed, loops.row([*values, *constants[len(values) :]])
@@ -173,7 +173,7 @@ def _marched(
     strict: bool,
     unit: float,
 ) -> tuple[list[list[Any]], Exception | None]:
-    """The variables at the times that were reached, and the error for the others, or None."""
+    """The variables at the times that were reached, and the error that stops the others, None if there is none."""
     count = len(start)
     # a step of radius/e² neglects e^{-2·order}
     order = ceil(digits * log(10) / 2) + 2

@@ -67,10 +67,10 @@ def divisors(system: Hamiltonian, state: State) -> TwoPoints:
 
 
 def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = None) -> State:
-    """The state of two points, with the signs of ``like``; raises as :func:`divisors` does.
+    """The state that belongs to two points, with the signs of ``like``; raises the errors of :func:`divisors`.
 
-    Without ``like`` the signs are those of the field's square roots. So they are over an exact field, unless ``like``
-    is the same state up to signs.
+    Without ``like`` the signs are those of the field's square roots. Over an exact field ``like``
+    has an effect only if it is the same state up to signs.
     """
     if not isinstance(points, TwoPoints):
         raise ArgumentError(f"D = {shown(points)}: give TwoPoints, as the system's divisor(state)")
@@ -163,7 +163,7 @@ def _image(system: Hamiltonian, state: State) -> _Image:
 
 
 def _first(K: Any, x: Any, y: Any) -> bool:
-    """Whether λ = x belongs to the first curve: if it is the larger λ; over an exact field, if its key is smaller."""
+    """Whether λ = x precedes λ = y: over the reals if x is larger, over an exact field if its key is smaller."""
     if not K.exact:
         return bool(x > y)
     while isinstance(x, Jet):
