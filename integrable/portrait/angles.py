@@ -1,4 +1,4 @@
-"""The angles of a start: the phases of its two points on their ovals, 0 at their outer ends (u1, u2) = (a₁, a₃)."""
+"""The angles of a start: the phases of u1 and u2 on their ovals, 0 at the outer ends u1 = a₁ and u2 = a₃."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ SPARE, LOST = 4, (0, 40, 160, 640)
 
 
 def start_angles(system: PhaseSpace, state: State, wide: Any, digits: int) -> tuple[Real, Real]:
-    """θ with Σ∫(dx, x dx)/y = θ1·2(A0, A1) + θ2·2(B0, B1) at the start, modulo 1, in numbers of the ``wide`` field to
-    this many ``digits``; PrecisionLoss if the ovals have nearly met.
+    """The angles θ of the start, Σ∫(dx, x dx)/y = θ1·2(A0, A1) + θ2·2(B0, B1), modulo 1, to ``digits`` in the ``wide``
+    field; PrecisionLoss if the ovals have nearly met.
     """
     for lost in LOST:
         setup = Setup(system.body, state.gamma, state.M, state.tilted, digits=wide.dps + lost)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 NODES = 512
 MOST_COUNT = 300
-"""The largest number of rows of a grid of rotation numbers; so many take about half a minute."""
+"""The largest number of rows of a grid of rotation numbers: this grid takes about half a minute."""
 
 
 class Diagram(Record):
@@ -43,7 +43,7 @@ class Diagram(Record):
         self.lines = np.stack([np.stack([0 * a, a], axis=1), np.stack([1 + 0 * a, 1 / inertia], axis=1)], axis=1)
 
     def place(self, state: State) -> tuple[float, float]:
-        """(X, Z) of a state."""
+        """The place (X, Z) of a state in the diagram."""
         _, c, h1, h2 = self.system.integrals(state)
         if not h2:
             raise ArgumentError("M = (0, 0, 0): the body is at rest, which has no place in its diagram")
@@ -51,7 +51,7 @@ class Diagram(Record):
         return min(c * c / h2, 1.0), h1 / h2
 
     def height(self, X: Numbers, zeta: Numbers) -> np.ndarray:
-        """Z as a function of X and ζ, arrays that broadcast."""
+        """The height Z at X and ζ, which are arrays that broadcast."""
         (X, values), d = _reals(X=X, zeta=zeta), self.system.d
         if (d * values == 1).any():
             raise ArgumentError(f"zeta = {shown(zeta)}: 1 − d·ζ must not vanish")
@@ -69,7 +69,7 @@ class Diagram(Record):
         return inside
 
     def divergence(self, X: Numbers) -> np.ndarray:
-        """The rate, per unit of t and of √H2, at which nearby motions leave the unstable rotation at X < 1; shape of X.
+        """The exponent, per unit of t and of √H2, with which nearby motions leave the unstable rotation at X < 1.
 
         χ = √h̃2·√h(a₂)·P/(πs) with the principal value P = ∫x dx/((x − a₂)√h), h = 4h̃2(1 − d̃x)(x − a₁)(a₃ − x).
         """
@@ -115,7 +115,7 @@ class Diagram(Record):
 
 
 def _reals(**given: Any) -> tuple[np.ndarray, ...]:
-    """Arguments by name as arrays of one shape."""
+    """The named arguments, broadcast to arrays of one shape."""
     found = [floats(values, argument, "real numbers are needed") for argument, values in given.items()]
     for argument, values in zip(given, found, strict=True):
         if not np.isfinite(values).all():

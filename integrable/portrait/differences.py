@@ -18,19 +18,19 @@ from jacobian.fields.protocol import Field
 from jacobian.progress import Progress
 
 Motion = Callable[[Body, State], Any]
-"""γ and M at the times, shape (N, 6), of a body from a state."""
+"""A function of a body and a state that returns γ and M at the times, shape (N, 6)."""
 
 # guard digits beyond those lost to the step and the derivatives, and the largest number of attempts when derivatives
 # are larger than expected
 GUARD, ATTEMPTS = 8, 6
-# motions of a body: two for each of nine directions
+# number of motions: two for each of nine directions
 MOTIONS = 18
 # weights of the three values of a one-sided quotient of second order
 ONE_SIDED = (-3, 4, -1)
 
 
 def differences(motion: Motion, body: Body, state: State, digits: int, size: float) -> Any:
-    """∂(γ, M)/∂(γ(0), M(0), I, d), (N, 6, 10), to ``digits``, as an array of mpf; ``size`` is about the largest.
+    """The derivatives ∂(γ, M)/∂(γ(0), M(0), I, d), (N, 6, 10), in mpf to ``digits``; ``size`` estimates the largest.
 
     Central differences with a step that ends at that many digits. PrecisionLoss where the derivatives are much larger
     than expected.
@@ -63,7 +63,7 @@ def _quotients(motion: Motion, body: Body, state: State, K: Any, step: Any) -> A
         shift = step * scales[direction != 0][0] * direction
         size = 2 * step * scales[direction != 0][0]
         if k == 8 and not body.rolls:
-            # one-sided, since d < 0 is not a body
+            # one-sided, since there is no body with d < 0
             values = (rows(n * shift) for n in range(3))
             columns.append(sum(w * x for w, x in zip(ONE_SIDED, values, strict=True)) / size)
         else:
@@ -79,7 +79,7 @@ def inputs_over(K: Field, body: Body, state: State) -> tuple[Body, State]:
 
 
 def _numbers(body: Body, state: State, K: Any) -> Any:
-    """γ, of length 1, M, I and d."""
+    """The ten numbers γ (normalized), M, I and d, in K."""
     found = np.array([K.coerce(x) for x in (*state.gamma, *state.M, *body.inertia, body.d)], dtype=object)
     found[:3] /= K.sqrt(found[:3] @ found[:3])
     return found
@@ -92,7 +92,7 @@ def _inputs(numbers: Any, K: Any) -> tuple[Body, State]:
 
 
 def _directions(K: Any, gamma: Any) -> list[Any]:
-    """Two unit vectors orthogonal to γ, then those of M, I and d: nine vectors of ten numbers."""
+    """Nine directions of ten numbers each: two unit vectors orthogonal to γ, then unit vectors of M, I and d."""
     axis = min(range(3), key=lambda i: abs(gamma[i]))
     unit = [K.one * (i == axis) for i in range(3)]
     first = np.array(cross(K, tuple(gamma), (unit[0], unit[1], unit[2])), dtype=object)

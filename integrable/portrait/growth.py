@@ -18,8 +18,8 @@ from jacobian.numbers.long_reals import BallReals
 
 
 def growth(run: Any, slopes: np.ndarray, digits: int) -> Any:
-    """The secular part at the times of a ``run``, a Trajectory over MP, (N, 6, 10), from the derivatives of both
-    frequencies, (2, 10). PrecisionLoss where the modes of 1/g are too many.
+    """The secular part, shape (N, 6, 10), at the times of ``run``, a Trajectory over MP. ``slopes``, shape (2, 10), are
+    the derivatives of both frequencies. PrecisionLoss where the modes of 1/g are too many.
     """
     body, portrait = run.system.body, run.flow.portrait
     ovals, (f1, f2) = portrait.ovals, portrait.frequencies
@@ -36,14 +36,14 @@ def growth(run: Any, slopes: np.ndarray, digits: int) -> Any:
 
 
 def _spin(body: Any, gamma: Any, M: Any) -> Any:
-    """Ω = M/g + dg(γ, AM)γ of Y, (N, 3)."""
+    """The vectors Ω = M/g + dg(γ, AM)γ of the field Y, shape (N, 3)."""
     slowness = np.frompyfunc(body.field.sqrt, 1, 1)(np.sum(np.array(body.contact) * gamma**2, axis=1))[:, None]
     along = np.sum(gamma * np.array(body.a) * M, axis=1)[:, None]
     return slowness * M + body.d * along / slowness * gamma
 
 
 def _lean(run: Any, rates: tuple[Any, Any], digits: int) -> Any:
-    """σ at the times of a run, (N,)."""
+    """The values of σ at the times of a run, shape (N,)."""
     import flint
 
     K, portrait = run.system.field, run.flow.portrait

@@ -1,4 +1,4 @@
-"""The angles of points in their ovals at given phases, many at once, in floats."""
+"""The angles of points in their ovals at many given phases, in floats."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class OvalAngles(NamedTuple):
         return found
 
     def slopes(self, angles: Array) -> Array:
-        """The derivatives of the sums by the angles, (N, forms, ovals)."""
+        """The derivatives of the sums by the angles, shape (N, forms, ovals)."""
         columns = []
         for phi, mean, waves in zip(angles.T, self.means, self.waves, strict=True):
             n = np.arange(1, len(waves) + 1)

@@ -4,10 +4,10 @@ With y = √|f|, f the curve 4(1 − d̃x)Π(a_i − x)(x·h̃2 − h1) of the u
 :mod:`integrable.phase.upright`), a₁ < a₂ < a₃ the sorted a_i and ζ = h1/h̃2, u1 runs through the oval [a₁, min(ζ, a₂)]
 and u2 through [max(ζ, a₂), a₃]:
 
-    A_k = ∫x^k dx/y over the first, B_k over the second,  K_k and L_k the same of x^k dx/((1 − d̃x)^½·y).
+    A_k = ∫x^k dx/y over the first, B_k over the second oval,  K_k and L_k the integrals of x^k dx/((1 − d̃x)^½·y).
 
-By the arithmetic-geometric mean (:mod:`integrable.moving_point.elliptic_integrals`); an oval that has shrunk to a point
-gives residues.
+They are computed by the arithmetic-geometric mean (:mod:`integrable.moving_point.elliptic_integrals`); an oval that has
+shrunk to a point gives residues.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ FLOAT_EPS = 2.0**-52
 
 
 class Level(NamedTuple):
-    """The place of a motion among those of its body: the sorted a_i and their axes, ζ between the first and the last of
-    them, d̃, √H̃2, s of Chaplygin's transformation; all floats, or all mpf.
+    """The place of a motion among all motions of its body: the sorted a_i and their axes, ζ between the least and the
+    largest a_i, d̃, √H̃2, and s of Chaplygin's transformation. The numbers are all floats or all mpf.
     """
 
     a: tuple[Any, Any, Any]
@@ -73,19 +73,19 @@ class Level(NamedTuple):
 
     @property
     def ends(self) -> tuple[Any, Any, Any, Any]:
-        """The ends of the first oval, then of the second."""
+        """The two ends of the first oval, then the two ends of the second."""
         a1, a2, a3 = self.a
         return a1, min(self.zeta, a2), max(self.zeta, a2), a3
 
     @property
     def contact(self) -> tuple[Real, Real, Real]:
-        """1 − d̃a_i of the sorted a_i."""
+        """The numbers 1 − d̃a_i of the sorted a_i."""
         a1, a2, a3 = self.a
         return 1 - self.d * a1, 1 - self.d * a2, 1 - self.d * a3
 
     @property
     def pi(self) -> Any:
-        """π in these numbers."""
+        """π as a float or mpf, like the level's numbers."""
         return math.pi if isinstance(self.zeta, float) else +self.zeta.context.pi
 
     @property
@@ -145,17 +145,17 @@ class Ovals(NamedTuple):
 
     @property
     def D(self) -> Any:
-        """A0·B1 − A1·B0 > 0."""
+        """The determinant A0·B1 − A1·B0, which is positive."""
         return self.A0 * self.B1 - self.A1 * self.B0
 
     @property
     def slowness(self) -> Any:
-        """(K0·L1 − K1·L0)/D."""
+        """The quotient (K0·L1 − K1·L0)/D."""
         return (self.K0 * self.L1 - self.K1 * self.L0) / self.D
 
 
 def _thirds(ends: tuple[Any, ...], d: Any, pi: Any, near: float) -> tuple[Any, Any]:
-    """∫x^k dx/((1 − dx)√|(x − a)(x − b)(x − c)(x − e)|) from a to b for k = 0 and 1; c and e lie beyond b."""
+    """The integrals ∫x^k dx/((1 − dx)√|(x − a)(x − b)(x − c)(x − e)|), k = 0 and 1, from a to b; c, e lie beyond b."""
     a, b, c, e = ends
     if a == b:
         k0 = pi / ((1 - d * a) * root(abs((c - a) * (e - a))))

@@ -19,13 +19,13 @@ CURVES = 9
 # spectral lines below this fraction of the largest are not drawn; number of labelled lines
 FAINT, NAMED = 1e-6, 6
 LETTERS = {"gamma": "γ", "omega": "ω"}
-"""The letters of quantities of a body."""
+"""The letters with which quantities of a body are labelled."""
 APART = 0.05
-"""A fraction of the picture's width: labels of lines closer than this would overlap."""
+"""The least distance of labelled lines, as a fraction of the picture's width, at which labels do not overlap."""
 
 
 def _axes(what: str, rows: int = 1, height: float = SIZE[1]) -> tuple[Figure, Any]:
-    """A figure and its axes: ``axes`` of every row where there are several."""
+    """A figure and its axes, with one pair of axes per row where there are several rows."""
     needed("matplotlib", what)
     from matplotlib.figure import Figure
 
@@ -34,7 +34,7 @@ def _axes(what: str, rows: int = 1, height: float = SIZE[1]) -> tuple[Figure, An
 
 
 def diagram(of: Any, states: Any) -> Figure:
-    """:meth:`integrable.portrait.diagram.Diagram.figure`."""
+    """Draws :meth:`integrable.portrait.diagram.Diagram.figure`."""
     figure, ax = _axes("the picture of a diagram")
     a = sorted(of.system.a)
     if a[0] < a[1] < a[2]:
@@ -57,7 +57,7 @@ def diagram(of: Any, states: Any) -> Figure:
 
 
 def section_figure(of: Any) -> Figure:
-    """:meth:`integrable.portrait.section.Section.figure`."""
+    """Draws :meth:`integrable.portrait.section.Section.figure`."""
     figure, ax = _axes("the picture of a section")
     flow = of.run.flow
     level = flow.portrait.level
@@ -76,7 +76,7 @@ def section_figure(of: Any) -> Figure:
 
 
 def spectrum_figure(of: Any) -> Figure:
-    """:meth:`integrable.portrait.spectrum.Spectrum.figure`."""
+    """Draws :meth:`integrable.portrait.spectrum.Spectrum.figure`."""
     figure, every = _axes("the picture of a spectrum", len(of.quantities), 1.4 * SIZE[1])
     for ax, name in zip(every, of.quantities, strict=True):
         sizes = np.abs(getattr(of, name))

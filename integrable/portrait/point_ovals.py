@@ -1,4 +1,4 @@
-"""The real ovals of a curve y² = f(x) in which the points of a pair turn, and forms on them."""
+"""The real ovals of a curve y² = f(x) in which the points of Mumford's pair turn, and forms on them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jacobian.numbers.long_reals import BareReals
 from jacobian.periods.quadrature import working_numbers
 from jacobian.periods.roots import simple_roots
 
-# a root counts as real if its imaginary part is below 2^(−bits/REAL): a double root has half of the digits
+# a root counts as real if its imaginary part is below 2^(−bits/REAL): a double root is known to half of the digits only
 REAL = 3
 # ratio of digits to bits
 DIGITS_A_BIT = math.log10(2)
@@ -28,7 +28,7 @@ class Form(NamedTuple):
     poles: tuple[Any, ...] = ()
 
     def coefficient(self, N: Any, x: Any) -> Any:
-        """numerator/Π(x − pole)."""
+        """The quotient numerator/Π(x − pole) at x."""
         value = poly.evaluate(N, self.numerator, x)
         for p in self.poles:
             value = value / (x - p)
@@ -40,7 +40,7 @@ class Separation(NamedTuple):
 
     The sums of the g ``forms`` grow at the ``rates``. The sum of ``action`` is p dq without the further angles. A
     further angle grows by its form in ``turns`` and at the constant rate next to it; its action is in ``momenta``.
-    ``known`` are branch points that are known exactly. Where time is no such sum, the rates are per unit of τ, and
+    ``known`` are branch points that are known exactly. Where time is not such a sum, the rates are per unit of τ, and
     dt/dτ is the product of ``factor(x)`` over two points.
     """
 
@@ -71,7 +71,7 @@ class PointOval(NamedTuple):
         return PointOval(self.place, N.coerce(self.lead), N.coerce(self.middle), N.coerce(self.radius), others)
 
     def weight(self, N: Any, x: Any) -> Any:
-        """1/√h."""
+        """The value 1/√h at x, with f = (x − a)(b − x)h."""
         h = -self.lead
         for e, square in self.others:
             h *= x - e if square is None else (x - e) * (x - e) + square
@@ -79,7 +79,7 @@ class PointOval(NamedTuple):
 
     @property
     def decay(self) -> float:
-        """The rate at which the modes of a function of φ decrease that is singular at the other branch points."""
+        """The rate at which Fourier modes in φ decrease, for a function that is singular at the other branch points."""
         roots = [complex(float(e), 0 if s is None else math.sqrt(float(s))) for e, s in self.others]
         middle, radius, rate = float(self.middle), float(self.radius), math.inf
         for e in roots:
@@ -98,7 +98,7 @@ class Pole(NamedTuple):
     ratio: Any
 
     def swing(self, phi: Any) -> Any:
-        """2·atan(ratio·tan ½φ) − φ, continuously."""
+        """The continuous branch of 2·atan(ratio·tan ½φ) − φ."""
         import gmpy2
 
         sine, cosine = gmpy2.sin_cos(phi / 2)
@@ -106,16 +106,16 @@ class Pole(NamedTuple):
         return 2 * gmpy2.atan2((self.ratio - 1) * sine * cosine, cosine * cosine + self.ratio * sine * sine)
 
     def swings(self, phi: np.ndarray) -> np.ndarray:
-        """:meth:`swing` of floats."""
+        """The values of :meth:`swing` at an array of floats φ."""
         ratio, sine, cosine = float(self.ratio), np.sin(phi / 2), np.cos(phi / 2)
         found: np.ndarray = 2 * np.arctan2((ratio - 1) * sine * cosine, cosine * cosine + ratio * sine * sine)
         return found
 
 
 def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Any] = ()) -> tuple[list[Any], list[Any]]:
-    """The real roots of a polynomial in ascending order, and its complex ones of positive imaginary part.
+    """The real roots of a polynomial in ascending order, and its complex roots with positive imaginary part.
 
-    Those in ``known`` are taken as exact.
+    The roots in ``known`` are taken as exact.
     """
     a = poly.quotient(N, a, poly.from_roots(N, known))
     K = MP(math.ceil(N.bits * DIGITS_A_BIT))
@@ -127,7 +127,7 @@ def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Any] = ()) -> t
 
 
 def oval_around(lead: Any, roots: tuple[list[Any], list[Any]], x: Any) -> PointOval:
-    """The oval of real points that holds x, or is next to it where rounding left it outside."""
+    """The real oval that contains x, or the nearest one if rounding left x outside."""
     real, pairs = roots
     last = len(real) - 1
     # f > 0 between every second pair of neighbours
@@ -142,7 +142,7 @@ def oval_around(lead: Any, roots: tuple[list[Any], list[Any]], x: Any) -> PointO
 
 
 def angle_in(N: LongField, oval: PointOval, x: Any, y: Any) -> Any:
-    """φ of a point of an oval."""
+    """The angle φ of a point (x, y) of an oval."""
     import gmpy2
 
     return gmpy2.atan2(y * oval.weight(N, x), oval.middle - x)

@@ -51,13 +51,13 @@ class Portrait(Immutable):
 
     ``frequencies`` (f1, f2) and ``tau_frequencies`` (ν1, ν2) are turns of u1 and of u2 per unit of t and of τ, signed;
     ``rotation_number`` is f1/f2. Rates are in radians per unit of t: ``precession`` of the axis about M̃ in space,
-    ``spin`` of γ̃ about the axis and ``polhode`` of M̃ about it. The last two are in the body and positive in the sense
-    of its axes; all are None without an axis.
+    ``spin`` of γ̃ about the axis and ``polhode`` of M̃ about the axis. ``spin`` and ``polhode`` are measured in the
+    body, positive in the sense of its axes. All three are None without an axis.
 
     ``drift`` is the mean velocity of the point of contact along −y of :attr:`Trajectory.attitude`, in the unit of the
-    radius or in radii; None for a body that does not roll. ``mean_spin`` is the mean of (γ, ω), ``mean_g`` that of g =
-    dτ/dt over t. ``wide_frequencies`` are (f1, f2) to the digits of the set-up. ``ovals`` holds the periods, None where
-    the ovals have met; ``level`` describes the curve.
+    radius or in radii; None for a body that does not roll. ``mean_spin`` is the mean of (γ, ω) and ``mean_g`` the mean
+    of g = dτ/dt, both over t. ``wide_frequencies`` are (f1, f2) to the digits of the set-up. ``ovals`` holds the
+    periods, None where the ovals have met; ``level`` describes the curve.
     """
 
     def __init__(self, system: PhaseSpace, state: State, setup: Setup) -> None:

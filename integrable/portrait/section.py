@@ -1,6 +1,7 @@
 """Poincaré sections in closed form.
 
-The component of γ̃ along the axis of the largest moment vanishes where u1 = a₁, along that of the least where u2 = a₃.
+The component of γ̃ along the axis of the largest moment vanishes where u1 = a₁; the component along the axis of the
+least moment vanishes where u2 = a₃.
 Every motion crosses these surfaces transversally, once per turn of u1 or of u2. From the second integral at the n-th
 crossing of the first, with S_k = Σ∫x^k dx/y at the start,
 
@@ -43,9 +44,9 @@ MOST_CROSSINGS = 10**6
 class Section(Record):
     """The crossings of a motion with a surface γ̃_i = 0. Get one from ``flow.section(count)``.
 
-    ``axis`` (0, 1 or 2) is i; ``tau`` (N,) the crossings, ``run`` the Trajectory there; ``phi`` and ``momentum`` (N,)
-    the coordinates on the section, the angle of γ̃ from the next axis (of sorted a) and M̃_i/|M̃|; ``theta`` (N,) the
-    angle in turns in which the map is a rotation by ``rotation``.
+    ``axis`` (0, 1 or 2) is i; ``tau`` (N,) are the values of τ at the crossings, ``run`` is the Trajectory there;
+    ``phi`` and ``momentum`` (N,) the coordinates on the section, the angle of γ̃ from the next axis (of sorted a) and
+    M̃_i/|M̃|; ``theta`` (N,) the angle in turns in which the map is a rotation by ``rotation``.
     """
 
     def __init__(
@@ -56,7 +57,7 @@ class Section(Record):
 
     @property
     def tau(self) -> Any:
-        """The crossings in the flow's own time, (N,)."""
+        """The values of the flow's own time τ at the crossings, shape (N,)."""
         return self.run.tau
 
     def figure(self) -> Figure:
@@ -117,7 +118,7 @@ def section(flow: Any, count: int, axis: str) -> Section:
 
 
 def tilde(flow: Any, run: Any) -> tuple[np.ndarray, np.ndarray]:
-    """γ + kM and M − dkH1γ along a run, (N, 3) each, up to a common factor."""
+    """The vectors γ + kM and M − dkH1γ along a run, shapes (N, 3): γ̃ and M̃ up to factors."""
     change = flow.setup.tilt
     if change is None:
         return run.gamma, run.M
@@ -126,7 +127,7 @@ def tilde(flow: Any, run: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _refined(flow: Any, tau: Any, axis: int) -> Any:
-    """The run at the crossings, by Newton steps on the flow, each of which doubles the digits."""
+    """The Trajectory at the crossings near τ, by Newton steps on the flow, each of which doubles the digits."""
     K = flow.system.field
     for _ in range(1 if K == RR else ceil(log2(K.dps / ROUGH_DIGITS)) + 1):
         run = flow.at_tau(tau)
@@ -138,8 +139,8 @@ def _refined(flow: Any, tau: Any, axis: int) -> Any:
 
 
 class OvalSeries:
-    """∫dx/y of a point of an oval as a function of its ∫x dx/y, both from the outer end e, in floats: Fourier series in
-    φ, x = e + (e' − e)sin²φ, e' the inner end.
+    """∫dx/y as a function of ∫x dx/y, both from the outer end e of an oval to a point of it, in floats. They are
+    Fourier series in φ, where x = e + (e' − e)sin²φ and e' is the inner end.
     """
 
     def __init__(self, level: Level, oval: int) -> None:

@@ -42,7 +42,7 @@ COLUMNS = ("gamma1", "gamma2", "gamma3", "M1", "M2", "M3", "I1", "I2", "I3", "d"
 
 
 class Sensitivity(Record):
-    """∂(γ, M)(t)/∂(γ(0), M(0), I, d) at N times. Get one from ``flow.sensitivity(times)``.
+    """The derivatives ∂(γ, M)(t)/∂(γ(0), M(0), I, d) at N times. Get one from ``flow.sensitivity(times)``.
 
     ``matrix`` has shape (N, 6, 10): rows γ and M, columns :data:`COLUMNS`. γ(0) varies on the unit sphere, so its
     columns are derivatives along the axes projected onto the tangent plane. ``times`` has shape (N,). The entries lie
@@ -57,7 +57,7 @@ class Sensitivity(Record):
 
     @cached_property
     def secular(self) -> np.ndarray:
-        """The part that grows with t, (N, 6, 10).
+        """The part of ``matrix`` that grows with t, shape (N, 6, 10).
 
         By differences it takes another motion, and for a ball the modes of 1/g. NotRepresentable where the motion is on
         no torus of dimension two, PrecisionLoss where the modes are too many.
@@ -73,7 +73,7 @@ class Sensitivity(Record):
 
     @cached_property
     def periodic(self) -> np.ndarray:
-        """The bounded rest, (N, 6, 10)."""
+        """The bounded part, ``matrix`` minus ``secular``: shape (N, 6, 10)."""
         return read_only(self.matrix - self.secular)
 
     def __len__(self) -> int:
@@ -106,11 +106,11 @@ def sensitivity(flow: Any, times: Numbers) -> Sensitivity:
     farthest = max((abs(float(t)) for t in run.times), default=0.0)
     size = 1 + 10 * farthest * float(max(map(abs, flow.system.omega(state))))
 
-    # where a point of the divisor is at rest, or the ovals have met, there are no two phases
+    # a motion has two phases unless a point of its divisor is at rest or the ovals have met
     parted = flow.portrait.region in ("low", "high")
 
     def rows(body: Body, state: State) -> Any:
-        """Rows of γ and M; if ``parted``, a last row holds both frequencies."""
+        """Returns γ and M in rows; if ``parted``, a last row holds both frequencies."""
         there = flow._through(body, state)
         states = there.at(run.times)
         found = np.hstack([states.gamma, states.M])
@@ -155,11 +155,11 @@ class TorusVariations:
         self._gradient = gradient(self._body, start[0])
 
     def _scaled(self, rows: np.ndarray) -> np.ndarray:
-        """States in the units of the variations; |M̃| differs from |M|, so its unit may differ too."""
+        """States γ and M converted to the units of the variations."""
         return np.concatenate([rows[:, :3], rows[:, 3:] / self._size], axis=1)
 
     def _sample(self) -> None:
-        """Series of σ, of a' and of b, on the first grid that resolves them."""
+        """Sets the series of σ, a' and b, from the first grid that resolves them."""
         sizes = FIRST_SIZE, FIRST_SIZE
         while sizes[0] * sizes[1] <= MOST_SAMPLES:
             lean, rates = self._samples(sizes)
@@ -188,7 +188,7 @@ class TorusVariations:
         return TorusSeries(grid, self._nu, noise=max(NOISE / 64, self._torus.closure))
 
     def _samples(self, sizes: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-        """Y(1/g), and of a and of b seven rates each: of C2, H1, H2, I1, I2, I3 and d, over τ."""
+        """Samples of Y(1/g), and of a and of b the seven rates by τ for changes of C2, H1, H2, I1, I2, I3 and d."""
         phases = [n * np.arange(size) / size for n, size in zip(self._doubled, sizes, strict=True)]
         grid = np.stack(np.meshgrid(*phases, indexing="ij"), axis=-1).reshape(-1, 2)
         lean, rates = np.empty(len(grid)), np.empty((len(grid), 14))
@@ -201,14 +201,14 @@ class TorusVariations:
         return lean.reshape(sizes), rates.reshape(*sizes, 14)
 
     def at(self, times: np.ndarray, tau: np.ndarray, rows: np.ndarray) -> Sensitivity:
-        """At the times of states γ and M."""
+        """The Sensitivity at ``times`` and ``tau``, where ``rows`` are the states γ and M."""
         phases = self._torus.phases(times, True, self._doubled)
         clock, steps = tau * self._pace, times * self._pace
         here = Variation.at(self._body, self._scaled(rows))
         half = len(self._along)
         sums = together([self._sigma, *self._along, *self._across], *phases)
         sigma = sums[:, 0] + self._sigma.origin
-        # a and b of the start, and the integrals' rates by the ten inputs
+        # a and b at the start, and the derivatives of the integrals by the ten inputs
         begin = np.linalg.pinv(self._start.fields[0])
         b0 = np.concatenate([begin[1], np.zeros(4)])
         a0 = np.concatenate([begin[0], np.zeros(4)]) + self._sigma.origin * b0
@@ -221,7 +221,7 @@ class TorusVariations:
         level = np.broadcast_to(self._gradient, (len(rows), 4, 10)).copy()
         level[:, 2, 6:] -= here.energy
         found = here.inverse @ level + x[:, :, None] * a[:, None, :] + Y[:, :, None] * b[:, None, :]
-        # the mean of τ is t over that of 1/g
+        # on average τ is t divided by the mean of 1/g
         slow = float(self._torus.mean)
         secular = x[:, :, None] * mean_a / slow + Y[:, :, None] * mean_b / slow
         secular = steps[:, None, None] * secular

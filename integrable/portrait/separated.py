@@ -1,4 +1,4 @@
-"""Motions in separated coordinates, of any genus: each point of the pair turns in an oval of its own.
+"""Motions of any genus in separated coordinates: each point of Mumford's pair turns in an oval of its own.
 
 On y² = f(x) the k-th point moves between real branch points a and b. With x = ½(a + b) − ½(b − a)cos φ_k and f = (x −
 a)(b − x)h, dx/y is dφ_k/√h, also at the ends. So an integral along the motion is a sum of functions of one angle each,
@@ -37,7 +37,7 @@ from jacobian.numbers.long_reals import BareReals
 MOST_NODES = 1 << 13
 # modes below this fraction of the mean are not needed in floats
 NEGLIGIBLE = 1e-18
-# bits that are right after Newton's method in floats
+# number of correct bits after Newton's method in floats
 FLOAT_BITS = 40
 # extra nodes, and extra digits of π
 SPARE_NODES, DIGITS_BEYOND = 8, 5
@@ -121,7 +121,7 @@ class SeparatedTorus:
 
     @cached_property
     def means(self) -> list[list[Any]]:
-        """For each oval and form the mean of its coefficient of dφ."""
+        """The mean of the coefficient of dφ, for each oval and form."""
         return [
             [_mean(row, poles) for row, poles in zip(rows, places, strict=True)]
             for rows, places in zip(self._values, self.poles, strict=True)
@@ -138,7 +138,7 @@ class SeparatedTorus:
 
     @cached_property
     def waves(self) -> list[list[list[Any]]]:
-        """For each oval and form, 2w_n/n for n = 1, 2, …, where w_n are the modes of its coefficient of dφ."""
+        """The numbers 2w_n/n, n = 1, 2, …, for each oval and form; w_n are the modes of its coefficient of dφ."""
         import gmpy2
 
         N = self._field
@@ -196,10 +196,10 @@ class SeparatedTorus:
     def _lift_at(
         self, N: Any, end: Any, ovals: Sequence[PointOval], points: Sequence[Any], halves: Sequence[Any], shares: Any
     ) -> Any:
-        """(σ, V(e)/σ) at a branch point; ``shares`` are y/Π(x − other points) over r·sin φ."""
+        """The pair (σ, V(e)/σ) at a branch point e; ``shares`` are y/Π(x − other points) over r·sin φ."""
         place, e = self.place_of(end), N.coerce(end)
         own, root, rest, size = None, N.one, N.one, N.one
-        # |e − x| of each point, but √|e − x|, with a sign, of the one that turns at e
+        # for each point |e − x|; for the point that turns at e, a signed √|e − x|
         gaps, signs = [], []
         for k, (oval, x, (s, c)) in enumerate(zip(ovals, points, halves, strict=True)):
             signs.append(1 if place > oval.place else -1)
@@ -224,11 +224,11 @@ class SeparatedTorus:
         return [gmpy2.sin_cos(phi / 2) for phi in self.start]
 
     def place_of(self, e: Any) -> int:
-        """The number of a branch point among the real ones."""
+        """The index of a branch point among the real branch points in ascending order."""
         return min(range(len(self._known)), key=lambda k: abs(self._known[k] - e))
 
     def angles_at(self, time: Any) -> tuple[list[Any], list[Any]]:
-        """(φ of each point, growth of each further angle) after a time."""
+        """(angles φ of all points, growth of each further angle) after a time from the start."""
         N, genus = self._field, len(self.ovals)
         whole, rest = [], []
         for place, nu in zip(self.phases, self.frequencies, strict=False):
@@ -254,7 +254,9 @@ class SeparatedTorus:
         return full, turned
 
     def swings(self, angles: np.ndarray, phases: np.ndarray) -> np.ndarray:
-        """The angles about an axis, (N, m), less what grows with the phases; ``angles`` and ``phases`` are (N, g)."""
+        """The angles about an axis, (N, m), minus their parts linear in the phases; ``angles``, ``phases``: shape (N,
+        g).
+        """
         genus, found = len(self.ovals), []
         for j in range(genus, len(self.forms)):
             total = np.zeros(len(angles))
@@ -269,7 +271,7 @@ class SeparatedTorus:
 
     @property
     def swings_at_start(self) -> list[Any]:
-        """The angles about an axis at the start, less what grows with the phases."""
+        """The angles about an axis at the start, minus their parts linear in the phases."""
         sums, genus = self._sums(self.start), len(self.ovals)
         return [
             sums[j] - 2 * self._pi * sum(means[j] * x for means, x in zip(self.means, self.phases, strict=True))
@@ -295,7 +297,7 @@ class SeparatedTorus:
 
     @cached_property
     def frequencies(self) -> list[Any]:
-        """Turns per unit of time: of each point in its oval, upwards where y > 0, then of the further angles."""
+        """The frequencies in turns per unit of time: of each point, upwards where y > 0, then of further angles."""
         found = self.phase_of(self.separation.rates)
         if self.separation.factor is not None:
             found = [nu / self._slowness(self.separation.factor) for nu in found]
@@ -316,7 +318,7 @@ class SeparatedTorus:
 
     @cached_property
     def actions(self) -> list[Any] | None:
-        """(1/2π)∮p dq along the same cycles; None if the system has no action form."""
+        """The actions (1/2π)∮p dq over the cycles of the frequencies; None if the system has no action form."""
         form = self.separation.action
         if form is None:
             return None

@@ -1,7 +1,8 @@
-"""The spectral lines of a motion: its quantities as sums of e^(2πift), f = ½Σm_k f_k with the frequencies of its torus.
+"""The spectral lines of a motion: its quantities as sums of e^(2πift), f = ½Σm_k f_k with the frequencies f_k of its
+torus.
 
 Amplitudes are discrete Fourier coefficients on a grid of phases that are linear in t. They are right to rounding,
-without a long run, however close two lines are (Laskar 1993 estimates them from one).
+without a long run, however close two lines are (Laskar 1993 estimates them from a long run).
 
 The phases of a body's torus are linear in τ. Those linear in t are φ = θ + ν·S/⟨1/g⟩, S the bounded part of t(τ), and
 Newton steps along the flow find θ at φ.
@@ -36,10 +37,10 @@ class Sampled(Protocol):
     """Quantities on a torus whose phases are linear in t."""
 
     dimension: int
-    """The number of directions in which the grid is chosen; in further ones it is given."""
+    """The number of directions in which the size of the grid is chosen; further directions have a given size."""
 
     def samples(self, sizes: tuple[int, ...]) -> dict[str, np.ndarray]:
-        """Each quantity on a grid with so many phases, (*grid, components)."""
+        """The values of each quantity on a grid of ``sizes`` phases, shape (*grid, components)."""
 
     def lines(self, counted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The modes (L, n) and frequencies (L,) of counts (L, n) of turns along the directions of the grid."""
@@ -103,7 +104,7 @@ def lines_of(source: Sampled) -> Spectrum:
 
 
 def _transformed(samples: np.ndarray) -> np.ndarray:
-    """The Fourier coefficients of samples in all but the last direction."""
+    """The Fourier coefficients of samples, transformed in all directions but the last."""
     grid: np.ndarray = np.fft.fftn(samples, axes=range(samples.ndim - 1), norm="forward")
     return grid
 
@@ -161,7 +162,9 @@ class BodyStates:
         return {name: part.reshape(*sizes, 3) for name, part in parts.items()}
 
     def lines(self, counted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Modes in the torus's own basis converted to those of the two ovals, possibly with the opposite direction."""
+        """The modes and frequencies, converted from the torus's basis to the two ovals, possibly with opposite
+        direction.
+        """
         basis = np.array(self._torus.lattice.chart.basis)
         own = [sum(x * int(b) for x, b in zip(self._torus.frequencies, column, strict=True)) for column in basis.T]
         f1, f2 = self._portrait.wide_frequencies

@@ -23,7 +23,9 @@ class TorusPortrait(Immutable):
     """
 
     def __init__(self, settled: Callable[[Callable[[SeparatedTorus], Any]], list[list[Any]]]) -> None:
-        """``settled(read)`` are the vectors that ``read`` finds on the torus, to the digits of the field."""
+        """``settled(read)`` returns the vectors that ``read`` computes from a torus, correct to the digits of the
+        field.
+        """
         self._settled = settled
         signs, actions, *rows = settled(_numbers_of)
         self._signs = tuple(1 if x > 0 else -1 for x in signs)
@@ -36,7 +38,7 @@ class TorusPortrait(Immutable):
 
     @property
     def periods(self) -> tuple[Real, ...]:
-        """1/|f| for each frequency f."""
+        """The periods 1/|f| of all frequencies f."""
         return tuple(abs(1 / f) for f in self.frequencies)
 
     @cached_property
@@ -55,7 +57,7 @@ class TorusPortrait(Immutable):
 
 
 def _numbers_of(torus: SeparatedTorus) -> list[list[Any]]:
-    """The senses in which actions of ovals are positive; the actions and every frequency in these senses."""
+    """Signs that make the actions of ovals positive, then with these signs the actions and each frequency."""
     actions, one = torus.actions, torus.one
     genus = len(torus.ovals)
     signs = [-one if actions and k < genus and actions[k] < 0 else one for k in range(len(torus.frequencies))]

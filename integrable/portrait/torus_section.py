@@ -27,8 +27,9 @@ MOST_STEPS, LAST = 60, 1e-9
 class TorusSection(Record):
     """The crossings of one end of an oval by the point in it. Get one from ``flow.section(count)``.
 
-    ``path`` are the states there, and ``times`` (N,) its times. ``theta`` (N, g − 1) are the phases of the other
-    points, in turns modulo 1, in which the map from one crossing to the next is the rotation by ``rotation`` (g − 1,).
+    ``path`` are the states at the crossings, and ``times`` (N,) their times. ``theta`` (N, g − 1) are the phases of the
+    other points, in turns modulo 1, in which the map from one crossing to the next is the rotation by ``rotation`` (g −
+    1,).
     """
 
     def __init__(self, path: Any, theta: Any, rotation: Any) -> None:
@@ -36,7 +37,7 @@ class TorusSection(Record):
 
     @property
     def times(self) -> Any:
-        """The times of the crossings, (N,)."""
+        """The times of the crossings, shape (N,)."""
         return self.path.times
 
     def __len__(self) -> int:

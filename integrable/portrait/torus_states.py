@@ -33,7 +33,7 @@ class TorusStates:
         places = [torus.place_of(e) for e in ends]
         self._doubled = [2 if {o.place, o.place + 1} & set(places) else 1 for o in torus.ovals]
         self._frequencies = np.array(frequencies)
-        # the portrait may count turns the other way
+        # the portrait may count turns in the opposite direction
         own = np.array([float(f) for f in torus.frequencies])
         self._senses = np.where(own * self._frequencies < 0, -1, 1)
 

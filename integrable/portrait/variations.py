@@ -23,8 +23,8 @@ Array = np.ndarray
 
 
 class Variation(NamedTuple):
-    """At N states: E (N, 6, 2), the right inverse (N, 6, 4), ∂H1/∂(I, d) (N, 4), J (N, 6, 6), P (N, 6, 4), 1/g and
-    Y(1/g), both (N,).
+    """The quantities of this module at N states: E (N, 6, 2), the right inverse (N, 6, 4), ∂H1/∂(I, d) (N, 4), J (N, 6,
+    6), P (N, 6, 4), 1/g and Y(1/g), both (N,).
     """
 
     fields: Array
@@ -82,7 +82,7 @@ class Variation(NamedTuple):
 
 
 def gradient(body: Body, row: Array) -> Array:
-    """∂(C1, C2, H1, H2)/∂(γ, M, I, d) at one state, (4, 10)."""
+    """The derivatives ∂(C1, C2, H1, H2)/∂(γ, M, I, d) at one state, shape (4, 10)."""
     found = Variation.at(body, row[None])
     result = np.zeros((4, 10))
     result[:, :6] = np.linalg.pinv(found.inverse[0])
@@ -91,7 +91,7 @@ def gradient(body: Body, row: Array) -> Array:
 
 
 def _left_inverse(columns: Array) -> Array:
-    """The pseudo-inverses, (N, m, 6), of independent columns (N, 6, m)."""
+    """The pseudo-inverses, shape (N, m, 6), of N matrices of independent columns, shape (N, 6, m)."""
     q, r = np.linalg.qr(columns)
     found: Array = np.linalg.solve(r, q.transpose(0, 2, 1))
     return found
@@ -102,7 +102,7 @@ def _moved(rows: Array, spin: Array) -> Array:
 
 
 def _skew(v: Array) -> Array:
-    """[v]× with [v]×x = v × x, (N, 3, 3)."""
+    """The matrices [v]× with [v]×x = v × x, shape (N, 3, 3)."""
     zero = 0 * v[:, 0]
     rows = [[zero, -v[:, 2], v[:, 1]], [v[:, 2], zero, -v[:, 0]], [-v[:, 1], v[:, 0], zero]]
     return np.moveaxis(np.array(rows), 2, 0)

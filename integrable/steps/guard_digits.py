@@ -1,8 +1,8 @@
 """Steps computed with more digits than their field has, for maps whose intermediate results lose digits.
 
-A translation near the identity has coefficients 1/η. One near a branch point has an ordinate y = √f(x') of the size of
-f's rounding. A multiple loses digits at every doubling. The map itself is well conditioned: its image, computed with
-guard digits and rounded once, has an error of one rounding times the map's own condition.
+A translation near the identity has coefficients 1/η. A translation near a branch point has an ordinate y = √f(x') of
+the size of f's rounding. A multiple loses digits at every doubling. The map itself is well conditioned: its image,
+computed with guard digits and rounded once, has an error of one rounding times the map's own condition.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ ATTEMPTS = 3
 
 
 def drift(system: PhaseSpace, image: State, state: State) -> Any:
-    """The larger relative difference of H1 and H2 between two states."""
+    """The larger of the relative differences of H1 and of H2 between two states."""
     (h1, h2), (k1, k2) = (system.body.energies(x.gamma, x.M) for x in (state, image))
     return max(abs(k1 - h1) / (abs(h1) or 1), abs(k2 - h2) / (abs(h2) or 1))
 
@@ -71,7 +71,7 @@ def with_enough_digits(step: Step, state: State) -> State:
         try:
             image = in_wider_numbers(step, state)[0]
         except NotASquare:
-            # if the field's own numbers fail too, their error is raised: the user knows these numbers
+            # if the field's own numbers fail too, raise their error, whose message has the user's numbers
             step.plain(state)
             raise
         lost = drift(step.system, image, state)
@@ -80,7 +80,7 @@ def with_enough_digits(step: Step, state: State) -> State:
 
 
 def body_condition(system: PhaseSpace) -> float:
-    """The loss of digits where the a_i are nearly equal (heavy bodies): max a_i over their spread, at most 1/eps."""
+    """The loss of digits where the a_i nearly agree (heavy bodies): max a_i over their spread, at most 1/eps."""
     K: Any = system.field
     body = system.body
     low, _, high = sorted(range(3), key=lambda i: body.inertia[i])
@@ -101,7 +101,7 @@ def tilt_condition(change: ChaplyginTransformation, state: State) -> float:
 def in_wider_numbers(step: Step, state: State, count: int = 1) -> list[State]:
     """The states after 1, …, ``count`` steps, rounded to the field of the step only at the end.
 
-    :meth:`Step.condition` chooses the digits. They are doubled where H1 and H2 show that they were too few.
+    :meth:`Step.condition` chooses the digits. They are doubled where H1 and H2 show that there were too few.
     PrecisionLoss if that does not suffice either.
     """
     K, condition = step.system.field, step.condition(state)
@@ -124,7 +124,7 @@ def _wider(step: Step, attempts: Sequence[tuple[int, Callable[[PhaseSpace], Stat
             for _ in range(count):
                 states.append(moved(states[-1]))
         except (NotRepresentable, PrecisionLoss):
-            # too few digits can look like a special position
+            # with too few digits a generic position can look like a special one
             if last:
                 raise
             continue
@@ -174,13 +174,13 @@ def _beside_rotation(step: Step, state: State, count: int, condition: float) -> 
 
 
 def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) -> State:
-    """The state with γ or M turned off the axis of M by 10^−distance."""
+    """The state with γ (or M, if ``by_momentum``) turned away from its exact direction by 10^−distance."""
     K: Any = system.field
     i = max(range(3), key=lambda k: abs(state.M[k]))
     gamma, M = (list(map(K.coerce, v)) for v in (state.gamma, state.M))
     small = K.context.mpf(10) ** -distance
     if by_momentum:
-        # orthogonal to γ, which is orthogonal to the axis
+        # the change of M is orthogonal to γ, which is orthogonal to the axis
         gamma[i], M[i - 2], M[i - 1] = K.zero, -small * M[i] * gamma[i - 1], small * M[i] * gamma[i - 2]
     else:
         gamma[i], M[i - 2], M[i - 1] = small, -small * M[i] * gamma[i - 2], -small * M[i] * gamma[i - 1]
@@ -188,7 +188,7 @@ def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) 
 
 
 def _without_dust(field: Any, image: State) -> State:
-    """The image with components of the size of the added perturbation set to 0: again a rotation about an axis."""
+    """The image with components of the size of the perturbation set to 0, so that it is a rotation about an axis."""
     size = max(map(abs, image.M))
     (g1, g2, g3), (m1, m2, m3) = (
         tuple(x if abs(x) > field.eps**2 * scale else field.zero for x in v)

@@ -32,8 +32,8 @@ from jacobian.relatives.signed import SignedDivisor, SignedGroup, reflected, she
 
 
 class Move(Step):
-    """A step defined at (γ, M) = 0. A tilted state is mapped there by Chaplygin's transformation, and its image
-    back.
+    """A step defined at (γ, M) = 0. A tilted state is first mapped to an upright one by Chaplygin's
+    transformation, and the image is mapped back.
     """
 
     def __call__(self, state: State[Element]) -> State[Element]:
@@ -56,7 +56,7 @@ class Move(Step):
         return image
 
     def condition(self, state: State) -> float:
-        """The amplification of rounding errors: that of the map times that of Chaplygin's transformation."""
+        """The amplification of rounding errors by the map, times that by Chaplygin's transformation."""
         state = self.system._checked(state)
         if not state.tilted:
             return self._condition(state)
@@ -71,7 +71,7 @@ class Move(Step):
 
 
 class Multiplication(Move):
-    """D ↦ [ℓ]D, ℓ times the state's own divisor. The map multiplies the bracket by ℓ.
+    """The map D ↦ [ℓ]D, ℓ times the state's own divisor. It multiplies the bracket by ℓ.
 
     For odd ℓ the image lies over the same field. An even ℓ needs the roots of κ_i = (1 − d·a_i)(a_i − a_j)(a_i − a_k).
     Their product is −1 times a square if the 1 − d·a_i are squares, so over the reals there is no image (NotASquare);
@@ -102,14 +102,14 @@ class Multiplication(Move):
         return f"<multiplication by {self.factor} on {self.system!r}>"
 
     def _image(self, state: State) -> State:
-        """The image. NotASquare if it is not over the field; NotRepresentable for equal moments or an image of low
-        weight.
+        """The image of an upright state. NotASquare if it is not over the field; NotRepresentable for equal moments or
+        an image of low weight.
         """
         system, body, K = self.system, self.system.body, self.system.field
         kappas = coordinates.kappas(body)
         if any(kappa == K.zero for kappa in kappas):
             raise NotRepresentable("two moments of inertia are equal: a divisor does not determine γ")
-        # over the reals the roots fail for every even factor
+        # over the reals an even factor has no roots and thus no image
         even = self.factor % 2 == 0
         roots = [square_root(K, kappa, f"κ of axis {i}") for i, kappa in enumerate(kappas)] if even else []
         pairs = coordinates.to_pairs(body, state)
@@ -122,7 +122,7 @@ class Multiplication(Move):
 
 
 class Keyless(Move):
-    """D ↦ D + (1/d, 0) − ∞, Tsiganov's map chap-keyless. At d = 0 it is the element of order two of the pencil.
+    """The map D ↦ D + (1/d, 0) − ∞, Tsiganov's chap-keyless. At d = 0 it is the element of order two of the pencil.
 
     The parabola P = V − λU passes through D and (1/d, 0). The other zeros of y − P are D's image, reflected
     (:func:`jacobian.relatives.signed.reflected`), with ρ_i = 2σ_i|M|√(1 − d·a_i). So (gγ_i, 2w_i), w = γ × M, is
@@ -138,7 +138,7 @@ class Keyless(Move):
         return f"<keyless map on {self.system!r}>"
 
     def _image(self, state: State) -> State:
-        """The image. NotASquare if |M|, a √(1 − d·a_i) or g̃ is not in the field."""
+        """The image of an upright state. NotASquare if |M|, a √(1 − d·a_i) or g̃ is not in the field."""
         body, K = self.system.body, self.system.field
         h2 = K.dot(state.M, state.M)
         check_moving(K, h2)
@@ -155,7 +155,9 @@ class Keyless(Move):
         return coordinates.from_pairs(body, pairs)
 
     def divisor(self, state: State[Element]) -> Divisor[Element]:
-        """(1/d, 0) − ∞ on the curve of a state, or of its upright body if it is tilted. NotRepresentable at d = 0."""
+        """The divisor (1/d, 0) − ∞ on the curve of a state, or of its upright body if it is tilted. NotRepresentable at
+        d = 0.
+        """
         system, K = self.system, self.system.field
         if system._checked(state).tilted:
             system, state, _ = system.upright(state)
@@ -204,7 +206,7 @@ class ConicStep(Move):
         return float((lost_above + lost_below / abs(below)) / size) if below and size else LARGEST
 
     def _image(self, state: State) -> State:
-        """The image. NotASquare if s is not in the field; NotRepresentable if U(x0) or s is 0."""
+        """The image of an upright state. NotASquare if s is not in the field; NotRepresentable if U(x0) or s is 0."""
         from jacobian.relatives.conic import parameter
 
         system, K = self.system, self.system.field

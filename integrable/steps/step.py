@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 Abscissa = Value | complex | Callable[[Any, Any], Any]
 """A number, or a function of H1 and H2."""
 MOST_MULTIPLE = 10**100
-"""The largest multiple over RR and MP: its doublings take some seconds, in about 500 digits."""
+"""The largest multiple over RR and MP: it takes some seconds, in numbers of about 500 digits."""
 
 
 class Step(Immutable):
-    """A map of the states of one system: ``step(state)``; ``second @ first`` is the composition."""
+    """A map of states of one system, called as ``step(state)``; ``second @ first`` is the composition."""
 
     system: Any
     guarded = False

@@ -66,11 +66,11 @@ class Shift(Move):
         return State((x1, x2, x3), (m1, m2, m3), tilted=state.tilted)
 
     def condition(self, state: State) -> float:
-        """1: :meth:`plain` chooses its own digits."""
+        """The constant 1, because :meth:`plain` chooses its own digits."""
         return 1.0
 
     def divisor(self, state: State[Element]) -> Divisor[Element]:
-        """T(w) on the curve of a state, or of its upright body."""
+        """The divisor T(w) on the curve of a state, or of its upright body if it is tilted."""
         system, (setup, step) = self.system, self._translation(self.system._checked(state))
         if state.tilted:
             system, state, _ = system.upright(state)
@@ -78,7 +78,7 @@ class Shift(Move):
         if step is None:
             return group.zero()
         u0, u1, v0, v1 = self._finite(setup, lambda row: row, step)[:4]
-        # x' = x/X and y' = y/(2X²|M|)
+        # the set-up's coordinates are x' = x/X and y' = y/(2X²|M|)
         top, size = _top(setup), _top(setup) * setup.problem.time_scale
         K = system.field
         u = (K.coerce(u0 * top * top), K.coerce(u1 * top), K.one)
@@ -101,7 +101,7 @@ class Shift(Move):
             digits = needed + SPARE
 
     def _integrals(self, setup: Setup) -> tuple[Real, Real]:
-        """w in the units of the motion."""
+        """The two components of w in the units of the motion."""
         problem, wide = setup.problem, setup.wide
         h2 = problem.momentum * problem.momentum
         jets = JetField(wide, 2)
@@ -111,7 +111,7 @@ class Shift(Move):
         return 2 * slopes[0] * problem.time_scale, -2 * slopes[1] * problem.time_scale / _top(setup)
 
     def _finite(self, setup: Setup, function: Any, *rows: Row) -> tuple[Real, ...]:
-        """``function`` of rows of bare reals, as wide numbers. PrecisionLoss if one is not finite."""
+        """The values of ``function`` at rows of bare reals, as wide numbers. PrecisionLoss if one is not finite."""
         with setup.reals:
             found = setup.reals.elements(setup.wide, function(*rows))
         if not all(map(setup.wide.context.isfinite, found)):
@@ -120,7 +120,8 @@ class Shift(Move):
 
 
 def sum_of(setup: Setup, first: Any, second: Any) -> Row:
-    """T with (Σ∫dx/y, Σ∫x dx/y) = (first, second) in bare reals, as the sum T₀(first + second) + T₋₁(−second).
+    """The translation T with (Σ∫dx/y, Σ∫x dx/y) = (first, second) in bare reals, as the sum T₀(first + second) +
+    T₋₁(−second).
 
     T₀(ε) is :meth:`Translations.near`, with Σ∫x dx/y = 0. T₋₁(ε) is the same about x = −1, which like 0 lies left of
     all branch points; it has Σ∫(x + 1)dx/y = 0.
@@ -140,5 +141,5 @@ def sum_of(setup: Setup, first: Any, second: Any) -> Row:
 
 
 def _top(setup: Setup) -> Any:
-    """X = max a_i, the unit of x."""
+    """The largest a_i, X, which is the unit of x."""
     return setup.problem.time_scale / (2 * setup.problem.momentum)

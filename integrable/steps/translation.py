@@ -140,7 +140,8 @@ class Translation(Step):
             for value in (poly.evaluate(K, u, e),)
         )
         worst = max(worst, near * float(radius**2 / _size_at(f, radius) ** 0.5))
-        # the cancellation in U'(a_i); a branch point far out; the cancellation where the a_i are close together
+        # three causes: cancellation in U'(a_i), a distant branch point, and cancellation where the a_i are close
+        # together
         values = [(_size_at(u, e), abs(poly.evaluate(K, u, e))) for e in self.system.a]
         worst = max([worst, *(float(size / value) for size, value in values if value)])
         worst = max([worst, *(float(abs(y) / radius) for y in x if self._is_branch(y, h1, h2))])
@@ -157,7 +158,9 @@ class Translation(Step):
         return coordinates.from_pairs(body, total.pairs)
 
     def divisor(self, state: State[Element]) -> Divisor[Element]:
-        """[multiple]D' in the group of a state's curve. It exists even if the state has no image over the field."""
+        """The divisor [multiple]D' in the group of a state's curve. It exists even if the state has no image over the
+        field.
+        """
         if self.system._checked(state).tilted:
             step, plain, _ = self._transformed(state)
             return step.divisor(plain)
@@ -167,8 +170,8 @@ class Translation(Step):
         return self.multiple * found
 
     def _transformed(self, state: State) -> tuple[Translation, State, ChaplyginTransformation]:
-        """(step, state, transformation): the same step on the body of :meth:`System.upright`, with its branch point
-        1/d, and the upright state.
+        """(step, state, transformation) for a tilted state: the step on the body of :meth:`System.upright`, with 1/d of
+        that body, and the upright state.
         """
         system, plain, change = self.system.upright(state)
         if self._upright is None or self._upright[0] != system:
@@ -212,7 +215,7 @@ class Translation(Step):
 
     def _signed(self, group: SignedGroup, u: poly.Poly, v: poly.Poly) -> SignedDivisor:
         if self.multiple % 2 == 0:
-            # the double of any divisor has rational roots
+            # the double of any divisor has its signed roots in the field
             move = group.double(group.twist(u, v))
             move = move if self.multiple == 2 else group.multiple(self.multiple // 2, move)
         else:
@@ -320,10 +323,10 @@ def _abscissas(system: PhaseSpace, points: Iterable[Abscissa]) -> tuple[Any, ...
 
 
 def _own(K: Any, x: Any) -> Any:
-    """An abscissa in the numbers of K; a complex number is taken as exact."""
+    """An abscissa as a number of K; a complex number is taken as exact."""
     return K.context.mpc(x) if not K.exact and K.dps and (isinstance(x, complex) or hasattr(x, "_mpc_")) else x
 
 
 def _size_at(f: poly.Poly, x: Any) -> Any:
-    """Σ |f_i||x|^i: the scale of rounding in f(x)."""
+    """The sum Σ |f_i||x|^i, which is the scale of rounding errors in f(x)."""
     return sum(abs(c) * abs(x) ** i for i, c in enumerate(f))

@@ -23,8 +23,8 @@ class EulerTop(System[Coordinate]):
 
     @classmethod
     def t_handle(cls) -> tuple[EulerTop[Coordinate], State[Coordinate]]:
-        """A T-handle spinning nearly about its middle axis, which turns over periodically, and its state: the scene
-        ``t_handle``.
+        """A T-handle and a state in which it spins nearly about its middle axis, so that it turns over periodically:
+        the scene ``t_handle``.
 
         >>> top, state = EulerTop.t_handle()
         >>> top.flow(state).at([0.0, 20.0]).M[:, 1].round(6)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 class BodyOnLayer(BodySystem):
     """A ball (d ≠ 0) or a top of three different moments: a state has q = γ and p = M.
 
-    ``flow`` is the body's own, compiled over RR; ``by_additions`` is that of any system of genus 2 (d ≠ 0).
+    ``flow`` is the body's own, compiled over RR; ``by_additions`` is the flow of any system of genus 2 (d ≠ 0).
     """
 
     def __init__(self, inertia: Any, d: Any = 0, field: Any = RR) -> None:
@@ -36,19 +36,19 @@ class BodyOnLayer(BodySystem):
 
     @property
     def body(self) -> System:
-        """The body."""
+        """The ball or the top itself, as a System."""
         from integrable.systems.chaplygin_ball import ChaplyginBall
 
         with unwarned():
             return ChaplyginBall(self.constants, self.parameters[0], field=self.field)
 
     def divisor(self, state: Point) -> Divisor:
-        """The class of the state's pair, of a top in the generalized Jacobian."""
+        """The divisor class of a state; for a top it lies in the generalized Jacobian."""
         body = self.body
         return body.divisor(body.state(*state))
 
     def flow(self, state: Point, tolerance: float | None = None) -> Any:
-        """The motion of a state by the body's own flow; ``at(times)``. ArgumentError for a tolerance."""
+        """The motion through a state by the body's own flow. ArgumentError if a tolerance is given."""
         if tolerance is not None:
             raise ArgumentError(
                 f"tolerance = {shown(tolerance)}: the flow of a body is right to its last bits; give none"
@@ -57,7 +57,7 @@ class BodyOnLayer(BodySystem):
         return BodyPath(self, state)
 
     def by_additions(self, state: Point) -> Any:
-        """The motion of a state by additions in long numbers; ArgumentError at d = 0, and over RR where
+        """The motion through a state by additions in long numbers; ArgumentError at d = 0, and over RR where
         :mod:`integrable.motion.domain` refuses the body or the state.
         """
         (d,) = self.parameters
@@ -68,7 +68,7 @@ class BodyOnLayer(BodySystem):
             check_domain(self.body, self.body.state(*state))
         return super().flow(state)
 
-    # the body's own flow is faster near its start as well
+    # the layer adds no compiled kind of its own: the body's own flow is faster near its start too
     _kind = None
 
     def _constants_in(self, N: Any) -> tuple[Any, ...]:
@@ -96,12 +96,12 @@ class BodyPath(Immutable):
         return self.system, self.start
 
     def at(self, times: Numbers) -> Path:
-        """The states at times."""
+        """The states at physical times, as a Path with q = γ and p = M."""
         run = self._flow.at(times)
         return Path(run.times, run.gamma, run.M, run.way)
 
     def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
-        """Proven bounds of the states at times."""
+        """Proven bounds of the states at physical times."""
         return _enclosed(self._flow.enclosure(times, digits))
 
     def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> EnclosedPath:
@@ -110,19 +110,19 @@ class BodyPath(Immutable):
 
     @property
     def portrait(self) -> Any:
-        """The body's own portrait of the motion."""
+        """The portrait of the motion that the body's own flow gives."""
         return self._flow.portrait
 
     def spectrum(self) -> Any:
-        """The body's own spectral lines of γ, M and ω."""
+        """The spectral lines of γ, M and ω that the body's own flow gives."""
         return self._flow.spectrum()
 
     def section(self, count: int, axis: str = "largest") -> Any:
-        """The body's own next ``count`` crossings of a Poincaré section."""
+        """The next ``count`` crossings of a Poincaré section that the body's own flow gives."""
         return self._flow.section(count, axis)
 
     def tau_near(self, time: Any, digits: int) -> Any:
-        """τ at a time, a long number of about that many digits."""
+        """τ at a physical time, as a long number of about ``digits`` digits."""
         wide = MP(max(ball_digits(self.system.field, digits), self.digits))
         body = BodyOnLayer(self.system.constants, self.system.parameters[0], wide).body
         gamma, M = (list(map(wide.coerce, part)) for part in self.start)

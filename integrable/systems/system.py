@@ -26,7 +26,7 @@ class System(PhaseSpace[Element]):
     def poisson(self, state: State[Element]) -> tuple[tuple[Element, ...], ...]:
         """The 6×6 matrix of the brackets of (γ, M), for which (γ̇, Ṁ) = g{(γ, M), H1/2}; e*(3) at d = 0.
 
-        Also for (γ, M) ≠ 0. NotASquare where g² has no root in the field.
+        The brackets are defined for (γ, M) ≠ 0 too. NotASquare where g² has no root in the field.
         """
         from integrable.phase.brackets import ball_matrix
 
@@ -43,8 +43,8 @@ class System(PhaseSpace[Element]):
         """The Bäcklund map D ↦ D + [multiple](Σ (x_k, ±√f(x_k)) − ∞'s) for one or two abscissas (one: d ≠ 0 only):
         fixed numbers, or functions of (h1, h2) as in :class:`integrable.steps.translation.Translation`.
 
-        Real images need U'(a_i) > 0 at every axis: two points on one oval, two beyond 1/d, a complex-conjugate pair,
-        one branch point 1/d, or an even multiple of anything.
+        Real images need U'(a_i) > 0 at every axis: two points on one oval, two points beyond 1/d, a complex-conjugate
+        pair, the branch point 1/d, or an even multiple of any points.
         """
         from integrable.steps.translation import Translation
 
@@ -58,13 +58,13 @@ class System(PhaseSpace[Element]):
         return self.translation([middle], signs=signs)
 
     def keyless(self, signs: Sequence[int] | None = None) -> Keyless:
-        """The 2-torsion map, real for every body, for d = 0 too (:class:`integrable.steps.moves.Keyless`)."""
+        """A 2-torsion map that is real for every body, also at d = 0 (:class:`integrable.steps.moves.Keyless`)."""
         from integrable.steps.moves import Keyless
 
         return Keyless(self, signs)
 
     def multiplication(self, factor: int) -> Multiplication:
-        """D ↦ [factor]D (:class:`integrable.steps.moves.Multiplication`)."""
+        """The map D ↦ [factor]D (:class:`integrable.steps.moves.Multiplication`)."""
         from integrable.steps.moves import Multiplication
 
         return Multiplication(self, factor)
@@ -102,5 +102,7 @@ class System(PhaseSpace[Element]):
         return Diagram(self)
 
     def motion_through(self, state: State[Element]) -> Flow:
-        """The motion of a state, with ``.at(times)`` for physical times: :meth:`flow`; every system has it."""
+        """The motion through a state, with ``.at(times)``: the same as :meth:`flow`, under a name that every system
+        has.
+        """
         return self.flow(state)
