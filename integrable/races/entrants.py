@@ -118,7 +118,7 @@ def _itself(problem: Problem) -> str:
 
 
 def _package(problem: Problem, times: np.ndarray, _: float) -> Timed:
-    """The package's own motion in floats."""
+    """Runs the package's own flow in floats, and returns the seconds spent and the states."""
     begun = perf_counter()
     moving = problem.motion
     made = perf_counter()

@@ -1,4 +1,4 @@
-"""The page of a race: for each problem a work–precision diagram and its table. One HTML file that loads nothing."""
+"""The page of a race: for each problem a work–precision diagram and a table, in one HTML file that loads nothing."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ class Axis(NamedTuple):
         return self.start + min(max(part, 0.0), 1.0) * (self.end - self.start)
 
     def ticks(self, most: int) -> list[int]:
-        """The decades to label, about ``most`` at most."""
+        """The decades of the axis that get a label, about ``most`` at most."""
         stride = next(n for n in (1, 2, 3, 5, 10, 20) if (self.high - self.low) / n <= most)
         return list(range(self.low, self.high + 1, stride))
 
 
 def page(race: Results) -> str:
-    """The HTML of the page."""
+    """The HTML of the page that shows a race."""
     where = ", ".join(f"{name} {version}" for name, version in race.versions.items() if version)
     machine = f"{race.machine.get('processor') or race.machine['system']}, {race.machine['cores']} cores"
     return (

@@ -45,7 +45,7 @@ class Race(Results):
     """The results of a race, with a method that writes them to a folder."""
 
     def write(self, out: str | Path) -> list[Path]:
-        """``race.json``, ``race.txt`` and ``race.html`` in a folder."""
+        """Writes ``race.json``, ``race.txt`` and ``race.html`` to the folder ``out``, and returns their paths."""
         with OutputFolder(out) as folder:
             text = json.dumps(self.as_dict(), ensure_ascii=False, allow_nan=False, indent=1)
             contents = {"race.json": text + "\n", "race.txt": self.table() + "\n", "race.html": page(self)}
@@ -125,7 +125,7 @@ def _chosen(times: Sequence[float]) -> np.ndarray:
 def _rung(
     one: Problem, times: np.ndarray, truth: Truth, left: list[Entrant], rung: int, limit: float
 ) -> list[tuple[Entrant, Run]]:
-    """The runs of all methods at one rung. Each method first runs alone, then the fast ones run in turn."""
+    """The runs of all methods at one rung. Each method first runs alone, then the fast methods run in turn."""
     found: dict[str, Run] = {}
     for entrant in left:
         found[entrant.name] = _tried(one, times, truth, entrant, rung, limit)
@@ -158,7 +158,7 @@ def _tried(one: Problem, times: np.ndarray, truth: Truth, entrant: Entrant, rung
             return run._replace(note=f"not run: it would take about {duration(whole)}")
         with at_most(2 * limit):
             spent, y = entrant.run(one, times, setting)
-    except Exception as why:  # a user's function failed; the other methods continue
+    except Exception as why:  # an error of a user's function must not stop the other methods
         return run._replace(note=f"{type(why).__name__}: {' '.join(str(why).split())}")
     error = float(one.error(y, truth).max())
     if not np.isfinite(error):

@@ -13,8 +13,8 @@ __all__ = ["Course", "Results", "Run"]
 class Run(NamedTuple):
     """The result of a method at one setting.
 
-    It has the error (:meth:`Problem.error`) and the median seconds of a start with its evaluation. ``first`` is the
-    seconds spent once before that, and ``note`` the reason for missing figures.
+    ``error`` is that of :meth:`Problem.error`, ``seconds`` the median time of a start with its evaluation. ``first`` is
+    the time spent once before, and ``note`` the reason for missing figures.
     """
 
     method: str
@@ -44,7 +44,7 @@ class Course:
     runs: tuple[Run, ...]
 
     def table(self) -> str:
-        """The runs as text."""
+        """The table of the course's runs as text."""
         head = ("method", "setting", "error", "run time", "once before")
         cells = [
             (
@@ -78,7 +78,7 @@ class Results:
     versions: dict[str, str | None]
 
     def table(self) -> str:
-        """All courses as text."""
+        """The tables of all courses as text."""
         return "\n\n\n".join(course.table() for course in self.courses)
 
     def as_dict(self) -> dict[str, Any]:
