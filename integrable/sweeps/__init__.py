@@ -1,4 +1,4 @@
 """Sweeps: many motions, over a grid of a scene's numbers or of an ensemble, written to one file.
 
-They are computed in chunks, on any executor.
+The motions are computed in chunks, on any executor.
 """

@@ -55,11 +55,11 @@ class Layout:
 
     @property
     def chunks(self) -> int:
-        """The number of chunks."""
+        """The number of chunks of the sweep."""
         return -(-self.count // self.chunk)
 
     def ends(self, chunk: int) -> tuple[int, int]:
-        """The range of members of a chunk."""
+        """The numbers (begin, end) of a chunk's first member and of the first member after the chunk."""
         return chunk * self.chunk, min(self.count, (chunk + 1) * self.chunk)
 
 
@@ -113,13 +113,13 @@ class Store:
         self._leave()
 
     def _leave(self) -> None:
-        """Release the folder, and remove it if it holds nothing to resume from."""
+        """Releases the folder, and removes it if it holds nothing from which a sweep could resume."""
         self._lock.release()
         if self._own and not self.done:
             shutil.rmtree(self.folder, ignore_errors=True)
 
     def put(self, chunk: int, part: Part) -> None:
-        """Keep a chunk."""
+        """Writes the states of a chunk, then enters the chunk in the journal."""
         numbers = {reason: n for n, reason in enumerate(self.reasons)}
         own = np.array([numbers.setdefault(reason, len(numbers)) for reason in part.reasons], dtype=np.int32)
         status = own[part.status]
@@ -135,7 +135,7 @@ class Store:
             self._note()
 
     def finish(self) -> None:
-        """Make the file from all chunks."""
+        """Makes the sweep's file from all chunks."""
         reasons = reasons_text(self.reasons)
         attributes = {**self.layout.attributes, "reasons": reasons, "refused": self.refused, "stamp": self.layout.stamp}
         with said(self.path, "out"):
@@ -189,7 +189,7 @@ def refused(status: np.ndarray) -> int:
 
 
 def described(layout: Layout, reasons: list[str]) -> dict[str, Column]:
-    """Every array of the file; those of the states have no values yet."""
+    """The columns of the file by name. The columns of the states have no values yet."""
     dims, none = ("member", "time"), np.empty(0)
     return {
         "member": Column(("member",), np.arange(layout.count), "1", "number of the member"),
@@ -227,7 +227,7 @@ class _Zarr:
             group.create_array(
                 name, shape=shape, chunks=(self._layout.chunk, *(max(1, n) for n in shape[1:])), dtype=kind,
                 dimension_names=made[name].dims,
-                # write chunks of zeros too: a missing one would be read as zeros
+                # also write chunks of zeros: zarr would read a missing chunk as zeros
                 config={"write_empty_chunks": True},
             )  # fmt: skip
 
@@ -325,7 +325,7 @@ class _Hdf5:
                         self._join(file, made, target)
                         scaled(file, made)
                 except Exception:
-                    # after a failed write the library's own error is only a consequence
+                    # after a failed write the error of the HDF5 library is a consequence; the cause is raised below
                     if target.error is None:
                         raise
             if target.error is not None:

@@ -45,7 +45,7 @@ class SweepStopped(JacobianError):
 
 @dataclass(frozen=True)
 class Swept:
-    """The result of :func:`sweep`: the file, the number of members, and the number of members with refused rows."""
+    """The result of :func:`sweep`: the path of the file, the numbers of members and of members with refused rows."""
 
     path: Path
     members: int
@@ -58,7 +58,7 @@ class Swept:
         return named("sweep", facts)
 
     def to_xarray(self) -> Any:
-        """The file as an ``xarray.Dataset`` that reads only requested parts."""
+        """The content of the file as an ``xarray.Dataset``, which reads only requested parts of the file."""
         needed("xarray", "to_xarray()", "io")
         import xarray
 
@@ -106,7 +106,7 @@ def sweep(
 
 
 class _Source:
-    """The source of a sweep: jobs for ranges of members, and the attributes of the file."""
+    """The scene or ensemble of a sweep, which gives jobs for ranges of members, and the attributes of the file."""
 
     name: str
     times: np.ndarray
@@ -129,7 +129,7 @@ class _Source:
         return max(1, min(CHUNK, CHUNK_STATES // max(1, len(self.times)), -(-len(self) // 4)))
 
     def layout(self, chunk: int) -> Layout:
-        """The layout of the file, for the store."""
+        """The layout of the file, with ``chunk`` members in each chunk."""
         arrays = {"times": self.times, **{name: column.values for name, column in self.parameters().items()}}
         known = {name: [array.shape, _digest(array.tobytes())] for name, array in arrays.items()}
         whole = _digest(json.dumps([version(), chunk, self.identity(), known]).encode())
@@ -147,11 +147,11 @@ class _Source:
         raise NotImplementedError
 
     def parameters(self) -> dict[str, Column]:
-        """The parameters of each member."""
+        """The parameters of all members, as columns by name."""
         raise NotImplementedError
 
     def attributes(self) -> dict[str, Any]:
-        """Common attributes of all members."""
+        """The attributes of the file, which hold for all members."""
         raise NotImplementedError
 
 
