@@ -1,4 +1,4 @@
-"""Results that convert themselves to xarray and pandas and write themselves to files."""
+"""The base of results that convert themselves to xarray and pandas and write themselves to files."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Exported(Record):
 
     ``quantities`` are names of :data:`integrable.files.quantities.QUANTITIES`: "gamma", "M", "omega", "quaternion",
     "contact". In the laboratory they are those of :data:`integrable.laboratory.in_files.QUANTITIES`. By default the
-    usual ones are written. Libraries are those of the extra ``io``; ArgumentError names a missing one.
+    usual quantities are written. The libraries are in the extra ``io``; ArgumentError names a missing library.
     """
 
     @property
@@ -33,7 +33,7 @@ class Exported(Record):
         return self._frame(self._usual if quantities is None else quantities)
 
     def _frame(self, quantities: Iterable[str]) -> Frame:
-        """The frame to write."""
+        """The arrays and attributes to write, as a :class:`Frame`."""
         raise NotImplementedError
 
     def to_xarray(self, quantities: Iterable[str] | None = None) -> Any:

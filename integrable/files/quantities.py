@@ -59,7 +59,7 @@ def checked(quantities: Iterable[str] | None, among: Mapping[str, Quantity] = QU
 
 
 def about(system: Any, **more: Any) -> dict[str, Any]:
-    """A description of a motion: numbers, strings and lists of numbers."""
+    """The attributes that describe a motion: numbers, strings and lists of numbers."""
     return {
         **made_of(system, {"inertia": system.body.inertia, "d": system.body.d, **system.arguments}),
         "units_note": UNITS,
@@ -88,7 +88,7 @@ def stamp(system: Any) -> str:
 def columns(
     dims: tuple[str, ...], arrays: Mapping[str, np.ndarray], among: Mapping[str, Quantity] = QUANTITIES
 ) -> dict[str, Column]:
-    """The columns of quantities along ``dims``."""
+    """The columns of the quantities in ``arrays``, along the dimensions ``dims``."""
     found = {}
     for name, values in arrays.items():
         dim, parts, units, long_name = among[name]
@@ -124,7 +124,7 @@ def trajectory_frame(run: Any, quantities: Iterable[str] | None) -> Frame:
 
 
 def _values(run: Any, name: str) -> np.ndarray:
-    """A quantity of all rows, NaN in refused ones."""
+    """The values of the quantity ``name`` in all rows of a run; NaN in refused rows."""
     if name in ("gamma", "M") or not run.status.any():
         values: np.ndarray = getattr(run, name)
         return values

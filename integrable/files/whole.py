@@ -119,7 +119,7 @@ class Patient(io.FileIO):
 
     def _write_all(self, view: memoryview) -> None:
         while len(view):
-            # near a limit fewer bytes are written than requested
+            # near a limit the system writes fewer bytes than requested
             view = view[super().write(view) :]
 
     def _try(self, act: Callable[[], object]) -> None:

@@ -23,7 +23,7 @@ __all__ = ["FORMATS", "save", "scaled"]
 
 
 def save(frame: Callable[[], Frame], path: File) -> None:
-    """Write a frame as .nc (netCDF 4), .h5 (HDF5), .zarr, .parquet, .csv or .mat. It is made only after all checks.
+    """Write a frame as .nc (netCDF 4), .h5 (HDF5), .zarr, .parquet, .csv or .mat. ``frame`` is called after all checks.
 
     The file (for .zarr the folder) appears when it is complete, and replaces an older one. Raises ArgumentError for
     another suffix, a library that is not installed, a full disk, and numbers of MP(digits) unless the file is .csv.
