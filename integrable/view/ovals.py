@@ -19,10 +19,11 @@ SHORT = 1e-7
 
 
 class Ovals(NamedTuple):
-    """For N states: ``u`` and ``y``, shape (N, 2), are the coordinates of the point on either oval.
+    """The points of N states: ``u`` and ``y``, shape (N, 2), are the coordinates of the point on either oval.
 
-    ``angles``, shape (N, 2), are the position of the sum of both points on the torus, in turns, not reduced; ``rates``,
-    shape (2,), theirs in turns per unit of τ; ``outlines`` a closed line (x, y) for either oval.
+    ``angles``, shape (N, 2), are the position of the sum of both points on the torus, in turns, not reduced. ``rates``,
+    shape (2,), are the rates of the angles, in turns per unit of τ. ``outlines`` has a closed line (x, y) for each
+    oval.
     """
 
     u: np.ndarray
@@ -57,19 +58,22 @@ class Oval:
         return self.x(phi), self.half * np.sin(phi) * np.sqrt(self.q(self.x(phi)))
 
     def phi(self, u: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """φ of points of the oval, without the jumps of whole turns."""
+        """The angle φ of points (u, y) of the oval, made continuous along the points."""
         sine = y / np.sqrt(self.q(u)) / self.half
         return np.unwrap(np.arctan2(sine, (self.middle - u) / self.half))
 
     def integrals(self, phi: np.ndarray) -> np.ndarray:
-        """∫dx/y and ∫x dx/y up to φ, shape (N, 2)."""
+        """The integrals of dx/y and x dx/y along the oval from φ = 0 to ``phi``, shape (N, 2)."""
         turns, rest = np.divmod(phi, 2 * np.pi)
         parts = [np.interp(rest, self._phi, whole) for whole in self._integrals]
         return np.stack(parts, axis=1) + turns[:, None] * self.periods
 
 
 def _antiderivative(values: np.ndarray) -> np.ndarray:
-    """∫_0^φ of a smooth function of period 2π, given at equally spaced φ, both ends included: by its Fourier series."""
+    """The integral from 0 to φ of a smooth function of period 2π, by its Fourier series.
+
+    ``values`` are at equally spaced φ, both ends of the period included.
+    """
     count = len(values) - 1
     modes = np.fft.rfft(values[:-1])
     phi = 2 * np.pi * np.arange(count + 1) / count
@@ -113,7 +117,7 @@ def ovals(system: Any, states: list[State]) -> Ovals:
 
 
 def _points(body: Any, states: list[State], ends: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """The roots of U, in the ovals, and V there; shapes (N, 2)."""
+    """The roots of U of each state, each moved into its oval, and the values of V there; both of shape (N, 2)."""
     rows = [coordinates.to_mumford(body, coordinates.to_pairs(body, state)) for state in states]
     U, V = (np.array(part, dtype=float) for part in zip(*rows, strict=True))
     square = U[:, 1] ** 2 - 4 * U[:, 0]

@@ -38,7 +38,7 @@ def view(scene: Scene | str | Path, out: str | Path, *, until: float | None = No
 
 
 def plotly_script() -> str:
-    """The text of plotly.js, which the Python package carries."""
+    """The text of plotly.js, which is part of the Python package plotly."""
     needed("plotly", "the page that moves", "view")
     from plotly.offline import get_plotlyjs
 
@@ -47,7 +47,7 @@ def plotly_script() -> str:
 
 
 def page(content: dict[str, Any], plotly: str) -> str:
-    """The page of the data of :func:`integrable.view.shown.shown`; ``plotly`` is the element that loads plotly.js."""
+    """The HTML for the data of :func:`integrable.view.shown.shown`; ``plotly`` is the element that loads plotly.js."""
     here = files("integrable.view")
     # "</" would end the element that holds the numbers
     data = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")

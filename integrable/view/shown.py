@@ -113,6 +113,6 @@ def _add_points(content: dict[str, Any], scene: Scene, system: Any, run: Any) ->
 
 
 def _rounded(values: Any, digits: int = 5) -> Any:
-    """Lists of floats with that many significant digits, enough for a picture."""
+    """The values as lists of floats with ``digits`` significant digits, enough for a picture."""
     flat = [float(f"{x:.{digits}g}") for x in np.asarray(values, dtype=float).ravel()]
     return np.array(flat).reshape(np.shape(values)).tolist()
