@@ -56,7 +56,7 @@ A scene of your own is a file of ten lines: docs/scenes.md. In Python: import in
 
 
 def _folded(text: str) -> str:
-    """A text with lines longer than the terminal folded; continuations start below the explanation."""
+    """The text with lines folded that are longer than the terminal; continuations start below the explanation."""
     lines, width = [], get_terminal_size((120, 24)).columns
     for line in text.splitlines():
         hang = len(match[0]) if (match := re.match(r" *\S+(?: \S+)* {2,}", line)) else 4
@@ -119,7 +119,7 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
 
 
 def _scenes_and_files(prefix: str, **_: Any) -> list[str]:
-    """Possible scenes, for the shell's completion."""
+    """The names of all scenes, and of TOML files that begin with ``prefix``, for the shell's completion."""
     from argcomplete.completers import FilesCompleter
 
     return [*scene_names(), *FilesCompleter(["toml"])(prefix)]
@@ -448,7 +448,7 @@ def _obey(arguments: argparse.Namespace) -> int:
             return _doctor()
         else:
             _run(arguments)
-        if sys.stdout is not None:  # None: closed by the caller
+        if sys.stdout is not None:  # None if the caller has closed it
             sys.stdout.flush()
     except JacobianError as error:
         message = " ".join(str(error).split())

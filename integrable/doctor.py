@@ -24,13 +24,13 @@ LEAST = 0.2
 
 
 class Findings(NamedTuple):
-    """The facts, as pairs (name, value), and one line for each problem."""
+    """What ``integrable doctor`` reports: facts as pairs (name, value), and one line for each problem."""
 
     facts: list[tuple[str, str]]
     wrong: list[str]
 
     def text(self) -> str:
-        """A table, and the problems below it."""
+        """The facts as a table, and the problems below it."""
         lines = [*aligned(self.facts, left=2), "", *(self.wrong or ["nothing is wrong"])]
         return "\n".join(lines)
 
@@ -99,7 +99,7 @@ def _speeds() -> list[tuple[str, str]]:
 
 
 def _seconds(act: Callable[[], object]) -> float:
-    """Seconds per call, from many calls."""
+    """The seconds that a call of ``act`` takes, measured over many calls."""
     act()
     count, begun = 0, perf_counter()
     while (spent := perf_counter() - begun) < LEAST:
