@@ -32,7 +32,7 @@ from jacobian.terminal import write_anything
 
 
 def names() -> list[str]:
-    """Names of the benchmarks: ``flow`` for ``bench_flow.py``."""
+    """The names of all benchmarks, such as ``flow`` for ``bench_flow.py``."""
     modules = (module.name for module in pkgutil.iter_modules([str(Path(__file__).parent)]))
     return sorted(name.removeprefix("bench_") for name in modules if name.startswith("bench_"))
 
@@ -42,7 +42,7 @@ def _text(value: object) -> str:
 
 
 def table(rows: list[dict[str, Any]]) -> str:
-    """Rows as aligned text; a column that a row has no value for shows a dash."""
+    """The rows as aligned text; a dash stands where a row has no value for a column."""
     if not rows:
         return "(no rows)"
     columns = list(dict.fromkeys(column for row in rows for column in row))
@@ -50,7 +50,7 @@ def table(rows: list[dict[str, Any]]) -> str:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the chosen benchmarks; 0 if all succeeded, 1 if one failed, 2 for a wrong argument."""
+    """Runs the chosen benchmarks; returns 0 if all succeeded, 1 if one failed, 2 for a wrong argument."""
     write_anything()
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks", description="Run the benchmarks and print their tables."

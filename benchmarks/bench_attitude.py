@@ -1,8 +1,8 @@
 """Torque-free attitude at any epoch: the laboratory compared with Orekit's TorqueFree.
 
-The body (1, 2, 3) starts from ω = (0.384, 0.64, −0.496). Errors of ω in the body are against 50 digits from the same
-floats. Orekit is measured through JPype, one epoch a call, where ``orekit_jpype`` and a Java are installed (``pip
-install orekit-jpype``). Times are of the processor, the least of several.
+The body (1, 2, 3) starts from ω = (0.384, 0.64, −0.496). Errors of ω in the axes of the body are differences from a run
+of 50 digits from the same floats. Orekit is measured through JPype, one epoch a call, where ``orekit_jpype`` and a Java
+are installed (``pip install orekit-jpype``). Times are of the processor, the least of several.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ TIMES = (10.0, 1e3, 1e4, 1e6, 1e9, 1e12)
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """A row for each method; columns are set-up, an epoch among many, and errors."""
+    """A row for each method, with the times of a set-up and of an epoch among many, and the errors."""
     repeats, count = (1, 10) if smoke else (20, 2000)
     times = TIMES[:3] if smoke else TIMES
     truth = RigidBody(MOMENTS, field=MP(50)).motion(np.eye(3), OMEGA).at(times).omega_body.astype(float)

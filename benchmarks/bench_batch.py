@@ -56,7 +56,7 @@ OTHERS = {
 
 
 def random_rows(C: Any, count: int, seed: int) -> DivisorArray:
-    """Sums of two classes from a pool. All have full weight, and two are equal only by chance."""
+    """``count`` sums of two classes from a pool. All sums have full weight, and two are equal only by chance."""
     rng = Random(seed)
     pool = DivisorArray.stack([sum_of_points(C, rng) for _ in range(64)])
     draw = np.random.default_rng(seed)
@@ -66,7 +66,7 @@ def random_rows(C: Any, count: int, seed: int) -> DivisorArray:
 
 
 class Compiled:
-    """The C program for one context, or nothing where there is no compiler."""
+    """The compiled C program for one context; without a compiler there is none."""
 
     def __init__(self, K: Any, C: Any, directory: str) -> None:
         self.call: Any = None
@@ -150,7 +150,7 @@ def _measured(
 
 
 def _on_arrays(action: Callable[[], Any], A: DivisorArray, processors: int, smoke: bool) -> dict[str, object]:
-    """An operator's nanoseconds per row on one thread, its gain from all processors, its memory over its result's."""
+    """The columns of an operator on arrays: nanoseconds a row on one thread, gain from all processors, memory."""
     repeat = 3 if smoke else max(5, 4_000_000 // len(A))
     try:
         set_threads(1)
@@ -167,7 +167,7 @@ def _on_arrays(action: Callable[[], Any], A: DivisorArray, processors: int, smok
 
 
 def _flint(A: DivisorArray, B: DivisorArray) -> float:
-    """Nanoseconds of python-flint's Cantor for one addition."""
+    """The nanoseconds that Cantor's algorithm on python-flint takes for one addition."""
     D, E = ((F.u, F.v, F.n) for F in (A[0], B[0]))
     add = FlintCantor(A.jacobian.curve).sum_of
     return 1e3 * microseconds(lambda: add(D, E), 3)

@@ -23,20 +23,20 @@ CASES = {
 
 
 def by_cramer(row: Row) -> tuple[Any, Any]:
-    """The textbook composition. ZeroDivisionError at D' = D."""
+    """U and V of a sum by the textbook composition. ZeroDivisionError at D' = D."""
     u0, u1, v0, v1 = classical(*(tuple(map(float, part)) for part in (row.f, row.first, row.second)))
     return (u0, u1), (v0, v1)
 
 
 def stacked(row: Row) -> tuple[Any, Any]:
-    """Both congruences at once, by orthogonal transformations (jacobian.inexact.composition)."""
+    """U and V of a sum from both congruences at once, by orthogonal transformations (jacobian.inexact.composition)."""
     first, second = (([*map(float, pair[:2]), 1.0], [*map(float, pair[2:])]) for pair in (row.first, row.second))
     total = composition.compose(RR, 2, row.f, first, second)
     return total.u[:2], total.v
 
 
 def kernel(row: Row) -> tuple[Any, Any]:
-    """The stacked composition, unrolled (jacobian.inexact.genus2_real)."""
+    """U and V of a sum by the stacked composition with unrolled loops (jacobian.inexact.genus2_real)."""
     total = genus2_real.add(*(tuple(map(float, part)) for part in (row.f, row.first, row.second)))[0]
     return total[:2], total[2:]
 
@@ -45,7 +45,7 @@ METHODS: dict[str, Callable[[Row], tuple[Any, Any]]] = {"classical": by_cramer, 
 
 
 def errors(method: Callable[[Row], tuple[Any, Any]], sample: Sequence[Row]) -> list[float | None]:
-    """The error of every sum, ascending; None, at the end, where the method divides by zero."""
+    """The errors of a method's sums in ascending order; at the end a None for each sum that divides by zero."""
     found = []
     for row in sample:
         try:
@@ -73,7 +73,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 
 def draw(table: list[dict[str, object]], stem: Path) -> None:
-    """The table as stem.png and stem.svg."""
+    """Draws the table as stem.png and stem.svg."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -26,7 +26,7 @@ REPEATS = 7
 
 
 def products(x, y, rounds):  # type: ignore[no-untyped-def]
-    """Of numbers of any kind."""
+    """The sum of all products x_i y_i, computed ``rounds`` times, for numbers of any kind."""
     total = 0
     for _ in range(rounds):
         for i in range(len(x)):
@@ -35,7 +35,7 @@ def products(x, y, rounds):  # type: ignore[no-untyped-def]
 
 
 def quotients(x, y, rounds):  # type: ignore[no-untyped-def]
-    """Of numbers of any kind."""
+    """The sum of all quotients x_i/y_i, computed ``rounds`` times, for numbers of any kind."""
     total = 0
     for _ in range(rounds):
         for i in range(len(x)):
@@ -44,7 +44,7 @@ def quotients(x, y, rounds):  # type: ignore[no-untyped-def]
 
 
 def march(f, axes, point, step, count, out):  # type: ignore[no-untyped-def]
-    """:func:`integrable.moving_point.addition.march` into ``out``."""
+    """Writes the result of :func:`integrable.moving_point.addition.march` into ``out``."""
     addition.put(addition.march(f, axes, point, step, count), out, 0)
 
 
@@ -61,17 +61,17 @@ LOOPS = Library(
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """Rows: µs an operation and an addition in float64, double-double and mpf; seconds of a first call."""
+    """Rows: µs of an operation and of an addition in float64, double-double and mpf; seconds of a first call."""
     return [*_operations(smoke), *_additions(smoke), *([] if smoke else _first_call())]
 
 
 def _least(work: Any, count: int, smoke: bool) -> float:
-    """µs an item."""
+    """The least processor time of ``work`` in µs, divided by the ``count`` of its items."""
     return 1e6 * least_seconds(work, 1 if smoke else REPEATS) / count
 
 
 def _operations(smoke: bool) -> list[dict[str, object]]:
-    """Sums of products and of quotients of arrays that fit into the first-level cache."""
+    """Rows for sums of products and of quotients, of arrays that fit into the first-level cache."""
     size, rounds = 500, 20 if smoke else 2000
     rng = np.random.default_rng(3)
     x, y = rng.uniform(1, 2, (2, size))
@@ -96,7 +96,7 @@ def _operations(smoke: bool) -> list[dict[str, object]]:
 
 
 def _additions(smoke: bool) -> list[dict[str, object]]:
-    """One moving point plus one translation, with its three pairs."""
+    """Rows for the addition of a translation to a moving point with its three pairs."""
     K, count = MP(60), 50 if smoke else 20_000
     ball = ChaplyginBall((1, 2, 3), K.coerce("0.7"), field=K)
     setup = ball.flow(
@@ -139,7 +139,7 @@ print(imported - begun, perf_counter() - imported)
 
 
 def _first_call() -> list[dict[str, object]]:
-    """Seconds of the first call in a process with an empty cache, and in the next process."""
+    """Rows with the seconds of the first call in a process with an empty cache, and in the next process."""
     rows: list[dict[str, object]] = []
     with tempfile.TemporaryDirectory() as cache:
         environment = {**os.environ, "NUMBA_CACHE_DIR": cache}

@@ -66,7 +66,7 @@ def warm(smoke: bool) -> None:
 
 
 def members(count: int) -> Ensemble:
-    """Random balls."""
+    """An ensemble of ``count`` random balls."""
     rng = np.random.default_rng(1)
     gamma, M = rng.normal(size=(2, count, 3))
     gamma /= np.linalg.norm(gamma, axis=1)[:, None]
@@ -87,13 +87,13 @@ def truth(many: Ensemble, times: np.ndarray) -> np.ndarray:
 
 
 def error(gamma: np.ndarray, M: np.ndarray, wanted: np.ndarray) -> float:
-    """The largest difference."""
+    """The largest difference of γ and M/|M| from the wanted values."""
     count = len(wanted)
     return float(abs(np.concatenate([gamma[:count], M[:count] / 2], axis=2) - wanted).max())
 
 
 def ours(many: Ensemble, times: np.ndarray, threads: int, wanted: np.ndarray) -> dict[str, object]:
-    """A row without heyoka's columns. Large results are computed in chunks."""
+    """The row of our own ensemble, without heyoka's columns. Large results are computed in chunks."""
     set_threads(threads)
     before, begun, ways, off = resident(), clocks(), Counter[str](), 0.0
     peak = before
@@ -110,7 +110,7 @@ def ours(many: Ensemble, times: np.ndarray, threads: int, wanted: np.ndarray) ->
 
 
 def heyoka(many: Ensemble, times: np.ndarray, threads: int, wanted: np.ndarray) -> dict[str, object]:
-    """heyoka's columns."""
+    """The columns of heyoka in a row."""
     import heyoka as hy
 
     width = hy.recommended_simd_size()
@@ -148,7 +148,7 @@ def clocks() -> tuple[float, float]:
 
 
 def spent_since(begun: tuple[float, float], count: int) -> tuple[float, float]:
-    """Milliseconds a member by both clocks."""
+    """Milliseconds for a member by both clocks, since they showed ``begun``."""
     wall, processor = (1e3 * (now - then) / count for now, then in zip(clocks(), begun, strict=True))
     return wall, processor
 

@@ -137,7 +137,7 @@ def _threads(few: DivisorArray, size: int, repeats: int) -> list[dict[str, objec
 
 
 def _processor_seconds() -> dict[str, float]:
-    """The processor time of every thread of this process, on Linux."""
+    """The seconds of processor time of every thread of this process, by its path under /proc (Linux only)."""
     return {str(path): int(path.read_text().split()[0]) / 1e9 for path in Path("/proc/self/task").glob("*/schedstat")}
 
 
@@ -162,7 +162,7 @@ def _compiled(folder: Path, f: Any, first: Any, second: Any) -> Callable[[], Any
 
 
 def _columns(found: Any) -> Any:
-    """u₀, u₁, v₀, v₁ of the rows of weight 2."""
+    """The arrays u₀, u₁, v₀ and v₁ of the rows of weight 2."""
     if not isinstance(found, DivisorArray):
         return found
     found = found[found.status == 0]
@@ -171,7 +171,7 @@ def _columns(found: Any) -> Any:
 
 
 def residual(f: Any, columns: Any) -> float:
-    """max |f − V² mod U| over the size of the terms of the division."""
+    """The largest |f − V² mod U| over all divisors, relative to the size of the terms of the division."""
     u0, u1, v0, v1 = columns
     ones = np.ones_like(u0)
     rest = [f[0] - v0 * v0, f[1] - 2 * v0 * v1, f[2] - v1 * v1, *(c * ones for c in f[3:])]

@@ -74,7 +74,7 @@ def _flow(name: str) -> Flow:
 
 
 def _against_reference(name: str) -> list[dict[str, object]]:
-    """Differences that include the effect of rounding the decimal inputs to floats."""
+    """Rows of differences from the reference, which include the effect of rounding the decimal inputs to floats."""
     times = sorted(map(int, SCENES[name]["states"]))
     gamma = _flow(name).at(times).gamma
     rows: list[dict[str, object]] = []

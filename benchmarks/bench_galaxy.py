@@ -28,7 +28,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 
 def _star(rng: Random) -> tuple[float, ...]:
-    """R, R', Rφ', z, z' and φ, as galpy has them."""
+    """A random star: R, R', Rφ', z, z' and φ, in the order of galpy."""
     R, z, azimuth = rng.uniform(0.5, 2), rng.uniform(-0.5, 0.5), rng.uniform(0, 6)
     return R, rng.uniform(-0.3, 0.3), rng.uniform(0.2, 0.5), z, rng.uniform(-0.3, 0.3), azimuth
 
@@ -36,7 +36,7 @@ def _star(rng: Random) -> tuple[float, ...]:
 def _row(stars: list[tuple[float, ...]], length: float) -> dict[str, object]:
     times = np.linspace(0, length, 101)
     row: dict[str, object] = {"T": length, "orbits": len(stars)}
-    # an integration of 10⁶ takes galpy minutes
+    # up to T = 10⁶ an integration takes galpy minutes
     for name, method in (("flow", _by_flow), ("galpy dop853", _by_galpy)):
         usable = name == "flow" or (_has_galpy() and length <= 1000)
         row[f"{name}, ms"], row[f"{name}, error"] = _measured(method, stars, times) if usable else ("–", "–")

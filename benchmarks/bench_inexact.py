@@ -43,7 +43,7 @@ def summands(kind: str, genus: int, rng: Random) -> tuple[list[float], list[list
 
 
 def outcome(f: list[float], parts: list[list[Any]], genus: int, rng: Random) -> tuple[str, float, float]:
-    """The outcome of a sum, its error in units of its conditioning, and its time."""
+    """The outcome of a sum as a word, the error in units of the sum's conditioning, and the seconds taken."""
     J = HyperellipticCurve(RR, f).jacobian()
     try:
         D, E = (J.from_points([(float(x), float(y)) for x, y in points]) for points in parts)
@@ -69,7 +69,7 @@ def outcome(f: list[float], parts: list[list[Any]], genus: int, rng: Random) -> 
 
 
 def run(smoke: bool, sums: int = 200, seed: int = 0) -> list[dict[str, object]]:
-    """One row for each genus and kind."""
+    """A row for each genus and each kind of summands."""
     table: list[dict[str, object]] = []
     for genus in (2, 3) if smoke else (2, 3, 4, 5, 6):
         for kind in KINDS:

@@ -35,7 +35,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 
 def measure(C: HyperellipticCurve, smoke: bool) -> dict[str, object]:
-    """The times of one curve."""
+    """A row with the times of all operations on one curve."""
     J = C.jacobian()
     J.compile()
     D, E = J.random(Random(1)), J.random(Random(2))

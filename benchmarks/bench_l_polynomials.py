@@ -32,7 +32,7 @@ BITS = 640_000
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """One thread. AssertionError for a time beyond what is promised, or where PARI disagrees."""
+    """Rows measured on one thread. AssertionError for a time beyond what is promised, or where PARI disagrees."""
     before = threads()
     set_threads(1)
     try:
@@ -93,7 +93,7 @@ def _pari(C: HyperellipticCurve, L: Any) -> float | None:
 
 
 def _matrices(bits: int) -> dict[str, object]:
-    """A product of two 5 × 5 matrices of this many bits, and the 25 + 25 + 25 transforms that would suffice."""
+    """A row with the times of a product of two 5 × 5 matrices, and of the 75 transforms that would suffice."""
     from flint import fmpz_mat
 
     from jacobian.finite.product_kernels import kernels
@@ -115,7 +115,7 @@ def _matrices(bits: int) -> dict[str, object]:
 
 
 def _blocks(exponent: int) -> list[dict[str, object]]:
-    """The matrices of genus 2 by one walk and by forests."""
+    """Rows with the times of the matrices of genus 2, by one walk and by forests."""
     F, rows = CURVES[2], []
     primes = HyperellipticCurve(QQ, F).l_polynomials(1 << exponent).p
     primes = primes[residues.modulo(2 * residues.exceptions(F, 2), primes) != 0]

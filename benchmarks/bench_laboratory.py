@@ -105,7 +105,7 @@ def _errors(field: Any, J: np.ndarray, R: Any, omega: np.ndarray, ball: bool, ti
 
 
 def _milliseconds(field: Any, J: np.ndarray, R: Any, omega: np.ndarray, ball: bool, time: float) -> float:
-    """The time for one body: set-up, rotation, ω and contact."""
+    """The milliseconds for one body: its set-up, rotation, ω and contact."""
 
     def once() -> None:
         found = _motion(field, J, R, omega, ball).at([time])

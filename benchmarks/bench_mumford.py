@@ -66,7 +66,7 @@ def _row(make: Callable[..., Any], genus: int, repeats: int) -> dict[str, object
 
 
 def _many(flow: MumfordFlow, count: int) -> dict[str, object]:
-    """Many points up to 10⁶: a first call, which sets up the torus, and a second one."""
+    """The columns of ``count`` points up to 10⁶: a first call, which sets up the torus, and a second call."""
     times = np.random.default_rng(1).uniform(-1e6, 1e6, count)
     start = time.process_time()
     flow.at(times)

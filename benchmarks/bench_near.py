@@ -73,7 +73,7 @@ def _classical(name: str, system: Any, q: Any, p: Any, lengths: tuple[int, ...])
 
 
 def _deformed(scene: str, lengths: tuple[int, ...]) -> Row:
-    """A deformation of a scene."""
+    """The row of a scene that is a deformation."""
     system, state = problem(scene)
     arguments = system.arguments
     kind_in(system, True).walk(WIDE)
@@ -88,7 +88,7 @@ def _deformed(scene: str, lengths: tuple[int, ...]) -> Row:
 def _beside(
     fresh: Callable[[], tuple[Any, Any]], peer: Any, start: Any, unit: float, lengths: tuple[int, ...]
 ) -> dict[str, object]:
-    """Columns for each length, those of heyoka where it is installed."""
+    """The columns for each length; columns of heyoka are included where heyoka is installed."""
     heyoka, row = METHODS["heyoka"], dict[str, object]()
     theirs = heyoka.prepare(peer, start, TOLERANCE) if heyoka.takes(peer) else None
     for length in lengths:

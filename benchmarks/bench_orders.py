@@ -46,7 +46,7 @@ def _choice(start: int) -> dict[str, object]:
         hasse_witt.PRODUCTS_FROM = chosen
     recurrence, products = seconds
     taken, other = (products, recurrence) if p > chosen else (recurrence, products)
-    # the compilation must pay within a dozen calls
+    # within a dozen calls the time saved must exceed the time of compiling
     if taken > WORSE * other + COMPILED / 12:
         raise AssertionError(f"p = {p}: {taken:.3f} s by the chosen method, the other takes {other:.3f} s")
     return {"p": p, "genus": 2, "recurrence, s": recurrence, "products, s": products}

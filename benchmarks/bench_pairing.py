@@ -45,7 +45,7 @@ def _row(genus: int, bits: int, repeats: int) -> dict[str, object]:
 
 
 def _classes(genus: int, bits: int) -> tuple[Any, int, Any, Any]:
-    """(J, m, a class of order m, a random class)."""
+    """The Jacobian J, the order m, a class of order m, and a random class."""
     m = next(q for q in range(1 << bits, 2 << bits) if is_prime(q))
     k, p = next((k, p) for k in range(2, 10**6, 2) if is_prime(p := (m * k) ** 2 * genus + 1))
     rng = Random(1)

@@ -80,7 +80,7 @@ def compile_on_all_cores(names: Sequence[str]) -> None:
 
 
 def compiled(name: str) -> None:
-    """Compile what a scene needs."""
+    """Compiles all code that a scene needs."""
     scene = in_doubles(load_scene(name))
     with suppress(JacobianError, ArithmeticError, RuntimeError):
         for once in runs_of(at_times(scene, grid(1)))[0].values():
@@ -93,7 +93,7 @@ def grid(T: int) -> list[float]:
 
 
 def runs_of(scene: Scene) -> tuple[dict[str, Callable[[], Timed]], str]:
-    """A run of the flow, "", and of each peer, built by a first run; and the error messages of peers that failed."""
+    """A run of the flow, named "", and of each peer, built by a first run; and the messages of failed peers."""
     system, state = scene.start(FLOAT_DIGITS)
     runs, said = {"": flow_once(scene, FLOAT_DIGITS, "auto")}, ""
     for name, setting in PEERS.items():
@@ -141,7 +141,7 @@ def set_up(name: str, spent: dict[str, Spent]) -> Row:
 
 
 def ensembles(smoke: bool) -> Row:
-    """A hundred random balls, 101 times up to 100, one thread: ms a member."""
+    """The row of an ensemble of a hundred random balls at 101 times up to 100, on one thread, in ms for a member."""
     many, times = bench_ensemble.members(4 if smoke else 100), bench_ensemble.np.linspace(0, 100.0, OUTPUTS)
     wanted = bench_ensemble.truth(many, times)
     bench_ensemble.warm(smoke)
@@ -156,7 +156,7 @@ def ensembles(smoke: bool) -> Row:
 
 
 def thirty_digits() -> Row:
-    """One time of the rolling ball, the flow and the Taylor series, both at 30 digits on mpmath."""
+    """The row of one time of the rolling ball, by the flow and by Taylor series, both at 30 digits on mpmath."""
     scene = at_times(in_doubles(load_scene("chaplygin")), [10])
 
     def series() -> Timed:

@@ -18,7 +18,7 @@ from jacobian import MP
 DIGITS = (30, 50, 100, 200, 500, 1000)
 # seconds after which a peer is given up
 PATIENCE = 60
-# extra digits of the run to which errors refer
+# the run to which errors refer has this many digits more
 MORE = 20
 
 # a script that prints its seconds, without Python's start, and the largest difference of γ and M from its input
@@ -69,7 +69,7 @@ print(seconds, max(abs(x - z) for x, z in zip(y, truth)).mid().str(3, radius=Fal
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """Seconds of set-up and of one state, its error against MORE digits, and the peers at the same digits."""
+    """Rows: seconds of set-up and of one state, its error against a run with MORE digits; peers at the same digits."""
     rows: list[dict[str, object]] = []
     cases = [(30, 1)] if smoke else [*((digits, 10) for digits in DIGITS), (50, 1000), (200, 1000)]
     for digits, T in cases:
@@ -90,7 +90,7 @@ def _ours(digits: int, T: int) -> dict[str, object]:
         found = flow.at([T])
         done = process_time()
         seconds.append((ready - start, done - ready))
-    # from the same start, rounded to the digits of the run
+    # the run with more digits begins from the same start, rounded to the digits of the measured run
     K = MP(digits + MORE)
     more = PreciseFlow(body.body, state, K.dps)
     gamma, M = more.vectors(more.at([T])[1])[0]

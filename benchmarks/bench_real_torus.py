@@ -63,7 +63,7 @@ def _row(name: str, system: Any, q: Any, p: Any, count: int, repeats: int) -> di
     path, few = flow.at(far), by_additions(flow, far[-3:])
 
     def fresh(wanted: Any) -> Callable[[], Any]:
-        # a new system, which has cached nothing
+        # make a new system, since the previous one has cached results
         return lambda: (lambda made: made.flow(made.state(q, p)).at(wanted))(system.over(RR))
 
     runs, heyoka, peer = {"many": fresh(times), "one": fresh(far[-1:])}, METHODS["heyoka"], ClassicalSystem(system)

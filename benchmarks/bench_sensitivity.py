@@ -23,7 +23,7 @@ from integrable.extras import installed
 from tests.integrable.portrait.variational import rates
 
 LONG = np.longdouble
-# (number of bodies, time): as a whole, and in stretches
+# pairs (number of bodies, time): integrated as a whole, and in stretches
 WHOLE, CHAINED = ((50, 100.0), (10, 1e3), (2, 1e4)), ((50, 1e3), (20, 1e4), (5, 1e5), (1, 1e6))
 STRETCH, LANES = 2.0, 8
 BESIDE = ((1e-1, 15.0), (1e-3, 15.0), (1e-5, 15.0))
@@ -86,7 +86,7 @@ def _integrator() -> Any:
 
 
 def _chain() -> Any:
-    """The same by stretches, and the largest jump between them."""
+    """(flow, T) ↦ the state (6,), S (6, 10), both by stretches, and the largest jump between two stretches."""
     import heyoka as hy
 
     begin = np.tile(np.array([1.0, 0, 0, 0, 1, 0]), 11)
@@ -169,7 +169,7 @@ def _row(integrate: Any, kind: str, inertia: Any, d: Any, gamma: Any, M: Any, T:
 
 
 def _moved(gamma: Any, M: Any, ball: ChaplyginBall) -> Any:
-    """ẋ of a state, in long doubles."""
+    """The derivative ẋ of a state by time, in long doubles."""
     a = 1 / (np.array(ball.inertia, dtype=LONG) + ball.d)
     n = (gamma * a * M).sum() / (np.array(ball.inertia) * a * gamma * gamma).sum()
     omega = a * (M + ball.d * n * gamma)

@@ -43,13 +43,13 @@ def run(smoke: bool) -> Rows:
 
 
 def bodies() -> Iterator[tuple[Any, tuple[System, Any]]]:
-    """The bodies of ``python -m benchmarks flow``, and a tilted thin one."""
+    """Pairs of a name and a motion: the bodies of ``python -m benchmarks flow``, and a tilted thin body."""
     for name in (*SCENES, *HARD):
         yield name, system_of(name)
 
 
 def beside_the_separatrix() -> Iterator[tuple[Any, tuple[System, Any]]]:
-    """M at the angle √ε from the middle axis, γ across it and near the unstable rotation."""
+    """Pairs of ε and a motion beside the separatrix: M at the angle √ε from the middle axis, γ orthogonal to M."""
     ball = ChaplyginBall((1, 2, 3), 0.7)
     for k in range(1, 15):
         eps = 10.0**-k
@@ -57,14 +57,14 @@ def beside_the_separatrix() -> Iterator[tuple[Any, tuple[System, Any]]]:
 
 
 def heavier_balls() -> Iterator[tuple[Any, tuple[System, Any]]]:
-    """Moments 1, 2, 3 from the free top to d = 10¹⁰."""
+    """Pairs of d and a motion of the body with moments 1, 2, 3, from the free top (d = 0) to d = 10¹⁰."""
     for d in (0.0, *(10.0**k for k in range(-10, 11, 2))):
         system = ChaplyginBall((1, 2, 3), d) if d else EulerTop((1, 2, 3))
         yield d, (system, system.state(*START))
 
 
 def deformations() -> Iterator[tuple[str, tuple[Any, Any]]]:
-    """The bodies whose motions are additions on elliptic curves."""
+    """Pairs of a name and a motion of a deformation, which moves by additions on elliptic curves."""
     for name in ("tilde", "check", "hat", "tilde_poles"):
         yield name, load_scene(name).start(15)
 

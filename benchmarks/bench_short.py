@@ -61,20 +61,20 @@ def fresh(name: str, kernel: str) -> Flow:
 
 
 def summary(lost: list[float]) -> Row:
-    """The number of times "auto" chose the method that took a tenth longer than the other."""
+    """The last row: how often "auto" chose a method that took over a tenth longer, and the most that was lost."""
     slower = sum(x > 1.1 for x in lost)
     return {"scene": "all", "auto": f"the slower way {slower} of {len(lost)} times", "lost": max(lost, default=1.0)}
 
 
 def kept_costs(name: str) -> tuple[float, ...]:
-    """The constants in use, in their order, on one scene."""
+    """The constants that the package keeps for one scene, in the order of the rows."""
     body = problem(name)[0].body
     torus = short.torus_cost(min(body.inertia), max(body.inertia), body.d)
     return short.PANEL_COST, short.START_COST, *torus
 
 
 def measured_costs(name: str, repeats: int) -> tuple[float, ...]:
-    """The measured constants, in their order, on one scene."""
+    """The constants measured on one scene, in the order of the rows."""
     near, far = np.array([NEAR]), np.array([FAR])
     with patch.object(short, "panels_within", lambda *_: 10**6):
         first, last = (1e6 * least_seconds(lambda t=t: fresh(name, "auto").at(t), repeats) for t in (near, far))
@@ -96,7 +96,7 @@ def _panels(name: str, times: np.ndarray) -> int:
 
 
 def chosen(name: str, outputs: int, T: float, repeats: int) -> Row:
-    """The method that "auto" chooses for a number of times up to T."""
+    """A row for a number of times up to T: the costs of both methods, and the choice of "auto"."""
     times = np.linspace(0, T, outputs) if outputs > 1 else np.array([T])
     auto = fresh(name, "auto").at(times).way
     torus = 1e3 * least_seconds(lambda: fresh(name, "compiled").at(times), min(repeats, 3))

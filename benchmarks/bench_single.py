@@ -54,7 +54,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 
 def measure(C: Any, rng: Random, smoke: bool) -> dict[str, object]:
-    """The times of one curve."""
+    """A row with the times of all operations on one curve."""
     J, flint = C.jacobian(), FlintCantor(C)
     D, E = sum_of_points(C, rng), sum_of_points(C, rng)
     first, second = (D.u, D.v, D.n), (E.u, E.v, E.n)
@@ -88,7 +88,7 @@ def measure(C: Any, rng: Random, smoke: bool) -> dict[str, object]:
 
 
 def integers(bits: int) -> dict[str, object]:
-    """The explicit formulas on ints and on gmpy2's integers, for a prime of this length."""
+    """A row for a prime of ``bits`` bits, with the times of the explicit formulas on ints and on gmpy2's integers."""
     from jacobian.addition.explicit import GmpFormulas, PrimeFormulas
     from jacobian.fields.primality import is_prime
 

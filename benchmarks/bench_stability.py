@@ -49,13 +49,13 @@ class Problem:
     divisors: tuple[Any, Any]
 
     def truth(self, count: int) -> tuple[Any, ...]:
-        """(u0, u1, v0, v1) of D + [count]D'."""
+        """The coefficients (u0, u1, v0, v1) of D + [count]D'."""
         D, E = self.divisors
         total = self.group.add(D, count * E)
         return (*total.u[:2], *total.v)
 
     def doubles(self, digits: int) -> list[tuple[Any, ...]]:
-        """[2^k]D' for k < ``digits``."""
+        """The divisors [2^k]D' for k < ``digits``, as (u0, u1, v0, v1)."""
         _, E = self.divisors
         found = []
         for _ in range(digits):
@@ -65,19 +65,19 @@ class Problem:
 
     @property
     def weights(self) -> list[Any]:
-        """κ_i = (a_i − a_j)(a_i − a_k), with U(a_i) = κ_iΓ_i² and V(a_i) = κ_iΓ_in_i."""
+        """The factors κ_i = (a_i − a_j)(a_i − a_k), with which U(a_i) = κ_iΓ_i² and V(a_i) = κ_iΓ_in_i."""
         a = self.a
         return [(a[i] - a[i - 1]) * (a[i] - a[i - 2]) for i in range(3)]
 
     def pairs(self, divisor: tuple[Any, ...], weights: list[Any]) -> tuple[Any, ...]:
-        """Γ_i and n_i of a divisor, positive roots."""
+        """The pairs Γ_i and n_i of a divisor, with Γ_i a positive root."""
         u0, u1, v0, v1 = divisor
         roots = [K.sqrt((x * x + u1 * x + u0) / w) for x, w in zip(self.a, weights, strict=True)]
         return (*roots, *((v1 * x + v0) / (w * r) for x, w, r in zip(self.a, weights, roots, strict=True)))
 
 
 def problem(name: str, eta: float) -> Problem:
-    """D of a scene and D' = (iη, ·) + (−iη, ·)."""
+    """The start D of a scene, and the step D' = (iη, ·) + (−iη, ·)."""
     scene = SCENES[name]
     numbers = {key: [K.coerce(x) for x in scene[key]] for key in ("I", "gamma0", "M0")}
     d = K.coerce(str(scene["d"]))
@@ -219,7 +219,7 @@ def _without_curve(problem: Problem, counts: list[int]) -> Iterator[tuple[Any, .
 
 
 def _random_access(problem: Problem, counts: list[int]) -> Iterator[tuple[Any, ...]]:
-    """Each count separately, by the binary digits of n, from a table of [2^k]D' rounded to floats."""
+    """Yields D + [n]D' for each count n separately, by the binary digits of n, from a table of [2^k]D' in floats."""
     f, start = tuple(map(float, problem.f)), tuple(map(float, problem.start))
     table = [tuple(map(float, row)) for row in problem.doubles(max(counts).bit_length())]
     for count in counts:
@@ -290,7 +290,7 @@ def measure(problem: Problem, way: str, counts: list[int], truths: dict[int, Any
 
 
 def finite(x: Any) -> float | None:
-    """The float, None for NaN and infinities."""
+    """x as a float; None for NaN and numbers of 1e300 or more."""
     return float(x) if abs(x) < 1e300 else None
 
 
@@ -332,7 +332,7 @@ def _power(n: int) -> str:
 
 
 def draw(table: list[dict[str, Any]], stem: Path) -> None:
-    """The rows of the first η as stem.png and stem.svg: error and residual against the number of additions."""
+    """Draws the rows of the first η as stem.png and stem.svg: error and residual against the number of additions."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -50,7 +50,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 
 def seconds(code: str, repeat: int, environment: dict[str, str] | None = None) -> tuple[float, float]:
-    """The least time of several runs of the code, by the clock and by the processor."""
+    """The least seconds of several runs of the code, by the clock and by the processor."""
     walls, processors = [], []
     for _ in range(repeat):
         begun, before = time.perf_counter(), os.times()

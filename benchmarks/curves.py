@@ -79,14 +79,14 @@ def least(
 
 
 def least_seconds(action: Callable[[], object], repeats: int, clock: Callable[[], float] = time.process_time) -> float:
-    """The least time of ``repeats`` calls: of the processor, or by another clock."""
+    """The least time of ``repeats`` calls, by the processor's clock or another ``clock``."""
     return in_turn({"": action}, repeats, clock)[""]
 
 
 def in_turn(
     actions: Mapping[str, Callable[[], object]], repeats: int, clock: Callable[[], float] = time.process_time
 ) -> dict[str, float]:
-    """The least time of ``repeats`` calls of each, called in turn, so that a slow second disturbs all alike."""
+    """The least time of ``repeats`` calls of each action, called in turn, so that a slow second disturbs all alike."""
     best = dict.fromkeys(actions, inf)
     for _ in range(repeats):
         for name, action in actions.items():

@@ -13,7 +13,7 @@ Rows = list[dict[str, Any]]
 
 
 def save(figure: Any, stem: Path) -> None:
-    """The figure as stem.png and stem.svg."""
+    """Saves the figure as stem.png and stem.svg."""
     stem.parent.mkdir(parents=True, exist_ok=True)
     for suffix in (".png", ".svg"):
         figure.savefig(stem.with_suffix(suffix), dpi=150)

@@ -36,7 +36,7 @@ TURNS = {True: 3.0, False: 1.0}
 
 
 def motions() -> dict[str, tuple[Any, Any, str]]:
-    """name: (system, state, what is hard about it); inputs are doubles."""
+    """The motions by name, each as (system, state, the reason why it is hard); all inputs are doubles."""
     found = {}
     for name in [*SCENES, *DEFORMED]:
         scene = load_scene(name)
@@ -88,7 +88,7 @@ def decimal(ball: Any) -> str:
 
 
 def certified(name: str, system: Any, state: Any, text: str) -> dict[str, Any]:
-    """One motion of the data set."""
+    """The entry of one motion in the data set."""
     at = times(name, system, state)
     motion = system.motion_through(state) if name in DEFORMED else system.flow(state)
     run = motion.enclosure(at, digits=DIGITS)
@@ -112,7 +112,7 @@ def certified(name: str, system: Any, state: Any, text: str) -> dict[str, Any]:
 
 
 def body(name: str, system: Any) -> dict[str, Any]:
-    """The system and its constants."""
+    """The entry's description of a system: its kind and constants."""
     if name not in DEFORMED:
         kind = "chaplygin_ball" if system.d else "euler_top"
         return {"system": kind, "inertia": list(map(float, system.inertia)), "d": float(system.d)}
@@ -129,7 +129,7 @@ def body(name: str, system: Any) -> dict[str, Any]:
 
 
 def write_all(parts: list[dict[str, Any]]) -> None:
-    """The file and its checksum."""
+    """Writes the data set and its checksum."""
     head = {"schema": 2, "digits": DIGITS, "count": len(parts)}
     body = ",\n".join(json.dumps(part, ensure_ascii=False) for part in parts)
     text = json.dumps(head)[:-1] + ', "motions": [\n' + body + "\n]}\n"

@@ -66,12 +66,12 @@ def once(case: Case, times: list[float]) -> tuple[float, float]:
 
 
 def grid(T: int) -> list[float]:
-    """The times: a list, as users and scenes have them."""
+    """101 equally spaced times from 0 to T: a list, as in scenes and most users' code."""
     return [T * k / (OUTPUTS - 1) for k in range(OUTPUTS)]
 
 
 def main() -> None:
-    """Print the table."""
+    """Prints a row for each system and T."""
     print("system     T      µs     x(T)")
     for name, made in CASES.items():
         case = made()
