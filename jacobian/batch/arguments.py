@@ -71,7 +71,7 @@ def degrees(J: Jacobian, u: Any, v: Any) -> Any:
 
 
 def weights(J: Jacobian, n: Any, degree: Any) -> Any:
-    """The weights at ∞₊ of each row, or None."""
+    """The weight n at ∞₊ of each row, (N,); None where divisors have no such weight."""
     g = J.curve.genus
     if J.curve.model != "split":
         if n is not None:

@@ -25,7 +25,7 @@ OK = 0
 
 
 def engine(J: Jacobian) -> Any:
-    """The object that does J's arithmetic on rows. The field decides its class; it is cached on J."""
+    """The object that does J's arithmetic on rows, cached on J. J's field decides its class."""
     found = J.__dict__.get("_rows")
     if found is None:
         K = J.field
@@ -114,7 +114,7 @@ class DivisorArray(Immutable, Generic[Element]):
 
     @classmethod
     def zeros(cls, J: Jacobian[Element], count: int) -> DivisorArray[Element]:
-        """``count`` times the identity."""
+        """An array of ``count`` rows, all of them the identity."""
         return cls(J, engine(check_group(J)).zero(check_count(count)))
 
     @classmethod
@@ -160,23 +160,23 @@ class DivisorArray(Immutable, Generic[Element]):
 
     @property
     def u(self) -> Matrix:
-        """(N, g + 1): u, ascending."""
+        """The ascending coefficients of each u, (N, g + 1)."""
         return read_only(self._engine.to_arrays(self._rows)[0])
 
     @property
     def v(self) -> Matrix:
-        """(N, g): v, ascending."""
+        """The ascending coefficients of each v, (N, g)."""
         return read_only(self._engine.to_arrays(self._rows)[1])
 
     @property
     def n(self) -> Vector | None:
-        """(N,): the weights at ∞₊ on a split model; None on others."""
+        """The weight of each row at ∞₊, (N,), on a split model; None on others."""
         found = self._engine.weights(self._rows)
         return None if found is None else read_only(found)
 
     @property
     def degree(self) -> Vector:
-        """(N,): the number of affine points of each row."""
+        """The number of affine points of each row, (N,)."""
         u = self.u
         leading: Vector = np.argmax(u[:, ::-1] != self.jacobian.field.zero, axis=1)
         return u.shape[1] - 1 - leading
@@ -197,7 +197,7 @@ class DivisorArray(Immutable, Generic[Element]):
         return divisors
 
     def to_galois(self) -> tuple[Any, Any]:
-        """(u, v) as galois arrays; FieldError if galois has no class for the field."""
+        """The coefficients (u, v) as galois arrays. FieldError is raised if galois has no class for the field."""
         K: Any = self.jacobian.field
         if getattr(K, "order", None) is None:
             raise FieldError(f"field = {K.name}: galois has finite fields only")
@@ -281,11 +281,11 @@ class DivisorArray(Immutable, Generic[Element]):
         return self
 
     def double(self) -> DivisorArray[Element]:
-        """2·A, row by row."""
+        """The array of the doubles 2·A_i."""
         return self._like(self._engine.double(self._rows))
 
     def __mul__(self, scalar: SupportsIndex | Iterable[SupportsIndex]) -> DivisorArray[Element]:
-        """m·A for an int m, or m_i·A_i for a sequence of N ints."""
+        """The array m·A for an int m, or of the rows m_i·A_i for a sequence of N ints."""
         if isinstance(scalar, Divisor | DivisorArray):
             return NotImplemented
         scalars = check_scalars(scalar, len(self))

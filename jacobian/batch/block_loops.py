@@ -40,26 +40,26 @@ SCRATCH = TAIL + CHAINS
 
 
 def load(S: Any, at: Any, x: Any, start: Any, size: Any) -> None:
-    """Copies a block into the scratch array."""
+    """Copies the columns start … start + size − 1 of x into the scratch array, from offset ``at`` on."""
     for k in range(x.shape[0]):
         for j in range(size):
             S[at + k * BLOCK + j] = x[k, start + j]
 
 
 def keep(S: Any, at: Any, j: Any, found: Any) -> None:
-    """Stores numbers of row j, from offset ``at`` on."""
+    """Stores the numbers ``found`` of row j in the scratch array, from offset ``at`` on."""
     for a in found:
         S[at + j] = a
         at += BLOCK
 
 
 def three(S: Any, at: Any, j: Any) -> Any:
-    """Three numbers of row j, from offset ``at`` on."""
+    """The three numbers of row j that the scratch array stores from offset ``at`` on."""
     return S[at + j], S[at + BLOCK + j], S[at + 2 * BLOCK + j]
 
 
 def four(S: Any, at: Any, j: Any) -> Any:
-    """Four numbers, likewise."""
+    """The four numbers of row j that the scratch array stores from offset ``at`` on."""
     return S[at + j], S[at + BLOCK + j], S[at + 2 * BLOCK + j], S[at + 3 * BLOCK + j]
 
 
@@ -80,7 +80,7 @@ def row(S: Any, at: Any, j: Any) -> Any:
 
 
 def close_lines(K: Any, C: Any, S: Any, second: Any) -> None:
-    """The second halves of a block in genus 2, from its inverses. The loops are short so that the processor works on
+    """Computes the second halves of a block's sums in genus 2, from the inverses. Short loops let the processor work on
     more rows at once."""
     for j in range(BLOCK):
         keep(S, MIDDLE, j, cubic(K, C, three(S, MIDDLE, j), S[PRODUCT + j], line(S, FIRST, j)))
@@ -94,7 +94,7 @@ def close_lines(K: Any, C: Any, S: Any, second: Any) -> None:
 
 
 def close_rows(K: Any, C: Any, S: Any, second: Any) -> None:
-    """The same in genus 3."""
+    """Computes the second halves of a block's sums in genus 3, as :func:`close_lines` does."""
     for j in range(BLOCK):
         keep(S, MIDDLE, j, quintic(K, C, four(S, MIDDLE, j), S[PRODUCT + j]))
     for j in range(BLOCK):
@@ -115,7 +115,7 @@ def divisor(C: Any, S: Any, at: Any, j: Any) -> Any:
 
 
 def close(K: Any, C: Any, S: Any, second: Any) -> None:
-    """The second halves of a block; the other summand of each row begins at ``second``."""
+    """Computes the second halves of a block's sums. The second summand begins at the offset ``second``."""
     STEPS[close][type(C)](K, C, S, second)
 
 
@@ -139,12 +139,12 @@ def keep_quotient(K: Any, C: Any, S: Any, j: Any, quotient: Any) -> None:
 
 
 def keep_tangent(K: Any, C: Any, S: Any, j: Any) -> None:
-    """The first half of the double in row j."""
+    """Computes and stores the first half of the double of row j."""
     keep_quotient(K, C, S, j, tangent(K, C, divisor(C, S, FIRST, j)))
 
 
 def all_general(S: Any, g: Any, first: Any, second: Any, start: Any, size: Any) -> Any:
-    """Whether every row of a block has weight g in both summands and a product ≠ 0. There is no branch for each row."""
+    """Whether every row of a block has weight g in both summands and a product ≠ 0, found without a branch for each."""
     special = 0
     for j in range(size):
         special |= (S[PRODUCT + j] == 0) | (first[start + j] != g) | (second[start + j] != g)
@@ -152,7 +152,7 @@ def all_general(S: Any, g: Any, first: Any, second: Any, start: Any, size: Any) 
 
 
 def is_same(S: Any, j: Any, columns: Any) -> Any:
-    """Whether row j is equal in both summands."""
+    """Whether row j is the same divisor in both summands."""
     apart = 0
     for k in range(columns):
         apart |= S[FIRST + k * BLOCK + j] != S[SECOND + k * BLOCK + j]
@@ -187,7 +187,7 @@ def invert_products(K: Any, S: Any) -> None:
 
 
 def finish(K: Any, C: Any, S: Any, second: Any, out: Any, start: Any, size: Any) -> None:
-    """The sums of a block from its products."""
+    """Writes the sums of a block to ``out``, from the first halves and their products."""
     for j in range(size, BLOCK):
         S[PRODUCT + j] = K.one
     invert_products(K, S)
@@ -202,8 +202,8 @@ def finish(K: Any, C: Any, S: Any, second: Any, out: Any, start: Any, size: Any)
 
 def add_rows(K: Any, C: Any, first: Any, second: Any, out: Any, span: Any, room: Any) -> Any:
     """Sets out[:, j] = x[:, j] + y[:, j] for the general rows j of a span (begin, end). Returns the number of other
-    rows, whose indices are written into ``special``. ``first`` is x with its degrees, ``second`` y likewise, and
-    ``room`` (special, S) with the scratch array S, which must hold words: those beyond the last row are computed too.
+    rows, whose indices are written into ``special``. ``first`` is (x, degrees), ``second`` is (y, degrees), and
+    ``room`` (special, S). S must hold words even beyond the last row, since the loops compute there too.
     """
     (x, x_degree), (y, y_degree), (begin, end), (special, S) = first, second, span, room
     g, count = x.shape[0] >> 1, 0
@@ -228,7 +228,7 @@ def add_rows(K: Any, C: Any, first: Any, second: Any, out: Any, span: Any, room:
 
 
 def double_rows(K: Any, C: Any, first: Any, out: Any, span: Any, room: Any) -> Any:
-    """As :func:`add_rows`, for out[:, j] = 2x[:, j]."""
+    """Sets out[:, j] = 2x[:, j], with the arguments and the result of :func:`add_rows`."""
     (x, degree), (begin, end), (special, S) = first, span, room
     g, count = x.shape[0] >> 1, 0
     for start in range(begin, end, BLOCK):

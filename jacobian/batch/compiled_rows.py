@@ -36,7 +36,7 @@ class CompiledRows(StoredRows):
         K: Any = J.field
         super().__init__(J)
         curve = self.equation.curve
-        # eight products of floats in SIMD lanes are faster than one product of 64-bit words after the other
+        # floats, eight in SIMD lanes at once, multiply faster than 64-bit words one after the other
         self.floats = type(K) is PrimeField and self.genus == 2 and 31 < K.p.bit_length() <= 49
         words: Any
         own: Any
@@ -59,36 +59,36 @@ class CompiledRows(StoredRows):
         self._cantor_loops = libraries.cantor(self.kind)
 
     def numbers_in_words(self, elements: Sequence[Any]) -> Any:
-        """The words of field elements."""
+        """The words that represent field elements, in the form that loops take."""
         return np.array([self.words.to_word(c) for c in elements], np.int64)
 
     def encoded(self, elements: Any) -> Any:
-        """The words of field elements, ints."""
+        """The words that represent field elements, given as ints."""
         words = np.empty(elements.shape, self.word_dtype)
         self._run.encode_rows(self._packed_words, elements, words)
         return words
 
     def decoded(self, words: Any) -> Any:
-        """The field elements, ints, of words."""
+        """The field elements, as ints, that words represent."""
         elements = np.empty(words.shape, np.int64)
         self._run.decode_rows(self._packed_words, words, elements)
         return elements
 
     def bits(self, words: Any) -> Any:
-        """Words, or the bits of floats, for loops that only copy."""
+        """The array of words, or of the bits of floats, for loops that only copy numbers."""
         return words.view(np.int64) if self.floats else words
 
     def of_memory(self, words: Any) -> Any:
-        """Words, from the form that loops take."""
+        """An array of words, from the form that loops take."""
         return words.astype(self.word_dtype)
 
     def uniform(self, draw: np.random.Generator, count: int) -> Any:
-        """Uniform words of a prime field."""
+        """``count`` uniform words of a prime field."""
         p = self.field.p
         return draw.integers(p, size=count) - p // 2
 
     def _in_words(self, x: Rows) -> Rows:
-        """Rows in words, from stored rows."""
+        """The rows x in words, converted from the form in which rows are stored."""
         return Rows(self.encoded(x.data.astype(np.int64)), x.degree, x.weight) if self.floats else x
 
     def stored(self, x: Rows) -> Rows:

@@ -1,8 +1,8 @@
 """The equation on which compiled batches run. It has h = 0 unless the characteristic is 2, and a monic f if f has
 degree 5 or 7 in genus 2 or 3.
 
-An :class:`Equation` holds the isomorphism to it, (x, y) → (cx, c^g·(y + shift(x))). This acts on Mumford pairs by v →
-v + shift modulo u, then u_i → c^(deg u − i)·u_i and v_i → c^(g − i)·v_i.
+An :class:`Equation` holds the isomorphism of the given curve to this equation, (x, y) ↦ (cx, c^g·(y + shift(x))). On
+Mumford pairs it replaces v by v + shift modulo u, then u_i by c^(deg u − i)·u_i and v_i by c^(g − i)·v_i.
 """
 
 from __future__ import annotations
@@ -14,7 +14,9 @@ from jacobian.curve.curve import HyperellipticCurve, coefficient
 
 
 class Equation:
-    """``curve``: the equation that rows are added on; ``shift``: g + 2 coefficients; ``scale``: c."""
+    """An equation and the isomorphism to it: ``curve`` is the equation on which rows are added, ``shift`` has g + 2
+    coefficients, ``scale`` is c.
+    """
 
     def __init__(self, C: HyperellipticCurve) -> None:
         K, g = C.field, C.genus
@@ -29,7 +31,7 @@ class Equation:
         self.shift = [coefficient(K, move, i) for i in range(g + 2)]
 
     def _completed(self, C: HyperellipticCurve, half_h: poly.Poly) -> HyperellipticCurve:
-        """y² = f + h²/4, scaled to a monic f if it is a quintic or a septic."""
+        """The curve y² = f + h²/4, scaled to a monic right side if its degree is 5 or 7 in genus 2 or 3."""
         K: Any = C.field
         g = C.genus
         if C.model == "split":
@@ -51,6 +53,6 @@ class Equation:
         return HyperellipticCurve(K, (*f, K.one), h)
 
     def powers(self, c: Any) -> list[Any]:
-        """1, c, …, c^g."""
+        """The powers 1, c, …, c^g."""
         K: Any = self.curve.field
         return [K.power(c, i) for i in range(self.curve.genus + 1)]

@@ -1,9 +1,11 @@
-"""Loops over divisors of weight 2 in floats and complex numbers, to be compiled: the stable composition of
-:mod:`jacobian.inexact.genus2_real` for deg f = 5 over the floats, else that of :mod:`jacobian.inexact.genus2_complex`.
+"""Loops over divisors of weight 2 in floats and complex numbers, to be compiled.
 
-The columns are those of :mod:`jacobian.batch.sums`. ``f`` has six coefficients and ``half`` = h/2 three where deg f = 5
-over the floats, else seven and four: the compiler knows these lengths, and drops the other branch. Sizes are |re| +
-|im|, which needs no square root.
+The composition is that of :mod:`jacobian.inexact.genus2_real` for deg f = 5 over the floats, and that of
+:mod:`jacobian.inexact.genus2_complex` elsewhere.
+
+The columns are those of :mod:`jacobian.batch.sums`. Where deg f = 5 over the floats, ``f`` has six coefficients and
+``half`` = h/2 three, elsewhere seven and four. The compiler knows these lengths and drops the branch that is not taken.
+Sizes are |re| + |im|, which needs no square root.
 """
 
 from __future__ import annotations
@@ -16,18 +18,18 @@ from jacobian.inexact import genus2_complex, genus2_real, retraction
 # the largest allowed remainder f − V² mod U of a sum, relative to the size of its terms, as for single sums (REMAINDER
 # of jacobian.inexact.composition). 1 or 2 rows in 100 in general position exceed it, and are added again
 FINE = 2.0**-46
-# the largest remainder before projection onto the curve; beyond it (1 row in 10⁵) the row is added singly
+# the largest remainder from which a Newton step leads back to the curve; a larger one (1 row in 10⁵) is added singly
 NOISE = 2.0**-40
 # the largest allowed remainder of given divisors
 GIVEN_NOISE = 2.0**-32
 # summands opposite up to this fraction of their size are not added here: almost no digits of their sum are known
 OPPOSITE = 2.0**-30
-# if the slope is below this fraction of the chord's size, the sum has a point far out or at infinity; likewise if the
-# leading coefficient of p² − q²f is below the other
+# the sum has a point far out or at infinity if the slope is below this fraction of the chord's size, or the leading
+# coefficient of p² − q²f below this fraction of the other coefficients
 FLATTEST_CHORD = 2.0**-12
 FLATTEST = 2.0**-20
-# least size of f at the smallest point, and of its leading term at the largest, relative to f there: two fifths of 53
-# bits remain
+# least size of f at the smallest point, and of f's leading term at the largest point, relative to f at the largest
+# point: two fifths of 53 bits remain
 EVEN = 2.0**-32
 TINY = 1e-300
 
@@ -42,7 +44,7 @@ def extent(z: Any) -> Any:
 
 
 def shift(half: Any, u0: Any, u1: Any) -> Any:
-    """h/2 modulo x² + u1·x + u0."""
+    """The remainder of h/2 modulo x² + u1·x + u0."""
     if len(half) == 3:
         return half[0] - half[2] * u0, half[1] - half[2] * u1
     high = half[2] - u1 * half[3]
@@ -50,14 +52,14 @@ def shift(half: Any, u0: Any, u1: Any) -> Any:
 
 
 def scaled(half: Any, units: Any, columns: Any, i: Any) -> Any:
-    """Divisor i on y² = f + h²/4 in the units of the kernel; ``half`` is h/2, ``units`` their inverses."""
+    """Divisor i on y² = f + h²/4 in the units of the kernel. ``half`` is h/2, ``units`` the inverse units."""
     u0, u1 = columns[0, i], columns[1, i]
     t0, t1 = shift(half, u0, u1)
     return u0 * units[0], u1 * units[1], (columns[2, i] + t0) * units[2], (columns[3, i] + t1) * units[3]
 
 
 def misfit(f: Any, divisor: Any) -> Any:
-    """The larger coefficient of f − V² modulo U, each relative to the size of its terms."""
+    """The larger of the two coefficients of f − V² modulo U, each relative to the size of its terms."""
     u0, u1, v0, v1 = divisor
     s0, s1, t0, t1 = extent(u0), extent(u1), extent(v0), extent(v1)
     r0, r1, r2, r3, r4, r5 = f[0] - v0 * v0, f[1] - 2 * v0 * v1, f[2] - v1 * v1, f[3], f[4], f[5]
@@ -101,7 +103,7 @@ def even(f: Any, first: Any, second: Any) -> Any:
 
 
 def added(f: Any, first: Any, second: Any) -> Any:
-    """The sum, and a quantity that vanishes if the degree of the sum drops."""
+    """The sum of two divisors, and a number that vanishes if the degree of the sum drops."""
     if len(f) == 6:
         total, transfer = genus2_real.add(f, first, second)
         return total, transfer[1]
@@ -142,7 +144,7 @@ def row(S: Any, first: Any, i: Any) -> Any:
 
 
 def keep(S: Any, first: Any, i: Any, divisor: Any) -> None:
-    """Stores a divisor there."""
+    """Stores a divisor in rows ``first`` to ``first`` + 3 of the scratch array, column i."""
     at = first * BLOCK + i
     S[at], S[at + BLOCK], S[at + 2 * BLOCK], S[at + 3 * BLOCK] = divisor
 

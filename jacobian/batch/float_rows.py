@@ -1,8 +1,8 @@
-"""Batches over the floats and the complex numbers in genus 2. Compiled code adds divisors of weight 2; the Jacobian's
-own addition adds the others.
+"""Batches over the floats and the complex numbers in genus 2.
 
-If :mod:`jacobian.inexact.composition` cannot decide a sum, or if it has a point at infinity of a split model, only its
-row is lost; the other rows stay valid.
+Compiled code adds divisors of weight 2; the Jacobian's own addition adds the others. If
+:mod:`jacobian.inexact.composition` cannot decide a sum, or if the sum has a point at infinity of a split model, only
+the row of this sum is lost; the other rows stay valid.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ FIRST = np.array([NONE, POINT, PAIR])
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """``count`` = N divisors. ``data`` (4, N) holds u₀, u₁, v₀, v₁, with zeros beyond the degree; it is (4, 1) for N
-    equal rows. ``kind`` is (N,), or None if every row has two points.
+    """N = ``count`` divisors. ``data`` (4, N) holds u₀, u₁, v₀, v₁, with zeros beyond the degree; it is (4, 1) for N
+    equal rows. ``kind`` (N,) holds PAIR, POINT + …, NONE + … or LOST + …; it is None if every row has two points.
     """
 
     data: Any
@@ -43,7 +43,7 @@ class Rows:
 
     @property
     def kinds(self) -> Any:
-        """``kind``, always as an array."""
+        """The kind of each row, (N,), also where ``kind`` is None."""
         return np.zeros(self.count, np.uint8) if self.kind is None else self.kind
 
 
@@ -52,7 +52,7 @@ def _rows(data: Any, kind: Any) -> Rows:
 
 
 class FloatRows:
-    """The operations on rows of one Jacobian, those of :class:`jacobian.batch.object_rows.ObjectRows`."""
+    """The operations on rows of one Jacobian, with the methods of :class:`jacobian.batch.object_rows.ObjectRows`."""
 
     compiled = False
 
@@ -66,26 +66,26 @@ class FloatRows:
     # --- storage
 
     def take(self, x: Rows, index: Any) -> Rows:
-        """The rows of an index: a slice, a mask or an array of ints."""
+        """The rows that ``index`` selects: a slice, a mask or an array of ints."""
         data = np.ascontiguousarray(x.data[:, index])
         return Rows(data, None, data.shape[1]) if x.kind is None else _rows(data, x.kind[index].copy())
 
     def join(self, parts: Sequence[Rows]) -> Rows:
-        """The rows of all parts."""
+        """The rows of all parts, concatenated."""
         parts = [self.zero(0), *parts]
         return _rows(np.concatenate([x.data for x in parts], axis=1), np.concatenate([x.kinds for x in parts]))
 
     def repeat(self, x: Rows, count: int) -> Rows:
-        """One row, ``count`` times, stored once."""
+        """The row x ``count`` times, stored once."""
         return Rows(x.data, None if x.kind is None else np.repeat(x.kind, count), count)
 
     def equal(self, x: Rows, y: Rows) -> Any:
-        """Which rows have equal numbers, (N,); lost rows equal none."""
+        """Whether the rows of x and y have equal numbers, (N,); False for lost rows."""
         kinds = x.kinds
         return (kinds == y.kinds) & (kinds < LOST) & np.all(x.data == y.data, axis=0)
 
     def zero(self, count: int) -> Rows:
-        """The identity, ``count`` times."""
+        """``count`` rows of the identity."""
         return Rows(np.zeros((4, count), self.sums.dtype), np.full(count, self._zero, np.uint8), count)
 
     # --- conversion
@@ -100,7 +100,7 @@ class FloatRows:
         return _rows(data, (FIRST[degree] + (0 if n is None else n)).astype(np.uint8))
 
     def to_arrays(self, x: Rows) -> tuple[Any, Any]:
-        """(u, v): numbers, (N, 3) and (N, 2); zeros for lost rows."""
+        """The coefficients (u, v), of shapes (N, 3) and (N, 2); zeros for lost rows."""
         kinds = x.kinds
         u = np.zeros((len(x), 3), self.sums.dtype)
         u[:, :2] = x.data[:2].T
@@ -109,14 +109,14 @@ class FloatRows:
         return u, np.ascontiguousarray(x.data[2:].T)
 
     def from_divisors(self, divisors: Sequence[Divisor]) -> Rows:
-        """Rows of Divisors of this Jacobian."""
+        """The rows that hold the given Divisors of this Jacobian."""
         if not divisors:
             return self.zero(0)
         data = np.array([_column(D) for D in divisors], self.sums.dtype).T
         return _rows(np.ascontiguousarray(data), np.array([_kind(D) for D in divisors], np.uint8))
 
     def to_divisors(self, x: Rows) -> list[Divisor]:
-        """The rows as Divisors; PrecisionLoss or NotRepresentable at the first lost row."""
+        """The rows as Divisors. The first lost row raises PrecisionLoss or NotRepresentable."""
         lost = np.flatnonzero(x.kinds >= LOST)
         if len(lost):
             name = self.jacobian.field.name
@@ -134,15 +134,15 @@ class FloatRows:
         return Divisor(self.jacobian, (*column[:k], self.jacobian.field.one), tuple(column[2 : 2 + k]), weight)
 
     def weights(self, x: Rows) -> Any:
-        """n, (N,), or None on a model without."""
+        """The weight n at ∞₊ of each row, (N,); None where divisors have no such weight."""
         return WEIGHTS[x.kinds] if self._weighted else None
 
     def status(self, x: Rows) -> Any:
-        """(N,): 0, 1 for lost digits, 2 for a point at infinity."""
+        """The status of each row, (N,): 0 if valid, 1 for lost digits, 2 for a point at infinity."""
         return STATUS[x.kinds]
 
     def first_off_curve(self, x: Rows) -> int:
-        """The first row that is not on the curve, or −1."""
+        """The index of the first row that is not on the curve, or −1."""
         kinds = x.kinds
         full = np.flatnonzero(kinds == PAIR)
         found = self.sums.first_off_curve(np.ascontiguousarray(x.data[:, full]))
@@ -159,7 +159,7 @@ class FloatRows:
     # --- the group law
 
     def add(self, x: Rows, y: Rows) -> Rows:
-        """x + y, row by row."""
+        """The rows x_i + y_i."""
         data, special = self.sums.add(x.data, y.data)
         if x.kind is None and y.kind is None and not special.any():
             return Rows(data, None, len(x))
@@ -191,11 +191,11 @@ class FloatRows:
         return _column(total), _kind(total)
 
     def double(self, x: Rows) -> Rows:
-        """2x, row by row."""
+        """The rows 2x_i."""
         return self.add(x, x)
 
     def negate(self, x: Rows) -> Rows:
-        """−x, row by row: v → −(v + h) modulo u."""
+        """The rows −x_i, with −(v + h) modulo u for v."""
         u0, u1, v0, v1 = x.data
         h0, h1, h2, h3 = self._h
         high = h2 - u1 * h3
@@ -218,7 +218,7 @@ class FloatRows:
         return Rows(data, kind, len(x))
 
     def multiply(self, x: Rows, scalars: int | Sequence[int]) -> Rows:
-        """m·x for one m, or m_i·x_i."""
+        """The rows m·x_i for one int m, or m_i·x_i for a sequence of ints."""
         nothing = self.zero(len(x))
         # 0·x is lost if x is lost
         nothing = Rows(nothing.data, np.where(x.kinds < LOST, nothing.kind, x.kinds), len(x))
@@ -235,7 +235,7 @@ class FloatRows:
         return result
 
     def _chosen(self, mask: Any, first: Rows, second: Rows) -> Rows:
-        """Rows of the first where ``mask``, else of the second."""
+        """The rows of ``first`` where ``mask`` is true, else those of ``second``."""
         return _rows(np.where(mask, first.data, second.data), np.where(mask, first.kinds, second.kinds))
 
 

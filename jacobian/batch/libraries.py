@@ -1,4 +1,4 @@
-"""The compiled loops over rows, for each kind of words and each equation."""
+"""The libraries of compiled loops over rows, one for each kind of context and of equation."""
 
 from __future__ import annotations
 
@@ -27,28 +27,28 @@ BYTES, SPAN = ArrayKind(INT, stored="uint8"), TupleKind((INT, INT))
 
 
 def long_form(kind: ArrayKind, axes: int) -> ArrayKind:
-    """The kind of arrays of single numbers with so many axes, in one word or two."""
+    """The kind of arrays of numbers, of one or two full words each, with the given number of axes."""
     return ArrayKind(kind.item, axes, kind.parts)
 
 
 def with_axes(kind: ArrayKind, axes: int) -> ArrayKind:
-    """The kind of stored arrays with so many axes."""
+    """The kind of arrays of numbers as rows store them, with the given number of axes."""
     return ArrayKind(kind.item, axes, kind.parts, kind.stored)
 
 
 def equation(context: Any, model: Any) -> TupleKind:
-    """The kind of the coefficients that the explicit formulas use."""
+    """The kind of a short equation, the coefficients that the explicit formulas use."""
     return record(model, *[NUMBERS[context].item] * len(model._fields))
 
 
 def room_of_sums(context: Any) -> TupleKind:
-    """The kind of the memory of a sum."""
+    """The kind of the memory in which a sum works: the indices of special rows, and scratch."""
     return TupleKind((INTS, NUMBERS[context]))
 
 
 @cache
 def sums(context: Any, model: Any) -> Library:
-    """The sums by explicit formulas, for a kind of words and of equation."""
+    """The library of sums and doubles by explicit formulas, for a kind of context and of equation."""
     flat, C = NUMBERS[context], equation(context, model)
     rows = with_axes(flat, 2)
     first = TupleKind((rows, BYTES))
@@ -62,7 +62,7 @@ def sums(context: Any, model: Any) -> Library:
 
 @cache
 def conversions(context: Any) -> Library:
-    """Conversions and moves, for a kind of words."""
+    """The library of conversions, changes of equation, negation and selection, for a kind of context."""
     flat = NUMBERS[context]
     K, rows, numbers, R = CONTEXTS[context], with_axes(flat, 2), long_form(flat, 1), long_form(flat, 2)
     entries = {
@@ -83,7 +83,7 @@ def conversions(context: Any) -> Library:
 
 @cache
 def cantor(context: Any) -> Library:
-    """Cantor's algorithm, for a kind of words."""
+    """The library of Cantor's algorithm on rows, for a kind of context."""
     rows, table = TupleKind((with_axes(NUMBERS[context], 2), BYTES, BYTES)), ArrayKind(INT, 2)
     room = record(row_loops.Room, table, INTS, INTS)
     counts = {"cantor_add": 2, "cantor_double": 1, "cantor_negate": 1}
@@ -95,7 +95,7 @@ def cantor(context: Any) -> Library:
 
 @cache
 def points(context: Any) -> Library:
-    """Random points and the classes through them, for a kind of words."""
+    """The library of random points and the classes through them, for a kind of context."""
     K, item = CONTEXTS[context], NUMBERS[context].item
     flat, table = long_form(NUMBERS[context], 1), long_form(NUMBERS[context], 2)
     differences = record(random_loops.Differences, flat, flat)

@@ -15,7 +15,7 @@ from jacobian.addition.ladder import signed_digits
 
 
 def multiply_by_one(run: Any, x: Any, m: int) -> Any:
-    """m·x by signed windows of four bits (width-w non-adjacent form; Solinas 2000)."""
+    """The rows m·x_i, by signed windows of four bits (width-w non-adjacent form; Solinas 2000)."""
     if m < 0:
         return multiply_by_one(run, run.negate_here(x), -m)
     if m == 0:
@@ -36,7 +36,7 @@ def multiply_by_one(run: Any, x: Any, m: int) -> Any:
 
 
 def multiply_by_each(run: Any, x: Any, scalars: Sequence[int]) -> Any:
-    """m_i·x_i with digits that are never 0, so that no row adds the identity.
+    """The rows m_i·x_i, by digits that are never 0, so that no row adds the identity.
 
     An odd m < 2^n is Σ ±2^i over i < n; three signs together make an odd digit from −7 to 7 (Joye and Tunstall 2009).
     For an even m, m + 1 is used, and x is subtracted at the end.
@@ -65,7 +65,7 @@ def multiply_by_each(run: Any, x: Any, scalars: Sequence[int]) -> Any:
 
 
 def signed_windows(scalars: Sequence[int]) -> Any:
-    """w, (number of digits, N), with m = Σ (2w_j − 7)·8^j for odd scalars m > 0."""
+    """The digits w of odd scalars m > 0, (number of digits, N), with m = Σ (2w_j − 7)·8^j."""
     digits = -(-max(m.bit_length() for m in scalars) // 3)
     size = -(-3 * digits // 8)
     top = 1 << (3 * digits - 1)

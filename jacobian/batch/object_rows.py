@@ -1,5 +1,6 @@
-"""Batches over fields without a compiled kernel, or with compilation off: rows are Divisors, and the Jacobian adds them
-one by one.
+"""Batches over fields without a compiled kernel, or with compilation switched off.
+
+Rows are Divisors, and the Jacobian adds them one by one.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ def _filled(divisors: Sequence[Divisor]) -> Rows:
 
 
 class ObjectRows:
-    """The operations on rows of one Jacobian, those of :class:`jacobian.batch.compiled_rows.CompiledRows`."""
+    """The operations on rows of one Jacobian, with the methods of :class:`jacobian.batch.stored_rows.StoredRows`."""
 
     compiled = False
 
@@ -31,23 +32,23 @@ class ObjectRows:
         self.jacobian, self._dtype = J, dtype
 
     def take(self, x: Rows, index: Any) -> Rows:
-        """The rows of an index: a slice, a mask or an array of ints."""
+        """The rows that ``index`` selects: a slice, a mask or an array of ints."""
         return x[index].copy()
 
     def join(self, parts: Sequence[Rows]) -> Rows:
-        """The rows of all parts."""
+        """The rows of all parts, concatenated."""
         return np.concatenate([np.empty(0, object), *parts])
 
     def repeat(self, x: Rows, count: int) -> Rows:
-        """One row, ``count`` times."""
+        """The row x ``count`` times."""
         return np.repeat(x, count)
 
     def equal(self, x: Rows, y: Rows) -> Any:
-        """Which rows are equal, (N,)."""
+        """Whether the rows of x and y are equal, (N,)."""
         return np.array([D == E for D, E in zip(x, y, strict=True)], bool)
 
     def zero(self, count: int) -> Rows:
-        """The identity, ``count`` times."""
+        """``count`` rows of the identity."""
         return _filled([self.jacobian.zero()] * count)
 
     def from_arrays(self, u: Any, v: Any, n: Any) -> Rows:
@@ -61,7 +62,7 @@ class ObjectRows:
         return _filled(rows)
 
     def to_arrays(self, x: Rows) -> tuple[Any, Any]:
-        """(u, v): field elements, (N, g + 1) and (N, g)."""
+        """The coefficients (u, v) as field elements, of shapes (N, g + 1) and (N, g)."""
         g = self.jacobian.curve.genus
         arrays: tuple[np.ndarray, np.ndarray] = (
             np.full((len(x), g + 1), self.jacobian.field.zero, self._dtype),
@@ -73,7 +74,7 @@ class ObjectRows:
         return arrays
 
     def from_divisors(self, divisors: Sequence[Divisor]) -> Rows:
-        """Rows of Divisors of this Jacobian."""
+        """The rows that hold the given Divisors of this Jacobian."""
         return _filled(divisors)
 
     def to_divisors(self, x: Rows) -> list[Divisor]:
@@ -81,26 +82,26 @@ class ObjectRows:
         return list(x)
 
     def weights(self, x: Rows) -> Any:
-        """n, (N,), or None on a model without."""
+        """The weight n at ∞₊ of each row, (N,); None where divisors have no such weight."""
         return np.array([D.n for D in x], np.int64) if self.jacobian.curve.model == "split" else None
 
     def first_off_curve(self, x: Rows) -> int:
-        """−1: :meth:`from_arrays` accepts only rows on the curve."""
+        """Always −1, as :meth:`from_arrays` accepts only rows on the curve."""
         return -1
 
     def add(self, x: Rows, y: Rows) -> Rows:
-        """x + y, row by row."""
+        """The rows x_i + y_i."""
         return _filled([self.jacobian.add(D, E) for D, E in zip(x, y, strict=True)])
 
     def double(self, x: Rows) -> Rows:
-        """2x, row by row."""
+        """The rows 2x_i."""
         return _filled([self.jacobian.double(D) for D in x])
 
     def negate(self, x: Rows) -> Rows:
-        """−x, row by row."""
+        """The rows −x_i."""
         return _filled([self.jacobian.negate(D) for D in x])
 
     def multiply(self, x: Rows, scalars: int | Sequence[int]) -> Rows:
-        """m·x for one m, or m_i·x_i."""
+        """The rows m·x_i for one int m, or m_i·x_i for a sequence of ints."""
         each = [scalars] * len(x) if isinstance(scalars, int) else scalars
         return _filled([self.jacobian.multiply(m, D) for m, D in zip(each, x, strict=True)])

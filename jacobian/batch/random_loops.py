@@ -17,7 +17,9 @@ processor overlaps the chains."""
 
 
 class Powers(NamedTuple):
-    """The memory for CHAINS numbers: their values and powers, (CHAINS,), and the odd powers up to 15, (8, CHAINS)."""
+    """The memory in which :func:`powers` works on CHAINS numbers at once: their values and results, (CHAINS,), and
+    their odd powers up to 15, (8, CHAINS).
+    """
 
     value: Any
     power: Any
@@ -25,7 +27,7 @@ class Powers(NamedTuple):
 
 
 def powers(K: Any, windows: Any, room: Any) -> None:
-    """power = value^e in every chain, from the :func:`jacobian.batch.random_rows.windows` of e."""
+    """Sets power = value^e for each of the CHAINS numbers, from the :func:`jacobian.batch.random_rows.windows` of e."""
     value, power, odd = room
     for j in range(CHAINS):
         odd[0, j] = value[j]
@@ -44,9 +46,9 @@ def powers(K: Any, windows: Any, room: Any) -> None:
 
 
 def square_root(K: Any, a: Any, power: Any, generator: Any, twos: Any) -> Any:
-    """A root of a, or 0 where there is none, from power = a^((m − 1)/2), p − 1 = m·2^twos (Tonelli 1891, Shanks 1973).
+    """A square root of a modulo p, or 0 if there is none (Tonelli 1891, Shanks 1973).
 
-    ``generator``: of order 2^twos.
+    With p − 1 = m·2^twos, m odd, ``power`` is a^((m − 1)/2), and ``generator`` has order 2^twos.
     """
     root = canonical(K, mul(K, a, power))
     rest = canonical(K, mul(K, root, power))
@@ -68,9 +70,9 @@ def square_root(K: Any, a: Any, power: Any, generator: Any, twos: Any) -> Any:
 
 
 def lift(K: Any, f: Any, roots: Any, x: Any, y: Any, second: Any, found: Any, room: Any) -> None:
-    """Sets y[i] to an ordinate over x[i] on y² = f(x) in GF(p), or to the other one if second[i] is 1. found[i] is then
-    1, and 0 if there is none; a branch point has no second ordinate. ``roots`` are the windows of (m − 1)/2, and the
-    generator and twos of :func:`square_root`.
+    """Sets y[i] to a root of y² = f(x[i]) in GF(p), or to the other root if second[i] is 1. found[i] becomes 1, or 0 if
+    there is no such root; y = 0 has no other root. ``roots`` holds the windows of (m − 1)/2, and the generator and
+    twos of :func:`square_root`.
     """
     windows, generator, twos = roots
     value = room.value
@@ -100,8 +102,8 @@ class Differences(NamedTuple):
 
 
 def through_points(K: Any, points: Any, out: Any, double: Any, room: Any) -> None:
-    """Writes the Mumford pairs (u, v) through g points each, from arrays x and y (g, N), by Newton's interpolation with
-    one inversion for a block. Sets double[i] to 1 for columns with equal x, whose pairs are undefined.
+    """Writes N Mumford pairs (u, v), each through the g points of a column of x and y (g, N), by Newton's interpolation
+    with one inversion for a block. Sets double[i] to 1 for columns with equal x, whose pairs are undefined.
     """
     (x, y), (values, before) = points, room
     g, count = x.shape[0], x.shape[1]

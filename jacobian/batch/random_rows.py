@@ -1,14 +1,14 @@
 """Uniform random classes by the million: sums of random points.
 
 Let P₁ … P_k be independent uniform affine points of a curve of genus g over GF(q), N such points and m rational ones at
-infinity. For every character χ ≠ 1 of the Jacobian |Σ χ(P)| ≤ (2g − 2)√q + m, the sum taken over the affine points:
-with those at infinity it is a coefficient of an L-function without poles, a polynomial of degree 2g − 2 whose roots are
-of size 1/√q (Weil 1948).
+infinity. For every character χ ≠ 1 of the Jacobian, the sum over the affine points satisfies |Σ χ(P)| ≤ (2g − 2)√q
++ m. For the sum over all points, those at infinity included, is the linear coefficient of an L-function: a polynomial
+of degree 2g − 2 whose roots are of size 1/√q (Weil 1948).
 
 Consequently the mean of χ(P₁ + … + P_k) is at most ε^k, ε = ((2g − 2)√q + m)/N, and by Cauchy and Parseval the sum is
 within ½·√#J·ε^k of the uniform distribution, in total variation (Farashahi, Fouque, Shparlinski, Tibouchi and Voloch
-2013, theorem 7). The number of points makes this less than 2^-50: four at q = 2^61 in genus 2, six in genus 3. Where ε
-is too large, as for q < 9 in genus 2, classes are drawn singly (:mod:`jacobian.law.sampling`).
+2013, theorem 7). The number k of points is chosen to make this distance less than 2^-50: four at q = 2^61 in genus 2,
+six in genus 3. Where ε is too large, as for q < 9 in genus 2, classes are drawn singly (:mod:`jacobian.law.sampling`).
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ DISTANCE = 50
 
 
 class RandomRows:
-    """Random classes of rows in words; ``possible`` says whether there are enough points, and a loop for them."""
+    """Draws rows of random classes. ``possible`` says whether the curve has enough points and a loop can draw them."""
 
     def __init__(self, run: StoredRows) -> None:
         self.run, self.curve = run, run.equation.curve
@@ -56,13 +56,13 @@ class RandomRows:
             self.roots = _root_constants(K, run.words.to_word)
             self.f = run.numbers_in_words(self.curve.f)
         bias = ((2 * g - 2) * K.order**0.5 + len(self.curve.points_at_infinity())) / max(count, 1)
-        # #J ≤ (1 + √q)^2g
+        # log₂(½·√#J·2^DISTANCE), by #J ≤ (1 + √q)^2g
         needed = g * log2(1 + K.order**0.5) - 1 + DISTANCE
         self.sets = int(-(-needed // (-g * log2(bias)))) if bias < 1 else MOST_SETS + 1
         self.possible = self.sets <= MOST_SETS and (self.listed is not None or K.characteristic > 2)
 
     def rows(self, rng: Any, count: int) -> Any:
-        """``count`` random classes, on all threads; they do not depend on the number of threads."""
+        """``count`` rows of random classes, drawn on all threads. They do not depend on the number of threads."""
         seeds = np.random.SeedSequence(random_below(rng, 1 << 128)).spawn(-(-count // CHUNK))
 
         def work(begin: int, end: int) -> Any:
@@ -79,7 +79,7 @@ class RandomRows:
         return total
 
     def _set(self, draw: np.random.Generator, count: int) -> Any:
-        """P₁ + … + P_g, ``count`` times."""
+        """``count`` rows, each the class of a sum P₁ + … + P_g of g random points."""
         run, g = self.run, self.run.genus
         points = self._points(draw, g * count)
         x, y = points.reshape(2, g, count, *points.shape[2:])
@@ -98,7 +98,7 @@ class RandomRows:
         return found
 
     def _points(self, draw: np.random.Generator, count: int) -> Any:
-        """The coordinates x and y of uniform affine points, (2, count): one of the ordinates over a uniform x."""
+        """The coordinates x and y of uniform affine points, (2, count): a uniform x, and one ordinate over it."""
         if self.listed is not None:
             return np.ascontiguousarray(self.listed[:, draw.integers(self.listed.shape[1], size=count)])
         parts, missing = [], count
@@ -116,14 +116,16 @@ class RandomRows:
 
 
 def sampler(run: StoredRows) -> RandomRows:
-    """The RandomRows for the rows of a group, cached with them."""
+    """The RandomRows that draws rows of ``run``, cached on ``run``."""
     if run.sampler is None:
         run.sampler = RandomRows(run)
     return run.sampler
 
 
 def _root_constants(K: Any, to_word: Any) -> tuple[Any, int, int]:
-    """(windows of (m − 1)/2, an element of order 2^twos in words, twos), p − 1 = m·2^twos, m odd."""
+    """The constants of Tonelli and Shanks' square root for p − 1 = m·2^twos, m odd: the windows of (m − 1)/2, the word
+    of an element of order 2^twos, and twos.
+    """
     p = K.p
     twos = ((p - 1) & (1 - p)).bit_length() - 1
     return windows((p - 1) >> (twos + 1)), to_word(K.sylow_generator), twos

@@ -16,14 +16,14 @@ from jacobian.numbers.words import add, canonical, decode, dot2, encode, mul, ne
 
 
 def encode_rows(K: Any, elements: Any, out: Any) -> None:
-    """The words of field elements, ints; ``out`` may be the same array, here and below."""
+    """Writes the words of field elements, given as ints, to ``out``, which may be the array ``elements`` itself."""
     for k in range(elements.shape[0]):
         for i in range(elements.shape[1]):
             out[k, i] = encode(K, elements[k, i])
 
 
 def decode_rows(K: Any, x: Any, out: Any) -> None:
-    """The field elements, ints, of words."""
+    """Writes the field elements, as ints, of the words x to ``out``, which may be the array x itself."""
     for k in range(x.shape[0]):
         for i in range(x.shape[1]):
             out[k, i] = decode(K, x[k, i])
@@ -35,7 +35,7 @@ def reduced(K: Any, a: Any, c: Any, u: Any) -> Any:
 
 
 def modulo_u(K: Any, a: Any, x: Any, j: Any, degree: Any, R: Any) -> None:
-    """R[0] becomes the polynomial with coefficients a modulo the u of row j, by Horner's rule."""
+    """Sets R[0] to the polynomial with coefficients a modulo the u of row j, by Horner's rule."""
     for k in range(R.shape[1]):
         R[0, k] = 0
     for k in range(len(a) if degree > 0 else 0):
@@ -47,7 +47,7 @@ def modulo_u(K: Any, a: Any, x: Any, j: Any, degree: Any, R: Any) -> None:
 
 
 def shift_rows(K: Any, shift: Any, x: Any, degree: Any, R: Any) -> None:
-    """v → v + shift modulo u in every row, in place. R (3, g) is scratch for polynomials, here and below."""
+    """Replaces v by v + shift modulo u in every row. R (3, g) is scratch for polynomials, here and below."""
     g = x.shape[0] >> 1
     for j in range(x.shape[1]):
         modulo_u(K, shift, x, j, degree[j], R)
@@ -56,7 +56,7 @@ def shift_rows(K: Any, shift: Any, x: Any, degree: Any, R: Any) -> None:
 
 
 def scale_rows(K: Any, powers: Any, x: Any, degree: Any) -> None:
-    """(x, y) → (cx, c^g·y) on the points of every row, in place; powers[k] = c^k for k ≤ g."""
+    """Replaces each point (x, y) of every row's divisor by (cx, c^g·y); powers[k] = c^k for k ≤ g."""
     g = x.shape[0] >> 1
     for j in range(x.shape[1]):
         for k in range(g):
@@ -92,7 +92,7 @@ def first_off_curve(K: Any, equation: Any, x: Any, degree: Any, R: Any) -> Any:
 
 
 def negate_rows(K: Any, h: Any, first: Any, out: Any, span: Any, R: Any) -> None:
-    """(u, v) → (u, −v − h modulo u) in the rows of a span (begin, end); ``first`` is x with its degrees."""
+    """Writes the negatives (u, −v − h modulo u) of the rows of a span (begin, end); ``first`` is (x, degrees)."""
     (x, degree), (begin, end) = first, span
     g = x.shape[0] >> 1
     for k in range(g):
@@ -127,7 +127,7 @@ class Room(NamedTuple):
 
 
 def take(K: Any, g: Any, rows: Any, i: Any, a: Any) -> None:
-    """Row i as a class of :mod:`jacobian.addition.cantor_words`."""
+    """Writes row i to a, as a class of :mod:`jacobian.addition.cantor_words`."""
     x, degree, weight = rows
     size = 0
     for k in range(g):
@@ -140,7 +140,7 @@ def take(K: Any, g: Any, rows: Any, i: Any, a: Any) -> None:
 
 
 def put(g: Any, a: Any, rows: Any, i: Any) -> None:
-    """Stores a class as row i."""
+    """Stores a, a class of :mod:`jacobian.addition.cantor_words`, as row i."""
     out, degree, weight = rows
     degree[i] = a[0] - 1
     for k in range(g):
@@ -161,7 +161,7 @@ def cantor_add(K: Any, curve: Any, operands: Any, out: Any, chosen: Any, room: A
 
 
 def cantor_double(K: Any, curve: Any, operands: Any, out: Any, chosen: Any, room: Any) -> None:
-    """The same for twice the only operand."""
+    """Sets out = 2·first, the only operand, in the rows whose indices are in ``chosen``."""
     g = curve[0]
     for i in chosen:
         take(K, g, operands[0], i, room.a)
@@ -170,7 +170,7 @@ def cantor_double(K: Any, curve: Any, operands: Any, out: Any, chosen: Any, room
 
 
 def cantor_negate(K: Any, curve: Any, operands: Any, out: Any, chosen: Any, room: Any) -> None:
-    """The same for its negative."""
+    """Sets out = −first, the only operand, in the rows whose indices are in ``chosen``."""
     g = curve[0]
     for i in chosen:
         take(K, g, operands[0], i, room.a)

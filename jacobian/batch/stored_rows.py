@@ -1,6 +1,7 @@
 """Rows of divisor classes in arrays of words of any kind, and the compiled loops over them.
 
-What depends on the kind of words is in :mod:`jacobian.batch.compiled_rows` and :mod:`jacobian.batch.two_word_rows`.
+The methods that depend on the kind of words are in :mod:`jacobian.batch.compiled_rows` and
+:mod:`jacobian.batch.two_word_rows`.
 """
 
 from __future__ import annotations
@@ -31,8 +32,8 @@ LADDER = 1 << 12
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """N classes: ``data`` (2g, N) holds u₀ … u_{g−1}, v₀ … v_{g−1} in words; ``degree`` is (N,); ``weight`` is (N,), or
-    (0,) if n is None."""
+    """N classes: ``data`` (2g, N) holds u₀ … u_{g−1}, v₀ … v_{g−1} in words, ``degree`` (N,) deg u, and ``weight`` (N,)
+    the weight n at ∞₊; ``weight`` is (0,) where n is None."""
 
     data: Any
     degree: Any
@@ -48,9 +49,9 @@ class Rows:
 class StoredRows:
     """The operations on rows of one Jacobian.
 
-    ``K`` is the context of the explicit formulas, ``words`` that of conversions: both store the same numbers unless
-    rows are floats. ``dtype`` is the dtype of rows, ``numbers`` that of arrays of field elements. ``formulas`` holds
-    the coefficients that the explicit formulas use, or is None. One call of a loop adds ``step`` rows.
+    ``K`` is the context of the explicit formulas, ``words`` the context of all other loops: both store the same numbers
+    unless rows are floats. ``dtype`` is the dtype of rows, ``numbers`` that of arrays of field elements. ``formulas``
+    is the short equation that the explicit formulas use, or None. One call of a loop adds ``step`` rows.
     """
 
     compiled: bool
@@ -68,7 +69,7 @@ class StoredRows:
         self._of_thread = threading.local()
 
     def _compute_with(self, K: Any, words: Any, formulas: Any) -> None:
-        """Sets the contexts and the coefficients of the formulas, and finds the loops."""
+        """Sets the contexts and the short equation of the formulas, and finds the compiled loops."""
         self.K, self.words, self.formulas = K, words, formulas
         self.kind = words.__class__
         self._packed_words = Packed(words, CONTEXTS[self.kind])
@@ -86,7 +87,7 @@ class StoredRows:
         return words
 
     def bits(self, words: Any) -> Any:
-        """The same for loops that only copy."""
+        """An array of stored rows in the form that loops take which only copy numbers."""
         return self.view(words)
 
     def memory(self, *shape: int) -> Any:
@@ -94,11 +95,11 @@ class StoredRows:
         return np.empty(shape, np.int64)
 
     def numbers_in_words(self, elements: Sequence[Any]) -> Any:
-        """The words of field elements, in the form that loops take."""
+        """The words that represent field elements, in the form that loops take."""
         raise NotImplementedError
 
     def of_memory(self, words: Any) -> Any:
-        """Words, from the form that loops take."""
+        """An array of words, from the form that loops take."""
         raise NotImplementedError
 
     def uniform(self, draw: np.random.Generator, count: int) -> Any:
@@ -106,45 +107,47 @@ class StoredRows:
         raise NotImplementedError
 
     def encoded(self, elements: Any) -> Any:
-        """The words of field elements, ints."""
+        """The words that represent field elements, given as ints."""
         raise NotImplementedError
 
     def decoded(self, words: Any) -> Any:
-        """The field elements, ints, of words."""
+        """The field elements, as ints, that words represent."""
         raise NotImplementedError
 
     def _in_words(self, x: Rows) -> Rows:
-        """Rows in words, from the stored form."""
+        """The rows x in words, converted from the form in which rows are stored."""
         return x
 
     def stored(self, x: Rows) -> Rows:
-        """The stored form of rows in words."""
+        """The rows x, given in words, in the form in which rows are stored."""
         return x
 
     def _add_special(self, operands: Sequence[Rows], out: Rows, chosen: Any) -> None:
-        """The sums of two operands, or twice the only one, in the rows whose indices are in ``chosen``."""
+        """Writes the sums of two operands, or the double of one, to the rows of ``out`` whose indices are in
+        ``chosen``.
+        """
         raise NotImplementedError
 
     # --- storage
 
     def empty(self, count: int) -> Rows:
-        """Uninitialised rows."""
+        """``count`` uninitialised rows."""
         weight = np.zeros(count if self.split else 0, np.uint8)
         return Rows(np.empty((2 * self.genus, count), self.dtype), np.empty(count, np.uint8), weight)
 
     def take(self, x: Rows, index: Any) -> Rows:
-        """The rows of an index: a slice, a mask or an array of ints."""
+        """The rows that ``index`` selects: a slice, a mask or an array of ints."""
         data, degree = np.ascontiguousarray(x.data[:, index]), np.ascontiguousarray(x.degree[index])
         return Rows(data, degree, np.ascontiguousarray(x.weight[index]) if self.split else x.weight)
 
     def put(self, x: Rows, index: Any, part: Rows) -> None:
-        """Replaces the rows of an array of ints by those of ``part``."""
+        """Replaces the rows of x that ``index``, an array of ints, names by the rows of ``part``."""
         x.data[:, index], x.degree[index] = part.data, part.degree
         if self.split:
             x.weight[index] = part.weight
 
     def join(self, parts: Sequence[Rows]) -> Rows:
-        """The rows of all parts."""
+        """The rows of all parts, concatenated."""
         return Rows(
             np.concatenate([x.data for x in parts], axis=1),
             np.concatenate([x.degree for x in parts]),
@@ -152,16 +155,16 @@ class StoredRows:
         )
 
     def repeat(self, x: Rows, count: int) -> Rows:
-        """One row, ``count`` times."""
+        """The row x ``count`` times."""
         return Rows(np.repeat(x.data, count, axis=1), np.repeat(x.degree, count), np.repeat(x.weight, count))
 
     def equal(self, x: Rows, y: Rows) -> Any:
-        """Which rows are equal, (N,)."""
+        """Whether the rows of x and y are equal, (N,)."""
         same = (x.degree == y.degree) & np.all(x.data == y.data, axis=0)
         return same & (x.weight == y.weight) if self.split else same
 
     def weights(self, x: Rows) -> Any:
-        """n, (N,), or None on a model without."""
+        """The weight n at ∞₊ of each row, (N,); None where divisors have no such weight."""
         return x.weight.astype(np.int64) if self.split else None
 
     # --- conversion: from the curve's own coordinates and back
@@ -178,7 +181,7 @@ class StoredRows:
         return self.stored(rows)
 
     def to_arrays(self, x: Rows) -> tuple[Any, Any]:
-        """(u, v): field elements as ints, (N, g + 1) and (N, g)."""
+        """The coefficients (u, v) as field elements, ints, of shapes (N, g + 1) and (N, g)."""
         g, K = self.genus, self.field
         x = self._in_words(x)
         if self.moved:
@@ -192,7 +195,7 @@ class StoredRows:
         return u, np.ascontiguousarray(elements[g:].T)
 
     def from_divisors(self, divisors: Sequence[Divisor]) -> Rows:
-        """Rows of Divisors of this Jacobian."""
+        """The rows that hold the given Divisors of this Jacobian."""
         g = self.genus
         u, v = np.zeros((len(divisors), g + 1), self.numbers), np.zeros((len(divisors), g), self.numbers)
         for i, D in enumerate(divisors):
@@ -211,28 +214,28 @@ class StoredRows:
         ]
 
     def _room(self) -> Any:
-        """Scratch for three polynomials modulo a u."""
+        """Scratch memory for three polynomials modulo some u."""
         return self.memory(3, self.genus)
 
     def _shift(self, x: Rows, shift: Sequence[Any]) -> None:
-        """v → v + shift modulo u in every row, in place."""
+        """Replaces v by v + shift modulo u in every row."""
         if any(c != self.field.zero for c in shift):
             words = self.numbers_in_words(shift)
             self._run.shift_rows(self._packed_words, words, self.view(x.data), x.degree, self._room())
 
     def _scale(self, x: Rows, c: Any) -> None:
-        """(x, y) → (cx, c^g·y) on the points of every row, in place."""
+        """Replaces each point (x, y) of every row's divisor by (cx, c^g·y)."""
         if c != self.field.one:
             powers = self.numbers_in_words(self.equation.powers(c))
             self._run.scale_rows(self._packed_words, powers, self.view(x.data), x.degree)
 
     def first_off_curve(self, x: Rows) -> int:
-        """The first row that is not on the curve, or −1."""
+        """The index of the first row that is not on the curve, or −1."""
         rows = self.view(self._in_words(x).data)
         return int(self._run.first_off_curve(self._packed_words, (self._h, self._f), rows, x.degree, self._room()))
 
     def triples(self, x: Rows) -> list[Triple]:
-        """Rows as triples on the equation in which they are added."""
+        """The rows as triples (u, v, n) on the equation on which rows are added."""
         columns = self.decoded(self._in_words(x).data).T.tolist()
         weights = x.weight.tolist() if self.split else [None] * len(x)
         found = []
@@ -244,7 +247,7 @@ class StoredRows:
         return found
 
     def of_triples(self, triples: Sequence[Triple]) -> Rows:
-        """The rows of triples."""
+        """The rows that hold triples (u, v, n) on the equation on which rows are added."""
         zeros = [0] * self.genus
         elements = [[*u, *zeros][: self.genus] + [*v, *zeros][: self.genus] for u, v, _ in triples]
         weight = np.array([n for _, _, n in triples] if self.split else (), np.uint8)
@@ -254,19 +257,19 @@ class StoredRows:
     # --- the group law
 
     def add(self, x: Rows, y: Rows) -> Rows:
-        """x + y, row by row, on all threads."""
+        """The rows x_i + y_i, computed on all threads."""
         return self._on_threads(len(x), lambda begin, end, out: self._sum((x, y), out, begin, end))
 
     def double(self, x: Rows) -> Rows:
-        """2x, row by row, on all threads."""
+        """The rows 2x_i, computed on all threads."""
         return self._on_threads(len(x), lambda begin, end, out: self._sum((x,), out, begin, end))
 
     def negate(self, x: Rows) -> Rows:
-        """−x, row by row."""
+        """The rows −x_i."""
         return self._on_threads(len(x), lambda begin, end, out: self._negate(x, out, begin, end))
 
     def _sum(self, operands: Sequence[Rows], out: Rows, begin: int, end: int) -> None:
-        """The sums of two operands, or twice the only one, in the rows from begin to end."""
+        """Writes the sums of two operands, or the double of one, to the rows of ``out`` from begin to end."""
         if self.formulas is None:
             self._add_special(operands, out, np.arange(begin, end))
             return
@@ -279,7 +282,7 @@ class StoredRows:
             self._add_special(operands, out, room[0][:count].copy())
 
     def _room_of_sums(self) -> Packed:
-        """Memory of this thread for one sum after the other."""
+        """The calling thread's memory for sums, made once and used for one sum after the other."""
         found: Packed | None = getattr(self._of_thread, "room", None)
         if found is None:
             room = np.empty(MOST, np.int64), self.view(np.zeros(SCRATCH, self.dtype))
@@ -287,19 +290,21 @@ class StoredRows:
         return found
 
     def _negate(self, x: Rows, out: Rows, begin: int, end: int) -> None:
-        """−x in the rows from begin to end. On split models of odd genus Cantor's algorithm replaces this."""
+        """Writes −x to rows begin to end of ``out``; on split models of odd genus Cantor's algorithm replaces this."""
         first = self.view(x.data), x.degree
         self._run.negate_rows(self._packed_words, self._h, first, self.view(out.data), (begin, end), self._room())
         self._negate_weights(x, out, begin, end)
 
     def _negate_weights(self, x: Rows, out: Rows, begin: int, end: int) -> None:
-        """The degrees and weights of −x, for rows whose u it shares with x."""
+        """Writes the degrees and weights of −x to ``out``, for rows whose negation does not change u."""
         out.degree[begin:end] = x.degree[begin:end]
         if self.split:
             out.weight[begin:end] = self.genus - x.degree[begin:end] - x.weight[begin:end]
 
     def selected(self, stacked: Sequence[Any], choice: Any) -> Rows:
-        """The rows whose row i is row i of part choice[i]; ``stacked`` is (data, degree, weight) of all parts."""
+        """Rows of which the i-th is row i of part choice[i]; ``stacked`` is (data, degree, weight) of all parts,
+        stacked.
+        """
         out = self.empty(len(choice))
         (data, *others), (x, *rest) = stacked, out
         self._run.select_rows((self.bits(data), *others), choice, (self.bits(x), *rest))
@@ -313,7 +318,7 @@ class StoredRows:
     # --- multiples
 
     def multiply(self, x: Rows, scalars: int | Sequence[int]) -> Rows:
-        """m·x for one m, or m_i·x_i, on all threads."""
+        """The rows m·x_i for one int m, or m_i·x_i for a sequence of ints, computed on all threads."""
 
         def work(begin: int, end: int) -> Rows:
             part = self.take(x, slice(begin, end))
@@ -324,29 +329,29 @@ class StoredRows:
         return self.join([self.empty(0), *in_ranges(len(x), LADDER, work)])
 
     def add_here(self, x: Rows, y: Rows) -> Rows:
-        """x + y on the calling thread."""
+        """The rows x_i + y_i, computed on the calling thread."""
         out = self.empty(len(x))
         self._sum((x, y), out, 0, len(x))
         return out
 
     def double_here(self, x: Rows) -> Rows:
-        """2x on the calling thread."""
+        """The rows 2x_i, computed on the calling thread."""
         out = self.empty(len(x))
         self._sum((x,), out, 0, len(x))
         return out
 
     def negate_here(self, x: Rows) -> Rows:
-        """−x on the calling thread."""
+        """The rows −x_i, computed on the calling thread."""
         out = self.empty(len(x))
         self._negate(x, out, 0, len(x))
         return out
 
     def zero(self, count: int) -> Rows:
-        """The identity, ``count`` times."""
+        """``count`` rows of the identity."""
         return self.repeat(self.from_divisors([self.jacobian.zero()]), count)
 
     def replaced(self, x: Rows, index: Any, part: Rows) -> Rows:
-        """x with the rows of an array of ints replaced by those of ``part``."""
+        """A copy of x in which the rows named by ``index``, an array of ints, are those of ``part``."""
         out = Rows(x.data.copy(), x.degree.copy(), x.weight.copy())
         self.put(out, index, part)
         return out

@@ -1,9 +1,11 @@
-"""Compiled sums of many divisors of genus 2 over the floats and complex numbers: units and threads around the loops of
-:mod:`jacobian.batch.float_kernels`. Where nothing is compiled these run in Python.
+"""Compiled sums of many divisors of genus 2 over the floats and complex numbers.
 
-A row of the group is a column here, as in :mod:`jacobian.batch.block_loops`: ``x[i, j]`` is the i-th coordinate (u₀,
-u₁, v₀, v₁) of divisor j. The sums whose degree drops, or whose remainder f − V² mod U shows that digits were lost, are
-reported instead of returned; :mod:`jacobian.inexact.composition` computes them.
+This module chooses the units of x and y and calls the loops of :mod:`jacobian.batch.float_kernels` on all threads.
+Without compilation the loops run in Python.
+
+A divisor is a column here, as in :mod:`jacobian.batch.block_loops`: ``x[i, j]`` is the i-th coordinate (u₀, u₁, v₀, v₁)
+of divisor j. A sum is reported instead of returned if its degree drops, or if its remainder f − V² mod U shows that
+digits were lost; :mod:`jacobian.inexact.composition` computes it.
 """
 
 from __future__ import annotations
@@ -33,7 +35,7 @@ RANGE = 1 << 14
 
 @cache
 def library(is_complex: bool, size: int) -> Library:
-    """The loops for real or complex numbers and an f of that many coefficients."""
+    """The compiled loops for real or complex numbers and an f of ``size`` coefficients."""
     number, units = COMPLEX if is_complex else FLOAT, TupleKind((FLOAT,) * 4)
     parts = len(number.leaves)
     f, half, columns = TupleKind((number,) * size), TupleKind((number,) * (size - 3)), ArrayKind(number, 2, parts)
@@ -53,7 +55,8 @@ def library(is_complex: bool, size: int) -> Library:
 class FloatSums:
     """Addition on y² + h(x)y = f(x) of genus 2 over RR or CC, on columns (u₀, u₁, v₀, v₁) of shape (4, N).
 
-    ``dtype`` is that of the columns. ArgumentError for any other curve, and for ramified equations of degree 6.
+    ``dtype`` is the dtype of the columns. Any other curve raises ArgumentError, and so does a ramified equation of
+    degree 6.
     """
 
     def __init__(self, curve: HyperellipticCurve) -> None:
@@ -67,7 +70,7 @@ class FloatSums:
         f = poly.add(K, curve.f, poly.mul(K, half, half)) if half else curve.f
         self.dtype = np.dtype(type(K.one))
         half = tuple([*half, *[K.zero] * 4][: 3 if real_quintic else 4])
-        # units of x and y, powers of 2, in which the mean root of f (as a product) and its coefficients are about 1
+        # units of x and y, powers of 2, in which the geometric mean of f's roots and the coefficients of f are about 1
         lowest, top = next(k for k, c in enumerate(f) if c), len(f) - 1
         x = _power_of_two(abs(f[lowest] / f[-1]) ** (1 / (top - lowest))) if lowest < top else 1.0
         y = _power_of_two(max(abs(c) * x**k for k, c in enumerate(f)) ** 0.5)
@@ -77,7 +80,8 @@ class FloatSums:
         self._loops: Any = float_kernels if interpreted() else library(self.dtype.kind == "c", len(self._f))
 
     def add(self, first: Columns, second: Columns) -> tuple[Columns, np.ndarray]:
-        """(sums, doubtful): column by column, ``second`` of shape (4, N) or (4, 1) for one divisor added to all.
+        """Adds column by column; returns (sums, doubtful). ``second`` is (4, N), or (4, 1) for one divisor added to
+        all.
 
         Columns marked in ``doubtful`` must not be used. All divisors have weight 2.
         """
@@ -104,7 +108,7 @@ class FloatSums:
         return int(self._loops.first_off_curve(f, half, inverses, self._view(divisors)))
 
     def _view(self, numbers: Columns) -> Columns:
-        """An array in the form that the loops take, in the same memory if that is contiguous."""
+        """``numbers`` in the form that the loops take: a view if the array is contiguous, else a copy."""
         numbers = np.ascontiguousarray(numbers)
         if self.dtype.kind != "c" or self._loops is float_kernels:
             return numbers

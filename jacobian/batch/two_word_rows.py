@@ -1,5 +1,6 @@
-"""Compiled batches on numbers of two words: genus 2 and 3 over GF(p), 2^63 < p < 2^128, and genus 2 over GF(2^n), 16 <
-n < 128.
+"""Compiled batches on numbers of two words.
+
+They exist in genus 2 and 3 over GF(p), 2^63 < p < 2^128, and in genus 2 over GF(2^n), 16 < n < 128.
 
 In genus 3 the model is ramified. Explicit formulas add the general rows; the kernel of single classes in Python adds
 the others, one by one.
@@ -24,7 +25,7 @@ MOST = (1 << 64) - 1
 
 
 class TwoWordRows(StoredRows):
-    """The operations on rows of one Jacobian."""
+    """The operations on rows of one Jacobian over a field whose elements take two words."""
 
     compiled = False
     dtype, numbers, step = WORDS, object, 1 << 12
@@ -36,7 +37,7 @@ class TwoWordRows(StoredRows):
         self._one_by_one = python_kernel(curve)
 
     def view(self, words: Any) -> Any:
-        """Words as pairs of ints."""
+        """A view of an array of words as pairs of ints, the form that loops take."""
         return pairs(words)
 
     def memory(self, *shape: int) -> Any:
@@ -44,27 +45,27 @@ class TwoWordRows(StoredRows):
         return np.empty((*shape, 2), np.int64)
 
     def numbers_in_words(self, elements: Sequence[Any]) -> Any:
-        """The words of field elements."""
+        """The words that represent field elements, as pairs of ints."""
         return pairs(words_of([self.words.to_word(c) for c in elements]))
 
     def encoded(self, elements: Any) -> Any:
-        """The words of field elements, ints."""
+        """The words that represent field elements, given as ints."""
         found = words_of(elements).copy()
         self._run.encode_rows(self._packed_words, pairs(found), pairs(found))
         return found
 
     def decoded(self, words: Any) -> Any:
-        """The field elements, ints, of words."""
+        """The field elements, as ints, that words represent."""
         found = words.copy()
         self._run.decode_rows(self._packed_words, pairs(found), pairs(found))
         return numbers_of(found)
 
     def of_memory(self, words: Any) -> Any:
-        """Words, from pairs of ints."""
+        """A view of pairs of ints as an array of words."""
         return words.view(WORDS)[..., 0]
 
     def uniform(self, draw: np.random.Generator, count: int) -> Any:
-        """Uniform words of a prime field; of ``count`` draws those below p."""
+        """At most ``count`` uniform words of a prime field: of so many draws the ones below p."""
         p = self.field.p
         low, high = draw.integers(1 << 64, size=(2, count), dtype=np.uint64)
         mask = (1 << p.bit_length()) - 1
