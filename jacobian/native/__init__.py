@@ -1,1 +1,1 @@
-"""A small compiler for numeric Python loops: the few statements and kinds of numbers that loops on bare reals need."""
+"""A small compiler for numeric Python loops. It knows the few statements and kinds of numbers that they need."""

@@ -1,7 +1,7 @@
 """The arithmetic of :mod:`jacobian.numbers.binary` in compiled loops.
 
-A product of two words without carries is one instruction where the processor has it (PCLMULQDQ); elsewhere
-:func:`jacobian.numbers.binary.product_of_words` is compiled as it stands.
+A carry-less product of two words is one instruction on processors that have PCLMULQDQ. On others
+:func:`jacobian.numbers.binary.product_of_words` is compiled from its source.
 """
 
 from __future__ import annotations

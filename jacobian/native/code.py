@@ -1,4 +1,4 @@
-"""LLVM instructions as text: those of a function in order, and those of double-double numbers."""
+"""LLVM instructions as text: the instructions of one function in order, and the functions of double-double numbers."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from jacobian.native.kinds import COMPLEX, FLOAT, CompileError, Value
 
 
 def parts_of(b: Any, x: Value) -> tuple[str, str | None]:
-    """The real and the imaginary part; None for that of a real number."""
+    """The real and the imaginary part; a real number has None as imaginary part."""
     return (x.parts[0], x.parts[1]) if x.kind is COMPLEX else (b.cast(x, FLOAT).parts[0], None)
 
 

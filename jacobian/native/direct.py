@@ -63,8 +63,8 @@ class Rows(NamedTuple):
 
 
 class Objects(NamedTuple):
-    """Arguments of these kinds, read from Python's objects: ints, tuples, bytes objects as :data:`BYTES`, bytearrays
-    as integers, :class:`Rows`; and :class:`Scratch`, for which the caller passes nothing.
+    """The kinds of arguments that an entry reads from Python's objects: ints, tuples, bytes objects as :data:`BYTES`,
+    bytearrays as integers or :class:`Rows`. For :class:`Scratch` the caller passes nothing.
 
     With ``unlocked`` other threads run meanwhile, which takes a tenth of a microsecond.
     """
@@ -74,12 +74,12 @@ class Objects(NamedTuple):
 
     @property
     def inside(self) -> tuple[Any, ...]:
-        """The kinds that the compiled function gets."""
+        """The kinds of the arguments that the compiled function gets."""
         return tuple(kind.kind if isinstance(kind, Scratch | Rows) else kind for kind in self.kinds)
 
 
 def read(body: Any, kind: Any, there: str) -> list[str]:
-    """The scalars of a Python object, as LLVM operands with their types."""
+    """Writes the instructions that read a Python object; returns its scalars as LLVM operands with their types."""
     if kind is INT:
         return [f"i64 {body.write(f'call i64 @PyLong_AsLongLong(ptr {there})')}"]
     if kind is LONG:
@@ -144,7 +144,7 @@ def method(body: Any, name: str, instance: Any, head: list[str], given: Objects)
         parts = [body.write(f"extractvalue {instance.returned} {found}, {k}") for k in range(len(leaves))]
     back = made(body, instance.result, parts)
     head_line = f"define ptr @{name}(ptr %self, ptr %given, i64 %count) nounwind {{"
-    # without an exception set, Python raises SystemError
+    # a failed check returns without an exception set, for which Python raises SystemError
     check = [f"  %wrong = icmp ne i64 %count, {place}", "  br i1 %wrong, label %failed, label %counted", "counted:"]
     return "\n".join([head_line, "entry:", *body.slots, *check, *body.lines, f"  ret ptr {back}", "}"])
 

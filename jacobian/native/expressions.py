@@ -1,4 +1,4 @@
-"""Expressions of compiled loops."""
+"""Compiles the expressions of loops to LLVM instructions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from jacobian.native.kinds import (
 )  # fmt: skip
 from jacobian.native.operators import BUILTINS, Operators, integer, real
 
-# the two truths known at compile time
+# LLVM's literals of the two truths known at compile time
 KNOWN = ("0", "1")
 
 
@@ -56,7 +56,7 @@ class Expressions(Operators):
         return [f"{name}{self.fresh()[2:]}" for name in names]
 
     def go(self, label: str) -> None:
-        """A jump to a block."""
+        """Writes a jump to a block."""
         self.lines.append(f"  br label %{label}")
 
     def condition(self, node: ast.expr) -> str:
@@ -67,7 +67,7 @@ class Expressions(Operators):
         return str(test.parts[0])
 
     def split(self, condition: str, true: str, false: str) -> None:
-        """A branch to one of two blocks."""
+        """Writes a branch to one of two blocks."""
         self.lines.append(f"  br i1 {condition}, label %{true}, label %{false}")
 
     # --- memory
@@ -141,7 +141,7 @@ class Expressions(Operators):
         return self.outside(self.program.looked_up(sys.modules[self.source.__module__], node.id))
 
     def outside(self, thing: Any) -> Value:
-        """The value of an object known at compile time."""
+        """The :class:`Value` of a Python object known at compile time."""
         if isinstance(thing, bool):
             return Value(BOOL, ("1" if thing else "0",))
         if isinstance(thing, int):

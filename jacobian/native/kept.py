@@ -46,7 +46,7 @@ def look_for_a_place(*, needed: bool = False) -> None:
 
 
 class Object(NamedTuple):
-    """Compiled code as it is stored.
+    """Compiled code in the form in which it is stored.
 
     The fields: the machine code; the ``struct`` letters of each entry's result, in brackets for tuples; the source
     modules; the module constants that were compiled in, by full name; the LLVM text.
@@ -59,7 +59,7 @@ class Object(NamedTuple):
 
 
 def find(folder: Path, name: str, made_for: str) -> Object | None:
-    """The object of that name, if it was built for this machine."""
+    """The stored object of that name if it was built for this machine, else None."""
     try:
         head, _, code = _file(folder, name).read_bytes().partition(b"\n")
         known = json.loads(head)
@@ -91,7 +91,7 @@ def keep(folder: Path, name: str, made_for: str, made: Object) -> None:
 
 
 def _file(folder: Path, name: str) -> Path:
-    # several installations may share a folder
+    # the mark of this installation in file names, as several installations may share a folder
     mark = sha256(f"{HERE} {sys.implementation.cache_tag}".encode()).hexdigest()[:8]
     return folder / f"{name}-{mark}.native"
 

@@ -59,7 +59,7 @@ def abreast(kind: Any, lanes: int = LANES) -> Any:
 
 
 def is_abreast(kind: Any) -> bool:
-    """Whether it is a vector kind, with a value in each SIMD lane."""
+    """Whether ``kind`` is a vector kind, with a value in each SIMD lane."""
     return getattr(kind, "single", None) is not None
 
 
@@ -89,7 +89,7 @@ class ArrayKind:
 
     @cached_property
     def axes(self) -> int:
-        """The number of its NumPy axes."""
+        """The number of axes of the NumPy array."""
         return self.ndim + (self.parts > 1)
 
     @property
@@ -129,11 +129,11 @@ class TupleKind:
 
     @cached_property
     def forms(self) -> tuple[tuple[Any, ...], ...] | None:
-        """The forms of its items; None if their words are passed unconverted."""
+        """The forms (:func:`form_of`) of the tuple's items; None if their words are passed unconverted."""
         return None if self.plain else tuple(map(form_of, self.items))
 
     def place(self, index: int) -> tuple[Any, int, int]:
-        """(kind, begin, end) of an item; its scalars are parts[begin:end] of the tuple's."""
+        """(kind, begin, end) of an item, whose scalars are the tuple's scalars number begin to end − 1."""
         if not -len(self.items) <= index < len(self.items):
             raise CompileError(f"index {index} of a tuple of {len(self.items)}")
         index %= len(self.items)
@@ -141,7 +141,7 @@ class TupleKind:
         return self.items[index], begin, begin + len(self.items[index].leaves)
 
     def has(self, name: str) -> bool:
-        """Whether it is a NamedTuple with a field of that name."""
+        """Whether the tuple is a NamedTuple with a field ``name``."""
         return self.named is not None and name in self.named._fields
 
     def field(self, name: str) -> int:
@@ -196,14 +196,14 @@ class Value(NamedTuple):
         return Value(kind, self.parts[begin:end])
 
     def known(self) -> int:
-        """The integer, which must be known at compile time."""
+        """The value as a Python int; it must be an integer known at compile time."""
         if not self.is_known:
             raise CompileError("an integer known while compiling is needed")
         return int(self.parts[0])
 
     @property
     def is_known(self) -> bool:
-        """Whether it is an integer known at compile time."""
+        """Whether the value is an integer known at compile time."""
         return self.kind is INT and self.parts[0].lstrip("-").isdigit()
 
 
@@ -213,7 +213,7 @@ def together(values: list[Value], named: Any = None) -> Value:
 
 
 def is_number(kind: Any) -> bool:
-    """Whether it is the kind of a number."""
+    """Whether ``kind`` is the kind of a number."""
     return isinstance(kind, Kind) and kind.rank >= 0
 
 

@@ -29,11 +29,11 @@ class Library:
     """Functions that are compiled together, at the first call of any of them.
 
     ``functions`` maps each entry's name to the function and the kinds of its arguments. ``library.name(…)`` calls it.
-    For ``special`` functions the library has instructions of its own, beside those of
-    :data:`jacobian.native.special.SPECIAL`. LLVM vectorises a loop only if what it calls is inlined: all functions
-    without loops are, except ``inlined_but``; if that is None, LLVM decides. Arrays are NumPy arrays; double-doubles
-    have a last axis (hi, lo). Tuples are tuples or :class:`Packed`. Calls release Python's lock. The logger of this
-    module reports when a library is not on disk and has to be compiled.
+    ``special`` maps functions to instructions that replace them, beside those of
+    :data:`jacobian.native.special.SPECIAL`. LLVM vectorises a loop only if the functions that it calls are inlined. So
+    all functions without loops are inlined, except ``inlined_but``; if that is None, LLVM decides. Arrays are NumPy
+    arrays; double-doubles have a last axis (hi, lo). Tuples are tuples or :class:`Packed`. Calls release Python's lock.
+    The logger of this module reports when a library is not on disk and has to be compiled.
     """
 
     def __init__(
@@ -64,12 +64,12 @@ class Library:
                 self._load()
 
     def is_kept(self) -> bool:
-        """Whether it is on disk, so that no compilation is needed."""
+        """Whether the compiled library is on disk, so that no compilation is needed."""
         folder = kept.place()
         return folder is not None and kept.find(folder, self.name, self._made_for()) is not None
 
     def _made_for(self) -> str:
-        """The key of its object on disk, which depends on this machine and on the entries with their kinds."""
+        """The key of the library's object on disk. It depends on this machine and on the entries with their kinds."""
         entries = {name: (f.__module__, f.__name__, *map(said, kinds)) for name, (f, kinds) in self._functions.items()}
         called = f"{entries} {[f.__name__ for f in self._fast]} {[f.__name__ for f in self._inlined_but or ()]}"
         called += str(self._inlined_but is None)

@@ -155,7 +155,7 @@ class Operators(Code):
         return str(value.parts[0] if value.kind is WIDE else self.cast(value, FLOAT).parts[0])
 
     def truth(self, value: Value) -> Value:
-        """Whether it is not zero."""
+        """Whether the value is not zero."""
         return value if single(value.kind) is BOOL else self.compare("NotEq", value, integer(0))
 
     @in_lanes
@@ -356,7 +356,7 @@ class Operators(Code):
         return Value(INT, (self.write(f"call {word} @{name}({double} {self.float_of(x)})"),))
 
     def frexp(self, x: Value) -> Value:
-        """(mantissa, exponent)."""
+        """The pair (mantissa, exponent) of x, as of ``math.frexp``."""
         slot = self.slot("i32")
         mantissa = self.write(f"call double @frexp(double {self.float_of(x)}, ptr {slot})")
         exponent = self.write(f"load i32, ptr {slot}")

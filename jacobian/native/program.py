@@ -27,7 +27,7 @@ class Instance(NamedTuple):
 
     @property
     def returned(self) -> str:
-        """The LLVM type of its result."""
+        """The LLVM type of the function's result."""
         return returned_type(self.result)
 
 
@@ -124,7 +124,7 @@ class Program:
         if found is self:
             raise CompileError(f"{name} is not known, or not on every way")
         if isinstance(found, int | float):
-            # record the value, wherever it is defined and however it is computed
+            # the value is compiled in, so record it, wherever it is defined and however it is computed
             self.numbers[f"{module.__name__}.{name}"] = repr(found)
         elif hasattr(found, "_fields"):
             self.modules.add(found.__module__)
@@ -143,13 +143,13 @@ class Program:
             raise CompileError(f"{function!r} is not compiled")
         self.modules |= {function.__module__, *getattr(function, "sources", ())}
         if hasattr(function, "text"):
-            # written by a program, from these sources
+            # a program wrote this text, from the sources recorded above
             return _written(function.text)
         return _functions(function.__module__)[function.__qualname__]
 
 
 def _places(leaves: Iterable[str], begin: int) -> list[int]:
-    """Where scalars begin in an array of words, and where they end; a long takes two words."""
+    """The index of each scalar in an array of words, then the index after the last; a long takes two words."""
     return list(accumulate((2 if leaf == "i128" else 1 for leaf in leaves), initial=begin))
 
 
@@ -185,8 +185,8 @@ def _functions(module: str) -> dict[str, ast.FunctionDef]:
 
 
 def _has_loop(tree: ast.FunctionDef) -> bool:
-    """Whether a function has a loop, other than one over a tuple or of a number of rounds in the source: those are
-    unrolled.
+    """Whether a function has a loop that is not unrolled. Loops over a tuple, or with a number of rounds that stands in
+    the source, are unrolled.
     """
     return any(
         isinstance(node, ast.While)

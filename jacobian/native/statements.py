@@ -52,7 +52,7 @@ class Statements(Expressions):
         """The stack slots for the results of the lanes that have returned."""
 
     def compiled(self, name: str, tree: ast.FunctionDef, kinds: tuple[Any, ...], attributes: str) -> str:
-        """The function's LLVM text, with these attributes."""
+        """The LLVM text of the function ``tree`` for arguments of the given kinds, with LLVM's ``attributes``."""
         names, rest = [x.arg for x in tree.args.args], tree.args.vararg
         if rest is not None:
             names, kinds = [*names, rest.arg], (*kinds[: len(names)], TupleKind(kinds[len(names) :]))
@@ -81,7 +81,7 @@ class Statements(Expressions):
         return "\n".join([*lines, *self.slots, *self.lines, "}"])
 
     def block(self, body: list[ast.stmt]) -> None:
-        """Statements, up to the last reachable one."""
+        """Compiles statements, up to the last reachable one."""
         for node in body:
             if not self.open:
                 return
@@ -231,8 +231,9 @@ class Statements(Expressions):
             self.begin(end)
 
     def if_in_lanes(self, node: ast.If, condition: str) -> None:
-        """An if whose condition differs between lanes. Each branch runs if any lane takes it and changes only those
-        lanes; lanes that return drop out."""
+        """Compiles an if whose condition differs between lanes. Each branch runs if any lane takes it and changes only
+        those lanes; lanes that return drop out.
+        """
         bits, outer = abreast(BOOL).leaves[0], self.mask
         other = self.write(f"xor {bits} {condition}, {self.repeat('i1', '1')}")
         left = []
@@ -295,7 +296,7 @@ class Statements(Expressions):
             self.begin(end)
 
     def around(self, statements: list[ast.stmt], label: str, again: str, end: str) -> bool:
-        """The body of a loop; returns whether it contains a break."""
+        """Compiles the body of a loop; returns whether it contains a break."""
         self.begin(label)
         self.loops.append([again, end])
         self.block(statements)
@@ -327,7 +328,7 @@ class Statements(Expressions):
         self.unrolled(node, [row.item(i) for i in range(len(row.kind.items))])
 
     def unrolled(self, node: ast.For, items: list[Value]) -> None:
-        """A loop over these values, round after round."""
+        """Compiles a loop over known items by writing its body once for each."""
         (end,) = self.labels("end")
         for item in items:
             body, again = self.labels("do", "next")
@@ -342,13 +343,13 @@ class Statements(Expressions):
         self.begin(end)
 
     def lanes_from(self, first: Value, stop: Value) -> Value:
-        """A vector first, first + 1, …, one for each lane; entries beyond ``stop`` − 1 are ``stop`` − 1."""
+        """The vector (first, first + 1, …), one entry for each lane; entries beyond ``stop`` − 1 are ``stop`` − 1."""
         numbers = ", ".join(f"i64 {k}" for k in range(LANES))
         places = self.binary("Add", first, Value(abreast(INT), (f"<{numbers}>",)))
         return self.extremum("Lt", [places, self.binary("Sub", stop, integer(1))])
 
     def counted(self, node: ast.For, start: Value, stop: Value, step: Value, item: Any) -> None:
-        """A loop over integers."""
+        """Compiles a loop over integers from ``start`` to ``stop``."""
         if any(x.kind is not INT for x in (start, stop, step)):
             raise CompileError("range takes integers")
         counter = [self.slot("i64")]

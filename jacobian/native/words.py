@@ -26,7 +26,7 @@ CONTEXTS: dict[type, Any] = {
 
 
 def opaque(b: Operators, x: str) -> str:
-    """The same 64 bits, passed through an empty piece of assembly that LLVM cannot analyse."""
+    """Passes the 64 bits x through an empty piece of assembly, so that LLVM cannot analyse where they come from."""
     return b.write(f'call i64 asm "", "=r,0"(i64 {x})')
 
 
@@ -57,12 +57,12 @@ def dot(b: Operators, K: Value, *terms: Value) -> Value:
 
 
 def sign(b: Operators, x: Value) -> Value:
-    """A mask that LLVM does not turn into a branch."""
+    """The mask −1 for x < 0, else 0, in a form that LLVM does not turn into a branch."""
     return Value(INT, (opaque(b, b.write(f"ashr i64 {x.parts[0]}, 63")),))
 
 
 def quotient(b: Operators, x: Value, y: Value) -> Value:
-    """The unsigned quotient, which needs no correction of signs."""
+    """The quotient of two numbers that are not negative: an unsigned division needs no correction of signs."""
     return Value(INT, (b.write(f"udiv i64 {x.parts[0]}, {y.parts[0]}"),))
 
 

@@ -1,4 +1,4 @@
-"""Loops whose rounds are independent."""
+"""The range of a loop whose rounds are independent, so that compiled code can run them in SIMD lanes."""
 
 from __future__ import annotations
 

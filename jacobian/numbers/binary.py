@@ -27,7 +27,7 @@ _Constants = namedtuple("_Constants", "modulus reciprocal one square degree")
 
 
 class BinaryContext(_Constants):
-    """The methods that both contexts share."""
+    """The methods that the contexts of one and of two words share."""
 
     __slots__ = ()
     bits: int

@@ -25,5 +25,5 @@ def say_once() -> None:
 
 
 def interpreted() -> bool:
-    """Whether compilation is switched off, by NUMBA_DISABLE_JIT=1 as numba's own is. The loops then run in Python."""
+    """Whether NUMBA_DISABLE_JIT=1 switches compilation off, as it does for numba. The loops then run in Python."""
     return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")

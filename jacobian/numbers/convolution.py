@@ -39,7 +39,7 @@ class Convolutions:
         self.up = [_factors(loops, q, pow(g, -1, q), longest) for q, g in self.used]
 
     def transform(self, values: Any, length: int) -> Any:
-        """The transforms of an array, padded with zeros, modulo each prime in use; shape (2 or 3, length)."""
+        """The transforms of ``values``, padded with zeros, modulo each prime in use; shape (2 or 3, length)."""
         found = np.zeros((len(self.used), length))
         for Q, W, row in zip(CONTEXTS, self.down, found, strict=False):
             row[: len(values)] = values

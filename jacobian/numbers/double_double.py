@@ -16,8 +16,8 @@ import numpy as np
 
 from jacobian.errors import ArgumentError
 
-# numbers with at most this many bits, and with exponents likewise bounded, lie well inside the range of floats, and so
-# does the remainder after their high part
+# a number with at most this many bits, and an exponent of at most this size, lies well inside the range of floats, and
+# so does its remainder after the high part
 MOST_BITS = 440
 # integers below it are exact as floats
 EXACT = 1 << 53
@@ -28,10 +28,10 @@ HALVER = 2.0**27 + 1
 
 
 def split(x: Any) -> tuple[float, float]:
-    """(hi, lo), the float nearest to x and the float nearest to the rest; x is an int, float, Fraction, mpf or mpfr.
+    """(hi, lo): the float nearest to x and the float nearest to x − hi. x is an int, float, Fraction, mpf or mpfr.
 
-    The sum is x exactly where its binary digits fit. ArgumentError where x is not a finite number in the range of
-    floats.
+    hi + lo is exactly x if x has few enough binary digits. ArgumentError is raised unless x is finite and in the range
+    of floats.
     """
     if type(x) is float and isfinite(x):
         return x, 0.0
@@ -93,7 +93,7 @@ def _split_any_mpf(x: Any) -> tuple[float, float]:
         raise ArgumentError(f"x = {x!r}: too large for floats") from error
     if not isfinite(high):
         raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
-    # without a precision the difference is exact
+    # mpf_sub without a precision is exact
     low = to_float(mpf_sub(x._mpf_, from_float(high)))
     total = high + low
     return total, low - (total - high)

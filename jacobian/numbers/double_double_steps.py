@@ -33,20 +33,20 @@ class Instructions(Protocol):
 
 
 def two_sum(b: Instructions, x: Float, y: Float) -> Pair:
-    """x + y and its error, exactly."""
+    """The rounded sum of x and y, and its exact rounding error."""
     s = b.fadd(x, y)
     z = b.fsub(s, x)
     return s, b.fadd(b.fsub(x, b.fsub(s, z)), b.fsub(y, z))
 
 
 def fast_two_sum(b: Instructions, x: Float, y: Float) -> Pair:
-    """x + y and its error, exactly, if |x| ≥ |y| or x = 0."""
+    """The rounded sum of x and y, and its exact rounding error, if |x| ≥ |y| or x = 0."""
     s = b.fadd(x, y)
     return s, b.fsub(y, b.fsub(s, x))
 
 
 def two_product(b: Instructions, x: Float, y: Float) -> Pair:
-    """x·y and its error, exactly."""
+    """The rounded product of x and y, and its exact rounding error."""
     p = b.fmul(x, y)
     return p, b.fma(x, y, b.fneg(p))
 
@@ -86,7 +86,7 @@ def plus_product(b: Instructions, th: Float, tl: Float, xh: Float, xl: Float, yh
 
 
 def joined(b: Instructions, xh: Float, xl: Float, yh: Float, yl: Float) -> Pair:
-    """x + y of two such sums."""
+    """x + y of two sums built by :func:`plus_product`; the two parts of the result do not overlap."""
     sh, sl = two_sum(b, xh, yh)
     return fast_two_sum(b, sh, b.fadd(sl, b.fadd(xl, yl)))
 

@@ -34,8 +34,9 @@ def half_spectrum(samples: Row, grid: tuple[int, int], circle: Row, room: Row, o
 
 
 def across(values: Row, grid: tuple[int, int], circle: Row, other: Row, out: Row) -> None:
-    """The second half of :func:`half_spectrum`. ``values`` holds the transforms along the columns, where one complex
-    transform stands for two real columns."""
+    """Writes the coefficients of :func:`half_spectrum` to ``out``: its second half. ``values`` holds the transforms
+    along the columns, where one complex transform stands for two real columns.
+    """
     rows, columns = grid
     height, half, scale = rows // 2 + 1, columns // 2, 0.5 / (rows * columns)
     for j in range(half):
@@ -78,7 +79,7 @@ def transformed(values: Row, rows: int, width: int, circle: Row, other: Row) -> 
 
 
 def pass_over(values: Row, out: Row, size: int, stride: int, circle: Row) -> None:
-    """One level of :func:`transformed`."""
+    """Writes one level of the transform :func:`transformed` from ``values`` to ``out``."""
     half, step = size // 2, len(circle) // size
     for p in range(half):
         begin, far, place = 2 * p * stride, 2 * (p + half) * stride, 4 * p * stride

@@ -28,7 +28,7 @@ class BareReals:
         self._gmpy2: Any = gmpy2
         self._type: Any = type(gmpy2.mpfr(0))
         self._exact: Any = gmpy2.context(precision=bits)
-        # adding multiples of it gives complex numbers
+        # the imaginary unit: adding its multiples gives complex numbers
         self.i: Any = gmpy2.mpc(0, 1)
 
     def __enter__(self) -> BareReals:

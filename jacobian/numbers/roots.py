@@ -25,7 +25,7 @@ def _root_of(numbers: Any) -> Callable[[Any], Any]:
         import gmpy2
 
         return gmpy2.sqrt
-    # of python-flint's and mpmath's numbers; double-doubles have none
+    # the classes of python-flint's and mpmath's numbers have a ``sqrt``; the class of double-doubles has none
     return getattr(numbers, "sqrt", lambda x: x**0.5)
 
 

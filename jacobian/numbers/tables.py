@@ -21,16 +21,16 @@ logarithm of −1; 1.
 
 
 class TableContext(SingleProducts, _Tables):
-    """What both contexts share: an element is its own word, and canonical."""
+    """The operations that the contexts of even and odd characteristic share. Each element is its own canonical word."""
 
     __slots__ = ()
 
     def to_word(self, a: int) -> int:
-        """a."""
+        """The word of an element: a itself."""
         return a
 
     def from_word(self, x: int) -> int:
-        """x, as an int of Python."""
+        """The element of a word: x as an int of Python."""
         return int(x)
 
     def product(self, x: Any, y: Any) -> Any:

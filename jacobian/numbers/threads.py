@@ -1,4 +1,4 @@
-"""Threads for batches and long products. Each takes a range of rows, in kernels that release Python's lock."""
+"""Threads for batches and long products. Each thread takes ranges of rows, in kernels that release Python's lock."""
 
 from __future__ import annotations
 

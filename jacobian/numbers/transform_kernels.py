@@ -137,7 +137,7 @@ def backward(Q: Any, W: Any, x: Any, S: Any) -> None:
 
 
 def _even(length: Any) -> int:
-    """The length, or half of it: the one that is LEAST times a power of 4."""
+    """``length`` or half of it, whichever is LEAST times a power of 4."""
     size = LEAST
     while 4 * size <= length:
         size *= 4

@@ -21,7 +21,7 @@ BITS = 128
 
 
 class TwoWords(namedtuple("TwoWords", "p reciprocal one square cube")):
-    """p; 1/p modulo 2^128; 2^128, 2^256 and 2^384 modulo p."""
+    """The context of p. Its fields: p, 1/p modulo 2^128, and 2^128, 2^256, 2^384 modulo p."""
 
     __slots__ = ()
 
