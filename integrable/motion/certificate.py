@@ -26,7 +26,7 @@ WIDER = 15
 LEAST = 30
 # two moments with a larger relative difference are treated as different
 BESIDE = 3
-# by default all digits of the field but this many must agree
+# by default this many of the field's digits need not agree
 SLACK = 1
 FLOAT_SLACK = 3
 

@@ -110,7 +110,7 @@ class Portrait(Immutable):
 
     @cached_property
     def periods(self) -> tuple[Real, Real]:
-        """1/|f1| and 1/|f2|; for γ̃ in the body and the axis in space they are half a turn."""
+        """The periods 1/|f1| and 1/|f2|, in which γ̃ in the body and the axis in space make half a turn."""
         one, two = (abs(1 / f) for f in self.frequencies)
         return one, two
 
@@ -130,7 +130,7 @@ class Portrait(Immutable):
         return self.ovals
 
     def _means(self, rolls: bool) -> tuple[tuple[Any, Any], Any]:
-        """(ν1, ν2) and the mean of g, wide."""
+        """The frequencies (ν1, ν2) and the mean of g over t, in wide numbers."""
         level, ovals = self.level, self.ovals
         if ovals is None:
             # all except the rotation about one axis, at the rate a₂√h̃2 of Chaplygin's time
@@ -144,7 +144,7 @@ class Portrait(Immutable):
         return (ovals.B1 / (2 * D), -ovals.A1 / (2 * D)), mean
 
     def _rates(self, setup: Setup) -> tuple[Any, Any, Any]:
-        """Precession, spin and polhode."""
+        """The mean rates of precession, spin and polhode."""
         if self.axis is None:
             return None, None, None
         (turn, rest), pi, number = self.wide_turns, self.level.pi, self._field.coerce
@@ -153,7 +153,7 @@ class Portrait(Immutable):
         return number(pi * turn), number(sign * rest), number(sign * (turn + rest))
 
     def _rolling(self, system: PhaseSpace, state: State, K: Any) -> tuple[Any, Any]:
-        """Mean velocity of the contact, mean of (γ, ω)."""
+        """The mean velocity of the point of contact and the mean of (γ, ω)."""
         zeta, number = self.level.zeta, self._field.coerce
         gamma, M = (tuple(map(K.coerce, v)) for v in (state.gamma, state.M))
         c, size = K.dot(gamma, M) if state.tilted else K.zero, K.dot(gamma, gamma)

@@ -254,9 +254,7 @@ class SeparatedTorus:
         return full, turned
 
     def swings(self, angles: np.ndarray, phases: np.ndarray) -> np.ndarray:
-        """The angles about an axis, (N, m), minus their parts linear in the phases; ``angles``, ``phases``: shape (N,
-        g).
-        """
+        """The angles about an axis, (N, m), minus their parts linear in the phases. The arguments have shape (N, g)."""
         genus, found = len(self.ovals), []
         for j in range(genus, len(self.forms)):
             total = np.zeros(len(angles))
