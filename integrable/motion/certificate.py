@@ -21,10 +21,10 @@ from jacobian.immutable import replaced
 if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
 
-# least number of extra digits of the second run
+# extra digits of the second run, and the least number of its digits
 WIDER = 15
 LEAST = 30
-# two moments with a larger relative difference are treated as different
+# spare digits beyond those that the turns until a time take
 BESIDE = 3
 # by default this many of the field's digits need not agree
 SLACK = 1
