@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class Axis(NamedTuple):
-    """An axis: z, z', the horizontal part (g₁, g₂) and its rate, (m₁, m₂), and w."""
+    """An axis: its height z and z', its horizontal part (g₁, g₂) and g', the constants (m₁, m₂) and w."""
 
     z: Any
     rate: Any
@@ -95,7 +95,7 @@ class AxialSystem(MumfordSystem):
         return (N.one,)
 
     def _separation(self, N: Any, state: Point) -> Separation:
-        """p dq is z' dz/(1 − z²); the horizontal part turns at the rate w + ½m₁/(1 − z) − ½m₂/(1 + z)."""
+        """The forms of p dq = z' dz/(1 − z²), and of the horizontal angle of rate w + ½m₁/(1 − z) − ½m₂/(1 + z)."""
         axis, vertical = self._axis(N, state), (N.one, -N.one)
         (m1, m2), action = axis.m, Form(poly.neg(N, self._curve(N, state)), vertical)
         turn = Form(((m2 - m1) / 2, -(m1 + m2) / 2), vertical)
@@ -111,7 +111,7 @@ class AxialSystem(MumfordSystem):
         return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
 
     def _carrier(self, axis: Axis) -> int | None:
-        """The index of the end nearer to the start if it is a branch point, else None; its lift then starts as g."""
+        """The index of the end z = ±1 nearer to the start, whose lift starts as g; None if it is no branch point."""
         near = 0 if axis.z.real > 0 else 1
         return near if branches(axis.m[near]) else None
 
@@ -162,7 +162,7 @@ class AxialSystem(MumfordSystem):
 
 
 def branches(m: Any) -> bool:
-    """Whether an end is a branch point, m = 0; PrecisionLoss if m is a ball that contains 0 and other numbers."""
+    """Whether the end with constant m is a branch point, m = 0; PrecisionLoss if the ball m does not decide this."""
     if m == 0 or m != 0:
         return bool(m == 0)
     raise PrecisionLoss("whether the axis passes through the vertical is not seen: use more digits")

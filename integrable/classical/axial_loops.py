@@ -2,7 +2,8 @@
 
 Let v = πu/2K, u the argument of sn, and q the nome. The axis z = x₁ + (x₂ − x₁)sn²u is a quotient of θ₁(v) and θ₄(v).
 Its horizontal part is g = Ce^{iRt}θ₂(v − iα)θ₁(v − iβ)/θ₄(v)². The zeros of θ₂ and θ₁ are the points of the curve at z
-= 1 and z = −1 where g vanishes. That holds at the vertical too, where g changes its sign (Whittaker 1904, §§ 55, 73).
+= 1 and z = −1 where g vanishes. This formula also holds at the vertical, where g changes its sign (Whittaker 1904,
+§§ 55, 73).
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ SERIES = 8
 
 
 class AxialThetas(NamedTuple):
-    """The numbers of a motion.
+    """The constants of a motion that its states are computed from.
 
     ``numbers`` are half turns of v and turns of Rt per unit time, v at the start in half turns, C (two numbers),
     dv/dt, R, and x₁. Then follow the factors of (θ₁/θ₄)² in z − x₁ and of θ₁θ₂θ₃/θ₄³ in z', and jc, L and c of a top.

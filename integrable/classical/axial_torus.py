@@ -1,6 +1,6 @@
-"""Far states of a heavy axis in closed form: the set-up of :mod:`integrable.classical.axial_loops`, and the flow.
+"""Far states of a heavy axis in closed form: the constants of :mod:`integrable.classical.axial_loops`, and the flow.
 
-The set-up is computed once, in long numbers.
+The constants are computed once, in long numbers.
 
 With the roots x₁ ≤ z ≤ x₂ ≤ 1 ≤ x₃ of f the moduli are m = (x₂ − x₁)/(x₃ − x₁) and m' = 1 − m. The zeros of g are at K
 + is₁ and is₂, where z = ±1: sn²(s₁|m') = (1 − x₂)(x₃ − x₁)/((1 − x₁)(x₃ − x₂)), sc²(s₂|m') = (1 + x₁)/(x₂ − x₁). The
@@ -40,14 +40,14 @@ from jacobian.inexact.long_field import LongField
 BITS, FEWER_BITS = 400, 180
 # largest number of Newton steps from a root in floats
 NEWTON_STEPS = 8
-# a gap below the first fraction of its neighbours has no digits left; one below the second has no effect
+# a gap below the first fraction of its neighbours has no digits left; a gap below the second has no effect
 LOST, NOTHING = 2.0**-130, 2.0**-90
 
 
 class Turns(NamedTuple):
     """The coefficients of e^{±ikv} in θ(v − ia), k = 2n + 1, divided by the largest.
 
-    ``ahead`` are those of +k, ``back`` those of −k. ``pace`` is −iθ₂'/θ₂ at −ia.
+    ``ahead`` are the coefficients of +k, ``back`` those of −k. ``pace`` is −iθ₂'/θ₂ at −ia.
     """
 
     ahead: list[Any]
@@ -110,17 +110,17 @@ class AxialFlow(MumfordFlow):
         return Path(times, rows[:, :3], rows[:, 3:], TORUS)
 
     def _ends(self, N: LongField) -> list[Any]:
-        # at the others g does not vanish
+        # at an end with m ≠ 0 g does not vanish
         m = self.system._axis(N, self._inner(N)).m
         return [e for e, x in zip((N.one, -N.one), m, strict=True) if x == 0]
 
     def _reader_in_floats(self, N: LongField, torus: Any) -> Any:
-        """g is C·e^{iδ}√|z − 1|√|z + 1|, where a root that vanishes is a lift and changes its sign."""
+        """The function that returns q and p: g = C·e^{iδ}√|z − 1|√|z + 1|, where a vanishing root is a signed lift."""
         axis, ends, start = self.system._axis(RR, self._inner(RR)), self._ends(N), self._inner(CC)
         K = Columns()
 
         def horizontal(halves: Any, turned: Any) -> tuple[Any, ...]:
-            """z and z', and g and g' for C = 1."""
+            """The height z, z', and for C = 1 the horizontal part g and g'."""
             u, v, lifts = torus.pair_at(K, [(Column(s), Column(c)) for s, c in halves], ends)
             z, rate, found = -u[0].hi, v[0].hi, iter(lifts)
             turn = axis.w + 0 * z
@@ -185,7 +185,7 @@ class Gaps(NamedTuple):
         middle = (3 * mean - x) / 2
         spread = N.sqrt(max(middle * middle - (slope - 2 * x * middle), N.zero))
         x1, x2, x3 = (middle - spread, middle + spread, x) if side > 0 else (x, middle - spread, middle + spread)
-        # f(±1) is known to all digits, so roots close to ±1 are too
+        # f(±1) is known to all digits; this also gives all digits of the distance of a root from ±1
         down1, down2, beyond = 1 - x1, abs(1 - x2), abs(x3 - 1)
         if down2 > beyond:
             beyond = m1 * m1 / (2 * down1 * down2)

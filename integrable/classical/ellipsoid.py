@@ -48,7 +48,7 @@ class Ellipsoid(MumfordSystem):
             raise ArgumentError(f"a = {shown(a)}: the squares of the semi-axes are positive")
 
     def _over_axes(self, N: Any, left: Sequence[Any], right: Sequence[Any]) -> Any:
-        """Σ left_i·right_i/a_i."""
+        """The sum Σ left_i·right_i/a_i."""
         return N.dot([x / e for x, e in zip(left, self._constants_in(N), strict=True)], right)
 
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
@@ -73,7 +73,7 @@ class Ellipsoid(MumfordSystem):
         slope = N.dot(q, p)
         mixed = self._sums(N, [x * y for x, y in zip(q, p, strict=True)])
         v = tuple(x - slope * y for x, y in zip(mixed[:-1], u, strict=False))
-        # the sums are xR; its constant coefficient is 0 by the constraints and is omitted
+        # the sum is xR; its constant coefficient, 0 by the constraints, is omitted
         rest = self._sums(N, self._momenta(N, state))[1:]
         f = poly.mul(N, poly.mul(N, (N.zero, -N.one), poly.from_roots(N, a)), rest)
         return all_of(N, (f, u, v), self.size - 1)
@@ -147,7 +147,7 @@ class Ellipsoid(MumfordSystem):
     def step(self, state: Point, point: Iterable[Value]) -> Point:
         """The state of D + (λ, μ) − (0, 0), where ``point`` is (λ, μ); its tangent meets the quadric of λ.
 
-        It is real for λ < 0. ArgumentError if the point is not on the curve; NotASquare if a_i/(a_i − λ) has no square
+        Real for λ < 0. ArgumentError if the point is not on the curve; NotASquare if a_i/(a_i − λ) has no square
         root; NotRepresentable or PrecisionLoss if there is no such state, as for λ = a_i.
         """
 
@@ -159,7 +159,7 @@ class Ellipsoid(MumfordSystem):
         return self._mapped(state, point, formula)
 
     def _moved(self, N: Any, state: Point, x: Any, h: Any) -> Point:
-        """The state whose tangent leaves the quadric of λ = x by the same h as that of ``state`` reaches it."""
+        """The new state: its tangent backwards reaches the quadric of λ = x with the h of the tangent of ``state``."""
         a, slope = self._constants_in(N), x / h
         roots = [N.sqrt(e / (e - x)) for e in a]
         q = tuple(r * (y + h * v) for r, y, v in zip(roots, *state, strict=True))

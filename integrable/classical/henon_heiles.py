@@ -7,7 +7,7 @@
 
 With α = −½ and one axis the potential is 2q_0³ + q_0q_1² plus any quadratic one. In the terms of
 :mod:`integrable.mumford.quadrics` u₀ = x − 2q_0, ε = −1, w₀ = αx² + bx + c, b = β + 2αq_0, c = γ + 2βq_0 + 4αq_0² +
-α|q|²; the genus is n + 1. If q_0 escapes to infinity in finite time, the formulas continue the motion through infinity.
+α|q|²; the genus is n + 1. If q_0 reaches infinity in finite time, the formulas continue the motion beyond that time.
 """
 
 from __future__ import annotations

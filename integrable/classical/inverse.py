@@ -51,7 +51,7 @@ def joining(ellipsoid: Ellipsoid, first: Iterable[Value], last: Iterable[Value])
         gap = [x - y for x, y in zip(end, target, strict=True)]
         return [K.dot(e, gap) for e in landing]
 
-    # initial length: that of the circular arc over the chord with the angle of the first tangent
+    # initial length: the arc over the chord of the circle whose tangent at q is the first of the basis
     along, length = float(K.dot(chord, basis[0])), float(K.sqrt(K.dot(chord, chord)))
     angle = acos(min(1.0, along / length))
     arc = length * angle / sin(angle) if angle else length
@@ -88,7 +88,7 @@ def _tangents(ellipsoid: Ellipsoid, q: Sequence[Any], chord: Sequence[Any]) -> l
 
 
 def _root(K: Any, f: Callable[[Sequence[Any]], list[Any]], x: list[Any], size: Any) -> list[Any]:
-    """A zero of n functions of n variables by Broyden's method (1965); the first Jacobian is by finite differences."""
+    """A zero of n functions of n variables by Broyden's method (1965), from a Jacobian by finite differences."""
     norm, y = lambda v: K.sqrt(K.dot(v, v)), f(x)
     step = K.sqrt(K.eps) * norm(x)
     moved = [f([*x[:j], x[j] + step, *x[j + 1 :]]) for j in range(len(x))]

@@ -94,7 +94,7 @@ class KdV(Made):
         return Eigenvalues(found, tuple(int(s) for s in turns))
 
     def spectral(self, state: Eigenvalues) -> Spectral:
-        """f, u and v of a state, coefficients ascending, without double edges that are eigenvalues of the state."""
+        """The polynomials f, u and v of a state, in ascending order, without the double edges at an eigenvalue."""
         return self._spectral(self.field, self._checked(state))
 
     def _checked(self, state: Any) -> Eigenvalues:
@@ -148,10 +148,10 @@ class Wave:
         return Start(f, u, v, of_x, further=(of_t,))
 
     def at(self, x: Numbers, t: Numbers = 0) -> np.ndarray:
-        """u(x, t), an array of the shape to which x and t broadcast; ``at(x, t[:, None])`` is a table.
+        """u(x, t), an array of the shape to which x and t broadcast; ``at(x, t[:, None])`` is a table over all x and t.
 
         For a g-gap solution the error is below the last digit of floats, or of MP(digits), times the span of the edges,
-        at any x and t. In floats many x at one t are fast: from 24 with two gaps, from 200 with three to six.
+        at any x and t. In floats many x at one t are fast: at least 24 for two gaps, at least 200 for three to six.
         A double edge needs bits in proportion to x and t: PrecisionLoss about 500 widths of a soliton away.
         """
         import numpy as np
@@ -269,7 +269,7 @@ class Wave:
 
         On the way U(n) = ψ² may shrink. By −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at rates of at
         most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) at the square root of its unit.
-        That holds at every precision, so comparing two does not show it. The width of a band bounds the loss.
+        Two precisions lose alike, so their comparison does not show the loss. The width of a band bounds it.
         """
         edges, needed = self._edges, 0.0
         bounds = [float(sum(edges) - 2 * sum(edges[k::2])) for k in (1, 2)]
@@ -282,7 +282,7 @@ class Wave:
 
     def _read(self, N: Any, D: Extended) -> list[list[Any]]:
         f = poly.neg(N, poly.from_roots(N, [*map(N.coerce, self._edges)]))
-        # digits of u are relative to the span of the edges
+        # the span of the edges is returned too, as the size to which the digits of u refer
         return [[potential(N, f, D.u), N.coerce(self._edges[-1]) - N.coerce(self._edges[0])]]
 
 

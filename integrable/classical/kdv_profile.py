@@ -28,7 +28,7 @@ from jacobian.relatives.extended import Extended
 class Profile:
     """u in floats at many x, along the motion in x whose start ``place`` returns.
 
-    ``read(N, D)`` returns ((u, span of the edges),) at a divisor, ``by_additions(x)`` the same in floats at one x.
+    ``read(N, D)`` returns ((u, span of the edges),) at a divisor; ``by_additions(x)`` returns it at one x, in floats.
     """
 
     def __init__(

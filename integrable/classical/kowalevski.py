@@ -94,7 +94,7 @@ class KowalevskiTop(MumfordSystem):
         )
 
     def line(self, state: Point, times: Numbers) -> list[Spectral]:
-        """f, u and v at the given times over RR or MP(digits): the pairs of the states, not the states themselves."""
+        """The curve f and the pair u, v at the given times, over RR or MP(digits)."""
         self._check(state)
         K, digits = self.field, long_digits(self.field)
 

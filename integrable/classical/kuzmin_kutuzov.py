@@ -55,7 +55,7 @@ class KuzminKutuzov(MumfordSystem):
         return a * a, c * c
 
     def _auxiliary(self, N: Any, state: Point) -> tuple[Any, Any]:
-        """P and S."""
+        """The roots P and S at a position, as in the potential."""
         a, c = self._squares(N)
         x, y, z = state.q
         flat, high = x * x + y * y, z * z
@@ -63,7 +63,7 @@ class KuzminKutuzov(MumfordSystem):
         return product, N.sqrt(flat + high + a + c + 2 * product)
 
     def _along(self, N: Any, state: Point) -> tuple[Any, Any]:
-        """A and B."""
+        """The sums A = (q, p) and B = c²(xẋ + yẏ) + a²zż."""
         a, c = self._squares(N)
         flat, high = N.dot(state.q[:2], state.p[:2]), state.q[2] * state.p[2]
         return flat + high, c * flat + a * high
@@ -91,7 +91,7 @@ class KuzminKutuzov(MumfordSystem):
         return {"E": half * N.dot(state.p, state.p) - mass / total, "L": x * v - y * u, "I": third}
 
     def _quartic(self, N: Any, state: Point) -> poly.Poly:
-        """2P₄."""
+        """The polynomial 2P₄ of a state."""
         (a, c), (energy, along, third) = self._squares(N), self._integrals(N, state).values()
         round_, flat = (-a, N.zero, N.one), (-c, N.zero, N.one)
         found: poly.Poly = poly.scale(N, 2 * energy, poly.mul(N, round_, flat))
@@ -118,7 +118,7 @@ class KuzminKutuzov(MumfordSystem):
         (a, c), along = self._constants_in(N), self._integrals(N, state)["L"]
         still, time = (N.zero, N.one), (N.zero, -c * c, N.zero, N.one)
         action = Form((N.zero, *self._quartic(N, state)), (a, -a))
-        # without poles at L = 0, where a is a branch point
+        # the forms have no poles at L = 0, where a is a branch point
         turn = Form((N.zero,)) if along == 0 else Form(poly.scale(N, along, time), (a, -a))
         known = (c, -c) if along != 0 else (c, -c, a, -a)
         return Separation([Form(still), Form(time)], (N.zero, N.one), action, [(turn, N.zero)], (along,), known)
@@ -134,7 +134,7 @@ class KuzminKutuzov(MumfordSystem):
     def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
         """The state of a pair with (σ, V/σ) at c, and cos and sin of the azimuth since the start.
 
-        If L = 0, (σ, V/σ) at a replaces these two, and R is counted along the half plane of the start.
+        If L = 0, (σ, V/σ) at a replaces cos and sin, and R, with a sign, is counted along the half plane of the start.
         """
         (a, c), (long, short) = self._squares(N), self._constants_in(N)
         side, (v0, v1), (product, total) = 1 if self.constants[0] > self.constants[1] else -1, D.v, (D.u[0], -D.u[1])
@@ -189,7 +189,7 @@ class StarFlow(MumfordFlow):
             return PhaseTorus(torus, lambda halves, turned: read(Columns(), halves, turned))
 
     def _far(self, given: list[Any]) -> Path:
-        # where double-doubles do not resolve the way past the axis, sums in long numbers do
+        # near the axis double-doubles may not resolve the motion; then the sums are computed in long numbers
         found = super()._far(given)
         return Path(found.times, found.q, found.p, TORUS)
 
@@ -243,5 +243,5 @@ class StarFlow(MumfordFlow):
         raise ArgumentError(f"times = {shown(times)}: the sums of {self.system!r} over ovals have no proven bounds")
 
     def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> EnclosedPath:
-        """Raises ArgumentError, as :meth:`enclosure` does."""
+        """Raises ArgumentError: the sums over ovals have no proven bounds in τ either."""
         return self.enclosure(tau, digits)

@@ -49,7 +49,7 @@ class LagrangeTop(AxialSystem):
 
     @staticmethod
     def _at_ends(N: Any, state: Point) -> tuple[Any, Any]:
-        """((M, q − e_3), (M, q + e_3)); near the vertical without the difference 1 − |q_3|, which would round to 0."""
+        """The products (M, q − e_3) and (M, q + e_3), without the difference 1 − |q_3|, which may round to 0."""
         (x, y, z), (a, b, c) = state
         along = x * a + y * b
         below, above = z - N.one, z + N.one
@@ -73,7 +73,7 @@ class LagrangeTop(AxialSystem):
     def _from_axis(self, N: Any, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
         c, along, i = start.p[2], N.dot(*start), N.coerce(1j)
         if abs(z) > 0.5:
-            # g' = −ijcg + iz(M_1 + iM_2), regular at the vertical
+            # g' = −ijcg + iz(M_1 + iM_2) does not divide by 1 − z², which is 0 at the vertical
             M = (g_rate + i * self._parameters_in(N)[0] * c * g) / (i * z)
         else:
             M = g * (along - c * z + i * rate) / (1 - z * z)

@@ -62,7 +62,7 @@ class Neumann(QuadricSystem):
         return {"F": uhlenbeck(a, state, squares), "H": (N.dot(state.p, state.p) + N.dot(a, squares)) / 2}
 
     def discrete(self, state: Point, h: Value) -> Point:
-        """The state after the :meth:`step` of λ = −1/h², time ``h`` to second order; h < 0 is a step back."""
+        """The state after the :meth:`step` of λ = −1/h², the motion by ``h`` to second order; h < 0 is a step back."""
         genus = self.size - 1
         step = self._time_step(h)
         sign = 1 if (step > 0) == (genus % 2 == 0) else -1

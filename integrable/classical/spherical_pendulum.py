@@ -36,7 +36,7 @@ class SphericalPendulum(AxialSystem):
 
     def _vector_field(self, N: Any, state: Point) -> Point:
         q, p = state
-        # dividing by |q|², which is 1 at a state, avoids drift off the sphere, as in Neumann's system
+        # dividing by |q|², which is 1 at a state, keeps an integrator from drifting off the sphere by rounding
         tension = (q[2] - N.dot(p, p)) / N.dot(q, q)
         return Point(p, (tension * q[0], tension * q[1], tension * q[2] - 1))
 

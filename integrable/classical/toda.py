@@ -49,7 +49,7 @@ class TodaLattice(MumfordSystem):
     _constraint_names = ("e^q ≠ 0",)
 
     def _exponentials(self, N: Any, state: Point) -> tuple[Any, ...]:
-        """e^{q_k − q_1}, or over an exact field e^{q_k}: U, V and f are the same for both."""
+        """The exponentials e^{q_k − q_1}, or e^{q_k} over an exact field; both give the same U, V and f."""
         if N.exact:
             return state.q
         return tuple(exponential(N, x - state.q[0]) for x in state.q)
@@ -93,7 +93,7 @@ class TodaLattice(MumfordSystem):
         return (*[N.zero] * (genus - 1), N.coerce(poly.integer(N, -1)))
 
     def _action(self, N: Any, state: Point) -> Form:
-        """−x dμ/μ = −xΔ' dx/y, where μ + 1/μ = Δ."""
+        """The form −x dμ/μ = −xΔ' dx/y, where μ + 1/μ = Δ."""
         return Form((N.zero, *poly.neg(N, poly.derivative(N, self._trace(N, state)))))
 
     def _vector_field(self, N: Any, state: Point) -> Point:
@@ -157,14 +157,14 @@ class TodaLattice(MumfordSystem):
         return p, links
 
     def discrete(self, state: Point, h: Value) -> Point:
-        """The state after the :meth:`step` of λ = 1/h, time ``h`` to first order; its centre of mass is exact."""
+        """The state after the :meth:`step` of λ = 1/h, time ``h`` to first order; the centre of mass is exact."""
         step = self._time_step(h)
         new = self.step(state, self.curve_point(state, 1 / step))
         shift = (sum(state.q) + step * sum(state.p) - sum(new.q)) / self.size
         return Point(tuple(x + shift for x in new.q), new.p)
 
     def step(self, state: Point, point: Iterable[Value], sheet: int = 1) -> Point:
-        """The state of D + P − ∞₊, or with ``sheet`` −1 of D + P − ∞₋, P = (λ, μ): discrete time (Suris 2003).
+        """A step in discrete time: the state of D + P − ∞₊, P = (λ, μ), or of D + P − ∞₋ for ``sheet`` −1 (Suris 2003).
 
         p_k + λ = e^{q̃_k − q_k} + e^{q_k − q̃_{k−1}}, p̃_k + λ = e^{q̃_k − q_k} + e^{q_{k+1} − q̃_k}; with ``sheet`` −1
         p_k + λ = e^{q̃_{k+1} − q_k} + e^{q_k − q̃_k}, p̃_k + λ = e^{q̃_k − q_{k−1}} + e^{q_k − q̃_k}. The state is real
