@@ -1,4 +1,4 @@
-"""Walks of kinds of systems: formulas are recorded once with symbolic constants, and compiled once per machine.
+"""Walks of kinds of systems, from formulas that are recorded with symbolic constants and compiled once per machine.
 
 Compiling takes a tenth of a second, as long as some hundred walks.
 
@@ -63,7 +63,7 @@ class Recorder(InexactField):
         self.context = Functions
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
-        """``value`` itself if it is a recorded number; otherwise it as a constant."""
+        """Returns ``value`` itself if it is a recorded number, otherwise a recorded constant with this value."""
         return value if isinstance(value, Recorded) else self.field.coerce(value)
 
     def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
@@ -137,7 +137,7 @@ class Compiled:
     def __call__(
         self, constants: Sequence[float], state: Sequence[float], times: np.ndarray, steps: Steps, most: float
     ) -> Reached:
-        """The states at times of one sign in ascending size; the number reached is −1 if they are not so ordered."""
+        """The states at times of one sign in ascending size; the number reached is −1 for another order."""
         count = len(times)
         bounds = self._bounds.get((steps, most)) or self._bounds.setdefault((steps, most), bounds_of(steps, most))
         found = np.empty((count, *self._shape))
@@ -164,7 +164,7 @@ _KINDS: dict[Hashable, Kind | None] = {}
 
 
 def kind_of(key: Hashable, made: Callable[[], Kind | None]) -> Kind | None:
-    """The kind stored under ``key``; the first call creates it by ``made``."""
+    """The kind stored under ``key``; the first call for a key creates the kind by ``made``."""
     if key not in _KINDS:
         _KINDS[key] = made()
     return _KINDS[key]

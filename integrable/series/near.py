@@ -1,4 +1,4 @@
-"""States near the start in floats, by the compiled walk of the kind of system."""
+"""States near the start in floats, computed by the compiled walk of a kind of systems."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class Walked(Protocol):
 class Near(NamedTuple):
     """The indices of the times that were reached, the states (q, p) there, of shape (N, 2, n), and an error estimate.
 
-    The estimate is of the largest error, relative to the largest component of q, or of p. ``whole`` says that all times
-    were reached, in their order.
+    ``error`` estimates the largest error, relative to the largest component of q, or of p. ``whole`` says that all
+    times were reached, in the order given.
     """
 
     places: np.ndarray
@@ -46,7 +46,7 @@ class Near(NamedTuple):
 def walked(system: Walked, state: State, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
     """The states at those times that are reached within about ``most`` microseconds.
 
-    Where coarser steps miss the tolerance, the steps used are accurate to the last bits of a float.
+    Times at which coarser steps miss the tolerance are computed by steps accurate to the last bits of floats.
     """
     kind, given = system._kind, (*state.q, *state.p)
     found = None
@@ -66,12 +66,12 @@ def walked(system: Walked, state: State, times: np.ndarray, most: float, toleran
 
 
 def finished(system: Walked, state: State, times: np.ndarray, near: Near, most: float) -> Near:
-    """``near`` with the remaining times added; they are computed by finer steps with more guard digits."""
+    """Adds the remaining times to ``near``, computed by finer steps with more guard digits."""
     return _completed(near, system, state, times, FINEST, most)
 
 
 def _completed(near: Near, system: Walked, state: State, times: np.ndarray, steps: Steps, most: float) -> Near:
-    """``near`` with those of the remaining times added that ``steps`` reach, of either sign in any order."""
+    """Adds to ``near`` those remaining times that ``steps`` reach; times have either sign and any order."""
     left = np.setdiff1d(np.arange(len(times)), near.places)
     kind = system._kind
     walk = None if kind is None or not len(left) else kind.walk(steps.orders)
@@ -89,7 +89,7 @@ def _completed(near: Near, system: Walked, state: State, times: np.ndarray, step
 
 
 def _right(found: Reached, order: np.ndarray, steps: Steps) -> Near:
-    """The right ones of the states that a walk reached, at the times ``order``."""
+    """The states that a walk reached and did not mark as wrong; ``order`` are the indices of its times."""
     count, error = max(found.reached, 0), SPARE * min(found.gap, steps.agreed)
     if found.wrong is None:
         return Near(order[:count], found.states[:count], error)

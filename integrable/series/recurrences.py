@@ -1,6 +1,6 @@
-"""The recurrences for the Taylor coefficients of a :class:`integrable.series.tape.Tape`, for numbers of any kind.
+"""Moore's recurrences (1966) for the Taylor coefficients of a tape, for numbers of any kind.
 
-They are those of Moore 1966.
+A tape is a :class:`integrable.series.tape.Tape`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from jacobian.numbers.sums import joined, plus_product
 
 
 def convolved(series: Any, p: int, q: int, begin: int, end: int, k: int) -> Any:
-    """Σ p_j q_{k−j} over begin ≤ j < end, for the series that begin at p and q; two partial sums run in parallel."""
+    """The sum Σ p_j q_{k−j}, begin ≤ j < end, of the series that begin at p and q, as two partial sums in parallel."""
     nothing = 0 * series[p]
     a, b = nothing, nothing
     for j in range(begin, end - 1, 2):
@@ -25,7 +25,7 @@ def convolved(series: Any, p: int, q: int, begin: int, end: int, k: int) -> Any:
 
 
 def squared(series: Any, p: int, begin: int, k: int) -> Any:
-    """Σ p_j p_{k−j} over begin ≤ j ≤ k − begin; the terms j and k − j are equal and computed once."""
+    """The sum Σ p_j p_{k−j}, begin ≤ j ≤ k − begin, whose equal terms j and k − j are computed once."""
     half = convolved(series, p, p, begin, (k + 1) // 2, k)
     if k % 2 == 1:
         return half + half

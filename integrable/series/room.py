@@ -1,7 +1,7 @@
 """The layout of a tape's coefficients in the memory of a compiled walk, and the products computed in one vector.
 
-The factors of these products are stored side by side. They belong to products that do not depend on each other, or to
-the sums of earlier coefficients of products, quotients and roots.
+The factors of one vector are stored side by side. Its products do not depend on each other: they are products of the
+tape, or the sums of earlier coefficients that products, quotients and roots need.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Room:
         self.begin = begin + -begin % ABREAST
         self.apart = count + -count % ABREAST
         begin = self.begin + (order + max(wide, 0) + 2) * self.apart
-        # of other nodes only order 0 is kept, hi and lo: constants, and factors of products of the newest coefficients
+        # constants, and those factors of products that are no variables, keep only order 0, as hi and lo
         kept = {n for n, kind in enumerate(tape.kinds) if kind == CONSTANT}.union(*self.factors.values())
         self._highs = {n: begin + 2 * i for i, n in enumerate(sorted(kept - set(range(count))))}
         begin += 2 * len(self._highs)

@@ -14,7 +14,7 @@ from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Tape
 
 # run time of a step of Neumann's point on S², in run times of a product: the part without products, and the whole
 FIXED, STANDARD = 3, 13
-# microseconds of that step: per order, per square of the order, and more per order in double-doubles
+# microseconds of such a step: per order, per square of the order, and in addition per order in double-doubles
 PER_ORDER, PER_SQUARE, PER_WIDE_ORDER = 5e-3, 0.25e-3, 28e-3
 
 
@@ -22,8 +22,8 @@ class Steps(NamedTuple):
     """The orders of a walk's series, and bounds on its terms relative to q and to p.
 
     ``left_out`` bounds the last terms, ``rounded`` the first terms in floats. In the second walk these bounds are
-    ``coarser`` and ``rougher`` times as large. Rows on which both walks agree to ``agreed`` are right. Times more than
-    ``farthest`` first steps away are not tried.
+    ``coarser`` and ``rougher`` times as large. Rows on which both walks agree to ``agreed`` count as right.
+    Times more than ``farthest`` first steps away are not tried.
     """
 
     orders: Orders
@@ -39,7 +39,7 @@ class Steps(NamedTuple):
 # cause nearly as large an error in the finer walk
 WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE, FINEST = Steps(WIDE, 1e-25, 1e-7, 1e1, 1e1, 2.0**-56), Steps(WIDEST, 1e-29, 1e-11, 1e3, 1e3, 2.0**-56)
-# over few steps errors cannot grow; takes three quarters of the time of FINE (python -m benchmarks near)
+# over few steps errors cannot grow; such a walk takes three quarters of the time of FINE (python -m benchmarks near)
 ROUGH = Steps(Orders(7, 30), 1e-21, 1e-5, 1e1, 1e1, 2.0**-56, 128.0)
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # SHARE and SHARE_OF_MIDDLE are truncation bounds relative to a tolerance: of steps in floats, and of steps whose first
@@ -81,7 +81,7 @@ def step_cost(tape: Tape, orders: Orders) -> float:
 
 
 def bounds_of(steps: Steps, most: float) -> tuple[float, ...]:
-    """The fields of :class:`integrable.series.walk.Bounds`, in its order."""
+    """The fields of :class:`integrable.series.walk.Bounds` for these steps, in the order of that class."""
     wide, order = steps.orders
     # if all terms are floats, the first float terms do not limit the step
     orders = 1 / (order - 1), 1 / order, 1 / max(1, wide + 1), 1 / max(1, wide + 2)
@@ -99,6 +99,6 @@ def bounds_of(steps: Steps, most: float) -> tuple[float, ...]:
 
 
 def inverses(order: int) -> np.ndarray:
-    """1/(k + 1) for k below ``order`` as one flat array of pairs (hi, lo)."""
+    """The reciprocals 1/(k + 1), k < ``order``, as one flat array of pairs (hi, lo)."""
     exact = [Fraction(1, k + 1) for k in range(order)]
     return np.array([[float(x), float(x - Fraction(float(x)))] for x in exact]).reshape(-1)

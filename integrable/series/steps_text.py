@@ -43,7 +43,7 @@ class Series(Sums):
         return "\n".join([head, *text.lines, "  ret void", "out:", "  ret void", "}"])
 
     def _order(self, k: int) -> None:
-        """Coefficients k of all nodes, and k + 1 of the variables."""
+        """Writes the instructions for coefficients k of all nodes and k + 1 of the variables."""
         tape = self.tape
         self._recent = {key: x for key, x in self._recent.items() if key[1] == k}
         self._divisors, self._sums = {}, {}
@@ -65,7 +65,7 @@ class Series(Sums):
         self._put_variables(k + 1)
 
     def _rounds(self) -> None:
-        """The orders from ``self._loop`` on, AT_ONCE in each round."""
+        """Writes the loop over the orders from ``self._loop`` on, AT_ONCE in each round."""
         lines = self.text.lines
         lines += ["  br label %begin", "begin:", "  br label %orders", "orders:"]
         done = self.text.write("phi i64 [ 0, %begin ], [ %next, %again ]")
@@ -120,7 +120,7 @@ class Series(Sums):
         if k and self._constant(p):
             return y
         x = self._value(p, k)
-        # operands come before what is computed from them
+        # operands come before the nodes computed from them
         return self._plus(x, y) if q >= p else self._plus(y, x)
 
     def _plus(self, x: Wide, y: Wide) -> Wide:
@@ -132,7 +132,7 @@ class Series(Sums):
         return self.text.wide_product(x, y) if k <= self.wide else (self.text.fmul(x[0], y[0]), "")
 
     def _divisor(self, n: int, k: int) -> Wide:
-        """The reciprocal of the divisor's coefficient of order 0; for a root, of twice the root's."""
+        """The reciprocal of d_0 for a quotient with the divisor d, and of 2r_0 for a root r."""
         if n not in self._divisors:
             place = self.room.inverses[n]
             self._divisors[n] = self.text.load(place), self.text.load(place + 1) if k <= self.wide else ""
@@ -148,11 +148,11 @@ class Series(Sums):
                 text.store(text.fmul(text.real(0.5), part) if root else part, self.room.inverses[n] + i)
 
     def _integrated(self, rate: Wide, k: int) -> Wide:
-        """Coefficient k + 1 of a variable, from coefficient k of its derivative."""
+        """Coefficient k + 1 of a variable, computed from coefficient k of its derivative."""
         room = self.room
         unit = self.text.load(UNITS + k, self._base(k, 1))
         if k + 1 > self.wide:
-            # the parts of a sum that cancels overlap
+            # after cancellation in a sum its high and low parts overlap
             return self.text.fmul(self.text.fadd(*rate) if rate[1] else rate[0], unit), ""
         if (k + 1) & k == 0:
             # k + 1 is a power of two, so that unit/(k + 1) has no low part

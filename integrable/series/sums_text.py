@@ -16,8 +16,8 @@ from jacobian.numbers.double_double_steps import fast_two_sum
 
 # number of orders in a round of the loop: a factor is loaded once for all of them
 AT_ONCE = 4
-# with this many orders in double-doubles, sums are renormalized at once, which takes a tenth of the time of a step:
-# these steps are for motions where others lose too much (a body of Veselova's with a moment of 5e-10)
+# with this many orders in double-doubles, sums are renormalized at once, which takes a tenth of the time of a step.
+# So many orders are used only where other steps lose too many digits (a body of Veselova's with a moment of 5e-10)
 CAREFUL = 10
 Term = tuple[int, int, int]
 """(factor, j, k − j), for the term factor·p_j q_{k−j}."""
@@ -55,7 +55,7 @@ class Sums:
         return self.text.write(f"getelementptr double, ptr {base}, i64 {there}")
 
     def _base(self, k: int, stride: int) -> str:
-        """The pointer from which places of coefficients k are counted."""
+        """The pointer from which the places of coefficients of order k are counted."""
         return self._moving[stride] if self._moving and k >= self._loop else "%s"
 
     def _hi(self, n: int, k: int) -> str:
@@ -126,7 +126,7 @@ class Sums:
         p, q = self.room.factors[n]
         before = self._sum_of_earlier(n, k)
         terms = [term for term in _terms(p == q, begin, end, k) if not all(term[1:])]
-        # the coefficient computed last comes last
+        # the term with the coefficient that is known last comes last
         terms.sort(key=lambda term: p if term[1] else q)
         pairs = [_later_first(f, (i, self._value(p, i)), (j, self._value(q, j))) for f, i, j in terms]
         if before and not before[1]:
@@ -169,7 +169,7 @@ class Sums:
         return self._apart(text, nodes, _summed(text, pairs, True, before))
 
     def _joined(self, text: Text, parts: list[str]) -> str:
-        """The parts, and the last one again up to the width of the vector."""
+        """Joins the parts to one vector, whose remaining lanes repeat the last part."""
         width = text.lanes // self.room.lanes
         return joined_lanes(text, parts + parts[-1:] * (width - len(parts)), self.room.lanes)
 
@@ -186,7 +186,7 @@ class Sums:
         return _summed(text, pairs, wide, None)
 
     def _earlier_rounds(self, nodes: tuple[int, ...], done: str) -> list[str]:
-        """Σ p_j q_{k−j} over those 0 < j < k where both j and k − j are below this round, for each order k of it.
+        """For each order k of the round: Σ p_j q_{k−j} over the j for which j and k − j belong to earlier rounds.
 
         In a square the terms j and k − j are equal, and the sum goes to the middle.
         """
@@ -284,7 +284,7 @@ class Sums:
 
 
 def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:
-    """The terms of Σ p_j q_{k−j} over begin ≤ j < end; the one with the newest coefficients comes last."""
+    """The terms of Σ p_j q_{k−j} over begin ≤ j < end; the term with the newest coefficients comes last."""
     if not square:
         found = [(1, j, k - j) for j in range(begin, end)]
     else:
@@ -295,7 +295,7 @@ def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:
 
 
 def _later_first(f: int, x: tuple[int, Wide], y: tuple[int, Wide]) -> tuple[int, Wide, Wide]:
-    """The term of two coefficients with their orders, the one of higher order first."""
+    """The term f·x·y of two coefficients with their orders, where the coefficient of higher order comes first."""
     return (f, x[1], y[1]) if x[0] >= y[0] else (f, y[1], x[1])
 
 

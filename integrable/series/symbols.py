@@ -73,15 +73,15 @@ def _operation(sign: str, x: Any, y: Any) -> Any:
 
 
 class SymbolField(InexactField):
-    """Floats and symbols, as the constants of a recorded formula."""
+    """The field of the constants of a recorded formula: floats and symbols."""
 
     name = "symbols"
     zero, one, eps = 0.0, 1.0, 2.0**-53
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
-        """``value`` itself if it is a symbol; 0 and powers of two as floats; other numbers as symbols.
+        """Returns a symbol unchanged, 0 and powers of two as floats, and other numbers as symbols.
 
-        Only the reciprocal of a power of two is exact in floats. Others, such as 1/3, are computed to more digits.
+        The reciprocals of powers of two are exact in floats. Other reciprocals, such as 1/3, need more digits.
         """
         if isinstance(value, Symbol):
             return value

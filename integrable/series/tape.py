@@ -1,4 +1,4 @@
-"""A vector field as a list of operations: those that a formula performs on its variables, recorded once.
+"""A vector field as a list of the operations that its formula performs on the variables, recorded once.
 
 A formula written with operators is called on :class:`Recorded` numbers. Its sums, products, quotients and square roots
 become a :class:`Tape`, from which Taylor series are computed (:mod:`integrable.series.recurrences`). Equal operations
@@ -65,7 +65,7 @@ class _Recorder:
     def operation(self, kind: int, x: Any, y: Any) -> Recorded:
         x, y = self.lifted(x), self.lifted(y)
         p, q = x.constant, y.constant
-        # 1/q with an integer q would become a float
+        # with an integer q, 1/q would become a float
         folded = kind != QUOTIENT or not isinstance(q, int)
         if p is not None and q is not None and folded:
             return self.lifted(_OPERATIONS[kind](p, q))

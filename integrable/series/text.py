@@ -18,7 +18,7 @@ class Text(Code):
     def __init__(self, lanes: int, before: Text | None = None) -> None:
         super().__init__(types_in(lanes))
         self.lanes = lanes
-        # with ``before``, instructions of another vector width continue the same text
+        # instructions of another vector width continue the text ``before``
         self._numbers: Iterator[int] = count() if before is None else before._numbers
         self.lines = self.lines if before is None else before.lines
 

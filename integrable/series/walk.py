@@ -1,8 +1,8 @@
 """A walk along Taylor series, with straight-line code compiled for the kind of system (:mod:`integrable.series.kinds`).
 
 The loop is compiled once for all kinds (:mod:`integrable.series.walk_compiled`). Two walks run together as lanes of one
-vector. The second takes coarser steps of its own from a start changed by about a rounding unit; its first step is short
-and backwards. The difference of the walks estimates the error of a row.
+vector. The second walk takes its own coarser steps, from a start changed by about a rounding unit; its first step is
+short and backwards. The difference of the walks estimates the error of a row.
 """
 
 from __future__ import annotations
@@ -169,8 +169,8 @@ def in_order(times: Any) -> bool:
 def begun(codes: Codes, given: Given, room: Any, units: Any) -> float:
     """Computes the series at the start, and returns their unit of time.
 
-    The unit is a power of two near the shortest time scale of q or p. It keeps coefficients within the range of floats,
-    and a motion given in other units takes the same steps.
+    The unit is a power of two near the shortest time scale of q or p. So coefficients stay within the range of floats,
+    and steps do not depend on the unit in which the motion is given.
     """
     put_unit(given, room, units, 1.0)
     series(codes.series, room)
@@ -235,7 +235,7 @@ def reach(bounds: Bounds, room: Any, lane: int) -> float:
 
 
 def put_rows(codes: Codes, given: Given, room: Any, at: Place, times: Any, limit: int, unit: float, rows: Any) -> int:
-    """Writes the rows of one walk that its series reach, from its next one on; returns the first it does not reach."""
+    """Writes the rows that the series of one walk reach, from its next row on; returns the first row beyond."""
     width = 2 * given.parts * given.half
     ahead = room[given.spare : given.spare + (2 + width) * TIMES]
     lane, now, step, row = at
@@ -322,7 +322,7 @@ def advance(code: int, room: Any) -> None:
 
 
 def dense(code: int, room: Any, lane: int, ahead: Any) -> None:
-    """Writes the states of a walk at the distances with which ``ahead`` begins behind these."""
+    """Reads distances from the front of ``ahead``, and writes the states of a walk there behind them."""
     _called(code, room[lane:], ahead)
 
 
@@ -331,10 +331,10 @@ def _called(code: int, *arrays: Any) -> None:
 
 
 def logarithm(x: float) -> float:
-    """log₂ x to within 0.1; about −1000 for x = 0."""
+    """The logarithm log₂ x to within 0.1; about −1000 for x = 0."""
     return log2(x) if x > 0 else -1023.0
 
 
 def power(x: float) -> float:
-    """2^x to within 1 %."""
+    """The power 2^x to within 1 %."""
     return float(2.0**x)

@@ -28,7 +28,7 @@ def _dense(b: Operators, code: Value, room: Value, lane: Value, ahead: Value) ->
 
 
 def _logarithm(b: Operators, x: Value) -> Value:
-    # the exponent, plus the mantissa as a linear approximation of its logarithm
+    # the exponent plus a linear approximation of the logarithm of the mantissa
     word = b.write(f"bitcast double {b.float_of(x)} to i64")
     found = Value(FLOAT, (b.write(f"sitofp i64 {word} to double"),))
     return b.binary("Sub", b.binary("Mult", found, real(2.0**-52)), real(1023.0))

@@ -1,4 +1,4 @@
-"""The rest of a walk's straight-line code: filling a room from a state in floats, a step, and states between steps."""
+"""Straight-line code of a walk besides its series: it fills a room from a state, takes a step, and reads states."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ HALVED, TERMS = 11, 18
 
 
 def module(room: Room, start: Tape, count: int) -> str:
-    """The LLVM module of a kind whose first ``count`` variables are its state; ``start`` computes all from these."""
+    """The LLVM module of a kind; the first ``count`` variables are the state, from which ``start`` computes all."""
     texts = [_declared(), _growth(), Series(room, count).function(), _advance(room), _dense(room, count)]
     return "\n".join([*texts, _start(room, start)])
 
@@ -50,7 +50,7 @@ def _declared() -> str:
 def _advance(room: Room) -> str:
     """The function that advances the variables by a step, in the place of the coefficients of order 0."""
     single = Text(room.lanes)
-    # a load of the vector would wait for the stores of its lanes, which were made just before
+    # lanes are gathered in registers: a load of the vector would wait for the stores of its lanes just before
     lanes = [_float_at(single, "%s", room.lanes * STEP + lane) for lane in range(room.lanes)]
     step = single.gathered(lanes) if room.lanes > 1 else lanes[0]
     square = single.fmul(step, step)
