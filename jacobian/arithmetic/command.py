@@ -41,7 +41,7 @@ def polynomial_of(text: str) -> list[Fraction]:
 
 
 def curve_of(text: str) -> HyperellipticCurve:
-    """y² = f from "f", y² + hy = f from "[f, h]", where f and h are polynomials in x or lists of coefficients."""
+    """The curve y² = f for the text "f", y² + hy = f for "[f, h]"; f, h: polynomials in x or lists of coefficients."""
     inner = text.strip()
     if inner.startswith("[") and inner.endswith("]") and re.search(r"[x\[]", inner[1:]):
         parts = re.findall(r"\[[^\]]*\]|[^,\[\]]+", inner[1:-1])
@@ -54,7 +54,7 @@ def curve_of(text: str) -> HyperellipticCurve:
 
 
 def bound_of(text: str) -> int:
-    """An int, or a power such as 2^20."""
+    """The int that a text such as 1000 or 2^20 stands for."""
     match = re.fullmatch(r"(\d{1,9})(?:(?:\^|\*\*)(\d{1,2}))?", text.strip())
     if not match:
         raise ArgumentError(f"bound = {shown(text)}: an int is needed, as 1000 or 2^20")

@@ -1,8 +1,8 @@
 """L-polynomials from their coefficients modulo p, for many primes.
 
-a_1 is known where p > 16g², as |a_1| ≤ 2g√p. In genus 1 that is all; in genus 2 and 3 the group law decides
-(:mod:`jacobian.arithmetic.decision_kernels`). Where several remain, as with groups of small exponent, and for small
-primes, points are counted prime by prime (:mod:`jacobian.finite.frobenius`).
+For p > 16g² its residue determines a_1, as |a_1| ≤ 2g√p. In genus 1 there is nothing else. In genus 2 and 3 the group
+law determines the other a_i (:mod:`jacobian.arithmetic.decision_kernels`). Where several candidates remain, as with
+groups of small exponent, and for small primes, points are counted prime by prime (:mod:`jacobian.finite.frobenius`).
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ def least_prime(g: int) -> int:
 
 
 def decided(F: Sequence[int], g: int, primes: Any, residues: Any) -> tuple[Any, Any]:
-    """(a_1, …, a_g), (N, g), and whether they are known, (N,), for primes p > 16g² of good reduction of y² = F(x).
+    """The a_1, …, a_g at N primes p > 16g² of good reduction of y² = F(x), (N, g), and whether they are known, (N,).
 
-    ``residues``: those of the a_i modulo p.
+    ``residues``: the residues of the a_i modulo p.
     """
     balanced = residues.copy()
     balanced[:, 0] -= primes * (2 * residues[:, 0] > primes)

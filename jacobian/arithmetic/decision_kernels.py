@@ -58,8 +58,8 @@ def decide(equations: Any, residues: Any, desk: Any, out: Any, begin: int, end: 
 
 
 def ranges_of(g: int, p: int, a: Any, ranges: Any) -> Any:
-    """(the least a_2 of its residue that is possible, the number of rows): ``ranges`` has the least and the largest t
-    of each row s. The candidates are a_2 + t·p in genus 2, of one row, and (a_2 + s·p, a_3 + t·p) in genus 3.
+    """(the least possible a_2 with the given residue, the number of rows); writes the least and largest t of each row
+    s into ``ranges``. Candidates are a_2 + t·p in genus 2, with one row, and (a_2 + s·p, a_3 + t·p) in genus 3.
 
     The roots of z^g + r_1 z^(g−1) + … are real and at most 2√p in size (:mod:`jacobian.finite.weil`).
     """
@@ -97,7 +97,7 @@ def cubic_part(z: float, r1: float, r2: float) -> float:
 
 
 def search(K: Any, sign: int, rows: int, desk: Any) -> int:
-    """Finds all (s, t) of these rows that annihilate D; their number, or −1 for more than MOST."""
+    """Finds all pairs (s, t) of the rows whose orders annihilate D; returns their number, or −1 for more than MOST."""
     g, classes = desk.curve[0], desk.classes
     place, giant = classes[6], classes[7]
     baby, size = baby_steps(K, rows, desk)
@@ -127,10 +127,10 @@ def search(K: Any, sign: int, rows: int, desk: Any) -> int:
 
 
 def baby_steps(K: Any, rows: int, desk: Any) -> Any:
-    """(their number, places of the table): 0, −pD, −2pD, … and, in class 6, the one after the last.
+    """(the number of baby steps, the number of places of their table): the steps are 0, −pD, −2pD, ….
 
-    There are about as many as the square root of the number of candidates, and none occurs twice. Where the order of pD
-    is smaller, the steps are a cycle, and the giant step is 0.
+    Class 6 is the step after the last. There are about as many steps as the square root of the number of candidates,
+    and none occurs twice. If the order of pD is smaller, the steps are a cycle, and the giant step is 0.
     """
     classes, table, total, baby, size = desk.classes, desk.table, 0, 1, 4
     for s in range(rows):
@@ -157,7 +157,7 @@ def baby_steps(K: Any, rows: int, desk: Any) -> Any:
 
 
 def place_of(a: Any, size: int) -> int:
-    """The first place for a class in a table of that many places."""
+    """The first place to look for the class a in a table of ``size`` places."""
     h = a[2]
     for i in range(3, len(a)):
         h = (h * 1000003 + a[i]) % 2147483647
@@ -165,7 +165,7 @@ def place_of(a: Any, size: int) -> int:
 
 
 def found_step(desk: Any, place: Any, size: int) -> int:
-    """The number of the baby step that is this class, −1 for none."""
+    """The number of the baby step that equals the class ``place``; −1 if there is none."""
     at = place_of(place, size)
     while desk.table[at] >= 0:
         i = desk.table[at]
@@ -176,7 +176,7 @@ def found_step(desk: Any, place: Any, size: int) -> int:
 
 
 def sift(K: Any, sign: int, count: int, desk: Any) -> int:
-    """The number of the candidates that annihilate D, which are moved to the front."""
+    """The number of candidates whose orders annihilate D; these candidates are moved to the front."""
     g, classes, found, left = desk.curve[0], desk.classes, desk.found, 0
     place, other = classes[6], classes[7]
     for n in range(count):

@@ -36,7 +36,7 @@ class Desk(NamedTuple):
 
 
 def class_at(K: Any, a: Any, x0: int, desk: Any) -> int:
-    """1 where y² = G(t) is the curve, −1 where it is the twist, 0 where F(x_0) = 0; classes 0, 1 and 2 are written."""
+    """Writes classes 0, 1 and 2 at x_0. Returns 1 if y² = G(t) is the curve, −1 if it is the twist, 0 if F(x_0) = 0."""
     value = model_at(K, x0, desk)
     if value == 0:
         return 0
@@ -56,7 +56,7 @@ def class_at(K: Any, a: Any, x0: int, desk: Any) -> int:
 
 
 def model_at(K: Any, x0: int, desk: Any) -> int:
-    """F(x_0), after writing y² = G(t) in the form of :func:`jacobian.addition.cantor_words.packed_curve`."""
+    """Writes y² = G(t) in the form of :func:`jacobian.addition.cantor_words.packed_curve`, and returns F(x_0)."""
     curve, moved, n = desk.curve, desk.moved, len(desk.F)
     g = (n - 3) // 2
     for i in range(n):
@@ -84,7 +84,7 @@ def model_at(K: Any, x0: int, desk: Any) -> int:
 
 
 def is_square(K: Any, x: int) -> bool:
-    """Whether x ≠ 0 is a square."""
+    """Whether x ≠ 0 is a square modulo p."""
     result, exponent = 1, (K.p - 1) // 2
     while exponent > 0:
         if exponent % 2 == 1:
@@ -95,7 +95,7 @@ def is_square(K: Any, x: int) -> bool:
 
 
 def set_class(K: Any, g: int, n: int, a: Any) -> None:
-    """The class of weight n at ∞₊ and no affine points: ⌈g/2⌉ for 0, one more for ∞₊ − ∞₋."""
+    """Writes into a the class of weight n at ∞₊ without affine points: n = ⌈g/2⌉ is 0, one more is ∞₊ − ∞₋."""
     for i in range(len(a)):
         a[i] = 0
     a[0], a[2], a[3] = 1, n, 1
@@ -147,7 +147,7 @@ def sextic(curve: Any) -> Any:
 
 
 def closed(K: Any, curve: Any, quotient: Any, lines: Any, result: Any) -> bool:
-    """Whether the case is the general one of genus 2; if it is, result is set to the sum."""
+    """Whether the explicit formulas of genus 2 apply; if so, ``result`` is set to the sum."""
     C, multiple = sextic(curve), product(K, sextic(curve), quotient)
     if multiple == 0:
         return False

@@ -31,7 +31,7 @@ PRIMES = 100
 
 
 class Algebra(NamedTuple):
-    """End ⊗ QQ: ``name`` as QQ(√5) or M_2(QQ), the ``dimension`` over QQ, and whether it is commutative."""
+    """The algebra End ⊗ QQ: its ``name``, such as QQ(√5) or M_2(QQ), its ``dimension`` over QQ, and ``commutative``."""
 
     name: str
     dimension: int
@@ -39,8 +39,10 @@ class Algebra(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """``geometric``, ``rational``: the algebras over ℂ and over QQ; ``primes``: how many L-polynomials agree with them;
-    ``proven``: whether there are no more endomorphisms than ℤ by proof.
+    """The algebras of the endomorphisms that periods show.
+
+    ``geometric``, ``rational``: those over ℂ and over QQ; ``primes``: how many L-polynomials agree with them;
+    ``proven``: whether End = ℤ is proven.
     """
 
     geometric: Algebra
@@ -69,7 +71,7 @@ def seen(found: Endomorphisms, L: LPolynomials | None = None) -> Seen:
 
 
 def algebra(basis: Sequence[Integers]) -> Algebra:
-    """The algebra that integral matrices span over QQ; they are closed under multiplication."""
+    """The algebra over QQ spanned by integral matrices, whose span is closed under multiplication."""
     from flint import fmpz_mat
 
     matrices = [fmpz_mat([list(row) for row in R]) for R in basis]
@@ -90,7 +92,10 @@ def algebra(basis: Sequence[Integers]) -> Algebra:
 
 
 def _product_of_fields(matrices: Sequence[Any]) -> str:
-    """The names of the factors of a commutative algebra: of the least generator, by its minimal polynomial."""
+    """The names of the fields whose product is a commutative algebra.
+
+    They are read off the minimal polynomial, of least discriminant, of a generator.
+    """
     generators = []
     for c in product(range(-2, 3) if len(matrices) < 5 else range(-1, 2), repeat=len(matrices)):
         minimal = sum((m * R for m, R in zip(c, matrices, strict=True)), 0 * matrices[0]).minpoly()
@@ -114,7 +119,7 @@ def squarefree(n: int) -> int:
 
 
 def _quaternions(matrices: Sequence[Any]) -> str:
-    """M_2(QQ), or the division algebra by the primes at which it is one: i² = a, j² = b, ij = −ji in it."""
+    """The name of a quaternion algebra i² = a, j² = b, ij = −ji: M_2(QQ), or a division algebra with its primes."""
     from flint import fmpq, fmpq_mat
 
     n = matrices[0].nrows()
@@ -156,7 +161,7 @@ def hilbert(a: int, b: int, p: int) -> int:
 
 
 def _compare(p: int, L: Sequence[int], geometric: int, rational: Sequence[Integers]) -> None:
-    """PrecisionLoss for endomorphisms that the reduction modulo p does not have."""
+    """Raises PrecisionLoss if the reduction modulo p, by its L-polynomial, cannot have these endomorphisms."""
     from flint import fmpz_mat
 
     if geometric > _endomorphisms_of(_power(L, ROOTS_OF_UNITY)) or len(rational) > _endomorphisms_of(_power(L, 1)):
@@ -177,7 +182,10 @@ def is_norm(L: Sequence[int], d: int) -> bool:
 
 
 def _splits(polynomial: Any, d: int) -> bool:
-    """Whether an irreducible polynomial has factors over QQ(√d): moved by m√d, its norm has them (Trager 1976)."""
+    """Whether an irreducible polynomial factors over QQ(√d).
+
+    With an m for which the norm of polynomial(x + m√d) is squarefree, it does if this norm factors (Trager 1976).
+    """
     from flint import fmpz_poly
 
     if polynomial.degree() % 2:
@@ -196,7 +204,7 @@ def _splits(polynomial: Any, d: int) -> bool:
 
 
 def _power(L: Sequence[int], n: int) -> Any:
-    """The polynomial whose roots are the n-th powers of those of Frobenius: by their power sums (Newton)."""
+    """The monic polynomial whose roots are the n-th powers of the roots of Frobenius, by their power sums (Newton)."""
     from flint import fmpz_poly
 
     size = len(L) - 1
@@ -213,7 +221,10 @@ def _endomorphisms_of(frobenius: Any) -> int:
 
 
 def _centres(polynomials: Sequence[tuple[int, Sequence[int]]]) -> set[int]:
-    """d of one quadratic field QQ(√d), or of two, that every End⁰(J) larger than QQ contains, in genus 1 and 2."""
+    """The d of the fields QQ(√d), each contained in every End⁰(J) larger than QQ, in genus 1 and 2.
+
+    Two different ones prove that End⁰(J) = QQ.
+    """
     found: set[int] = set()
     for p, L in polynomials:
         if len(L) == 3 and L[1] % p:

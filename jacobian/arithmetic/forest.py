@@ -4,11 +4,13 @@ With f = Σ f_i x^i of degree d, f_0 ≠ 0, and c_k the coefficients of f^((p−
 
     2k·f_0·c_k = Σ_{i=1…d} (i − 2k) f_i c_(k−i),
 
-which is free of p: the window (c_(k−d+1), …, c_k)·(2f_0)^k·k! is a product of k integer matrices applied to (0, …, 0,
-1) (Harvey and Sutherland 2014, 2016). A block of integers needs it at its beginning, modulo the product of its primes.
-The blocks form trees. A tree multiplies its matrices, carries the window down to its blocks, and finally once modulo
-the primes of all later trees. From the beginning of its block the window is advanced to p modulo p
-(:mod:`jacobian.arithmetic.walk`), which is faster than the lower levels of a tree.
+which is free of p. So the window (c_(k−d+1), …, c_k)·(2f_0)^k·k!/c_0 is a product of k integer matrices applied to
+(0, …, 0, 1) (Harvey and Sutherland 2014, 2016). A block of integers needs the window at its beginning, modulo the
+product of its primes.
+
+The blocks form trees. A tree multiplies its matrices, carries the window down to the beginning of each block, and
+finally to its own end, modulo the primes of all later trees. From the beginning of its block the window is advanced to
+p modulo p (:mod:`jacobian.arithmetic.walk`), which is faster than the lower levels of a tree.
 
 Integers and matrices are those of FLINT (python-flint). Matrices of 5 rows with entries of 640 kbit are multiplied in
 the time of 91 of its products of integers (``python -m benchmarks l_polynomials``).
@@ -42,7 +44,7 @@ class Block(NamedTuple):
 
 
 def blocks_of(primes: Sequence[int], size: int) -> list[Block]:
-    """All blocks of this many integers, in order, including those without primes."""
+    """All blocks of ``size`` integers up to the last prime, in order, including blocks without primes."""
     found, first = [], 0
     for begin in range(0, primes[-1], size):
         last = first
@@ -54,8 +56,10 @@ def blocks_of(primes: Sequence[int], size: int) -> list[Block]:
 
 
 class Tree(NamedTuple):
-    """The results of a tree: for each of its blocks the window at its beginning, modulo the product of its primes, and
-    the window after the last one, modulo the product of all later primes.
+    """The results of a tree.
+
+    They are the window at the beginning of each block, modulo the product of the block's primes, and the window after
+    the last block, modulo the product of all later primes.
     """
 
     windows: list[list[Any]]
@@ -65,7 +69,7 @@ class Tree(NamedTuple):
 def trees(
     f: Sequence[int], primes: Sequence[int], blocks: list[Block], window: list[Any] | None = None
 ) -> Iterator[Tree]:
-    """Tree after tree the windows (2f_0)^b·b!·(c_(b−d+1), …, c_b)/c_0 for all b at which blocks begin.
+    """Yields, tree after tree, the windows (2f_0)^b·b!·(c_(b−d+1), …, c_b)/c_0 for all b at which blocks begin.
 
     ``blocks`` are of one size, a multiple of STEPS; they begin at 0, or at some tree, with the ``window`` there.
     """
@@ -119,7 +123,7 @@ def _both(a: Any, b: Any) -> Any:
 
 
 def _levels(leaves: list[Any], join: Any) -> list[list[Any]]:
-    """A tree from its leaves to its root: an odd matrix moves up unchanged."""
+    """The levels of a product tree, from its leaves to its root; the last of an odd number moves up unchanged."""
     levels = [leaves]
     while len(levels[-1]) > 1:
         below = levels[-1]
@@ -133,13 +137,13 @@ def _product(factors: list[Any]) -> Any:
 
 
 def _applied(matrix: fmpz_mat, window: list[Any], modulus: Any) -> list[Any]:
-    """The window after a matrix, reduced."""
+    """The matrix times the window, modulo ``modulus``."""
     column = matrix * fmpz_mat(len(window), 1, window)
     return [c % modulus for c in column.entries()]
 
 
 def _down(products: list[list[fmpz_mat]], modules: list[list[Any]], window: list[Any]) -> list[list[Any]]:
-    """The windows where the leaves begin, modulo their moduli, from that of the root."""
+    """The windows at the beginnings of the leaves, modulo the leaves' moduli, from the root's window."""
     above = [window]
     for level in range(len(modules) - 2, -1, -1):
         here = []

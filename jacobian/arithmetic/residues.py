@@ -25,8 +25,9 @@ PART = 4096
 
 
 def integral_equation(C: HyperellipticCurve) -> list[int]:
-    """F = h² + 4f times the square of the common denominator of f and h: y² = F(x) at all p that divide neither it nor
-    2.
+    """The coefficients of F, h² + 4f times the square of the common denominator of f and h, without factors 4.
+
+    y² = F(x) is the curve modulo all p that divide neither the denominator nor 2.
     """
     scale = lcm(*(c.denominator for c in (*C.f, *C.h)))
     F = [int(c * scale * scale) for c in C.discriminant]
@@ -49,7 +50,10 @@ def translations(F: Sequence[int], g: int) -> list[int]:
 
 
 def exceptions(F: Sequence[int], g: int) -> int:
-    """The primes that divide this, and 2, are excluded from :func:`hasse_witt`."""
+    """An integer whose prime divisors, and 2, are excluded from :func:`hasse_witt`.
+
+    It is the product of the values of F at the translations, and of the differences of these.
+    """
     shifts = translations(F, g)
     values = (sum(c * a**i for i, c in enumerate(F)) for a in shifts)
     return prod(values) * prod(b - a for i, a in enumerate(shifts) for b in shifts[:i])
@@ -66,7 +70,7 @@ class Place(NamedTuple):
 
 
 class Part(NamedTuple):
-    """W for the primes from ``first`` to ``last``, (n, g, g), and the place to resume from."""
+    """The ``matrices`` W of the primes ``first`` … ``last`` − 1, (n, g, g), and the place to resume from."""
 
     first: int
     last: int
@@ -86,7 +90,7 @@ def hasse_witt(F: Sequence[int], g: int, primes: Any, block: int | None = None) 
 
 
 def parts(F: Sequence[int], g: int, primes: Any, place: Place, block: int | None = None) -> Iterator[Part]:
-    """The same in parts of at most PART primes, from a place that an earlier run may have saved."""
+    """Yields the matrices of :func:`hasse_witt` in parts of at most PART primes, from ``place`` on."""
     from jacobian.arithmetic import forest
 
     if not len(primes):
@@ -114,7 +118,7 @@ def parts(F: Sequence[int], g: int, primes: Any, place: Place, block: int | None
 
 
 def _reduced(windows: list[list[Any]], p: Any) -> Any:
-    """Windows of all translates modulo each prime, (N, T, d)."""
+    """The windows of all T translates modulo each of N primes, (N, T, d)."""
     found = np.empty((len(p), len(windows), len(windows[0])), np.int64)
     for t, entries in enumerate(windows):
         for i, entry in enumerate(entries):
@@ -123,7 +127,7 @@ def _reduced(windows: list[list[Any]], p: Any) -> Any:
 
 
 def _ratios(moved: list[list[int]], p: Any) -> Any:
-    """f_i/f_0 modulo p, i = d … 1, of each translate, (N, T, d)."""
+    """The ratios f_i/f_0 modulo p, i = d … 1, of each translate, (N, T, d)."""
     found = np.empty((len(p), len(moved), len(moved[0]) - 1), np.int64)
     for t, f in enumerate(moved):
         inverse = _inverses(modulo(f[0], p), p)
@@ -133,7 +137,7 @@ def _ratios(moved: list[list[int]], p: Any) -> Any:
 
 
 def _scale(moved: list[list[int]], p: Any, start: int, product: Any) -> Any:
-    """c_0·(1/(2f_0)^start)/start!, by which the coefficients of a walk from there are multiplied, (N, T).
+    """The factors c_0/((2f_0)^start·start!) of the coefficients of a walk that begins at ``start``, (N, T).
 
     c_0 = f_0^((p−1)/2), and start!·``product`` = (p − 1)! = −1 (Wilson).
     """
@@ -146,7 +150,7 @@ def _scale(moved: list[list[int]], p: Any, start: int, product: Any) -> Any:
 
 
 def _from_first_rows(rows: Any, shifts: list[int], primes: Any) -> Any:
-    """W from the first rows r(a) of its translates: r(a)·T(a) = Σ a^(i−1)·(row i of W)."""
+    """The matrices W from the first rows r(a) of their translates: r(a)·T(a) = Σ a^(i−1)·(row i of W)."""
     g = len(shifts)
     moved = np.zeros_like(rows)
     p = primes[:, None]
@@ -163,7 +167,7 @@ def _from_first_rows(rows: Any, shifts: list[int], primes: Any) -> Any:
 
 
 def _lagrange(shifts: list[int]) -> list[list[int]]:
-    """For each a the polynomial Π (x − b) over the others."""
+    """For each shift a the polynomial Π (x − b) over the other shifts b."""
     found = []
     for a in shifts:
         basis = [1]
@@ -203,7 +207,7 @@ def primes_up_to(bound: int) -> Any:
 
 
 def modulo(c: int, p: Any) -> Any:
-    """An integer of any size modulo each p < 2^31."""
+    """The integer c, of any size, modulo each p < 2^31."""
     if abs(c) < 1 << 62:
         return np.int64(c) % p
     total = np.zeros_like(p)

@@ -47,7 +47,7 @@ APART = 25.0
 
 
 class Part(NamedTuple):
-    """A component: values of a_1 and a_2 and their probabilities; a single value is an atom."""
+    """A component of a group: values of (a_1, a_2) with their probabilities. A single value is an atom."""
 
     a1: Any
     a2: Any
@@ -55,9 +55,9 @@ class Part(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """A group by its name, with the probability of means as far from its own as these for random primes.
+    """A group, and the probability that means at random primes are as far from the group's as the curve's are.
 
-    ``primes``: how many primes would separate it from the most probable group; 0 for that one.
+    ``primes``: how many primes would separate the group from the most probable one; 0 for the most probable group.
     """
 
     group: str
@@ -73,7 +73,7 @@ def _circle() -> tuple[Any, Any]:
 
 
 def _haar() -> tuple[Any, Any]:
-    """The angle of SU(2): sin² up to a factor."""
+    """The law of the angle of SU(2), whose density is proportional to sin²."""
     angles, weights = _circle()
     return angles, weights * 2 * np.sin(angles) ** 2
 
@@ -83,8 +83,9 @@ def _at(angle: float) -> tuple[Any, Any]:
 
 
 def _of_angles(first: Any, second: Any, generic: bool = False) -> Part:
-    """Two independent angles. ``generic``: the angles of USp(4), whose density is Weyl's (2cos α − 2cos β)²/2 times
-    SU(2)'s.
+    """The component with independent angles α and β.
+
+    ``generic``: the component USp(4), whose density has the additional factor (2cos α − 2cos β)²/2 (Weyl).
     """
     (alpha, p), (beta, q) = first, second
     a, b = 2 * np.cos(alpha)[:, None], 2 * np.cos(beta)[None]
@@ -93,7 +94,7 @@ def _of_angles(first: Any, second: Any, generic: bool = False) -> Part:
 
 
 def _about(theta: Any, phi: Any) -> Part:
-    """α, β = φ ± θ of independent angles."""
+    """The component with α, β = φ ± θ for independent angles θ and φ."""
     (t, p), (f, q) = theta, phi
     c = 4 * np.cos(t)[:, None] * np.cos(f)[None]
     d = 2 + 2 * (np.cos(2 * t)[:, None] + np.cos(2 * f)[None])
@@ -101,7 +102,7 @@ def _about(theta: Any, phi: Any) -> Part:
 
 
 def _even(angle: Any) -> Part:
-    """The component with a_1 = 0 and a_2 = −2cos of the angle."""
+    """The component with a_1 = 0 and a_2 = −2cos(angle)."""
     values, weights = angle
     return Part(np.zeros(len(values)), -2 * np.cos(values), weights)
 
@@ -115,7 +116,7 @@ NEXT = {2: 1, 4: 2, 6: 3}
 
 
 def _rotations(name: str) -> list[float]:
-    """The angles θ, half of those of the rotations, of a group C_n, D_n, T or O."""
+    """The angles θ of a group of rotations C_n, D_n, T or O: half of each rotation's angle."""
     if name in ROTATIONS:
         orders = ROTATIONS[name]
         angles = {1: [0.0], 2: [pi / 2], 3: [pi / 3], 4: [pi / 4]}
@@ -173,11 +174,11 @@ def groups(genus: int) -> dict[str, list[Part]]:
 
 
 def over_the_rationals(genus: int) -> list[str]:
-    """The groups over QQ: complex conjugation acts on complex multiplication.
+    """The names of the groups that are possible over QQ, where complex conjugation acts on complex multiplication.
 
-    So J occurs with U(1). U(1)² has an element that turns both angles. It has four components: two factors with one
-    field of complex multiplication would be isogenous, and a field of degree 4 lies in that of the endomorphisms. U(1)
-    × SU(2) has two. Not all remaining groups occur.
+    So groups with identity component U(1) contain J, and groups with U(1)² an element that turns both angles. The
+    latter have four components: two factors with one field of complex multiplication would be isogenous, and a field of
+    degree 4 lies in that of the endomorphisms. U(1) × SU(2) has two. Not all of these groups occur.
     """
     never = {
         "U(1)",
@@ -194,11 +195,11 @@ def over_the_rationals(genus: int) -> list[str]:
 
 
 def with_endomorphisms(genus: int, geometric: int, commutative: bool, rational: int) -> list[str]:
-    """The groups over QQ of Jacobians with endomorphisms of rank ``geometric`` over ℂ, forming a commutative ring or
-    not, and ``rational`` over QQ.
+    """The names of the groups over QQ of Jacobians whose endomorphisms have the ranks ``geometric`` over ℂ and
+    ``rational`` over QQ; ``commutative``: whether the ring over ℂ is.
 
-    The first two determine the identity component (Fité, Kedlaya, Rotger and Sutherland 2012), the last is the mean of
-    a_1² (Costa, Fité and Sutherland 2019).
+    That ring determines the identity component (Fité, Kedlaya, Rotger and Sutherland 2012). The rank over QQ is the
+    mean of a_1² (Costa, Fité and Sutherland 2019).
     """
     if genus == 1:
         return ["SU(2)"] if geometric == 1 else ["N(U(1))"]
@@ -215,7 +216,7 @@ def with_endomorphisms(genus: int, geometric: int, commutative: bool, rational: 
 
 
 def moment(parts: list[Part], i: int, j: int = 0) -> float:
-    """The mean of a_1^i·a_2^j."""
+    """The mean of a_1^i·a_2^j over the components of a group."""
     return float(np.mean([np.sum(part.weights * part.a1**i * part.a2**j) for part in parts]))
 
 
@@ -229,8 +230,9 @@ def moments_of_groups(most: int = 8) -> dict[str, list[int]]:
 
 
 def _compared(genus: int, a1: Any, a2: Any, even: Any, atom: Any) -> Any:
-    """The quantities whose means are compared, (N, …). ``even``: a_1 = 0; ``atom``: a single value may have a
-    probability.
+    """The quantities whose means are compared, (N, …), at N values of (a_1, a_2).
+
+    ``even``: where a_1 = 0 on the whole component; ``atom``: where the component may be a single value.
     """
     columns = [a1**i * a2**j for i, j in EXPONENTS[genus]]
     return np.stack([*columns, even, *(atom & (np.abs(a2 - c) < 1e-9) for c in ATOMS)], axis=1).astype(float)
@@ -238,7 +240,7 @@ def _compared(genus: int, a1: Any, a2: Any, even: Any, atom: Any) -> Any:
 
 @cache
 def _expected(genus: int, name: str) -> tuple[Any, Any]:
-    """The means of a group, and the covariances of the quantities."""
+    """The means and the covariances of the compared quantities in a group."""
     parts = groups(genus)[name]
     rows = []
     for x in parts:
@@ -279,7 +281,7 @@ def sato_tate_groups(L: LPolynomials) -> list[Verdict]:
 
 
 def _square(off: Any, covariance: Any, count: int, root: float) -> float:
-    """χ² of means with these deviations; ``root``: the mean of 1/√p."""
+    """χ² of the means of ``count`` primes with the deviations ``off``; ``root``: the mean of 1/√p."""
     slack = SLACK * np.sqrt(np.diag(covariance)) + 1e-6
     # a generic integer a_1 is 0 with a probability of the order of 1/√p
     slack[-len(ATOMS) - 1 :] += RARE * root
@@ -287,9 +289,7 @@ def _square(off: Any, covariance: Any, count: int, root: float) -> float:
 
 
 def _telling(genus: int, first: str, other: str) -> int:
-    """About how many primes separate the second group from the first by χ² = APART; 0 for the same group, or if none
-    do.
-    """
+    """About how many primes separate the second group from the first by χ² = APART; 0 if no number does."""
     (a, _), (b, covariance) = _expected(genus, first), _expected(genus, other)
     count = 100
     while first != other and count < 10**8:
@@ -300,13 +300,13 @@ def _telling(genus: int, first: str, other: str) -> int:
 
 
 def _tail(x: float, degrees: int) -> float:
-    """The probability of a χ² beyond x, for that many degrees of freedom."""
+    """The probability that χ² exceeds x, for this number of degrees of freedom."""
     from mpmath import mp
 
     return float(mp.gammainc(degrees / 2, x / 2, mp.inf, regularized=True))
 
 
 def bound_with(count: int) -> int:
-    """About the least bound with that many primes below it: n(log n + log log n)."""
+    """An estimate n(log n + log log n) of the least bound with n = ``count`` primes below it."""
     n = max(count, 6)
     return ceil(n * (log(n) + log(log(n))))

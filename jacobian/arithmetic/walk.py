@@ -28,9 +28,10 @@ WHOLE = 6755399441055744.0
 
 
 class Walks(NamedTuple):
-    """The data of N walks, one for each ascending prime: T translates of f, each of degree d.
+    """The data of N walks, one for each prime, ascending; each has T translates of f, of degree d.
 
-    ``ratios`` f_i/f_0 modulo p, i = d … 1, (N, T, d); ``start`` the index of the windows, (N, T, d), last entries last.
+    ``ratios``: f_i/f_0 modulo p, i = d … 1, (N, T, d); the windows before the walk, (N, T, d), and the index ``start``
+    of their last coefficients.
     """
 
     primes: Any
@@ -40,7 +41,7 @@ class Walks(NamedTuple):
 
 
 def last_coefficients(walks: Walks, count: int) -> tuple[Any, Any]:
-    """(c_(p−1), …, c_(p−count)) for the window as it is given, (N, T, count), and Π_{start<k<p} k, (N,), modulo p."""
+    """(c_(p−1), …, c_(p−count)) in the scale of the window, (N, T, count), and Π_{start<k<p} k, (N,), modulo p."""
     primes, ratios, start, window = walks
     size, translates, d = ratios.shape
     groups = -(-size // TOGETHER)
@@ -77,18 +78,18 @@ def last_coefficients(walks: Walks, count: int) -> tuple[Any, Any]:
 
 
 def _balanced(values: Any, p: Any) -> Any:
-    """Residues as floats within ±p/2, (N, …) to (N, all others)."""
+    """The residues as floats within ±p/2, an array (N, all other axes joined)."""
     flat, p = values.reshape(len(p), -1), p[:, None]
     return (flat - p * (2 * flat > p)).astype(float)
 
 
 def _lanes(values: Any, groups: int) -> Any:
-    """(N, k) to (groups, GROUPS, k, LANES)."""
+    """The array (N, k) rearranged to (groups, GROUPS, k, LANES), N = groups·GROUPS·LANES."""
     return values.reshape(groups, GROUPS, LANES, -1).swapaxes(2, 3)
 
 
 def _room(items: int) -> Any:
-    """Memory for rows of LANES floats that do not cross a line of the cache."""
+    """An array of rows of LANES floats, aligned so that no row crosses a line of the cache."""
     memory = np.zeros((items + 1) * LANES)
     begin = -memory.ctypes.data // 8 % LANES
     return memory[begin : begin + items * LANES].reshape(items, LANES)
@@ -98,7 +99,7 @@ def _room(items: int) -> Any:
 
 
 class Group(NamedTuple):
-    """GROUPS times LANES primes p: rows of LANES floats. ``inverses`` are 1/p, ``bits`` those of p − 2."""
+    """The data of GROUPS·LANES primes p in rows of LANES floats; ``inverses``: 1/p, ``bits``: the bits of p − 2."""
 
     primes: Any
     inverses: Any
@@ -151,12 +152,12 @@ def walk(shape: Any, ends: Any, group: Any, room: Any, out: Any, total: Any) -> 
 
 
 def rest(x: Any, p: Any, r: Any) -> Any:
-    """x modulo p, within ±p/2 but for rounding of r = 1/p."""
+    """The residue of x modulo p, within ±p/2 up to the rounding of r = 1/p."""
     return x - ((x * r + WHOLE) - WHOLE) * p
 
 
 def invert(k: int, size: int, group: Any, room: Any) -> None:
-    """1/(k + 1), …, 1/(k + size), group by group; the product of all rounds is multiplied by the inverted numbers."""
+    """Writes 1/(k + 1), …, 1/(k + size) for each group, and multiplies the product of all rounds by these k."""
     P, R, bits, groups = group.primes, group.inverses, group.bits, len(group.primes)
     product, power = room.product, room.power
     for q in range(groups):
@@ -183,7 +184,7 @@ def invert(k: int, size: int, group: Any, room: Any) -> None:
 
 
 def steps(size: int, shape: Any, group: Any, room: Any) -> None:
-    """Steps of all walks: state m + d of each is computed from those from m on."""
+    """Makes ``size`` steps of all walks: state m + d of each walk is computed from its states m … m + d − 1."""
     P, R, plain, weighted, states = group.primes, group.inverses, group.plain, group.weighted, room.states
     _, d, _, translates = shape
     groups = len(P)
