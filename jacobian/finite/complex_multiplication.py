@@ -37,7 +37,7 @@ def frobenius_polynomial(C: HyperellipticCurve) -> list[int] | None:
         return None
     p, g = K.p, C.genus
     if p % degree == degree - 1:
-        # over GF(p²) a is an ℓ-th power and a square, and the curve a quotient of the Hermitian one: maximal
+        # over GF(p²) a is an ℓ-th power and a square, so the curve is a quotient of the Hermitian curve and maximal
         return [comb(g, k // 2) * p ** (g - k // 2) * (1 - k % 2) for k in range(2 * g + 1)]
     if all(pow(p, i, degree) != 1 for i in range(1, degree - 1)):
         # x → x^ℓ is bijective on GF(p^i) for all i < 2g
@@ -60,7 +60,7 @@ def _candidates(p: int, degree: int) -> Iterator[list[int]]:
 
 
 def _generator(p: int, degree: int) -> Element:
-    """An element of norm p, p ≡ 1 modulo ℓ: one of the shortest in the lattice of a prime ideal over p."""
+    """An element of Z[ζ] of norm p, for p ≡ 1 modulo ℓ, from short vectors in the lattice of a prime ideal over p."""
     from flint import fmpz_mat
 
     root = next(r for r in (pow(a, (p - 1) // degree, p) for a in range(2, p)) if r != 1)
@@ -90,7 +90,7 @@ def _conjugate(a: Element, t: int) -> Element:
 
 
 def _integer(a: Element) -> int:
-    """The int that a is: all coefficients but the first are equal."""
+    """The int that equals a, an element whose coefficients are all equal but the first."""
     return a[0] - a[1]
 
 
@@ -102,7 +102,7 @@ def _norm(a: Element) -> int:
 
 
 def _characteristic_polynomial(a: Element) -> list[int]:
-    """Π (T − σ(a)) over the conjugates, ascending, by Newton's identities from the traces of powers."""
+    """The polynomial Π (T − σ(a)) over all conjugates σ(a), ascending, from traces of powers (Newton's identities)."""
     size = len(a) - 1
     traces, power = [], a
     for _ in range(size):

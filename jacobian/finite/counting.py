@@ -40,7 +40,10 @@ def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
 
 
 def count_points(C: HyperellipticCurve, degree: int = 1) -> int:
-    """#C(GF(q^degree)), points at infinity included; Infeasible beyond the sizes named above."""
+    """The number of points of C over GF(q^degree), points at infinity included.
+
+    Infeasible beyond the sizes named in the module's docstring.
+    """
     K = C.field
     if K.order is None:
         raise FieldError(f"field = {K.name}: points are counted over finite fields")
@@ -101,7 +104,7 @@ def _count_by_trace(L: TableField, h: poly.Poly, f: poly.Poly) -> int:
 
 
 def _values(L: TableField, a: poly.Poly) -> Any:
-    """a at all elements 0, 1, … of L, an array."""
+    """The values of the polynomial a at all elements 0, 1, … of L, an array."""
     import numpy as np
 
     exp, log, zech = np.array(L._exp), np.array(L._log), np.array(L._zech)
@@ -119,7 +122,7 @@ def _values(L: TableField, a: poly.Poly) -> Any:
 
 
 def _embed(K: Any, L: TableField, a: poly.Poly) -> poly.Poly:
-    """a over the larger field L: the generator of K goes to a root of its modulus."""
+    """The polynomial a over the larger field L; the generator of K goes to a root of its modulus."""
     if K is L or getattr(K, "degree", 1) == 1:
         return a
     root = int((_values(L, K.modulus) == 0).argmax())
@@ -127,7 +130,10 @@ def _embed(K: Any, L: TableField, a: poly.Poly) -> poly.Poly:
 
 
 def _count_by_norms(C: HyperellipticCurve, degree: int) -> int:
-    """Σ 1 + χ(h² + 4f) over GF(p^degree), in arrays of the ascending coefficients; χ is read off the norm."""
+    """The number Σ (1 + χ(h² + 4f)) of affine points over GF(p^degree), χ being the quadratic character.
+
+    Elements are arrays of ascending coefficients, and χ is computed from the norm to GF(p).
+    """
     import numpy as np
 
     p: Any = C.field.order

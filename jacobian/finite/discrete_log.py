@@ -32,9 +32,9 @@ def discrete_log(
     interval: tuple[int, int] | None = None,
     rng: Rng | None = None,
 ) -> int:
-    """An m with m·base = target, or NotAMultiple.
+    """An m with m·base = target; NotAMultiple if there is none.
 
-    With ``interval`` = (low, high) the m in low … high is searched by baby steps and giant steps up to a width of 2^32,
+    With ``interval`` = (low, high) an m in low … high is searched by baby steps and giant steps up to a width of 2^32,
     by kangaroos up to 2^48; no order is needed. Without it m is the least non-negative one, found one prime at a time
     from a multiple ``order`` of the order of ``base`` (default #J) and its prime factors ``primes`` (default:
     computed). Infeasible for a prime factor or an interval above 2^48. ``rng`` seeds the kangaroos.
@@ -76,7 +76,7 @@ def pohlig_hellman(base: Divisor, target: Divisor, factors: dict[int, int], rng:
 
 
 def _prime_power_log(base: Divisor, target: Divisor, prime: int, power: int, rng: Rng | None) -> int:
-    """m modulo ``power``, the order of base, digit by digit to the base ``prime``."""
+    """The logarithm m modulo ``power``, the order of base, found digit by digit to the base ``prime``."""
     result, place = 0, 1
     socle = power // prime * base
     while place < power:
@@ -140,7 +140,7 @@ def _hunt(base: Divisor, target: Divisor, low: int, width: int, rng: Rng) -> int
     mean = isqrt(width) // 2 + 1
     lengths = [1 + random_below(rng, 2 * mean) for _ in range(32)]
     jumps = [length * base for length in lengths]
-    # traps lie √width/32 apart, which keeps a few hundred of them
+    # traps lie about √width/32 apart, so a few hundred of them are stored
     mask = (1 << max(0, mean.bit_length() - 5)) - 1
     start = low + width // 2 + random_below(rng, mean)
     positions, distances = [start * base, target], [start, 0]

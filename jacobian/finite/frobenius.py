@@ -53,8 +53,9 @@ def _over_prime_field(C: HyperellipticCurve) -> HyperellipticCurve | None:
 
 
 def by_pari(C: HyperellipticCurve) -> list[int] | None:
-    """χ by PARI's ``ellap``, which is proven, in genus 1 over GF(p) of these sizes; None elsewhere, without cypari, and
-    off the main thread, which is the only one that cypari takes.
+    """The polynomial χ by PARI's ``ellap``, which is proven, in genus 1 over GF(p), p from PARI_FROM to PARI_TO.
+
+    None for other curves, without cypari, and off the main thread, the only one in which cypari runs.
 
     y² = F(x), deg F ≤ 4, has as many points as its Jacobian Y² = X³ − 27I·X − 27J with the invariants I and J of F
     (An, Kim, Marshall, Marshall, McCallum and Perlis 2001).
@@ -72,7 +73,7 @@ def by_pari(C: HyperellipticCurve) -> list[int] | None:
 
 @cache
 def _pari() -> Any:
-    """cypari's PARI, or None; Ctrl-C remains Python's."""
+    """The PARI of cypari, or None without it. Python keeps its handler of Ctrl-C, which the import replaces."""
     handler = signal.getsignal(signal.SIGINT)
     try:
         from cypari import pari

@@ -22,7 +22,7 @@ class FiniteGroup(GroupLaw[Element]):
     """Base of :class:`jacobian.group.Jacobian`."""
 
     def _own(self, D: object, argument: str) -> Divisor[Element]:
-        """``D``; ArgumentError for anything but a Divisor, CurveMismatch for one of another group."""
+        """D, if it is a class of this group; ArgumentError unless it is a Divisor, CurveMismatch in another group."""
         own = check_divisor(D, argument)
         if own.jacobian != self:
             raise CurveMismatch(f"{argument} = {shown(D)} does not lie in the {self!r}")

@@ -54,7 +54,10 @@ def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
 
 
 def _of_odd_degree(C: HyperellipticCurve) -> HyperellipticCurve:
-    """An isomorphic curve whose F has a root at infinity, if one of F is rational, else C: its matrices are smaller."""
+    """A curve isomorphic to C whose F has a root at infinity, if F has a rational root, else C.
+
+    Its matrices are smaller.
+    """
     K, F = C.field, C.discriminant
     zeros = roots(K, F) if len(F) == 2 * C.genus + 3 else []
     return HyperellipticCurve(K, poly.shift(K, F, zeros[0])[::-1]) if zeros else C
@@ -66,7 +69,7 @@ def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
     """
     K: Any = C.field
     g, p = C.genus, C.field.characteristic
-    # y² = h² + 4f is the curve again; the factor of y does not matter to χ
+    # (2y + h)² = h² + 4f is the same curve, so its F has the same χ
     F = C.discriminant
     words, products = p < WORD_SAFE, p < PRODUCTS_TO and len(F) <= PRODUCTS_DEGREE + 1
     if K.order == p > COMPILED_FROM and (words or products) and not interpreted():
@@ -149,7 +152,7 @@ def _first_column(K: Any, F: poly.Poly, g: int, index: int = 0) -> list[Any]:
 
 
 def recurrence_on_words(ratios: Any, p: int, weights: Any, inverses: Any, window: Any) -> None:
-    """The last coefficients below x^p of G = F^n, n = (p−1)/2, the last first, from the ratios f_i/f_0, i ≥ 1.
+    """Writes the last coefficients below x^p of G = F^n, n = (p−1)/2, the last first, from the ratios f_i/f_0, i ≥ 1.
 
     F·G' = n·F'·G says k·f_0·G_k = Σ ((n+1)i − k) f_i G_(k−i). Nine products of two residues, p < 2^29, stay below 2^63.
     ``window`` begins with the start and ends with the coefficients; ``weights`` are ((n+1)i − k)·f_i/f_0, which fall by
@@ -174,7 +177,7 @@ def recurrence_on_words(ratios: Any, p: int, weights: Any, inverses: Any, window
 
 
 def invert_range(start: int, size: int, p: int, inverses: Any) -> None:
-    """1/start, 1/(start + 1), … modulo p into ``inverses``."""
+    """Writes 1/start, 1/(start + 1), … modulo p into ``inverses``, ``size`` numbers."""
     total = 1
     for j in range(size):
         inverses[j] = total

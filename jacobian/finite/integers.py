@@ -22,7 +22,7 @@ LONGEST = 4096
 
 
 def factorization(n: int, primes: Iterable[int] | None = None) -> dict[int, int]:
-    """{prime: exponent} of n > 0, ascending. ``primes``: the prime factors, if known."""
+    """The factorization {prime: exponent} of n > 0, primes ascending. ``primes``: the prime factors, if known."""
     if n < 1:
         raise ArgumentError(f"n = {shown(n)}: a positive integer is factored")
     found: dict[int, int] = {}
@@ -75,5 +75,5 @@ def _of_flint(factors: list[tuple[Any, int]]) -> list[int]:
 
 
 def value(factors: dict[int, int]) -> int:
-    """Π prime^exponent."""
+    """The number Π prime^exponent with this factorization."""
     return prod(prime**exponent for prime, exponent in factors.items())

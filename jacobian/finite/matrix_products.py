@@ -47,7 +47,7 @@ class Products:
         self.progress: Progress | None = Progress(f"Cartier–Manin matrix modulo {p}, β = {beta}", work, part)
 
     def last(self, start: int, count: int) -> list[int]:
-        """The ``count`` coefficients below x^p, the last first, ``start`` that of x^0."""
+        """The last ``count`` coefficients below x^p, the last first; ``start`` is the coefficient of x^0."""
         p, beta = self.p, self.beta
         window = np.zeros(max(self.d, count))
         window[0] = balanced(-start, p)
@@ -63,7 +63,7 @@ class Products:
         return [int(c) % p for c in window[:count]]
 
     def _double(self, values: Any, room: Any) -> None:
-        """The values at 0, β, … (β − 1)β."""
+        """Writes the values of P(x) at x = 0, β, … (β − 1)β into ``values``."""
         n = FIRST
         kernels().direct(self.P, self.c, float(self.beta), n - 1, values, n, room_for(self.d))
         while n < self.beta:

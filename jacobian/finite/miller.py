@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
 
 def doubled(K: Any, cubic: Any, T: Any, x: Any, y: Any) -> Any:
-    """2T, and at (x, y) the tangent in T over the vertical line in 2T: (2T, numerator, denominator), for T ≠ 0.
+    """(2T, numerator, denominator): at (x, y) the tangent in T over the vertical line in 2T is the fraction of both.
 
-    ``cubic`` is (a, b) of y² = x³ + ax² + bx + c.
+    T must not be 0; ``cubic`` is (a, b) of y² = x³ + ax² + bx + c.
     """
     (a, b), (X, Y, Z) = cubic, T
     zero, square, YY = sub(K, Z, Z), mul(K, Z, Z), mul(K, Y, Y)
@@ -87,7 +87,7 @@ LIBRARY = Library("miller", {"function_at": (function_at, (modular.CONTEXT, PAIR
 
 
 class Residues(NamedTuple):
-    """The context of a prime of any size for loops in Python: least residues, as they are."""
+    """The context of a prime of any size for loops in Python, in which a residue is its own word."""
 
     p: int
     one: int = 1

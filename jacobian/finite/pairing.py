@@ -1,11 +1,12 @@
 """The Weil and Tate pairings on m-torsion, by Miller's algorithm (Miller 2004; Frey and Rück 1994 for Jacobians;
 Galbraith, Hess and Vercauteren 2007).
 
-m·D = [mD] + div(f_m), with the function collected from Cantor's steps: composition removes div(d), and one reduction
-from (u, v) to (u', v') is div((y − v)/u'). A function is evaluated at the affine points of a pair (u, v) by a norm,
-that is a resultant. Divisors are shifted, D ~ (D + R) − R with random R of degree g, so that they are affine with
-disjoint supports; then no function needs normalising at infinity, and every model works: ramified, split, inert of even
-genus. Small fields are enlarged for the random R, since Miller's functions would vanish at most of their points.
+Let [mD] be the reduced divisor of m·D. The function f_m with m·D = [mD] + div(f_m) is collected from Cantor's steps:
+composition removes div(d), and one reduction from (u, v) to (u', v') is div((y − v)/u'). A function is evaluated at the
+affine points of a pair (u, v) by a norm, that is a resultant. Divisors are shifted, D ~ (D + R) − R with random R of
+degree g, so that they are affine with disjoint supports. Then no function needs normalising at infinity, and every
+model works: ramified, split, inert of even genus. Small fields are enlarged for the random R, since Miller's functions
+would vanish at most of their points.
 
 In genus 1 over GF(p) on ramified models the function is evaluated at one point, without shifts
 (:mod:`jacobian.finite.miller`).
@@ -131,7 +132,7 @@ def _at_points(D: Divisor, E: Divisor, m: int, name: str) -> Any:
 
 
 def _shifted(pairing: Callable[..., Any], move: _Extension, rng: Rng | None) -> Any:
-    """The value for the first random shifts of degree g without a collision."""
+    """The value of a pairing with the first random shifts of degree g that cause no collision."""
     rng = Random(0) if rng is None else rng
     J = move.curve.jacobian()
     for _ in range(ATTEMPTS):
@@ -197,7 +198,7 @@ def _values(J: Any, D: Divisor, at: tuple[Divisor, ...], m: int) -> list[Any]:
 
 
 def _step(law: FlintCantor, composed: Any, places: Any) -> tuple[Flint, list[tuple[Any, Any]]]:
-    """The reduced sum, and at each place the numerator and the denominator of the function that it is reduced by."""
+    """The reduced sum, and at each place the numerator and the denominator of the function of its reduction."""
     u, v, n, cancelled = composed
     total, lines, under = (u, v, n), [], []
     for line, total in law.reductions(u, v, n):
@@ -221,7 +222,7 @@ def _non_zero(K: Field, value: Any) -> Any:
 
 
 def norm(K: Any, u: poly.Poly, c: poly.Poly) -> Any:
-    """Π c(x) over the roots x of the monic u, for deg c < deg u: a resultant, by Euclid's algorithm."""
+    """The product Π c(x) over the roots x of the monic u, deg c < deg u: a resultant, by Euclid's algorithm."""
     result = K.one
     while True:
         if not c:

@@ -61,7 +61,7 @@ def kernels() -> Any:
 
 
 def inverses(P: Any, a: Any, out: Any) -> None:
-    """out[t] = 1/(a + t), none of them 0 (Montgomery 1987)."""
+    """Sets out[t] = 1/(a + t), no a + t being 0 (Montgomery 1987)."""
     total = 1.0
     for t in range(len(out)):
         out[t] = total
@@ -73,7 +73,7 @@ def inverses(P: Any, a: Any, out: Any) -> None:
 
 
 def inverse_factorials(P: Any, out: Any) -> None:
-    """out[j] = 1/j!."""
+    """Sets out[j] = 1/j!."""
     total = 1.0
     for j in range(1, len(out)):
         total = canonical(P, mul(P, total, float(j)))
@@ -84,7 +84,7 @@ def inverse_factorials(P: Any, out: Any) -> None:
 
 
 def lagrange(P: Any, factorials: Any, out: Any) -> None:
-    """out[j] = (−1)^(k − j)/(j!(k − j)!), k = len(out) − 1: the weights of Lagrange's interpolation at 0 … k."""
+    """Sets out[j] = (−1)^(k − j)/(j!(k − j)!), k = len(out) − 1: the weights of Lagrange's interpolation at 0 … k."""
     k = len(out) - 1
     for j in range(k + 1):
         weight = canonical(P, mul(P, factorials[j], factorials[k - j]))
@@ -92,7 +92,7 @@ def lagrange(P: Any, factorials: Any, out: Any) -> None:
 
 
 def falling(P: Any, a: Any, reciprocals: Any, out: Any) -> None:
-    """out[i] = Π (a + i − j), j = 0 … k, k = len(out) − 1; ``reciprocals``: 1/(a − k), 1/(a − k + 1), …"""
+    """Sets out[i] = Π (a + i − j), j = 0 … k, k = len(out) − 1; ``reciprocals``: 1/(a − k), 1/(a − k + 1), …"""
     size = len(out)
     total = 1.0
     for j in range(size):
@@ -103,7 +103,7 @@ def falling(P: Any, a: Any, reciprocals: Any, out: Any) -> None:
 
 
 def scaled(P: Any, x: Any, y: Any, out: Any) -> None:
-    """out = x·y, number by number, canonical."""
+    """Sets out[j] = x[j]·y[j], as canonical residues."""
     for j in range(len(out)):
         out[j] = canonical(P, mul(P, x[j], y[j]))
 
@@ -127,7 +127,7 @@ def _step(P: Any, c: Any, d: Any, k: Any, S: Any, row: Any) -> None:
 
 
 def direct(P: Any, c: Any, beta: Any, steps: Any, values: Any, points: Any, room: Any) -> None:
-    """values = M(x + steps)·…·M(x + 1) at the first ``points`` of x = 0, β, 2β, …."""
+    """Writes M(x + steps)·…·M(x + 1) at the first ``points`` of x = 0, β, 2β, … into ``values``."""
     k, row, S, d = room.k, room.row, room.S, c.shape[1]
     for begin in range(0, points, BLOCK):
         for e in range(d * d):

@@ -97,12 +97,12 @@ def combination(J: GroupLaw, scalars: Iterable[int], divisors: Iterable[Divisor]
 
 
 def straus_cost(terms: int, bits: int) -> int:
-    """Group operations of :func:`straus`: a table per term, one chain of doublings, an addition per non-zero digit."""
+    """The number of group operations of :func:`straus`: a table per term, one chain of doublings, and the digits."""
     return bits + terms * ((1 << (WINDOW - 2)) + bits // (WINDOW + 1))
 
 
 def pippenger_cost(terms: int, bits: int, window: int) -> int:
-    """Group operations of :func:`pippenger`: per window an addition per term and one per bucket."""
+    """The number of group operations of :func:`pippenger`: per window one for each term and one for each bucket."""
     return bits + (bits // window + 1) * (terms + (1 << (window - 1)))
 
 
@@ -161,7 +161,7 @@ def _signed_windows(m: int, window: int) -> list[int]:
 
 
 def _weighted_sum(J: GroupLaw, buckets: dict[int, Divisor]) -> Divisor:
-    """Σ d·bucket_d, by sums of the upper buckets."""
+    """The sum Σ d·bucket_d, by running totals from the highest bucket down."""
     running = total = J.zero()
     for d in range(max(buckets, default=0), 0, -1):
         if d in buckets:

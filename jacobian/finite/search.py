@@ -71,7 +71,7 @@ class Candidates:
         return range(low + (residue - low) % self.modulus, high + 1, self.modulus)
 
     def prefixes(self, r: tuple[int, ...] | None = None) -> Iterator[tuple[int, ...]]:
-        """All (1, r_1 … r_(g−1))."""
+        """Yields all tuples (1, r_1 … r_(g−1)) of candidates that begin with r."""
         r = self.known if r is None else r
         if len(r) >= self.genus:
             yield r[: self.genus]
@@ -80,7 +80,7 @@ class Candidates:
             yield from self.prefixes((*r, value))
 
     def last(self, prefix: tuple[int, ...]) -> range:
-        """The r_g that may follow."""
+        """The values of r_g that may follow a prefix (1, r_1 … r_(g−1))."""
         return range(self.known[-1], self.known[-1] + 1) if len(self.known) > self.genus else self.values(prefix)
 
     def size(self) -> int:
@@ -94,7 +94,7 @@ class Candidates:
         return total
 
     def matching(self, sides: tuple[Side, Side]) -> Iterator[list[int]]:
-        """The R whose orders are divisible by the known divisors of the orders."""
+        """Yields the R whose two orders are divisible by the known divisors of the orders of both sides."""
         first, second = sorted(sides, key=lambda side: -side.divisor)
         for prefix in self.prefixes():
             constant, sign = first.constant(prefix, self.q)
@@ -141,11 +141,11 @@ class Side:
         return sum(c * self.sign**k * (1 + q) ** (len(r) - 1 - k) for k, c in enumerate(r))
 
     def constant(self, prefix: tuple[int, ...], q: int) -> tuple[int, int]:
-        """(a, s) with order = a + s·r_g."""
+        """(a, s), by which the order of the candidate with this prefix is a + s·r_g."""
         return self.order([*prefix, 0], q), self.sign ** len(prefix)
 
     def learn(self, D: Divisor, candidates: Candidates) -> None:
-        """Takes the order of D into account."""
+        """Enlarges ``exponent`` and ``divisor`` by the order of D."""
         if self.exponent * D:
             multiple = self._annihilator(D, candidates)
             self.exponent = lcm(self.exponent, reduce_order(D, factorization(multiple)))
@@ -163,7 +163,7 @@ class Side:
         return found if len(found) <= _FEW else None
 
     def _annihilating(self, D: Divisor, candidates: Candidates) -> Iterator[tuple[tuple[int, ...], int]]:
-        """(1, r_1 … r_(g−1)) and r_g of the candidates whose orders annihilate D."""
+        """Yields the pairs (1, r_1 … r_(g−1)), r_g of the candidates whose orders annihilate D."""
         q, m = candidates.q, candidates.modulus
         lengths = [len(candidates.last(prefix)) for prefix in candidates.prefixes()]
         step = isqrt(sum(lengths)) + 1

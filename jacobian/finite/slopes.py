@@ -22,7 +22,7 @@ def cartier_manin_matrix(C: HyperellipticCurve) -> list[list[Any]]:
 
 
 def _by_definition(C: HyperellipticCurve) -> list[list[Any]]:
-    """The matrix by its definition, for fields with fewer than g elements that are not branch points."""
+    """The Cartier–Manin matrix by its definition, for fields with fewer than g elements a where F(a) ≠ 0."""
     K: Any = C.field
     p, power = K.characteristic, (K.one,)
     for _ in range((p - 1) // 2):

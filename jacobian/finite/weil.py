@@ -12,7 +12,7 @@ from jacobian.curve.zeta import power_sums
 
 
 def extend(chi: list[int], q: int, degree: int) -> list[int]:
-    """χ over GF(q^degree) from χ over GF(q): the roots are raised to that power (Newton's identities)."""
+    """χ over GF(q^degree) from χ over GF(q): its roots are raised to the power ``degree`` (Newton's identities)."""
     g = len(chi) // 2
     sums = power_sums(chi[::-1], g * degree)
     a = [1]
