@@ -22,8 +22,9 @@ from jacobian.errors import ArgumentError, FieldError
 
 
 class Ring(NamedTuple):
-    """The ring of the computation: numbers with + and −, their product, a rational multiple, and conversion to and from
-    it.
+    """The ring in which invariants are computed; its elements have + and −.
+
+    Its functions are the product, a rational multiple, and the conversions to and from the ring.
     """
 
     into: Callable[[Any], Any]
@@ -142,7 +143,7 @@ def _derivative(form: list[Any], by_x: int, by_y: int) -> list[tuple[int, tuple[
 
 
 def _igusa_clebsch(ring: Ring, F: list[Any]) -> tuple[Element, Element, Element, Element]:
-    """From Clebsch's A, B, C, D (Mestre 1991)."""
+    """(I2, I4, I6, I10) of the sextic F, from Clebsch's A, B, C, D (Mestre 1991)."""
     i = transvectant(ring, F, F, 4)
     delta = transvectant(ring, i, i, 2)
     y1 = transvectant(ring, F, i, 4)

@@ -73,7 +73,7 @@ def _isomorphisms(C: HyperellipticCurve, E: HyperellipticCurve) -> Iterator[Isom
 
 
 def _with_matrix(C: HyperellipticCurve, E: HyperellipticCurve, matrix: Matrix) -> Iterator[Isomorphism]:
-    """e with F_E(ax + b, cx + d) = e²F_C, and t from both completed squares."""
+    """Yields the isomorphisms with this matrix: e from F_E(ax + b, cx + d) = e²F_C, t from both completed squares."""
     K, n = C.field, C.genus + 1
     moved = substituted(K, E.discriminant, 2 * n, matrix)
     ratio = K.div(moved[-1], C.discriminant[-1])
@@ -131,7 +131,10 @@ def _three(places: list[Place]) -> list[Place]:
 
 
 def _equations(K: Any, P: Place, Q: Place) -> list[list[list[Any]]]:
-    """For each conjugate β of Q's root: what aα + b = β(cα + d) says over K, by the traces of its products with α^i."""
+    """For each conjugate β of Q's root the linear system over K for aα + b = β(cα + d), α being P's root.
+
+    Its equations are the traces of the products with α^i.
+    """
     k = P[0]
     if k == 1:
         (x, y), (z, w) = (_rational_point(K, place) for place in (P, Q))
@@ -194,7 +197,7 @@ def _rational_matrices(C: HyperellipticCurve, E: HyperellipticCurve) -> Iterator
 
 
 def _lifted(p: int, forms: tuple[list[int], list[int]], matrix: Matrix, height: int) -> Matrix | None:
-    """The rational matrix of at most this height that reduces to this one, if there is one."""
+    """The rational matrix, of at most this height, that reduces to ``matrix`` modulo p; None if there is none."""
     F, G = forms
     size, modulus = len(F) - len(F) % 2, p
     unit = next(i for i, x in enumerate(matrix) if x)

@@ -56,7 +56,7 @@ class Isomorphism(Immutable):
 
     @property
     def determinant(self) -> Any:
-        """ad − bc."""
+        """The determinant ad − bc of the matrix."""
         K, (a, b, c, d) = self.source.field, self.matrix
         return K.sub(K.mul(a, d), K.mul(b, c))
 
@@ -72,7 +72,7 @@ class Isomorphism(Immutable):
         return HyperellipticCurve(K, poly.scale(K, K.mul(size, size), f), poly.scale(K, size, h), infinity_plus)
 
     def _back(self, form: poly.Poly, degree: int) -> poly.Poly:
-        """A form of this degree at (dx' − b, a − cx')."""
+        """The form of this degree, substituted at (dx' − b, a − cx')."""
         K, (a, b, c, d) = self.source.field, self.matrix
         return substituted(K, form, degree, (d, K.neg(b), K.neg(c), a))
 
@@ -160,7 +160,7 @@ class Isomorphism(Immutable):
         return FormalSum(E, (zero.u, zero.v), (product, one) if weight > 0 else (one, product), zero.weights)
 
     def inverse(self) -> Isomorphism:
-        """From ``target`` to ``source``."""
+        """The inverse isomorphism, from ``target`` to ``source``."""
         C, K, (a, b, c, d) = self.source, self.source.field, self.matrix
         n, e = C.genus + 1, K.inv(self.scale)
         move = poly.scale(K, K.neg(e), self._back(self.move, n))

@@ -34,7 +34,7 @@ class Family:
         self.value: list[poly.Poly] = []
 
     def reduced(self, a: poly.Poly) -> poly.Poly:
-        """A polynomial in t, in A."""
+        """The element of A that a polynomial in t represents."""
         return poly.mod(self.field, a, self.u)
 
     def plus(self, a: poly.Poly, b: poly.Poly) -> poly.Poly:
@@ -46,20 +46,20 @@ class Family:
         return self.reduced(poly.mul(self.field, poly.trim(self.field, a), poly.trim(self.field, b)))
 
     def over(self, a: poly.Poly, b: poly.Poly) -> poly.Poly | None:
-        """a/b, None where b is no unit."""
+        """The quotient a/b in A; None where b is no unit."""
         if not b:
             return None
         common, inverse = poly.half_xgcd(self.field, self.u, b)
         return self.times(a, inverse) if len(common) == 1 else None
 
     def set_modulus(self, form: list[poly.Poly]) -> bool:
-        """U_t, made monic; False where its leading coefficient is no unit."""
+        """Sets U_t to a form made monic; returns False where its leading coefficient is no unit."""
         monic = [self.over(c, form[-1]) for c in form]
         self.modulus = [c for c in monic if c is not None]
         return len(self.modulus) == len(form)
 
     def set_value(self, value: list[poly.Poly]) -> None:
-        """V_t, taken modulo U_t."""
+        """Sets V_t to ``value`` modulo U_t."""
         size, rest = len(self.modulus) - 1, list(value)
         while len(rest) > size:
             top = rest.pop()
@@ -129,7 +129,7 @@ def _pushed(E: HyperellipticCurve, D: Divisor, families: Families, move: Callabl
         if family is None or value is None:
             return None
         u = family.norm()
-        # π*(∞) goes to as many of them: equally many are subtracted at both points at infinity
+        # π*(∞) goes to a multiple of π*(∞): equally many points are subtracted at both points at infinity
         n = (E.genus + 1) // 2 - (len(u) - 1) // 2 if E.model == "split" else None
         return E.jacobian()._reduced(u, value, n)
 
