@@ -228,7 +228,7 @@ def _regulator(facts: Facts) -> Answer | None:
 
 
 def _ball(x: Any, digits: int) -> Answer:
-    """A ball of which this number of digits is known, or somewhat fewer."""
+    """The answer of a ball, with the number of its known digits, at most ``digits``."""
     text = x.str(digits)
     known = min(digits, int(x.rel_accuracy_bits() * 0.30103))
     return Answer(text, text, to_digits(known))
@@ -262,7 +262,7 @@ def _endomorphisms(choose: Callable[[Seen], Algebra]) -> Ask:
 
 
 def _sato_tate(facts: Facts) -> Answer | None:
-    """The groups with these endomorphisms, those that fit the L-polynomials better first."""
+    """The Sato–Tate groups with these endomorphisms, sorted by how well they fit the L-polynomials."""
     genus, found = facts.curve.genus, facts.seen
     if genus > 2:
         return None

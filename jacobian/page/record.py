@@ -20,8 +20,10 @@ def to_digits(digits: int) -> str:
 
 
 class Line(NamedTuple):
-    """``text`` to read and ``value`` in plain data: ints, strings, lists and dictionaries of them; ``mark``: PROVEN,
-    CONJECTURAL, :func:`to_digits`, or NOT_KNOWN where the text says why; ``source``: the call it comes from.
+    """A line of the page: ``text`` to read, and ``value`` in ints, strings, lists and dictionaries of them.
+
+    ``mark``: PROVEN, CONJECTURAL, :func:`to_digits`, or NOT_KNOWN where the text says why; ``source``: the call that
+    computes the value.
     """
 
     name: str
