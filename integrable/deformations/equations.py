@@ -46,7 +46,7 @@ def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[A
 
 
 class Equations:
-    """The equations of motion of a system as the walks near a start use them, in t, or in τ unless ``physical``."""
+    """The equations of motion of a system for walks near a start, in t if ``physical``, otherwise in τ."""
 
     size = 3
 
@@ -56,7 +56,7 @@ class Equations:
 
 
 class WalkFirst:
-    """The :class:`integrable.motion.trajectory.Way` of one call: the walk if it reaches all times, else ``other``.
+    """The :class:`integrable.motion.trajectory.Way` that takes the walk if it reaches all times, else ``other``.
 
     ``costs`` are those of a set-up of ``other`` and of each time, in microseconds.
     """

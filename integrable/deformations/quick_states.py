@@ -115,7 +115,7 @@ class QuickStates:
             try:
                 self._clock = carrier, QuickClock(carrier, packed)
             except PrecisionLoss:
-                # 1/g needs too many samples, or has resonant modes
+                # the clock needs too many samples of 1/g, or 1/g has resonant modes
                 self._clock = carrier, None
         clock = self._clock[1]
         if clock is None:

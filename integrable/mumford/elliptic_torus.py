@@ -43,8 +43,8 @@ NEAR = 1e-8
 def elliptic_points(numbers: Row, table: Row, inverse: Row, times: Row, out: Row) -> None:
     """Writes sn, cn and dn at the given times, three numbers per time; it is compiled without change.
 
-    ``numbers`` are the half turns of the phase per unit time, those at the start, and the factors of θ₁/θ₄, θ₂/θ₄ and
-    θ₃/θ₄. ``table`` are the coefficients of harmonics 2n + 1 of θ₁ and θ₂, and 2n of θ₃ and θ₄. ``inverse`` is
+    ``numbers``: half turns of the phase per unit time, half turns at the start, and the factors of θ₁/θ₄, θ₂/θ₄
+    and θ₃/θ₄. ``table`` are the coefficients of harmonics 2n + 1 of θ₁ and θ₂, and 2n of θ₃ and θ₄. ``inverse`` is
     :func:`inverse_factorials`.
     """
     for i in abreast(0, len(times)):

@@ -36,7 +36,7 @@ class Shape(NamedTuple):
 
 
 class QuadricSystem(MumfordSystem):
-    """Base class of these systems; ``constants`` are the a_i."""
+    """Base class of the systems with such potentials; ``constants`` are the a_i."""
 
     sign = 1
     """The sign ε."""

@@ -286,7 +286,7 @@ class MumfordSystem(Made):
         return tuple(map(self._bare, self._direction(self.numbers, genus)))
 
     def _with_symbols(self) -> MumfordSystem:
-        """The system with symbols in place of its constants and of its nonzero parameters."""
+        """A copy of the system with symbols in place of its constants and its nonzero parameters."""
         from integrable.series.symbols import Symbol, SymbolField
 
         count = len(self.constants)
