@@ -1,5 +1,5 @@
-"""``python -m jacobian compile`` compiles the kernels now, so that no later run waits; ``sato-tate``: the L-polynomials
-of a curve over QQ.
+"""``python -m jacobian compile`` compiles the kernels now, so that no later run waits; ``sato-tate`` computes the
+L-polynomials of a curve over QQ.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ def equations(context: Any) -> tuple[Any, ...]:
 
 
 def libraries() -> Iterator[Library]:
-    """Every library."""
+    """Yields every library of compiled loops."""
     for context in (Wide64, OddTable, TwoWords, *BINARY):
         models = (
             equations(context) if context in (TwoWords, BinaryWord, BinaryTwoWords) else (Plain, *equations(context))
@@ -58,7 +58,7 @@ def libraries() -> Iterator[Library]:
 
 
 def compile_all() -> Iterator[tuple[str, float]]:
-    """Compiles the libraries one after the other: (name, seconds) each, hundredths of a second for one on disk."""
+    """Compiles the libraries one after the other; yields (name, seconds) of each. One on disk takes hundredths."""
     for library in libraries():
         begun = perf_counter()
         library.load()

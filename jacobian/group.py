@@ -276,7 +276,7 @@ class Jacobian(FiniteGroup[Element]):
             )
 
     def _scales(self, u: poly.Poly, v: poly.Poly) -> poly.Poly:
-        """The size of the terms of the remainder: the same division on absolute values, where nothing cancels."""
+        """The size of the terms of the remainder, from the division of absolute values, where nothing cancels."""
         C: HyperellipticCurve = self.curve
         a, h = [abs(c) for c in v], [abs(c) for c in C.h]
         size = [abs(c) for c in C.f] + [0] * (2 * len(a) + len(h))
@@ -352,7 +352,7 @@ class Jacobian(FiniteGroup[Element]):
         return self._out(by_parts(m, self._in(D), self._multiple, self._sum_of)) if m else self.zero()
 
     def _remainder(self, m: int, D: Divisor[Element]) -> int:
-        """m > 0, reduced modulo the order of D or of the group if m is long and the order is cheap."""
+        """m > 0 itself, or its remainder modulo the order of D or of the group if m is long and the order is cheap."""
         q, bits = self.field.order, m.bit_length()
         if q is None and bits > LONG_OVER_Q:
             order = D.order()

@@ -110,7 +110,7 @@ def _without_caches(value: Any) -> dict[str, Any]:
 
 
 def replaced(value: Kind, **changes: Any) -> Kind:
-    """``value`` with other attributes, and without the results cached from the old ones."""
+    """A copy of ``value`` with the attributes ``changes``, and without the results cached from the old attributes."""
     made: Kind = object.__new__(type(value))
     vars(made).update(_without_caches(value))
     vars(made).update((name, _sealed(x)) for name, x in changes.items())

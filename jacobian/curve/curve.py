@@ -222,7 +222,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
         return bool(K.is_zero(value) if K.exact else K.is_rounding(value, self._size(x, y)))
 
     def _size(self, x: Any, y: Any) -> Any:
-        """Σ|terms| of y² + h(x)y − f(x)."""
+        """The sum of the absolute values of all terms of y² + h(x)y − f(x)."""
         h, f = (value_at(absolute(c), abs(x)) for c in (self.h, self.f))
         return abs(y) * (abs(y) + h) + f
 
@@ -377,7 +377,7 @@ def _from_value(K: Any, f: Any, h: Any, plus: Any) -> HyperellipticCurve:
 
 
 def check_curve(curve: HyperellipticCurve[Element]) -> HyperellipticCurve[Element]:
-    """``curve``, or an ArgumentError."""
+    """``curve`` itself; ArgumentError if it is not a HyperellipticCurve."""
     if not isinstance(curve, HyperellipticCurve):
         raise ArgumentError(f"curve = {shown(curve)}: a HyperellipticCurve is needed")
     return curve

@@ -16,7 +16,7 @@ from jacobian.fields.protocol import Field
 
 
 def to_flint(K: Field, *polynomials: poly.Poly) -> tuple[Any, ...]:
-    """python-flint's polynomials; FieldError over an inexact field."""
+    """The polynomials as python-flint's; FieldError over an inexact field."""
     into, _ = conversions(_exact(K))
     return tuple(map(into, polynomials))
 

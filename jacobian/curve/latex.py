@@ -30,7 +30,7 @@ def polynomial(K: Field, a: poly.Poly, variable: str = "x") -> str:
 
 
 def equation(K: Field, f: poly.Poly, h: poly.Poly) -> str:
-    """y² + h(x)y = f(x)."""
+    """The equation y² + h(x)y = f(x) as LaTeX."""
     linear = term_of_y(K, h, polynomial(K, h), r"\left({}\right) y", " ")
     return f"y^{{2}}{linear} = {polynomial(K, f)}"
 

@@ -11,7 +11,7 @@ from jacobian.errors import shown
 
 
 class AffinePoint(NamedTuple, Generic[Element]):
-    """The point (x, y); equal to the plain pair."""
+    """The affine point (x, y). It equals the plain tuple (x, y)."""
 
     x: Element
     y: Element

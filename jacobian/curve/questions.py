@@ -122,14 +122,14 @@ class CurveQuestions(Immutable, Generic[Element]):
     # --- for other systems
 
     def to_flint(self) -> tuple[Any, Any]:
-        """(f, h) as python-flint's polynomials (finite fields and QQ)."""
+        """The pair (f, h) as python-flint's polynomials, over finite fields and QQ."""
         from jacobian.curve.export import to_flint
 
         f, h = to_flint(self.field, self.f, self.h)
         return f, h
 
     def to_pari(self) -> str:
-        """[f, h] as text for PARI, what its ``hyperellcharpoly`` takes: ``cypari.pari(C.to_pari())``."""
+        """The vector [f, h] as text for PARI's ``hyperellcharpoly``; ``cypari.pari(C.to_pari())`` reads it."""
         from jacobian.curve.export import to_pari
 
         return to_pari(self.field, self.f, self.h)

@@ -27,7 +27,7 @@ def abscissas(F: Poly, degree: int, bound: int) -> Iterator[Fraction]:
     form = [int(c * square) for c in F] + [0] * (degree + 1 - len(F))
     sieves = [_rows(form, p, bound) for p in PRIMES]
     for b in range(1, bound + 1):
-        # bit a + bound stands for a
+        # bit a + bound of an int stands for the numerator a
         passing = (1 << 2 * bound + 1) - 1
         for p, rows in zip(PRIMES, sieves, strict=True):
             passing &= rows[b % p]

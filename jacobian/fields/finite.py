@@ -183,4 +183,4 @@ class FiniteFieldOf(Immutable, Generic[Element]):
 
 
 class FiniteField(FiniteFieldOf[int]):
-    """What :func:`jacobian.GF` returns: a finite field whose elements are ints."""
+    """A finite field whose elements are ints. :func:`jacobian.GF` returns it."""

@@ -1,5 +1,5 @@
-"""Polynomials over exact fields as python-flint's: ``nmod_poly`` and ``fmpz_mod_poly`` over GF(p), ``fq_default_poly``
-over GF(p^k), ``fmpq_poly`` over QQ.
+"""Conversion of polynomials over exact fields to python-flint's: ``nmod_poly`` and ``fmpz_mod_poly`` over GF(p),
+``fq_default_poly`` over GF(p^k), ``fmpq_poly`` over QQ.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Conversions = tuple[Callable[[Any], Any], Callable[[Any], Any]]
 
 @lru_cache(maxsize=64)
 def conversions(K: Any) -> Conversions:
-    """(from ascending coefficients to a flint polynomial, and back) for polynomials over K."""
+    """Two functions: from ascending coefficients over K to a flint polynomial, and back."""
     # not imported with the package: a single divisor over a small field needs none
     import flint
 

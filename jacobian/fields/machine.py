@@ -14,7 +14,7 @@ from jacobian.fields.coercion import is_complex, number
 from jacobian.fields.inexact import InexactField
 from jacobian.fields.randomness import random_float
 
-# these scale sums of products of floats into their range
+# a power of 2 that scales sums of products of floats into the range of floats
 DOWN = 2.0**-64
 
 
@@ -60,7 +60,7 @@ class RealField(InexactField[float]):
         try:
             return math.fsum(map(mul, xs, ys))
         except OverflowError:
-            # a partial sum, or the result, exceeds the range
+            # a partial sum, or the result, exceeds the range of floats
             return math.fsum(x * y * DOWN for x, y in zip(xs, ys, strict=True)) / DOWN
 
     def sqrt(self, x: float) -> float:
@@ -78,7 +78,7 @@ class RealField(InexactField[float]):
         return math.ldexp(x, bits)
 
     def random(self, rng: Rng) -> float:
-        """Uniform in [−2, 2)."""
+        """A random float, uniform in [−2, 2)."""
         return random_float(rng)
 
 
@@ -134,5 +134,5 @@ class ComplexField(InexactField[complex]):
         return complex(math.ldexp(x.real, bits), math.ldexp(x.imag, bits))
 
     def random(self, rng: Rng) -> complex:
-        """Uniform in the square [−2, 2)²."""
+        """A random complex number, uniform in the square [−2, 2)²."""
         return complex(random_float(rng), random_float(rng))

@@ -128,7 +128,7 @@ class MultiprecisionField(InexactField[Mpf]):
         return x * self.context.ldexp(1, bits)
 
     def random(self, rng: Rng) -> Mpf:
-        """Uniform in [−2, 2), or in the square of that side."""
+        """A random number, uniform in [−2, 2) or, on a complex field, in the square [−2, 2)²."""
         if self.complex:
             return self.context.mpc(self._random_real(rng), self._random_real(rng))
         return self._random_real(rng)
@@ -172,7 +172,7 @@ multiprecision_fields: dict[tuple[int, bool], MultiprecisionField] = {}
 
 
 def multiprecision_field(dps: int, complex: bool) -> MultiprecisionField:
-    """The field of that many digits, the same object each time."""
+    """The field of numbers of ``dps`` digits; equal arguments give the same object."""
     key = dps, complex
     return multiprecision_fields.get(key) or multiprecision_fields.setdefault(key, MultiprecisionField(*key))
 

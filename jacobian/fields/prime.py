@@ -183,7 +183,7 @@ def check_prime(value: Any) -> int:
     if is_prime(p):
         return p
     if p.bit_length() > LONG:
-        # finding its root, or the next prime, takes minutes
+        # the message suggests no other number: finding a root of p, or the next prime, takes minutes
         raise ArgumentError(f"p = {shown(p)} is not prime: GF(p) needs a prime p")
     power = prime_power(p) if p > 3 else None
     if power:

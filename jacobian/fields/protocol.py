@@ -1,4 +1,4 @@
-"""What a field is: a context that computes with bare elements.
+"""The interface of a field: a context that computes with bare elements.
 
 Elements stay ordinary Python objects (``int``, ``Fraction``, ``float``, ``complex``, ``mpf``), and the field supplies
 the operations. Polynomials and divisors ask the field for every operation, so one Cantor serves them all.

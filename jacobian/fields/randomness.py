@@ -18,7 +18,7 @@ def check_rng(rng: Rng) -> Any:
 
 
 def random_float(rng: Rng) -> float:
-    """Uniform in [−2, 2)."""
+    """A random float, uniform in [−2, 2)."""
     return 4.0 * float(check_rng(rng).random()) - 2.0
 
 

@@ -49,7 +49,7 @@ class ResidueField(FiniteFieldOf[poly.Poly]):
         return super().sqrt(x)
 
     def _quadratic_sqrt(self, t: Any, s: Any) -> poly.Poly:
-        """√(t + sX) by its norm n and its trace r: y² = ry − n. With X² = −bX − c."""
+        """The square root y of t + sX, where X² = −bX − c, from its norm n and its trace r: y² = ry − n."""
         K, (c, b, _) = self.base, self.modulus
         half = K.inv(poly.integer(K, 2))
         if s == K.zero:

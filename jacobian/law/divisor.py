@@ -105,13 +105,13 @@ class Divisor(Immutable, Generic[Element]):
     """A reduced divisor class (u, v, n) of a Jacobian. Get one from :meth:`jacobian.group.Jacobian.from_mumford` or
     ``from_points``.
 
-    ``u``: monic, ascending, of degree at most g; ``v``: y on the points of u, of degree below deg u (trimmed over an
-    exact field, of length deg u over an inexact one); ``n``: the weight at ∞₊ on a split model, in 0 … g − deg u, and
-    None on a ramified or inert one, where it is determined. ``jacobian``: the group.
+    ``u``: ascending coefficients, monic, of degree at most g. ``v``: the polynomial of degree below deg u that equals y
+    on the roots of u; over an exact field it is trimmed, over an inexact one it has length deg u. ``n``: the weight at
+    ∞₊ on a split model, in 0 … g − deg u; None on others, where it is determined. ``jacobian``: the group.
 
-    ``+``, ``−``, ``m * D``, ``==``, ``hash``; ``bool(D)`` is False for the identity; the int 0 stands for it in sums.
-    Over inexact fields ``==`` compares the numbers of the representation, which is not a test of equality of classes.
-    Combining divisors of two curves raises CurveMismatch.
+    ``+``, ``−``, ``m * D``, ``==``, ``hash``; ``bool(D)`` is False for the identity; in sums the int 0 stands for the
+    identity. Over inexact fields ``==`` compares the numbers of the representation, which is not a test of equality of
+    classes. Combining divisors of two curves raises CurveMismatch.
     """
 
     __slots__ = ("jacobian", "n", "u", "v")
@@ -161,12 +161,12 @@ class Divisor(Immutable, Generic[Element]):
         return J.from_mumford(u, v, self.n if J.weight_of_zero is not None else None)
 
     def to_galois(self) -> tuple[Any, Any]:
-        """(u, v) as galois.Poly over the galois class of the field; FieldError where there is none (QQ, RR, CC, MP)."""
+        """The pair (u, v) as galois.Poly; FieldError if galois has no class for the field (QQ, RR, CC, MP)."""
         K = self.jacobian.curve.field
         return poly.to_galois(K, self.u), poly.to_galois(K, self.v)
 
     def to_flint(self) -> tuple[Any, Any]:
-        """(u, v) as python-flint's polynomials, of a finite field or QQ."""
+        """The pair (u, v) as python-flint's polynomials, over a finite field or QQ."""
         from jacobian.curve.export import to_flint
 
         u, v = to_flint(self.jacobian.curve.field, self.u, self.v)
@@ -209,7 +209,7 @@ class Divisor(Immutable, Generic[Element]):
     def order(self, multiple: int | None = None, primes: Iterable[int] | None = None) -> int | float:
         """The least m > 0 with m·D = 0; over QQ ``math.inf`` for infinite order (:mod:`jacobian.finite.orders`).
 
-        ``multiple``: a known multiple of it, by default #J; ``primes``: its prime factors, if known.
+        ``multiple``: a known multiple of the order, by default #J; ``primes``: its prime factors, if known.
         """
         return self.jacobian.order_of(self, multiple, primes)
 
@@ -294,7 +294,7 @@ def check_scalar(scalar: SupportsIndex, argument: str = "scalar") -> int:
 
 
 def check_scalars(scalars: Any, count: int, argument: str = "scalar") -> int | list[int]:
-    """One int, or a list of ``count`` of them from a sequence or a flat array; ArgumentError for anything else."""
+    """``scalar`` as an int, or as a list of ``count`` ints if it is a sequence or a flat array; else ArgumentError."""
     import numpy as np
 
     several = isinstance(scalars, Sequence | np.ndarray) and not isinstance(scalars, NO_SEQUENCES)

@@ -16,7 +16,7 @@ from jacobian.law.divisor import Divisor, GroupLaw
 
 # points are added one by one; larger sums should use multiples in the group
 MOST_REPEATED, MOST_POINTS = 100, 100_000
-# up to this times g points make one pair, without the group's addition
+# up to AT_ONCE·g points are interpolated as one pair, without the group's addition
 AT_ONCE = 8
 
 
@@ -56,7 +56,7 @@ def repeated(points: Iterable[Given], multiplicities: Iterable[int] | None) -> l
 
 
 def counted(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> tuple[list[Any], list[Any] | None]:
-    """Both as lists of one length; their entries are not checked."""
+    """The points and their multiplicities as lists of one length; their entries are not checked."""
     points = entries(points, "points", "a sequence of pairs (x, y) and points at infinity")
     if multiplicities is None:
         return points, None
@@ -84,8 +84,8 @@ def divisor_of_points(J: GroupLaw, points: list[Point], descent: Descent | None 
 
 
 def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
-    """The class, a few points at a time reduced and added in the group: the time for one pair grows like the cube of
-    its points.
+    """The class of Σ P_i minus infinity over an exact field. A few points at a time become a reduced class, and the
+    group adds these, because the time for one pair grows like the cube of its number of points.
 
     On a split model the weight of a class at ∞₊ counts from ⌈g/2⌉: the last part compensates those of the others.
     """
@@ -156,7 +156,9 @@ def _reduced(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: Des
 
 
 def _inexact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None) -> Divisor:
-    """Parts of at most g points, added by the inexact kernel; on a split model one part, with its weight in range."""
+    """The class of Σ P_i minus infinity over an inexact field, whose kernel adds parts of at most g points. On a split
+    model the points must form one part whose weight is in range.
+    """
     from jacobian.law.inexact_points import in_order
 
     g = J.curve.genus
@@ -174,7 +176,9 @@ def _inexact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None) -> Divis
 
 
 def _cancel_opposites(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[list[AffinePoint], int]:
-    """The points without pairs P, ιP, and the number of pairs taken out (a branch point is its own opposite)."""
+    """The points that remain after all pairs P, ιP are taken out, and the number of pairs. A branch point is its own
+    ιP.
+    """
     if not C.field.exact:
         return _cancel_inexact(C, points)
     K = C.field
@@ -189,7 +193,7 @@ def _cancel_opposites(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple
 
 
 def _cancel_inexact(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[list[AffinePoint], int]:
-    """The same, where y is known to rounding only."""
+    """The result of :func:`_cancel_opposites` over an inexact field, where y is known only to rounding."""
     from jacobian.law.inexact_points import opposite
 
     kept: list[AffinePoint] = []
@@ -203,11 +207,11 @@ def _cancel_inexact(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[l
 
 
 def pair_of_points(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[poly.Poly, poly.Poly]:
-    """(u, v) through the points, repeated ones with their multiplicity; no point together with its opposite.
+    """The Mumford pair (u, v) through the points, with multiplicities; no point comes with its opposite.
 
-    Over an inexact field :mod:`jacobian.law.inexact_points`; else one point at a time (Newton's interpolation): v → v +
-    u·k with k(x₀) = (y₀ − v(x₀))/u(x₀) for a new x₀, and k(x₀) = w(x₀)/(2v + h)(x₀), w = (f − hv − v²)/u, where u(x₀) =
-    0 already.
+    Over an inexact field :mod:`jacobian.law.inexact_points` finds it; else Newton's interpolation adds the points: v →
+    v + u·k with k(x₀) = (y₀ − v(x₀))/u(x₀) for a new x₀, and k(x₀) = w(x₀)/(2v + h)(x₀), w = (f − hv − v²)/u, where
+    u(x₀) = 0 already.
     """
     K = C.field
     if not K.exact:

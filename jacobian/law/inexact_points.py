@@ -1,5 +1,6 @@
-"""From points to Mumford pairs over RR, CC and MP: interpolated with more digits and rounded once, so the result does
-not depend on the order of the points.
+"""From points to Mumford pairs over RR, CC and MP.
+
+The pairs are interpolated with more digits and rounded once, so they do not depend on the order of the points.
 """
 
 from __future__ import annotations
@@ -31,9 +32,10 @@ def opposite(C: HyperellipticCurve, P: AffinePoint, Q: AffinePoint) -> bool:
 
 
 def pair_of_points(C: HyperellipticCurve, points: Sequence[AffinePoint]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """(u, v) through the points, where equal x mean a repeated point; no point comes with its opposite.
+    """The Mumford pair (u, v) through the points. Equal x mean a repeated point; no point comes with its opposite.
 
-    PrecisionLoss where the coefficients of v, once rounded, lose the y of some point: the x differ too much in size.
+    PrecisionLoss is raised if the rounded coefficients of v do not reproduce y at some point, because the x differ too
+    much in size.
     """
     field: Any = C.field
     points = in_order(points)
@@ -80,7 +82,7 @@ def _on_curve(digits: Any, y: Any, square: Any) -> Any:
 
 
 def _rounded(digits: Any, points: Sequence[AffinePoint], f: list[Any], v: list[Any]) -> tuple[Any, ...]:
-    """v in the field, if it still reproduces the points' y."""
+    """v rounded to the field; PrecisionLoss unless it still reproduces y at the points."""
     result = tuple(map(digits.element, v))
     kept = [digits.number(c) for c in result]
     for point in points:

@@ -120,7 +120,7 @@ def _try_random(J: GroupLaw, rng: Rng) -> Divisor | None:
             break
     threshold = random_below(rng, 1 << degree)
     u = poly.random(K, degree, rng, monic=True)
-    # (number of v) ≤ 2^(number of places) must exceed the threshold: most u fail this before they are factored
+    # the number of v is at most 2^(number of places) and must exceed the threshold: most u fail this before factoring
     if degree > 1:
         linear = len(linear_part(K, u)) - 1
         if 1 << (linear + (degree - linear) // 2) <= threshold:
@@ -166,7 +166,7 @@ def _listed(J: GroupLaw) -> Iterator[Divisor]:
 
 
 def _local_choices(C: HyperellipticCurve, u: poly.Poly) -> list[tuple[poly.Poly, list[tuple[poly.Poly, poly.Poly]]]]:
-    """For each factor P^e of u: (P^e, the pairs (P^e, v) on the curve)."""
+    """For each factor P^e of u, the tuple of P^e and the list of all pairs (P^e, v) on the curve."""
     K: Any = C.field
     choices = []
     for P, multiplicity in factor(K, u):
