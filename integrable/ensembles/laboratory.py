@@ -112,7 +112,7 @@ class LaboratoryEnsemble(Record):
         return replaced(self, **{name: np.concatenate([getattr(many, name) for many in every]) for name in names})
 
     def motion(self, member: int) -> LaboratoryMotion:
-        """The motion of one member. Raises the member's error if it is refused."""
+        """The motion of one member; raises an error if the member is refused."""
         member = whole(member, "member", f"the members are 0 … {len(self) - 1}", 0, len(self) - 1)
         place = () if self.body.radius is None else (self.contacts[member],)
         found: LaboratoryMotion = self.body.motion(self.orientations[member], self.omega[member], *place)
@@ -133,9 +133,10 @@ class LaboratoryEnsemble(Record):
 
 
 class _Work(NamedTuple):
-    """``members`` are moments, d, γ and M in principal axes, (K, 10), ``frames`` the rotations from the axes of
-    :mod:`integrable.phase.attitude` to the laboratory, ``quick`` which members may have short runs; ``matrices`` and
-    ``omega`` are written to.
+    """The inputs of K members, and the arrays ``matrices`` and ``omega`` for their results.
+
+    ``members``, shape (K, 10), has the moments, d, γ and M in principal axes, ``frames`` the rotations from the axes of
+    :mod:`integrable.phase.attitude` to the laboratory. ``quick`` says which members may have short runs.
     """
 
     many: LaboratoryEnsemble
@@ -189,7 +190,7 @@ class _Work(NamedTuple):
 
 
 def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Moments, d, γ and M of all members in principal axes, the frames, and which of them are plain:
+    """The arrays ``members``, ``frames`` and ``quick`` of :class:`_Work`: the computation of
     :mod:`integrable.laboratory.bodies` in floats, for all members together.
     """
     body, given = many.body, many.orientations

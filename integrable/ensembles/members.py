@@ -126,7 +126,7 @@ def common_count(parts: dict[str, np.ndarray]) -> int:
 
 
 def numbers(values: Any, argument: str, width: int) -> np.ndarray:
-    """The values as floats, a row for each member, or one row for all: ``width`` columns, one column for width 0."""
+    """The values as floats: a row for each member or one row for all, with ``width`` columns (one for width 0)."""
     wanted = f"shape (K, {width}) or ({width},)" if width else "shape (K,) or one for all"
     found: np.ndarray = floats(values, argument, f"numbers of {wanted} are needed")
     found = found[..., None] if width == 0 else found

@@ -17,8 +17,10 @@ Kind = TypeVar("Kind", bound="Runs")
 
 
 class Runs(Record):
-    """K motions of an ``ensemble`` at N times each. ``status`` (K,) is 0, or the number of a refusal among ``reasons``.
-    A member is ``[k]``; a slice or an array selects some, :attr:`kept` those of status 0.
+    """K motions of an ``ensemble`` at N times each.
+
+    ``status``, shape (K,), is 0 for a member without refusals, else the number of a reason in ``reasons``. ``runs[k]``
+    is one member; a slice or an array selects several members, :attr:`kept` all members with status 0.
     """
 
     ensemble: Any
@@ -47,7 +49,7 @@ class Runs(Record):
 
     @property
     def kept(self: Kind) -> Kind:
-        """The members with status 0."""
+        """The runs of the members with status 0."""
         return self._some(np.flatnonzero(self.status == 0))
 
     def __getitem__(self, which: Rows) -> Any:

@@ -97,7 +97,7 @@ class Trajectories(Runs, Exported):
         return Trajectory(flow, times_of(self._times, member), tau, rows, WORDS[way], status, reasons)
 
     def concatenated(self, *others: Trajectories) -> Trajectories:
-        """These members and those of the ``others``: of the same system, at the same times, or as many of their own."""
+        """These members, then the members of ``others``, which have the same system and the same number of times."""
         every = (self, *others)
         for other in others:
             if not isinstance(other, Trajectories) or other.ensemble.tilted != self.ensemble.tilted:
@@ -107,7 +107,7 @@ class Trajectories(Runs, Exported):
         return joined(every, joined_times(every))
 
     def _along(self, name: str) -> np.ndarray:
-        """A quantity of every state, NaN where there is none."""
+        """The values of the quantity ``name`` at every state, NaN in refused rows."""
         parts = len(QUANTITIES[name].parts)
         found = np.full((*self._rows.shape[:2], parts), np.nan)
         for k in np.flatnonzero(self._ways >= 0).tolist():
@@ -147,7 +147,7 @@ class Trajectories(Runs, Exported):
         return {"_rows": self._rows[places], "_ways": self._ways[places], "_partial": partial}
 
     def _value(self) -> tuple[object, ...]:
-        # without the NaN of refused rows, which equal nothing
+        # NaN, which is unequal to itself, is replaced in refused rows, so that equal results compare as equal
         rows = tuple(np.nan_to_num(self._rows).ravel().tolist())
         return self.ensemble, self._times.shape, tuple(self._times.ravel().tolist()), rows, tuple(self.status.tolist())
 
