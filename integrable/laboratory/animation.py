@@ -69,7 +69,7 @@ def _of_ffmpeg(target: Path) -> Iterator[None]:
 
 
 def _body(ax: Any, run: Any) -> Any:
-    """The three great circles in the axes of the tensor, their near halves, and the direction of ω."""
+    """Draws the near halves of the body's three great circles, and ω. Returns a function that updates them."""
     angles = np.linspace(0, 2 * np.pi, POINTS)
     c, s, zero = np.cos(angles), np.sin(angles), 0 * angles
     circles = np.array([[zero, c, s], [c, zero, s], [c, s, zero]])
@@ -94,7 +94,7 @@ def _body(ax: Any, run: Any) -> Any:
 
 
 def _sphere(ax: Any) -> None:
-    """An axis for a unit sphere, and its outline."""
+    """Prepares a matplotlib axis for a unit sphere, and draws the outline of the sphere."""
     angles = np.linspace(0, 2 * np.pi, POINTS)
     ax.set(xlim=(-1.15, 1.15), ylim=(-1.15, 1.15), aspect="equal")
     ax.set_axis_off()

@@ -29,12 +29,12 @@ if TYPE_CHECKING:
 class LaboratoryMotion(Immutable):
     """The motion of a ``body`` from its start. Get one from ``body.motion(...)``.
 
-    ``flow`` is the :class:`integrable.motion.flow.Flow` behind it, None where ω is constant; for a ball with vertical M
-    that of the free body that turns as the ball does.
+    ``flow`` is the :class:`integrable.motion.flow.Flow` that gives the motion, or None where ω is constant. For a ball
+    with vertical M it is the flow of the free body that turns as the ball does.
     """
 
     def __init__(self, body: Any, start: np.ndarray, spin: np.ndarray, contact: Any) -> None:
-        """``start`` is the wide matrix from principal axes to the laboratory, ``spin`` ω along them."""
+        """``start`` is the wide matrix from principal axes to the laboratory, ``spin`` is ω in principal axes."""
         self.body, self._start, self._spin, self._contact = body, start, spin, contact
         # make the flow now, so that a refusal is raised here and not at the first use
         self.flow = self._way.flow

@@ -29,7 +29,7 @@ PANELS = 8
 
 
 class Vertical(Along):
-    """The flow of the free body, with the path of a ball of this ``radius`` (wide); ``sign`` is that of λ."""
+    """The flow of the free body, with the path of the ball. ``radius`` is a wide number, ``sign`` the sign of λ."""
 
     def __init__(self, flow: WideFlow, frame: Any, radius: Real, sign: int) -> None:
         super().__init__(flow, frame)
@@ -83,7 +83,7 @@ class Vertical(Along):
 
     @cached_property
     def _half_turn(self) -> Any:
-        """Half of the angle Δ by which the ball turns about the vertical in a period."""
+        """Half of the angle Δ, without whole turns, by which the ball turns about the vertical in a period."""
         _, advance, wide = self._rates
         return self._field.coerce(wide.context.pi * (advance - wide.context.nint(advance)))
 
