@@ -22,7 +22,7 @@ __all__ = ["ClassicalMotion", "ClassicalRun", "ClassicalSystem"]
 
 
 class ClassicalRun(Path):
-    """States at ``times``, ``q`` and ``p`` of shape (N, n); ``report`` is that of a scene's run, or None."""
+    """States at ``times``, ``q`` and ``p`` of shape (N, n); ``report`` is the report of a scene's run, or None."""
 
     report: Any = None
     tau = None

@@ -22,7 +22,7 @@ MOST_STEPS = 10_000_000
 
 
 class Kind(NamedTuple):
-    """Where a scene's system is defined: its folder, its class there, the keys of ``[body]`` and its arguments.
+    """The place of a scene's system: the folder and class that define it, and the keys of its ``[body]``.
 
     The name of the module is included if it differs from the name of the system.
     """
@@ -112,7 +112,7 @@ class Map:
     arguments: tuple[tuple[str, Any], ...] = ()
 
     def of(self, system: Any, number: Callable[[Fraction], Any]) -> Any:
-        """The map on a system; ``number`` converts fractions to the system's numbers."""
+        """The map of this kind for a ``system``; ``number`` converts fractions to the system's numbers."""
         method = getattr(system, self.kind, None)
         if method is None:
             raise ArgumentError(f'kind: "{self.kind}" given, which {type(system).__name__} has not')

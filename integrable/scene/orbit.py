@@ -22,7 +22,7 @@ __all__ = ["Orbit", "orbit"]
 class Orbit(Trajectory):
     """The ``states`` after 0, 1, …, N steps of a map, ``gamma`` and ``M`` of shape (N + 1, 3), of float64 or objects.
 
-    ``times`` are the step numbers; ``report`` is that of a scene's run
+    ``times`` are the step numbers; ``report`` is the report of a scene's run
     (:class:`integrable.study.orbits.OrbitReport`), or None.
     """
 
