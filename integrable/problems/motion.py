@@ -130,6 +130,6 @@ def _gaps(coarse: list[Any], fine: list[Any], rounding: float) -> list[Any]:
 
 
 def _by_half(gaps: list[Any], row: list[Any]) -> list[tuple[Any, Any]]:
-    """The pairs (gap, size) of q and of p."""
+    """For q and for p: the pair of a gap and the size of that half of ``row`` (its largest component, or 1 if 0)."""
     half = len(row) // 2
     return [(gaps[i], max(map(abs, row[i : i + half])) or 1) for i in (0, half)]
