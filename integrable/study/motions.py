@@ -65,13 +65,13 @@ def measure(scene: Scene, digits: int, tick: Tick, watch: Watch = NOBODY) -> tup
 
 
 class _Lines:
-    """The lines of a report, passed on as its rows are found."""
+    """The lines of a report, which are passed to ``watch`` as soon as the rows are found."""
 
     def __init__(self, run: _Run, watch: Watch) -> None:
         self.run, self.watch, self.rows = run, watch, list[Row]()
 
     def add(self, rows: list[Row]) -> None:
-        """Add rows, in their order."""
+        """Adds rows, and passes their lines to ``watch``."""
         if not self.rows:
             self.rows += rows
             for line in opening(self._report()):
@@ -234,7 +234,7 @@ class _Run:
         return Truth(task.scene, self.truth(task.scene))
 
     def rival(self, task: Task) -> Row:
-        """The row of an integrator, or the reason why there is none."""
+        """The row of SciPy's integrator; without figures, but with the reason, where it failed."""
         row = Row(task.method, task.setting, tolerance=task.value)
         if not installed("scipy"):
             with _pieces(task, self.tick):
@@ -247,7 +247,7 @@ class _Run:
             return replace(row, note=str(error))
 
     def rest(self) -> dict[str, Any]:
-        """The growth of the residual, and the floor."""
+        """The remaining parts of the report: the growth of the residual, and the floor."""
         self.truth(self.own.scene)
         found: dict[str, Any] = {}
         for task in self.others:

@@ -141,7 +141,7 @@ def _timed(scene: Scene, digits: int, tick: Callable[[], None]) -> tuple[Orbit, 
 
 
 def _jump(step: Any, state: State, found: Orbit) -> float | None:
-    """The largest difference of γ and M/|M| between the end of an orbit and one addition of the multiple of D'."""
+    """The largest difference of γ and M/|M| between the end of an orbit and one addition of [count]D'."""
     if not isinstance(step, Translation):
         return None
     once = (step * (len(found.states) - 1))(state)
