@@ -38,7 +38,7 @@ class Solution(NamedTuple):
 
 
 def is_body(system: Any) -> bool:
-    """Whether a system is a body, with the equations of the ball or the top: it then has ``inertia`` and ``d``."""
+    """Whether a system is a body, which has ``inertia`` and ``d`` and the equations of the ball or the top."""
     return hasattr(system, "inertia") and hasattr(system, "d")
 
 

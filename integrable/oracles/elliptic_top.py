@@ -29,7 +29,7 @@ Vector = list[Any]
 
 
 class EllipticTop:
-    """The motion of a top from one state: one set-up, then :meth:`at` for any times.
+    """The motion of a top from one state. The set-up is made once; then :meth:`at` gives the states at any times.
 
     Up to 15 ``digits`` it computes in floats with SciPy's elliptic functions, above that with mpmath's. Raises
     ArgumentError for d ≠ 0.
@@ -61,10 +61,10 @@ class EllipticTop:
         self._phase(a, gamma, M)
 
     def _amplitudes(self, a: Vector, M: Vector) -> None:
-        """Sets A_i, λ, the modulus, n, and u at time 0."""
+        """Sets the amplitudes A_i, the rate λ, the parameter m, the characteristic n, and u at time 0."""
         c = self.context
         square = [m * m for m in M]
-        # h1 − a3·h2 and a1·h2 − h1, as sums of one sign
+        # h1 − a3·h2 and a1·h2 − h1, as sums of terms of one sign, so that no digits cancel
         low = (a[0] - a[2]) * square[0] + (a[1] - a[2]) * square[1]
         high = (a[0] - a[1]) * square[1] + (a[0] - a[2]) * square[2]
         wide = c.sqrt((a[0] - a[2]) / (a[1] - a[2]))

@@ -31,7 +31,7 @@ class EllipticForm(Method):
         from integrable.oracles.elliptic_top import EllipticTop
 
         if int(setting) <= 15:
-            import scipy.special  # noqa: F401  # imported once a machine
+            import scipy.special  # noqa: F401  # imported here, as part of the cost per machine
 
         def of_system(given: Given) -> Started:
             return lambda start: EllipticTop(_Body(given.constants, 0), _Start(start[:3], start[3:]), int(setting)).at

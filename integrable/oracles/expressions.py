@@ -165,7 +165,7 @@ class Symbol:
 
     @property
     def value(self) -> Any:
-        """Its value at the state of the recording."""
+        """The value of the symbol at the state of the recording."""
         return self.book.values[self.index]
 
     def _number(self) -> Fraction | None:

@@ -43,7 +43,7 @@ class Heyoka(Method):
 
         def of_system(given: Given) -> Started:
             coefficients = np.array(kind.coefficients_of(given.constants, number), real)
-            # numpy converts to float without help
+            # for floats numpy itself converts the numbers
             exact = (lambda start: start) if number is float else (lambda start: [number(x) for x in start])
             return lambda start: _started(shared, coefficients, np.array(exact(start), real), number)
 
@@ -96,7 +96,7 @@ def _started(shared: Shared, coefficients: np.ndarray, first: np.ndarray, number
 def _of_any_times(
     propagated: Callable[[Any], tuple[np.ndarray, int]], first: np.ndarray, number: Callable[[Any], Any]
 ) -> Run:
-    """A run for times of any order and sign, made from one that takes a single time or a grid beginning at 0."""
+    """A run for times of any order and sign; ``propagated`` takes a single time or a grid that begins at 0."""
     half, zero = len(first) // 2, number(0)
 
     def reach(sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
