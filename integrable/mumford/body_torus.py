@@ -50,7 +50,7 @@ class Unit(NamedTuple):
 
 
 class Timed(NamedTuple):
-    """The motion and its clock as compiled loops read them: a :class:`integrable.torus.lattice.TimedSource`."""
+    """A motion and the units of its clock, as a :class:`integrable.torus.lattice.TimedSource`."""
 
     bare_problem: Problem
     wide: Any
@@ -114,7 +114,7 @@ class RateCurve(NamedTuple):
 
 
 class RateSource(NamedTuple):
-    """The source of the modes of dt/dτ: a :class:`integrable.torus.oval_modes.ModesSource`."""
+    """The data from which the modes of dt/dτ are made: a :class:`integrable.torus.oval_modes.ModesSource`."""
 
     problem: RateCurve
     wide: Any
