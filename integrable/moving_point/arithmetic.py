@@ -47,7 +47,7 @@ class LongDoubles:
         return self.field.coerce(high) + self.field.coerce(float(x - high))
 
     def result(self, x: Array) -> Any:
-        """An array of floats."""
+        """The array x rounded to floats."""
         return x.astype(float)
 
     def turns_of(self, values: np.ndarray, rate: Any, start: Any) -> tuple[np.ndarray, Any]:
@@ -96,7 +96,7 @@ class Multiprecision:
         return self.reals.element(self.field, x)
 
     def result(self, x: Array) -> Any:
-        """The array."""
+        """The array x, unchanged."""
         return x
 
     def turns_of(self, values: np.ndarray, rate: Any, start: Any) -> tuple[np.ndarray, Any]:

@@ -21,7 +21,7 @@ def _estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
 
 
 def estimate_in_floats(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
-    """The same estimate for double-doubles, from their high parts."""
+    """:func:`integrable.moving_point.addition.estimate` for double-doubles, from their high parts."""
     r = f0 * eps * eps / 4
     m = -series[1] * r / 3
     if abs(eps) >= 1e-100:

@@ -184,7 +184,7 @@ def expansion_of(row: Row) -> Expansion:
 
 
 def high_parts(rows: Expansion) -> Expansion:
-    """The same rows. In compiled code, the high parts of their double-doubles."""
+    """The rows of an expansion, unchanged; in compiled code, the high parts of their double-doubles."""
     return Expansion(
         leading(rows.u0), leading(rows.u1), leading(rows.v0), leading(rows.v1), leading(rows.s0), leading(rows.squares),
         leading(rows.less),

@@ -78,7 +78,7 @@ class TorusFlow(Corners):
         super()._check_walk()
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(γ and M, τ) at physical times, shapes (N, 6) and (N,).
+        """γ and M, and τ, at physical times: arrays of shapes (N, 6) and (N,).
 
         Ascending times are interpolated by panels of Chebyshev series if there are many per panel.
         """

@@ -53,7 +53,7 @@ class Clock(NamedTuple):
 
 
 def clock_in_tuples(clock: Clock) -> Clock:
-    """The same clock with a tuple for ``pace``: compiled loops then hold its numbers in registers."""
+    """The clock with a tuple for ``pace``, whose numbers compiled loops then hold in registers."""
     return Clock(clock.doubled, clock.rough, clock.series, clock.quiet, clock.modes, clock.loud, six(clock.pace))
 
 
@@ -125,8 +125,8 @@ def times_at_tau(clock: Clock, tau: Row, times: Row, room: Row) -> None:
 
 
 def loud_swing(modes: Row, loud: Row, a: Real, b: Real) -> Real:
-    """The part of S in a few modes, pairs of integers (k, m) in ``modes``: ``loud`` holds a constant, 2π and the real
-    and imaginary parts of the coefficients.
+    """A constant plus the sum of a few modes of S at the phases (a, b). ``modes`` has their pairs of integers (k, m);
+    ``loud`` holds the constant, 2π and the real and imaginary parts of the coefficients.
     """
     total = loud[0]
     for n in range(len(modes) // 2):

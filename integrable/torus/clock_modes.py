@@ -55,15 +55,18 @@ class Tables(NamedTuple):
 def spectrum_of_samples(
     samples: Row, grid: tuple[int, int], noise: tuple[float, float], circle: Row, rooms: tuple[Row, Row, Row], room: Row
 ) -> tuple[int, int]:
-    """:func:`sizes_needed` of the spectrum of samples on a grid, which goes into the last of ``rooms``; these and
-    ``circle`` are as for :func:`jacobian.numbers.fourier.half_spectrum`.
+    """Writes the spectrum of samples on a grid to the last of ``rooms`` and returns its :func:`sizes_needed`. ``rooms``
+    and ``circle`` are as for :func:`jacobian.numbers.fourier.half_spectrum`.
     """
     half_spectrum(samples, grid, circle, rooms[0], rooms[1], rooms[2])
     return sizes_needed(rooms[2], grid, noise, room)
 
 
 def sizes_needed(values: Row, grid: tuple[int, int], noise: tuple[float, float], room: Row) -> tuple[int, int]:
-    """:func:`integrable.torus.series.needed_sizes` of such a spectrum; ``room`` for half of rows and columns, and 2."""
+    """:func:`integrable.torus.series.needed_sizes` of the spectrum ``values``.
+
+    ``room`` is for half of rows and columns, and 2.
+    """
     rows, columns = grid
     height, width = rows // 2 + 1, columns // 2 + 1
     for k in range(height + width):
@@ -119,8 +122,8 @@ def size_wanted(modes: Row, size: int, noise: float) -> int:
 def clock_series(
     values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tables: Tables, loud: Row
 ) -> tuple[float, float, float, float]:
-    """S with dS/dτ = (1/g − mean)/mean from the spectrum of 1/g, into ``tables``; (a bound of S, −S at the start, the
-    same of the quiet modes, the mean of the samples over that of 1/g).
+    """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``. Returns a bound of S, −S at the
+    start, the same of the quiet modes, and the mean of the samples over that of 1/g.
 
     ``rates`` are the frequencies of both phases of 1/g, its mean, and 2π; ``loud`` is what
     :func:`integrable.torus.clock_loops.loud_swing` takes.

@@ -160,8 +160,8 @@ def _near_power(x: float) -> float:
 
 
 def motion_row(setup: Source, units: Units) -> tuple[Real, ...]:
-    """What :mod:`integrable.torus.survey` takes, in bare reals: the ends of both ovals, α1, α2, α3, ζ, d, π, r and x/ξ
-    at the origin, in the given units.
+    """The motion as :mod:`integrable.torus.survey` takes it, in bare reals: the ends of both ovals, α1, α2, α3, ζ, d,
+    π, r and x/ξ at the origin, in the given units.
 
     PrecisionLoss where the torus is not compact.
     """
@@ -201,9 +201,9 @@ def oval_ends(problem: Problem, near: Real) -> tuple[tuple[Real, Real], tuple[Re
 
 
 class Beginning(NamedTuple):
-    """What a torus is made from, in rows of numbers of its loops: a :func:`motion_row` and its ``units``, the curve and
-    the start in these, and the :func:`~integrable.moving_point.problem.problem_row`, in units of its own and only
-    from TIME_SCALE on.
+    """The data from which a torus is made, in rows of numbers of its loops: a :func:`motion_row` and its ``units``, the
+    curve and the start in these, and the :func:`~integrable.moving_point.problem.problem_row`, in units of its own and
+    only from TIME_SCALE on.
     """
 
     units: Units

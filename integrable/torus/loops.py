@@ -93,8 +93,8 @@ class ReadableLoops:
         return list(self.reals.row(values))
 
     def spectrum(self, samples: Any, noise: tuple[float, float]) -> tuple[Any, tuple[int, int]]:
-        """:func:`integrable.torus.series.half_spectrum` of long doubles as a row of working numbers, and what
-        :func:`integrable.torus.clock_modes.sizes_needed` says of it.
+        """:func:`integrable.torus.series.half_spectrum` of long doubles as a row of working numbers, and its
+        :func:`integrable.torus.clock_modes.sizes_needed`.
         """
         half, (rows, columns) = half_spectrum(samples), samples.shape
         values = half.ravel().view(half.real.dtype).tolist()
@@ -104,7 +104,7 @@ class ReadableLoops:
             return found, clock_modes.sizes_needed(found, (rows, columns), noise, room)
 
     def room(self, count: int) -> Any:
-        """Memory for that many numbers."""
+        """Memory for ``count`` numbers."""
         return [self.reals.number(0)] * count
 
     def wide(self, values: Any, field: Any) -> tuple[Any, ...]:

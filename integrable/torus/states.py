@@ -29,7 +29,7 @@ class Torus(NamedTuple):
 
 
 def torus_in_tuples(torus: Torus) -> Torus:
-    """The same torus with tuples for rows: compiled loops then hold their numbers in registers."""
+    """The torus with tuples for rows, whose numbers compiled loops then hold in registers."""
     small = small_in_tuples(torus.small)
     return Torus(in_tuples(torus.curve), four(torus.matrix), torus.states, small, torus.turns, torus.cells)
 
@@ -45,14 +45,14 @@ def whole_turns(x: Real) -> tuple[Real, int]:
 
 
 def state_at(torus: Torus, first: Real, second: Real, turn1: int, turn2: int, out: Row, place: int) -> None:
-    """γ and M at the phases (first, second) in [0, 1) after ``turn1`` and ``turn2`` whole turns, into out[place … place
-    + 5].
+    """Writes γ and M at the phases (first, second) in [0, 1) after ``turn1`` and ``turn2`` whole turns to
+    out[place … place + 5].
     """
     put_state(point_at(torus, first, second, turn1, turn2), torus.matrix, out, place)
 
 
 def put_state(point: Row, matrix: Row, out: Row, place: int) -> None:
-    """γ and M of a moving point into out[place … place + 5]: ``matrix`` takes γ and M/|M| there."""
+    """Writes γ and M of a moving point to out[place … place + 5]; ``matrix`` is that of :class:`Torus`."""
     gamma, M = directions_of(point)
     p, q, r, s = matrix
     for c in range(3):

@@ -48,7 +48,7 @@ class SmallSteps(NamedTuple):
 
 
 def small_in_tuples(small: SmallSteps) -> SmallSteps:
-    """The same steps with tuples for rows: compiled loops then hold their numbers in registers."""
+    """The steps with tuples for rows, whose numbers compiled loops then hold in registers."""
     return SmallSteps(eight(small.axes), small.centres, small.tables, small.terms, four(small.parts))
 
 
@@ -70,7 +70,7 @@ def eight(row: Row) -> Any:
 def directions(
     motion: Row, chart: Any, parts: Row, nodes: Row, passes: int, room: TableRoom, tables: Row, halves: Row
 ) -> None:
-    """Polynomials of T(s) about either centre, |s| ≤ reach, one after the other into ``tables``, and into ``halves``
+    """Writes polynomials of T(s) about either centre, |s| ≤ reach, one after the other to ``tables``, and to ``halves``
     the translations by half a cell in either direction, both parts of the first, then of the second.
 
     With x = s/reach and z = x² the points of T are c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z)
@@ -153,7 +153,7 @@ def signed_like(x: Real, size: Real) -> Real:
 
 
 def to_powers(nodes: Row, table: Row, first: int) -> None:
-    """Values at the nodes, in ``table`` from ``first`` on, replaced by their polynomial's coefficients, ascending."""
+    """Replaces values at the nodes, in ``table`` from ``first`` on, by their polynomial's coefficients, ascending."""
     size = len(nodes)
     # divided differences, and Newton's form as powers of z
     for k in range(1, size):

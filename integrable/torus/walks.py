@@ -89,7 +89,8 @@ class Fine(NamedTuple):
 
 
 def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known: Row) -> float:
-    """The moving points at the corners of the cells into ``states``, row by row of ten numbers; :func:`closure`.
+    """Writes the moving points at the corners of the cells to ``states``, row by row of ten numbers; returns
+    :func:`closure`.
 
     The first direction is walked in steps of an odd number of cells, up to ``most``, round and round, the second in
     such steps that may lead down by one cell as well; columns backward take ``most`` = 1. ``ends`` receives the end of
@@ -148,7 +149,7 @@ def place_at(walk: Walk, stride: Stride, i: int, j: int) -> int:
 
 
 def moved(curve: Curve, point: Row, steps: Row, first: int, count: int, back: bool) -> Row:
-    """The point after ``count`` translations, those in ``steps`` from ``first`` on or their inverses."""
+    """The point after ``count`` translations of ``steps``, from ``first`` on, or after their inverses if ``back``."""
     for k in range(count):
         step = moving_point(steps, first + 10 * k)
         point = shift(curve.f, curve.axes, point, opposite(step) if back else step)
