@@ -102,7 +102,7 @@ class ShortRoom(NamedTuple):
 
 
 class Request(NamedTuple):
-    """The request. ``high`` + ``low`` are the scaled times, and ``order`` sorts them."""
+    """The times and options of a short run. ``high`` + ``low`` are the scaled times, and ``order`` sorts them."""
 
     physical: bool
     """Whether times are physical."""
@@ -160,7 +160,7 @@ def new_room(wide: Row, floats: Row, made: Row) -> ShortRoom:
 
 
 def curve_of(row: Row) -> Any:
-    """f as a tuple."""
+    """The coefficients of f as a tuple."""
     return row[0], row[1], row[2], row[3], row[4], row[5]
 
 

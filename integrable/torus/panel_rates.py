@@ -50,7 +50,7 @@ class PanelRates:
         return (1, 1), (1, len(steps)), (False, False), rows.reshape(-1, 2), counts, (0, 0), rest
 
     def values(self, point: Real, packed: Any) -> np.ndarray:
-        """1/g after each of the translations ``packed`` by :meth:`steps`, as double-doubles, shape (N, 2)."""
+        """1/g after each translation in ``packed``, which :meth:`steps` made, as double-doubles, shape (N, 2)."""
         count = packed[1][1]
         rates, other = np.empty((count, 2)), np.empty((count, 2))
         self._sampled(self._curve, self._packed([point])[0], packed, rates, other)

@@ -285,7 +285,7 @@ def spectrum(samples: np.ndarray) -> np.ndarray:
 
 
 def long_spectrum(samples: np.ndarray, reals: BareReals) -> np.ndarray:
-    """The same for samples in bare reals, on a grid of powers of 2."""
+    """:func:`spectrum` for samples in bare reals, on a grid of powers of 2."""
     parts = [[part(z).as_mantissa_exp() for z in samples.flat] for part in (lambda z: z.real, lambda z: z.imag)]
     most = max((int(m).bit_length() + int(e) for part in parts for m, e in part if m), default=0)
     bits = reals.bits + SPARE_BITS

@@ -178,7 +178,7 @@ def with_signs(walk: Walk, stride: Stride, states: Row, ends: Row, known: Row) -
 
 
 def turn(points: Row, place: int, turns: Row, first: int) -> None:
-    """The pairs of the moving point at ``place`` with the signs turns[first … first + 2]."""
+    """Multiplies the pairs of the moving point at ``place`` by the signs turns[first … first + 2]."""
     for c in range(3):
         points[place + 4 + c] = turns[first + c] * points[place + 4 + c]
         points[place + 7 + c] = turns[first + c] * points[place + 7 + c]

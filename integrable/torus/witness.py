@@ -175,7 +175,7 @@ def reached(line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> N
 
 
 def leg(line: Line, k: int) -> tuple[Real, Real]:
-    """(c, s) of the parts s·(1, c) whose sum is the direction of the flow: itself, or about centres."""
+    """(c, s) of the part s·(1, c) of the flow's direction: all of it, or its k-th part about the centres if ``far``."""
     first, second = line.rates[14], line.rates[15]
     if not line.far:
         return second / first, first
