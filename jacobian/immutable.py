@@ -129,9 +129,9 @@ if TYPE_CHECKING:
 else:
 
     class quick_property(cached_property):
-        """A ``cached_property`` without a lock: that of Python 3.11 takes longer than what is computed here.
+        """A ``cached_property`` without a lock: Python 3.11's lock takes longer than the computation of these values.
 
-        Threads may compute the value at the same time, and get equal ones.
+        Several threads may compute the value at the same time; their results are equal.
         """
 
         def __get__(self, instance: Any, owner: Any = None) -> Any:

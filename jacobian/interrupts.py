@@ -28,7 +28,7 @@ SAYING, MOMENT = 0.1, 0.7
 
 
 class _Standing:
-    """What this process prints, and whether it has; ``over``: its work is done."""
+    """The state for interrupts: the name of the command, whether its work is ``over``, and the locks of the line."""
 
     name = ""
     over = False
@@ -91,7 +91,7 @@ def _interrupt(*_: Any) -> None:
 
 
 def _say() -> None:
-    """The line, once; afterwards no thread and no library can write."""
+    """Prints the line, once; afterwards no thread and no library can write."""
     if not _Standing.name:
         return
     if not _Standing.said.acquire(blocking=False):
@@ -106,7 +106,7 @@ def _say() -> None:
         os.dup2(nowhere, 1)
         os.dup2(nowhere, 2)
     except OSError:
-        # closed by the caller
+        # the caller has closed the output
         pass
     _Standing.silent.release()
 

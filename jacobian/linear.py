@@ -7,8 +7,8 @@ from typing import Any
 
 
 def echelon(K: Any, rows: Sequence[Sequence[Any]], unknowns: int) -> list[tuple[int, list[Any]]]:
-    """(column of the pivot, row with a one there) of the reduced system; only the first ``unknowns`` columns have
-    pivots.
+    """The rows of the reduced system, each as (column of its pivot, row with 1 in this column). Only the first
+    ``unknowns`` columns have pivots.
     """
     pivots: list[tuple[int, list[Any]]] = []
     for given in rows:
@@ -28,7 +28,7 @@ def _without(K: Any, row: list[Any], pivot: list[Any], column: int) -> list[Any]
 
 
 def solution(K: Any, rows: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any] | None:
-    """The unique solution of a system with at least as many equations as unknowns; None for none or many."""
+    """The unique solution of a system with at least as many equations as unknowns; None if there is none or several."""
     unknowns = len(rows[0])
     # a pivot on the right side is an equation 0 = 1
     pivots = sorted(echelon(K, [[*row, x] for row, x in zip(rows, right, strict=True)], unknowns + 1))
@@ -36,8 +36,8 @@ def solution(K: Any, rows: Sequence[Sequence[Any]], right: Sequence[Any]) -> lis
 
 
 def pivoted(rows: list[list[Any]]) -> list[Any] | None:
-    """The x of a square system [matrix | right side] of numbers, by elimination with row exchanges; None where a pivot
-    is zero or not a number. ``rows`` are overwritten.
+    """The solution of a square system of numbers, by elimination with row exchanges; None if a pivot is zero or not a
+    number. ``rows`` = [matrix | right side] are overwritten.
     """
     size = len(rows)
     for i in range(size):

@@ -17,12 +17,12 @@ ENDS = 5
 
 
 def named(title: str, facts: Iterable[tuple[str, Any]]) -> str:
-    """A title and a table of name and value."""
+    """The HTML of a title and a table with a row for each (name, value)."""
     return _page(title, "".join(_row([name, value]) for name, value in facts))
 
 
 def table(title: str, heads: Sequence[str], rows: Sequence[Sequence[Any]], ends: int = ENDS) -> str:
-    """A title and a table with a head; one of more than 2·``ends`` rows shows both ends."""
+    """The HTML of a title and a table with a head; a table of more than 2·``ends`` rows shows both ends."""
     head = "<tr>" + "".join(f"<th>{escape(x)}</th>" for x in heads) + "</tr>"
     if len(rows) <= 2 * ends:
         return _page(title, head + "".join(map(_row, rows)))

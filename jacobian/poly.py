@@ -59,7 +59,7 @@ def to_galois(K: Arithmetic[Element], a: Poly[Element]) -> Any:
 
 
 def trim(K: Arithmetic[Element], a: Sequence[Element]) -> Poly[Element]:
-    """a without zeros at the top, each of them exactly zero."""
+    """a without its highest coefficients that are exactly zero."""
     size = len(a)
     while size and a[size - 1] == K.zero:
         size -= 1
@@ -136,7 +136,7 @@ def divide(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> tuple[
 
 
 def mod(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly[Element]:
-    """a modulo b."""
+    """The remainder of a modulo b."""
     return divide(K, a, b)[1]
 
 
@@ -146,7 +146,7 @@ def quotient(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly
 
 
 def monic(K: Arithmetic[Element], a: Poly[Element]) -> Poly[Element]:
-    """a over its leading coefficient; the leading coefficient of the result is exactly one."""
+    """a divided by its leading coefficient, so that the leading coefficient becomes exactly one."""
     lead = a[-1]
     if lead == K.one:
         return a
@@ -162,7 +162,7 @@ def gcd(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly[Elem
 
 
 def half_xgcd(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> tuple[Poly[Element], Poly[Element]]:
-    """(d, s): d the monic gcd of a and b, s·b ≡ d modulo a. Exact fields; not both zero."""
+    """The pair (d, s): d is the monic gcd of a and b, and s·b ≡ d modulo a. Exact fields; not both zero."""
     r0, r1 = a, b
     s0: Poly[Element] = ()
     s1: Poly[Element] = (K.one,)
@@ -221,7 +221,7 @@ def evaluate(K: Arithmetic[Element], a: Poly[Element], x: Element) -> Element:
 
 
 def derivative(K: Arithmetic[Element], a: Poly[Element]) -> Poly[Element]:
-    """a'."""
+    """The derivative a'."""
     result = [K.mul(integer(K, i), a[i]) for i in range(1, len(a))]
     return trim(K, result) if K.exact else tuple(result)
 
@@ -243,7 +243,7 @@ def monomial(K: Arithmetic[Element], c: Element, degree: int) -> Poly[Element]:
 
 
 def from_roots(K: Arithmetic[Element], roots: Iterable[Element]) -> Poly[Element]:
-    """Π (x − root)."""
+    """The monic polynomial Π (x − root) over the given roots."""
     product: Poly[Element] = (K.one,)
     for root in roots:
         product = mul(K, product, (K.neg(root), K.one))

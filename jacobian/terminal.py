@@ -1,4 +1,4 @@
-"""Output to a terminal: characters without a code there are replaced.
+"""Output to a terminal, with replacements for characters that its encoding lacks.
 
 Greek letters and mathematical signs are part of the output, but a terminal or a redirected file may know ASCII or
 cp1252 only (Windows, LC_ALL=C). Files that the commands write themselves are always UTF-8.
