@@ -27,6 +27,12 @@ CASES = {
         "gamma = (0.0, 0.0, 0.0) ",
         "a unit vector",
     ),
+    "an array for a field": (
+        lambda: EulerTop((1, 2, 3), field=np.array([])),
+        ArgumentError,
+        "field = array([], dtype=float64) ",
+        "is not a field",
+    ),
     "g without a value": (
         lambda: ChaplyginBall((1, 2, 3), 2, field=GF(7)).state((2, 0, 2), (0, 0, 0)),
         NotASquare,
