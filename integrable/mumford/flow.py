@@ -227,7 +227,7 @@ class MumfordFlow:
         """
         from integrable.portrait.torus_portrait import TorusPortrait
 
-        return TorusPortrait(self._settled_on_torus)
+        return TorusPortrait(self.system, self.start)
 
     def _settled_on_torus(self, read: Callable[[SeparatedTorus], Any]) -> list[list[Any]]:
         """The result of ``read`` for the torus in separated coordinates, to the digits of the field."""

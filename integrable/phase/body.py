@@ -142,7 +142,7 @@ class Body(Generic[Element]):
 
 def check_body_field(field: Field[Element]) -> None:
     """Raises FieldError unless ``field`` can be the field of a body."""
-    if field is not RR and is_complex(check_field(field, "field").zero):
+    if is_complex(check_field(field, "field").zero):
         raise FieldError(f"field = {field.name}: bodies are over RR, MP(dps) or exact fields, not complex numbers")
 
 

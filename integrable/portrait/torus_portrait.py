@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -22,12 +21,9 @@ class TorusPortrait(Immutable):
     take two turns of an oval: at a branch point where it has a sign, that sign changes.
     """
 
-    def __init__(self, settled: Callable[[Callable[[SeparatedTorus], Any]], list[list[Any]]]) -> None:
-        """``settled(read)`` returns the vectors that ``read`` computes from a torus, correct to the digits of the
-        field.
-        """
-        self._settled = settled
-        signs, actions, *rows = settled(_numbers_of)
+    def __init__(self, system: Any, state: Any) -> None:
+        self.system, self.state = system, state
+        signs, actions, *rows = system.flow(state)._settled_on_torus(_numbers_of)
         self._signs = tuple(1 if x > 0 else -1 for x in signs)
         self.frequencies, self.actions = tuple(x for (x,) in rows), tuple(actions) or None
 
@@ -44,7 +40,9 @@ class TorusPortrait(Immutable):
     @cached_property
     def angles(self) -> tuple[Real, ...]:
         """The phases θ of the points at the start, in turns modulo 1, 0 at the lower ends of ovals; θ + ft later."""
-        found = [x for (x,) in self._settled(lambda torus: [[x] for x in torus.phases])]
+        found = [
+            x for (x,) in self.system.flow(self.state)._settled_on_torus(lambda torus: [[x] for x in torus.phases])
+        ]
         return tuple((s * x) % 1 for s, x in zip(self._signs, found, strict=False))
 
     def _repr_html_(self) -> str:

@@ -90,7 +90,7 @@ class CurveQuestions(Immutable, Generic[Element]):
             d = next(x for x in map(K.element, range(K.order)) if x != K.zero and not self._twists_nothing(x))
         by = K.coerce(d, "d")
         if (K.is_zero(by) and not even) or (K.exact and self._twists_nothing(by)):
-            raise ArgumentError(f"d = {shown(d)}: the twist by it is the curve itself, or none; give a non-square")
+            raise ArgumentError(f"d = {shown(by)}: the twist by it is the curve itself, or none; give a non-square")
         if even:
             return self._with(K, poly.add(K, self.f, poly.scale(K, by, poly.mul(K, self.h, self.h))), self.h)
         four = poly.integer(K, 4)

@@ -295,4 +295,4 @@ def exponent(J: GroupLaw, primes: Iterable[int] | None = None) -> int:
 
 
 def _check_positive(m: Any) -> int:
-    return whole(m, "m", "a positive integer is needed", 1)
+    return whole(m, "m", "a positive integer is needed, as an int", 1)

@@ -124,11 +124,14 @@ def values_over(K):
         "flow in the laboratory": rolling.flow,
         "run in the laboratory": rolling.at([0, 1]),
         "portrait": flow.portrait,
+        "portrait of any genus": systems["toda"].flow(systems["toda"].state((0, 1, 2), (1, 0, 0))).portrait,
     }
     if K is RR:
         values["fit"] = OrientationFit(turned.motion(np.eye(3), (1, 2, 3)), np.array([0.5, 1.0]), 1e-3, np.eye(8))
         values["diagram"] = ball.diagram()
         values["section"] = ball.flow(state).section(3)
+        toda = systems["toda"].flow(systems["toda"].state((0, 1, 2), (1, 0, 0)))
+        values["section of any genus"] = toda.section(3)
         values["spectrum"] = ball.flow(state).spectrum()
         values["sensitivity"] = ball.flow(state).sensitivity([0, 1.0])
         values["conditioning"] = conditioning(ball, state, [1.0])
