@@ -19,9 +19,8 @@ from integrable.mumford.motion import Start
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, normalized
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import poly
-from jacobian.element import Real
+from jacobian.element import Arithmetic, Real
 from jacobian.errors import PrecisionLoss
-from jacobian.fields.protocol import Field
 from jacobian.relatives.extended import Extended, Lift, PointLift
 
 if TYPE_CHECKING:
@@ -168,7 +167,7 @@ def branches(m: Any) -> bool:
     raise PrecisionLoss("whether the axis passes through the vertical is not seen: use more digits")
 
 
-def heavy(N: Field, h: Any, along: poly.Poly) -> poly.Poly:
+def heavy(N: Arithmetic, h: Any, along: poly.Poly) -> poly.Poly:
     """The f of a heavy axis: 2(1 − x²)(h − x) minus the square of ``along``, which is ±m at x = ±1."""
     height = poly.mul(N, (2 * N.one, N.zero, -2 * N.one), (h, -N.one))
     return poly.sub(N, height, poly.mul(N, along, along))

@@ -16,14 +16,14 @@ y_i ↦ √(a_i/(a_i − l))·y_i leads back. The tangent backwards from the new
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
+from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
-from integrable.mumford.system import MumfordSystem, Spectral, all_of, uhlenbeck
+from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of, uhlenbeck
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, poly
-from jacobian.element import Value
+from jacobian.element import Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.fields.protocol import Field
 from jacobian.inexact.long_field import LongField
@@ -47,26 +47,26 @@ class Ellipsoid(MumfordSystem):
         if not field.exact and not all(isinstance(x, complex) or x > 0 for x in self.constants):
             raise ArgumentError(f"a = {shown(a)}: the squares of the semi-axes are positive")
 
-    def _over_axes(self, N: Any, left: Sequence[Any], right: Sequence[Any]) -> Any:
+    def _over_axes(self, N: FormulaField, left: Sequence[Real], right: Sequence[Real]) -> Real:
         """The sum Σ left_i·right_i/a_i."""
         return N.dot([x / e for x, e in zip(left, self._constants_in(N), strict=True)], right)
 
-    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
         q, p = state
         moves = N.zero if any(x != N.zero for x in p) else N.one
         return self._over_axes(N, q, q) - N.one, self._over_axes(N, q, p), moves
 
-    def _constraint_sizes(self, state: Point) -> list[Any]:
+    def _constraint_sizes(self, state: Point) -> list[Real]:
         return self._surface_sizes([abs(1 / a) for a in self.constants], state)
 
-    def _constrained(self, N: Any, state: Point) -> Point:
+    def _constrained(self, N: FormulaField, state: Point) -> Point:
         size = N.sqrt(self._over_axes(N, state.q, state.q))
         q = tuple(x / size for x in state.q)
         normal = [x / e for x, e in zip(q, self._constants_in(N), strict=True)]
         along = N.dot(normal, state.p) / N.dot(normal, normal)
         return Point(q, tuple(y - along * x for x, y in zip(normal, state.p, strict=True)))
 
-    def _spectral(self, N: Any, state: Point) -> Spectral:
+    def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         q, p = state
         a = self._constants_in(N)
         u = (*self._sums(N, [x * x / e for x, e in zip(q, a, strict=True)])[:-1], N.one)
@@ -78,25 +78,25 @@ class Ellipsoid(MumfordSystem):
         f = poly.mul(N, poly.mul(N, (N.zero, -N.one), poly.from_roots(N, a)), rest)
         return all_of(N, (f, u, v), self.size - 1)
 
-    def _momenta(self, N: Any, state: Point) -> tuple[Any, ...]:
+    def _momenta(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
         """The integrals F_i."""
         return uhlenbeck(self._constants_in(N), state, [y * y for y in state.p])
 
     def _genus(self) -> int:
         return self.size - 1
 
-    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+    def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         return (N.coerce(poly.integer(N, 2 if genus % 2 == 0 else -2)), *[N.zero] * (genus - 1))
 
-    def _time_rate(self, N: Any, u: poly.Poly) -> Any:
+    def _time_rate(self, N: FormulaField, u: poly.Poly) -> Real:
         return u[0] if len(u) % 2 else -u[0]
 
-    def _clock(self, N: Any, D: Extended) -> tuple[Any, Any]:
+    def _clock(self, N: FormulaField, D: Extended) -> tuple[Real, Real]:
         return -D.data[-1] / 2, self._time_rate(N, D.u)
 
     clocked = True
 
-    def _separation(self, N: Any, state: Point) -> Separation:
+    def _separation(self, N: FormulaField, state: Point) -> Separation:
         f, genus = self._spectral(N, state).f, self._genus()
         forms = [Form((*[N.zero] * j, N.one)) for j in range(1, genus + 1)]
         # p dq = ½Σy dx/f₁, as for the systems of integrable.mumford.quadrics
@@ -104,13 +104,13 @@ class Ellipsoid(MumfordSystem):
         known = (N.zero, *self._constants_in(N))
         return Separation(forms, (*[N.zero] * (genus - 1), -2 * N.one), action, known=known)
 
-    def _vector_field(self, N: Any, state: Point) -> Point:
+    def _vector_field(self, N: FormulaField, state: Point) -> Point:
         q, p = state
         normal = [x / e for x, e in zip(q, self._constants_in(N), strict=True)]
         pull = self._over_axes(N, p, p) / N.dot(normal, normal)
         return Point(p, tuple(-(pull * x) for x in normal))
 
-    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+    def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals F_i, |v|² = ΣF_i, and Joachimsthal's Σv_i²/a_i·Σx_i²/a_i²."""
         q, p = state
         normal = [x / e for x, e in zip(q, self._constants_in(N), strict=True)]
@@ -151,14 +151,14 @@ class Ellipsoid(MumfordSystem):
         root; NotRepresentable or PrecisionLoss if there is no such state, as for λ = a_i.
         """
 
-        def formula(N: Any, here: Point, x: Any, y: Any) -> Point:
+        def formula(N: FormulaField, here: Point, x: Real, y: Real) -> Point:
             _, u, v = self._spectral(N, here)
             slope = (y - poly.evaluate(N, v, x)) / poly.evaluate(N, u, x) - N.dot(*here)
             return self._moved(N, here, x, x / slope)
 
         return self._mapped(state, point, formula)
 
-    def _moved(self, N: Any, state: Point, x: Any, h: Any) -> Point:
+    def _moved(self, N: FormulaField, state: Point, x: Real, h: Real) -> Point:
         """The new state: its tangent backwards reaches the quadric of λ = x with the h of the tangent of ``state``."""
         a, slope = self._constants_in(N), x / h
         roots = [N.sqrt(e / (e - x)) for e in a]
@@ -166,14 +166,14 @@ class Ellipsoid(MumfordSystem):
         # equals (q̃ - q/r)/h, but without cancellation for small steps
         return Point(q, tuple(r * (v + slope * y / e) for r, e, y, v in zip(roots, a, *state, strict=True)))
 
-    def _start(self, N: Any, state: Point) -> Start:
+    def _start(self, N: FormulaField, state: Point) -> Start:
         f, u, v = self._spectral(N, state)
         a, slope = self._constants_in(N), N.dot(*state)
         slopes = poly.derivative(N, poly.from_roots(N, a))
         data = tuple((poly.evaluate(N, slopes, e) / e, x, e * y - slope * x) for e, x, y in zip(a, *state, strict=True))
         return Start(f, u, v, self._direction(N, len(v)), [*map(Lift, a), SecondKind()], (*data, N.zero))
 
-    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+    def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
         slope = -D.v[0] / D.u[0]
         lifts = D.data[:-1]
         velocities = ((nu + slope * x) / e for e, (_, x, nu) in zip(self._constants_in(N), lifts, strict=True))

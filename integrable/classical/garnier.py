@@ -11,10 +11,11 @@ the genus is n, the number of axes. For α > 0 all motions are bounded.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
 
+from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
+from integrable.mumford.system import IntegralsByName
 from jacobian import RR
 from jacobian.element import Value
 from jacobian.errors import ArgumentError, shown
@@ -35,21 +36,21 @@ class Garnier(QuadricSystem):
         if self.parameters[0] == self.field.zero:
             raise ArgumentError(f"alpha = {shown(alpha)}: a number other than 0 is needed")
 
-    def _shape(self, N: Any, state: Point) -> Shape:
+    def _shape(self, N: FormulaField, state: Point) -> Shape:
         alpha, beta = self._parameters_in(N)
         return Shape((N.one,), (), (beta - alpha * N.dot(state.q, state.q), alpha))
 
     def _genus(self) -> int:
         return self.size
 
-    def _vector_field(self, N: Any, state: Point) -> Point:
+    def _vector_field(self, N: FormulaField, state: Point) -> Point:
         alpha, beta = self._parameters_in(N)
         common = beta - 2 * alpha * N.dot(state.q, state.q)
         return Point(
             state.p, tuple((alpha * e + common) * x for e, x in zip(self._constants_in(N), state.q, strict=True))
         )
 
-    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+    def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals: H, and the coefficients of f."""
         alpha, beta = self._parameters_in(N)
         square = N.dot(state.q, state.q)

@@ -13,12 +13,13 @@ With α = −½ and one axis the potential is 2q_0³ + q_0q_1² plus any quadrat
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
+from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
+from integrable.mumford.system import IntegralsByName
 from jacobian import RR, poly
-from jacobian.element import Value
+from jacobian.element import Real, Value
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.fields.protocol import Field, check_field
 
@@ -70,14 +71,14 @@ class HenonHeiles(QuadricSystem):
         alpha, beta, gamma, *barriers = self.parameters
         return {"a": self.constants, "alpha": alpha, "beta": beta, "gamma": gamma, "barriers": tuple(barriers)}
 
-    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
         stands = any(self._stands(e) and x == N.zero for e, x in zip(self._barriers(), state.q[1:], strict=True))
         return (N.one if stands else N.zero,)
 
-    def _barriers(self) -> Sequence[Any]:
+    def _barriers(self) -> Sequence[Real]:
         return self.parameters[3:]
 
-    def _shape(self, N: Any, state: Point) -> Shape:
+    def _shape(self, N: FormulaField, state: Point) -> Shape:
         alpha, beta, gamma, *_ = self._parameters_in(N)
         first, *q = state.q
         b = beta + 2 * alpha * first
@@ -87,10 +88,10 @@ class HenonHeiles(QuadricSystem):
     def _genus(self) -> int:
         return self.size
 
-    def _first(self, N: Any, u: poly.Poly, v: poly.Poly) -> Point:
+    def _first(self, N: FormulaField, u: poly.Poly, v: poly.Poly) -> Point:
         return Point((-(sum(self._constants_in(N), u[-2])) / 2,), (-v[-1],))
 
-    def _vector_field(self, N: Any, state: Point) -> Point:
+    def _vector_field(self, N: FormulaField, state: Point) -> Point:
         alpha, beta, gamma, *_ = self._parameters_in(N)
         first, *q = state.q
         common = 4 * alpha * first + beta
@@ -99,7 +100,7 @@ class HenonHeiles(QuadricSystem):
             rates.append((common + alpha * a) * x + (pull / x if self._stands(barrier) else pull))
         return Point(state.p, tuple(rates))
 
-    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+    def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals: H, and the coefficients of f."""
         alpha, beta, gamma, *_ = self._parameters_in(N)
         first, *q = state.q

@@ -44,7 +44,7 @@ def joining(ellipsoid: Ellipsoid, first: Iterable[Value], last: Iterable[Value])
     def velocity(w: Sequence[Real]) -> tuple[Real, ...]:
         return tuple(K.dot(w, column) for column in zip(*basis, strict=True))
 
-    def missed(w: Sequence[Real]) -> list[Any]:
+    def missed(w: Sequence[Real]) -> list[Real]:
         (end,) = ellipsoid.flow(ellipsoid._constrained(K, Point(q, velocity(w)))).at([K.one]).q
         if K.dot(end, facing) <= 0:
             raise PrecisionLoss("no geodesic was found: the search has come to the other side of the ellipsoid")
@@ -60,7 +60,7 @@ def joining(ellipsoid: Ellipsoid, first: Iterable[Value], last: Iterable[Value])
     return ellipsoid._constrained(K, Point(q, velocity(found)))
 
 
-def _on(ellipsoid: Ellipsoid, x: Any, name: str) -> tuple[Any, ...]:
+def _on(ellipsoid: Ellipsoid, x: Iterable[Value], name: str) -> tuple[Real, ...]:
     K, wanted = ellipsoid.field, f"{ellipsoid.size} numbers, a point of the ellipsoid"
     q = tuple(K.coerce(c, name) for c in entries(x, name, wanted))
     level = K.dot([c / e for c, e in zip(q, ellipsoid.constants, strict=False)], q) if len(q) == ellipsoid.size else 0
@@ -69,11 +69,11 @@ def _on(ellipsoid: Ellipsoid, x: Any, name: str) -> tuple[Any, ...]:
     return ellipsoid._constrained(K, Point(q, q)).q
 
 
-def _tangents(ellipsoid: Ellipsoid, q: Sequence[Any], chord: Sequence[Any]) -> list[list[Any]]:
+def _tangents(ellipsoid: Ellipsoid, q: Sequence[Real], chord: Sequence[Real]) -> list[list[Real]]:
     """An orthonormal basis of the tangent space at q; the chord lies in the span of its first vector and the normal."""
     K, size = ellipsoid.field, ellipsoid.size
     units = [[K.one if i == j else K.zero for j in range(size)] for i in range(size)]
-    basis: list[list[Any]] = []
+    basis: list[list[Real]] = []
     for given in ([x / e for x, e in zip(q, ellipsoid.constants, strict=True)], chord, *units):
         rest = list(given)
         for _ in range(2):
@@ -87,7 +87,7 @@ def _tangents(ellipsoid: Ellipsoid, q: Sequence[Any], chord: Sequence[Any]) -> l
     return basis[1:]
 
 
-def _root(K: Any, f: Callable[[Sequence[Any]], list[Any]], x: list[Any], size: Any) -> list[Any]:
+def _root(K: Any, f: Callable[[Sequence[Real]], list[Real]], x: list[Real], size: Real) -> list[Real]:
     """A zero of n functions of n variables by Broyden's method (1965), from a Jacobian by finite differences."""
     norm, y = lambda v: K.sqrt(K.dot(v, v)), f(x)
     step = K.sqrt(K.eps) * norm(x)

@@ -16,13 +16,14 @@ the genus is 2 and the direction −2e_1. The inverse map from divisors to state
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import NoReturn
 
+from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point, element, long_digits
 from integrable.mumford.motion import MumfordMotion, Start
-from integrable.mumford.system import MumfordSystem, Spectral, all_of, normalized
+from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of, normalized
 from jacobian import RR, poly
-from jacobian.element import Arithmetic, Numbers
+from jacobian.element import Numbers, Real
 from jacobian.errors import NotRepresentable, one_or_more
 from jacobian.fields.protocol import Field, check_field
 
@@ -37,17 +38,17 @@ class KowalevskiTop(MumfordSystem):
     def __init__(self, field: Field = RR) -> None:
         self.field = check_field(field, "field")
 
-    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
         return (N.dot(state.q, state.q) - N.one,)
 
-    def _constrained(self, N: Any, state: Point) -> Point:
+    def _constrained(self, N: FormulaField, state: Point) -> Point:
         return Point(normalized(N, state.q), state.p)
 
-    def _vector_field(self, N: Any, state: Point) -> Point:
+    def _vector_field(self, N: FormulaField, state: Point) -> Point:
         (x, y, z), (p, q, r) = state
         return Point((y * r - z * q, z * p - x * r, x * q - y * p), (q * r / 2, -(p * r + z) / 2, y))
 
-    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+    def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals l_1, l, k² and |γ|²."""
         (x, y, z), (p, q, r) = state
         real, imaginary = p * p - q * q + x, 2 * p * q + y
@@ -58,7 +59,7 @@ class KowalevskiTop(MumfordSystem):
             "gamma squared": N.dot(state.q, state.q),
         }
 
-    def _spectral(self, N: Any, state: Point) -> Spectral:
+    def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         p, q, _ = state.p
         if q == N.zero:
             raise NotRepresentable(f"{self!r}: at q = 0 a point of the divisor is at infinity; give another state")
@@ -75,7 +76,7 @@ class KowalevskiTop(MumfordSystem):
         v = ((of_R1 / 2 * half + u[0] * growth) / 2, (of_R * half + u[1] * growth) / 2)
         return all_of(N, (self._curve(N, l1, along, square), u, v), 2)
 
-    def _curve(self, N: Any, l1: Any, along: Any, square: Any) -> poly.Poly:
+    def _curve(self, N: FormulaField, l1: Real, along: Real, square: Real) -> poly.Poly:
         g2 = square - 1 + 3 * l1 * l1
         g3 = l1 * (square - 1 - l1 * l1) + along * along
         s = (l1 / 2, N.one / 2)
@@ -84,10 +85,10 @@ class KowalevskiTop(MumfordSystem):
         )
         return poly.mul(N, poly.sub(N, cubic, (g3,)), (square, N.zero, -N.one))
 
-    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+    def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         return N.zero, N.coerce(poly.integer(N, -2))
 
-    def flow(self, state: Point, tolerance: float | None = None) -> Any:
+    def flow(self, state: Point, tolerance: float | None = None) -> NoReturn:
         """Raises NotRepresentable: states cannot be recovered from divisors; ``line`` returns the divisors."""
         raise NotRepresentable(
             f"{self!r} has no way back from divisors to states: line(state, times) gives the divisors"
@@ -98,7 +99,7 @@ class KowalevskiTop(MumfordSystem):
         self._check(state)
         K, digits = self.field, long_digits(self.field)
 
-        def place(N: Arithmetic) -> Start:
+        def place(N: FormulaField) -> Start:
             return self._start(N, self._constrained(N, self._inside(N, state)))
 
         f, motion = self.spectral(state).f, MumfordMotion(place, 2)

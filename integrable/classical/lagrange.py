@@ -13,9 +13,11 @@ from __future__ import annotations
 from typing import Any
 
 from integrable.classical.axial import AxialSystem, Axis, heavy
+from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
+from integrable.mumford.system import IntegralsByName
 from jacobian import RR
-from jacobian.element import Value
+from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field, check_field
 
 
@@ -31,24 +33,24 @@ class LagrangeTop(AxialSystem):
         self.field = check_field(field, "field")
         self.parameters = (self.field.coerce(j, "j"),)
 
-    def _vector_field(self, N: Any, state: Point) -> Point:
+    def _vector_field(self, N: FormulaField, state: Point) -> Point:
         (x, y, z), (a, b, c) = state
         turn = self._parameters_in(N)[0] * c
         rates = (y * turn - z * b, z * a - x * turn, x * b - y * a)
         return Point(rates, (b * turn - c * b + y, c * a - a * turn - x, a * b - b * a))
 
-    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+    def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals h, L = (M, γ), c = M_3 and |γ|²."""
         (_, _, z), (a, b, c) = state
         return {"h": (a * a + b * b) / 2 + z, "L": N.dot(*state), "c": c, "gamma squared": N.dot(state.q, state.q)}
 
-    def _axis(self, N: Any, state: Point) -> Axis:
+    def _axis(self, N: FormulaField, state: Point) -> Axis:
         (x, y, z), (_, _, c) = state
         rates = self._vector_field(N, state).q
         return Axis(z, rates[2], (x, y), rates[:2], self._at_ends(N, state), (1 - self._parameters_in(N)[0]) * c)
 
     @staticmethod
-    def _at_ends(N: Any, state: Point) -> tuple[Any, Any]:
+    def _at_ends(N: FormulaField, state: Point) -> tuple[Real, Real]:
         """The products (M, q − e_3) and (M, q + e_3), without the difference 1 − |q_3|, which may round to 0."""
         (x, y, z), (a, b, c) = state
         along = x * a + y * b
@@ -58,19 +60,19 @@ class LagrangeTop(AxialSystem):
             below, above = (-flat / above, above) if z.real > 0 else (below, -flat / below)
         return along + c * below, along + c * above
 
-    def _top(self, N: Any, state: Point) -> tuple[Any, Any, Any]:
+    def _top(self, N: FormulaField, state: Point) -> tuple[Real, Real, Real]:
         c = state.p[2]
         return self._parameters_in(N)[0] * c, N.dot(*state), c
 
-    def _momentum(self, N: Any, state: Point) -> Any:
+    def _momentum(self, N: FormulaField, state: Point) -> Real:
         # γ turns against the body
         return -state.p[2]
 
-    def _curve(self, N: Any, state: Point) -> tuple[Any, ...]:
+    def _curve(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
         found = self._integrals(N, state)
         return heavy(N, found["h"], (found["L"], -found["c"]))
 
-    def _from_axis(self, N: Any, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
+    def _from_axis(self, N: FormulaField, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
         c, along, i = start.p[2], N.dot(*start), N.coerce(1j)
         if abs(z) > 0.5:
             # g' = −ijcg + iz(M_1 + iM_2) does not divide by 1 − z², which is 0 at the vertical

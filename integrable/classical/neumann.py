@@ -11,13 +11,13 @@ branch point a_i, with κ = f₁'(a_i). So signs are determined, also where the 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
+from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
-from integrable.mumford.system import on_sphere, uhlenbeck
+from integrable.mumford.system import IntegralsByName, on_sphere, uhlenbeck
 from jacobian import RR
-from jacobian.element import Value
+from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field
 
 
@@ -33,22 +33,22 @@ class Neumann(QuadricSystem):
     def __init__(self, a: Iterable[Value], field: Field = RR) -> None:
         self._set_up(field, a, "a", 2)
 
-    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
         return N.dot(state.q, state.q) - N.one, N.dot(state.q, state.p)
 
-    def _constraint_sizes(self, state: Point) -> list[Any]:
+    def _constraint_sizes(self, state: Point) -> list[Real]:
         return self._surface_sizes([1] * self.size, state)[:2]
 
-    def _constrained(self, N: Any, state: Point) -> Point:
+    def _constrained(self, N: FormulaField, state: Point) -> Point:
         return on_sphere(N, state)
 
-    def _shape(self, N: Any, state: Point) -> Shape:
+    def _shape(self, N: FormulaField, state: Point) -> Shape:
         return Shape((), (), (-N.one,))
 
     def _genus(self) -> int:
         return self.size - 1
 
-    def _vector_field(self, N: Any, state: Point) -> Point:
+    def _vector_field(self, N: FormulaField, state: Point) -> Point:
         q, p = state
         a = self._constants_in(N)
         # dividing by |q|², which is 1 at a state, keeps an integrator that leaves the sphere by rounding from drifting
@@ -56,7 +56,7 @@ class Neumann(QuadricSystem):
         m = (N.dot(a, [x * x for x in q]) - N.dot(p, p)) / N.dot(q, q)
         return Point(p, tuple((m - e) * x for e, x in zip(a, q, strict=True)))
 
-    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+    def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """Uhlenbeck's F_i = q_i² + Σ_j (q_i p_j − q_j p_i)²/(a_i − a_j), ΣF_i = 1, and H = ½|p|² + ½Σa_i q_i²."""
         a, squares = self._constants_in(N), [x * x for x in state.q]
         return {"F": uhlenbeck(a, state, squares), "H": (N.dot(state.p, state.p) + N.dot(a, squares)) / 2}

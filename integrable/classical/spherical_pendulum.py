@@ -14,9 +14,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.classical.axial import AxialSystem, Axis, heavy
+from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
-from integrable.mumford.system import on_sphere
+from integrable.mumford.system import IntegralsByName, on_sphere
 from jacobian import RR
+from jacobian.element import Real
 from jacobian.fields.protocol import Field, check_field
 
 
@@ -28,34 +30,34 @@ class SphericalPendulum(AxialSystem):
     def __init__(self, field: Field = RR) -> None:
         self.field = check_field(field, "field")
 
-    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
         return *super()._constraints(N, state), N.dot(*state)
 
-    def _constrained(self, N: Any, state: Point) -> Point:
+    def _constrained(self, N: FormulaField, state: Point) -> Point:
         return on_sphere(N, state)
 
-    def _vector_field(self, N: Any, state: Point) -> Point:
+    def _vector_field(self, N: FormulaField, state: Point) -> Point:
         q, p = state
         # dividing by |q|², which is 1 at a state, keeps an integrator from drifting off the sphere by rounding
         tension = (q[2] - N.dot(p, p)) / N.dot(q, q)
         return Point(p, (tension * q[0], tension * q[1], tension * q[2] - 1))
 
-    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+    def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals h and L."""
         q, p = state
         return {"h": N.dot(p, p) / 2 + q[2], "L": q[0] * p[1] - q[1] * p[0]}
 
-    def _axis(self, N: Any, state: Point) -> Axis:
+    def _axis(self, N: FormulaField, state: Point) -> Axis:
         (x, y, z), (a, b, rate) = state
         along = self._integrals(N, state)["L"]
         return Axis(z, rate, (x, y), (a, b), (along, -along), N.zero)
 
-    def _momentum(self, N: Any, state: Point) -> Any:
+    def _momentum(self, N: FormulaField, state: Point) -> Real:
         return self._integrals(N, state)["L"]
 
-    def _curve(self, N: Any, state: Point) -> tuple[Any, ...]:
+    def _curve(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
         found = self._integrals(N, state)
         return heavy(N, found["h"], (found["L"],))
 
-    def _from_axis(self, N: Any, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
+    def _from_axis(self, N: FormulaField, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
         return Point((g.real, g.imag, z), (g_rate.real, g_rate.imag, rate))

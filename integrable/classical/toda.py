@@ -13,12 +13,12 @@ uniformly.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, SupportsIndex
+from typing import SupportsIndex
 
-from integrable.mumford.fields import exponential, exponential_less_one, log_of
+from integrable.mumford.fields import FormulaField, exponential, exponential_less_one, log_of
 from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point_minus_infinity
-from integrable.mumford.system import MumfordSystem, Spectral, all_of
+from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of
 from integrable.portrait.point_ovals import Form
 from jacobian import RR, poly
 from jacobian.element import Real, Value
@@ -42,24 +42,26 @@ class TodaLattice(MumfordSystem):
     def arguments(self) -> dict[str, object]:
         return {"n": self.size}
 
-    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
         # over an exact field the q are exponentials, which cannot be 0
         return (N.one if N.exact and N.zero in state.q else N.zero,)
 
     _constraint_names = ("e^q ≠ 0",)
 
-    def _exponentials(self, N: Any, state: Point) -> tuple[Any, ...]:
+    def _exponentials(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
         """The exponentials e^{q_k − q_1}, or e^{q_k} over an exact field; both give the same U, V and f."""
         if N.exact:
             return state.q
         return tuple(exponential(N, x - state.q[0]) for x in state.q)
 
-    def _links(self, N: Any, state: Point) -> list[Any]:
+    def _links(self, N: FormulaField, state: Point) -> list[Real]:
         """The links e^{q_{k+1} − q_k}, k = 1 … n."""
         w = self._exponentials(N, state)
         return [w[(k + 1) % self.size] / w[k] for k in range(self.size)]
 
-    def _transfer(self, N: Any, state: Point) -> tuple[tuple[poly.Poly, poly.Poly], tuple[poly.Poly, poly.Poly]]:
+    def _transfer(
+        self, N: FormulaField, state: Point
+    ) -> tuple[tuple[poly.Poly, poly.Poly], tuple[poly.Poly, poly.Poly]]:
         """The transfer matrix ((A, B), (C, D)) = L_n⋯L_1."""
         one: poly.Poly = (N.one,)
         rows: tuple[tuple[poly.Poly, ...], tuple[poly.Poly, ...]] = ((one, ()), ((), one))
@@ -74,7 +76,7 @@ class TodaLattice(MumfordSystem):
         (a, b), (c, d) = rows
         return (a, b), (c, d)
 
-    def _spectral(self, N: Any, state: Point) -> Spectral:
+    def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         (a, b), (_, d) = self._transfer(N, state)
         trace, size = poly.add(N, a, d), self.size
         f = poly.sub(N, poly.mul(N, trace, trace), (N.coerce(poly.integer(N, 4)),))
@@ -89,14 +91,14 @@ class TodaLattice(MumfordSystem):
     def _genus(self) -> int:
         return self.size - 1
 
-    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+    def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         return (*[N.zero] * (genus - 1), N.coerce(poly.integer(N, -1)))
 
-    def _action(self, N: Any, state: Point) -> Form:
+    def _action(self, N: FormulaField, state: Point) -> Form:
         """The form −x dμ/μ = −xΔ' dx/y, where μ + 1/μ = Δ."""
         return Form((N.zero, *poly.neg(N, poly.derivative(N, self._trace(N, state)))))
 
-    def _vector_field(self, N: Any, state: Point) -> Point:
+    def _vector_field(self, N: FormulaField, state: Point) -> Point:
         if N.exact:  # an exact state holds exp(q) in place of q
             links, rates = self._links(N, state), tuple(x * y for x, y in zip(state.q, state.p, strict=True))
         else:  # exponentials of differences rather than quotients
@@ -104,30 +106,30 @@ class TodaLattice(MumfordSystem):
             links = [exponential(N, q[(k + 1) % self.size] - q[k]) for k in range(self.size)]
         return Point(rates, tuple(links[k] - links[k - 1] for k in range(self.size)))
 
-    def _auxiliary(self, N: Any, state: Point) -> tuple[Any, ...]:
+    def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
         """The links minus 1, computed without cancellation if all q nearly coincide."""
         q = state.q
         return tuple(exponential_less_one(N, q[(k + 1) % self.size] - q[k]) for k in range(self.size))
 
-    def _rational_rates(self, N: Any, state: Point, auxiliary: tuple[Any, ...]) -> tuple[Any, ...]:
+    def _rational_rates(self, N: FormulaField, state: Point, auxiliary: tuple[Real, ...]) -> tuple[Real, ...]:
         p = state.p
         pulls = (auxiliary[k] - auxiliary[k - 1] for k in range(self.size))
         pushes = (p[(k + 1) % self.size] - p[k] for k in range(self.size))
         return (*p, *pulls, *(push + x * push for x, push in zip(auxiliary, pushes, strict=True)))
 
-    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+    def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The coefficients of Δ, ascending, and H, which is a polynomial in them."""
         energy = N.dot(state.p, state.p) / 2
         for link in self._links(N, state):
             energy = energy + link
         return {"trace": self._trace(N, state), "H": energy}
 
-    def _trace(self, N: Any, state: Point) -> poly.Poly:
+    def _trace(self, N: FormulaField, state: Point) -> poly.Poly:
         """The trace Δ = A + D."""
         (a, _), (_, d) = self._transfer(N, state)
         return poly.add(N, a, d)
 
-    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+    def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
         p, links = self._chain(N, start, (D.u, D.v))
         q = [N.zero]
         for link in links:
@@ -137,7 +139,7 @@ class TodaLattice(MumfordSystem):
         shift = (total - sum(q, N.zero)) / self.size
         return Point(tuple(x + shift for x in q), tuple(p))
 
-    def _chain(self, N: Any, start: Point, pair: tuple[poly.Poly, poly.Poly]) -> tuple[list[Any], list[Any]]:
+    def _chain(self, N: FormulaField, start: Point, pair: tuple[poly.Poly, poly.Poly]) -> tuple[list[Real], list[Real]]:
         """p_1 … p_n and e^{q_{k+1} − q_k}, k < n, from a pair on the curve of ``start``."""
         u, v = pair
         size = self.size
@@ -172,7 +174,7 @@ class TodaLattice(MumfordSystem):
         """
         sheet = one_of(sheet, "sheet", (1, -1), "give 1 or -1")
 
-        def formula(N: Field, here: Point, x: Real, y: Real) -> Point:
+        def formula(N: FormulaField, here: Point, x: Real, y: Real) -> Point:
             f, u, v = self._spectral(N, here)
             pair = plus_point_minus_infinity(N, f, (u, v), (x, y), N.one if sheet == 1 else -N.one)
             p, links = self._chain(N, here, pair)
@@ -185,7 +187,7 @@ class TodaLattice(MumfordSystem):
 
         return self._mapped(state, point, formula)
 
-    def _first(self, N: Any, here: Point, new: list[Any], x: Any, sheet: int) -> Any:
+    def _first(self, N: FormulaField, here: Point, new: list[Real], x: Real, sheet: int) -> Real:
         """X = e^{q̃_1 − q_1}, from the equations for p_1 and p_2, which are linear in X and 1/X."""
         old, around = self._links(N, here), N.one
         for link in new:

@@ -14,12 +14,13 @@ The second line is the equation of order four. It has the constants s_1, s_2, s_
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
-from integrable.mumford.system import MumfordSystem, Spectral, all_of
+from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of
 from jacobian import RR, poly
-from jacobian.element import Value
+from jacobian.element import Real, Value
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.fields.protocol import Field, check_field
 from jacobian.relatives.extended import Extended
@@ -28,8 +29,8 @@ from jacobian.relatives.extended import Extended
 class _Jets(NamedTuple):
     """F and G, each with its first two derivatives in x."""
 
-    F: tuple[Any, Any, Any]
-    G: tuple[Any, Any, Any]
+    F: tuple[Real, Real, Real]
+    G: tuple[Real, Real, Real]
 
 
 class TwoGaps(MumfordSystem):
@@ -55,7 +56,7 @@ class TwoGaps(MumfordSystem):
     def arguments(self) -> dict[str, object]:
         return {"sums": self.parameters}
 
-    def _jets(self, N: Any, state: Point) -> _Jets:
+    def _jets(self, N: FormulaField, state: Point) -> _Jets:
         s1, s2, s3 = self._parameters_in(N)
         (u, u2), (u1, u3) = state
         F, F1, F2 = (u - s1) / 2, u1 / 2, u2 / 2
@@ -63,7 +64,7 @@ class TwoGaps(MumfordSystem):
         G2 = 2 * (u * (F * F + 2 * G) - s3 - 2 * F * G) - F * F2 + F1 * F1 / 2
         return _Jets((F, F1, F2), (G, (6 * u * u1 - 2 * s1 * u1 - u3) / 8, G2))
 
-    def _vector_field(self, N: Any, state: Point) -> Point:
+    def _vector_field(self, N: FormulaField, state: Point) -> Point:
         s1, _, _ = self._parameters_in(N)
         (u, u2), (u1, u3) = state
         _, (G, G1, G2) = self._jets(N, state)
@@ -78,7 +79,7 @@ class TwoGaps(MumfordSystem):
             (6 * (u1 * u1 + u * u2) - u4, 6 * (3 * u2 * u2 + 4 * u1 * u3 + u * u4) - u6),
         )
 
-    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+    def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals s_4 and s_5."""
         u = state.q[0]
         (F, F1, F2), (G, G1, G2) = self._jets(N, state)
@@ -87,18 +88,18 @@ class TwoGaps(MumfordSystem):
             "s5": u * G * G - G * G2 / 2 + G1 * G1 / 4,
         }
 
-    def _spectral(self, N: Any, state: Point) -> Spectral:
+    def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         s1, s2, s3 = self._parameters_in(N)
         (F, F1, _), (G, G1, _) = self._jets(N, state)
         found = self._integrals(N, state)
         f = (found["s5"], -found["s4"], s3, -s2, s1, -N.one)
         return all_of(N, (f, (G, F, N.one), (G1 / 2, F1 / 2)), 2)
 
-    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+    def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         s1, _, _ = self._parameters_in(N)
         return (N.coerce(poly.integer(N, -8)), -4 * s1)
 
-    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+    def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
         s1, s2, _ = self._parameters_in(N)
         G, F = D.u[:2]
         G1, F1 = (2 * x for x in D.v)

@@ -14,12 +14,12 @@ the point of Neumann's system with the constants I_i.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
 
 from integrable.mumford.bodies import BodySystem
+from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from jacobian import RR
-from jacobian.element import Value
+from jacobian.element import Real, Value
 from jacobian.errors import ArgumentError, shown
 from jacobian.fields.protocol import Field
 
@@ -36,16 +36,16 @@ class Veselova(BodySystem):
         if not K.exact and not all(isinstance(x, complex) or x > 0 for x in self.constants):
             raise ArgumentError(f"inertia = {shown(inertia)}: moments of inertia are positive")
 
-    def omega(self, state: Point) -> tuple[Any, ...]:
+    def omega(self, state: Point) -> tuple[Real, ...]:
         """The angular velocity ω in the body."""
         N = self.numbers
         return tuple(map(self._bare, self._omega(N, self._inside(N, state))))
 
-    def _constants_in(self, N: Any) -> tuple[Any, ...]:
+    def _constants_in(self, N: FormulaField) -> tuple[Real, ...]:
         return tuple(N.one / N.coerce(moment) for moment in self.constants)
 
-    def _light(self, N: Any) -> tuple[Any, Any]:
+    def _light(self, N: FormulaField) -> tuple[Real, Real]:
         return N.zero, N.one
 
-    def _weights(self, N: Any) -> tuple[Any, ...]:
+    def _weights(self, N: FormulaField) -> tuple[Real, ...]:
         return self._constants_in(N)

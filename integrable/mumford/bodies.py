@@ -13,24 +13,29 @@ p = 0).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 from itertools import pairwise
 from math import ceil, hypot, log10
 from typing import TYPE_CHECKING, Any
 
 from integrable.mumford.body_torus import SPARE, BodyTorus, SeriesClock, Unit, WalkedClock
+from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import TORUS, MumfordFlow, Path, Point
 from integrable.mumford.motion import Start
-from integrable.mumford.system import MumfordSystem, Spectral, all_of, on_sphere
-from integrable.phase.body import cross
+from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of, on_sphere
+from integrable.phase.body import Vector, cross
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import MP, RR, poly
+from jacobian.element import Numbers, Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
+from jacobian.fields.protocol import Field
 from jacobian.numbers.long_reals import BareReals
 from jacobian.relatives.extended import Extended, Lift
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from integrable.phase.enclosure import EnclosedPath
 
 # guard digits of τ; digits are raised for far times in steps of DIGITS_APART, so that few series are computed
@@ -54,51 +59,51 @@ class BodySystem(MumfordSystem):
     clocked = True
     _constraint_names = ("|γ| = 1", "(γ, M) = 0", "M ≠ 0")
 
-    def _light(self, N: Any) -> tuple[Any, Any]:
+    def _light(self, N: FormulaField) -> tuple[Real, Real]:
         """Table: the coefficients (p, q) of l."""
         raise NotImplementedError
 
-    def _weights(self, N: Any) -> tuple[Any, ...]:
+    def _weights(self, N: FormulaField) -> tuple[Real, ...]:
         """Table: the c_i = l(a_i), computed without cancellation."""
         raise NotImplementedError
 
     # --- derived from these
 
-    def _set_up_moments(self, field: Any, inertia: Any) -> None:
+    def _set_up_moments(self, field: Field, inertia: Iterable[Value]) -> None:
         """Sets ``field`` and ``constants``; these must be three different nonzero numbers."""
         self._set_up(field, inertia, "inertia", 3)
         if self.size != 3 or self.field.zero in self.constants:
             raise ArgumentError(f"inertia = {shown(inertia)}: three different numbers other than 0 are needed")
 
-    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
         moves = N.zero if any(x != N.zero for x in state.p) else N.one
         return N.dot(state.q, state.q) - N.one, N.dot(*state), moves
 
-    def _constraint_sizes(self, state: Point) -> list[Any]:
+    def _constraint_sizes(self, state: Point) -> list[Real]:
         return self._surface_sizes([1] * self.size, state)
 
-    def _constrained(self, N: Any, state: Point) -> Point:
+    def _constrained(self, N: FormulaField, state: Point) -> Point:
         return on_sphere(N, state)
 
-    def _omega(self, N: Any, state: Point) -> tuple[Any, ...]:
+    def _omega(self, N: FormulaField, state: Point) -> Vector:
         a, (gamma, M) = self._constants_in(N), state
         turned = tuple(e * m for e, m in zip(a, M, strict=True))
         pull = self._light(N)[1] * N.dot(gamma, turned) / self._stretch(N, gamma)
         return tuple(x - pull * e * y for x, e, y in zip(turned, a, gamma, strict=True))
 
-    def _stretch(self, N: Any, gamma: Sequence[Any]) -> Any:
+    def _stretch(self, N: FormulaField, gamma: Sequence[Real]) -> Real:
         """The sum s = Σc_iγ_i²; dt/dτ is its square root."""
         return N.dot(self._weights(N), [x * x for x in gamma])
 
-    def _vector_field(self, N: Any, state: Point) -> Point:
+    def _vector_field(self, N: FormulaField, state: Point) -> Point:
         omega = self._omega(N, state)
         return Point(*(cross(N, part, omega) for part in state))
 
-    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+    def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals H1 = (ω, M) and H2 = (M, M)."""
         return {"H1": N.dot(self._omega(N, state), state.p), "H2": N.dot(state.p, state.p)}
 
-    def _pairs(self, N: Any, state: Point) -> tuple[tuple[Any, Any], ...]:
+    def _pairs(self, N: FormulaField, state: Point) -> tuple[tuple[Real, Real], ...]:
         """The lifts (σ_i, ν_i) at the a_i."""
         gamma, w = state.q, cross(N, *state)
         stretch = self._stretch(N, gamma)
@@ -106,7 +111,7 @@ class BodySystem(MumfordSystem):
         root = N.sqrt(stretch)
         return tuple((x / root, 2 * (y - lean * x)) for x, y in zip(gamma, w, strict=True))
 
-    def _spectral(self, N: Any, state: Point) -> Spectral:
+    def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         pairs, weights = self._pairs(N, state), self._weights(N)
         u = self._sums(N, [c * x * x for c, (x, _) in zip(weights, pairs, strict=True)])
         v = self._sums(N, [c * x * y for c, (x, y) in zip(weights, pairs, strict=True)])
@@ -122,20 +127,20 @@ class BodySystem(MumfordSystem):
     def _genus(self) -> int:
         return 2
 
-    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+    def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         return N.one, N.zero
 
-    def _time_rate(self, N: Any, u: poly.Poly) -> Any:
+    def _time_rate(self, N: FormulaField, u: poly.Poly) -> Real:
         (p, q), (first, second, third) = self._light(N), self._weights(N)
         return N.sqrt(first * second * third / (p * p - p * q * u[1] + q * q * u[0]))
 
-    def _separation(self, N: Any, state: Point) -> Separation:
+    def _separation(self, N: FormulaField, state: Point) -> Separation:
         (p, q), (a, b, c) = self._light(N), self._weights(N)
         forms = [Form((N.one,)), Form((N.zero, N.one))]
         root = N.sqrt(a * b * c)
         return Separation(forms, self._direction(N, 2), factor=lambda x: N.sqrt(root / (p + q * x)))
 
-    def _start(self, N: Any, state: Point) -> Start:
+    def _start(self, N: FormulaField, state: Point) -> Start:
         f, u, v = self._spectral(N, state)
         a, kinds, data = self._constants_in(N), [], []
         slopes = poly.derivative(N, poly.from_roots(N, a))
@@ -144,7 +149,7 @@ class BodySystem(MumfordSystem):
             data.append((c * poly.evaluate(N, slopes, e), sigma, nu))
         return Start(f, u, v, self._direction(N, 2), kinds, tuple(data))
 
-    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+    def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
         _, sigma, nu = zip(*D.data, strict=True)
         square = N.dot(sigma, sigma)
         lean, root = N.dot(sigma, nu) / square, N.sqrt(square)
@@ -152,7 +157,7 @@ class BodySystem(MumfordSystem):
         w = tuple((y - lean * x) / 2 for x, y in zip(sigma, nu, strict=True))
         return Point(gamma, cross(N, w, gamma))
 
-    def flow(self, state: Point, tolerance: float | None = None) -> Any:
+    def flow(self, state: Point, tolerance: float | None = None) -> BodyFlow:
         """The motion of a state over RR or MP(digits), at any times; on a separatrix only at times near the start.
 
         ``tolerance`` is that of :meth:`integrable.mumford.system.MumfordSystem.flow`.
@@ -171,7 +176,7 @@ class BodySystem(MumfordSystem):
         gap = min(y - x for x, y in pairwise(weights)) / weights[-1]
         return max(0, ceil(-DIGITS_A_GAP * float(N.context.log10(gap))) - SPARE) if gap else 0
 
-    def _unit(self, N: Any, state: Point) -> Unit:
+    def _unit(self, N: FormulaField, state: Point) -> Unit:
         """The :class:`Unit` of a state, in X = 1 − l(x)/L, L = 2 max c_i, y = height·Y."""
         (p, q), weights = self._light(N), self._weights(N)
         h1, h2 = self._integrals(N, state).values()
@@ -205,7 +210,7 @@ class BodyFlow(MumfordFlow):
         self._body = system
         self._clocks = dict[int, SeriesClock | WalkedClock]()
 
-    def _places(self, times: list[Any]) -> list[Any]:
+    def _places(self, times: list[Real]) -> list[Real]:
         """The values of τ at the given times, with the digits that the state at the farthest time needs."""
         last = max([abs(float(t)) for t in times], default=0.0)
         far = last * self._pace
@@ -220,7 +225,7 @@ class BodyFlow(MumfordFlow):
         self._clocks = {digits: clock}
         return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
 
-    def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
+    def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
         """Raises ArgumentError: the series of this clock have no proven bounds; use :meth:`enclosure_at_tau`."""
         raise ArgumentError(
             f"times = {shown(times)}: the clock of {self.system!r} has no proven bounds; enclosure_at_tau has them, at "
@@ -244,7 +249,7 @@ class BodyFlow(MumfordFlow):
         K = MP(DIGITS)
         return BodyTorus(K, self._body._unit(K, self._inner(K)))
 
-    def _path(self, torus: Any, times: Any) -> Path:
+    def _path(self, torus: BodyTorus, times: np.ndarray) -> Path:
         rows, _ = torus.at(times)
         return Path(times, rows[:, :3], rows[:, 3:], TORUS)
 
@@ -254,7 +259,7 @@ class BodyFlow(MumfordFlow):
         return float(max(self._body._constants_in(RR)) * hypot(*map(float, self._inner(RR).p)))
 
 
-def _rate(N: Any, D: Extended) -> tuple[tuple[Any]]:
+def _rate(N: FormulaField, D: Extended) -> tuple[tuple[Real]]:
     """The rate dt/dτ at a divisor, computed from its lifts."""
     sigma = [datum[1] for datum in D.data]
     return ((1 / N.sqrt(N.dot(sigma, sigma)),),)

@@ -11,16 +11,20 @@ A *direction* c = (c_0 … c_{g−1}) is the motion with Σ_i x_i^k dx_i/y_i = c
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Protocol
 
 from jacobian import poly
-from jacobian.element import Arithmetic, Real
-from jacobian.fields.protocol import Field
-
-Poly = tuple[Any, ...]
+from jacobian.element import Arithmetic, Element, Real
+from jacobian.poly import Poly
 
 
-def padded(K: Arithmetic, a: Sequence[Any], size: int) -> Poly:
+class FormulaField(Arithmetic[Element], Protocol[Element]):
+    """The numbers with which formulas are evaluated: a field, jets, long numbers, balls, columns."""
+
+    def sqrt(self, x: Element) -> Element: ...
+
+
+def padded(K: Arithmetic, a: Sequence[Real], size: int) -> Poly:
     """The first ``size`` coefficients of a, padded with zeros."""
     return (*a[:size], *[K.zero] * (size - len(a)))
 
@@ -30,7 +34,7 @@ def cofactor(K: Arithmetic, f: Poly, u: Poly, v: Poly) -> Poly:
     return poly.quotient(K, poly.sub(K, f, poly.mul(K, v, v)), u)
 
 
-def multiplier(K: Arithmetic, u: Poly, direction: Sequence[Any]) -> Poly:
+def multiplier(K: Arithmetic, u: Poly, direction: Sequence[Real]) -> Poly:
     """The multiplier n(x) = −Σ_j c_j (U div x^{j+1}) of a direction c."""
     size = len(u) - 1
     n = [K.zero] * size
@@ -40,7 +44,7 @@ def multiplier(K: Arithmetic, u: Poly, direction: Sequence[Any]) -> Poly:
     return tuple(n)
 
 
-def rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, direction: Sequence[Any]) -> tuple[Poly, Poly]:
+def rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, direction: Sequence[Real]) -> tuple[Poly, Poly]:
     """(U', V') along a direction: U' = nV mod U, V' = −½nW mod U."""
     return rates_and_quotients(K, f, u, v, multiplier(K, u, direction))[0]
 
@@ -57,7 +61,7 @@ def rates_and_quotients(
     return ((*padded(K, of_u, size), K.zero), padded(K, of_v, size)), (m, w)
 
 
-def generating_rates(K: Field, f: Poly, u: Poly, v: Poly, a: Real) -> tuple[Poly, Poly]:
+def generating_rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, a: Real) -> tuple[Poly, Poly]:
     """(U', V') along c_k = a^k: U' = [U(a)V − V(a)U]/(x − a), V' = [r(a)U − U(a)r]/(2(x − a)), r = W mod U."""
     size = len(u) - 1
     rest = poly.mod(K, cofactor(K, f, u, v), u)
@@ -75,12 +79,12 @@ def generating_rates(K: Field, f: Poly, u: Poly, v: Poly, a: Real) -> tuple[Poly
     return (*alternating(values[0], v, values[1], u), K.zero), tuple([K.mul(half, c) for c in of_v])
 
 
-def lax_matrix(K: Field, f: Poly, u: Poly, v: Poly) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
+def lax_matrix(K: Arithmetic, f: Poly, u: Poly, v: Poly) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
     """The Lax matrix L(x) = [[V, U], [W, −V]]; −det L = f."""
     return (v, u), (cofactor(K, f, u, v), poly.neg(K, v))
 
 
-def lax_partner(K: Field, f: Poly, u: Poly, v: Poly, a: Real) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
+def lax_partner(K: Arithmetic, f: Poly, u: Poly, v: Poly, a: Real) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
     """(x − a)M(x) = L(a) + U(a)(κ(x) − κ(a))E₂₁, κ = W div U, where 2L' = [L, M] along c_k = a^k."""
     matrix = lax_matrix(K, f, u, v)
     at_a = [[poly.evaluate(K, entry, a) for entry in row] for row in matrix]
@@ -91,7 +95,7 @@ def lax_partner(K: Field, f: Poly, u: Poly, v: Poly, a: Real) -> tuple[tuple[Pol
     return ((at_a[0][0],), (at_a[0][1],)), (corner, (at_a[1][1],))
 
 
-def brackets(K: Field, u: Poly, v: Poly, phi: Poly) -> tuple[tuple[Any, ...], ...]:
+def brackets(K: Arithmetic, u: Poly, v: Poly, phi: Poly) -> tuple[tuple[Real, ...], ...]:
     """The brackets {u_i, v_j}, shape (g, g), for canonical x_i, p_j with y = φ(x)p; {u_i, u_j} = {v_i, v_j} = 0.
 
     {U(x), V(z)} = −[U(x)φ̂(z) − U(z)φ̂(x)]/(x − z), φ̂ = φ mod U.
@@ -112,22 +116,22 @@ def brackets(K: Field, u: Poly, v: Poly, phi: Poly) -> tuple[tuple[Any, ...], ..
     return tuple(table)
 
 
-def exponential(N: Arithmetic, x: Any) -> Any:
+def exponential(N: Arithmetic, x: Real) -> Real:
     """e^x in the numbers of RR, MP or long numbers."""
     return _elementary(N, x, "exp")
 
 
-def exponential_less_one(N: Field, x: Real) -> Real:
+def exponential_less_one(N: Arithmetic, x: Real) -> Real:
     """e^x − 1 in the numbers of RR, MP or long numbers, without cancellation."""
     return _elementary(N, x, "expm1")
 
 
-def log_of(N: Field, x: Any) -> Any:
+def log_of(N: Arithmetic, x: Real) -> Real:
     """log x in the numbers of RR, MP or long numbers."""
     return _elementary(N, x, "log")
 
 
-def _elementary(N: Any, x: Any, name: str) -> Any:
+def _elementary(N: Arithmetic, x: Real, name: str) -> Real:
     import math
 
     import gmpy2

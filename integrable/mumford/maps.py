@@ -7,17 +7,15 @@ and take no root. A pair with a point at λ raises ZeroDivisionError over exact 
 
 from __future__ import annotations
 
-from typing import Any
-
-from integrable.mumford.fields import Poly, padded
+from integrable.mumford.fields import padded
 from jacobian import poly
-from jacobian.element import Real
-from jacobian.fields.protocol import Field
+from jacobian.element import Arithmetic, Real
+from jacobian.poly import Poly
 
 Pair = tuple[Poly, Poly]
 
 
-def plus_point(K: Field, f: Poly, pair: Pair, point: tuple[Real, Real]) -> Pair:
+def plus_point(K: Arithmetic, f: Poly, pair: Pair, point: tuple[Real, Real]) -> Pair:
     """D + P − ∞ on a model of odd degree: R = V + cU with R(λ) = μ, Ũ = (f − R²)/(ℓU(x − λ)), Ṽ = −R mod Ũ."""
     (u, v), (x, y) = pair, point
     c = K.div(K.sub(y, poly.evaluate(K, v, x)), poly.evaluate(K, u, x))
@@ -25,7 +23,7 @@ def plus_point(K: Field, f: Poly, pair: Pair, point: tuple[Real, Real]) -> Pair:
     return _residual(K, f, u, r, (K.neg(x), K.one))
 
 
-def plus_point_minus_infinity(K: Field, f: Poly, pair: Pair, point: tuple[Real, Real], root: Real) -> Pair:
+def plus_point_minus_infinity(K: Arithmetic, f: Poly, pair: Pair, point: tuple[Real, Real], root: Real) -> Pair:
     """D + P − ∞ on a model of even degree, where y ~ root·x^{g+1} at ∞: R = V + (−root·x + c)U, R(λ) = μ."""
     (u, v), (x, y) = pair, point
     c = K.add(K.div(K.sub(y, poly.evaluate(K, v, x)), poly.evaluate(K, u, x)), K.mul(root, x))
@@ -33,7 +31,7 @@ def plus_point_minus_infinity(K: Field, f: Poly, pair: Pair, point: tuple[Real, 
     return _residual(K, f, u, r, (K.neg(x), K.one))
 
 
-def shifted(K: Field, f: Poly, pair: Pair, root: Real) -> Pair:
+def shifted(K: Arithmetic, f: Poly, pair: Pair, root: Real) -> Pair:
     """D + ∞₋ − ∞₊ on a model of even degree, where y ~ root·x^{g+1} at ∞₊.
 
     R = V + (−root·x + c)U, with c such that f − R² has no term x^{2g+1}.
@@ -47,7 +45,7 @@ def shifted(K: Field, f: Poly, pair: Pair, root: Real) -> Pair:
     return _residual(K, f, u, r, (K.one,))
 
 
-def plus_difference(K: Field, f: Poly, pair: Pair, point: tuple[Real, Real], other: tuple[Real, Real]) -> Pair:
+def plus_difference(K: Arithmetic, f: Poly, pair: Pair, point: tuple[Real, Real], other: tuple[Real, Real]) -> Pair:
     """D + P − Q for P = (λ, μ), Q = (λ', μ'), λ ≠ λ': R = V + LU, L linear, R(λ) = μ and R(λ') = −μ'."""
     u, v = pair
     (x, y), (z, w) = point, other
@@ -60,7 +58,7 @@ def plus_difference(K: Field, f: Poly, pair: Pair, point: tuple[Real, Real], oth
     return _residual(K, f, u, r, poly.from_roots(K, (x, z)))
 
 
-def _residual(K: Any, f: Poly, u: Poly, r: Poly, known: Poly) -> Pair:
+def _residual(K: Arithmetic, f: Poly, u: Poly, r: Poly, known: Poly) -> Pair:
     """(Ũ, −R mod Ũ), where Ũ has the zeros of f − R² other than those of U and ``known``."""
     g = len(u) - 1
     difference = poly.sub(K, f, poly.mul(K, r, r))[: 2 * g + len(known)]
@@ -70,7 +68,7 @@ def _residual(K: Any, f: Poly, u: Poly, r: Poly, known: Poly) -> Pair:
     return new, padded(K, poly.mod(K, poly.neg(K, r), new), g)
 
 
-def generating_function(K: Field, f_fixed: Poly, x: Real, u: Poly, new: Poly, c: Real) -> Real:
+def generating_function(K: Arithmetic, f_fixed: Poly, x: Real, u: Poly, new: Poly, c: Real) -> Real:
     """The generating function F of D + P − ∞ on a model of odd degree: dF = Σp dx − Σp̃ dx̃, y = p.
 
     f = f_fixed + Σh_j x^j.
@@ -94,7 +92,7 @@ def generating_function(K: Field, f_fixed: Poly, x: Real, u: Poly, new: Poly, c:
     return K.add(total, total)
 
 
-def _square_root(K: Any, a: Poly, first: Any) -> Poly:
+def _square_root(K: Arithmetic, a: Poly, first: Real) -> Poly:
     found, half = [first], K.inv(K.add(first, first))
     for k in range(1, len(a)):
         inner = K.dot(found[1:], found[:0:-1]) if k > 1 else K.zero
@@ -102,7 +100,7 @@ def _square_root(K: Any, a: Poly, first: Any) -> Poly:
     return tuple(found)
 
 
-def _inverse(K: Any, a: Poly) -> Poly:
+def _inverse(K: Arithmetic, a: Poly) -> Poly:
     first = K.inv(a[0])
     found = [first]
     for k in range(1, len(a)):

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from integrable.mumford.fields import padded
+from integrable.mumford.fields import FormulaField, padded
 from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point
 from integrable.mumford.motion import Start
@@ -23,7 +23,6 @@ from integrable.portrait.point_ovals import Form
 from jacobian import poly
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, entries, shown
-from jacobian.fields.protocol import Field
 from jacobian.relatives.extended import Extended, Lift
 
 
@@ -43,7 +42,7 @@ class QuadricSystem(MumfordSystem):
     before = 0
     """The number of q that precede those of the axes."""
 
-    def _shape(self, N: Any, state: Point) -> Shape:
+    def _shape(self, N: FormulaField, state: Point) -> Shape:
         """Table: the polynomials u₀, ½u₀' and w₀ of a state."""
         raise NotImplementedError
 
@@ -51,11 +50,11 @@ class QuadricSystem(MumfordSystem):
         """Table: the degree of U."""
         raise NotImplementedError
 
-    def _first(self, N: Any, u: poly.Poly, v: poly.Poly) -> Point:
+    def _first(self, N: FormulaField, u: poly.Poly, v: poly.Poly) -> Point:
         """Table, if ``before`` > 0: from a pair, the first ``before`` coordinates q (without axes) and their p."""
         return Point((), ())
 
-    def _barriers(self) -> Sequence[Any]:
+    def _barriers(self) -> Sequence[Real]:
         """Table: the l_i, elements of the field."""
         return [self.field.zero] * len(self.constants)
 
@@ -64,10 +63,10 @@ class QuadricSystem(MumfordSystem):
     def _axes(self, state: Point) -> Point:
         return Point(state.q[self.before :], state.p[self.before :])
 
-    def _signed(self, N: Any, x: Any) -> Any:
+    def _signed(self, N: FormulaField, x: Real) -> Real:
         return x if self.sign > 0 else -x
 
-    def _pull(self, N: Any, state: Point) -> list[Any]:
+    def _pull(self, N: FormulaField, state: Point) -> list[Real]:
         """l_i²/q_i² for each axis; 0 if l_i = 0."""
         q, _ = self._axes(state)
         return [(N.coerce(e) / x) ** 2 if self._stands(e) else N.zero for e, x in zip(self._barriers(), q, strict=True)]
@@ -75,7 +74,7 @@ class QuadricSystem(MumfordSystem):
     def _stands(self, barrier: Any) -> bool:
         return bool(barrier != self.field.zero)
 
-    def _spectral(self, N: Any, state: Point) -> Spectral:
+    def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         (q, p), shape = self._axes(state), self._shape(N, state)
         f1 = poly.from_roots(N, self._constants_in(N))
 
@@ -90,19 +89,19 @@ class QuadricSystem(MumfordSystem):
         f = poly.add(N, poly.mul(N, v, v), poly.mul(N, u, w))
         return all_of(N, (f, u, v), self._genus())
 
-    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+    def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         return (*[N.zero] * (genus - 1), N.coerce(poly.integer(N, -2)))
 
-    def _action(self, N: Any, state: Point) -> Form:
+    def _action(self, N: FormulaField, state: Point) -> Form:
         """½εy dx/f₁: dq_i/q_i is ½Σdx/(x − a_i), and ΣV(a_i)/(f₁'(a_i)(x − a_i)) is V/f₁."""
         half = self._signed(N, N.one / 2)
         return Form(poly.scale(N, half, self._spectral(N, state).f), self._constants_in(N))
 
-    def _branches(self, N: Any) -> tuple[Any, ...]:
+    def _branches(self, N: FormulaField) -> tuple[Real, ...]:
         found = zip(self._constants_in(N), self._barriers(), strict=True)
         return tuple(e for e, barrier in found if not self._stands(barrier))
 
-    def _start(self, N: Any, state: Point) -> Start:
+    def _start(self, N: FormulaField, state: Point) -> Start:
         f, u, v = self._spectral(N, state)
         kinds, data = [], []
         # U(a_i) = εd_i q_i², V(a_i) = εd_i q_i p_i with d_i = f₁'(a_i)
@@ -112,14 +111,14 @@ class QuadricSystem(MumfordSystem):
                 data.append((slope, x, y))
         return Start(f, u, v, self._direction(N, len(v)), kinds, tuple(data))
 
-    def _along_axes(self, N: Any, state: Point) -> Iterator[tuple[Any, ...]]:
+    def _along_axes(self, N: FormulaField, state: Point) -> Iterator[tuple[Real, ...]]:
         """(a_i, εd_i, l_i, q_i, p_i) for each axis."""
         a = self._constants_in(N)
         slopes = poly.derivative(N, poly.from_roots(N, a))
         signed = [self._signed(N, poly.evaluate(N, slopes, e)) for e in a]
         return zip(a, signed, self._barriers(), *self._axes(state), strict=True)
 
-    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+    def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
         data, (q, p) = iter(D.data), self._first(N, D.u, D.v)
         for e, slope, barrier, before, _ in self._along_axes(N, start):
             if not self._stands(barrier):
@@ -131,7 +130,7 @@ class QuadricSystem(MumfordSystem):
             q, p = (*q, x), (*p, y)
         return Point(q, p)
 
-    def step(self, state: Point, point: tuple[Real, Real], roots: Sequence[Any] | None = None) -> Point:
+    def step(self, state: Point, point: tuple[Real, Real], roots: Sequence[Real] | None = None) -> Point:
         """The state of D + (λ, μ) − ∞, a canonical map that commutes with the motion; all l_i must be 0.
 
         ``point`` = (λ, μ) with μ² = f(λ). On the axes q̃ = A⁻¹(p + cq), p̃ = −Aq + cq̃ with A = diag√(−ℓ(a_i − λ)), ℓ
@@ -143,7 +142,7 @@ class QuadricSystem(MumfordSystem):
             raise ArgumentError(f"{self!r} has no steps: all its barriers would have to be 0")
         chosen = None if roots is None else self._roots(roots)
 
-        def formula(N: Field, here: Point, x: Real, y: Real) -> Point:
+        def formula(N: FormulaField, here: Point, x: Real, y: Real) -> Point:
             f, u, v = self._spectral(N, here)
             given = [f[-1] * (x - e) for e in self._constants_in(N)]
             a = [*map(N.sqrt, given)] if chosen is None else [*map(N.coerce, chosen)]
@@ -158,12 +157,12 @@ class QuadricSystem(MumfordSystem):
 
         return self._mapped(state, point, formula)
 
-    def _differ(self, x: Any, y: Any) -> bool:
+    def _differ(self, x: Real, y: Real) -> bool:
         """Whether two numbers differ; over an inexact field, by more than rounding."""
         K: Any = self.field
         return bool(x != y if K.exact else abs(x - y) > OFF * K.eps * abs(y))
 
-    def _roots(self, roots: Any) -> list[Any]:
+    def _roots(self, roots: Any) -> list[Real]:
         """The square roots ``roots`` of a step as elements of the field."""
         wanted = f"{len(self.constants)} square roots of ℓ(λ - a_i) are needed"
         given = entries(roots, "roots", wanted)

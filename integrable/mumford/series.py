@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.fields import Poly
 from jacobian import poly
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.linear import pivoted
+from jacobian.poly import Poly
 
 # number of last coefficients from which the radius of a series is estimated
 LAST = 4

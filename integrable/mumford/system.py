@@ -47,6 +47,10 @@ OFF = 2.0**24
 LEAST = 2.0**-50
 
 
+IntegralsByName = dict[str, Element]
+"""The integrals of motion by name, each a number or a tuple of numbers."""
+
+
 class Spectral(NamedTuple):
     """The curve y² = f(x) of a state and the pair (u, v) on it; all coefficients are in ascending order."""
 
@@ -115,7 +119,7 @@ class MumfordSystem(Made):
         rate = self._vector_field(N, state)
         return (*rate.q, *rate.p)
 
-    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+    def _integrals(self, N: Any, state: Point) -> IntegralsByName:
         """Table: the integrals of motion by name, as numbers or tuples of numbers."""
         raise NotImplementedError
 
@@ -270,7 +274,7 @@ class MumfordSystem(Made):
         f, u, v = self.spectral(state)
         return HyperellipticCurve(self.field, f).jacobian().from_mumford(u, v)
 
-    def integrals(self, state: Point) -> dict[str, Any]:
+    def integrals(self, state: Point) -> IntegralsByName:
         """The integrals of motion by name."""
         found = self._formula(self._integrals, state)
         return {name: tuple(map(self._bare, x)) if isinstance(x, tuple) else self._bare(x) for name, x in found.items()}

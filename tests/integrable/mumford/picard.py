@@ -7,12 +7,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.fields import Poly, multiplier, padded, rates_and_quotients
+from integrable.mumford.fields import multiplier, padded, rates_and_quotients
 from integrable.mumford.series import radius_of
 from jacobian import poly
 from jacobian.fields.inexact import InexactField
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.long_reals import BallReals
+from jacobian.poly import Poly
 
 # bits beyond those of the field
 GUARD = 64
