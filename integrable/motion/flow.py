@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.motion.domain import check_domain
-from integrable.motion.short import GuardedRuns, ShortFirst, ShortRuns
+from integrable.motion.short import ShortFirst, ShortRuns
 from integrable.motion.trajectory import BodyMotion, Trajectory, Way
 from integrable.moving_point.setup import Setup
 from integrable.phase.equal_moments import symmetry_axis
@@ -233,20 +233,12 @@ class Flow(BodyMotion):
         """The method for states at any times."""
         if self._closed:
             return self._closed
-        if self._torus:
-            return self._torus
-        if not self._compiled:
-            return self._precise
-        return ShortFirst(self._guarded, lambda: self._precise)
+        return self._torus or self._precise
 
     @property
     def _compiled(self) -> bool:
         """Whether the loops of the flow are compiled."""
         return self.kernel != "python" and not interpreted()
-
-    @cached_property
-    def _guarded(self) -> GuardedRuns:
-        return GuardedRuns(self.system, self.state, self._many)
 
     @cached_property
     def _precise(self) -> RoundedRows:

@@ -18,7 +18,6 @@ import numpy as np
 
 from integrable.motion.precise_clock import NEAR_CELLS, NONE, ClockLimits, OneTime, PanelClock
 from integrable.moving_point import addition
-from integrable.moving_point.centres import Centres
 from integrable.moving_point.losses import NOTHING, digits_of, drift, lost_digits
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import GUARD_DIGITS, Setup
@@ -321,7 +320,6 @@ class BodyCarrier(Carrier):
         self._limits = limits
         self._scouts = scouts or Scouts(setup, limits.compiled)
         self._clocks: dict[int, PanelClock] = {}
-        self.centres: dict[int, Centres] = {}
         self._torus: Any = None
         self._least_work = 0.0
         self._alone = False
@@ -476,25 +474,6 @@ class PreciseFlow(ManyDigits):
         setup = setup or Setup(*self._problem, digits=digits + (self.expected if limits.most < inf else 0))
         self._scouts = Scouts(setup, limits.compiled)
         super().__init__(digits, BodyCarrier(setup, self._problem, limits, self._scouts))
-
-    def centres(self, half: float, count: int, sign: int) -> np.ndarray:
-        """The moving points ±(2n + 1)·``half`` from the start, n < ``count``, as double-doubles of shape (10·count, 2)
-        and in the units of the set-up: right to the digits of the flow, as all points are.
-        """
-        if count == 0:
-            return np.empty((0, 2))
-        while True:
-            setup = self.carrier.setup
-            last = setup.wide.coerce(sign * (2 * count - 1) * half)
-            if self.enough(last) is None:
-                continue
-            found = self.carrier.centres.get(sign)
-            if found is None:
-                found = self.carrier.centres[sign] = Centres(setup, half, sign)
-            missing = self._missing([last], [found.last(count)])
-            if missing <= 0:
-                return found.packed(count)
-            self.add_digits(min(missing, self.carrier.digits) + WIDER)
 
     def carrier_of(self, digits: int) -> BodyCarrier:
         return BodyCarrier(Setup(*self._problem, digits=digits), self._problem, self._limits, self._scouts)

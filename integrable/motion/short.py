@@ -8,13 +8,11 @@ cases are left to the next method.
 from __future__ import annotations
 
 from functools import cache
-from math import ceil
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from integrable.moving_point import short
-from integrable.moving_point.addition import rate_at
 from integrable.moving_point.short_rows import (
     CLOCK,
     FLOATS,
@@ -27,14 +25,12 @@ from integrable.moving_point.short_rows import (
     Rule,
     new_room,
 )
-from jacobian.errors import PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from integrable.motion.precise import PreciseFlow
     from integrable.motion.trajectory import Way
     from integrable.phase.space import PhaseSpace
     from integrable.phase.state import State
@@ -71,11 +67,6 @@ INTERPRETED_PANELS, INTERPRETED_TIMES = 64, 500
 # at once the limits are wider, since rounding of the inputs moves the clocks as much
 DRIFT, PACE = 3e-14, 2.0**-53
 DRIFT_OF_MANY, PACE_OF_MANY = 2e-13, 2.0**-51
-# the largest number of centres in multiprecision, and the cost of the panels around them, in panels in floats
-MOST_CENTRES, MOST_CARE = 400, 10_000
-# digits lost in an addition (twice those by which errors grow) from which on rounding in float panels is smaller than
-# the effect of input rounding
-SENSITIVE = 16
 # runs with at most this many times keep their working memory for the next run
 KEPT_TIMES = 512
 # bits of the wide numbers where nothing is compiled
@@ -139,7 +130,7 @@ class ShortRuns:
         reals, count = BareReals(BITS), len(times)
         request = Request(
             physical, clock, INTERPRETED_PANELS, DRIFT, PACE, times.tolist(), np.argsort(times, kind="stable").tolist(),
-            [0.0] * count, [0.0] * count, [0.0] * (6 * count), [0.0] * count, 0.0, 0, [],
+            [0.0] * count, [0.0] * count, [0.0] * (6 * count), [0.0] * count,
         )  # fmt: skip
         with reals:
             room = new_room([reals.number(0)] * WIDES, [0.0] * FLOATS, [0] * MADE)
@@ -154,49 +145,6 @@ class ShortRuns:
         return status, rows, other
 
 
-class GuardedRuns(ShortRuns):
-    """Short runs near a separatrix: the centres of their panels are computed with as many extra digits as errors may
-    grow by, and checked against a computation with more digits (:meth:`integrable.motion.precise.PreciseFlow.centres`).
-    """
-
-    def __init__(self, system: PhaseSpace, state: State, many: PreciseFlow) -> None:
-        super().__init__(system, state)
-        self._many = many
-
-    def _run(self, times: np.ndarray, physical: bool, clock: bool) -> Found | None:
-        setup = self._many.carrier.setup
-        half = short.panel_half(float(setup.problem.half_step))
-        rate = float(abs(rate_at(setup.problem.axes, setup.problem.start))) if physical else 1.0
-        panel = 2 * half * rate / float(setup.time_scale)
-        # the last times in either direction, in panels at the first rate; times that no panel reaches may be any number
-        ways = [
-            max(way) / panel if len(way) else -1 for way in (times[times >= 0].tolist(), (-times[times < 0]).tolist())
-        ]
-        if len(times) > MOST_TIMES or sum(ways) > MOST_CENTRES:
-            return None
-        counts = [ceil(way) + 1 for way in ways]
-        if self._many.carrier.lost(2 * max(counts) * half) < SENSITIVE:
-            return None
-        while sum(counts) <= MOST_CENTRES:
-            try:
-                made = [self._many.centres(half, count, sign) for count, sign in zip(counts, (1, -1), strict=True)]
-            except PrecisionLoss:
-                break
-            asked = Asked(self._given, self._tilted, physical, clock, MOST_CARE, DRIFT, PACE, half, counts[0])
-            status, _, rows, other = compiled_run(asked, times, np.concatenate(made))
-            if status == 0:
-                found = rows, other if physical or clock else times
-                return found if self._sensitive(found[1] if physical else times) else None
-            if status != short.FAR:
-                break
-            counts = [count + ceil(count / 4) for count in counts]
-        return None
-
-    def _sensitive(self, tau: np.ndarray) -> bool:
-        carrier = self._many.carrier
-        return carrier.lost(carrier.scaled(max(abs(tau)))) >= SENSITIVE
-
-
 class Asked(NamedTuple):
     """The input of compiled runs: moments, d, γ and M of each motion, shape (K, 10), and fields of
     :class:`integrable.moving_point.short_rows.Request`.
@@ -209,8 +157,6 @@ class Asked(NamedTuple):
     most: int
     drift: float
     pace: float
-    half: float = 0.0
-    ahead: int = 0
 
 
 def compiled_runs(
@@ -226,18 +172,16 @@ def compiled_runs(
     work = prepared.room(count, length)
     order = times.argsort(axis=1, kind="stable")
     prepared.call(
-        asked.given, asked.tilted, prepared.rule, asked[2:], prepared.none, times, order,
+        asked.given, asked.tilted, prepared.rule, asked[2:], times, order,
         rows.reshape(count, 6 * length), other, work,
     )  # fmt: skip
     return work[2][:count], work[2][count : 2 * count]
 
 
-def compiled_run(
-    asked: Asked, times: np.ndarray, centres: np.ndarray | None = None
-) -> tuple[int, int, np.ndarray, np.ndarray]:
+def compiled_run(asked: Asked, times: np.ndarray) -> tuple[int, int, np.ndarray, np.ndarray]:
     """Runs one motion at ``times`` and returns (status, cost in panels, γ and M, the other times).
 
-    The status is 0 or the reason for failure; ``centres`` is that of :class:`Request`, shape (10·panels, 2).
+    The status is 0 or the reason for failure.
     """
     prepared, length = _prepared(), len(times)
     try:
@@ -246,8 +190,7 @@ def compiled_run(
     except IndexError:
         work = prepared.room(1, KEPT_TIMES)
     given, rows, other = times[None], np.empty((1, 6 * length)), np.empty((1, length))
-    between = prepared.none if centres is None else centres
-    what = (asked.given, asked.tilted, prepared.rule, asked[2:], between, given)
+    what = (asked.given, asked.tilted, prepared.rule, asked[2:], given)
     prepared.call(*what, prepared.ascending, rows, other, work)
     status, panels = work[2][:2].tolist()
     if status == short.UNSORTED:
@@ -339,8 +282,6 @@ class Prepared(NamedTuple):
 
     call: Any
     rule: Packed
-    none: Packed
-    """The empty array of centres, for runs without given centres."""
     ascending: Packed
     """The empty array in place of a sorting order, for times that ascend already."""
     room: Callable[[int, int], Packed]
@@ -350,8 +291,8 @@ class Prepared(NamedTuple):
 
 @cache
 def _prepared() -> Prepared:
-    from integrable.moving_point.short_compiled import CENTRES, LIBRARY, ORDER, RULE, work_room
+    from integrable.moving_point.short_compiled import LIBRARY, ORDER, RULE, work_room
     from jacobian.native.library import Packed
 
-    none, ascending = Packed(np.empty((0, 2)), CENTRES), Packed(np.empty((0, 0), dtype=np.intp), ORDER)
-    return Prepared(LIBRARY.entry, Packed(rule(), RULE), none, ascending, work_room, [])
+    ascending = Packed(np.empty((0, 0), dtype=np.intp), ORDER)
+    return Prepared(LIBRARY.entry, Packed(rule(), RULE), ascending, work_room, [])

@@ -49,7 +49,6 @@ from integrable.moving_point.short_start import at_start, cast_shadow, scaled, s
 from integrable.moving_point.short_steps import (
     contact_in_floats,
     go_ahead,
-    looked_at,
     moved_row,
     node_steps,
     node_values,
@@ -92,7 +91,7 @@ def short_run(room: ShortRoom, rule: Rule, request: Request, given: Row, tilted:
     scaled(request.times, wide, TIME_UNIT if request.physical else TIME_SCALE, request.high, request.low)
     if not (numbers[CLOSE] <= CLOSEST and numbers[LIFT] <= STEEPEST):
         return LOST
-    h = request.half if request.half > 0 else first_half(room)
+    h = first_half(room)
     careful = room.made[4] > 0
     if too_far(room, request, h, request.most // CAREFUL if careful else request.most):
         return FAR
@@ -159,8 +158,7 @@ def one_way(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bo
         # a halved panel costs more than one panel
         if n >= most or room.made[3] > 2 * request.most:
             return FAR
-        given = len(request.centres) > 0
-        status = centre_given(room, request, n, sign) if given else centre_after(room, n, sign)
+        status = centre_after(room, n, sign)
         if status != 0:
             return status
         status, level, i = panel(room, rule, request, h, careful, n, level, i, sign)
@@ -173,16 +171,6 @@ def one_way(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bo
     # allow for the constant relative error of the rate in floats
     allowed = (request.drift + request.pace * abs(room.sums[0])) * abs(room.point[RATE])
     return 0 if abs(room.sums[2]) <= allowed else ROUNDING
-
-
-def centre_given(room: ShortRoom, request: Request, n: int, sign: int) -> int:
-    """Writes the n-th of the given centres to the first row of points. Returns 0, or FAR if there is none."""
-    first, last = (n, request.ahead) if sign > 0 else (request.ahead + n, len(request.centres) // 10)
-    if first >= last:
-        return FAR
-    put(moving_point(request.centres, 10 * first), room.points, 0)
-    looked_at(room.wide, room.points, 0, room.point, 0)
-    return 0
 
 
 def centre_after(room: ShortRoom, n: int, sign: int) -> int:

@@ -26,11 +26,11 @@ RULE = record(Rule, FLOATS, FLOATS, FLOATS, INTS)
 
 
 def entry(
-    given: Row, tilted: bool, rule: Rule, asked: tuple[bool, bool, int, float, float, float, int], centres: Row,
+    given: Row, tilted: bool, rule: Rule, asked: tuple[bool, bool, int, float, float],
     times: Row, order: Row, rows: Row, other: Row, work: tuple[Row, Row, Row],
 ) -> None:  # fmt: skip
     """Calls :func:`integrable.moving_point.short.short_run` for every row of ``given``, shape (K, 10). ``work`` comes
-    from :func:`work_room`; ``asked`` and ``centres`` are fields of a :class:`Request`.
+    from :func:`work_room`; ``asked`` are the first fields of a :class:`Request`.
 
     γ and M are written to ``rows``, shape (K, 6N), and the ``other`` times, shape (K, N). The integers of ``work`` get
     K statuses (0, or the reason for failure), then K costs in panels. ``times`` and ``order`` have one row per motion,
@@ -53,7 +53,7 @@ def entry(
         room = new_room(wide[GIVEN:], floats, made)
         request = Request(
             asked[0], asked[1], asked[2], asked[3], asked[4], times[at], order[at] if len(order) > 0 else ascending,
-            scaled[:count], scaled[count:], rows[member], other[member], asked[5], asked[6], centres,
+            scaled[:count], scaled[count:], rows[member], other[member],
         )  # fmt: skip
         numbers[member] = run(room, rule, request, wide[:GIVEN], tilted)
         numbers[members + member] = made[3]
@@ -71,14 +71,14 @@ def work_room(members: int, times: int) -> Packed:
 
 
 WORK = TupleKind((WIDES, FLOATS, INTS))
-CENTRES, ORDER, _ROWS = WIDES, ArrayKind(INT, 2), ArrayKind(FLOAT, 2)
+ORDER, _ROWS = ArrayKind(INT, 2), ArrayKind(FLOAT, 2)
 LIBRARY = Library(
     "short_runs",
     {
         "entry": (
             entry,
             (
-                _ROWS, BOOL, RULE, TupleKind((BOOL, BOOL, INT, FLOAT, FLOAT, FLOAT, INT)), CENTRES, _ROWS,
+                _ROWS, BOOL, RULE, TupleKind((BOOL, BOOL, INT, FLOAT, FLOAT)), _ROWS,
                 ORDER, _ROWS, _ROWS, WORK,
             ),
         )

@@ -122,13 +122,6 @@ class Request(NamedTuple):
     """γ and M."""
     other: Row
     """τ if the times are physical, otherwise physical time; in the units of the motion."""
-    half: float
-    """Half the length of a panel if ``centres`` are given, else 0."""
-    ahead: int
-    centres: Row
-    """Moving points at the centres of panels, in wide numbers, computed beforehand where double-doubles have too few
-    digits; otherwise empty. The first ``ahead`` of them go forward in time, the others backward.
-    """
 
 
 # lengths of the working memory: integers, wide numbers and floats
