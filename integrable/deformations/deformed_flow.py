@@ -8,23 +8,21 @@ more; PrecisionLoss if this does not help.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from functools import cached_property, wraps
 from math import ceil
 from typing import Any
 
-import numpy as np
-
 from integrable.deformations.enclosed import EnclosedMotion
-from integrable.deformations.equations import BY_THETA, WalkFirst
+from integrable.deformations.equations import BY_THETA, NearWalk
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.quick_states import packed, quick_way
 from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits, RoundedRows
-from integrable.motion.trajectory import Way
 from integrable.moving_point.losses import NOTHING, digits_of
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.state import State, onto_constraints
+from integrable.phase.ways import Way
 from jacobian import RR
 from jacobian.element import Numbers, Real
 from jacobian.errors import ArgumentError, PrecisionLoss, shown, written
@@ -153,8 +151,8 @@ class DeformedFlow(EnclosedMotion):
         """The size of the terms of λ_k."""
         return float(self.system.field.dot(self.state.M, self.state.M)) * max(self.system.a) ** self.system.degree
 
-    _costs = BY_THETA
-    """The costs of :attr:`_any_time` as :class:`WalkFirst` takes them."""
+    _cost = BY_THETA
+    """The cost of :attr:`_any_time`."""
     _pack = staticmethod(packed)
     """What the compiled loops take for a carrier."""
 
@@ -163,10 +161,10 @@ class DeformedFlow(EnclosedMotion):
         """The method that computes states at any time."""
         return quick_way(self._curves, self._pack)
 
-    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        if self.system.field != RR or interpreted():
-            return self._any_time
-        return WalkFirst(self, lambda: self._any_time, self._costs)
+    def _ways(self) -> Iterator[Way]:
+        if self.system.field == RR and not interpreted():
+            yield NearWalk(self, self._cost)
+        yield self._any_time
 
 
 class OnCurves(ManyDigits):

@@ -11,20 +11,20 @@ from typing import Any
 import numpy as np
 
 from integrable.deformations.hamiltonian import Hamiltonian, Potential, dot
-from integrable.motion.trajectory import Motion, Way
+from integrable.motion.trajectory import Motion
 from integrable.mumford.flow import Point
 from integrable.phase.body import Body
 from integrable.phase.state import State, onto_constraints
+from integrable.phase.ways import Cost
 from integrable.series.kinds import Formulas, Kind, kind_of
 from integrable.series.near import finished, walked
 from integrable.series.symbols import Symbol
 from jacobian.immutable import replaced
 
-__all__ = ["WalkFirst", "right_hand_sides"]
+__all__ = ["NearWalk", "right_hand_sides"]
 
-# costs in microseconds of a set-up and of each time: by theta functions, by theta functions in repelling poles, and
-# by an integrator. A walk may take as long as the method that it replaces (python -m benchmarks near)
-BY_THETA, BY_THETA_IN_POLES, BY_STEPS = (300, 3), (900, 3), (150_000, 0)
+# by theta functions, by theta functions in repelling poles, and by an integrator (python -m benchmarks near)
+BY_THETA, BY_THETA_IN_POLES, BY_STEPS = Cost(300, 3), Cost(900, 3), Cost(150_000, 0)
 
 
 def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[Any]]:
@@ -55,44 +55,36 @@ class Equations:
         self._walk_constants = (*constants_of(system), 0.0)
 
 
-class WalkFirst:
-    """The :class:`integrable.motion.trajectory.Way` that takes the walk if it reaches all times, else ``other``.
+class NearWalk:
+    """The :class:`integrable.phase.ways.Way` to states near the start; it may take as long as the next way costs."""
 
-    ``costs`` are those of a set-up of ``other`` and of each time, in microseconds.
-    """
+    way = "integrated"
 
-    def __init__(self, motion: Motion, other: Callable[[], Way], costs: tuple[int, int]) -> None:
-        self._motion, self._other, self._costs = motion, other, costs
-        self.way = "integrated"
+    def __init__(self, motion: Motion, cost: Cost) -> None:
+        self._motion, self._cost = motion, cost
 
-    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
-        found = self.walked(times, True)
-        return found or self._left().at(times)
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
+        return self.walked(times, True)
 
-    def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M at values of τ, shape (N, 6)."""
+    def at_tau(self, tau: np.ndarray) -> np.ndarray | None:
+        """γ and M side by side at values of τ: shape (N, 6)."""
         found = self.walked(tau, False)
-        return found[0] if found else self._left().at_tau(tau)
+        return None if found is None else found[0]
 
-    def times(self, tau: np.ndarray) -> np.ndarray:
-        """Physical times at values of τ."""
+    def times(self, tau: np.ndarray) -> np.ndarray | None:
+        """The physical times t(τ) at values of τ: shape (N,)."""
         found = self.walked(tau, False)
-        return found[1] if found else self._left().times(tau)
-
-    def _left(self) -> Way:
-        other = self._other()
-        self.way = other.way
-        return other
+        return None if found is None else found[1]
 
     def walked(self, times: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray] | None:
         """The rows (γ, M) with τ if ``physical``, with t otherwise; None if the walk does not reach all times."""
         system, state = self._motion.system, self._motion.state
         # the variable after γ and M is τ, or t if the walk is in τ
         equations, start = Equations(system, physical), Point(state.gamma, (*state.M, 0.0, 0.0, 0.0))
-        most = self._costs[0] + self._costs[1] * len(times)
+        most = self._cost.of(len(times))
         near = walked(equations, start, times, most)
-        if self._costs == BY_STEPS:
+        if self._cost == BY_STEPS:
             near = finished(equations, start, times, near, most)
         if len(near.places) != len(times):
             return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -10,14 +10,14 @@ import numpy as np
 
 from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, widened
 from integrable.deformations.enclosed import EnclosedMotion
-from integrable.deformations.equations import BY_STEPS, WalkFirst, right_hand_sides
+from integrable.deformations.equations import BY_STEPS, NearWalk, right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.taylor import evaluate, integrate
 from integrable.motion.precise import rounded
 from integrable.motion.refusals import Rows, refused_rows
-from integrable.motion.trajectory import Way
 from integrable.moving_point.losses import digits_of
 from integrable.phase.state import State
+from integrable.phase.ways import InOrder, Way
 from integrable.series.tape import recorded
 from jacobian import MP, RR
 from jacobian.errors import PrecisionLoss
@@ -54,14 +54,19 @@ class IntegratedMotion(EnclosedMotion):
     def _equations(self) -> IntegratedStates:
         return IntegratedStates(self.system, self.state)
 
-    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        if self.system.field != RR or interpreted():
-            return self._equations
-        return WalkFirst(self, lambda: self._equations, BY_STEPS)
+    def _near(self) -> Iterator[NearWalk]:
+        if self.system.field == RR and not interpreted():
+            yield NearWalk(self, BY_STEPS)
 
-    def _kept(self, way: Way, given: np.ndarray, physical: bool, nan: Any) -> Rows:
-        if isinstance(way, WalkFirst) and (found := way.walked(given, physical)) is not None:
-            return Rows(*found)
+    def _ways(self) -> Iterator[Way]:
+        yield from self._near()
+        yield self._equations
+
+    def _kept(self, way: InOrder, given: np.ndarray, physical: bool, nan: Any) -> Rows:
+        way.way = self.method
+        for near in self._near():
+            if (found := near.walked(given, physical)) is not None:
+                return Rows(*found)
         # rows that the integration reached before a refused time are kept
         return self._equations.kept(given, physical, nan)
 

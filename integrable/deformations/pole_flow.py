@@ -35,7 +35,7 @@ class PoleFlow(DeformedFlow):
     NotRepresentable if moments are equal or a λ_k vanishes.
     """
 
-    _costs = BY_THETA_IN_POLES
+    _cost = BY_THETA_IN_POLES
     _pack = staticmethod(packed_in_poles)
 
     def _terms(self) -> float:

@@ -64,7 +64,7 @@ class Packed(NamedTuple):
 
 
 class QuickStates:
-    """The :class:`integrable.motion.trajectory.Way` of a motion over RR; ``rows`` is the Way of its carrier."""
+    """The :class:`integrable.phase.ways.Way` of a motion over RR; ``rows`` is the Way of its carrier."""
 
     def __init__(self, rows: RoundedRows, pack: Callable[[Any], Packed]) -> None:
         self._rows, self.way, self._pack = rows, rows.way, pack

@@ -25,6 +25,7 @@ from jacobian.immutable import replaced
 if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
     from integrable.phase.state import State
+    from integrable.phase.ways import Way
 
 
 class WideFlow(Flow):
@@ -47,9 +48,9 @@ class WideFlow(Flow):
         return Setup(Body(body.inertia, body.d, RR), state.gamma, state.M, state.tilted)
 
     @cached_property
-    def _symmetric(self) -> Any:
-        if self.system.field != RR:
-            return super()._symmetric
+    def _closed(self) -> Way | None:
+        if self.system.field != RR or not self._equal:
+            return super()._closed
         return SymmetricFlow(replaced(self.system, body=self._wide_body), self._wide_state)
 
 

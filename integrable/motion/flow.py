@@ -16,29 +16,27 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.motion.domain import check_domain
-from integrable.motion.short import ShortFirst, ShortRuns
-from integrable.motion.trajectory import BodyMotion, Trajectory, Way
+from integrable.motion.short import ShortRuns
+from integrable.motion.trajectory import BodyMotion, Trajectory
 from integrable.moving_point.setup import Setup
 from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State, rotation_axis
 from integrable.phase.upright import leaning
+from integrable.phase.ways import Way
 from jacobian import RR
 from jacobian.element import Number, Numbers, Real
 from jacobian.errors import ArgumentError, PrecisionLoss, one_of
-from jacobian.immutable import at_once, replaced
+from jacobian.immutable import at_once, quick_property, replaced
 from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
     from integrable.motion.contact import PreciseContact
     from integrable.motion.integral import TorusIntegral
     from integrable.motion.precise import PreciseFlow, RoundedRows
-    from integrable.motion.rotation import PrincipalRotation
-    from integrable.motion.symmetric import SymmetricFlow
-    from integrable.motion.symmetric_precise import PreciseClosedForm
     from integrable.phase.body import Body
     from integrable.phase.enclosure import Enclosure
     from integrable.portrait.portrait import Portrait
@@ -74,7 +72,6 @@ class Flow(BodyMotion):
     """
 
     kernel: str
-    _caches = ("_short",)
 
     @at_once
     def __init__(self, system: PhaseSpace, state: State, kernel: str = "auto") -> None:
@@ -216,24 +213,16 @@ class Flow(BodyMotion):
         except PrecisionLoss:
             return None
 
-    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        if self.system.field != RR:
-            return self._closed or self._precise
-        if self.kernel == "compiled" or rotation_axis(self.state) is not None or (self._equal and not self._compiled):
-            return self._far
-        there = vars(self)
-        runs = there.get("_short")
-        if runs is None:
-            # stored by hand, to avoid the lock of a cached_property
-            runs = there["_short"] = ShortRuns(self.system, self.state, self.kernel)
-        return ShortFirst(runs, lambda: self._far)
+    def _ways(self) -> Iterator[Way]:
+        floats, turns = self.system.field == RR, rotation_axis(self.state) is not None
+        # closed forms are faster for rotations, and for equal moments where nothing is compiled
+        if floats and self.kernel != "compiled" and not turns and (self._compiled or not self._equal):
+            yield self._near
+        yield self._closed or (self._torus if floats else None) or self._precise
 
-    @property
-    def _far(self) -> Way:
-        """The method for states at any times."""
-        if self._closed:
-            return self._closed
-        return self._torus or self._precise
+    @quick_property
+    def _near(self) -> ShortRuns:
+        return ShortRuns(self.system, self.state, self.kernel)
 
     @property
     def _compiled(self) -> bool:
@@ -259,36 +248,22 @@ class Flow(BodyMotion):
         return PreciseFlow(body, self.state, ROUNDED_TO_FLOATS, limits=limits)
 
     @cached_property
-    def _closed(self) -> SymmetricFlow | PreciseClosedForm | PrincipalRotation | None:
-        """The closed form of the motion, if there is one."""
-        if self._equal:
-            return self._symmetric
-        return None if rotation_axis(self.state) is None else self._rotation
+    def _closed(self) -> Way | None:
+        """The closed form of a body with equal moments, or of a rotation about a principal axis."""
+        if not self._equal and rotation_axis(self.state) is None:
+            return None
+        from integrable.motion.rotation import PrincipalRotation
+        from integrable.motion.symmetric import SymmetricFlow
+        from integrable.motion.symmetric_precise import PreciseClosedForm
+
+        form = SymmetricFlow if self._equal else PrincipalRotation
+        floats = self.system.field == RR
+        return form(self.system, self.state) if floats else PreciseClosedForm(self.system, self.state, form)
 
     @property
     def _equal(self) -> bool:
         """Whether two moments are equal."""
         return symmetry_axis(self.system.inertia) is not None
-
-    @cached_property
-    def _symmetric(self) -> SymmetricFlow | PreciseClosedForm:
-        """The closed form for two equal moments."""
-        from integrable.motion.symmetric import SymmetricFlow
-        from integrable.motion.symmetric_precise import PreciseClosedForm
-
-        if self.system.field != RR:
-            return PreciseClosedForm(self.system, self.state)
-        return SymmetricFlow(self.system, self.state)
-
-    @cached_property
-    def _rotation(self) -> PrincipalRotation | PreciseClosedForm:
-        """The closed form for M along a principal axis with γ orthogonal to it."""
-        from integrable.motion.rotation import PrincipalRotation
-        from integrable.motion.symmetric_precise import PreciseClosedForm
-
-        if self.system.field != RR:
-            return PreciseClosedForm(self.system, self.state, PrincipalRotation)
-        return PrincipalRotation(self.system, self.state)
 
     @cached_property
     def _torus(self) -> TorusFlow | None:
@@ -324,13 +299,13 @@ class Flow(BodyMotion):
         h1, h2 = self.system.body.energies(self.state.gamma, self.state.M)
         return h1, h2
 
-    def _off(self, rows: np.ndarray, way: Way) -> tuple[np.ndarray, str]:
+    def _off(self, rows: np.ndarray, way: str) -> tuple[np.ndarray, str]:
         """Finds the rows whose integrals differ from the integrals of the start, as :meth:`Motion._off`.
 
         Near a separatrix and on bodies beyond this precision an addition can lose every digit; it then leaves the
         level set.
         """
-        if way.way == "short run" or rows.dtype == object:
+        if way == ShortRuns.way or rows.dtype == object:
             # these methods have compared the integrals already, the precise flow with more digits
             return super()._off(rows, way)
         found: list[np.ndarray] = []

@@ -34,7 +34,7 @@ def kept_rows(compute: Compute, values: np.ndarray, nan: Real) -> Rows:
     status, reasons = np.zeros(len(values), dtype=np.intp), [""]
     left = np.arange(len(values))
     rows, tau = np.full((len(values), 6), nan, values.dtype), np.full(len(values), nan, values.dtype)
-    while len(left):
+    while True:
         try:
             rows[left], tau[left] = compute(values[left])
             break
@@ -42,6 +42,8 @@ def kept_rows(compute: Compute, values: np.ndarray, nan: Real) -> Rows:
             for beyond, why in list(_too_far(compute, values, left)) or _too_many(compute, values, left):
                 status[beyond] = _place(reasons, why)
             left = left[status[left] == 0]
+            if not len(left):
+                break
     return Rows(rows, tau, status, tuple(reasons))
 
 

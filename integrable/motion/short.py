@@ -31,7 +31,6 @@ from jacobian.numbers.long_reals import BareReals
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from integrable.motion.trajectory import Way
     from integrable.phase.space import PhaseSpace
     from integrable.phase.state import State
     from jacobian.native.library import Packed
@@ -76,12 +75,13 @@ Found = tuple[np.ndarray, np.ndarray]
 
 
 class ShortRuns:
-    """Computes γ and M within a few turns of one state, in the user's units. Its methods return None if another method
-    is needed.
+    """The :class:`integrable.phase.ways.Way` to γ and M within a few turns of one state, in the user's units.
 
     ``kernel`` is that of :class:`integrable.motion.flow.Flow`. The result depends on times, body and state only, not on
     previous calls.
     """
+
+    way = "short run"
 
     def __init__(self, system: PhaseSpace, state: State, kernel: str = "auto") -> None:
         body = system.body
@@ -212,33 +212,6 @@ def panels_within(torus: TorusCost, count: int, worth: float = WORTH) -> int:
     """The largest number of panels that cost less than a torus and ``count`` states from it."""
     cost = torus.set_up + count * (torus.each if count < DENSE_FROM else torus.dense)
     return min(MOST_PANELS, int((cost / worth - START_COST) / PANEL_COST))
-
-
-class ShortFirst:
-    """The :class:`integrable.motion.trajectory.Way` of one call: a short run or, where that fails, ``other()``."""
-
-    def __init__(self, runs: ShortRuns, other: Callable[[], Way]) -> None:
-        self._runs, self._other = runs, other
-        self.way = "short run"
-
-    def at(self, times: np.ndarray) -> Found:
-        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
-        return self._runs.at(times) or self._far().at(times)
-
-    def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M side by side at values of τ: shape (N, 6)."""
-        found = self._runs.at_tau(tau)
-        return self._far().at_tau(tau) if found is None else found
-
-    def times(self, tau: np.ndarray) -> np.ndarray:
-        """The physical times t(τ) at values of τ: shape (N,)."""
-        found = self._runs.times(tau)
-        return self._far().times(tau) if found is None else found
-
-    def _far(self) -> Way:
-        other = self._other()
-        self.way = other.way
-        return other
 
 
 @cache

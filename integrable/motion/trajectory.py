@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, overload
+from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from integrable.files.exported import Exported
 from integrable.motion.refusals import Rows, common_reasons, kept_rows, refused_rows
 from integrable.moving_point.setup import Setup
 from integrable.phase.state import State
+from integrable.phase.ways import InOrder, Way
 from jacobian import RR
 from jacobian.element import Numbers
 from jacobian.errors import (
@@ -52,25 +53,10 @@ WAYS = {
 """The values of :attr:`Trajectory.way` and their meaning."""
 
 
-class Way(Protocol):
-    """A method of computing the states of a motion over its field; ``way`` is its name in :attr:`Trajectory.way`."""
-
-    way: str
-
-    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
-
-    def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M side by side at values of τ: shape (N, 6)."""
-
-    def times(self, tau: np.ndarray) -> np.ndarray:
-        """The physical times t(τ) at values of τ: shape (N,)."""
-
-
 class Motion(Immutable):
     """The motion of ``system`` through ``state``, over RR or MP(digits): base of the flows of bodies
     (:class:`integrable.motion.flow.Flow`) and of deformations (:mod:`integrable.deformations.deformed_flow`), which
-    choose the :class:`Way` to the states.
+    name the ways to the states (:class:`integrable.phase.ways.Way`).
     """
 
     system: Any
@@ -98,8 +84,7 @@ class Motion(Immutable):
         given = self._checked(tau, "tau")
         if not self.system.body.rolls:
             return given
-        times: Times = self._way_to(given, physical=True).times(given)
-        return times
+        return InOrder(self._ways).times(given)
 
     def _repr_html_(self) -> str:
         from jacobian.notebook import named
@@ -110,17 +95,15 @@ class Motion(Immutable):
 
     # --- for subclasses
 
-    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        """Chooses the method for the states at ``times``, which are physical times or, without ``physical``, values of
-        τ.
-        """
+    def _ways(self) -> Iterator[Way]:
+        """The ways to the states in the order in which they are asked; the last one reaches all times or raises."""
         raise NotImplementedError
 
-    def _prepare(self, times: Numbers) -> None:
-        """Compute the set-up for states at these times, so that it can be timed separately."""
-        self._way_to(self._checked(times, "times"), physical=True)
+    def _prepare(self) -> None:
+        """Makes the first way, so that its set-up can be timed separately."""
+        next(self._ways())
 
-    def _off(self, rows: np.ndarray, way: Way) -> tuple[np.ndarray, str]:
+    def _off(self, rows: np.ndarray, way: str) -> tuple[np.ndarray, str]:
         """Returns (indices of rows that have left the motion, description of the first row's defect)."""
         return NO_ROWS, ""
 
@@ -128,25 +111,25 @@ class Motion(Immutable):
         """Computes :attr:`Trajectory.contact` for a run."""
         raise NotRepresentable(f"{self.system!r} is no body that rolls on a plane: it has no point of contact")
 
-    def _kept(self, way: Way, given: np.ndarray, physical: bool, nan: Any) -> Rows:
+    def _kept(self, way: InOrder, given: np.ndarray, physical: bool, nan: Any) -> Rows:
         """The rows that ``way`` computes; rows that it refuses are set to ``nan``."""
         return kept_rows(lambda times: _computed(way, times, physical), given, nan)
 
     # --- inside
 
     def _run(self, given: np.ndarray, strict: bool, physical: bool) -> Trajectory:
-        way = self._way_to(given, physical)
+        way = InOrder(self._ways)
         times = given if physical or not self.system.body.rolls else None
         if strict:
             rows, tau = _computed(way, given, physical)
-            off, why = self._off(rows, way)
+            off, why = self._off(rows, way.way)
             if len(off):
                 raise PrecisionLoss(f"row {off[0]}: {why}")
             return Trajectory(self, times, tau, rows, way.way)
         nan = np.nan if self.system.field == RR else self.system.field.context.nan
         found = self._kept(way, given, physical, nan)
         had = np.arange(len(given)) if found.status is None else np.flatnonzero(found.status == 0)
-        off, why = self._off(found.rows[had], way)
+        off, why = self._off(found.rows[had], way.way)
         found = refused_rows(found, dict.fromkeys(had[off].tolist(), why), nan)
         return Trajectory(
             self, times, found.tau if physical else given, found.rows, way.way, found.status, found.reasons
@@ -165,7 +148,7 @@ class Motion(Immutable):
         return np.array(items, dtype=np.float64 if field == RR else object)
 
 
-def _computed(way: Way, values: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray]:
+def _computed(way: InOrder, values: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray]:
     return way.at(values) if physical else (way.at_tau(values), values)
 
 

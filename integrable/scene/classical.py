@@ -103,7 +103,7 @@ class ClassicalMotion:
         self.system, self.state = system, state
         self._flow = system.system.flow(_point(state))
 
-    def _prepare(self, times: Numbers) -> None:
+    def _prepare(self) -> None:
         """Does nothing: the method depends on the times, and its set-up is part of their computation."""
 
     def at(self, times: Numbers) -> ClassicalRun:

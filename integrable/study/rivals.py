@@ -54,7 +54,7 @@ def flow_once(scene: Scene, digits: int, kernel: str, apart: bool = False) -> Ca
         made = perf_counter()
         flow = system.flow(state, kernel=kernel) if scene.rolls_or_spins else system.motion_through(state)
         if apart:
-            flow._prepare(times)
+            flow._prepare()
         ready = perf_counter()
         trajectory = flow.at(times)
         _ = trajectory.gamma, trajectory.M

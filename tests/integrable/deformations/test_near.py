@@ -9,7 +9,8 @@ import pytest
 
 from integrable import Check, Gyroscopic, Hat, Tilde
 from integrable.deformations.deformed_flow import widened
-from integrable.deformations.equations import WalkFirst, kind_in
+from integrable.deformations.equations import NearWalk, kind_in
+from integrable.phase.ways import Cost, InOrder
 from integrable.series.kinds import Kind
 from integrable.series.steps import FINE
 from jacobian import MP, NotRepresentable
@@ -113,7 +114,11 @@ def test_a_walk_that_is_not_compiled_is_left_to_others() -> None:
             asked.append(len(times))
             return np.zeros((len(times), 6)), times
 
-    first = WalkFirst(system.motion_through(state), Other, (0, 0))
+    def ways():
+        yield NearWalk(system.motion_through(state), Cost(0, 0))
+        yield Other()
+
+    first = InOrder(ways)
     assert first.at(np.array([1e9]))[0].shape == (1, 6)
     assert first.way == "other"
     assert asked == [1]

@@ -244,6 +244,6 @@ def test_a_flow_can_be_prepared_so_that_its_set_up_is_timed_by_itself() -> None:
     for kernel, made in (("compiled", True), ("auto", False)):
         flow = ball.flow(ball.state(*START), kernel=kernel)
         assert "_torus" not in vars(flow)
-        flow._prepare([1000.0])
+        flow._prepare()
         # "auto" chooses by the times, in the evaluation
         assert ("_torus" in vars(flow)) is made

@@ -227,7 +227,7 @@ def test_many_refused_rows_cost_no_more_than_the_others() -> None:
 
 def test_a_state_off_the_level_set_is_refused_alone(monkeypatch) -> None:
     flow = motion(BALL)
-    way = flow._far
+    way = flow._torus
 
     def spoilt(times):
         rows, tau = type(way).at(way, times)

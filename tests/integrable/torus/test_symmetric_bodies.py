@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
+from integrable.motion.symmetric import SymmetricFlow
 from integrable.oracles import reference
 from integrable.phase.state import State
 from integrable.torus import lattice
@@ -197,8 +198,9 @@ def test_the_closed_form_of_a_ball_is_the_motion_on_its_torus(name) -> None:
     ball = ChaplyginBall(inertia, d)
     flow = ball.flow(ball.state(gamma, M, tilted=tilted), kernel="compiled")
     times = np.array([0.0, 1.3, -7, 50, 1e4, -3e5])
-    assert flow._way_to(times, physical=True) is flow._symmetric
-    (rows, tau), (expected, expected_tau) = flow._symmetric.at(times), flow._torus.at(times)
+    run = flow.at(times)
+    assert run.way == SymmetricFlow.way
+    (rows, tau), (expected, expected_tau) = (np.hstack([run.gamma, run.M]), run.tau), flow._torus.at(times)
     assert np.abs(rows - expected).max() < 4e-15
     assert tau == pytest.approx(expected_tau, rel=1e-15, abs=1e-16)
     assert flow.at_tau(tau).gamma == pytest.approx(flow._torus.at_tau(tau)[:, :3], abs=4e-15)
