@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,8 @@ from jacobian.errors import PrecisionLoss
 # largest numbers of Newton steps and of halvings of a step. After a step below LAST the error is about its square; a
 # gap below ROUNDED may be rounding
 MOST_STEPS, MOST_HALVINGS, LAST, ROUNDED = 60, 30, 1e-8, 1e-12
+# number of sines summed in one array operation
+SINES = 1 << 20
 
 Array = np.ndarray
 
@@ -29,13 +32,41 @@ class OvalAngles(NamedTuple):
 
         The sums map angles to phases one to one, with a derivative that is regular everywhere, so this converges.
         """
+        return self._in_parts(self._at, phases)
+
+    def delays(self, phases: Array, oval: int, rates: Array) -> Array:
+        """The times (N,) from these phases until the point of an oval is at the end to which its own phase belongs.
+
+        The sums grow at the ``rates``. Combinations that do not grow determine the angles of the other points; a sum
+        that grows then gives the time.
+        """
+        grows, others = int(np.argmax(np.abs(rates))), [k for k in range(len(self.means)) if k != oval]
+
+        def still(sums: Array) -> Array:
+            found: Array = np.delete(sums - sums[:, [grows]] * (rates / rates[grows]), grows, axis=1)
+            return found
+
+        rest = OvalAngles(still(self.means[others]), tuple(still(self.waves[k]) for k in others))
+
+        def late(phases: Array) -> Array:
+            angles = np.insert(rest._at(phases[:, others]), oval, 2 * np.pi * phases[:, oval], axis=1)
+            found: Array = (self._sums(angles) - 2 * np.pi * phases @ self.means)[:, grows] / rates[grows]
+            return found
+
+        return self._in_parts(late, phases)
+
+    def _in_parts(self, function: Callable[[Array], Array], phases: Array) -> Array:
+        size = max(1, SINES // max(1, *map(len, self.waves)))
+        return np.concatenate([function(phases[begin : begin + size]) for begin in range(0, len(phases), size)])
+
+    def _at(self, phases: Array) -> Array:
         angles = 2 * np.pi * phases
         gaps, left = self._gaps(angles, phases), np.arange(len(phases))
         for _ in range(MOST_STEPS):
             wanted = gaps[left] @ (2 * np.pi * self.means)
             steps = np.linalg.solve(self.slopes(angles[left]), wanted[:, :, None])[:, :, 0]
             angles[left] -= steps
-            far = np.abs(steps).max(axis=1) >= LAST
+            far = np.abs(steps).max(axis=1, initial=0) >= LAST
             left, steps = left[far], steps[far]
             if not len(left):
                 return angles
@@ -51,16 +82,19 @@ class OvalAngles(NamedTuple):
         raise PrecisionLoss("the angles of the points at these phases were not found in floats")
 
     def _gaps(self, angles: Array, phases: Array) -> Array:
-        sums = angles @ self.means
+        found: Array = np.linalg.solve(2 * np.pi * self.means.T, self._sums(angles).T).T - phases
+        return found
+
+    def _sums(self, angles: Array) -> Array:
+        sums: Array = angles @ self.means
         for phi, waves in zip(angles.T, self.waves, strict=True):
             sums += np.sin(np.outer(phi, np.arange(1, len(waves) + 1))) @ waves
-        found: Array = np.linalg.solve(2 * np.pi * self.means.T, sums.T).T - phases
-        return found
+        return sums
 
     def slopes(self, angles: Array) -> Array:
         """The derivatives of the sums by the angles, shape (N, forms, ovals)."""
-        columns = []
+        columns = [np.zeros((len(angles), len(self.means), 0))]
         for phi, mean, waves in zip(angles.T, self.means, self.waves, strict=True):
             n = np.arange(1, len(waves) + 1)
-            columns.append(mean + np.cos(np.outer(phi, n)) @ (n[:, None] * waves))
-        return np.stack(columns, axis=2)
+            columns.append((mean + np.cos(np.outer(phi, n)) @ (n[:, None] * waves))[:, :, None])
+        return np.concatenate(columns, axis=2)

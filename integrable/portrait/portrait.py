@@ -56,7 +56,8 @@ class Portrait(Immutable):
 
     ``drift`` is the mean velocity of the point of contact along −y of :attr:`Trajectory.attitude`, in the unit of the
     radius or in radii; None for a body that does not roll. ``mean_spin`` is the mean of (γ, ω) and ``mean_g`` the mean
-    of g = dτ/dt, both over t. ``wide_frequencies`` are (f1, f2) to the digits of the set-up. ``ovals`` holds the
+    of g = dτ/dt, both over t. ``wide_frequencies`` are (f1, f2), and
+    ``wide_tau_frequencies`` (ν1, ν2), to the digits of the set-up. ``ovals`` holds the
     periods, None where the ovals have met; ``level`` describes the curve.
     """
 
@@ -69,7 +70,7 @@ class Portrait(Immutable):
         nu, mean = self._means(system.body.rolls)
         found = nu[0] * mean, nu[1] * mean
         self.tau_frequencies, self.frequencies = tuple(map(number, nu)), tuple(map(number, found))
-        self.wide_frequencies = found
+        self.wide_tau_frequencies, self.wide_frequencies = nu, found
         self.rotation_number, self.mean_g = number(nu[0] / nu[1]), number(mean)
         self.zeta = number(level.zeta)
         a1, a2, a3 = level.a

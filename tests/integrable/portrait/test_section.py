@@ -40,6 +40,21 @@ def test_all_crossings_and_no_others(name, axis):
         assert abs(zeta / float(level.zeta) - 1).max() < 1e-13
 
 
+@pytest.mark.parametrize(
+    ("gamma", "M", "axis"),
+    [
+        ((0.6, 0.8, 0), (0.4, -0.3, 0.225), "largest"),
+        ((0, 0.6, 0.8), (0.3, 0.4, -0.3), "least"),
+        ((0, 0, 1), (0.001, 1, 0), "least"),
+    ],
+)
+def test_a_start_on_the_section_is_no_crossing_after_it(gamma, M, axis):
+    ball = ChaplyginBall((1, 2, 3), 0.7)
+    for sign in (1, -1):
+        flow = ball.flow(ball.state(gamma, tuple(sign * x for x in M)))
+        assert flow.section(2, axis).tau[0] > 1e-3
+
+
 def test_sections_to_the_digits_of_the_field():
     ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(40))
     flow = ball.flow(ball.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488")))
