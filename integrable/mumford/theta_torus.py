@@ -12,33 +12,27 @@ where η_i is the odd characteristic of the branch point r_i (Thomae; Mumford 19
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.columns import Column
-from integrable.mumford.elliptic_torus import circle, double_double_row, half_turn, inverse_factorials, long_numbers
+from integrable.mumford.elliptic_torus import long_numbers
 from integrable.mumford.fields import cofactor
 from integrable.mumford.motion import Start
+from integrable.mumford.theta_series import LIBRARY, theta_sums
 from integrable.torus.witness import witnesses
 from jacobian import RR, poly
-from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
-from jacobian.native.kinds import INT, INTS, WIDES, TupleKind, record
-from jacobian.native.library import Library
-from jacobian.native.special import SPECIAL
-from jacobian.numbers.abreast import abreast
+from jacobian.periods.paths import image
 from jacobian.periods.quadrature import working_numbers
 from jacobian.periods.real_basis import (
     NEARLY,
-    Whole,
     characteristics,
     coordinates,
     half_integrals,
-    image,
     ratio,
     real_basis,
     solved,
@@ -50,81 +44,10 @@ Row = Any
 
 # bits in which a torus is set up
 BITS = 160
-# largest number of harmonics of a series; beyond it, branch points nearly meet
-MOST_HARMONICS = 40
-# truncation error of a series relative to its largest term: e^(−π·DEPTH)
-DEPTH = 26.0
 # largest number of Newton steps to a root
 NEWTON_STEPS = 20
 # size of U at a branch point, relative to x², below which σ is not computed from it
 SMALL = 1e-20
-
-
-class ThetaSums(NamedTuple):
-    """The weights of the theta series of all classes (characteristics).
-
-    ``table`` has the shape ``sizes`` = (classes, rows, columns). An entry is four numbers: w₊ + w₋, w₊ − w₋ and the
-    same for the derivative along a direction. Rows are a = e₁, e₁ + 2, …, columns b = e₂, e₂ + 2, …; ``shifts`` are e₁
-    and e₂ of each class. ``kinds`` is 1 for a class that is odd in φ, else 0. ``inverse`` is that of
-    :func:`integrable.mumford.elliptic_torus.circle`.
-    """
-
-    table: Row
-    sizes: tuple[int, int, int]
-    shifts: Row
-    kinds: Row
-    inverse: Row
-
-
-def theta_lifts(sums: ThetaSums, phases: Row, out: Row) -> None:
-    """Writes, for each pair of phases in turns, θ_∞ and for every other class σ = θ/θ_∞ and ν = −2∂σ."""
-    classes = sums.sizes[0]
-    width = 2 * classes - 1
-    for i in abreast(0, len(phases) // 2):
-        c1, s1 = circle(phases[2 * i] / 2, sums.inverse)
-        c2, s2 = circle(phases[2 * i + 1] / 2, sums.inverse)
-        last, slope = theta(sums, classes - 1, (c1, s1), (c2, s2))
-        over = 1 / last
-        lean = slope * over
-        out[width * i] = last
-        for k in range(classes - 1):
-            value, rate = theta(sums, k, (c1, s1), (c2, s2))
-            sigma = value * over
-            out[width * i + 2 * k + 1] = sigma
-            out[width * i + 2 * k + 2] = 2 * (sigma * lean - rate * over)
-
-
-def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real, Real]) -> tuple[Real, Real]:
-    """θ of class k and its derivative, from (cosine, sine) of πφ₁ and of πφ₂."""
-    (c1, s1), (c2, s2), table = first, second, sums.table
-    _, rows, columns = sums.sizes
-    zero = 0 * c1
-    # harmonics advance by twice the angles, and begin at 0 or at one angle
-    ca, sa, cs, ss = c1 * c1 - s1 * s1, 2 * c1 * s1, c2 * c2 - s2 * s2, 2 * c2 * s2
-    a, b, start, other = 1 + zero, zero, 1 + zero, zero
-    if sums.shifts[2 * k] > 0:
-        a, b = c1, s1
-    if sums.shifts[2 * k + 1] > 0:
-        start, other = c2, s2
-    value, rate, odd = zero, zero, sums.kinds[k] > 0
-    place = 4 * k * rows * columns
-    for _ in range(rows):
-        p, q, dp, dq, c, s = zero, zero, zero, zero, start, other
-        for _ in range(columns):
-            p, q = p + table[place] * c, q + table[place + 1] * s
-            dp, dq = dp + table[place + 2] * c, dq + table[place + 3] * s
-            c, s = c * cs - s * ss, c * ss + s * cs
-            place += 4
-        if odd:
-            value, rate = value + (b * p + a * q), rate + (a * dp - b * dq)
-        else:
-            value, rate = value + (a * p - b * q), rate + (b * dp + a * dq)
-        a, b = a * ca - b * sa, a * sa + b * ca
-    return value, rate
-
-
-_SUMS = record(ThetaSums, WIDES, TupleKind((INT, INT, INT)), INTS, INTS, WIDES)
-LIBRARY = Library("theta", {"theta_lifts": (theta_lifts, (_SUMS, WIDES, WIDES))}, SPECIAL)
 
 
 class ThetaTorus:
@@ -183,11 +106,11 @@ class ThetaTorus:
 
     def _make(self, Z: LongField, start: Start, roots: list[Any], lifts: dict[Any, Any]) -> None:
         lead = start.f[-1]
-        found = real_basis(Z, half_integrals(Z, roots, lead))
-        tau = ratio(Z, found.cycles)
-        chars = characteristics(Z, found)
+        found = real_basis(half_integrals(Z, roots, lead))
+        tau = ratio(found.cycles)
+        chars = characteristics(found)
         w = image(Z, roots, lead, found.halves, (*start.u[:2], *start.v))
-        p1, p2, q1, q2 = coordinates(Z, found.cycles, w)
+        ((p1, p2, q1, q2),) = coordinates(found.cycles, tau, [w])
         halves = [round(2 * float(q)) for q in (q1, q2)]
         if max(abs(float(2 * q - n)) for q, n in zip((q1, q2), halves, strict=True)) > NEARLY:
             raise PrecisionLoss("the pair is on no real torus")
@@ -199,13 +122,14 @@ class ThetaTorus:
         if len(ends) < 2:
             raise PrecisionLoss("fewer than two branch points are real")
         places = [next(i for i, e in enumerate(roots) if e.real == end and e.imag == 0) for end in ends]
-        along = solved(Z, found.cycles[:2], (Z.zero, Z.one))
+        along = solved(found.cycles[:2], (Z.zero, Z.one))
         shifted = [((a + halves[0]) % 2, (b + halves[1]) % 2, c, d) for a, b, c, d in chars]
-        self._sums, scales = theta_sums(tau, [shifted[i] for i in (*places, 5)], [x.real for x in along])
+        self._sums, tops = theta_sums(tau, [shifted[i] for i in (*places, 5)], [x.real for x in along])
         self._places = Column.of(p1), Column.of(p2)
-        nu = solved(Z, found.cycles[:2], (Z.coerce(start.direction[0]), Z.coerce(start.direction[1])))
+        nu = solved(found.cycles[:2], (Z.coerce(start.direction[0]), Z.coerce(start.direction[1])))
         self._frequencies = [Column.of(x.real) for x in nu]
         self._paces = [float(x.real) for x in nu]
+        scales = [Z.coerce(high) + Z.coerce(low) for high, low in tops.tolist()]
         at_start = self._values(np.array([[[x.hi, x.lo] for x in self._places]]))[0]
         f = poly.scale(Z, Z.coerce(lead), poly.from_roots(Z, roots))
         slope = poly.derivative(Z, f)
@@ -214,7 +138,7 @@ class ThetaTorus:
         for k, (e, i) in enumerate(zip(ends, places, strict=True)):
             kappa, sigma, nu_e = lifts.get(e) or lift_of(Z, start, e)
             size = Z.sqrt(Z.sqrt(abs(poly.evaluate(Z, slope, roots[i])) / abs(lead))).real
-            size = size * scales[k] / scales[-1] / Z.sqrt(abs(kappa)).real
+            size = size * (scales[k] / scales[-1] / Z.sqrt(abs(kappa))).real
             own, rate = (float(x) for x in at_start[2 * k + 1 : 2 * k + 3, 0])
             # if σ vanishes, ν carries the sign
             if own * sigma + rate * nu_e * SMALL < 0:
@@ -265,72 +189,3 @@ def complex_roots(N: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]
         pairs = [x for x in polished if x.imag > 0]
         real = [x for x in polished if x.imag == 0]
         return sorted([*real, *pairs, *(x.conjugate() for x in pairs)], key=lambda x: (float(x.real), float(x.imag)))
-
-
-class Lattice(NamedTuple):
-    """The data of a theta series: ``y`` is Im τ, ``halves`` is 2Re τ, a matrix of integers.
-
-    ``counts`` are the numbers of values of both summation indices; ``along`` is a direction in z.
-    """
-
-    y: list[list[Any]]
-    halves: list[list[int]]
-    counts: tuple[int, int]
-    along: Sequence[Any]
-
-
-def theta_sums(
-    tau: Sequence[Sequence[Any]], chars: Sequence[Whole], along: Sequence[Any]
-) -> tuple[ThetaSums, list[Any]]:
-    """The weights of the characteristics ``chars``, and for each class the number by which its sums are divided.
-
-    Derivatives are ``along`` a direction in z.
-    """
-    y = [[x.imag for x in row] for row in tau]
-    area = float(y[0][0] * y[1][1] - y[0][1] ** 2)
-    widest = [2 * (DEPTH * float(y[1 - k][1 - k]) / area) ** 0.5 for k in (0, 1)]
-    if max(widest) > 2 * MOST_HARMONICS:
-        raise PrecisionLoss("theta functions of this motion have too many terms: branch points nearly meet")
-    counts = int(widest[0]) // 2 + 2, int(widest[1]) // 2 + 2
-    lattice = Lattice(y, [[round(2 * float(x.real)) for x in row] for row in tau], counts, along)
-    weights, scales = zip(*(weights_of(lattice, char) for char in chars), strict=True)
-    kinds = np.array([(e1 * d1 + e2 * d2) % 2 for e1, e2, d1, d2 in chars], dtype=np.int64)
-    shifts = np.array([x for e1, e2, *_ in chars for x in (e1, e2)], dtype=np.int64)
-    table = double_double_row([x for row in weights for x in row])
-    return ThetaSums(table, (len(chars), *counts), shifts, kinds, inverse_factorials()), list(scales)
-
-
-def weights_of(lattice: Lattice, char: Whole) -> tuple[list[Any], Any]:
-    """The weights of one class divided by the largest term of its series, and this term."""
-    import gmpy2
-
-    (e1, e2, d1, d2), (y, halves, (rows, columns), along), pi = char, lattice, half_turn()
-    firsts, seconds = range(e1, e1 + 2 * rows, 2), range(e2, e2 + 2 * columns, 2)
-
-    def term(a: int, m: int) -> tuple[Any, int]:
-        # the phase from Re τ, in sixteenths of a turn
-        turned = a * a * halves[0][0] + 2 * a * m * halves[0][1] + m * m * halves[1][1]
-        return (a * a * y[0][0] + 2 * a * m * y[0][1] + m * m * y[1][1]) / 4, turned
-
-    least, phase = min(
-        (term(a, m) for a in firsts for b in seconds for m in (b, -b) if a or m >= 0), key=lambda found: found[0]
-    )
-    table = []
-    for a, b in product(firsts, seconds):
-        pair: list[tuple[Any, Any]] = []
-        for m in (b, -b):
-            if (a == 0 and m < 0) or (m == 0 and pair):
-                pair.append((0 * least, 0 * least))
-                continue
-            size, turned = term(a, m)
-            if (turned - phase) % 8:
-                raise PrecisionLoss("theta functions of this motion are not real")
-            # the terms of n and −n are combined
-            w = gmpy2.exp(-pi * (size - least)) * (2 if (a, m) != (0, 0) else 1)
-            if ((turned - phase) % 16 != 0) != ((a * d1 + m * d2) % 4 in (1, 2)):
-                w = -w
-            rate = pi * (a * along[0] + m * along[1]) * w
-            pair.append((w, rate if (e1 * d1 + e2 * d2) % 2 else -rate))
-        (w, rate), (other, slower) = pair
-        table += [w + other, w - other, rate + slower, rate - slower]
-    return table, gmpy2.exp(-pi * least)

@@ -7,15 +7,18 @@ import pytest
 
 from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
+from integrable.moving_point.elliptic_integrals import oval_periods
 from integrable.mumford import theta_torus
+from integrable.mumford.elliptic_torus import half_turn
 from integrable.mumford.flow import TIMES_TO_THETA
 from integrable.mumford.real_torus import OtherOvals, RealTorus
-from integrable.mumford.theta_torus import ThetaTorus, theta_lifts
+from integrable.mumford.theta_series import theta, theta_lifts, theta_sums
+from integrable.mumford.theta_torus import ThetaTorus
 from jacobian import MP, HyperellipticCurve, PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
-from jacobian.periods import real_basis
+from jacobian.periods import paths, real_basis
 from jacobian.periods.matrix import periods
 from tests.integrable.ways import confirmed, forced, has_torus, made_torus
 
@@ -91,8 +94,8 @@ def test_what_is_wrong_is_noticed(name, which) -> None:
 def test_a_wrong_characteristic_is_noticed(monkeypatch) -> None:
     right = theta_torus.characteristics
 
-    def wrong(Z, found):
-        chars = right(Z, found)
+    def wrong(found):
+        chars = right(found)
         return [*chars[:-2], chars[-1], chars[-2]]
 
     monkeypatch.setattr(theta_torus, "characteristics", wrong)
@@ -115,6 +118,33 @@ def test_the_source_interpreted_in_long_numbers_is_what_is_compiled() -> None:
     assert np.abs(np.reshape([float(x) for x in out], (3, 5)) / found - 1).max() < 1e-14
 
 
+@compiled
+@pytest.mark.parametrize("f", [(0.5, -1, 0.25, 2, 1, -1), (-8.0, -2.0, 18.0, 4.5, -4.0, -1.0), (4.0, 0, -5, 0, 1, 1)])
+def test_series_are_theta_functions(f: tuple[float, ...]) -> None:
+    """Values, derivatives and scales are those of Σ e^(πi nτn + 2πi n(φ + ½δ)), n in Z² + ½ε, up to one phase."""
+    along = (0.75, -0.5)
+    with LongField(160) as N, LongField(160, complex=True) as Z:
+        roots = [Z.coerce(e) for e in theta_torus.complex_roots(N, tuple(map(N.coerce, f)), [])]
+        found = real_basis.real_basis(real_basis.half_integrals(Z, roots, N.coerce(f[-1])))
+        tau, chars = real_basis.ratio(found.cycles), real_basis.characteristics(found)
+        # the series of complex branch points are not real
+        chars = [char for char, e in zip(chars, [*roots, Z.one], strict=True) if e.imag == 0]
+        sums, tops = theta_sums(tau, chars, [N.coerce(x) for x in along])
+    table, tau = sums._replace(table=sums.table[:, 0].copy()), np.array([[complex(x) for x in row] for row in tau])
+    for k, (e1, e2, d1, d2) in enumerate(chars):
+        a, b = (np.arange(-12, 13) + e / 2 for e in (e1, e2))
+        a, b = a[:, None], b[None, :]
+        form = tau[0, 0] * a * a + 2 * tau[0, 1] * a * b + tau[1, 1] * b * b
+        ratios = []
+        for phi in ((0.1, 0.2), (-0.7, 0.35), (1.3, -0.45)):
+            terms = np.exp(1j * np.pi * (form + 2 * a * (phi[0] + d1 / 2) + 2 * b * (phi[1] + d2 / 2)))
+            true = terms.sum(), (2j * np.pi * (a * along[0] + b * along[1]) * terms).sum()
+            made = theta(table, k, *((np.cos(np.pi * x), np.sin(np.pi * x)) for x in phi))
+            ratios += [x / (y * tops[k, 0]) for x, y in zip(true, made, strict=True)]
+        assert np.abs(np.array(ratios) / ratios[0] - 1).max() < 1e-11
+        assert abs(abs(ratios[0]) - 1) < 1e-12
+
+
 def test_cycles_are_periods_of_the_curve() -> None:
     """In a basis found by other means, the cycles have integral coordinates and are symplectic; A is real, Im τ is
     reduced.
@@ -126,10 +156,10 @@ def test_cycles_are_periods_of_the_curve() -> None:
         roots = theta_torus.complex_roots(N, tuple(map(N.coerce, f)), [])
         with LongField(160, complex=True) as Z:
             roots = [Z.coerce(e) for e in roots]
-            found = real_basis.real_basis(Z, real_basis.half_integrals(Z, roots, N.coerce(f[-1])))
+            found = real_basis.real_basis(real_basis.half_integrals(Z, roots, N.coerce(f[-1])))
             assert sum(e.imag != 0 for e in roots) in (2, 4)
             assert max(abs(x.imag) for cycle in found.cycles[:2] for x in cycle) < 1e-30
-            tau = real_basis.ratio(Z, found.cycles)
+            tau = real_basis.ratio(found.cycles)
             assert abs(tau[0][1] - tau[1][0]) < 1e-30
             assert 2 * abs(tau[0][1].imag) <= tau[0][0].imag <= tau[1][1].imag
             rows = [other.coordinates([K.context.mpc(str(x.real), str(x.imag)) for x in c]) for c in found.cycles]
@@ -142,6 +172,63 @@ def test_cycles_are_periods_of_the_curve() -> None:
     assert np.array_equal(abs(whole @ form @ whole.T), abs(form))
 
 
-def test_branch_points_that_nearly_meet_are_refused() -> None:
-    with pytest.raises(PrecisionLoss, match="near"):
-        real_basis.checked(real_basis.MOST_NODES + 1)
+def test_rules_agree_and_branch_points_that_nearly_meet_are_refused() -> None:
+    """Rules that crowd at the ends serve real branch points, wherever these are; complex ones are refused there."""
+    with LongField(160, complex=True) as Z:
+        roots = [Z.coerce(x) for x in (-2, -0.75, 0.5, 1, 3)]
+        for k in range(4):
+            path = paths.straight(Z, roots[k], roots[k + 1], [e for i, e in enumerate(roots) if i not in (k, k + 1)])
+            gauss, other = (
+                paths.path_integrals(path, rule) for rule in (paths.chebyshev_rule(120), paths.logistic_rule(False))
+            )
+            assert max(abs(x / y - 1) for x, y in zip(gauss, other, strict=True)) < 1e-29
+        path = paths.straight(Z, roots[0], Z.coerce(-1), roots[1:])
+        gauss, other = (
+            paths.path_integrals(path, rule) for rule in (paths.legendre_rule(120), paths.logistic_rule(True))
+        )
+        assert max(abs(x / y - 1) for x, y in zip(gauss, other, strict=True)) < 1e-29
+        assert not path.graded(paths.MOST_NODES_IF_REAL)
+        assert path.graded(paths.MOST_NODES + 1)
+        with pytest.raises(PrecisionLoss, match="near"):
+            path._replace(poles=[Z.coerce(1j)]).graded(paths.MOST_NODES + 1)
+
+
+@pytest.mark.parametrize("gap", [2.0**-10, 2.0**-40])
+def test_periods_of_branch_points_that_nearly_meet_are_those_of_richelot(gap: float) -> None:
+    roots = [-2, -0.75, 1 - gap, 1, 3]
+    with LongField(160) as N:
+        ends, out = [N.coerce(x) for x in roots], [N.zero] * 4
+        oval_periods(ends[:4], N.one, ends[4], half_turn(), N.root_of_eps / 16, out)
+        with LongField(160, complex=True) as Z:
+            found = [paths.along(Z, [Z.coerce(x) for x in roots], Z.one, k) for k in (0, 2)]
+            flat = [2 * x for pair in found for x in pair]
+            signs = [1 if (x / y).real > 0 else -1 for x, y in zip(flat, out, strict=True)]
+            assert signs[0] == signs[1]
+            assert signs[2] == signs[3]
+            assert max(abs(s * x / y - 1) for s, x, y in zip(signs, flat, out, strict=True)) < 1e-28
+
+
+def test_integrals_to_a_point_end_where_they_begin() -> None:
+    """Twice the integral from the end of an oval to the other one is its period, in parts or whole."""
+    roots, x = [-2, -0.75, 1 - 2.0**-40, 1, 3], 0.25
+    with LongField(160, complex=True) as Z:
+        whole = [*map(Z.coerce, roots)]
+        # a point of the second gap, from either end of it
+        y = Z.sqrt(paths_value(whole, x))
+        begin = [(Z.zero, Z.zero)] * 6
+        parts = []
+        for k in (1, 2):
+            far = [e for i, e in enumerate(whole) if i != k]
+            path = paths.straight(Z, whole[k], Z.coerce(x), far)
+            first, _ = paths.path_integrals(path, paths.logistic_rule(True))
+            parts.append(abs(first / path.factor * Z.sqrt(Z.coerce(x) - whole[k])))
+        gap = abs(paths.along(Z, whole, Z.one, 1)[0])
+        assert abs(sum(parts) / gap - 1) < 1e-28
+        assert abs(abs(paths.to_point(Z, whole, Z.one, begin, (Z.coerce(x), y))[0]) / min(parts) - 1) < 1e-28
+
+
+def paths_value(roots, x):
+    product = 1
+    for e in roots:
+        product *= x - e
+    return product

@@ -1,0 +1,226 @@
+"""Integrals of dx/y and x dx/y along straight paths between branch points of y² = f(x), deg f = 5, and to other points.
+
+An integrand is summed over the nodes of a rule in double-doubles, compiled: a Gauss rule, or, where real branch points
+nearly meet, the trapezoidal rule in the logarithm of how the path is divided.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import cache
+from math import ceil, log
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from jacobian.errors import PrecisionLoss
+from jacobian.inexact.long_field import LongField
+from jacobian.native.kinds import INTS, WIDES
+from jacobian.native.library import Library
+from jacobian.numbers.double_double import split
+from jacobian.numbers.roots import root
+
+Row = Any
+Real = Any
+Vector = tuple[Any, Any]
+
+# digits of integrals
+DIGITS = 33
+# largest number of nodes of a Gauss rule; beyond it, branch points nearly meet; the number of nodes beyond which the
+# trapezoidal rule is shorter, if all branch points are real
+MOST_NODES, MOST_NODES_IF_REAL = 2400, 400
+# nodes on either side of the middle of a path, SPACING apart in the logarithm of how it is divided: the rule leaves
+# e^(−2π²/SPACING) = 5e-35, truncation at the ends e^(−NODES·SPACING/2) = 1e-33
+NODES, SPACING = 608, 0.25
+# bits of the nodes of quadrature rules
+BITS = 180
+
+
+def along(Z: LongField, roots: list[Any], lead: Any, k: int) -> Vector:
+    """∫(dx/y, x dx/y) along the straight path from root k to the next one."""
+    a, b = roots[k : k + 2]
+    middle, half = (a + b) / 2, (b - a) / 2
+    others = [r for i, r in enumerate(roots) if i not in (k, k + 1)]
+    path = straight(Z, a, b, others)
+    count = nodes_needed([(r - middle) / half for r in others])
+    first, second = path_integrals(path, logistic_rule(False) if path.graded(count) else chebyshev_rule(count))
+    # (x − a)(x − b) is negative
+    factor = Z.sqrt(Z.coerce(lead)) * Z.coerce(1j) * path.factor
+    return first / factor, (a * first + (b - a) * second) / factor
+
+
+def image(Z: LongField, roots: list[Any], lead: Any, halves: list[Vector], pair: tuple[Any, Any, Any, Any]) -> Vector:
+    """The sum, modulo periods, of the integrals from the first root to both points of a pair (u₀, u₁, v₀, v₁).
+
+    The pair is U = x² + u₁x + u₀, V = v₁x + v₀.
+    """
+    u0, u1, v0, v1 = map(Z.coerce, pair)
+    spread = Z.sqrt(u1 * u1 / 4 - u0)
+    total = Z.zero, Z.zero
+    for x in (spread - u1 / 2, -spread - u1 / 2):
+        added = to_point(Z, roots, lead, halves, (x, v0 + v1 * x))
+        total = total[0] + added[0], total[1] + added[1]
+    return total
+
+
+def to_point(Z: LongField, roots: list[Any], lead: Any, halves: list[Vector], point: Vector) -> Vector:
+    """The integrals from the first root to a point (x₁, y₁), modulo periods.
+
+    The path is straight from the root r that takes fewest nodes, with nodes in √(x − r).
+    """
+    (x1, y1), rules = point, []
+    for k, r in enumerate(roots):
+        if x1 == r:
+            return halves[k]
+        rules.append((nodes_needed([Z.sqrt((e - r) / (x1 - r)) for i, e in enumerate(roots) if i != k]), k))
+    count, k = min(rules)
+    r, others = roots[k], [e for i, e in enumerate(roots) if i != k]
+    path = straight(Z, r, x1, others)
+    first, second = path_integrals(path, logistic_rule(True) if path.graded(count) else legendre_rule(count))
+    factor = Z.sqrt(Z.coerce(lead)) * Z.sqrt(x1 - r) * path.factor
+    end = factor
+    for near, e in zip(path.ends, others, strict=True):
+        end *= Z.sqrt((x1 - e) / (near - e))
+    # y at the end of the path, on this sheet or the opposite one
+    scale = (1 if abs(end - y1) < abs(end + y1) else -1) * (x1 - r) / factor
+    return halves[k][0] + first * scale, halves[k][1] + (r * first + (x1 - r) * second) * scale
+
+
+class StraightPath(NamedTuple):
+    """x from a to b and the other branch points e, each with the nearer end of the path.
+
+    ``factor`` is Π√(end − e), ``poles`` are (other end − end)/(end − e).
+    """
+
+    ends: list[Any]
+    sides: list[int]
+    poles: list[Any]
+    factor: Any
+
+    def graded(self, count: int) -> bool:
+        """Whether nodes that crowd at both ends are better than ``count`` nodes of a Gauss rule."""
+        if count > MOST_NODES_IF_REAL and all(q.imag == 0 for q in self.poles):
+            return True
+        if count > MOST_NODES:
+            raise PrecisionLoss("branch points are too near to each other")
+        return False
+
+
+def straight(Z: LongField, a: Any, b: Any, others: Sequence[Any]) -> StraightPath:
+    """The straight path from a to b."""
+    sides = [int(abs(b - e) < abs(a - e)) for e in others]
+    ends = [b if side else a for side in sides]
+    factor, poles = Z.one, []
+    for side, end, e in zip(sides, ends, others, strict=True):
+        poles.append((a - b if side else b - a) / (end - e))
+        factor *= Z.sqrt(end - e)
+    return StraightPath(ends, sides, poles, factor)
+
+
+def path_integrals(path: StraightPath, rule: Row) -> Vector:
+    """∫dμ/w and ∫v dμ/w for the measure dμ of a rule, with x = a + (b − a)v and w = Π√((x − e)/(end − e))."""
+    import gmpy2
+
+    poles = np.array([split(x) for q in path.poles for x in (q.real, q.imag)])
+    out = np.empty((4, 2))
+    LIBRARY.path_sums(rule, poles, np.array(path.sides), out)
+    (a, a1), (b, b1), (c, c1), (d, d1) = out.tolist()
+    return gmpy2.mpc(a, b) + gmpy2.mpc(a1, b1), gmpy2.mpc(c, d) + gmpy2.mpc(c1, d1)
+
+
+def path_sums(rule: Row, poles: Row, sides: Row, out: Row) -> None:
+    """Writes the sums of weight/w and of v·weight/w over the nodes (v, 1 − v, weight) of a rule, w = Π√(1 + sq).
+
+    ``poles`` are the q, real and imaginary parts; s is v where the item of ``sides`` is 0, and 1 − v where it is 1.
+    """
+    zero = 0 * rule[0]
+    a, b, c, d = zero, zero, zero, zero
+    for n in range(len(rule) // 3):
+        v, x, y = rule[3 * n], 1 + zero, zero
+        for k in range(len(sides)):
+            s = rule[3 * n + sides[k]]
+            p, q = complex_root(1 + s * poles[2 * k], s * poles[2 * k + 1])
+            x, y = x * p - y * q, x * q + y * p
+        over = rule[3 * n + 2] / (x * x + y * y)
+        x, y = x * over, -(y * over)
+        a, b, c, d = a + x, b + y, c + v * x, d + v * y
+    out[0], out[1], out[2], out[3] = a, b, c, d
+
+
+def complex_root(x: Real, y: Real) -> tuple[Real, Real]:
+    """The principal square root of x + iy."""
+    if y == 0 and x > 0:
+        return root(x), y
+    size = root(x * x + y * y)
+    if x > 0:
+        first = root((size + x) / 2)
+        return first, y / (2 * first)
+    second = root((size - x) / 2)
+    first = abs(y) / (2 * second)
+    if y > 0:
+        return first, second
+    return first, -second
+
+
+LIBRARY = Library("path_sums", {"path_sums": (path_sums, (WIDES, WIDES, INTS, WIDES))})
+
+
+def nodes_needed(poles: Sequence[Any]) -> int:
+    """The number of nodes of a rule on [−1, 1] for an integrand with these branch points, an even number."""
+    rates = []
+    for pole in map(complex, poles):
+        beyond = (pole * pole - 1) ** 0.5
+        rates.append(log(max(abs(pole + beyond), abs(pole - beyond))))
+    count = ceil(DIGITS * log(10) / (2 * max(min(rates), 1e-9))) + 6
+    # a multiple of 8: quadrature rules are cached
+    return count + -count % 8
+
+
+def rule_of(nodes: Iterable[tuple[Any, Any, Any]]) -> Row:
+    """The rows (v, 1 − v, weight) of a rule in double-doubles."""
+    return np.array([split(x) for row in nodes for x in row])
+
+
+@cache
+def chebyshev_rule(count: int) -> Row:
+    """Gauss's rule for dv/√(v(1 − v)) on [0, 1]."""
+    import gmpy2
+
+    with LongField(BITS) as N:
+        pi = gmpy2.const_pi()
+        cosines = [gmpy2.cos(pi * (2 * n + 1) / (2 * count)) for n in range(count)]
+        return rule_of(((1 + c) / 2, (1 - c) / 2, N.coerce(pi / count)) for c in cosines)
+
+
+@cache
+def legendre_rule(count: int) -> Row:
+    """Gauss's rule for dt = dv/(2√v), v = t², t from −1 to 1, for an even count, as one for dv/√v on [0, 1]."""
+    from flint import arb, ctx
+
+    before = ctx.prec
+    try:
+        ctx.prec = BITS + 20
+        found = [arb.legendre_p_root(count, k, weight=True) for k in range(count // 2)]
+    finally:
+        ctx.prec = before
+    with LongField(BITS) as N:
+        pairs = [(N.from_ball(x) ** 2, 2 * N.from_ball(w)) for x, w in found]
+        return rule_of((v, 1 - v, w) for v, w in pairs)
+
+
+@cache
+def logistic_rule(regular: bool) -> Row:
+    """The trapezoidal rule in t = log(v/(1 − v)), for dv/√(v(1 − v)), or dv/√v if the integrand is ``regular`` at 1.
+
+    For real branch points outside [0, 1] the nearest singularities in t are ±iπ, wherever these points are: so the
+    accuracy does not depend on how close they are.
+    """
+    import gmpy2
+
+    with LongField(BITS) as N:
+        rows = []
+        for n in range(-NODES, NODES + 1):
+            s = gmpy2.exp(N.coerce(n * SPACING))
+            v, rest = s / (1 + s), 1 / (1 + s)
+            rows.append((v, rest, SPACING * N.sqrt(v) * (rest if regular else N.sqrt(rest))))
+        return rule_of(rows)
