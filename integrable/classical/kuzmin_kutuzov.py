@@ -14,35 +14,32 @@ L = 0, R has the sign of a lift at s = a.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
 
-import numpy as np
-
-from integrable.mumford.columns import Columns
-from integrable.mumford.flow import BITS_OF_TORUS, ON_TORUS, TO_TORUS, TORUS, MumfordFlow, Path, Point
-from integrable.mumford.motion import settled_digits
-from integrable.mumford.phase_torus import PhaseTorus
-from integrable.mumford.system import MumfordSystem, Spectral, all_of
-from integrable.phase.enclosure import EnclosedPath
+from integrable.mumford.fields import FormulaField
+from integrable.mumford.flow import Point
+from integrable.mumford.motion import Start
+from integrable.mumford.summed import SummedFlow
+from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of
+from integrable.phase.body import cross
 from integrable.portrait.point_ovals import Form, Separation
-from integrable.portrait.separated import SeparatedTorus
 from jacobian import RR, poly
+from jacobian.element import Real, Value
 from jacobian.errors import ArgumentError, NotRepresentable, shown
-from jacobian.inexact.long_field import LongField
-from jacobian.relatives.extended import Extended
+from jacobian.fields.protocol import Field
+from jacobian.relatives.extended import Extended, Lift
 
 
 class KuzminKutuzov(MumfordSystem):
     """A star in a galaxy with the axes (a, c), two different positive numbers, and the mass ``GM``.
 
-    The galaxy is flattened for a > c. q is the position, z the axis of the galaxy, and p the velocity.
+    The galaxy is flattened for a > c. q is the position, z the axis of the galaxy, and p the velocity. The motion of an
+    unbound star, E ≥ 0, is known at times near the start only.
     """
 
-    size = 3
-    clocked = True
+    size, clocked, flow_type = 3, True, SummedFlow
 
-    def __init__(self, axes: Any, GM: Any = 1, field: Any = RR) -> None:
+    def __init__(self, axes: Iterable[Value], GM: Value = 1, field: Field = RR) -> None:
         self._set_up(field, axes, "axes", 2)
         self.parameters, self.size = (self.field.coerce(GM, "GM"),), 3
         if len(self.constants) != 2 or not (field.exact or all(x > 0 for x in (*self.constants, *self.parameters))):
@@ -50,57 +47,52 @@ class KuzminKutuzov(MumfordSystem):
                 f"axes = {shown(axes)}, GM = {shown(GM)}: two different positive numbers and a positive one are needed"
             )
 
-    def _squares(self, N: Any) -> tuple[Any, Any]:
+    def _squares(self, N: FormulaField) -> tuple[Real, Real]:
         a, c = self._constants_in(N)
         return a * a, c * c
 
-    def _auxiliary(self, N: Any, state: Point) -> tuple[Any, Any]:
+    def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, Real]:
         """The roots P and S at a position, as in the potential."""
         a, c = self._squares(N)
         x, y, z = state.q
-        flat, high = x * x + y * y, z * z
-        product = N.sqrt(a * c + c * flat + a * high)
-        return product, N.sqrt(flat + high + a + c + 2 * product)
+        product = N.sqrt(a * c + c * (x * x + y * y) + a * z * z)
+        return product, N.sqrt(N.dot(state.q, state.q) + a + c + 2 * product)
 
-    def _along(self, N: Any, state: Point) -> tuple[Any, Any]:
+    def _along(self, N: FormulaField, state: Point) -> tuple[Real, Real]:
         """The sums A = (q, p) and B = c²(xẋ + yẏ) + a²zż."""
         a, c = self._squares(N)
         flat, high = N.dot(state.q[:2], state.p[:2]), state.q[2] * state.p[2]
         return flat + high, c * flat + a * high
 
-    def _rational_rates(self, N: Any, state: Point, auxiliary: tuple[Any, ...]) -> tuple[Any, ...]:
+    def _rational_rates(self, N: FormulaField, state: Point, auxiliary: tuple[Real, ...]) -> tuple[Real, ...]:
         (a, c), (x, y, z), (product, total) = self._squares(N), state.q, auxiliary
         A, B = self._along(N, state)
-        pull = -self._parameters_in(N)[0] / (total * total * total)
+        pull, rate = -self._parameters_in(N)[0] / (total * total * total), B / product
         flat = pull * (1 + c / product)
-        rate = B / product
         return (*state.p, flat * x, flat * y, pull * (1 + a / product) * z, rate, (A + rate) / total)
 
-    def _vector_field(self, N: Any, state: Point) -> Point:
+    def _vector_field(self, N: FormulaField, state: Point) -> Point:
         found = self._rational_rates(N, state, self._auxiliary(N, state))
         return Point(found[:3], found[3:6])
 
-    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+    def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals: the energy E, the angular momentum L about the axis, and I."""
-        (a, c), (x, y, z), (u, v, w), half = self._squares(N), state.q, state.p, 1 / N.coerce(poly.integer(N, 2))
+        (a, c), z, rise = self._squares(N), state.q[2], state.p[2]
         (product, total), mass = self._auxiliary(N, state), self._parameters_in(N)[0]
-        first, second = y * w - z * v, z * u - x * w
-        beyond = c + self._constants_in(N)[1] * total + product
-        turned = half * (first * first + second * second)
-        third = turned + (a - c) * (half * w * w + mass * z * z / (total * beyond))
-        return {"E": half * N.dot(state.p, state.p) - mass / total, "L": x * v - y * u, "I": third}
+        first, second, along = cross(N, *state)
+        pull = mass * z * z / (total * (c + self._constants_in(N)[1] * total + product))
+        third = (first * first + second * second) / 2 + (a - c) * (rise * rise / 2 + pull)
+        return {"E": N.dot(state.p, state.p) / 2 - mass / total, "L": along, "I": third}
 
-    def _quartic(self, N: Any, state: Point) -> poly.Poly:
+    def _quartic(self, N: FormulaField, state: Point) -> poly.Poly:
         """The polynomial 2P₄ of a state."""
         (a, c), (energy, along, third) = self._squares(N), self._integrals(N, state).values()
-        round_, flat = (-a, N.zero, N.one), (-c, N.zero, N.one)
-        found: poly.Poly = poly.scale(N, 2 * energy, poly.mul(N, round_, flat))
         mass = 2 * self._parameters_in(N)[0]
-        found = poly.add(N, found, poly.scale(N, mass, poly.mul(N, (-self._constants_in(N)[1], N.one), round_)))
-        rest = poly.add(N, poly.scale(N, along * along, flat), poly.scale(N, 2 * third, round_))
-        return poly.sub(N, found, rest)
+        inner = (-2 * (energy * c + third) - mass * self._constants_in(N)[1], mass, 2 * energy)
+        flat = poly.scale(N, along * along, (-c, N.zero, N.one))
+        return poly.sub(N, poly.mul(N, (-a, N.zero, N.one), inner), flat)
 
-    def _spectral(self, N: Any, state: Point) -> Spectral:
+    def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         (product, total), (A, B) = self._auxiliary(N, state), self._along(N, state)
         f = poly.mul(N, self._quartic(N, state), (-self._squares(N)[1], N.zero, N.one))
         return all_of(N, (f, (product, -total, N.one), (-A * product - B, A * total)), 2)
@@ -108,14 +100,16 @@ class KuzminKutuzov(MumfordSystem):
     def _genus(self) -> int:
         return 2
 
-    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+    def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         return N.one, N.zero
 
-    def _time_rate(self, N: Any, u: poly.Poly) -> Any:
+    def _time_rate(self, N: FormulaField, u: poly.Poly) -> Real:
         return u[0] * u[1]
 
-    def _separation(self, N: Any, state: Point) -> Separation:
-        (a, c), along = self._constants_in(N), self._integrals(N, state)["L"]
+    def _separation(self, N: FormulaField, state: Point) -> Separation:
+        (a, c), (energy, along, _) = self._constants_in(N), self._integrals(N, state).values()
+        if not energy < 0:
+            raise NotRepresentable("E ≥ 0: this star is unbound, and its far motion lies on no torus")
         still, time = (N.zero, N.one), (N.zero, -c * c, N.zero, N.one)
         action = Form((N.zero, *self._quartic(N, state)), (a, -a))
         # the forms have no poles at L = 0, where a is a branch point
@@ -123,125 +117,54 @@ class KuzminKutuzov(MumfordSystem):
         known = (c, -c) if along != 0 else (c, -c, a, -a)
         return Separation([Form(still), Form(time)], (N.zero, N.one), action, [(turn, N.zero)], (along,), known)
 
-    def flow(self, state: Point, tolerance: float | None = None) -> StarFlow:
-        """The motion of a star over RR or MP(digits), at any times; if it is unbound, E ≥ 0, at times near the start.
+    def _start(self, N: FormulaField, state: Point) -> Start:
+        """The lift of z at s = c; if L = 0, also that of R at s = a, with R counted along the half plane of ``state``.
 
-        ``tolerance`` is that of :meth:`integrable.mumford.system.MumfordSystem.flow`.
+        |e² − e'²|x² = |U(e)|U(−e) for (e, x) = (c, z) and (a, R), e' the other axis; ẋ follows from V(e).
         """
-        self._check_range(state)
-        return StarFlow(self, state, self._tolerance(tolerance))
+        (f, u, v), (long, short), (q, p) = self._spectral(N, state), self._constants_in(N), state
+        ahead, moved = self._ahead(N, state), [(short, self._side, q[2], p[2])]
+        if self._integrals(N, state)["L"] == 0:
+            moved.append((long, -self._side, N.dot(ahead, q[:2]), N.dot(ahead, p[:2])))
+        data = []
+        for e, kappa, x, rate in moved:
+            wide, scale = self._scales(N, u, e)
+            data.append((N.coerce(kappa), x / scale, v[1] / u[1] * x / scale - wide * scale * rate))
+        return Start(f, u, v, self._direction(N, 2), [Lift(e) for e, *_ in moved], tuple(data))
 
-    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
-        """The state of a pair with (σ, V/σ) at c, and cos and sin of the azimuth since the start.
-
-        If L = 0, (σ, V/σ) at a replaces cos and sin, and R, with a sign, is counted along the half plane of the start.
-        """
-        (a, c), (long, short) = self._squares(N), self._constants_in(N)
-        side, (v0, v1), (product, total) = 1 if self.constants[0] > self.constants[1] else -1, D.v, (D.u[0], -D.u[1])
-        wide, A = side * (a - c), v1 / total
-        # z² = |U(c)|U(−c)/|a² − c²|, R² = |U(a)|U(−a)/|a² − c²|, and z ż and R R' follow from V there
-        (sigma, slope), *axis = D.data
-        scale = N.sqrt((c + short * total + product) / wide)
-        z, rise = sigma * scale, -(side * slope + A * sigma) / (wide * scale)
-        beyond, ahead = (a + long * total + product) / wide, self._ahead(N, start)
-        if len(axis) == 1:
-            ((sigma, slope),), scale = axis, N.sqrt(beyond)
-            radius, rate, spin = sigma * scale, (side * slope - A * sigma) / (wide * scale), N.zero
-        else:
-            inside, (cosine, sine) = a - long * total + product, axis
-            radius = N.sqrt(-side * inside * beyond)
-            rate = side * (v0 + v1 * long + A * inside) / (wide * radius)
-            spin = self._integrals(N, start)["L"] / radius
-            ahead = ahead[0] * cosine - ahead[1] * sine, ahead[0] * sine + ahead[1] * cosine
-        (x, y) = ahead
+    def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
+        """The state of a pair with the lifts of :meth:`_start`, and cos and sin of the azimuth since the start."""
+        *lifts, (cosine, sine) = D.data
+        (a, c), (x, y), turn, spin = self._constants_in(N), self._ahead(N, start), D.v[1] / D.u[1], N.zero
+        if len(lifts) == 1:
+            # R > 0
+            sigma = N.sqrt(-(self._side * poly.evaluate(N, D.u, a)))
+            lifts.append((-self._side, sigma, -(self._side * poly.evaluate(N, D.v, a)) / sigma))
+            spin = self._integrals(N, start)["L"] / (sigma * self._scales(N, D.u, a)[1])
+        moved = []
+        for e, (_, sigma, nu) in zip((c, a), lifts, strict=True):
+            wide, scale = self._scales(N, D.u, e)
+            moved.append((sigma * scale, (turn * sigma - nu) / (wide * scale)))
+        (z, rise), (radius, rate) = moved
+        x, y = x * cosine - y * sine, x * sine + y * cosine
         return Point((radius * x, radius * y, z), (rate * x - spin * y, rate * y + spin * x, rise))
 
-    def _ahead(self, N: Any, state: Point) -> tuple[Any, Any]:
+    @property
+    def _side(self) -> int:
+        """The sign of a − c."""
+        return 1 if self.constants[0] > self.constants[1] else -1
+
+    def _scales(self, N: FormulaField, u: poly.Poly, e: Real) -> tuple[Real, Real]:
+        """|a² − c²|, and the quotient √(U(−e)/|a² − c²|) of a coordinate by its lift at s = e."""
+        a, c = self._squares(N)
+        wide = self._side * (a - c)
+        return wide, N.sqrt(poly.evaluate(N, u, -e) / wide)
+
+    @staticmethod
+    def _ahead(N: FormulaField, state: Point) -> tuple[Real, Real]:
         """The horizontal unit vector of q, or of p if q is on the axis."""
         for x, y, _ in state:
             size = N.sqrt(x * x + y * y)
             if size != 0:
                 return x / size, y / size
         return N.one, N.zero
-
-
-class StarFlow(MumfordFlow):
-    """The motion of a star: far times by the sums over both ovals (:mod:`integrable.portrait.separated`)."""
-
-    _takes_theta = False
-
-    def __init__(self, system: KuzminKutuzov, state: Point, tolerance: float | None = None) -> None:
-        super().__init__(system, state, tolerance)
-        self._tori = dict[int, tuple[SeparatedTorus, Callable[[Any, Any, Any], Point]]]()
-
-    def _budget(self, count: int) -> float:
-        return TO_TORUS[3] + count * ON_TORUS[3]
-
-    def _separated(self, N: LongField) -> SeparatedTorus:
-        if not self.system.integrals(self.start)["E"] < 0:
-            raise NotRepresentable("E ≥ 0: this star is unbound, and its far motion lies on no torus")
-        return super()._separated(N)
-
-    def _made_torus(self) -> PhaseTorus:
-        with LongField(BITS_OF_TORUS) as N:
-            torus = self._separated(N)
-            read = self._states_on(N, torus)
-            return PhaseTorus(torus, lambda halves, turned: read(Columns(), halves, turned))
-
-    def _far(self, given: list[Any]) -> Path:
-        # near the axis double-doubles may not resolve the motion; then the sums are computed in long numbers
-        found = super()._far(given)
-        return Path(found.times, found.q, found.p, TORUS)
-
-    def _path(self, torus: Any, times: Any) -> Path:
-        zero = 0 * times
-        q, p = (np.stack([x.hi + zero for x in part], axis=1) for part in torus.at(times))
-        return Path(times, q, p, TORUS)
-
-    def _row(self, time: Any) -> Any:
-        return settled_digits(lambda N: self._state(N, time), self.digits)
-
-    def _state(self, N: LongField, time: Any) -> Point:
-        """The state at a time in long numbers."""
-        import gmpy2
-
-        if N.bits not in self._tori:
-            torus = self._separated(N)
-            self._tori[N.bits] = torus, self._states_on(N, torus)
-        torus, read = self._tori[N.bits]
-        angles, turned = torus.angles_at(N.coerce(time))
-        sine, cosine = gmpy2.sin_cos(turned[0])
-        return read(N, [gmpy2.sin_cos(phi / 2) for phi in angles], [(cosine, sine)])
-
-    def _ends(self, N: LongField) -> list[Any]:
-        a, c = self.system._constants_in(N)
-        return [c, a] if self.system._integrals(N, self._inner(N))["L"] == 0 else [c]
-
-    def _states_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[Any, Any, Any], Point]:
-        ends, inner = self._ends(N), self._inner(N)
-
-        def unsigned(K: Any, halves: Any, turned: Any) -> Point:
-            u, v, lifts = torus.pair_at(K, halves, ends)
-            data = lifts if len(lifts) == 2 else [*lifts, *turned[0]]
-            start = Point(*(tuple(map(K.coerce, part)) for part in inner))
-            found: Point = self.system._back(K, start, Extended(u, v, tuple(data)), None)
-            return found
-
-        # the signs of z and, if L = 0, of R
-        found = unsigned(N, torus.halves, [(N.one, N.zero)])
-        x, y, z = (a * b + c * d for a, b, c, d in zip(found.q, inner.q, found.p, inner.p, strict=True))
-        signs = (out := -1 if x + y < 0 else 1, out, -1 if z < 0 else 1)
-
-        def read(K: Any, halves: Any, turned: Any) -> Point:
-            q, p = unsigned(K, halves, turned)
-            return Point(*(tuple(s * x for s, x in zip(signs, part, strict=True)) for part in (q, p)))
-
-        return read
-
-    def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
-        """Raises ArgumentError: the sums over ovals have no proven bounds."""
-        raise ArgumentError(f"times = {shown(times)}: the sums of {self.system!r} over ovals have no proven bounds")
-
-    def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> EnclosedPath:
-        """Raises ArgumentError: the sums over ovals have no proven bounds in τ either."""
-        return self.enclosure(tau, digits)

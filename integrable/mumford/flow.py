@@ -307,13 +307,16 @@ class MumfordFlow:
         pairs = self._pairs_on(N, torus)
 
         def read(K: Any, halves: Any, turned: Any) -> Point:
-            state: Point = self.system._back(K, self._inner(K), pairs(K, halves), K.zero)
+            state: Point = self.system._back(K, self._inner(K), pairs(K, halves, turned), K.zero)
             return state
 
         return read
 
-    def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[Any, Any], Extended]:
-        """``pairs(K, halves)``: the pair with its data at given angles in the numbers of K; a clock has the datum 0."""
+    def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[Any, Any, Any], Extended]:
+        """``pairs(K, halves, turned)``: the pair at given angles in the numbers of K, as in :meth:`_states_on`.
+
+        Its data are those of the start, where a clock has the datum 0, and ``turned``.
+        """
         start, ends = self._place(N), self._ends(N)
         here = iter(torus.pair_at(N, torus.halves, ends)[2])
         scales: list[Any] = []
@@ -326,7 +329,7 @@ class MumfordFlow:
             else:
                 scales.append(None)
 
-        def pairs(K: Any, halves: Any) -> Extended:
+        def pairs(K: Any, halves: Any, turned: Any) -> Extended:
             u, v, lifts = torus.pair_at(K, halves, ends)
             found, data = iter(lifts), []
             for scale in scales:
@@ -336,7 +339,7 @@ class MumfordFlow:
                     (kappa, size, side), (sigma, slope) = scale, next(found)
                     size = K.coerce(size)
                     data.append((K.coerce(kappa), size * sigma, side * size * slope))
-            return Extended(u, v, tuple(data))
+            return Extended(u, v, (*data, *turned))
 
         return pairs
 
@@ -393,13 +396,7 @@ class MumfordFlow:
 
             return EllipticTorus(self._place)
         if self._genus > 2:
-            from integrable.mumford.columns import Columns
-            from integrable.mumford.phase_torus import PhaseTorus
-
-            with LongField(BITS_OF_TORUS) as N:
-                separated = self._separated(N)
-                pairs = self._pairs_on(N, separated)
-                return PhaseTorus(separated, lambda halves, _: pairs(Columns(), halves))
+            return self._made_phase_torus()
         from integrable.mumford.real_torus import OtherOvals, RealTorus
         from integrable.mumford.theta_torus import ThetaTorus
 
@@ -407,6 +404,15 @@ class MumfordFlow:
             return RealTorus(self._place)
         except OtherOvals:
             return ThetaTorus(self._place)
+
+    def _made_phase_torus(self) -> PhaseTorus:
+        from integrable.mumford.columns import Columns
+        from integrable.mumford.phase_torus import PhaseTorus
+
+        with LongField(BITS_OF_TORUS) as N:
+            separated = self._separated(N)
+            pairs = self._pairs_on(N, separated)
+            return PhaseTorus(separated, lambda halves, turned: pairs(Columns(), halves, turned))
 
     def _confirmed(self, torus: Any) -> bool:
         """Whether the states of a torus agree with those by Taylor series of the equations of motion, signs included.

@@ -150,6 +150,9 @@ class MumfordSystem(Made):
         """Table: branch points that all states share."""
         return ()
 
+    flow_type: type[MumfordFlow] = MumfordFlow
+    """The class of motions."""
+
     complex_data = False
     """Whether the data of the motion are complex; if so, ``_start`` and ``_back`` receive complex numbers."""
 
@@ -347,7 +350,7 @@ class MumfordSystem(Made):
         ArgumentError if it is not between 2^−50 and 1.
         """
         self._check_range(state)
-        return MumfordFlow(self, state, self._tolerance(tolerance))
+        return self.flow_type(self, state, self._tolerance(tolerance))
 
     def _check_range(self, state: Point) -> None:
         """Checks a state as :meth:`_check` does; also PrecisionLoss if the formulas exceed the range of floats."""

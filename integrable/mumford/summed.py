@@ -1,0 +1,61 @@
+"""Flows without additions: states at far times by sums over the ovals (:mod:`integrable.portrait.separated`)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+from integrable.mumford.flow import ON_TORUS, TO_TORUS, TORUS, MumfordFlow, Path, Point
+from integrable.mumford.motion import Vectors, settled_digits
+from integrable.mumford.phase_torus import PhaseTorus
+from integrable.phase.enclosure import EnclosedPath
+from integrable.portrait.separated import SeparatedTorus
+from jacobian.element import Number, Numbers
+from jacobian.errors import ArgumentError, shown
+from jacobian.inexact.long_field import LongField
+
+
+class SummedFlow(MumfordFlow):
+    """The motion of a state whose pair has one point in each of g ovals, at any times."""
+
+    _takes_theta = False
+
+    def _budget(self, count: int) -> float:
+        return TO_TORUS[3] + count * ON_TORUS[3]
+
+    def _made_torus(self) -> PhaseTorus:
+        return self._made_phase_torus()
+
+    def _far(self, given: list[Any]) -> Path:
+        # where double-doubles do not resolve the motion, the sums are computed in long numbers
+        found = super()._far(given)
+        return Path(found.times, found.q, found.p, TORUS)
+
+    def _row(self, time: Number) -> Vectors:
+        return settled_digits(lambda N: self._state(N, time), self.digits)
+
+    @cached_property
+    def _tori(self) -> dict[int, tuple[SeparatedTorus, Callable[..., Point]]]:
+        """By number of bits, the torus and the function that reads states from it; empty at first."""
+        return {}
+
+    def _state(self, N: LongField, time: Number) -> Point:
+        """The state at a time in long numbers."""
+        import gmpy2
+
+        if N.bits not in self._tori:
+            separated = self._separated(N)
+            self._tori[N.bits] = separated, self._states_on(N, separated)
+        torus, read = self._tori[N.bits]
+        angles, turned = torus.angles_at(N.coerce(time))
+        sine, cosine = gmpy2.sin_cos(turned[0])
+        return read(N, [gmpy2.sin_cos(phi / 2) for phi in angles], [(cosine, sine)])
+
+    def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
+        """Raises ArgumentError: the sums over ovals have no proven bounds."""
+        raise ArgumentError(f"times = {shown(times)}: the sums of {self.system!r} over ovals have no proven bounds")
+
+    def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> EnclosedPath:
+        """Raises ArgumentError: the sums over ovals have no proven bounds in τ either."""
+        return self.enclosure(tau, digits)
