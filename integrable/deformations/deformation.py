@@ -12,7 +12,7 @@ from jacobian.errors import ArgumentError, NotRepresentable
 
 if TYPE_CHECKING:
     from integrable.deformations.deformed_flow import DeformedFlow
-    from integrable.deformations.two_curves import CurveTranslation, IsometricStep, TwoPoints
+    from integrable.deformations.two_curves import CurveTranslation, TwoPoints
     from integrable.motion.trajectory import Motion
 
 
@@ -22,10 +22,21 @@ class Deformation(Hamiltonian):
     def flow(self, state: State) -> DeformedFlow:
         """The motion through a state, by additions on two elliptic curves.
 
-        It is available for the tilde, check and hat pairs without potential
-        (:mod:`integrable.deformations.separated_flow`), and for the tilde pair at d = 0 with repelling poles b_i > 0
-        alone (:mod:`integrable.deformations.pole_flow`). ArgumentError for all others.
+        For the tilde, check and hat pairs without potential it is a
+        :class:`integrable.deformations.separated_flow.SeparatedFlow`. For the tilde pair at d = 0 with repelling poles
+        b_i > 0 alone the curves are cubics, and it is a :class:`integrable.deformations.pole_flow.PoleFlow`.
+        ArgumentError for all others.
         """
+        if self.separates:
+            from integrable.deformations.separated_flow import SeparatedFlow
+
+            return SeparatedFlow(self, self._checked(state))
+        if self.repels:
+            from integrable.deformations.pole_flow import PoleFlow
+
+            # refuses a state at which the potential is infinite
+            self.integrals(state)
+            return PoleFlow(self, state)
         raise ArgumentError(
             f"{self!r}: no separated curves are used with this potential or gyroscopic terms; take "
             "motion_through(state)"
@@ -51,7 +62,8 @@ class Deformation(Hamiltonian):
     def divisor(self, state: State) -> TwoPoints:
         """The divisor of a state: two points, one on each elliptic curve (:mod:`integrable.deformations.two_curves`).
 
-        It is available for tilde, check and hat pairs without potential; ArgumentError for the others.
+        It is available for tilde, check and hat pairs without potential; ArgumentError for the others. The curves of a
+        check or hat pair are those of the tilde pair of A⁻¹; NotASquare if the lift is not defined over the field.
         """
         from integrable.deformations import two_curves
 
@@ -70,7 +82,7 @@ class Deformation(Hamiltonian):
 
     def translation(
         self, points: Sequence[Value | None], sheets: Sequence[int] | None = None, multiple: int = 1
-    ) -> CurveTranslation | IsometricStep:
+    ) -> CurveTranslation:
         """The map that adds a point of fixed abscissa on each curve; it is a Poisson map and preserves H and K.
 
         (:class:`integrable.deformations.two_curves.CurveTranslation`)

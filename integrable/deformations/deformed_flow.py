@@ -8,23 +8,25 @@ more; PrecisionLoss if this does not help.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from functools import cached_property, wraps
 from math import ceil
-from typing import Any
+from typing import Any, ClassVar
 
 from integrable.deformations.enclosed import EnclosedMotion
 from integrable.deformations.equations import BY_THETA, NearWalk
 from integrable.deformations.hamiltonian import Hamiltonian
-from integrable.deformations.quick_states import packed, quick_way
+from integrable.deformations.oval import SeparatedOval
+from integrable.deformations.oval_loops import Frame, Track, lifted_state, tilde_state
+from integrable.deformations.quick_states import QuickStates
 from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits, RoundedRows
 from integrable.moving_point.losses import NOTHING, digits_of
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.state import State, onto_constraints
 from integrable.phase.ways import Way
 from jacobian import RR
-from jacobian.element import Numbers, Real
+from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss, shown, written
 from jacobian.inexact.long_numbers import LongNumbers
 from jacobian.numbers.compiler import interpreted
@@ -53,13 +55,22 @@ class CurvesCarrier(Carrier):
     """The motion of a deformation at one precision, used by a :class:`DeformedFlow`. Its points are (γ, M).
 
     ``system`` and ``start`` are over wide numbers: LongNumbers, entered when the carrier is created, or MP(digits).
-    Changes of H and K are relative to ``sizes``, the error of M relative to ``momentum`` if M = 0.
+    Changes of H and K are relative to ``sizes``, the error of M relative to ``momentum`` if M = 0. A point moves on
+    each of ``curves`` for ``speed``·τ; ``tracks`` and ``frame`` give the state, with the axes in ``order``.
     """
 
     system: Any
     start: State
     sizes: tuple[Real, Real]
-    momentum: Any = 1
+    momentum: Real = 1
+    curves: Sequence[SeparatedOval]
+    tracks: Sequence[Track]
+    frame: Frame
+    order: Sequence[int] = (0, 1, 2)
+    speed: Real = 1
+
+    def __init__(self, system: Any, state: State) -> None:
+        self.system, self.start = system, state
 
     @property
     def field(self) -> Any:
@@ -79,9 +90,31 @@ class CurvesCarrier(Carrier):
     def rolls(self) -> bool:  # type: ignore[override]
         return self.system.body.rolls
 
-    def turns(self, tau: Numbers) -> Any:
+    @property
+    def period(self) -> Any:
+        """The shorter of the periods of the two curves."""
+        return min(curve.period for curve in self.curves)
+
+    @at_its_precision
+    def turns(self, tau: Real) -> Any:
         """The number of periods in |τ|, for the shorter of the periods of the two curves."""
-        raise NotImplementedError
+        return abs(self.speed * tau) / self.period
+
+    @at_its_precision
+    def point(self, tau: Real) -> tuple[list[Any], list[Any]]:
+        return self.moved([self.speed * tau] * 2)
+
+    @at_its_precision
+    def moved(self, times: Sequence[Real]) -> tuple[list[Any], list[Any]]:
+        """(γ, M) after the point of each curve has moved for its time in ``times``."""
+        return self._state(*(curve.moved(time) for curve, time in zip(self.curves, times, strict=True)))
+
+    def _state(self, *roots: Sequence[Real]) -> tuple[list[Any], list[Any]]:
+        """(γ, M) from the roots R_i on both curves."""
+        first, second = (curve.ordered(r) for curve, r in zip(self.curves, roots, strict=True))
+        found = lifted_state(self.frame, *tilde_state(self.frame, first, second, *self.tracks))
+        gamma, M = ([x for _, x in sorted(zip(self.order, vector, strict=True))] for vector in found)
+        return gamma, M
 
     def scaled(self, t: Real) -> Any:
         return self.field.coerce(t)
@@ -124,19 +157,20 @@ class DeformedFlow(EnclosedMotion):
 
     method = "elliptic curves"
 
+    _carrier: ClassVar[type[CurvesCarrier]]
+    """The motion over wide numbers."""
+    _cost = BY_THETA
+    """The cost of the states by the curves."""
+
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
         if not self._is_ordinary():
             # computed here so that errors are raised at once
             _ = self._curves
 
-    def _moving(self, system: Any, state: State) -> CurvesCarrier:
-        """The motion (the carrier) over the wide numbers of ``system``."""
-        raise NotImplementedError
-
     @cached_property
     def _curves(self) -> RoundedRows:
-        return RoundedRows(self.system.field, OnCurves(self.system, self.state, self._moving), self.method)
+        return RoundedRows(self.system.field, OnCurves(self.system, self.state, self._carrier), self.method)
 
     def _is_ordinary(self) -> bool:
         """Whether a check in floats proves that the set-up will raise no error."""
@@ -151,30 +185,25 @@ class DeformedFlow(EnclosedMotion):
         """The size of the terms of λ_k."""
         return float(self.system.field.dot(self.state.M, self.state.M)) * max(self.system.a) ** self.system.degree
 
-    _cost = BY_THETA
-    """The cost of :attr:`_any_time`."""
-    _pack = staticmethod(packed)
-    """What the compiled loops take for a carrier."""
-
     @cached_property
-    def _any_time(self) -> Way:
-        """The method that computes states at any time."""
-        return quick_way(self._curves, self._pack)
+    def _compiled(self) -> QuickStates:
+        return QuickStates(self._curves.many)
 
     def _ways(self) -> Iterator[Way]:
         if self.system.field == RR and not interpreted():
             yield NearWalk(self, self._cost)
-        yield self._any_time
+            yield self._compiled
+        yield self._curves
 
 
 class OnCurves(ManyDigits):
-    """The states of a DeformedFlow; ``moving``(system, state) returns the motion over the numbers of ``system``."""
+    """The states of a DeformedFlow; ``made``(system, state) is the motion over the numbers of ``system``."""
 
     expected = GUARD_DIGITS - SPARE - ROUNDING
     step = 16
 
-    def __init__(self, system: Hamiltonian, state: State, moving: Callable[[Any, State], CurvesCarrier]) -> None:
-        self._system, self._state, self._moving = system, state, moving
+    def __init__(self, system: Hamiltonian, state: State, made: type[CurvesCarrier]) -> None:
+        self._system, self._state, self._made = system, state, made
         asked = digits_asked(system.field)
         self.digits = asked
         super().__init__(asked, self.carrier_of(asked))
@@ -183,7 +212,7 @@ class OnCurves(ManyDigits):
         """The motion with that many digits, or more if its point at τ = 0 does not reproduce the state."""
         for _ in range(3):
             with LongNumbers(digits + GUARD_DIGITS) as numbers:
-                carrier = self._moving(*widened(self._system, self._state, numbers))
+                carrier = self._made(*widened(self._system, self._state, numbers))
             start = carrier.start.gamma, carrier.start.M
             missing = carrier.difference(carrier.point(carrier.field.zero), start) + self.digits + SPARE
             if missing <= 0:

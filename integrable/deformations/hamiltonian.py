@@ -28,7 +28,6 @@ from jacobian.immutable import replaced
 if TYPE_CHECKING:
     import numpy as np
 
-    from integrable.motion.trajectory import Motion
     from jacobian import Field
 
 
@@ -148,6 +147,14 @@ class Potential(NamedTuple):
     poles: tuple[Real, Real, Real]
 
 
+class Isometry(NamedTuple):
+    """H of a check or hat pair is ``factor`` times the H̃ of the tilde ``pair`` at the lift by B; ``squares`` are B²."""
+
+    squares: tuple[Any, Any, Any]
+    factor: Any
+    pair: Any
+
+
 class Hamiltonian(Made):
     """A Hamiltonian of the family: its states, integrals and equations of motion.
 
@@ -254,18 +261,6 @@ class Hamiltonian(Made):
             rate, momentum = ([x.value for x in v] for v in (rate, momentum))
         return State(tuple(rate), tuple(momentum))
 
-    def flow(self, state: State) -> Motion:
-        """The motion through a state by additions on curves; only some deformations have such curves."""
-        raise NotImplementedError
-
-    def divisor(self, state: State) -> Any:
-        """The divisor of a state: two points, one on each elliptic curve."""
-        raise NotImplementedError
-
-    def from_divisor(self, D: Any, like: State | None = None) -> State:
-        """The state that belongs to two points: of the eight that share them, the state with the signs of ``like``."""
-        raise NotImplementedError
-
     @property
     def repels(self) -> bool:
         """Whether the potential consists of repelling poles alone, and :meth:`flow` is available for it."""
@@ -274,12 +269,10 @@ class Hamiltonian(Made):
     @property
     def separates(self) -> bool:
         """Whether the motion separates on two curves without a potential, for :meth:`divisor`, :meth:`translation`."""
-        return False
+        return self.has_curves and self.potential is None
 
-    def curves_of(self) -> Any:
-        """The tilde pair whose curves carry the motion: the system itself, or the tilde pair of A⁻¹."""
-        return self
-
+    has_curves: ClassVar[bool] = False
+    """Whether systems of this class separate without a potential."""
     degree: ClassVar[int] = 1
     """The degree of H in A."""
 
@@ -287,9 +280,9 @@ class Hamiltonian(Made):
         """(λ1 + λ2, −λ1λ2)."""
         return integrals.H, integrals.K
 
-    def isometry(self) -> tuple[Any, Any, Any]:
-        """(B², m, tilde pair) of a check or hat pair: H is m times the H̃ of the tilde pair at the lift by B."""
-        raise ArgumentError(f"{self!r}: no isometry is known")
+    def isometry(self) -> Isometry | None:
+        """The isometry of a check or hat pair to a tilde pair; None if there is none, or the system is a tilde pair."""
+        return None
 
     def _checked(self, state: Any) -> State:
         return check_state(self, state)

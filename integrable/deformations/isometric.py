@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from integrable.deformations.deformation import Deformation
-from integrable.deformations.hamiltonian import DeformedIntegrals, Potential, Scalars, combination, poles, product
-from integrable.phase.state import State
+from integrable.deformations.hamiltonian import (
+    DeformedIntegrals,
+    Isometry,
+    Potential,
+    Scalars,
+    combination,
+    poles,
+    product,
+)
 from jacobian import RR
 from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field
-
-if TYPE_CHECKING:
-    from integrable.deformations.deformed_flow import DeformedFlow
-    from integrable.deformations.two_curves import IsometricStep, TwoPoints
 
 
 class IsometricDeformation(Deformation):
@@ -26,50 +29,7 @@ class IsometricDeformation(Deformation):
         self._build(inertia, 0, potential, field)
 
     degree = 2
-
-    @property
-    def separates(self) -> bool:
-        return self.potential is None
-
-    def flow(self, state: State) -> DeformedFlow:
-        """The motion by additions on the two curves of the tilde pair of A⁻¹; ArgumentError with a potential."""
-        if not self.separates:
-            return super().flow(state)
-        from integrable.deformations.separated_flow import IsometricFlow
-
-        return IsometricFlow(self, self._checked(state))
-
-    def curves_of(self) -> Any:
-        return self.isometry()[2]
-
-    def divisor(self, state: State) -> TwoPoints:
-        """The two points of a state on the curves of the tilde pair of A⁻¹.
-
-        NotASquare if the lift is not defined over the field.
-        """
-        from integrable.deformations.two_curves import lifted
-
-        self._check_curves()
-        points: TwoPoints = self.curves_of().divisor(lifted(self, self._checked(state)))
-        return points
-
-    def from_divisor(self, D: TwoPoints, like: State | None = None) -> State:
-        from integrable.deformations.two_curves import lifted, unlifted
-
-        self._check_curves()
-        model = None if like is None else lifted(self, self._checked(like))
-        return unlifted(self, self.curves_of().from_divisor(D, model))
-
-    def translation(
-        self, points: Sequence[Value | None], sheets: Sequence[int] | None = None, multiple: int = 1
-    ) -> IsometricStep:
-        """The step of the tilde pair of A⁻¹ (:class:`integrable.deformations.two_curves.CurveTranslation`).
-
-        ``points`` are abscissas ũ of that pair."""
-        from integrable.deformations.two_curves import IsometricStep
-
-        self._check_curves()
-        return IsometricStep(self, self.curves_of().translation(points, sheets, multiple))
+    has_curves = True
 
 
 class Check(IsometricDeformation):
@@ -81,12 +41,12 @@ class Check(IsometricDeformation):
     0 in finite time.
     """
 
-    def isometry(self) -> tuple[Any, Any, Any]:
-        """(B², m, tilde pair): B² = A, m = −e3, and the tilde pair of A⁻¹; H = m·H̃ at the lift by B."""
+    def isometry(self) -> Isometry:
+        """The isometry to the tilde pair of A⁻¹: B² = A, H = −e3·H̃."""
         from integrable.deformations.tilde import Tilde
 
         K, (a1, a2, a3) = self.field, self.a
-        return self.a, K.neg(K.mul(a1, K.mul(a2, a3))), Tilde(self.a, field=K)
+        return Isometry(self.a, K.neg(K.mul(a1, K.mul(a2, a3))), Tilde(self.a, field=K))
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
         """(H, K)."""
@@ -128,13 +88,13 @@ class Hat(IsometricDeformation):
         K, (a1, a2, a3) = self.field, self.a
         return integrals.H, K.div(integrals.K, K.mul(a1, K.mul(a2, a3)))
 
-    def isometry(self) -> tuple[Any, Any, Any]:
-        """(B², m, tilde pair): B² = A^∨, m = e3, and the tilde pair of A⁻¹; H = m·H̃ at the lift by B."""
+    def isometry(self) -> Isometry:
+        """The isometry to the tilde pair of A⁻¹: B² = A^∨, H = e3·H̃."""
         from integrable.deformations.tilde import Tilde
 
         K, (a1, a2, a3) = self.field, self.a
         squares = (K.mul(a2, a3), K.mul(a3, a1), K.mul(a1, a2))
-        return squares, K.mul(a1, squares[0]), Tilde(self.a, field=K)
+        return Isometry(squares, K.mul(a1, squares[0]), Tilde(self.a, field=K))
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
         """(H, K)."""

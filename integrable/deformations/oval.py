@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from integrable.deformations.oval_loops import Track
 from integrable.mumford.elliptic_torus import theta_quotients, theta_rows
 from jacobian.element import Real
 
@@ -48,10 +49,14 @@ class SeparatedOval:
         self.factors = swing * three / two, swing * four / two, wide * four / three
         self.since = self._since_low() if self.swing else K.zero
 
-    def height(self, r: Sequence[Real]) -> Any:
-        """Z at the roots R_i, computed from the smallest of them."""
-        i = min(range(3), key=lambda n: abs(r[n]))
-        return self.e[i] + self.signs[i] * r[i] * r[i]
+    def ordered(self, r: Sequence[Real]) -> tuple[Real, Real, Real]:
+        """R_low, R_middle and R_high of the roots R_i."""
+        return r[self.low], r[self.middle], r[self.high]
+
+    def track(self, scale: Any, shift: Any) -> Track:
+        """The constants for :mod:`integrable.deformations.oval_loops`, where Z = ``scale``·z + ``shift``."""
+        numbers = [*self.factors, self.since / self.period, *((x - shift) / scale for x in self.ordered(self.e))]
+        return Track([*numbers, 1 / scale], self.table, None)
 
     def moved(self, tau: Any) -> list[Any]:
         """The roots R_i after a time τ from the start."""

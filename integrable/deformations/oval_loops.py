@@ -1,6 +1,7 @@
-"""The states of :class:`integrable.deformations.separated_flow.OvalCarrier` on bare reals, compiled or interpreted.
+"""States of the tilde pair, and of the pairs isometric to it, from a point on either curve.
 
-On either curve R_low, R_middle and R_high are multiples of sn, cn and dn, which are computed by theta functions
+The functions run on long numbers, and compiled on double-doubles (:mod:`integrable.deformations.quick_states`). On
+either curve R_low, R_middle and R_high are multiples of sn, cn and dn, which are computed by theta functions
 (:mod:`integrable.mumford.elliptic_torus`). Roots R_i are triples in the order of e_i: low, middle, high. Phases are in
 turns, one per real period of a curve.
 """
@@ -36,15 +37,18 @@ class Track(NamedTuple):
 class Frame(NamedTuple):
     """The body and the integrals of a motion.
 
-    ``numbers`` are three weights of e_i with their signs, three 1 − da_i, three weights of n_i, three a_i, then d, μ1,
-    μ2, λ1, λ2, the sign of the permutation that orders the axes, and the sign of γ and M. ``back`` is the diagonal of
-    the lift to a check or hat pair, and ``lifted`` tells whether it applies. ``sizes`` are those of H and K.
+    Without a potential ``numbers`` are three weights of e_i with their signs, three 1 − da_i, three weights of n_i,
+    three a_i, then d, μ1, μ2, λ1, λ2, the sign of the permutation that orders the axes, and the sign of γ and M.
+    ``in_poles``, in repelling poles, they are three a_i, three b_i, three c_i, the signs of the γ_i, λ1, λ2, H and K.
+    ``back`` is the diagonal of the lift to a check or hat pair, and ``lifted`` tells whether it applies. ``sizes`` are
+    those of H and K of the tilde pair.
     """
 
     numbers: Row
     back: Row
     lifted: bool
-    sizes: tuple[float, float]
+    in_poles: bool
+    sizes: tuple[Real, Real]
 
 
 def states(first: Track, second: Track, frame: Frame, phases: Row, found: tuple[Row, Row, Row]) -> float:
@@ -60,14 +64,21 @@ def states(first: Track, second: Track, frame: Frame, phases: Row, found: tuple[
     for n in range(count):
         p = roots[6 * n], roots[6 * n + 1], roots[6 * n + 2]
         q = roots[6 * n + 3], roots[6 * n + 4], roots[6 * n + 5]
-        gamma, M, drift = state_of_curves(frame, p, q, first, second)
+        gamma, M = tilde_state(frame, p, q, first, second)
+        drift = poles_drift_of(frame, gamma, M) if frame.in_poles else integrals_drift_of(frame, gamma, M)
         if not drift <= worst:
             worst = drift
-        if frame.lifted:
-            gamma, M = lifted_row(frame.back, gamma, M)
+        gamma, M = lifted_state(frame, gamma, M)
         put_split(gamma, out, rest, 6 * n)
         put_split(M, out, rest, 6 * n + 3)
     return worst
+
+
+def tilde_state(frame: Frame, p: Three, q: Three, first: Track, second: Track) -> tuple[Three, Three]:
+    """(γ, M) of the tilde pair, from the roots on both curves."""
+    if frame.in_poles:
+        return state_in_poles(frame.numbers, p, q, first, second)
+    return free_state(frame.numbers, p, q, first, second)
 
 
 def put_roots(track: Track, phases: Row, which: int, roots: Row) -> None:
@@ -100,12 +111,11 @@ def height(track: Track, r: Three) -> Real:
     return numbers[6] - r[2] * r[2] * numbers[7]
 
 
-def state_of_curves(frame: Frame, p: Three, q: Three, first: Track, second: Track) -> tuple[Three, Three, float]:
-    """(γ, M, change of H and K) of the tilde pair, from the roots on both curves.
+def free_state(b: Row, p: Three, q: Three, first: Track, second: Track) -> tuple[Three, Three]:
+    """(γ, M) of the tilde pair without potential, from the roots on both curves (``b``: :class:`Frame`).
 
     Since μ1 > 0 > μ2, the axes of low and high are exchanged on the second curve.
     """
-    b = frame.numbers
     d, mu1, mu2 = b[12], b[13], b[14]
     f1, f2 = 1 / (1 + d * height(first, p)), 1 / (1 + d * height(second, q))
     # reorder by axis, smallest moment first: that axis has e_high on the first curve and e_low on the second
@@ -124,8 +134,7 @@ def state_of_curves(frame: Frame, p: Three, q: Three, first: Track, second: Trac
     size = b[18] / root(x0 * x0 + x1 * x1 + x2 * x2)
     gamma = (x0 * size, x1 * size, x2 * size)
     momentum = b[17] * b[18] * root((b[15] - b[16]) / gap)
-    M = crossed((momentum * e0, momentum * e1, momentum * e2), gamma)
-    return gamma, M, integrals_drift_of(frame, gamma, M)
+    return gamma, crossed((momentum * e0, momentum * e1, momentum * e2), gamma)
 
 
 def crossed(x: Three, y: Three) -> Three:
@@ -150,29 +159,11 @@ def integrals_drift_of(frame: Frame, gamma: Three, M: Three) -> float:
     return max(change, float(abs(second + b[15] * b[16])) / frame.sizes[1])
 
 
-def pole_states(first: Track, second: Track, frame: Frame, phases: Row, found: tuple[Row, Row, Row]) -> float:
-    """:func:`states` of the tilde pair in repelling poles; heights on the curves are the ũ_k.
-
-    ``frame.numbers`` are three a_i, three b_i, three c_i, the signs of the γ_i, λ1, λ2, H and K.
-    """
-    out, rest, roots = found
-    count, worst = len(phases) // 2, 0.0
-    put_roots(first, phases, 0, roots)
-    put_roots(second, phases, 1, roots)
-    for n in range(count):
-        p = roots[6 * n], roots[6 * n + 1], roots[6 * n + 2]
-        q = roots[6 * n + 3], roots[6 * n + 4], roots[6 * n + 5]
-        gamma, M = state_in_poles(frame.numbers, p, q, first, second)
-        drift = poles_drift_of(frame, gamma, M)
-        if not drift <= worst:
-            worst = drift
-        put_split(gamma, out, rest, 6 * n)
-        put_split(M, out, rest, 6 * n + 3)
-    return worst
-
-
 def state_in_poles(b: Row, p: Three, q: Three, first: Track, second: Track) -> tuple[Three, Three]:
-    """(γ, M) from the roots on both curves (:mod:`integrable.deformations.pole_flow`)."""
+    """(γ, M) of the tilde pair in repelling poles, where heights on the curves are the ũ_k.
+
+    ``b``: :class:`Frame`. The formulas: :mod:`integrable.deformations.pole_flow`.
+    """
     u1, u2 = height(first, p), height(second, q)
     gap = u2 - u1
     # V(x) = −(y1(u2 − x) + y2(x − u1))/gap, and h2
@@ -209,9 +200,11 @@ def poles_drift_of(frame: Frame, gamma: Three, M: Three) -> float:
     return max(change, float(abs(second - b[15])) / frame.sizes[1])
 
 
-def lifted_row(back: Row, gamma: Three, M: Three) -> tuple[Three, Three]:
-    """The lift of (γ, M) by the diagonal ``back``, as :func:`integrable.phase.isometry.lift`."""
-    b0, b1, b2 = back[0], back[1], back[2]
+def lifted_state(frame: Frame, gamma: Three, M: Three) -> tuple[Three, Three]:
+    """(γ, M) of the check or hat pair, as by :func:`integrable.phase.isometry.lift`; unchanged for a tilde pair."""
+    if not frame.lifted:
+        return gamma, M
+    b0, b1, b2 = frame.back[0], frame.back[1], frame.back[2]
     turned = (b0 * gamma[0], b1 * gamma[1], b2 * gamma[2])
     size = 1 / root(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2])
     w = crossed(M, gamma)
@@ -245,12 +238,11 @@ def put_shares(track: Track, d: Real, weight: Real, count: int, roots: Row) -> N
 
 
 _TRACK = record(Track, WIDES, WIDES, WIDES)
-_FRAME = record(Frame, WIDES, WIDES, BOOL, TupleKind((FLOAT, FLOAT)))
+_FRAME = record(Frame, WIDES, WIDES, BOOL, BOOL, TupleKind((FLOAT, FLOAT)))
 LIBRARY = Library(
     "deformations",
     {
         "states": (states, (_TRACK, _TRACK, _FRAME, WIDES, TupleKind((FLOATS, FLOATS, WIDES)))),
-        "pole_states": (pole_states, (_TRACK, _TRACK, _FRAME, WIDES, TupleKind((FLOATS, FLOATS, WIDES)))),
         "paces": (paces, (_TRACK, _TRACK, WIDES, TupleKind((WIDES, WIDES)), WIDES, WIDES)),
     },
     SPECIAL,

@@ -15,143 +15,86 @@ from __future__ import annotations
 
 from typing import Any
 
-from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, at_its_precision
+from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow
 from integrable.deformations.equations import BY_THETA_IN_POLES
 from integrable.deformations.oval import SeparatedOval, root_of_rounded
-from integrable.deformations.quick_states import packed_in_poles
-from integrable.deformations.separated_flow import interlaced
+from integrable.deformations.oval_loops import Frame
+from integrable.deformations.separated_flow import check_distinct, interlaced
 from integrable.phase.body import cross
 from integrable.phase.state import State
 from jacobian import poly
-from jacobian.element import Numbers, Real
+from jacobian.element import Real
 from jacobian.errors import NotRepresentable, shown
 
 __all__ = ["PoleFlow"]
-
-
-class PoleFlow(DeformedFlow):
-    """The motion through a state, over RR or MP(digits); ``system.flow`` returns it.
-
-    NotRepresentable if moments are equal or a λ_k vanishes.
-    """
-
-    _cost = BY_THETA_IN_POLES
-    _pack = staticmethod(packed_in_poles)
-
-    def _terms(self) -> float:
-        poles = self.system.potential.poles
-        return super()._terms() + max(self.system.a) * sum(
-            b / (x * x) for b, x in zip(poles, self.state.gamma, strict=True)
-        )
-
-    def _moving(self, system: Any, state: State) -> CurvesCarrier:
-        return CubicCarrier(system, state)
 
 
 class CubicCarrier(CurvesCarrier):
     """The motion on two cubics, over the numbers of ``system``."""
 
     def __init__(self, system: Any, state: State) -> None:
-        self.system, self.start = system, state
-        if any(c == 0 for c in system.body.differences):
-            raise NotRepresentable(
-                "two moments of inertia are equal: the separated variables do not tell how γ turns; "
-                "motion_through(state) integrates"
-            )
-        K, self._poles = system.field, system.potential.poles
-        self._phi: poly.Poly = (K.coerce(-4),)
-        for e in system.a:
-            self._phi = poly.mul(K, self._phi, (e, -K.one))
-        self._pairs = [poly.mul(K, (system.a[i - 2], -K.one), (system.a[i - 1], -K.one)) for i in range(3)]
-        self._well: poly.Poly = (K.zero,) * 3
-        for b, c, pair in zip(self._poles, system.body.differences, self._pairs, strict=True):
-            self._well = poly.add(K, self._well, poly.scale(K, 4 * b * c, pair))
-        self.signs = [1 if x > 0 else -1 for x in state.gamma]
-        u, rate, self.lambdas = self._separated(state)
+        super().__init__(system, state)
+        check_distinct(system.body)
+        K, a, c, b = system.field, system.a, system.body.differences, system.potential.poles
+        phi: poly.Poly = (K.coerce(-4),)
+        for e in a:
+            phi = poly.mul(K, phi, (e, -K.one))
+        self._pairs = [poly.mul(K, (a[i - 2], -K.one), (a[i - 1], -K.one)) for i in range(3)]
+        well: poly.Poly = (K.zero,) * 3
+        for pole, difference, pair in zip(b, c, self._pairs, strict=True):
+            well = poly.add(K, well, poly.scale(K, 4 * pole * difference, pair))
+        u, rates, self.lambdas = self._separated(state)
         one, two = self.lambdas
         self.momentum = ((one - two) / (u[1] - u[0])) ** (K.one / 2)
         self.sizes = abs(one) + abs(two), abs(one * two)
-        self.cubics = [self._curve(*row) for row in zip(u, rate, self.lambdas, strict=True)]
-
-    @at_its_precision
-    def turns(self, tau: Real) -> Any:
-        return abs(tau) / min(curve.period for curve in self.cubics)
-
-    @at_its_precision
-    def point(self, tau: Numbers) -> tuple[list[Any], list[Any]]:
-        return self._state(*(curve.moved(tau) for curve in self.cubics))
+        self.curves, self.tracks = [], []
+        for x, rate, value in zip(u, rates, self.lambdas, strict=True):
+            if abs(value) <= 64 * K.eps * max(map(abs, self.lambdas)):
+                raise NotRepresentable(f"λ = {shown(self.lambdas)}: K vanishes, and one of the two curves degenerates")
+            q = poly.sub(K, poly.scale(K, value, phi), well)
+            # Z = λu + shift has Z'² = 4Z³ − g2Z − g3
+            shift = q[2] / 12
+            curve = oval_of_cubic(K, q, shift, value * x + shift, value * rate)
+            self.curves.append(curve)
+            self.tracks.append(curve.track(value, shift))
+        signs = [K.one if x > 0 else -K.one for x in state.gamma]
+        numbers = [*a, *b, *c, *signs, *self.lambdas, *system.integrals(state)[2:]]
+        self.frame = Frame(numbers, [K.one] * 3, False, True, self.sizes)
 
     def _separated(self, state: State) -> tuple[list[Any], list[Any], list[Any]]:
         """The ũ_k, their derivatives, and the λ_k."""
-        K, a = self.system.field, self.system.a
+        K, a, poles = self.system.field, self.system.a, self.system.potential.poles
         squares = [x * x for x in state.gamma]
         s = K.dot(a, squares)
         h1 = sum(x * m * m for x, m in zip(a, state.M, strict=True))
-        h1 = h1 + sum(b * (a[i - 2] + a[i - 1] - s) / squares[i] for i, b in enumerate(self._poles))
-        h2 = K.dot(state.M, state.M) + sum(b / x for b, x in zip(self._poles, squares, strict=True))
+        h1 = h1 + sum(b * (a[i - 2] + a[i - 1] - s) / squares[i] for i, b in enumerate(poles))
+        h2 = K.dot(state.M, state.M) + sum(b / x for b, x in zip(poles, squares, strict=True))
         w = cross(K, state.gamma, state.M)
         V: poly.Poly = (K.zero,) * 3
         for x, y, pair in zip(state.gamma, w, self._pairs, strict=True):
             V = poly.add(K, V, poly.scale(K, 2 * x * y, pair))
-        images = [(b / x + y * y) / h2 for b, x, y in zip(self._poles, squares, w, strict=True)]
+        images = [(b / x + y * y) / h2 for b, x, y in zip(poles, squares, w, strict=True)]
         u = [a[0] + gap[0] for gap in interlaced(self.system.body, images)]
         return u, [-(V[0] + V[1] * x) for x in u], [h1 - x * h2 for x in u]
 
-    def _cofactor(self, h1: Any, h2: Any, U: poly.Poly, V: poly.Poly) -> poly.Poly:
-        """The cofactor (f − V²)/U of a quadratic U."""
-        K = self.system.field
-        f = poly.sub(K, poly.mul(K, self._phi, (h1, -h2)), self._well)
-        return poly.quotient(K, poly.sub(K, f, poly.mul(K, V, V)), U)
 
-    def _curve(self, u: Any, rate: Any, value: Any) -> _Cubic:
-        K = self.system.field
-        if abs(value) <= 64 * K.eps * max(map(abs, self.lambdas)):
-            raise NotRepresentable(f"λ = {shown(self.lambdas)}: K vanishes, and one of the two curves degenerates")
-        cubic = poly.sub(K, poly.scale(K, value, self._phi), self._well)
-        return _Cubic(K, cubic, value, u, rate)
+def oval_of_cubic(K: Any, q: poly.Poly, shift: Any, z: Any, slope: Any) -> SeparatedOval:
+    """The oval of Z'² = 4Z³ − g2Z − g3 through (Z, Z') = (``z``, ``slope``).
 
-    def _state(self, first: Any, second: Any) -> tuple[list[Any], list[Any]]:
-        """(γ, M) from (ũ, ũ') on both curves."""
-        K, one, two = self.system.field, *self.lambdas
-        (u1, y1), (u2, y2) = first, second
-        h2 = (one - two) / (u2 - u1)
-        slope = (y2 - y1) / (u2 - u1)
-        V = (slope * u1 - y1, -slope)
-        U = self._cofactor(one + u1 * h2, h2, (u1 * u2, -u1 - u2, K.one), V)
-        gamma, w = [], []
-        for i, (a, c) in enumerate(zip(self.system.a, self.system.body.differences, strict=True)):
-            square = poly.evaluate(K, U, a) / (U[2] * c)
-            x = self.signs[i] * abs(square) ** (K.one / 2)
-            gamma.append(x)
-            w.append((V[0] + V[1] * a) / (2 * c * x))
-        return gamma, list(cross(K, (w[0], w[1], w[2]), (gamma[0], gamma[1], gamma[2])))
-
-
-class _Cubic:
-    """The motion u' = y on y² = q(u), along the bounded oval of its start.
-
-    q has degree 3 and leading coefficient 4λ. With Z = λu + ``shift``, Z'² = 4Z³ − g2Z − g3 = 4Π(Z − e_i).
+    With Z = λu + ``shift``, q(u) = (Z'/λ)² has degree 3 and leading coefficient 4λ.
     """
-
-    def __init__(self, K: Any, q: poly.Poly, scale: Any, u: Any, rate: Any) -> None:
-        self.scale, self.shift = scale, q[2] / 12
-        g2 = 12 * self.shift * self.shift - scale * q[1]
-        # at u = 0, where Z = shift: λ²q(0) = 4Z³ − g2Z − g3
-        g3 = (4 * self.shift * self.shift - g2) * self.shift - scale * scale * q[0]
-        e, z, slope = roots_of_cubic(K, g2, g3), scale * u + self.shift, scale * rate
-        sizes = [root_of_rounded(K, z - x) for x in e]
-        # next to a branch point Z − e_i loses digits, which Z' restores
-        i = min(range(3), key=lambda n: sizes[n])
-        others = sizes[i - 2] * sizes[i - 1]
-        if others:
-            sizes[i] = abs(slope) / (2 * others)
-        self.oval = SeparatedOval(K, e, lambda i, j: e[i] - e[j], sizes, 1 if slope >= 0 else -1)
-        self.period = self.oval.period
-
-    def moved(self, t: Any) -> tuple[Any, Any]:
-        """(u, u') after a time t from the start."""
-        r = self.oval.moved(t)
-        return (self.oval.height(r) - self.shift) / self.scale, 2 * r[0] * r[1] * r[2] / self.scale
+    scale = q[3] / 4
+    g2 = 12 * shift * shift - scale * q[1]
+    # at u = 0, where Z = shift: λ²q(0) = 4Z³ − g2Z − g3
+    g3 = (4 * shift * shift - g2) * shift - scale * scale * q[0]
+    e = roots_of_cubic(K, g2, g3)
+    sizes = [root_of_rounded(K, z - x) for x in e]
+    # next to a branch point Z − e_i loses digits, which Z' restores
+    i = min(range(3), key=lambda n: sizes[n])
+    others = sizes[i - 2] * sizes[i - 1]
+    if others:
+        sizes[i] = abs(slope) / (2 * others)
+    return SeparatedOval(K, e, lambda i, j: e[i] - e[j], sizes, 1 if slope >= 0 else -1)
 
 
 def roots_of_cubic(K: Any, g2: Real, g3: Any) -> list[Real]:
@@ -161,3 +104,19 @@ def roots_of_cubic(K: Any, g2: Real, g3: Any) -> list[Real]:
     turn = K.context.acos(cosine) / 3
     radius = (g2 / 3) ** (K.one / 2)
     return [radius * K.context.cos(turn + 2 * K.context.pi * k / 3) for k in (1, 2, 0)]
+
+
+class PoleFlow(DeformedFlow):
+    """The motion through a state, over RR or MP(digits); ``system.flow`` returns it.
+
+    NotRepresentable if moments are equal or a λ_k vanishes.
+    """
+
+    _carrier = CubicCarrier
+    _cost = BY_THETA_IN_POLES
+
+    def _terms(self) -> float:
+        poles = self.system.potential.poles
+        return super()._terms() + max(self.system.a) * sum(
+            b / (x * x) for b, x in zip(poles, self.state.gamma, strict=True)
+        )

@@ -8,7 +8,6 @@ periods away, that carrier computes the states.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -27,12 +26,10 @@ from integrable.torus.corners import FIRST_SIZE, resolved
 from integrable.torus.long_clock import RESONANT
 from integrable.torus.loops import CompiledLoops
 from integrable.torus.series import in_resonance
-from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss
-from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
-    from integrable.motion.precise import RoundedRows
+    from integrable.motion.precise import ManyDigits
 
 # number of periods after which double-doubles may lack digits
 MOST_TURNS = 1e6
@@ -49,58 +46,51 @@ MOST_SAMPLES = 1 << 14
 
 
 class Packed(NamedTuple):
-    """The arguments of :func:`integrable.deformations.oval_loops.states` for a motion.
+    """The arguments of :func:`integrable.deformations.oval_loops.states` for a motion, in double-doubles.
 
-    ``states`` is that loop or ``pole_states``, ``order`` is the order of the axes in them, ``rates`` are the turns of
-    either phase per unit of τ.
+    ``rates`` are the turns of either phase per unit of τ.
     """
 
-    states: Any
-    first: Track
-    second: Track
+    tracks: tuple[Track, Track]
     frame: Frame
-    order: list[int]
     rates: tuple[Column, Column]
 
 
 class QuickStates:
-    """The :class:`integrable.phase.ways.Way` of a motion over RR; ``rows`` is the Way of its carrier."""
+    """The :class:`integrable.phase.ways.Way` by compiled loops, for a motion over RR; ``many`` are its carriers."""
 
-    def __init__(self, rows: RoundedRows, pack: Callable[[Any], Packed]) -> None:
-        self._rows, self.way, self._pack = rows, rows.way, pack
+    way = "elliptic curves"
+
+    def __init__(self, many: ManyDigits) -> None:
+        self._many = many
         self._packed: tuple[Any, Packed | None] = (None, None)
         self._clock: tuple[Any, QuickClock | None] = (None, None)
 
-    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
-        if not self._rows.many.carrier.rolls:
-            return self.at_tau(times), times
-        if interpreted() or not len(times):
-            return self._rows.at(times)
-        carrier: Any = self._rows.many.carrier
+        carrier: Any = self._many.carrier
+        if not carrier.rolls:
+            rows = self.at_tau(times)
+            return None if rows is None else (rows, times)
         with carrier.precision:
-            found = self._timed(carrier, times)
-        return self._rows.at(times) if found is None else found
+            return self._timed(carrier, times) if len(times) else None
 
-    def at_tau(self, tau: np.ndarray) -> np.ndarray:
+    def at_tau(self, tau: np.ndarray) -> np.ndarray | None:
         """γ and M at values of τ, shape (N, 6)."""
-        if interpreted() or not len(tau):
-            return self._rows.at_tau(tau)
-        carrier: Any = self._rows.many.carrier
-        found = None
+        carrier: Any = self._many.carrier
         with carrier.precision:
-            if carrier.turns(carrier.field.coerce(float(np.abs(tau).max()))) < MOST_TURNS:
-                packed = self._compiled(carrier)
-                if packed is not None:
-                    phases = _pairs(*(Column(tau) * rate for rate in packed.rates))
-                    far = int(np.argmax(np.abs(tau)))
-                    truth = carrier.point(carrier.field.coerce(float(tau[far])))
-                    found = self._quick(carrier, packed, phases, far, truth)
-        return self._rows.at_tau(tau) if found is None else found
+            if not len(tau) or not carrier.turns(carrier.field.coerce(float(np.abs(tau).max()))) < MOST_TURNS:
+                return None
+            packed = self._compiled(carrier)
+            if packed is None:
+                return None
+            phases = _pairs(*(Column(tau) * rate for rate in packed.rates))
+            far = int(np.argmax(np.abs(tau)))
+            return self._quick(carrier, packed, phases, far, carrier.point(carrier.field.coerce(float(tau[far]))))
 
-    def times(self, tau: np.ndarray) -> np.ndarray:
-        """Physical times at values of τ."""
-        return self._rows.times(tau)
+    def times(self, tau: np.ndarray) -> np.ndarray | None:
+        """None: physical times at values of τ are left to the carriers."""
+        return None
 
     def _timed(self, carrier: Any, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """The result of :meth:`at`, computed by the clock in floats; None if this clock is not accurate enough."""
@@ -132,7 +122,7 @@ class QuickStates:
         """The arguments of the compiled loops for a carrier, cached."""
         if self._packed[0] is not carrier:
             try:
-                self._packed = carrier, self._pack(carrier)
+                self._packed = carrier, packed(carrier)
             except (ArgumentError, PrecisionLoss):
                 # numbers such as |M|² exceed the range of floats
                 self._packed = carrier, None
@@ -142,10 +132,10 @@ class QuickStates:
         """γ and M at phases since the start; None if H or K changes, or if row ``far`` differs from ``truth``."""
         count = len(phases) // 2
         out, rest, room = np.empty(6 * count), np.empty(6 * count), np.empty((6 * count, 2))
-        lost = packed.states(packed.first, packed.second, packed.frame, phases, (out, rest, room))
+        lost = LIBRARY.states(*packed.tracks, packed.frame, phases, (out, rest, room))
         if not lost <= MOST_LOST:
             return None
-        places = np.argsort(packed.order)
+        places = np.argsort(carrier.order)
         columns = np.concatenate([places, 3 + places])
         rows: np.ndarray = out.reshape(-1, 6)[:, columns]
         left = rest.reshape(-1, 6)[far, columns]
@@ -218,73 +208,26 @@ def samples(carrier: Any, packed: Packed, sizes: tuple[int, int], known: np.ndar
     table, room = np.empty((rows * columns, 2)), np.empty((6 * (rows + columns), 2))
     # powers of 2, so that fractions are exact
     places = tuple(_pairs(x, x) for x in (Column(np.arange(n) / n, np.zeros(n)) for n in sizes))
-    LIBRARY.paces(
-        packed.first, packed.second, double_double_row((carrier.system.d, *carrier.weights)), places, table, room
-    )
+    LIBRARY.paces(*packed.tracks, double_double_row((carrier.system.d, *carrier.weights)), places, table, room)
     return table.reshape(rows, columns, 2)
 
 
-def quick_way(rows: RoundedRows, pack: Callable[[Any], Packed]) -> RoundedRows | QuickStates:
-    """The method that computes states over the field of ``rows``; ``pack`` is :func:`packed` or its form for poles."""
-    return QuickStates(rows, pack) if rows.field == RR else rows
-
-
 def packed(carrier: Any) -> Packed:
-    """The data from which the states of a carrier are computed.
+    """The data of a carrier in double-doubles.
 
     ArgumentError for numbers beyond the range of floats, PrecisionLoss near a separatrix.
     """
-    lifted = hasattr(carrier, "tilde")
-    tilde, one_to_one = carrier.tilde if lifted else carrier, (carrier.field.one,) * 3
-    back, speed = (carrier.back, carrier.speed) if lifted else (one_to_one, carrier.field.one)
-    body, (one, two) = tilde.system.body, tilde.curves
-    order = sorted(range(3), key=lambda i: body.inertia[i])
-    odd = order in ([0, 2, 1], [1, 0, 2], [2, 1, 0])
-    weights = [s * w for s, w in zip(tilde.signs, tilde.roots_of_weights, strict=True)]
-    lean = [r / (w * c) for r, w, c in zip(body.contact, weights, body.differences, strict=True)]
-    columns = [[row[i] for i in order] for row in (weights, body.contact, lean, body.a)]
-    numbers = [
-        *(x for column in columns for x in column),
-        body.d,
-        *tilde.mu,
-        *tilde.lambdas,
-        -1 if odd else 1,
-        tilde.side,
-    ]
-    frame = Frame(
-        double_double_row(numbers),
-        double_double_row([back[i] for i in order]),
-        lifted,
-        (float(tilde.sizes[0]), float(tilde.sizes[1])),
+    frame, rates = carrier.frame, [Column.of(carrier.speed / curve.period) for curve in carrier.curves]
+    numbers, back = double_double_row(frame.numbers), double_double_row(frame.back)
+    energy, second = map(float, frame.sizes)
+    tracks = []
+    for track, curve in zip(carrier.tracks, carrier.curves, strict=True):
+        # rows of four coefficients
+        table = track.table[: 4 * terms_of(curve.nome)]
+        tracks.append(Track(double_double_row(track.numbers), double_double_row(table), inverse_factorials()))
+    return Packed(
+        (tracks[0], tracks[1]), frame._replace(numbers=numbers, back=back, sizes=(energy, second)), (rates[0], rates[1])
     )
-    rates = Column.of(speed / one.period), Column.of(speed / two.period)
-    one, two = (_track(curve, curve.e, mu) for curve, mu in zip(tilde.curves, tilde.mu, strict=True))
-    return Packed(LIBRARY.states, one, two, frame, order, rates)
-
-
-def packed_in_poles(carrier: Any) -> Packed:
-    """:func:`packed` for a motion in repelling poles."""
-    K, body, cubics = carrier.field, carrier.system.body, carrier.cubics
-    numbers = [*body.a, *carrier.system.potential.poles, *body.differences, *map(K.coerce, carrier.signs)]
-    numbers += [*carrier.lambdas, *carrier.system.integrals(carrier.start)[2:]]
-    frame = Frame(
-        double_double_row(numbers),
-        double_double_row([K.one] * 3),
-        False,
-        (float(carrier.sizes[0]), float(carrier.sizes[1])),
-    )
-    one, two = (_track(c.oval, [e - c.shift for e in c.oval.e], c.scale) for c in cubics)
-    first, second = (Column.of(1 / c.period) for c in cubics)
-    return Packed(LIBRARY.pole_states, one, two, frame, [0, 1, 2], (first, second))
-
-
-def _track(curve: Any, e: Sequence[Any], mu: Any) -> Track:
-    """The track of a curve whose branch points are at μz = ``e``."""
-    numbers = [*curve.factors, curve.since / curve.period]
-    numbers += [e[i] / mu for i in (curve.low, curve.middle, curve.high)]
-    # rows of four coefficients
-    table = curve.table[: 4 * terms_of(curve.nome)]
-    return Track(double_double_row([*numbers, 1 / mu]), double_double_row(table), inverse_factorials())
 
 
 def _pairs(first: Column, second: Column) -> np.ndarray:

@@ -14,67 +14,35 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, at_its_precision
 from integrable.deformations.oval import SeparatedOval, root_of_rounded
+from integrable.deformations.oval_loops import Frame, height
 from integrable.moving_point.losses import digits_of
 from integrable.phase.body import cross
 from integrable.phase.isometry import lift, roots
 from integrable.phase.state import State
 from jacobian.errors import ArgumentError, NotRepresentable, shown
 
-__all__ = ["IsometricFlow", "SeparatedFlow"]
+__all__ = ["SeparatedFlow"]
 
 if TYPE_CHECKING:
     from integrable.deformations.ovals_clock import OvalsClock
 
 
-class SeparatedFlow(DeformedFlow):
-    """The motion of a tilde pair without potential through a state; ``system.flow`` returns it.
+class OvalCarrier(CurvesCarrier):
+    """The motion of a tilde, check or hat pair over the numbers of ``system``.
 
-    At d ≠ 0 a Fourier series on the torus gives physical times (:mod:`integrable.deformations.ovals_clock`).
-    NotRepresentable if moments are equal or a λ_k vanishes (K = 0: a curve degenerates).
+    ``pair`` is the tilde pair whose curves carry it: ``system`` itself, or the tilde pair of A⁻¹.
     """
 
-    def _moving(self, system: Any, state: State) -> CurvesCarrier:
-        return OvalCarrier(system, state)
-
-    def translated(self, time_of: Any) -> State:
-        """The state after an addition of a point on each of the curves k = 0, 1.
-
-        On curve k the motion adds this point in the time ``time_of(k, field, μ_k, μ_k/I_i)``.
-        """
-        many = self._curves.many
-        while True:
-            carrier: Any = many.carrier
-            times = carrier.times_of(time_of)
-            # None: digits were added for the number of periods, and the carrier is new
-            if many.enough(max(map(abs, times))) is None:
-                continue
-            moved = carrier.moved(times)
-            missing = carrier.drift([moved]) + many.digits
-            if missing <= 0:
-                break
-            many.add_digits(min(missing, carrier.field.dps))
-        x1, x2, x3, m1, m2, m3 = self._curves.rows([moved])[0].tolist()
-        return State((x1, x2, x3), (m1, m2, m3))
-
-
-class IsometricFlow(DeformedFlow):
-    """The motion of a check or hat pair: the motion of the tilde pair of A⁻¹ at another speed, lifted back."""
-
-    def _moving(self, system: Any, state: State) -> CurvesCarrier:
-        return LiftedCarrier(system, state)
-
-
-class OvalCarrier(CurvesCarrier):
-    """The motion of a tilde pair over the numbers of ``system``."""
-
     def __init__(self, system: Any, state: State) -> None:
-        self.system, self.start = system, state
-        body, K = system.body, system.field
-        if any(c == 0 for c in body.differences):
-            raise NotRepresentable(
-                "two moments of inertia are equal: the separated variables do not tell how γ turns; "
-                "motion_through(state) integrates"
-            )
+        super().__init__(system, state)
+        isometry, K = system.isometry(), system.field
+        back: Sequence[Any] = (K.one,) * 3
+        if isometry is not None:
+            diagonal = roots(K, isometry.squares)
+            back, self.speed, system = [1 / b for b in diagonal], isometry.factor, isometry.pair
+            state = State(*lift(K, diagonal, state.gamma, state.M))
+        self.pair, body = system, system.body
+        check_distinct(body)
         h2 = K.dot(state.M, state.M)
         if h2 == 0:
             raise ArgumentError("M = (0, 0, 0): at rest; a flow needs M ≠ 0")
@@ -85,32 +53,43 @@ class OvalCarrier(CurvesCarrier):
                 f"λ = {shown(self.lambdas)}: K vanishes, and one of the two curves degenerates; "
                 "motion_through(state) integrates"
             )
-        self.sizes = self.lambdas[0] - self.lambdas[1], abs(second)
-        self.roots_of_weights = [r / root_of_rounded(K, c) for r, c in zip(body.contact, body.differences, strict=True)]
-        self._middle = sorted(range(3), key=lambda i: body.inertia[i])[1]
         spin = root_of_rounded(K, h2)
         e, slope = ([x / spin for x in v] for v in _image(K, state, _rate(system, state), h2))
+        self._on_curves(e, slope)
+        sizes = self.lambdas[0] - self.lambdas[1], abs(second)
+        self.frame = Frame(self._numbers(e, slope), [back[i] for i in self.order], isometry is not None, False, sizes)
+        self.sizes = (
+            sizes if isometry is None else (abs(self.speed) * sizes[0], abs(self.system.integrals(self.start).K))
+        )
+        found = self._state(*(curve.start for curve in self.curves))[0]
+        if sum(x * y for x, y in zip(found, self.start.gamma, strict=True)) < 0:
+            # the sign of γ and M
+            self.frame.numbers[-1] = -K.one
+
+    def _on_curves(self, e: Sequence[Any], slope: Sequence[Any]) -> None:
+        """Makes the curves through the image e = w/|M| of the start and its derivative ``slope``."""
+        body = self.pair.body
         gaps, turns = _separated(body, e, slope)
         product = body.contact[0] * body.contact[1] * body.contact[2]
         self.mu = [value * product for value in self.lambdas]
         self.curves = [_oval(body, mu, row, turn) for mu, row, turn in zip(self.mu, gaps, turns, strict=True)]
-        self.signs, self.side = _signs(self.curves, e, slope), 1
-        found = self._state(*(curve.start for curve in self.curves))[0]
-        self.side = 1 if sum(x * y for x, y in zip(found, state.gamma, strict=True)) > 0 else -1
+        self.tracks = [curve.track(mu, self.field.zero) for curve, mu in zip(self.curves, self.mu, strict=True)]
+        self.order = sorted(range(3), key=lambda i: body.inertia[i])
 
-    @property
-    def period(self) -> Any:
-        """The shorter of the two periods."""
-        return min(curve.period for curve in self.curves)
-
-    @at_its_precision
-    def turns(self, tau: Any) -> Any:
-        return abs(tau) / self.period
+    def _numbers(self, e: Sequence[Any], slope: Sequence[Any]) -> list[Any]:
+        """The numbers of the :class:`Frame`, with the sign 1 of γ and M."""
+        K, body, order = self.field, self.pair.body, self.order
+        roots_of_weights = [r / root_of_rounded(K, c) for r, c in zip(body.contact, body.differences, strict=True)]
+        weights = [s * w for s, w in zip(_signs(self.curves, e, slope), roots_of_weights, strict=True)]
+        leans = [r / (w * c) for r, w, c in zip(body.contact, weights, body.differences, strict=True)]
+        axes = [row[i] for row in (weights, body.contact, leans, body.a) for i in order]
+        odd = order in ([0, 2, 1], [1, 0, 2], [2, 1, 0])
+        return [*axes, body.d, *self.mu, *self.lambdas, -K.one if odd else K.one, K.one]
 
     @at_its_precision
     def most_tau(self, t: Any) -> Any:
         # 1/g² is smallest, 1 − da_i, where γ is along the axis of the smallest moment
-        return t / root_of_rounded(self.field, min(self.system.body.contact))
+        return t / root_of_rounded(self.field, min(self.pair.body.contact))
 
     @at_its_precision
     def tau(self, times: list[Any], digits: int) -> list[Any]:
@@ -142,7 +121,7 @@ class OvalCarrier(CurvesCarrier):
 
     def z(self, k: int, r: Sequence[Any]) -> Any:
         """z = Z/μ_k at the roots R_i on curve k."""
-        return self.curves[k].height(r) / self.mu[k]
+        return height(self.tracks[k], self.curves[k].ordered(r))
 
     def pace(self, first: Any, second: Any) -> Any:
         """dt/dτ = 1/g from z on both curves: g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k|."""
@@ -151,69 +130,48 @@ class OvalCarrier(CurvesCarrier):
         return 1 / root_of_rounded(self.field, one * (1 + d * first) + two * (1 + d * second))
 
     @at_its_precision
-    def point(self, tau: Any) -> tuple[list[Any], list[Any]]:
-        return self.moved([tau, tau])
-
-    @at_its_precision
     def times_of(self, time_of: Any) -> list[Any]:
         """The time on each curve for :meth:`SeparatedFlow.translated`."""
         return [time_of(k, self.field, mu, c.e) for k, (mu, c) in enumerate(zip(self.mu, self.curves, strict=True))]
 
-    @at_its_precision
-    def moved(self, times: list[Any]) -> tuple[list[Any], list[Any]]:
-        """(γ, M) after the point of each curve has moved for its time in ``times``."""
-        return self._state(*(curve.moved(time) for curve, time in zip(self.curves, times, strict=True)))
 
-    def _state(self, first: Any, second: Any) -> tuple[list[Any], list[Any]]:
-        """(γ, M) from the roots R_i on both curves."""
-        body, K = self.system.body, self.field
-        one, two = self.curves
-        e = [s * c * x * y for s, c, x, y in zip(self.signs, self.roots_of_weights, first, second, strict=True)]
-        length = root_of_rounded(K, K.dot(e, e))
-        f = [1 / (1 + body.d * self.z(k, r)) for k, r in enumerate((first, second))]
-        # ũ2 − ũ1 as a sum without cancellation, since the two lie on opposite sides of the middle a_i
-        middle = self._middle
-        gap = f[0] * f[1] * (first[middle] ** 2 / abs(self.mu[0]) + second[middle] ** 2 / abs(self.mu[1]))
-        scale = 2 * length * f[0] * f[1] / (self.mu[0] * self.mu[1] * gap)
-        n = []
-        for i in range(3):
-            j, k = (i + 1) % 3, (i + 2) % 3
-            left = first[j] * first[k] * f[0] * two.signs[i] * second[i]
-            right = second[j] * second[k] * f[1] * one.signs[i] * first[i]
-            divisor = self.signs[i] * self.roots_of_weights[i] * body.differences[i]
-            n.append(scale * body.contact[i] * (left - right) / divisor)
-        e = [x / length for x in e]
-        square = sum(x * x / r for x, r in zip(e, body.contact, strict=True))
-        lean = sum(x * y / r for x, y, r in zip(e, n, body.contact, strict=True)) / square
-        gamma = [(lean * x - y) / r for x, y, r in zip(e, n, body.contact, strict=True)]
-        size = self.side * root_of_rounded(K, K.dot(gamma, gamma))
-        gamma = [x / size for x in gamma]
-        momentum = self.side * root_of_rounded(K, (self.lambdas[0] - self.lambdas[1]) / gap)
-        x1, x2, x3 = (momentum * x for x in e)
-        return gamma, list(cross(K, (x1, x2, x3), (gamma[0], gamma[1], gamma[2])))
+class SeparatedFlow(DeformedFlow):
+    """The motion of a tilde, check or hat pair without potential through a state; ``system.flow`` returns it.
+
+    At d ≠ 0 a Fourier series on the torus gives physical times (:mod:`integrable.deformations.ovals_clock`).
+    NotRepresentable if moments are equal or a λ_k vanishes (K = 0: a curve degenerates).
+    """
+
+    _carrier = OvalCarrier
+
+    def translated(self, time_of: Any) -> State:
+        """The state after an addition of a point on each of the curves k = 0, 1.
+
+        On curve k the motion adds this point in the time ``time_of(k, field, μ_k, μ_k/I_i)``.
+        """
+        many = self._curves.many
+        while True:
+            carrier: Any = many.carrier
+            times = carrier.times_of(time_of)
+            # None: digits were added for the number of periods, and the carrier is new
+            if many.enough(max(map(abs, times)) / abs(carrier.speed)) is None:
+                continue
+            moved = carrier.moved(times)
+            missing = carrier.drift([moved]) + many.digits
+            if missing <= 0:
+                break
+            many.add_digits(min(missing, carrier.field.dps))
+        x1, x2, x3, m1, m2, m3 = self._curves.rows([moved])[0].tolist()
+        return State((x1, x2, x3), (m1, m2, m3))
 
 
-class LiftedCarrier(CurvesCarrier):
-    """The motion of a check or hat pair over the numbers of ``system``: the lifted motion of a tilde pair."""
-
-    def __init__(self, system: Any, state: State) -> None:
-        self.system, self.start = system, state
-        K = system.field
-        squares, self.speed, tilde = system.isometry()
-        self._roots = roots(K, squares)
-        self.back = [1 / b for b in self._roots]
-        gamma, M = lift(K, self._roots, state.gamma, state.M)
-        self.tilde = OvalCarrier(tilde, State(gamma, M))
-        self.sizes = abs(self.speed) * self.tilde.sizes[0], abs(system.integrals(state).K)
-
-    @at_its_precision
-    def turns(self, tau: Any) -> Any:
-        return self.tilde.turns(self.speed * tau)
-
-    @at_its_precision
-    def point(self, tau: Any) -> tuple[Any, Any]:
-        gamma, M = self.tilde.point(self.speed * tau)
-        return lift(self.field, self.back, (gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]))
+def check_distinct(body: Any) -> None:
+    """Raises NotRepresentable if two moments of inertia are equal."""
+    if any(c == 0 for c in body.differences):
+        raise NotRepresentable(
+            "two moments of inertia are equal: the separated variables do not tell how γ turns; "
+            "motion_through(state) integrates"
+        )
 
 
 def _eigenvalues(K: Any, H: Any, second: Any) -> tuple[Any, Any]:
@@ -292,7 +250,7 @@ def _oval(body: Any, mu: Any, gaps: Any, turn: int) -> SeparatedOval:
     return SeparatedOval(K, [mu / x for x in inertia], gap, sizes, turn if mu > 0 else -turn)
 
 
-def _signs(curves: list[SeparatedOval], e: Any, slope: Any) -> list[int]:
+def _signs(curves: Sequence[SeparatedOval], e: Any, slope: Any) -> list[int]:
     """The signs of e_i = ±const·R_i(curve 1)R_i(curve 2), from e_i and its derivative, which do not both vanish."""
     one, two = curves
     result = []

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from integrable.deformations.deformation import Deformation
 from integrable.deformations.hamiltonian import Potential, Scalars, combination, poles, product
-from integrable.phase.state import State
 from jacobian import RR
 from jacobian.element import Value
 from jacobian.fields.protocol import Field
-
-if TYPE_CHECKING:
-    from integrable.deformations.deformed_flow import DeformedFlow
 
 
 class Tilde(Deformation):
@@ -24,14 +20,12 @@ class Tilde(Deformation):
     Σ1/(1 − da_i). (Tsiganov, tH1 and tK1, with the corrections of docs/errata.md, items 17 to 21.)
     """
 
+    has_curves = True
+
     def __init__(
         self, inertia: Iterable[Value], d: Value = 0, *, potential: Sequence[Value] | None = None, field: Field = RR
     ) -> None:
         self._build(inertia, d, potential, field)
-
-    @property
-    def separates(self) -> bool:
-        return self.potential is None
 
     @property
     def repels(self) -> bool:
@@ -39,24 +33,6 @@ class Tilde(Deformation):
             return False
         zero = self.field.zero
         return self.potential.a == self.potential.b == zero and all(b > zero for b in self.potential.poles)
-
-    def flow(self, state: State) -> DeformedFlow:
-        """The motion by additions on two curves.
-
-        Without potential the curves are y² = 4λ_k(dx − 1)Π(a_i − x), and a :class:`SeparatedFlow` is returned. At d = 0
-        with repelling poles b_i > 0 alone they are cubics, and a
-        :class:`integrable.deformations.pole_flow.PoleFlow` is returned. ArgumentError otherwise.
-        """
-        if self.repels:
-            from integrable.deformations.pole_flow import PoleFlow
-
-            self.integrals(state)
-            return PoleFlow(self, state)
-        if not self.separates:
-            return super().flow(state)
-        from integrable.deformations.separated_flow import SeparatedFlow
-
-        return SeparatedFlow(self, self._checked(state))
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
         """The integrals (H, K)."""

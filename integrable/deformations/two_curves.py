@@ -1,4 +1,4 @@
-"""A state of the tilde pair as two points, one on each of its elliptic curves, and the maps that add points there.
+"""A state of a pair as two points, one on each of its elliptic curves, and the maps that add points there.
 
 ũ_k are the roots of Σ w_i²(x − a_j)(x − a_k), w = γ × M; λ_k = H1 − ũ_kH2; y_k = dũ_k/dτ along the flow of H̃. With μ_k
 = λ_kΠ(1 − da_i) the point (Z, Y) = (μ_kũ/(1 − dũ), μ_ky/(1 − dũ)²) lies on Y² = 4Π(Z − μ_k/I_i). The curves are ordered
@@ -13,6 +13,7 @@ from operator import index
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.deformations.hamiltonian import Hamiltonian
+from integrable.deformations.separated_flow import SeparatedFlow
 from integrable.phase import coordinates
 from integrable.phase.body import cross, square_root
 from integrable.phase.isometry import lift, roots
@@ -50,10 +51,11 @@ class _Image(NamedTuple):
 
 
 def divisors(system: Hamiltonian, state: State) -> TwoPoints:
-    """The two points of a state of a tilde pair without potential.
+    """The two points of a state of a pair without potential; those of a check or hat pair are its tilde pair's.
 
     NotASquare if ũ1, ũ2 or g are not in the field; NotRepresentable if moments are equal, ũ1 = ũ2, or K = 0.
     """
+    system, state = curves_of(system), lifted(system, state)
     image = _image(system, state)
     points = []
     for u, y, value in zip(image.u, image.y, image.lambdas, strict=True):
@@ -74,21 +76,12 @@ def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = N
     """
     if not isinstance(points, TwoPoints):
         raise ArgumentError(f"D = {shown(points)}: give TwoPoints, as the system's divisor(state)")
+    given, system = system, curves_of(system)
     K, body = system.field, system.body
+    like = None if like is None else lifted(given, like)
     known_pairs = (None,) * 3 if like is None else _image(system, like).pairs
-    u, y, lambdas = [], [], []
-    for name, D in zip(points._fields, points, strict=True):
-        if len(D.u) != 2:
-            raise NotRepresentable(f"{name} = {D!r} is the point at infinity: no state has it")
-        mu = _mu_of(system, D.jacobian.curve.f)
-        z, v = K.neg(D.u[0]), poly.evaluate(K, D.v, K.zero)
-        rest = K.add(mu, K.mul(system.d, z))
-        if rest == K.zero:
-            raise NotRepresentable(f"{name} = {D!r}: ũ is infinite there, and no state has it")
-        u.append(K.div(z, rest))
-        slow = K.div(mu, rest)
-        y.append(K.div(K.mul(v, K.mul(slow, slow)), mu))
-        lambdas.append(K.div(mu, _contact(system)))
+    rows = [_on_curve(system, *named) for named in zip(points._fields, points, strict=True)]
+    u, y, lambdas = ([row[i] for row in rows] for i in range(3))
     gap = K.sub(u[1], u[0])
     if gap == K.zero:
         raise NotRepresentable(f"ũ1 = ũ2 = {written(u[0])}: M is infinite there, and no state has both points")
@@ -104,7 +97,21 @@ def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = N
         w2, product = (K.div(poly.evaluate(K, p, a), c) for p in (quadratic, v))
         other = K.neg(K.div(poly.evaluate(K, cofactor, a), K.mul(c, h2)))
         pairs.append(coordinates.root_pair(K, K.mul(w2, h2), product, other, known))
-    return _state(system, pairs, u, h1, h2, like)
+    return unlifted(given, _state(system, pairs, u, h1, h2, like))
+
+
+def _on_curve(system: Hamiltonian, name: str, D: Divisor) -> tuple[Any, Any, Any]:
+    """(ũ, y, λ) of a divisor of one curve, the argument ``name``."""
+    K = system.field
+    if len(D.u) != 2:
+        raise NotRepresentable(f"{name} = {D!r} is the point at infinity: no state has it")
+    mu = _mu_of(system, D.jacobian.curve.f)
+    z, v = K.neg(D.u[0]), poly.evaluate(K, D.v, K.zero)
+    rest = K.add(mu, K.mul(system.d, z))
+    if rest == K.zero:
+        raise NotRepresentable(f"{name} = {D!r}: ũ is infinite there, and no state has it")
+    slow = K.div(mu, rest)
+    return K.div(z, rest), K.div(K.mul(v, K.mul(slow, slow)), mu), K.div(mu, _contact(system))
 
 
 def elliptic_curve_of(system: Hamiltonian, mu: Real) -> HyperellipticCurve:
@@ -243,27 +250,27 @@ class CurveTranslation(Step):
     def __call__(self, state: State) -> State:
         """The image of a state."""
         if self.system.field.exact:
-            here = self.system.divisor(state)
-            return self.system.from_divisor(TwoPoints(*map(self._sum, range(2), here)), like=state)
+            here = divisors(self.system, state)
+            return from_divisors(self.system, TwoPoints(*map(self._sum, range(2), here)), like=state)
         try:
-            return self.system.flow(state).translated(self._time)
+            return SeparatedFlow(self.system, state).translated(self._time)
         except PrecisionLoss as error:
             raise PrecisionLoss(f"multiple = {written(self.multiple)}: as of a motion for so long, {error}") from None
 
     def divisor(self, state: State) -> TwoPoints:
         """The divisors that are added on the curves of a state."""
-        return TwoPoints(*(self._sum(k, D) - D for k, D in enumerate(self.system.divisor(state))))
+        return TwoPoints(*(self._sum(k, D) - D for k, D in enumerate(divisors(self.system, state))))
 
     def _sum(self, k: int, D: Divisor) -> Divisor:
         x, K, jacobian = self.points[k], self.system.field, D.jacobian
         if x is None:
             return D
-        z = self._height(K, _mu_of(self.system, jacobian.curve.f), x)
+        z = self._height(K, _mu_of(curves_of(self.system), jacobian.curve.f), x)
         y = square_root(K, poly.evaluate(K, jacobian.curve.f, z), f"points[{k}]: the square of the ordinate")
         return D + self.multiple * jacobian.from_points([(z, y if self.sheets[k] > 0 else K.neg(y))])
 
     def _height(self, K: Any, mu: Any, x: Any) -> Any:
-        below = K.sub(K.one, K.mul(K.coerce(self.system.d), x))
+        below = K.sub(K.one, K.mul(K.coerce(curves_of(self.system).d), x))
         if below == K.zero:
             raise ArgumentError(
                 f"points: x = {written(x)} = 1/d is the point at infinity, which adds nothing; give None"
@@ -287,39 +294,21 @@ class CurveTranslation(Step):
         return -self.sheets[k] * self.multiple * K.context.elliprf(*(z - value for value in e))
 
 
-class IsometricStep(Step):
-    """A step of the tilde pair of A⁻¹, transferred to a check or hat pair by the lift."""
-
-    def __init__(self, system: Hamiltonian, step: CurveTranslation) -> None:
-        self.system = system
-        self.step = step
-
-    def __repr__(self) -> str:
-        return f"<{self.step!r} on {self.system!r}>"
-
-    def __neg__(self) -> IsometricStep:
-        return IsometricStep(self.system, -self.step)
-
-    def __mul__(self, m: int) -> IsometricStep:
-        return IsometricStep(self.system, self.step * m)
-
-    __rmul__ = __mul__
-
-    def over(self, system: Any) -> IsometricStep:
-        return IsometricStep(system, self.step.over(system.curves_of()))
-
-    def __call__(self, state: State) -> State:
-        """The image of a state; NotASquare if √a_i or |Bγ| is not in the field."""
-        return unlifted(self.system, self.step(lifted(self.system, state)))
+def curves_of(system: Hamiltonian) -> Hamiltonian:
+    """The tilde pair whose curves carry the motion: the system itself, or the tilde pair of A⁻¹."""
+    isometry = system.isometry()
+    return system if isometry is None else isometry.pair
 
 
 def lifted(system: Hamiltonian, state: State) -> State:
-    """The state of the tilde pair of A⁻¹ that corresponds to a state of a check or hat pair."""
-    K = system.field
-    return State(*lift(K, roots(K, system.isometry()[0]), state.gamma, state.M))
+    """The state of the tilde pair that corresponds to a state; NotASquare if √a_i or |Bγ| is not in the field."""
+    K, isometry = system.field, system.isometry()
+    return state if isometry is None else State(*lift(K, roots(K, isometry.squares), state.gamma, state.M))
 
 
 def unlifted(system: Hamiltonian, state: State) -> State:
-    """The state of a check or hat pair that corresponds to a state of the tilde pair: the inverse of :func:`lifted`."""
-    K = system.field
-    return State(*lift(K, [K.inv(x) for x in roots(K, system.isometry()[0])], state.gamma, state.M))
+    """The state of a system that corresponds to a state of the tilde pair: the inverse of :func:`lifted`."""
+    K, isometry = system.field, system.isometry()
+    if isometry is None:
+        return state
+    return State(*lift(K, [K.inv(x) for x in roots(K, isometry.squares)], state.gamma, state.M))

@@ -1,4 +1,5 @@
-"""The motion along an oval by additions of (℘(τ), ℘'(τ)), without theta functions: the readable oracle.
+"""The motion along an oval by additions of (℘(τ), ℘'(τ)), without theta functions, and the states of the pairs from
+points on both ovals by sums over the axes: the readable oracle.
 
     R_i(u + v) = (s_i(v)R_i'(u) + R_i(u)s_j(v)s_k(v))/(℘(v) − Z(u)),   s_i = √(℘ − e_i),   R_i' = ±R_jR_k.
 
@@ -7,6 +8,10 @@ Weierstrass's.)
 """
 
 from math import ceil
+
+from integrable.phase.body import cross
+from integrable.phase.isometry import lift
+from jacobian import poly
 
 
 def moved(oval, tau):
@@ -73,3 +78,75 @@ def laurent(K, g2, g3):
             total += c[middle] * c[middle]
         c.append(3 * total / ((2 * n + 1) * (n - 3)))
     return c[2:]
+
+
+def height(oval, r):
+    """Z at the roots R_i, computed from the smallest of them."""
+    i = min(range(3), key=lambda n: abs(r[n]))
+    return oval.e[i] + oval.signs[i] * r[i] * r[i]
+
+
+def state(carrier, first, second):
+    """(γ, M) of a carrier from the roots R_i on both curves."""
+    gamma, M = (state_in_poles if carrier.frame.in_poles else free_state)(carrier, first, second)
+    if carrier.frame.lifted:
+        back = [b for _, b in sorted(zip(carrier.order, carrier.frame.back, strict=True))]
+        gamma, M = lift(carrier.field, back, tuple(gamma), tuple(M))
+    return list(gamma), list(M)
+
+
+def free_state(carrier, first, second):
+    """(γ, M) of the tilde pair without potential."""
+    body, K, root = carrier.pair.body, carrier.field, carrier.field.context.sqrt
+    one, two = carrier.curves
+    weights = [w for _, w in sorted(zip(carrier.order, carrier.frame.numbers[:3], strict=True))]
+    e = [w * x * y for w, x, y in zip(weights, first, second, strict=True)]
+    length = root(K.dot(e, e))
+    z = [height(curve, r) / mu for curve, r, mu in zip((one, two), (first, second), carrier.mu, strict=True)]
+    f = [1 / (1 + body.d * x) for x in z]
+    # ũ2 − ũ1 as a sum without cancellation, since the two lie on opposite sides of the middle a_i
+    middle = sorted(range(3), key=lambda i: body.inertia[i])[1]
+    gap = f[0] * f[1] * (first[middle] ** 2 / abs(carrier.mu[0]) + second[middle] ** 2 / abs(carrier.mu[1]))
+    scale = 2 * length * f[0] * f[1] / (carrier.mu[0] * carrier.mu[1] * gap)
+    n = []
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        left = first[j] * first[k] * f[0] * two.signs[i] * second[i]
+        right = second[j] * second[k] * f[1] * one.signs[i] * first[i]
+        n.append(scale * body.contact[i] * (left - right) / (weights[i] * body.differences[i]))
+    e = [x / length for x in e]
+    square = sum(x * x / r for x, r in zip(e, body.contact, strict=True))
+    lean = sum(x * y / r for x, y, r in zip(e, n, body.contact, strict=True)) / square
+    gamma = [(lean * x - y) / r for x, y, r in zip(e, n, body.contact, strict=True)]
+    side = carrier.frame.numbers[-1]
+    size = side * root(K.dot(gamma, gamma))
+    gamma = [x / size for x in gamma]
+    momentum = side * root((carrier.lambdas[0] - carrier.lambdas[1]) / gap)
+    return gamma, cross(K, tuple(momentum * x for x in e), tuple(gamma))
+
+
+def state_in_poles(carrier, first, second):
+    """(γ, M) of the tilde pair in repelling poles, by the cofactor (f − V²)/U."""
+    K, a, c, b = carrier.field, carrier.system.a, carrier.system.body.differences, carrier.system.potential.poles
+    one, two = carrier.lambdas
+    points = []
+    for curve, r, value in zip(carrier.curves, (first, second), carrier.lambdas, strict=True):
+        # the trace of φ = −4Π(a_i − x), and that of the well, move the mean of the roots
+        mean = (value * 4 * -sum(a) - sum(4 * x * y for x, y in zip(b, c, strict=True))) / 12
+        points.append(((height(curve, r) - mean) / value, 2 * r[0] * r[1] * r[2] / value))
+    (u1, y1), (u2, y2) = points
+    h2 = (one - two) / (u2 - u1)
+    slope = (y2 - y1) / (u2 - u1)
+    V, U = (slope * u1 - y1, -slope), (u1 * u2, -u1 - u2, K.one)
+    f = poly.scale(K, K.coerce(4), poly.from_roots(K, a))
+    f = poly.mul(K, f, (one + u1 * h2, -h2))
+    for i in range(3):
+        f = poly.sub(K, f, poly.scale(K, 4 * b[i] * c[i], poly.from_roots(K, (a[i - 2], a[i - 1]))))
+    cofactor = poly.quotient(K, poly.sub(K, f, poly.mul(K, V, V)), U)
+    gamma, w = [], []
+    for i, sign in enumerate(carrier.frame.numbers[9:12]):
+        square = poly.evaluate(K, cofactor, a[i]) / (cofactor[2] * c[i])
+        x = sign * K.context.sqrt(abs(square))
+        gamma.append(x)
+        w.append((V[0] + V[1] * a[i]) / (2 * c[i] * x))
+    return gamma, cross(K, tuple(w), tuple(gamma))

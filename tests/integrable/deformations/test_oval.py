@@ -76,7 +76,7 @@ def test_in_many_digits():
 
     def divisor(tau):
         r = curve.moved(K.coerce(tau))
-        return on_the_oval(K, curve.height(r), r, curve.signs)
+        return on_the_oval(K, additions.height(curve, r), r, curve.signs)
 
     for a, b in (("0.3", "-1.7"), ("2.5", "100.25"), ("-7", "7")):
         one, other = (group.add(divisor(x), divisor(y)) for x, y in ((a, b), (0, K.coerce(a) + K.coerce(b))))

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from integrable import Check, Tilde
+from integrable.deformations import quick_states
+from integrable.deformations.deformed_flow import CurvesCarrier
 from integrable.deformations.integrated import IntegratedMotion
 from integrable.deformations.oval import SeparatedOval
 from integrable.deformations.pole_flow import PoleFlow
-from integrable.deformations.quick_states import packed_in_poles
 from integrable.motion.precise import RoundedRows
 from integrable.phase.state import State
 from jacobian import GF, MP, RR
@@ -171,6 +172,7 @@ def test_compiled_states_are_those_of_additions_in_many_digits(size, inertia, mo
     flow = system.flow(state)
     with monkeypatch.context() as changed:
         changed.setattr(SeparatedOval, "moved", additions.moved)
+        changed.setattr(CurvesCarrier, "_state", additions.state)
         readable = flow._curves.at_tau(TAU / size)
 
     def unwanted(*_):
@@ -188,11 +190,11 @@ def test_numbers_that_are_off_go_the_readable_way(place, factor, monkeypatch) ->
     system, state = case((0.3, 0.4, 0.5), RR)
     truth = system.flow(state)._curves.at_tau(TAU)
 
-    def changed(carrier):
-        found = packed_in_poles(carrier)
+    def changed(carrier, right=quick_states.packed):
+        found = right(carrier)
         found.frame.numbers[place] *= factor
         return found
 
-    monkeypatch.setattr(PoleFlow, "_pack", staticmethod(changed))
+    monkeypatch.setattr(quick_states, "packed", changed)
     found = system.flow(state).at_tau(TAU)
     assert np.array_equal(np.hstack([found.gamma, found.M]), truth)

@@ -5,6 +5,7 @@ import pytest
 
 from integrable import Check, Hat, Tilde
 from integrable.deformations import quick_states
+from integrable.deformations.deformed_flow import CurvesCarrier
 from integrable.deformations.oval import SeparatedOval
 from integrable.motion.precise import RoundedRows
 from tests.integrable.deformations import additions
@@ -30,6 +31,7 @@ def by_additions(flow, tau, monkeypatch):
     """γ and M at values of τ in many digits, by additions on both curves."""
     with monkeypatch.context() as changed:
         changed.setattr(SeparatedOval, "moved", additions.moved)
+        changed.setattr(CurvesCarrier, "_state", additions.state)
         return flow._curves.at_tau(tau)
 
 
@@ -83,13 +85,13 @@ def test_far_times_and_what_is_off_go_the_readable_way(monkeypatch) -> None:
     for column, factor in ((1, -1.0), (2, 1 + 1e-15)):
         flow = system.flow(system.state(*START))
 
-        def changed(carrier, column=column, factor=factor):
-            found = quick_states.packed(carrier)
+        def changed(carrier, column=column, factor=factor, right=quick_states.packed):
+            found = right(carrier)
             found.frame.numbers[column] *= factor
             return found
 
         with monkeypatch.context() as spoiled:
-            spoiled.setattr(type(flow), "_pack", staticmethod(changed))
+            spoiled.setattr(quick_states, "packed", changed)
             found = flow.at_tau(TAU)
         assert np.array_equal(np.hstack([found.gamma, found.M]), truth)
 

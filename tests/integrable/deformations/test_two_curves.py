@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 from integrable import Check, Gyroscopic, Hat, Tilde
-from integrable.deformations.two_curves import IsometricStep, TwoPoints, lifted
+from integrable.deformations.two_curves import TwoPoints
 from integrable.phase.brackets import image_brackets
 from integrable.phase.separation import lifts
 from integrable.steps.step import Step
@@ -73,9 +73,7 @@ def test_a_step_preserves_both_integrals_and_adds_its_points(make, field) -> Non
     for system, state, (step, image) in cases(make, field, 4, 2, step_of):
         assert system.integrals(image) == system.integrals(state)
         assert system.field.is_zero(system.rigid.integrals(image).C2)
-        plain = step.step if isinstance(step, IsometricStep) else step
-        inner = lifted(system, state) if isinstance(step, IsometricStep) else state
-        total = TwoPoints(*(p + q for p, q in zip(system.divisor(state), plain.divisor(inner), strict=True)))
+        total = TwoPoints(*(p + q for p, q in zip(system.divisor(state), step.divisor(state), strict=True)))
         assert system.divisor(image) == total
 
 
@@ -150,9 +148,7 @@ def test_a_real_step(name) -> None:
     image = step(state)
     before, after = system.integrals(state), system.integrals(image)
     assert max(abs(a - b) / max(1, abs(a)) for a, b in zip(before, after, strict=True)) < 1e-25
-    plain = step.step if isinstance(step, IsometricStep) else step
-    inner = lifted(system, state) if isinstance(step, IsometricStep) else state
-    for p, q, r in zip(system.divisor(state), plain.divisor(inner), system.divisor(image), strict=True):
+    for p, q, r in zip(system.divisor(state), step.divisor(state), system.divisor(image), strict=True):
         total = p + q
         scale = max(map(abs, (*r.u, *r.v)))
         assert max(abs(a - b) for a, b in zip((*total.u, *total.v), (*r.u, *r.v), strict=True)) < 1e-22 * scale
@@ -171,9 +167,7 @@ def test_a_large_multiple_of_a_real_step(name) -> None:
     system, state = real_case(name)
     step = system.translation(REAL[name], multiple=10**6 + 1)
     image = step(state)
-    plain = step.step if isinstance(step, IsometricStep) else step
-    inner = lifted(system, state) if isinstance(step, IsometricStep) else state
-    for p, q, r in zip(system.divisor(state), plain.divisor(inner), system.divisor(image), strict=True):
+    for p, q, r in zip(system.divisor(state), step.divisor(state), system.divisor(image), strict=True):
         total, scale = p + q, max(map(abs, (*r.u, *r.v)))
         assert max(abs(a - b) for a, b in zip((*total.u, *total.v), (*r.u, *r.v), strict=True)) < 1e-12 * scale
     assert distance((-step)(image), state) < 1e-25
