@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from integrable.classical.kdv_profile import Profile
-    from integrable.mumford.balls import EnclosedPlace
+    from integrable.mumford.enclosure import EnclosedPlace
 
 # digits of the pair at which a profile starts; bits that its double-doubles may lose because of a narrow band
 PROFILE_DIGITS, MOST_LOST = 60, 24

@@ -31,13 +31,13 @@ class BallField(InexactField):
     name = "balls"
 
     def __init__(self, reals: Any) -> None:
-        self._reals = reals
+        self.reals = reals
         self.zero, self.one = reals.number(0), reals.number(1)
         self.eps = self.one * 2.0**-50
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
         """The ball of radius 0 around a number; balls are returned unchanged."""
-        return self._reals.number(value)
+        return self.reals.number(value)
 
     def sqrt(self, x: Any) -> Any:
         """√x."""

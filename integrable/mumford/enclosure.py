@@ -13,11 +13,15 @@ from math import ceil, frexp
 from typing import Any
 
 from integrable.moving_point.balls import time_after
-from integrable.mumford.balls import Balls, EnclosedPlace
-from integrable.mumford.motion import Start
+from integrable.mumford.balls import Balls
+from integrable.mumford.motion import Placed, Start
+from integrable.mumford.translations import GroupTranslations, reference
 from integrable.phase.enclosure import EnclosedPath, Row, ball_digits, exact_times, rounded_up, widest
+from jacobian import poly
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
+from jacobian.relatives.extended import Extended
 
 # initial allowance for lost bits: per genus, and per genus and doubling
 OF_GENUS, OF_DOUBLING = 160, 20
@@ -25,9 +29,44 @@ SPARE = 64
 MOST_BITS, MOST_ATTEMPTS = 2**15, 8
 # guard digits of the first guess of τ
 GUARD = 6
+# largest imaginary part that rounding may leave of a real root, relative to the largest root of f
+REAL = 1e-9
 
 Found = tuple[Any, Any]
 """A result computed in balls, and its radius."""
+
+
+class EnclosedTranslations(GroupTranslations):
+    """The translations T(τ) of a motion, computed in balls."""
+
+    def _reference(self) -> tuple[list[Real], list[Real]]:
+        # points in different ovals, because balls widen more for points far from all branch points
+        K, group = self.field, self.group
+        xs = [] if K.complex else list(map(K.coerce, middles_of_ovals(group.f)))[: group.genus + 1]
+        ys = [K.sqrt(poly.evaluate(K, group.f, x)) for x in xs]
+        more, roots = reference(group)
+        return [*xs, *more][: group.genus + 1], [*ys, *roots][: group.genus + 1]
+
+    def _on_curve(self, D: Extended) -> Extended:
+        # divisors stay as they are: a better midpoint would not narrow a ball
+        return D
+
+
+def middles_of_ovals(f: poly.Poly) -> list[float]:
+    """The midpoints of the bounded intervals where f > 0, between real roots computed in floats."""
+    import numpy as np
+
+    size = max(abs(c) for c in f)
+    scaled = [float(c / size) for c in f[::-1]]
+    found = np.roots(scaled)
+    ends = np.sort(found[abs(found.imag) <= REAL * abs(found).max(initial=0)].real)
+    return [float(x) for x in (ends[1:] + ends[:-1]) / 2 if np.polyval(scaled, x) > 0]
+
+
+class EnclosedPlace(Placed):
+    """A motion whose divisors are computed in balls."""
+
+    _kind = EnclosedTranslations
 
 
 class Precisions:

@@ -1,89 +1,107 @@
-"""Power series, in one variable each, of a motion on y² = f(x) from one pair whose points are known.
+"""Motions on y² = f(x) near one pair whose points are known, from power series in one variable for each point.
 
-The sums Σ∫x^k dx/y over the points grow as c_kτ. Since 1/y satisfies a linear equation of first
-order, a recurrence gives the coefficients of each integral. Newton's method then finds the points at τ.
+The sums Σ∫x^k dx/y over the points grow as c_kτ. Each integral is a series in balls; Cauchy's estimate on a disc where
+f does not vanish bounds its remainder. The interval Newton method (Moore 1966) encloses the points at τ. Motions in
+long numbers take the midpoints. Lifts and integrals of the second and third kind are single-valued on C^g, where all
+paths from 0 to cτ are equivalent. So they may be continued along the paths of the points.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
+from integrable.moving_point.legendre import doubling_precisions
+from integrable.mumford.balls import Balls, ball_around, polynomials
 from jacobian import poly
+from jacobian.element import Arithmetic, Element, Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.linear import pivoted
 from jacobian.poly import Poly
 
-# number of last coefficients from which the radius of a series is estimated
-LAST = 4
-# largest number of Newton steps; convergence is quadratic
+if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    from flint import acb, arb
+
+    Ball: TypeAlias = arb | acb
+
+# on the disc around a point the k-th term of f/f(x) is at most WITHIN^(−k)
+WITHIN = 2.5
+# largest number of Newton steps at all bits
 MOST_STEPS = 60
-# Newton's method ends when the square of a step, relative to the radius of a series, is below this many units of the
-# last bit
-SMALL = 2.0**-8
+# Newton's method starts with so many steps at so many bits
+ROUGH_BITS, ROUGH_STEPS = 64, 4
+# bits of the balls beyond those of long numbers: the solution of the equations loses some
+GUARD_BITS = 32
 
 
-def radius_of(rows: Sequence[Sequence[Any]]) -> float:
-    """An estimate of the radius of convergence of power series, the smallest over all rows.
-
-    It is (|earlier coefficients|/|last ones|)^(1/number of terms between), which does not depend on the unit of time.
-    """
-    found, order = [], len(rows[0])
-    between = order // 2 - LAST
-    for row in rows:
-        last, earlier = (max(abs(c) for c in row[end - LAST : end]) for end in (order, order - between))
-        if last and earlier:
-            # the ratio may exceed the range of floats, but its root does not
-            found.append(float((earlier / last) ** (1 / between)))
-    return min(found, default=1.0)
-
-
-class PointSeries:
-    """Power series of ∫x^k dx/y, k = 0 … g, and ∫dx/(y(x − e)), e in ``others``, from a point of y² = f(x).
-
-    Over an inexact field each series has ``order`` terms. ``count`` is the number of integrals, ``radius`` an estimate
-    of the radius of convergence.
+class PointIntegrals:
+    """The integrals ∫x^k dx/y, k = 0 … g, and ∫dx/(y(x − e)), e in ``others``, from a point of y² = f(x) to nearby
+    points.
     """
 
-    def __init__(self, K: LongField, f: Poly, point: tuple[Any, Any], others: Sequence[Any], order: int) -> None:
-        self._field, self._point = K, point
-        x, y = point
-        self._f = poly.shift(K, f, x)
-        rates = [_inverse_root(self._f, 1 / y, order)]
-        for _ in range((len(f) - 2) // 2):
-            last = rates[-1]
-            rates.append([x * b + a for a, b in zip((K.zero, *last), last, strict=False)])
+    def __init__(self, K: Balls, f: Poly, point: tuple[Ball, Ball], others: Sequence[Ball], order: int) -> None:
+        self._one, self._point = K.one, point
+        (x, y), genus = point, (len(f) - 2) // 2
+        if not abs(y) > 0:
+            raise PrecisionLoss("a point of reference is not seen to be apart from the branch points: use more digits")
+        f = poly.shift(K, poly.scale(K, 1 / poly.evaluate(K, f, x), f), x)
+        self.radius = self._disc(f, [x - e for e in others])
+        rates = [_inverse_root(f, 1 / y, order)]
+        for _ in range(genus):
+            rates.append([x * b + a for a, b in zip((K.zero, *rates[-1]), rates[-1], strict=False)])
         rates += [_over(x - e, rates[0]) for e in others]
-        self.radius = radius_of([rates[0]])
-        self._rows = [[c / (m + 1) for m, c in enumerate(row)][::-1] for row in rates]
-        self.count = len(rates)
+        polynomial = polynomials(K.complex)
+        self._f = polynomial(list(f))
+        self._rows = [polynomial([K.zero, *(c / (m + 1) for m, c in enumerate(row))]) for row in rates]
+        # on the disc |f| is at least a third of |f(x)|, and the distance to each e at least half of |x − e|
+        most = (abs(3 * K.one).sqrt() / abs(y)).abs_upper()
+        sizes = [(abs(x) + self.radius) ** k for k in range(genus + 1)] + [2 / abs(x - e) for e in others]
+        self._bounds = [(most * size * self.radius).abs_upper() for size in sizes]
+        self._order = order
 
-    def integral(self, k: int, move: Any) -> Any:
-        """The k-th integral from x to x + ``move``."""
-        total = self._field.zero
-        for c in self._rows[k]:
-            total = (total + c) * move
-        return total
+    def _disc(self, f: Poly, apart: Sequence[Ball]) -> arb:
+        """A radius within which |f/f(x) − 1| ≤ Σ WITHIN^(−k) = 2/3, at most half the distance to any other point."""
+        sizes = [abs(c).abs_upper() for c in f[1:]]
+        reaches = [x ** (-self._one.real / k) / WITHIN for k, x in enumerate(sizes, 1) if x > 0]
+        radius = min((x.abs_lower() for x in (*reaches, *(abs(e) / 2 for e in apart))), key=float)
+        if not radius > 0:
+            raise PrecisionLoss("a point of reference has no disc around it: use more digits")
+        return radius
 
-    def reached(self, move: Any) -> tuple[Any, Any]:
-        """The point of the curve at x + ``move``."""
+    def at(self, move: Ball, which: slice) -> list[Ball]:
+        """Selected integrals from x to x + ``move``, |move| < ``radius``."""
+        part = (abs(move) / self.radius).abs_upper()
+        rest = part ** (self._order + 1) / (1 - part)
+        if not rest >= 0:
+            raise PrecisionLoss("a time is not known well enough to enclose the motion there: use more digits")
+        return [
+            ball_around(row(move), rest * bound)
+            for row, bound in zip(self._rows[which], self._bounds[which], strict=True)
+        ]
+
+    def reached(self, move: Ball) -> tuple[Ball, Ball]:
+        """The point of the curve at x + ``move``, |move| < ``radius``; there √(f/f(x)) is the principal root."""
+        if not abs(move) < self.radius:
+            raise PrecisionLoss("a time is not known well enough to enclose the motion there: use more digits")
         x, y = self._point
-        return x + move, y * self._field.sqrt(poly.evaluate(self._field, self._f, move) / self._f[0])
+        return x + move, y * self._f(move).sqrt()
 
 
-def _inverse_root(f: Poly, first: Any, order: int) -> list[Any]:
-    """The series of w = f^(−1/2) with the constant term ``first``, from 2fw' = −f'w."""
+def _inverse_root(f: Poly, first: Ball, order: int) -> list[Ball]:
+    """The series of w = f^(−1/2) with the constant term ``first``, from 2fw' = −f'w; f(0) = 1."""
     row = [first]
     for n in range(1, order):
         total = sum(c * ((2 * n - j) * row[n - j]) for j, c in enumerate(f[1 : n + 1], 1))
-        row.append(-total / (2 * n * f[0]))
+        row.append(-total / (2 * n))
     return row
 
 
-def _over(start: Any, row: Sequence[Any]) -> list[Any]:
+def _over(start: Ball, row: Sequence[Ball]) -> list[Ball]:
     """The series of ``row`` divided by start + m, where m is the variable."""
-    found: list[Any] = []
+    found: list[Ball] = []
     for c in row:
         found.append((c - found[-1]) / start if found else c / start)
     return found
@@ -92,53 +110,78 @@ def _over(start: Any, row: Sequence[Any]) -> list[Any]:
 class PointMotion:
     """D(τ) along a direction from the pair with ``points`` (xs, ys), with the third-kind integrals for ``others``.
 
-    ``reach`` is the approximate τ at which a point reaches the radius of its series.
+    ``field`` is one of long numbers, or of balls, which then contain D(τ). Series have ``order`` terms.
     """
 
     def __init__(
-        self, K: LongField, f: Poly, points: Any, direction: Sequence[Any], others: Sequence[Any], order: int
+        self,
+        field: LongField | Balls,
+        f: Poly,
+        points: tuple[Sequence[Real], Sequence[Real]],
+        direction: Sequence[Real],
+        others: Sequence[Real],
+        order: int,
     ) -> None:
-        self._field, self._direction = K, direction
-        self._points = [PointSeries(K, f, point, others, order) for point in zip(*points, strict=True)]
-        self._rates = self._newton(K.one, [K.zero] * len(self._points))
-        reaches = (p.radius / abs(rate) for p, rate in zip(self._points, self._rates, strict=True))
-        self.reach = min(map(float, reaches))
+        self._field = field
+        self._balls = field if isinstance(field, Balls) else Balls(field.bits + GUARD_BITS, field.complex)
+        with self._balls as K:
+            curve, poles, self._direction = (field.balls(row) for row in (f, others, direction))
+            pairs = zip(*map(field.balls, points), strict=True)
+            self._points = [PointIntegrals(K, tuple(curve), pair, poles, order) for pair in pairs]
+            self._rates = self._solved(self._direction, [K.zero] * len(self._points))
+            reaches = (p.radius / abs(rate) for p, rate in zip(self._points, self._rates, strict=True))
+            self.reach = min(float(x.lower()) for x in reaches)
+            """The approximate time in which a point reaches the boundary of its disc."""
 
-    def at(self, time: Any) -> tuple[Poly, Poly, Any, list[Any]]:
-        """(U, V, Ω, the third-kind integrals) at a time well within ``reach``."""
-        K, g = self._field, len(self._points)
-        moves = [rate * time for rate in self._rates]
+    def at(self, time: Real) -> tuple[Poly, Poly, Real, list[Real]]:
+        """(U, V, Ω, the third-kind integrals) of D(τ)."""
+        back = self._field.from_ball
+        with self._balls as K:
+            moves = self._moves(*self._field.balls([time]))
+            u, v = through(K, *map(list, zip(*map(PointIntegrals.reached, self._points, moves), strict=True)))
+            omega, *thirds = map(back, self._sums(moves, slice(len(self._points), None)))
+            return tuple(map(back, u)), tuple(map(back, v)), omega, thirds
+
+    def _moves(self, time: Ball) -> list[Ball]:
+        """The distances x − x(0) of the points of D(τ) from those of D(0)."""
+        K = self._balls
+        middle = [(rate * time).mid() for rate in self._rates]
+        # Newton's steps double the number of correct bits, about PART in the first guess
+        for bits in (*[ROUGH_BITS] * ROUGH_STEPS, *doubling_precisions(K.bits, ROUGH_BITS)[:-1]):
+            with K.reals.at(bits):
+                step = self._solved(self._missing(time, middle), middle)
+            middle = [(x + y).mid() for x, y in zip(middle, step, strict=True)]
         for _ in range(MOST_STEPS):
-            step = self._newton(time, moves)
-            moves = [x + y for x, y in zip(moves, step, strict=True)]
-            part = max(abs(x) / p.radius for x, p in zip(step, self._points, strict=True))
-            if part * part <= SMALL * K.eps:
-                ends = [p.reached(x) for p, x in zip(self._points, moves, strict=True)]
-                rest = [
-                    sum((p.integral(k, x) for p, x in zip(self._points, moves, strict=True)), K.zero)
-                    for k in range(g, self._points[0].count)
-                ]
-                return *through(K, *map(list, zip(*ends, strict=True))), rest[0], rest[1:]
+            missing = self._missing(time, middle)
+            step = self._solved(missing, middle)
+            width = [2 * abs(x).abs_upper() for x in step]
+            found = self._solved(missing, [ball_around(x, w) for x, w in zip(middle, width, strict=True)])
+            # ends where the width of the box counts less than rounding, or than the width of a ball of times
+            if all(abs(x) <= w and x.rad() <= 2 * y.rad() for x, y, w in zip(found, step, width, strict=True)):
+                return [x + y for x, y in zip(middle, found, strict=True)]
+            middle = [(x + y).mid() for x, y in zip(middle, step, strict=True)]
         raise PrecisionLoss("a translation was not found at this precision: use more digits")
 
-    def _newton(self, time: Any, moves: Sequence[Any]) -> list[Any]:
-        """The Newton step J⁻¹(cτ − F), F_k = Σ_i∫x^k dx/y."""
-        ends = [p.reached(x) for p, x in zip(self._points, moves, strict=True)]
-        powers = [1 / y for _, y in ends]
-        rows = []
-        for k, c in enumerate(self._direction):
-            rest = c * time
-            for p, move in zip(self._points, moves, strict=True):
-                rest -= p.integral(k, move)
-            rows.append([*powers, rest])
-            powers = [power * x for power, (x, _) in zip(powers, ends, strict=True)]
-        found = pivoted(rows)
+    def _missing(self, time: Ball, moves: Sequence[Ball]) -> list[Ball]:
+        """c_kτ − Σ_i∫x^k dx/y."""
+        sums = self._sums(moves, slice(len(self._points)))
+        return [c * time - total for c, total in zip(self._direction, sums, strict=True)]
+
+    def _sums(self, moves: Sequence[Ball], which: slice) -> list[Ball]:
+        """Selected integrals, summed over the points."""
+        integrals = (p.at(x, which) for p, x in zip(self._points, moves, strict=True))
+        return [sum(row, self._balls.zero) for row in zip(*integrals, strict=True)]
+
+    def _solved(self, missing: Sequence[Ball], box: Sequence[Ball]) -> list[Ball]:
+        """The Newton step J(box)⁻¹·``missing``, J_ki = x_i^k/y_i."""
+        ends = [p.reached(x) for p, x in zip(self._points, box, strict=True)]
+        found = pivoted([[*(x**k / y for x, y in ends), rest] for k, rest in enumerate(missing)])
         if found is None:
             raise PrecisionLoss("a translation was not found at this precision: use more digits")
         return found
 
 
-def through(K: Any, xs: Sequence[Any], ys: Sequence[Any]) -> tuple[Poly, Poly]:
+def through(K: Arithmetic[Element], xs: Sequence[Element], ys: Sequence[Element]) -> tuple[Poly, Poly]:
     """The pair (U, V) of points with different x, by Lagrange interpolation; V has all its coefficients."""
     total = [K.zero] * len(xs)
     for j, (x, y) in enumerate(zip(xs, ys, strict=True)):

@@ -19,8 +19,9 @@ from jacobian.element import Numbers
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
 
-# h is about 2^−FRACTION of the reach of the series, so each term gains at least FRACTION − 1 bits
-FRACTION = 8
+# h is about 2^−PART of the time in which a point reaches the boundary of its disc, so each term of a series gains at
+# least PART − 1 bits; T(2^k h) is in general position from about k = FRACTION on
+PART, FRACTION = 6, 8
 # T is in general position if its points are at most this many times as far out as those of E
 NEAR = 4
 
@@ -36,8 +37,6 @@ class GroupTranslations:
     the curve at which the moved pairs have a point.
     """
 
-    _fraction = FRACTION
-
     def __init__(self, group: ExtendedGroup, direction: Sequence[Any], ends: Sequence[Any] = ()) -> None:
         self.group, self._ends = group, ends
         self.field: Any = group.field
@@ -45,7 +44,8 @@ class GroupTranslations:
         g = group.genus
         pair, point = through(self.field, xs[:g], ys[:g]), through(self.field, xs[g:], ys[g:])
         points = [kind.x for kind in group.kinds if isinstance(kind, PointLift)]
-        self._series = self._expanded((xs[:g], ys[:g]), pair, direction, points)
+        self._series = PointMotion(self.field, group.f, (xs[:g], ys[:g]), direction, points, self._order())
+        self.unit = self.field.coerce(2.0 ** (math.frexp(self._series.reach)[1] - 1 - PART))
         self._start = pair[0]
         zero = self.field.zero
         # the divisors added with every sum (_with), and those subtracted from it (_back)
@@ -56,21 +56,15 @@ class GroupTranslations:
         self._singles: dict[int, Extended | None] = {}
         self._size = group.size_of_x(pair[0])
         # the first k for which the growth of T(2^k h) has not been checked
-        self._unseen = self._fraction
+        self._unseen = FRACTION
 
     def _reference(self) -> tuple[list[Any], list[Any]]:
         """The points of E and P₀, chosen so that points of a motion on real ovals do not come near them."""
         return reference(self.group)
 
-    def _expanded(self, points: Any, pair: Pair, direction: Sequence[Any], others: Sequence[Any]) -> Any:
-        """An object whose ``at(τ)`` is E(τ) near E, as for :class:`~integrable.mumford.series.PointMotion`.
-
-        E is given as (xs, ys) and as a pair; ``others`` are the poles e of third-kind integrals. Also sets ``unit``, h.
-        """
-        order = self.field.bits // (FRACTION - 1) + 8
-        found = PointMotion(self.field, self.group.f, points, direction, others, order)
-        self.unit = self.field.coerce(2.0 ** (math.frexp(found.reach)[1] - 1 - FRACTION))
-        return found
+    def _order(self) -> int:
+        """The number of terms of the series of E(τ)."""
+        return self.field.bits // (PART - 1) + 8
 
     def carried(self, D: Extended, tau: Numbers) -> Extended:
         """The divisor D + T(τ)."""
@@ -113,11 +107,6 @@ class GroupTranslations:
                 raise PrecisionLoss("rounding grows beside a double point of the curve: use more digits")
             self._unseen = j + 1
 
-    @property
-    def reference(self) -> Extended:
-        """The reference divisor E."""
-        return self._near(self.field.zero)
-
     def from_reference(self, D: Extended) -> Extended:
         """D − E, minus P₀ if there is one."""
         return self.group.add(D, *self._back)
@@ -157,7 +146,7 @@ class GroupTranslations:
 
     def _single(self, k: int) -> Extended | None:
         """T(2^k h), minus P₀ if there is one; None while it has points near infinity, where doubling loses bits."""
-        for j in range(self._fraction + len(self._singles), k + 1):
+        for j in range(FRACTION + len(self._singles), k + 1):
             S = self._singles.get(j - 1)
             if S is not None:
                 S = self._with_single(S, S)

@@ -117,8 +117,7 @@ class LongField(InexactField):
 
         def middle(part: Any) -> Any:
             mantissa, exponent = part.mid().man_exp()
-            exponent = int(exponent)
-            scale = self._real(2) ** abs(exponent)
-            return self._real(int(mantissa)) * scale if exponent >= 0 else self._real(int(mantissa)) / scale
+            number = self._real(int(mantissa))
+            return self.doubled(number, int(exponent))
 
         return self._mpc(middle(x.real), middle(x.imag)) if self.complex else middle(x)

@@ -13,7 +13,7 @@ from integrable.classical.kdv import KdV
 from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.veselova import Veselova
-from integrable.mumford import balls, enclosure
+from integrable.mumford import balls, enclosure, series
 from integrable.mumford.flow import MumfordFlow, Point
 from integrable.mumford.translations import through
 from integrable.systems.on_layer import BodyOnLayer
@@ -84,7 +84,7 @@ def test_higher_genus(genus, make) -> None:
 def test_few_bits_make_wide_balls_that_contain_the_motion(name, n, monkeypatch) -> None:
     """Rounding and truncation are the only errors, and both are of the size of the balls."""
     monkeypatch.setattr(enclosure, "OF_GENUS", 0)
-    monkeypatch.setattr(balls.EnclosedTranslations, "_order", lambda self: self.field.bits // 6 + 4)
+    monkeypatch.setattr(enclosure.EnclosedTranslations, "_order", lambda self: self.field.bits // 6 + 4)
     system, state = REAL[name](RR, n)
     found = system.flow(state).enclosure([0.75, 3], digits=4)
     assert found.radius.max() > 1e-40
@@ -98,13 +98,13 @@ def test_translations_are_those_of_the_taylor_series(sign, complex) -> None:
     system, state = REAL["lagrange" if complex else "ellipsoid"](MP(40), 3)
     place = system.flow(state)._place
     with balls.Balls(300, complex) as K:
-        translations = balls.EnclosedPlace(K, place).translations()
+        translations = enclosure.EnclosedPlace(K, place).translations()
         group, near, direction = translations.group, translations._series, system._direction(K, 1 if complex else 3)
         points = [kind.x for kind in group.kinds if isinstance(kind, PointLift)]
         start = through(K, *zip(*(point.reached(K.zero) for point in near._points), strict=True))
-        series = taylor(K, group.f, start, direction, 60, points)
+        expected = taylor(K, group.f, start, direction, 60, points)
         time = K.coerce(sign * near.reach / 2**12)
-        for a, b in zip(series.at(time), near.at(time), strict=True):
+        for a, b in zip(expected.at(time), near.at(time), strict=True):
             assert all(abs(x - y) < 1e-60 * (1 + abs(y)) for x, y in zip(np.ravel(a), np.ravel(b), strict=True))
 
 
@@ -112,7 +112,7 @@ def test_balls_of_times() -> None:
     """E of a ball of times contains E of every time in it."""
     system, state = REAL["neumann"](MP(40), 3)
     with balls.Balls(300) as K:
-        near = balls.EnclosedPlace(K, system.flow(state)._place).translations()._series
+        near = enclosure.EnclosedPlace(K, system.flow(state)._place).translations()._series
         middle, part = near.reach / 8, near.reach / 2**20
         wide = near.at(flint.arb(middle, part))
         for offset in (-part, 0.3 * part, part):
@@ -213,7 +213,7 @@ def test_whether_a_ball_is_zero_is_not_guessed() -> None:
     with pytest.raises(PrecisionLoss, match="through the vertical"):
         branches(flint.arb(0, 1e-30))
     with balls.Balls(100) as K, pytest.raises(PrecisionLoss, match="apart from the branch points"):
-        balls.PointIntegrals(K, (K.zero, K.one, K.zero, K.one), (flint.arb(1e-40), flint.arb(0, 1e-20)), (), 20)
+        series.PointIntegrals(K, (K.zero, K.one, K.zero, K.one), (flint.arb(1e-40), flint.arb(0, 1e-20)), (), 20)
 
 
 def test_refusals_are_in_words(monkeypatch) -> None:

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.mumford.fields import multiplier, padded, rates_and_quotients
-from integrable.mumford.series import radius_of
 from jacobian import poly
 from jacobian.fields.inexact import InexactField
 from jacobian.inexact.long_field import LongField
@@ -17,6 +16,8 @@ from jacobian.poly import Poly
 
 # bits beyond those of the field
 GUARD = 64
+# number of last coefficients from which the radius of a series is estimated
+LAST = 4
 
 
 def lift_rates(K: Any, factors: tuple[Poly, Poly, Poly], ends: Sequence[Any], roots: Sequence[Any]) -> list[Any]:
@@ -49,6 +50,21 @@ class SeriesField(InexactField):
     def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
         """Σ x_i y_i."""
         return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
+
+
+def radius_of(rows: Sequence[Sequence[Any]]) -> float:
+    """An estimate of the radius of convergence of power series, the smallest over all rows.
+
+    It is (|earlier coefficients|/|last ones|)^(1/number of terms between), which does not depend on the unit of time.
+    """
+    found, order = [], len(rows[0])
+    between = order // 2 - LAST
+    for row in rows:
+        last, earlier = (max(abs(c) for c in row[end - LAST : end]) for end in (order, order - between))
+        if last and earlier:
+            # the ratio may exceed the range of floats, but its root does not
+            found.append(float((earlier / last) ** (1 / between)))
+    return min(found, default=1.0)
 
 
 class PicardSeries:
