@@ -32,8 +32,8 @@ from jacobian import RR
 from jacobian.errors import NotRepresentable, PrecisionLoss
 
 if TYPE_CHECKING:
-    from integrable.motion.integral import TorusIntegral
     from integrable.motion.trajectory import Trajectory
+    from integrable.torus.integrals import TorusIntegral
 
 # length of a panel in basic steps
 PANEL_STEPS = 5
@@ -139,18 +139,15 @@ class Rolling:
         flow, tau = self.flow, run.tau
         length = PANEL_STEPS * flow.setup.step_length / flow.setup.time_scale
         count = int(max(map(abs, tau), default=0) / length)
-        if flow.system.field != RR:
-            torus = flow.contact_on_torus if count > FAR_GAUSS else None
-            if torus:
-                return torus.at(run)
+        precise = flow.system.field != RR
+        torus = flow.contact_on_torus if count > (FAR_GAUSS if precise else FAR) else None
+        if torus:
+            return torus.at(run)
+        if precise:
             self._bound(count, MOST_GAUSS)
             return self._by_gauss(tau, length)
-        if count > FAR:
-            torus = flow.contact_on_torus
-            if torus:
-                return torus.at(run)
-            quick = flow._torus is not None and flow._torus.compiled
-            self._bound(count, MOST_PANELS if quick else MOST_PRECISE)
+        quick = count <= FAR or (flow._torus is not None and flow._torus.compiled)
+        self._bound(count, MOST_PANELS if quick else MOST_PRECISE)
         found = np.zeros((len(tau), 2))
         for sign in (1, -1):
             chosen = np.flatnonzero(sign * tau > 0)
@@ -212,7 +209,7 @@ class Rolling:
 
 def on_torus(flow: BodyMotion) -> TorusIntegral | PreciseContact | None:
     """The bounded part of the path as a Fourier series; None if the motion is not a line on a compact torus."""
-    from integrable.motion.integral import TorusIntegral
+    from integrable.torus.integrals import TorusIntegral
 
     try:
         if flow.system.field != RR:
@@ -227,7 +224,7 @@ class PreciseContact:
     """The bounded part in multiprecision, by a Fourier series on the torus; PrecisionLoss where no series exists."""
 
     def __init__(self, flow: BodyMotion) -> None:
-        from integrable.torus.long_integral import LongIntegral
+        from integrable.torus.integrals import LongIntegral
 
         self._flow, self._setup = flow, flow.setup
         setup = self._setup

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from integrable.motion.contact import PreciseContact
-    from integrable.motion.integral import TorusIntegral
     from integrable.motion.precise import PreciseFlow, RoundedRows
     from integrable.phase.body import Body
     from integrable.phase.enclosure import Enclosure
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
     from integrable.portrait.sensitivity import Sensitivity, TorusVariations
     from integrable.portrait.spectrum import Spectrum
     from integrable.torus.access import TorusFlow
+    from integrable.torus.integrals import TorusIntegral
 
 KERNELS = ("auto", "python", "compiled")
 CHOOSE = f"choose one of {', '.join(map(repr, KERNELS))}"

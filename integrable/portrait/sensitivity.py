@@ -22,10 +22,11 @@ from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.portrait.differences import GUARD, differences, inputs_over
 from integrable.portrait.growth import growth
 from integrable.portrait.variations import Variation, gradient
-from integrable.torus.series import TorusSeries, needed_sizes, spectrum, together
+from integrable.torus.integrals import periods_of, resolved_samples
+from integrable.torus.series import TorusSeries, spectrum, together
 from jacobian import MP, RR
 from jacobian.element import Numbers
-from jacobian.errors import NotRepresentable, PrecisionLoss
+from jacobian.errors import NotRepresentable
 from jacobian.immutable import Record, read_only
 
 if TYPE_CHECKING:
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
     from integrable.torus.access import TorusFlow
 
-FIRST_SIZE, MOST_SAMPLES, CHUNK = 32, 1 << 18, 1 << 13
 # coefficients of the rates below this fraction of the largest are rounding
 NOISE = 3e-14
 # largest relative error of derivatives on the torus; beyond it differences of motions in more digits are used
@@ -143,9 +143,9 @@ class TorusVariations:
         self._size = float(torus.setup.bare_problem.momentum)
         self._body = type(body)(tuple(x / self._unit for x in body.inertia), body.d / self._unit, body.field)
         self._pace = self._size / self._unit
-        self._doubled = [2 if (row < 0).any() else 1 for row in torus.turns]
+        self._doubled = periods_of(torus)
         nu = torus.frequencies
-        self._nu = tuple(x / n / self._pace for x, n in zip(nu, self._doubled, strict=True))
+        self._nu = nu[0] / self._doubled[0] / self._pace, nu[1] / self._doubled[1] / self._pace
         self._sample()
         start = self._scaled(torus.at_phases(np.zeros((1, 2))))
         self._start = Variation.at(self._body, start)
@@ -159,46 +159,23 @@ class TorusVariations:
         return np.concatenate([rows[:, :3], rows[:, 3:] / self._size], axis=1)
 
     def _sample(self) -> None:
-        """Sets the series of σ, a' and b, from the first grid that resolves them."""
-        sizes = FIRST_SIZE, FIRST_SIZE
-        while sizes[0] * sizes[1] <= MOST_SAMPLES:
-            lean, rates = self._samples(sizes)
-            grids = [g for g in (spectrum(x) for x in (lean, *np.moveaxis(rates, -1, 0))) if np.abs(g).max() > NOISE]
-            most = max(np.abs(g).max() for g in grids)
-            wanted = [needed_sizes(g, (n, n)) for g in grids for n in [NOISE * most / np.abs(g).max()] if n < 1 / 64]
-            larger = (max(n for n, _ in wanted), max(n for _, n in wanted))
-            if larger == sizes:
-                break
-            sizes = larger
-        else:
-            raise PrecisionLoss(
-                f"sensitivity: a grid of {sizes[0]} × {sizes[1]} is needed on the torus of this motion; use MP(digits)"
-            )
-        sigma = self._series(lean)
-        values = sigma.on_grid(sizes) + sigma.origin
-        half = rates.shape[-1] // 2
-        along, across = rates[..., :half], rates[..., half:]
+        """Sets the series of σ, a' and b."""
+        samples, _ = resolved_samples(self._torus, self._integrands, _noise)
+        lean, along, across = np.split(samples, [1, 8], axis=2)
+        self._sigma = self._series(lean[..., 0])
+        values = self._sigma.on_grid(lean.shape[:2]) + self._sigma.origin
         along = along + values[..., None] * across
-        self._sigma = sigma
-        self._along = [self._series(x) for x in np.moveaxis(along, -1, 0)]
-        self._across = [self._series(x) for x in np.moveaxis(across, -1, 0)]
+        self._along, self._across = ([self._series(x) for x in np.moveaxis(part, -1, 0)] for part in (along, across))
 
     def _series(self, samples: np.ndarray) -> TorusSeries:
-        grid = spectrum(samples)
-        return TorusSeries(grid, self._nu, noise=max(NOISE / 64, self._torus.closure))
+        return TorusSeries(spectrum(samples), self._nu, noise=max(NOISE / 64, self._torus.closure))
 
-    def _samples(self, sizes: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-        """Samples of Y(1/g), and of a and of b the seven rates by τ for changes of C2, H1, H2, I1, I2, I3 and d."""
-        phases = [n * np.arange(size) / size for n, size in zip(self._doubled, sizes, strict=True)]
-        grid = np.stack(np.meshgrid(*phases, indexing="ij"), axis=-1).reshape(-1, 2)
-        lean, rates = np.empty(len(grid)), np.empty((len(grid), 14))
-        for first in range(0, len(grid), CHUNK):
-            part = slice(first, first + CHUNK)
-            here = Variation.at(self._body, self._scaled(self._torus.at_phases(grid[part])))
-            turning, forced = here.rates()
-            found = np.concatenate([turning[:, :, 1:], forced], axis=2) * here.slowness[:, None, None]
-            lean[part], rates[part] = here.lean, found.reshape(-1, 14)
-        return lean.reshape(sizes), rates.reshape(*sizes, 14)
+    def _integrands(self, rows: np.ndarray) -> np.ndarray:
+        """Y(1/g), and of a and of b the seven rates by τ for changes of C2, H1, H2, I1, I2, I3 and d, (N, 15)."""
+        here = Variation.at(self._body, self._scaled(rows))
+        turning, forced = here.rates()
+        rates = np.concatenate([turning[:, :, 1:], forced], axis=2) * here.slowness[:, None, None]
+        return np.column_stack([here.lean, rates.reshape(-1, 14)])
 
     def at(self, times: np.ndarray, tau: np.ndarray, rows: np.ndarray) -> Sensitivity:
         """The Sensitivity at ``times`` and ``tau``, where ``rows`` are the states γ and M."""
@@ -232,6 +209,12 @@ class TorusVariations:
         columns = np.array([1.0] * 3 + [self._size] * 3 + [self._unit] * 4)
         scaled: np.ndarray = rows[:, None] * (found @ self._project) / columns
         return scaled
+
+
+def _noise(most: np.ndarray) -> np.ndarray:
+    """The fractions of the largest modes below which modes are rounding."""
+    found: np.ndarray = NOISE * most.max() / np.maximum(most, NOISE * most.max())
+    return found
 
 
 def _lost(flow: Any, run: Any, matrix: Any) -> float:

@@ -1,30 +1,120 @@
-"""Integrals along a motion of functions of its state with mean 0, at any time, in multiprecision: a Fourier series on
-the real torus, like that of 1/g in :mod:`integrable.torus.long_clock`."""
+"""Integrals along a motion of functions of its state with mean 0, at any time: Fourier series on the real torus, in
+floats, and in multiprecision like that of 1/g in :mod:`integrable.torus.long_clock`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from integrable.moving_point.addition import moving_point, shift
-from integrable.torus.corners import Corners
+from integrable.torus.corners import Corners, resolved
 from integrable.torus.long_clock import phases
 from integrable.torus.loops import ReadableLoops
-from integrable.torus.series import LongSeries, long_spectrum, needed_sizes
+from integrable.torus.series import LongSeries, TorusSeries, long_spectrum, needed_sizes, spectrum, together
 from integrable.torus.states import turned
 from integrable.torus.walks import KNOWN
 from jacobian.numbers.long_reals import BallReals
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
+    from integrable.torus.access import TorusFlow
 
-# number of samples that takes some seconds; beyond it, the number per squared digit
+FIRST_SIZE = 32
+# largest number of samples in floats, if states are compiled, and if interpreted; states computed together
+MOST_COMPILED, MOST_INTERPRETED, CHUNK = 1 << 18, 1 << 12, 1 << 13
+# modes in floats below this fraction of the largest are rounding
+NOISE = 1e-15
+TINY = 1e-300
+# number of samples in multiprecision that takes some seconds; beyond it, the number per squared digit
 MOST_SAMPLES, SAMPLES_A_DIGIT = 1 << 15, 32
 
+Function = Callable[[np.ndarray], np.ndarray]
+"""A function of states, γ and M side by side, shape (N, 6), that gives m numbers for each, shape (N, m)."""
 Pairs = Callable[[list[tuple[Any, ...]]], list[tuple[Any, Any]]]
 """A function that gives two bare reals for each of several moving points."""
+
+
+class TimedRun(Protocol):
+    """A run of states at physical times, or at values of τ."""
+
+    times: np.ndarray
+    tau: np.ndarray
+    given_in_tau: bool
+
+
+class TorusIntegral:
+    """∫_0^τ F dτ for F with mean 0.
+
+    F may change sign with an odd number of the γ_i: its periods are then twice those of the divisor. ``least`` (m) is
+    the size of rounding errors in F. PrecisionLoss where no grid of at most MOST_COMPILED points resolves F.
+    """
+
+    def __init__(self, flow: TorusFlow, function: Function, least: np.ndarray) -> None:
+        self._flow = flow
+
+        def noise(most: np.ndarray) -> np.ndarray:
+            return np.maximum(NOISE, least / np.maximum(np.maximum(most, least), TINY))
+
+        samples, noises = resolved_samples(flow, function, noise)
+        self._doubled = periods_of(flow)
+        first, second = (x / n for x, n in zip(flow.frequencies, self._doubled, strict=True))
+        self._series = [
+            TorusSeries(spectrum(part), (first, second), noise=max(noise, flow.closure))
+            for part, noise in zip(np.moveaxis(samples, -1, 0), noises, strict=True)
+        ]
+
+    def at(self, run: TimedRun) -> np.ndarray:
+        """The integrals at the times of a run, shape (N, m); the phases keep digits that a rounded τ has lost."""
+        physical = not run.given_in_tau
+        times = run.times if physical else run.tau
+        return together(self._series, *self._flow.phases(times, physical, self._doubled))
+
+
+def periods_of(flow: TorusFlow) -> tuple[int, int]:
+    """The periods, in turns of both phases, of functions that may change sign with an odd number of the γ_i."""
+    first, second = (2 if np.prod(row) < 0 else 1 for row in flow.turns)
+    return first, second
+
+
+def resolved_samples(
+    flow: TorusFlow, function: Function, noise: Callable[[np.ndarray], np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Samples of F on a grid over :func:`periods_of` that resolves it, (rows, columns, m), and the noise of each part.
+
+    ``noise`` gives it from the largest modes, (m,): modes below this fraction of the largest are rounding.
+    """
+    doubled = periods_of(flow)
+
+    def sampled(sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
+        counts = [n * np.arange(size) / size for n, size in zip(doubled, sizes, strict=True)]
+        grid = np.stack(np.meshgrid(*counts, indexing="ij"), axis=-1)
+        new = np.ones(sizes, dtype=bool)
+        if known is not None:
+            places = tuple(slice(None, None, n // m) for n, m in zip(sizes, known.shape, strict=False))
+            new[places] = False
+        rest = grid[new]
+        parts = [function(flow.at_phases(rest[begin : begin + CHUNK])) for begin in range(0, len(rest), CHUNK)]
+        samples = np.empty((*sizes, parts[0].shape[1]))
+        samples[new] = np.concatenate(parts)
+        if known is not None:
+            samples[places] = known
+        return samples
+
+    def transformed(samples: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], tuple[int, int]]:
+        grids = [np.abs(spectrum(part)) for part in np.moveaxis(samples, -1, 0)]
+        noises = noise(np.array([grid.max() for grid in grids]))
+        seen = [(grid, x) for grid, x in zip(grids, noises.tolist(), strict=True) if grid.any() and x < 1 / 64]
+        wanted = [needed_sizes(grid, (x, x)) for grid, x in seen]
+        rows, columns = zip(samples.shape[:2], *wanted, strict=True)
+        return (samples, noises), (max(rows), max(columns))
+
+    found: tuple[np.ndarray, np.ndarray] = resolved(
+        sampled, transformed, (FIRST_SIZE, FIRST_SIZE), MOST_COMPILED if flow.compiled else MOST_INTERPRETED
+    )
+    return found
 
 
 class LongIntegral:
