@@ -30,7 +30,7 @@ from integrable.mumford.elliptic_torus import (
     terms_of,
     thetas,
 )  # fmt: skip
-from integrable.mumford.flow import TORUS, MumfordFlow, Path
+from integrable.mumford.flow import MumfordFlow
 from integrable.torus.witness import TURNS
 from jacobian import CC, RR
 from jacobian.errors import PrecisionLoss
@@ -105,9 +105,8 @@ class AxialFlow(MumfordFlow):
     def _made_torus(self) -> Any:
         return AxialTorus(self.system, self.start)
 
-    def _path(self, torus: Any, times: Any) -> Path:
-        rows = torus.at(times)
-        return Path(times, rows[:, :3], rows[:, 3:], TORUS)
+    def _read(self, torus: AxialTorus, times: np.ndarray) -> np.ndarray:
+        return torus.at(times).reshape(-1, 2, 3)
 
     def _ends(self, N: LongField) -> list[Any]:
         # at an end with m ≠ 0 g does not vanish

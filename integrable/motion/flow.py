@@ -216,7 +216,7 @@ class Flow(BodyMotion):
     def _ways(self) -> Iterator[Way]:
         floats, turns = self.system.field == RR, rotation_axis(self.state) is not None
         # closed forms are faster for rotations, and for equal moments where nothing is compiled
-        if floats and self.kernel != "compiled" and not turns and (self._compiled or not self._equal):
+        if floats and self.kernel != "compiled" and not turns and (not self._equal or self._compiled):
             yield self._near
         yield self._closed or (self._torus if floats else None) or self._precise
 

@@ -13,7 +13,7 @@ from integrable.files.exported import Exported
 from integrable.motion.refusals import Rows, common_reasons, kept_rows, refused_rows
 from integrable.moving_point.setup import Setup
 from integrable.phase.state import State
-from integrable.phase.ways import InOrder, Way
+from integrable.phase.ways import InOrder, Way, times_in
 from jacobian import RR
 from jacobian.element import Numbers
 from jacobian.errors import (
@@ -22,7 +22,6 @@ from jacobian.errors import (
     PrecisionLoss,
     chosen,
     flag,
-    one_or_more,
     several,
     shown,
     whole,
@@ -40,7 +39,7 @@ Matrices = np.ndarray[tuple[int, int, int], np.dtype[Any]]
 """Shape (N, 3, 3)."""
 
 
-FLOATS, NO_ROWS = np.dtype(np.float64), np.empty(0, dtype=np.intp)
+NO_ROWS = np.empty(0, dtype=np.intp)
 WAYS = {
     "closed form": "elliptic or elementary functions of a body with equal moments",
     "short run": "additions from the start on, with interpolation between them, in floats",
@@ -84,7 +83,7 @@ class Motion(Immutable):
         given = self._checked(tau, "tau")
         if not self.system.body.rolls:
             return given
-        return InOrder(self._ways).times(given)
+        return InOrder(self._ways).first(lambda way: way.times(given))
 
     def _repr_html_(self) -> str:
         from jacobian.notebook import named
@@ -135,21 +134,14 @@ class Motion(Immutable):
             self, times, found.tau if physical else given, found.rows, way.way, found.status, found.reasons
         )
 
-    def _checked(self, values: Any, argument: str) -> np.ndarray:
-        """A one-dimensional array of finite numbers of the field."""
-        field = self.system.field
-        quick = type(values) is np.ndarray and values.dtype == FLOATS and values.ndim == 1 and field == RR
-        # all() takes twice as long, and testing squares would overflow with a warning
-        if quick and np.count_nonzero(np.isfinite(values)) == len(values):
-            # a copy: the times of a result do not change with the caller's array
-            copied: np.ndarray = values.copy()
-            return copied
-        items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(one_or_more(values, argument))]
-        return np.array(items, dtype=np.float64 if field == RR else object)
+    def _checked(self, values: Numbers, argument: str) -> np.ndarray:
+        return times_in(self.system.field, values, argument)
 
 
 def _computed(way: InOrder, values: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray]:
-    return way.at(values) if physical else (way.at_tau(values), values)
+    if physical:
+        return way.first(lambda way: way.at(values))
+    return way.first(lambda way: way.at_tau(values)), values
 
 
 class BodyMotion(Motion):

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.mumford.body_torus import SPARE, BodyTorus, SeriesClock, Unit, WalkedClock
 from integrable.mumford.fields import FormulaField
-from integrable.mumford.flow import TORUS, MumfordFlow, Path, Point
+from integrable.mumford.flow import MumfordFlow, Point
 from integrable.mumford.motion import Start
 from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of, on_sphere
 from integrable.phase.body import Vector, cross
@@ -249,9 +249,9 @@ class BodyFlow(MumfordFlow):
         K = MP(DIGITS)
         return BodyTorus(K, self._body._unit(K, self._inner(K)))
 
-    def _path(self, torus: BodyTorus, times: np.ndarray) -> Path:
+    def _read(self, torus: BodyTorus, times: np.ndarray) -> np.ndarray:
         rows, _ = torus.at(times)
-        return Path(times, rows[:, :3], rows[:, 3:], TORUS)
+        return rows.reshape(-1, 2, 3)
 
     @cached_property
     def _pace(self) -> float:

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple
 
 from integrable.mumford.motion import MumfordMotion, Start, settled_digits
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.phase.ways import StatesReached, filled, times_in
 from jacobian import RR
 from jacobian.element import Element, Number, Numbers, Real
-from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, one_or_more
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
 from jacobian.immutable import Record, at_once, quick_property, read_only
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from integrable.portrait.spectrum import Spectrum
     from integrable.portrait.torus_portrait import TorusPortrait
     from integrable.portrait.torus_section import TorusSection
-    from integrable.series.near import Near
 
 # a torus is rejected if its states differ by more than this from those of the equations of motion
 RIGHT = 1e-12
@@ -122,29 +122,10 @@ class MumfordFlow:
         more. Repeated calls return the same bits, whatever was requested before.
         ArgumentError for times that are not numbers.
         """
-        import numpy as np
-
-        if self.digits != ROUNDED_TO_FLOATS:
-            return self._far(self._given(times))
-        given = np.array(times)
-        if given.dtype != np.float64 or given.ndim != 1:
-            given = np.array(self._given(times))
-        if not len(given):
-            return self._far([])
-        near = self._near(given)
-        if near.whole:
-            return Path(given, near.states[:, 0], near.states[:, 1], SERIES, max(near.error, ROUNDED))
-        # raises an error for times that are not finite
-        numbers = self._given(times)
-        if not len(near.places):
-            return self._far(numbers)
-        left, way = np.delete(np.arange(len(given)), near.places), SERIES
-        states = np.empty((len(given), 2, self.system.size))
-        states[near.places] = near.states
-        if len(left):
-            far = self._far([numbers[i] for i in left])
-            states[left], way = np.stack([far.q, far.p], axis=1), f"{SERIES}, {far.way}"
-        return Path(given, states[:, 0], states[:, 1], way, max(near.error, ROUNDED))
+        given = times_in(self.system.field, times, "times")
+        long = given.dtype == object
+        found = filled((self._by_additions,) if long else (self._near, self._on_torus, self._by_additions), given)
+        return Path(given, found.states[:, 0], found.states[:, 1], found.way, max(found.error, ROUNDED))
 
     def _budget(self, count: int) -> float:
         """The microseconds that the next method takes for this many times, its set-up included."""
@@ -156,30 +137,30 @@ class MumfordFlow:
     def _cost_of_additions(self, count: int) -> float:
         return min(self._setting_up + count * BY_ADDITIONS, LONGEST)
 
-    def _near(self, times: np.ndarray) -> Near:
-        """The states at those times that Taylor series reach sooner than the next method would."""
+    def _near(self, times: np.ndarray) -> StatesReached:
+        """The states at those times that Taylor series reach sooner than the next way would."""
         from integrable.series import near as series
 
         near = series.walked(self.system, self.start, times, self._budget(len(times)), self.tolerance)
-        if near.whole or len(near.places) == len(times) or self._torus_for(len(times)) is not None:
-            return near
-        return series.finished(self.system, self.start, times, near, self._cost_of_additions(len(times)))
+        if len(near.places) < len(times) and self._torus_for(len(times)) is None:
+            near = series.finished(self.system, self.start, times, near, self._cost_of_additions(len(times)))
+        return StatesReached(SERIES, near.states, None if near.whole else near.places, near.error)
 
-    def _far(self, given: list[Any]) -> Path:
-        """The states at far times, computed on the torus or by additions in long numbers."""
+    def _on_torus(self, times: np.ndarray) -> StatesReached | None:
+        torus = self._torus_for(len(times))
+        return StatesReached(TORUS, self._read(torus, times)) if torus and torus.reaches(times) else None
+
+    def _by_additions(self, times: np.ndarray) -> StatesReached:
+        """The states by additions in long numbers."""
         import numpy as np
 
-        K = self.system.field
-        torus = self._torus_for(len(given))
-        if torus is not None and torus.reaches(np.array(given)):
-            return self._path(torus, np.array(given))
-        rows = [self._row(t) for t in self._places(given)]
-        kind = float if K == RR else object
-        q, p = (
-            np.array([[element(K, x) for x in row[i]] for row in rows], dtype=kind).reshape(len(rows), self.system.size)
-            for i in (0, 1)
-        )
-        return Path(np.array(given, dtype=kind), q, p)
+        K, places = self.system.field, self._places(times.tolist())
+        states = [[[element(K, x) for x in part] for part in self._row(place)] for place in places]
+        found = np.array(states, dtype=float if K == RR else object).reshape(len(times), 2, self.system.size)
+        return StatesReached(self._long_way, found)
+
+    _long_way = ADDITIONS
+    """The name of the way of :meth:`_by_additions`."""
 
     def _row(self, time: Any) -> Any:
         """The state at a time, in long numbers."""
@@ -195,9 +176,6 @@ class MumfordFlow:
         """Whether compiled loops in floats may be used for the pairs of the motion."""
         return self._in_floats and not self.system.complex_data
 
-    def _given(self, times: Any, name: str = "times") -> list[Any]:
-        return [self.system.field.coerce(t, f"{name}[{i}]") for i, t in enumerate(one_or_more(times, name))]
-
     def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
         """Enclosures of the states at times: balls that provably contain them, of relative radius at most 10^(−digits).
 
@@ -208,7 +186,7 @@ class MumfordFlow:
         """
         from integrable.mumford.enclosure import enclosed_path
 
-        return enclosed_path(self, self._given(times), digits)
+        return enclosed_path(self, times_in(self.system.field, times, "times").tolist(), digits)
 
     def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> EnclosedPath:
         """:meth:`enclosure` at values of τ, in which the motion has the direction ``system.direction``.
@@ -217,7 +195,7 @@ class MumfordFlow:
         """
         from integrable.mumford.enclosure import enclosed_path
 
-        return enclosed_path(self, self._given(tau, "tau"), digits, in_tau=True)
+        return enclosed_path(self, times_in(self.system.field, tau, "tau").tolist(), digits, in_tau=True)
 
     @cached_property
     def portrait(self) -> TorusPortrait:
@@ -421,27 +399,25 @@ class MumfordFlow:
         """
         import numpy as np
 
-        from integrable.series.near import finished, walked
-
         times = torus.witnesses
-        path, true = self._path(torus, times), np.empty((len(times), 2, self.system.size))
-        most = len(times) * BY_ADDITIONS
-        near = walked(self.system, self.start, times, most)
-        near = finished(self.system, self.start, times, near, most)
-        true[near.places] = near.states
-        for i in np.setdiff1d(np.arange(len(times)), near.places):
-            (place,) = self._places([float(times[i])])
-            true[i] = [[*map(float, x)] for x in self._row(place)]
-        gaps = np.abs(np.stack([path.q, path.p], axis=1) - true).max(axis=2)
+        true = filled((self._walked, self._by_additions), times).states
+        gaps = np.abs(self._read(torus, times) - true).max(axis=2)
         return bool((gaps <= RIGHT * np.abs(true).max(axis=2)).all())
 
-    def _path(self, torus: Any, times: Any) -> Path:
-        """The states at times from a torus."""
+    def _walked(self, times: np.ndarray) -> StatesReached:
+        """The states at those times that Taylor series reach sooner than additions would."""
+        from integrable.series.near import finished, walked
+
+        most = len(times) * BY_ADDITIONS
+        near = finished(self.system, self.start, times, walked(self.system, self.start, times, most), most)
+        return StatesReached(SERIES, near.states, near.places)
+
+    def _read(self, torus: Any, times: np.ndarray) -> np.ndarray:
+        """The states at times from a torus, shape (N, 2, n)."""
         import numpy as np
 
         found = self._read_columns(times, torus.at(times))
-        q, p = (np.stack([x.hi for x in part], axis=1) for part in found)
-        return Path(times, q, p, TORUS)
+        return np.stack([np.stack([x.hi for x in part], axis=1) for part in found], axis=1)
 
     def _read_columns(self, times: Any, D: Extended) -> Point:
         """The states of the pairs D at times, as columns."""

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any
 
-from integrable.mumford.flow import ON_TORUS, TO_TORUS, TORUS, MumfordFlow, Path, Point
+from integrable.mumford.flow import ON_TORUS, TO_TORUS, TORUS, MumfordFlow, Point
 from integrable.mumford.motion import Vectors, settled_digits
 from integrable.mumford.phase_torus import PhaseTorus
 from integrable.phase.enclosure import EnclosedPath
@@ -20,17 +19,14 @@ class SummedFlow(MumfordFlow):
     """The motion of a state whose pair has one point in each of g ovals, at any times."""
 
     _takes_theta = False
+    # where double-doubles do not resolve the motion, the sums are computed in long numbers
+    _long_way = TORUS
 
     def _budget(self, count: int) -> float:
         return TO_TORUS[3] + count * ON_TORUS[3]
 
     def _made_torus(self) -> PhaseTorus:
         return self._made_phase_torus()
-
-    def _far(self, given: list[Any]) -> Path:
-        # where double-doubles do not resolve the motion, the sums are computed in long numbers
-        found = super()._far(given)
-        return Path(found.times, found.q, found.p, TORUS)
 
     def _row(self, time: Number) -> Vectors:
         return settled_digits(lambda N: self._state(N, time), self.digits)

@@ -6,14 +6,18 @@ many digits as needed. A way is made when those before it have left times. No wa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from jacobian.errors import PrecisionLoss
+from jacobian import RR
+from jacobian.element import Numbers
+from jacobian.errors import PrecisionLoss, one_or_more
+from jacobian.fields.protocol import Field
 
 Answer = TypeVar("Answer")
+FLOATS = np.dtype(np.float64)
 
 
 class Cost(NamedTuple):
@@ -45,29 +49,73 @@ class Way(Protocol):
 
 
 class InOrder:
-    """The states by the first of ``ways()`` that reaches all times; ``way`` is the name of the way asked last."""
+    """Asks ``ways()`` until one of them reaches all times; ``way`` is the name of the way asked last."""
 
     way: str
 
     def __init__(self, ways: Callable[[], Iterator[Way]]) -> None:
         self._ways = ways
 
-    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
-        return self._first(lambda way: way.at(times))
-
-    def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M side by side at values of τ: shape (N, 6)."""
-        return self._first(lambda way: way.at_tau(tau))
-
-    def times(self, tau: np.ndarray) -> np.ndarray:
-        """The physical times t(τ) at values of τ: shape (N,)."""
-        return self._first(lambda way: way.times(tau))
-
-    def _first(self, asked: Callable[[Way], Answer | None]) -> Answer:
+    def first(self, asked: Callable[[Way], Answer | None]) -> Answer:
+        """What the first way answers that reaches all times."""
         for way in self._ways():
-            found = asked(way)
             self.way = way.way
+            found = asked(way)
             if found is not None:
                 return found
         raise PrecisionLoss("times: no way of this motion reaches them")
+
+
+class StatesReached(NamedTuple):
+    """States of a motion: ``way`` is the name of what computed them, ``states`` have the shape (N, 2, n) of q and p.
+
+    ``places`` are the indices of their times, None for all times in order. ``error`` is an estimate relative to the
+    largest component of q, or of p.
+    """
+
+    way: str
+    states: np.ndarray
+    places: np.ndarray | None = None
+    error: float = 0.0
+
+
+def filled(ways: Iterable[Callable[[np.ndarray], StatesReached | None]], times: np.ndarray) -> StatesReached:
+    """The states at all times: every way is asked for the times that the ways before it have left. The last way
+    reaches all of them or raises.
+    """
+    parts: list[tuple[StatesReached, np.ndarray]] = []
+    left = None
+    for way in ways:
+        found = way(times if left is None else times[left])
+        if found is None:
+            continue
+        if found.places is None and not parts:
+            return found
+        left = np.arange(len(times)) if left is None else left
+        places = left if found.places is None else left[found.places]
+        if len(places):
+            parts.append((found, places))
+            left = np.setdiff1d(left, places)
+        if parts and not len(left):
+            break
+    states = np.empty((len(times), *parts[0][0].states.shape[1:]))
+    for part, places in parts:
+        states[places] = part.states
+    return StatesReached(", ".join(part.way for part, _ in parts), states, None, max(part.error for part, _ in parts))
+
+
+def times_in(field: Field, values: Numbers, argument: str) -> np.ndarray:
+    """``values`` as a new one-dimensional array of finite numbers of RR or MP(digits)."""
+    if field == RR:
+        if type(values) is list and set(map(type, values)) == {float}:
+            values = np.array(values)
+        # all() takes twice as long as counting, and testing squares would overflow with a warning
+        if (
+            type(values) is np.ndarray
+            and values.dtype == FLOATS
+            and values.ndim == 1
+            and np.count_nonzero(np.isfinite(values)) == len(values)
+        ):
+            return values.copy()
+    items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(one_or_more(values, argument))]
+    return np.array(items, dtype=FLOATS if field == RR else object)

@@ -23,11 +23,11 @@ class Forced:
         if self._way == "torus":
             if flow._torus is None:
                 raise PrecisionLoss("this motion has no torus")
-            return flow._path(flow._torus, given)
-        assert self._way == "additions"
-        rows = [flow._row(place) for place in flow._places(given.tolist())]
-        q, p = (np.array([[float(x) for x in row[i]] for row in rows]) for i in (0, 1))
-        return Path(given, q, p)
+            states = flow._read(flow._torus, given)
+        else:
+            assert self._way == "additions"
+            states = flow._by_additions(given).states
+        return Path(given, states[:, 0], states[:, 1], self._way)
 
 
 def forced(flow: MumfordFlow, way: str) -> Forced:
