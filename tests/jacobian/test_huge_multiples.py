@@ -63,7 +63,9 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case", [pytest.param(name, marks=pytest.mark.slow if name == "glued" else ()) for name in CASES]
+)
 def test_what_grows_without_end_is_refused(case):
     call, says = CASES[case]
     with pytest.raises(Infeasible) as caught:

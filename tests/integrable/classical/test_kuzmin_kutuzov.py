@@ -30,14 +30,14 @@ def error(axes, q, p, time=12, steps=24):
     ("axes", "q", "p"),
     [
         (FLAT, (1, "1/2", 0), ("-1/4", "1/2", 0)),  # in the plane z = 0 for ever
-        (LONG, (2, "1/2", 0), ("-1/4", "1/2", 0)),
+        pytest.param(LONG, (2, "1/2", 0), ("-1/4", "1/2", 0), marks=pytest.mark.slow),
         (FLAT, (1, "1/2", 0), ("-1/4", "1/2", "1/4")),  # through z = 0 at the start
-        (LONG, (2, "1/2", 0), ("-1/4", "1/2", "1/4")),
-        (FLAT, (1, 0, "1/4"), ("1/4", 0, "3/8")),  # L = 0
+        pytest.param(LONG, (2, "1/2", 0), ("-1/4", "1/2", "1/4"), marks=pytest.mark.slow),
+        pytest.param(FLAT, (1, 0, "1/4"), ("1/4", 0, "3/8"), marks=pytest.mark.slow),  # L = 0
         (LONG, (1, 0, "1/4"), ("1/4", 0, "3/8")),
         (FLAT, (0, 0, "1/4"), ("1/4", "1/8", "3/8")),  # from the axis
         (LONG, (0, 0, "1/4"), (0, 0, "3/8")),  # along the axis
-        (FLAT, (0, 0, 0), (0, "1/2", 0)),
+        pytest.param(FLAT, (0, 0, 0), (0, "1/2", 0), marks=pytest.mark.slow),
         (FLAT, (1, 0, "1/2"), (0, 0, 0)),  # from rest
         (FLAT, (1, 0, "1/4"), ("1/4", "1e-9", "3/8")),  # past the axis
     ],

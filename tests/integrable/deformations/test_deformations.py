@@ -277,7 +277,9 @@ def _arguments(system):
     return (system.rigid.inertia, system.d) if isinstance(system, Tilde) else (system.rigid.inertia,)
 
 
-@pytest.mark.parametrize("name", GEODESIC)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow if n in ("check", "hat") else ()) for n in GEODESIC]
+)
 def test_the_flow_on_elliptic_curves_against_an_integration_at_thirty_digits(name) -> None:
     """γ and M, signs included, agree to 1e-25 at τ = 3, and both keep the integrals."""
     system, start = in_digits(SYSTEMS[name], 34)
@@ -327,7 +329,7 @@ def test_physical_time_far_out_and_over_floats() -> None:
     assert np.abs(runs[0].M - runs[1].M.astype(float)).max() < 2e-13
 
 
-@pytest.mark.parametrize("name", ["tilde, potential", "gyroscopic"])
+@pytest.mark.parametrize("name", [pytest.param("tilde, potential", marks=pytest.mark.slow), "gyroscopic"])
 def test_what_has_no_curves_is_integrated(name) -> None:
     """By motion_through: floats and 25 digits agree with each other and keep the integrals of the start."""
     from jacobian import RR
@@ -355,13 +357,14 @@ def test_what_has_no_curves_is_integrated(name) -> None:
     assert np.abs(runs[0].gamma - runs[1].gamma.astype(float)).max() < 1e-15
 
 
+@pytest.mark.slow
 def test_a_pole_that_attracts_ends_the_motion_with_a_named_error() -> None:
     system = Check((1, 2, 4), potential=(0.0, 0.0, 0.0, 0.5, 0.0))
     with pytest.raises(PrecisionLoss, match=r"times: the motion ends, or cannot be followed, .* before 1"):
         system.motion_through(_generic(system)).at([1.0])
 
 
-@pytest.mark.parametrize("d", [0, 0.3])
+@pytest.mark.parametrize("d", [0, pytest.param(0.3, marks=pytest.mark.slow)])
 def test_fast_motions_turn_back_before_a_pole(d) -> None:
     """Fast motions were refused with "the motion ends" since coefficients of their series exceeded the range of
     floats. In another unit of time, M, V and t are multiplied by a number, its square and its inverse.

@@ -38,7 +38,9 @@ def motion(system):
     return rates
 
 
-@pytest.mark.parametrize(("poles", "pieces"), [(("0.02", "0.04", "0.06"), 12), (("2", "4", "6"), 25)])
+@pytest.mark.parametrize(
+    ("poles", "pieces"), [(("0.02", "0.04", "0.06"), 12), pytest.param(("2", "4", "6"), 25, marks=pytest.mark.slow)]
+)
 def test_against_an_integration_at_thirty_digits(poles, pieces) -> None:
     """γ and M agree to 1e-25 at t = 1, and to the last digit at t = 0."""
     system, start = case(poles, MP(32))

@@ -114,7 +114,9 @@ def test_what_a_deformation_has_not_is_refused_by_name(system) -> None:
         _ = run.contact
 
 
-@pytest.mark.parametrize("system", [BALL, *DEFORMED], ids=repr)
+@pytest.mark.parametrize(
+    "system", [BALL, DEFORMED[0], pytest.param(DEFORMED[1], marks=pytest.mark.slow), *DEFORMED[2:]], ids=repr
+)
 def test_times_and_own_times_are_inverse(system) -> None:
     flow = motion(system)
     run = flow.at([-0.3, 0.0, 0.5])

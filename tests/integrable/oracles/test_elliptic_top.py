@@ -45,7 +45,7 @@ def test_the_shipped_trajectory_to_its_digits():
 
 
 @pytest.mark.parametrize("inertia", list(permutations((1.0, 2.0, 3.5))))
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, 1, pytest.param(2, marks=pytest.mark.slow)])
 def test_every_order_of_the_axes(inertia, seed):
     """M near the largest or the smallest axis, of either sign; γ not orthogonal to M; times of either sign."""
     rng = np.random.default_rng(seed)

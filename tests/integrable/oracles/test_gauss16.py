@@ -27,7 +27,7 @@ GAMMA, UPRIGHT, TILTED = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), (1.104, 2.18,
 BODIES = {"ball": (0.7, UPRIGHT), "tilted": (0.7, TILTED), "top": (0, UPRIGHT)}
 
 
-EVERY_BODY = [pytest.param(name, marks=pytest.mark.slow if name == "ball" else ()) for name in BODIES]
+EVERY_BODY = [pytest.param(name, marks=() if name == "tilted" else pytest.mark.slow) for name in BODIES]
 
 
 def problem(name, field=None):

@@ -61,8 +61,15 @@ def cyclic_group(model):
     raise AssertionError
 
 
-@pytest.mark.parametrize("rows", [CompiledRows, TwoWordRows])
-@pytest.mark.parametrize("model", ["ramified", "split", "inert"])
+@pytest.mark.parametrize(
+    ("model", "rows"),
+    [
+        # rows of two words take seconds: one model every day
+        pytest.param(model, rows, marks=pytest.mark.slow if rows is TwoWordRows and model != "inert" else ())
+        for model in ("ramified", "split", "inert")
+        for rows in (CompiledRows, TwoWordRows)
+    ],
+)
 def test_classes_are_uniform(model, rows):
     """χ² over all classes of a group: all are equally frequent. Two words draw points by square roots."""
     J, logarithms = cyclic_group(model)

@@ -161,6 +161,10 @@ def test_scalars_of_another_galois_field_are_refused():
         GF(7).coerce(galois.GF(5)(3))
     with pytest.raises(FieldError, match=r"lies in GF\(7\^2\)"):
         GF(7).coerce(galois.GF(7**2)(3))
+
+
+@pytest.mark.slow
+def test_scalars_by_another_modulus_are_refused():
     other = galois.GF(7**2, irreducible_poly="x^2 + 1")
     with pytest.raises(FieldError, match=r"lies in GF\(7\^2\), not in GF\(7\^2"):
         GF(7, 2, (3, 6, 1)).coerce(other(9))
