@@ -184,9 +184,9 @@ class Flow(BodyMotion):
         """The spectral lines of γ, M and ω with their complex amplitudes, accurate to rounding
         (:mod:`integrable.portrait.spectrum`). Floats only; NotRepresentable for a motion on no torus of dimension two.
         """
-        from integrable.portrait.spectrum import BodyStates, lines_of
+        from integrable.portrait.spectrum import body_states, lines_of
 
-        return lines_of(BodyStates(self))
+        return lines_of(body_states(self))
 
     def residual_growth(self, counts: Iterable[int]) -> list[tuple[int, Real]]:
         """For each n in ``counts``, (n, |f − V² mod U| relative to |f|) after n additions of one basic step."""

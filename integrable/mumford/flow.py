@@ -226,12 +226,12 @@ class MumfordFlow:
         the torus would be too fine.
         """
         from integrable.portrait.spectrum import lines_of
-        from integrable.portrait.torus_states import TorusStates
+        from integrable.portrait.torus_states import torus_states
 
         with LongField(BITS_OF_TORUS) as N:
             torus = self._separated_in_floats(N, "spectrum")
             frequencies = [*map(float, self.portrait.frequencies)]
-            return lines_of(TorusStates(torus, self._ends(N), self._reader_in_floats(N, torus), frequencies))
+            return lines_of(torus_states(torus, self._ends(N), self._reader_in_floats(N, torus), frequencies))
 
     def section(self, count: int, oval: int = 0, end: str = "lower") -> TorusSection:
         """The next ``count`` states where the point in an oval is at its "lower" or its "upper" end, in floats.

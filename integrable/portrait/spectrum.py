@@ -10,20 +10,24 @@ Newton steps along the flow find θ at φ.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import prod
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from integrable.phase.attitude import angular_velocities
-from integrable.torus.series import TorusSeries, needed_size, spectrum
+from integrable.torus.integrals import TorusIntegral
+from integrable.torus.series import needed_size
 from jacobian import RR
+from jacobian.element import Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.immutable import Record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from integrable.phase.body import Body
     from integrable.torus.access import TorusFlow
 
 # samples of the first grid in each direction, on tori of at most two dimensions and on others
@@ -33,17 +37,32 @@ NOISE = 3e-14
 PASSES, SOLVED = 60, 1e-13
 
 
-class Sampled(Protocol):
-    """Quantities on a torus whose phases are linear in t."""
+class Sampled(NamedTuple):
+    """Quantities on a torus whose phases are linear in t.
 
-    dimension: int
-    """The number of directions in which the size of the grid is chosen; further directions have a given size."""
+    ``read`` gives the values of each quantity, (N, components), at phases (N, n) in turns from the start; they return
+    after ``doubled`` turns of each phase. A turn of the k-th phase has the modes ``turns[k]`` of the ``frequencies``.
+    In its last directions a grid has the sizes ``given``, in the others those that resolve the quantities.
+    """
+
+    read: Callable[[np.ndarray], dict[str, np.ndarray]]
+    doubled: tuple[int, ...]
+    turns: np.ndarray
+    frequencies: Sequence[Real]
+    given: tuple[int, ...] = ()
 
     def samples(self, sizes: tuple[int, ...]) -> dict[str, np.ndarray]:
-        """The values of each quantity on a grid of ``sizes`` phases, shape (*grid, components)."""
+        """The values of each quantity on a grid of phases, shape (*grid, components)."""
+        shape = (*sizes, *self.given)
+        counts = [n * np.arange(size) / size for n, size in zip(self.doubled, shape, strict=True)]
+        phases = np.stack(np.meshgrid(*counts, indexing="ij"), axis=-1).reshape(-1, len(shape))
+        return {name: values.reshape(*shape, -1) for name, values in self.read(phases).items()}
 
     def lines(self, counted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The modes (L, n) and frequencies (L,) of counts (L, n) of turns along the directions of the grid."""
+        """The modes and frequencies (L,) of counts (L, n) of periods along the directions of the grid."""
+        modes = np.rint(2 * (counted / self.doubled) @ self.turns).astype(int)
+        rows = [zip(row, self.frequencies, strict=True) for row in modes.tolist()]
+        return modes, np.array([float(sum(m * f for m, f in row) / 2) for row in rows])
 
 
 class Spectrum(Record):
@@ -91,11 +110,12 @@ class Spectrum(Record):
 
 def lines_of(source: Sampled) -> Spectrum:
     """The spectrum of quantities on a torus; PrecisionLoss where the grid would be too fine."""
-    size = (FIRST_SIZE if source.dimension <= 2 else FIRST_OF_MANY,) * source.dimension
+    dimension = len(source.doubled) - len(source.given)
+    size = (FIRST_SIZE if dimension <= 2 else FIRST_OF_MANY,) * dimension
     while prod(size) <= MOST_SAMPLES:
         grids = {name: _transformed(x) for name, x in source.samples(size).items()}
         sizes = [np.abs(grid).max(axis=-1) for grid in grids.values()]
-        wanted = [[_wanted(x / x.max(), k) for k in range(source.dimension)] for x in sizes if x.any()]
+        wanted = [[_wanted(x / x.max(), k) for k in range(dimension)] for x in sizes if x.any()]
         larger = tuple(max(column) for column in zip(*wanted, strict=True))
         if larger == size:
             return _spectrum(source, grids)
@@ -128,69 +148,49 @@ def _spectrum(source: Sampled, grids: dict[str, np.ndarray]) -> Spectrum:
     return Spectrum(modes[order], frequencies[order], {name: twice * x[chosen] for name, x in grids.items()})
 
 
-class BodyStates:
+def body_states(flow: Any) -> Sampled:
     """γ, M and ω on the torus of a :class:`~integrable.motion.flow.Flow` over RR.
 
     NotRepresentable over another field and where the motion is on no torus of dimension two.
     """
+    if flow.system.field != RR:
+        raise NotRepresentable(f"spectrum: lines are computed in floats, this flow is over {flow.system.field.name}")
+    portrait, body = flow.portrait, flow.system.body
+    portrait.moving("spectrum")
+    torus: TorusFlow | None = flow._torus
+    if torus is None:
+        raise NotRepresentable(
+            "spectrum: floats have too few digits for the torus of this motion, next to a separatrix"
+        )
+    phases_in_tau = _phases_in_tau(torus, body) if torus.clock else None
 
-    dimension = 2
+    def read(phases: np.ndarray) -> dict[str, np.ndarray]:
+        rows = torus.at_phases(phases_in_tau(phases) if phases_in_tau else phases)
+        gamma, M = rows[:, :3], rows[:, 3:]
+        return {"gamma": gamma, "M": M, "omega": angular_velocities(body, gamma, M)[0]}
 
-    def __init__(self, flow: Any) -> None:
-        if flow.system.field != RR:
-            raise NotRepresentable(
-                f"spectrum: lines are computed in floats, this flow is over {flow.system.field.name}"
-            )
-        self._portrait, self._body = flow.portrait, flow.system.body
-        self._portrait.moving("spectrum")
-        if flow._torus is None:
-            raise NotRepresentable(
-                "spectrum: floats have too few digits for the torus of this motion, next to a separatrix"
-            )
-        self._torus: TorusFlow = flow._torus
-        self._periods = [2 if (row < 0).any() else 1 for row in self._torus.turns]
+    # the torus has its own basis of periods, and may count turns in the opposite direction
+    basis = np.array(torus.lattice.chart.basis)
+    own = [sum(x * int(b) for x, b in zip(torus.frequencies, column, strict=True)) for column in basis.T]
+    signs = [1 if (x > 0) == (f > 0) else -1 for x, f in zip(own, portrait.wide_frequencies, strict=True)]
+    doubled = tuple(2 if (row < 0).any() else 1 for row in torus.turns)
+    return Sampled(read, doubled, np.linalg.inv(basis).T * signs, portrait.wide_frequencies)
 
-    def samples(self, sizes: tuple[int, ...]) -> dict[str, np.ndarray]:
-        """γ, M and ω at phases linear in t."""
-        counts = [np.arange(n) / n for n in sizes]
-        phases = np.stack(np.meshgrid(*counts, indexing="ij"), axis=-1).reshape(-1, 2)
-        if self._torus.clock:
-            phases = self._in_tau(phases, sizes)
-        rows = self._torus.at_phases(phases * self._periods)
-        omega, _ = angular_velocities(self._body, rows[:, :3], rows[:, 3:])
-        parts = {"gamma": rows[:, :3], "M": rows[:, 3:], "omega": omega}
-        return {name: part.reshape(*sizes, 3) for name, part in parts.items()}
 
-    def lines(self, counted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The modes and frequencies, converted from the torus's basis to the two ovals, possibly with opposite
-        direction.
-        """
-        basis = np.array(self._torus.lattice.chart.basis)
-        own = [sum(x * int(b) for x, b in zip(self._torus.frequencies, column, strict=True)) for column in basis.T]
-        f1, f2 = self._portrait.wide_frequencies
-        signs = [1 if (x > 0) == (f > 0) else -1 for x, f in zip(own, (f1, f2), strict=True)]
-        modes = np.rint(2 * (counted / self._periods) @ np.linalg.inv(basis).T * signs).astype(int)
-        return modes, np.array([float((int(m) * f1 + int(n) * f2) / 2) for m, n in modes])
+def _phases_in_tau(torus: TorusFlow, body: Body) -> Callable[[np.ndarray], np.ndarray]:
+    """The function that converts phases linear in t to those linear in τ, (N, 2) in turns."""
+    contact, rates, mean = np.array(body.contact), np.array(torus.frequencies, dtype=float), float(torus.mean)
+    clock = TorusIntegral(torus, lambda rows: np.sqrt(rows[:, :3] ** 2 @ contact)[:, None], np.zeros(1))
 
-    def _in_tau(self, phases: np.ndarray, size: tuple[int, ...]) -> np.ndarray:
-        """The phases linear in τ for given phases linear in t, both in periods of the torus."""
-        torus, periods = self._torus, self._periods
-        rows = torus.at_phases(phases * periods)
-        slowness = np.sqrt(np.sum(np.array(self._body.contact) * rows[:, :3] ** 2, axis=1))
-        nu = tuple(x / n for x, n in zip(torus.frequencies, periods, strict=True))
-        series = TorusSeries(spectrum(slowness.reshape(size)), nu, float(torus.mean))
-        rates, found = np.array([float(x) for x in nu]), np.empty_like(phases)
-        for first in range(0, len(phases), CHUNK):
-            part = slice(first, first + CHUNK)
-            late = np.zeros(len(phases[part]))
-            for _ in range(PASSES):
-                there = phases[part] - late[:, None] * rates
-                swing, rate = series.swings_and_rates(there[:, 0], there[:, 1])
-                step = (late - swing) / rate
-                late = late - step
-                if np.abs(step).max() * np.abs(rates).max() < SOLVED:
-                    break
-            else:
-                raise PrecisionLoss("spectrum: the clock of this motion is too uneven for floats")
-            found[part] = phases[part] - late[:, None] * rates
-        return found
+    def phases_in_tau(phases: np.ndarray) -> np.ndarray:
+        late = np.zeros(len(phases))
+        for _ in range(PASSES):
+            ((swing, rate),) = clock.swings_and_rates(phases - late[:, None] * rates)
+            step = (late * mean - swing) / rate
+            late = late - step
+            if np.abs(step).max() * np.abs(rates).max() < SOLVED:
+                found: np.ndarray = phases - late[:, None] * rates
+                return found
+        raise PrecisionLoss("spectrum: the clock of this motion is too uneven for floats")
+
+    return lambda phases: np.concatenate([phases_in_tau(phases[n : n + CHUNK]) for n in range(0, len(phases), CHUNK)])

@@ -3,60 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 
 from integrable.portrait.separated import SeparatedTorus
+from integrable.portrait.spectrum import Sampled
+from jacobian.element import Real
+
+Pair = tuple[Sequence[np.ndarray], Sequence[np.ndarray]]
+"""q and p by their components, each an array."""
 
 # number of samples of a turn about an axis: a state has only the harmonics 0 and ±1 of it
 ROUND = 4
 
 
-class TorusStates:
-    """q and p at phases that are linear in t: a :class:`integrable.portrait.spectrum.Sampled`.
+def torus_states(
+    torus: SeparatedTorus, ends: Sequence[Real], read: Callable[..., Pair], frequencies: Sequence[Real]
+) -> Sampled:
+    """q and p at phases that are linear in t.
 
     ``ends`` are the branch points at which the state has signs. ``read(halves, turned)`` returns q and p, from
     (sin ½φ, cos ½φ) of each point and the angles about the axis since the start, all arrays. ``frequencies`` are those
     of the portrait.
     """
+    genus, further = len(torus.ovals), len(frequencies) - len(torus.ovals)
+    places = {torus.place_of(e) for e in ends}
+    doubled = [2 if {o.place, o.place + 1} & places else 1 for o in torus.ovals]
+    # the portrait may count turns in the opposite direction
+    senses = [-1.0 if own * f < 0 else 1.0 for own, f in zip(torus.frequencies, frequencies, strict=True)]
+    start, begin = (np.array([x], dtype=float) for x in (torus.phases, torus.start))
+    swings_at_start = torus.swings(begin, start)
 
-    def __init__(
-        self,
-        torus: SeparatedTorus,
-        ends: Sequence[Any],
-        read: Callable[[list[tuple[Any, Any]], list[Any]], tuple[Any, Any]],
-        frequencies: Sequence[float],
-    ) -> None:
-        self._torus, self._read = torus, read
-        self.dimension = len(torus.ovals)
-        places = [torus.place_of(e) for e in ends]
-        self._doubled = [2 if {o.place, o.place + 1} & set(places) else 1 for o in torus.ovals]
-        self._frequencies = np.array(frequencies)
-        # the portrait may count turns in the opposite direction
-        own = np.array([float(f) for f in torus.frequencies])
-        self._senses = np.where(own * self._frequencies < 0, -1, 1)
-
-    def samples(self, sizes: tuple[int, ...]) -> dict[str, np.ndarray]:
-        """q and p on a grid of phases from those of the start."""
-        torus, further = self._torus, len(self._frequencies) - self.dimension
-        shape = (*sizes, *(ROUND,) * further)
-        counts = [n * np.arange(size) / size for n, size in zip([*self._doubled, *[1] * further], shape, strict=True)]
-        grid = np.stack(np.meshgrid(*counts, indexing="ij"), axis=-1).reshape(-1, len(shape))
-        phases = grid[:, : self.dimension] + np.array([float(x) for x in torus.phases])
+    def values(turns: np.ndarray) -> dict[str, np.ndarray]:
+        phases = start + turns[:, :genus]
         angles = torus.in_floats.at(phases)
-        swings = torus.swings(angles, phases) - torus.swings(
-            *(np.array([x], dtype=float) for x in (torus.start, torus.phases))
-        )
-        turned = 2 * np.pi * grid[:, self.dimension :] + swings
-        halves = [(np.sin(phi / 2), np.cos(phi / 2)) for phi in angles.T]
-        q, p = self._read(halves, list(turned.T))
-        return {name: np.stack(x, axis=-1).reshape(*shape, -1) for name, x in (("q", q), ("p", p))}
+        turned = 2 * np.pi * turns[:, genus:] + torus.swings(angles, phases) - swings_at_start
+        q, p = read([(np.sin(phi / 2), np.cos(phi / 2)) for phi in angles.T], list(turned.T))
+        return {"q": np.stack(q, axis=-1), "p": np.stack(p, axis=-1)}
 
-    def lines(self, counted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Modes and frequencies; a turn about the axis counts as two, like two turns in an oval, after which signs
-        return.
-        """
-        further = len(self._frequencies) - self.dimension
-        modes = np.rint(2 * counted / [*self._doubled, *[1] * further] * self._senses).astype(int)
-        return modes, modes @ self._frequencies / 2
+    return Sampled(values, (*doubled, *(1,) * further), np.diag(senses), frequencies, (ROUND,) * further)

@@ -72,6 +72,11 @@ class TorusIntegral:
         times = run.times if physical else run.tau
         return together(self._series, *self._flow.phases(times, physical, self._doubled))
 
+    def swings_and_rates(self, phases: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """For each part of F, its integral less the mean rate, and F, both at phases (N, 2) in turns."""
+        first, second = (phases / self._doubled).T
+        return [series.swings_and_rates(first, second) for series in self._series]
+
 
 def periods_of(flow: TorusFlow) -> tuple[int, int]:
     """The periods, in turns of both phases, of functions that may change sign with an odd number of the γ_i."""
