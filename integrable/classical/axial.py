@@ -11,30 +11,28 @@ If m_k = 0 the axis can pass through the vertical: ±1 is then a branch point, w
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
-from integrable.mumford.fields import cofactor, exponential
+from integrable.mumford.fields import FormulaField, cofactor, exponential
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, normalized
+from integrable.phase.body import Vector
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import poly
 from jacobian.element import Arithmetic, Real
 from jacobian.errors import PrecisionLoss
-from jacobian.relatives.extended import Extended, Lift, PointLift
-
-if TYPE_CHECKING:
-    from integrable.classical.axial_torus import AxialFlow
+from jacobian.relatives.extended import Extended, Kind, Lift, PointLift
 
 
 class Axis(NamedTuple):
     """An axis: its height z and z', its horizontal part (g₁, g₂) and g', the constants (m₁, m₂) and w."""
 
-    z: Any
-    rate: Any
+    z: Real
+    rate: Real
     g: tuple[Real, Real]
     g_rate: tuple[Real, Real]
-    m: tuple[Any, Any]
+    m: tuple[Real, Real]
     w: Real
 
 
@@ -46,80 +44,66 @@ class AxialSystem(MumfordSystem):
     complex_data = True
     _constraint_names: tuple[str, ...] = ("|q| = 1",)
 
-    def _axis(self, N: Any, state: Point) -> Axis:
+    def _axis(self, N: FormulaField, state: Point) -> Axis:
         """Table: the axis of a state."""
         raise NotImplementedError
 
-    def _curve(self, N: Any, state: Point) -> tuple[Any, ...]:
+    def _curve(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
         """Table: the coefficients of f."""
         raise NotImplementedError
 
-    def _from_axis(self, N: Any, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
-        """Table: the state with this axis, z and z' real, g and g' complex, in the motion of ``start``."""
-        raise NotImplementedError
-
-    def _top(self, N: Any, state: Point) -> tuple[Any, Any, Any] | None:
+    def _top(self, N: FormulaField, state: Point) -> Vector | None:
         """Table: (jc, L, c) if the p of a state is the angular momentum of a top; None if it is a velocity."""
         return None
 
     # --- derived from these
 
-    def flow(self, state: Point, tolerance: float | None = None) -> AxialFlow:
-        """The motion of a state over RR or MP(digits), at any times.
-
-        ``tolerance`` is that of :meth:`integrable.mumford.system.MumfordSystem.flow`.
-        """
-        from integrable.classical.axial_torus import AxialFlow
-
-        self._check_range(state)
-        return AxialFlow(self, state, self._tolerance(tolerance))
-
-    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
         return (N.dot(state.q, state.q) - N.one,)
 
-    def _constraint_sizes(self, state: Point) -> list[Any]:
+    def _constraint_sizes(self, state: Point) -> list[Real]:
         return self._surface_sizes([1] * self.size, state)[: len(self._constraint_names)]
 
-    def _constrained(self, N: Any, state: Point) -> Point:
+    def _constrained(self, N: FormulaField, state: Point) -> Point:
         return Point(normalized(N, state.q), state.p)
 
-    def _spectral(self, N: Any, state: Point) -> Spectral:
+    def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         axis = self._axis(N, state)
         return all_of(N, (self._curve(N, state), (-axis.z, N.one), (axis.rate,)), 1)
 
     def _genus(self) -> int:
         return 1
 
-    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+    def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         return (N.one,)
 
-    def _separation(self, N: Any, state: Point) -> Separation:
+    def _separation(self, N: FormulaField, state: Point) -> Separation:
         """The forms of p dq = z' dz/(1 − z²), and of the horizontal angle of rate w + ½m₁/(1 − z) − ½m₂/(1 + z)."""
         axis, vertical = self._axis(N, state), (N.one, -N.one)
         (m1, m2), action = axis.m, Form(poly.neg(N, self._curve(N, state)), vertical)
         turn = Form(((m2 - m1) / 2, -(m1 + m2) / 2), vertical)
         return Separation([Form((N.one,))], (N.one,), action, [(turn, axis.w)], (self._momentum(N, state),))
 
-    def _momentum(self, N: Any, state: Point) -> Any:
+    def _momentum(self, N: FormulaField, state: Point) -> Real:
         """Table: the momentum of the angle of the horizontal part."""
         raise NotImplementedError
 
-    def _ends(self, N: Any, axis: Axis) -> list[tuple[Any, Any]]:
+    def _ends(self, N: FormulaField, axis: Axis) -> list[tuple[Real, Real]]:
         """The points of the two lifts: ((1, −im₁), (−1, −im₂))."""
         i = N.coerce(1j)
         return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
 
     def _carrier(self, axis: Axis) -> int | None:
         """The index of the end z = ±1 nearer to the start, whose lift starts as g; None if it is no branch point."""
-        near = 0 if axis.z.real > 0 else 1
+        near = 0 if abs(1 - axis.z) < abs(1 + axis.z) else 1
         return near if branches(axis.m[near]) else None
 
-    def _start(self, N: Any, state: Point) -> Start:
+    def _start(self, N: FormulaField, state: Point) -> Start:
         f, u, v = self._spectral(N, state)
         axis, i = self._axis(N, state), N.coerce(1j)
         carrier, ends = self._carrier(axis), self._ends(N, axis)
-        kinds: list[Any] = []
-        data: list[Any] = []
+        kinds: list[Kind] = []
+        data: list[tuple[Real, Real, Real]] = []
         for k, (e, y) in enumerate(ends):
             if not branches(axis.m[k]):
                 kinds.append(PointLift(e, y))
@@ -136,7 +120,7 @@ class AxialSystem(MumfordSystem):
                 data.append((self._unit(N, f, e, axis, g, nu), g, nu))
         return Start(f, u, v, self._direction(N, 1), kinds, tuple(data))
 
-    def _unit(self, N: Any, f: Any, e: Any, axis: Axis, g: Any, nu: Any) -> Any:
+    def _unit(self, N: FormulaField, f: poly.Poly, e: Real, axis: Axis, g: Real, nu: Real) -> Real:
         """The κ of the lift g at e: κg² = U(e), κν² = −W(e)."""
         if abs(g) ** 2 > abs(nu) ** 2:
             return (e - axis.z) / (g * g)
@@ -145,7 +129,7 @@ class AxialSystem(MumfordSystem):
         w = poly.evaluate(N, cofactor(N, f, (-axis.z, N.one), (axis.rate,)), e)
         return -w / (nu * nu)
 
-    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+    def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
         axis, i = self._axis(N, start), N.coerce(1j)
         z, rate = (-D.u[0]).real, D.v[0].real
         lifts = []
@@ -157,17 +141,36 @@ class AxialSystem(MumfordSystem):
         if self._carrier(axis) is None:
             turn = turn * (axis.g[0] + i * axis.g[1])
         g = turn * first * second
-        return self._from_axis(N, start, z, rate, g, i * axis.w * g + turn * (of_first * second + first * of_second))
+        g_rate = i * axis.w * g + turn * (of_first * second + first * of_second)
+        top = self._top(N, start)
+        top = top and (top[0].real, top[1].real, top[2].real)
+        return state_of((g.real, g.imag, z), (g_rate.real, g_rate.imag, rate), top)
 
 
-def branches(m: Any) -> bool:
+def state_of(axis: Vector, rate: Vector, top: Vector | None) -> Point:
+    """The state with this axis and its rate; ``top`` is that of :meth:`AxialSystem._top`."""
+    return Point(axis, rate if top is None else momentum(axis, rate, top))
+
+
+def momentum(axis: Vector, rate: Vector, top: Vector) -> Vector:
+    """The angular momentum of a top with this axis and its rate; ``top`` is that of :meth:`AxialSystem._top`.
+
+    M_1 + iM_2 is (g' + ijcg)/(iz), and also g(L − cz + iz')/(1 − z²). The first times z² and the second times 1 − z²
+    divide by nothing.
+    """
+    (x, y, z), (dx, dy, dz), (turn, along, c) = axis, rate, top
+    rest = along - c * z
+    return z * (dy + turn * x) + x * rest - y * dz, z * (turn * y - dx) + x * dz + y * rest, c
+
+
+def branches(m: Real) -> bool:
     """Whether the end with constant m is a branch point, m = 0; PrecisionLoss if the ball m does not decide this."""
     if m == 0 or m != 0:
         return bool(m == 0)
     raise PrecisionLoss("whether the axis passes through the vertical is not seen: use more digits")
 
 
-def heavy(N: Arithmetic, h: Any, along: poly.Poly) -> poly.Poly:
+def heavy(N: Arithmetic, h: Real, along: poly.Poly) -> poly.Poly:
     """The f of a heavy axis: 2(1 − x²)(h − x) minus the square of ``along``, which is ±m at x = ±1."""
     height = poly.mul(N, (2 * N.one, N.zero, -2 * N.one), (h, -N.one))
     return poly.sub(N, height, poly.mul(N, along, along))

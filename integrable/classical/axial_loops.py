@@ -10,13 +10,16 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from integrable.classical.axial import momentum
 from integrable.mumford.elliptic_torus import circle
+from jacobian.element import Real
 from jacobian.native.kinds import BOOL, FLOATS, WIDES, record
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 from jacobian.numbers.abreast import abreast
 
 Row = Any
+Triple = tuple[Real, Real, Real]
 
 # length of a row of the table of series
 SERIES = 8
@@ -39,53 +42,47 @@ class AxialThetas(NamedTuple):
 
 def axial_states(motion: AxialThetas, times: Row, out: Row) -> None:
     """Writes q and p at the given times, six floats per time."""
-    numbers, table = motion.numbers, motion.table
-    zero = 0 * numbers[0]
     for i in abreast(0, len(times)):
-        cv, sv = circle((numbers[0] * times[i] + numbers[2]) / 2, motion.inverse)
-        # ce, se: cos and sin of the even harmonic; c2, s2: those of 2v, by which harmonics advance
-        ce, se, c2, s2 = 1 + zero, zero, cv * cv - sv * sv, 2 * cv * sv
-        upr, upi, dupr, dupi = zero, zero, zero, zero
-        low, lowi, dlow, dlowi = zero, zero, zero, zero
-        t1, t2, t3, t4, dt4 = zero, zero, zero, zero, zero
-        for n in range(len(table) // SERIES):
-            k, odd = SERIES * n, 2 * n + 1
-            c, s = ce * cv - se * sv, ce * sv + se * cv
-            a, b, d, e = table[k] * c, table[k] * s, table[k + 1] * c, table[k + 1] * s
-            upr, upi, dupr, dupi = upr + a, upi + e, dupr - odd * b, dupi + odd * d
-            a, b, d, e = table[k + 2] * c, table[k + 2] * s, table[k + 3] * c, table[k + 3] * s
-            low, lowi, dlow, dlowi = low + d, lowi + b, dlow - odd * e, dlowi + odd * a
-            t1, t2 = t1 + table[k + 4] * s, t2 + table[k + 5] * c
-            t3, t4, dt4 = t3 + table[k + 6] * ce, t4 + table[k + 7] * ce, dt4 - (2 * n) * (table[k + 7] * se)
-            ce, se = ce * c2 - se * s2, ce * s2 + se * c2
-        # G = θ₂(v − iα)θ₁(v − iβ)/θ₄² and its derivative with respect to v
-        over = 1 / t4
-        square = over * over
-        real, imaginary = (upr * low - upi * lowi) * square, (upr * lowi + upi * low) * square
-        slope = (dupr * low - dupi * lowi + upr * dlow - upi * dlowi) * square - 2 * dt4 * over * real
-        other = (dupr * lowi + dupi * low + upr * dlowi + upi * dlow) * square - 2 * dt4 * over * imaginary
-        slope, other = numbers[5] * slope - numbers[6] * imaginary, numbers[5] * other + numbers[6] * real
-        c, s = circle(numbers[1] * times[i], motion.inverse)
-        a, b = numbers[3] * c - numbers[4] * s, numbers[3] * s + numbers[4] * c
-        x, y = a * real - b * imaginary, a * imaginary + b * real
-        dx, dy = a * slope - b * other, a * other + b * slope
-        z, dz = numbers[7] + numbers[8] * t1 * t1 * square, numbers[9] * t1 * t2 * t3 * over * square
-        put_axis(motion, (x, y, z), (dx, dy, dz), out, 6 * i)
+        (x, y, z), (dx, dy, dz) = axis_at(motion, times[i])
+        if motion.top:
+            turn, along, c = motion.numbers[10], motion.numbers[11], motion.numbers[12]
+            dx, dy, dz = momentum((x, y, z), (dx, dy, dz), (turn, along, c))
+        k = 6 * i
+        out[k], out[k + 1], out[k + 2] = float(x), float(y), float(z)
+        out[k + 3], out[k + 4], out[k + 5] = float(dx), float(dy), float(dz)
 
 
-def put_axis(motion: AxialThetas, axis: Row, rate: Row, out: Row, place: int) -> None:
-    """Writes the state with this axis and rate to out[place … place + 5]."""
-    (x, y, z), (dx, dy, dz), numbers = axis, rate, motion.numbers
-    if motion.top:
-        if abs(z) > 0.5:
-            # g' = −ijcg + iz(M_1 + iM_2), regular at the vertical
-            first, second = (dy + numbers[10] * x) / z, (numbers[10] * y - dx) / z
-        else:
-            along, flat = numbers[11] - numbers[12] * z, 1 / (1 - z * z)
-            first, second = (x * along - y * dz) * flat, (x * dz + y * along) * flat
-        dx, dy, dz = first, second, numbers[12]
-    out[place], out[place + 1], out[place + 2] = float(x), float(y), float(z)
-    out[place + 3], out[place + 4], out[place + 5] = float(dx), float(dy), float(dz)
+def axis_at(motion: AxialThetas, time: Real) -> tuple[Triple, Triple]:
+    """The axis and its velocity at a time."""
+    numbers, table = motion.numbers, motion.table
+    cv, sv = circle((numbers[0] * time + numbers[2]) / 2, motion.inverse)
+    zero = 0 * cv
+    # ce, se: cos and sin of the even harmonic; c2, s2: those of 2v, by which harmonics advance
+    ce, se, c2, s2 = 1 + zero, zero, cv * cv - sv * sv, 2 * cv * sv
+    upr, upi, dupr, dupi = zero, zero, zero, zero
+    low, lowi, dlow, dlowi = zero, zero, zero, zero
+    t1, t2, t3, t4, dt4 = zero, zero, zero, zero, zero
+    for n in range(len(table) // SERIES):
+        k, odd = SERIES * n, 2 * n + 1
+        c, s = ce * cv - se * sv, ce * sv + se * cv
+        a, b, d, e = table[k] * c, table[k] * s, table[k + 1] * c, table[k + 1] * s
+        upr, upi, dupr, dupi = upr + a, upi + e, dupr - odd * b, dupi + odd * d
+        a, b, d, e = table[k + 2] * c, table[k + 2] * s, table[k + 3] * c, table[k + 3] * s
+        low, lowi, dlow, dlowi = low + d, lowi + b, dlow - odd * e, dlowi + odd * a
+        t1, t2 = t1 + table[k + 4] * s, t2 + table[k + 5] * c
+        t3, t4, dt4 = t3 + table[k + 6] * ce, t4 + table[k + 7] * ce, dt4 - (2 * n) * (table[k + 7] * se)
+        ce, se = ce * c2 - se * s2, ce * s2 + se * c2
+    # G = θ₂(v − iα)θ₁(v − iβ)/θ₄² and its derivative with respect to v
+    over = 1 / t4
+    square = over * over
+    real, imaginary = (upr * low - upi * lowi) * square, (upr * lowi + upi * low) * square
+    slope = (dupr * low - dupi * lowi + upr * dlow - upi * dlowi) * square - 2 * dt4 * over * real
+    other = (dupr * lowi + dupi * low + upr * dlowi + upi * dlow) * square - 2 * dt4 * over * imaginary
+    slope, other = numbers[5] * slope - numbers[6] * imaginary, numbers[5] * other + numbers[6] * real
+    c, s = circle(numbers[1] * time, motion.inverse)
+    a, b = numbers[3] * c - numbers[4] * s, numbers[3] * s + numbers[4] * c
+    z, dz = numbers[7] + numbers[8] * t1 * t1 * square, numbers[9] * t1 * t2 * t3 * over * square
+    return (a * real - b * imaginary, a * imaginary + b * real, z), (a * slope - b * other, a * other + b * slope, dz)
 
 
 LIBRARY = Library(

@@ -10,12 +10,14 @@ other.
 
 from __future__ import annotations
 
-from math import acos, copysign, cos
+from collections.abc import Callable, Sequence
+from math import acos, cos
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from integrable.classical.axial_loops import LIBRARY, SERIES, AxialThetas
+from integrable.classical.axial import AxialSystem, Axis, state_of
+from integrable.classical.axial_loops import LIBRARY, AxialThetas, axis_at
 from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.columns import Column, Columns
 from integrable.mumford.elliptic_torus import (
@@ -30,9 +32,11 @@ from integrable.mumford.elliptic_torus import (
     terms_of,
     thetas,
 )  # fmt: skip
-from integrable.mumford.flow import MumfordFlow
+from integrable.mumford.flow import MumfordFlow, Point
+from integrable.portrait.separated import SeparatedTorus
 from integrable.torus.witness import TURNS
-from jacobian import CC, RR
+from jacobian import RR, poly
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 
@@ -44,15 +48,18 @@ NEWTON_STEPS = 8
 LOST, NOTHING = 2.0**-130, 2.0**-90
 
 
+Arrays = tuple[np.ndarray, ...]
+
+
 class Turns(NamedTuple):
     """The coefficients of e^{±ikv} in θ(v − ia), k = 2n + 1, divided by the largest.
 
     ``ahead`` are the coefficients of +k, ``back`` those of −k. ``pace`` is −iθ₂'/θ₂ at −ia.
     """
 
-    ahead: list[Any]
-    back: list[Any]
-    pace: Any
+    ahead: list[Real]
+    back: list[Real]
+    pace: Real
 
 
 class AxialTorus:
@@ -61,7 +68,7 @@ class AxialTorus:
     PrecisionLoss on a separatrix, or if double-doubles cannot distinguish the motion from a separatrix or from rest.
     """
 
-    def __init__(self, system: Any, state: Any) -> None:
+    def __init__(self, system: AxialSystem, state: Point) -> None:
         with long_numbers(BITS) as N:
             inner = system._constrained(N, system._inside(N, state))
             axis, top = system._axis(N, inner), system._top(N, inner)
@@ -70,19 +77,13 @@ class AxialTorus:
             numbers, table = _steady(N, gaps, axis) if gaps.steady else _turning(N, gaps, axis)
             row = double_double_row((*numbers, *(top or (N.zero,) * 3)))
             self._motion = AxialThetas(row, double_double_row(table), inverse_factorials(), top is not None)
-        self._nods, self._turns, self._place = map(float, numbers[:3])
+        self._nods, self._turns = map(float, numbers[:2])
         self._pace = max(abs(self._nods), abs(self._turns))
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times at which the torus is compared with another method.
-
-        They lie a period and more from the start, in both directions, and at the lowest and the highest point next to
-        it. Tops need the last two, because their formulas near the vertical differ from those far from it.
-        """
-        if not self._nods:
-            return np.array(TURNS) / (self._turns or 1.0)
-        return np.array([*TURNS, -self._place, copysign(0.5, -self._place) - self._place]) / self._nods
+        """Times a period and more from the start, in both directions, for a comparison with another method."""
+        return np.array(TURNS) / (self._nods or self._turns or 1.0)
 
     def reaches(self, times: np.ndarray) -> bool:
         """Whether double-doubles resolve the fraction of a turn at all of these times."""
@@ -108,17 +109,17 @@ class AxialFlow(MumfordFlow):
     def _read(self, torus: AxialTorus, times: np.ndarray) -> np.ndarray:
         return torus.at(times).reshape(-1, 2, 3)
 
-    def _ends(self, N: LongField) -> list[Any]:
+    def _ends(self, N: LongField) -> list[Real]:
         # at an end with m ≠ 0 g does not vanish
         m = self.system._axis(N, self._inner(N)).m
         return [e for e, x in zip((N.one, -N.one), m, strict=True) if x == 0]
 
-    def _reader_in_floats(self, N: LongField, torus: Any) -> Any:
+    def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Arrays, Arrays]]:
         """The function that returns q and p: g = C·e^{iδ}√|z − 1|√|z + 1|, where a vanishing root is a signed lift."""
-        axis, ends, start = self.system._axis(RR, self._inner(RR)), self._ends(N), self._inner(CC)
-        K = Columns()
+        system, inner, ends, K = self.system, self._inner(RR), self._ends(N), Columns()
+        axis, top = system._axis(RR, inner), system._top(RR, inner)
 
-        def horizontal(halves: Any, turned: Any) -> tuple[Any, ...]:
+        def horizontal(halves: Sequence[tuple[np.ndarray, np.ndarray]], turned: Real) -> Arrays:
             """The height z, z', and for C = 1 the horizontal part g and g'."""
             u, v, lifts = torus.pair_at(K, [(Column(s), Column(c)) for s, c in halves], ends)
             z, rate, found = -u[0].hi, v[0].hi, iter(lifts)
@@ -139,12 +140,11 @@ class AxialFlow(MumfordFlow):
         own, rates = complex(*axis.g), complex(*axis.g_rate)
         unit = own / g[0] if abs(g[0]) > abs(g_rate[0]) else rates / g_rate[0]
 
-        def read(halves: Any, turned: Any) -> tuple[Any, Any]:
+        def read(halves: Sequence[tuple[np.ndarray, np.ndarray]], turned: Sequence[Real]) -> tuple[Arrays, Arrays]:
             z, rate, g, g_rate = horizontal(halves, turned[0])
-            parts = zip(z.tolist(), rate.tolist(), (unit * g).tolist(), (unit * g_rate).tolist(), strict=True)
-            rows = [self.system._from_axis(CC, start, *part) for part in parts]
-            q, p = (np.array([row[k] for row in rows]).real.T for k in (0, 1))
-            return list(q), list(p)
+            g, g_rate = unit * g, unit * g_rate
+            q, p = state_of((g.real, g.imag, z), (g_rate.real, g_rate.imag, rate), top)
+            return q, tuple(x + 0 * z for x in p)
 
         return read
 
@@ -156,16 +156,16 @@ class Gaps(NamedTuple):
     (1 + x₁, 1 + x₂). ``steady`` is true if the axis does not nod.
     """
 
-    first: Any
-    swing: Any
-    above: Any
-    down: tuple[Any, Any]
-    beyond: Any
-    up: tuple[Any, Any]
+    first: Real
+    swing: Real
+    above: Real
+    down: tuple[Real, Real]
+    beyond: Real
+    up: tuple[Real, Real]
     steady: bool
 
     @staticmethod
-    def of(N: LongField, f: Any, axis: Any) -> Gaps:
+    def of(N: LongField, f: poly.Poly, axis: Axis) -> Gaps:
         """The gaps of a cubic with leading coefficient 2, f(1) = −m₁², f(−1) = −m₂²."""
         m1, m2 = axis.m
         mean, slope = -f[2] / 6, f[1] / 2
@@ -202,7 +202,7 @@ class Gaps(NamedTuple):
         return Gaps(x1, swing, above, (down1, down2), beyond, (up1, up2), bool(steady))
 
 
-def _steady(N: LongField, gaps: Gaps, axis: Any) -> tuple[Any, Any]:
+def _steady(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequence[Real]]:
     """The numbers and the table of an axis that rotates about the vertical at constant height."""
     pace, (m1, m2) = axis.w, axis.m
     down, up = gaps.down[0] - gaps.swing / 2, gaps.up[1] - gaps.swing / 2
@@ -213,7 +213,7 @@ def _steady(N: LongField, gaps: Gaps, axis: Any) -> tuple[Any, Any]:
     return numbers, row
 
 
-def _turning(N: LongField, gaps: Gaps, axis: Any) -> tuple[Any, Any]:
+def _turning(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequence[Real]]:
     """The numbers and the table of an axis that nods between x₁ and x₂."""
     (down1, down2), (up1, up2), swing = gaps.down, gaps.up, gaps.swing
     wide = swing + gaps.above
@@ -241,14 +241,24 @@ def _turning(N: LongField, gaps: Gaps, axis: Any) -> tuple[Any, Any]:
     # sn = θ₃θ₁/(θ₂θ₄) and so on
     height, slope = swing * (theta3 / theta2) ** 2, 2 * swing * N.sqrt(wide / 2) * (theta4 / theta2) ** 2
     place = _start(N, levels, gaps, axis)
-    g = _placed(N, table, place, pace, about)
-    turned = _over(axis.g, g[0]) if max(map(abs, g[0])) * pace > max(map(abs, g[1])) else _over(axis.g_rate, g[1])
     round_ = 2 * half_turn()
-    numbers = (2 * pace / round_, about / round_, 2 * place / round_, *turned, pace, about, gaps.first, height, slope)
-    return numbers, table
+    numbers = (2 * pace / round_, about / round_, 2 * place / round_, N.one, N.zero, pace, about, gaps.first, height)
+    return _scaled(N, (*numbers, slope), table, axis), table
 
 
-def _turns(nome: Any, angle: Any, count: int) -> Turns:
+def _scaled(N: LongField, numbers: Sequence[Real], table: Sequence[Real], axis: Axis) -> Sequence[Real]:
+    """``numbers`` with the C of a motion that starts at ``axis``, in place of 1."""
+    import gmpy2
+
+    inverse = [N.coerce(high) + low for high, low in inverse_factorials().tolist()]
+    (x, y, _), (dx, dy, _) = axis_at(AxialThetas(numbers, table, inverse, False), N.zero)
+    by_rate = max(abs(x), abs(y)) * abs(numbers[5]) <= max(abs(dx), abs(dy))
+    own, found = (axis.g_rate, (dx, dy)) if by_rate else (axis.g, (x, y))
+    factor = gmpy2.mpc(*own) / gmpy2.mpc(*found)
+    return *numbers[:3], factor.real, factor.imag, *numbers[5:]
+
+
+def _turns(nome: Real, angle: Real, count: int) -> Turns:
     """The :class:`Turns` of θ(v − i·angle)."""
     import gmpy2
 
@@ -261,7 +271,7 @@ def _turns(nome: Any, angle: Any, count: int) -> Turns:
     return Turns(ahead, back, slope / total)
 
 
-def _start(N: LongField, levels: list[tuple[Any, Any]], gaps: Gaps, axis: Any) -> Any:
+def _start(N: LongField, levels: list[tuple[Real, Real]], gaps: Gaps, axis: Axis) -> Real:
     """The phase v at the start."""
     low, high = max(axis.z - gaps.first, N.zero), max(gaps.first + gaps.swing - axis.z, N.zero)
     # z'² = 2(z − x₁)(x₂ − z)(x₃ − z) gives the smaller of the first two gaps from the larger
@@ -272,35 +282,3 @@ def _start(N: LongField, levels: list[tuple[Any, Any]], gaps: Gaps, axis: Any) -
         high = square / (low * (gaps.above + high))
     found = part_of_round(N, levels, N.sqrt(low), N.sqrt(high))
     return -found if axis.rate < 0 else found
-
-
-def _placed(N: LongField, table: Any, v: Any, pace: Any, about: Any) -> tuple[Any, Any]:
-    """g and its rate at the phase v for C = 1, each as a pair (real part, imaginary part)."""
-    import gmpy2
-
-    first, second, bottom, slopes = (N.zero,) * 4, (N.zero,) * 4, N.zero, N.zero
-    by_one = gmpy2.mpc(gmpy2.cos(v), gmpy2.sin(v))
-    by_two, wave = by_one * by_one, by_one / (by_one * by_one)
-    for n in range(len(table) // SERIES):
-        row, odd = table[SERIES * n : SERIES * (n + 1)], 2 * n + 1
-        even = wave * by_one
-        wave *= by_two
-        bottom += row[7] * even.real
-        slopes -= 2 * n * row[7] * even.imag
-        c, s = wave.real, wave.imag
-        waves = (row[0] * c, row[1] * s, -odd * row[0] * s, odd * row[1] * c)
-        first = tuple(x + y for x, y in zip(first, waves, strict=True))
-        waves = (row[3] * c, row[2] * s, -odd * row[3] * s, odd * row[2] * c)
-        second = tuple(x + y for x, y in zip(second, waves, strict=True))
-    (a, b, da, db), (c, d, dc, dd) = first, second
-    g = ((a * c - b * d) / bottom**2, (a * d + b * c) / bottom**2)
-    rate = (da * c - db * d + a * dc - b * dd, da * d + db * c + a * dd + b * dc)
-    along = [pace * (x / bottom**2 - 2 * slopes / bottom * y) for x, y in zip(rate, g, strict=True)]
-    return g, (along[0] - about * g[1], along[1] + about * g[0])
-
-
-def _over(first: Any, second: Any) -> tuple[Any, Any]:
-    """The quotient of two complex numbers given as pairs."""
-    (a, b), (c, d) = first, second
-    size = c * c + d * d
-    return (a * c + b * d) / size, (b * c - a * d) / size

@@ -10,12 +10,12 @@ in the terms of :mod:`integrable.classical.axial`, g = γ_1 + iγ_2, and M_1 + i
 
 from __future__ import annotations
 
-from typing import Any
-
 from integrable.classical.axial import AxialSystem, Axis, heavy
+from integrable.classical.axial_torus import AxialFlow
 from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.system import IntegralsByName
+from integrable.phase.body import Vector
 from jacobian import RR
 from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field, check_field
@@ -27,6 +27,7 @@ class LagrangeTop(AxialSystem):
     Both are in the body frame.
     """
 
+    flow_type = AxialFlow
     _constraint_names = ("|γ| = 1",)
 
     def __init__(self, j: Value = 1, field: Field = RR) -> None:
@@ -60,7 +61,7 @@ class LagrangeTop(AxialSystem):
             below, above = (-flat / above, above) if z.real > 0 else (below, -flat / below)
         return along + c * below, along + c * above
 
-    def _top(self, N: FormulaField, state: Point) -> tuple[Real, Real, Real]:
+    def _top(self, N: FormulaField, state: Point) -> Vector:
         c = state.p[2]
         return self._parameters_in(N)[0] * c, N.dot(*state), c
 
@@ -71,12 +72,3 @@ class LagrangeTop(AxialSystem):
     def _curve(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
         found = self._integrals(N, state)
         return heavy(N, found["h"], (found["L"], -found["c"]))
-
-    def _from_axis(self, N: FormulaField, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
-        c, along, i = start.p[2], N.dot(*start), N.coerce(1j)
-        if abs(z) > 0.5:
-            # g' = −ijcg + iz(M_1 + iM_2) does not divide by 1 − z², which is 0 at the vertical
-            M = (g_rate + i * self._parameters_in(N)[0] * c * g) / (i * z)
-        else:
-            M = g * (along - c * z + i * rate) / (1 - z * z)
-        return Point((g.real, g.imag, z), (M.real, M.imag, c.real))

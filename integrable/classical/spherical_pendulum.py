@@ -11,9 +11,9 @@ in the terms of :mod:`integrable.classical.axial`, g = q_1 + iq_2.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from integrable.classical.axial import AxialSystem, Axis, heavy
+from integrable.classical.axial_torus import AxialFlow
 from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.system import IntegralsByName, on_sphere
@@ -25,6 +25,7 @@ from jacobian.fields.protocol import Field, check_field
 class SphericalPendulum(AxialSystem):
     """The spherical pendulum; a state has q, a point of the unit sphere with e_3 upwards, and p = q'."""
 
+    flow_type = AxialFlow
     _constraint_names = ("|q| = 1", "(q, p) = 0")
 
     def __init__(self, field: Field = RR) -> None:
@@ -58,6 +59,3 @@ class SphericalPendulum(AxialSystem):
     def _curve(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
         found = self._integrals(N, state)
         return heavy(N, found["h"], (found["L"],))
-
-    def _from_axis(self, N: FormulaField, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
-        return Point((g.real, g.imag, z), (g_rate.real, g_rate.imag, rate))

@@ -52,11 +52,71 @@ MOST_SHARED = 100
 STEP = 0.5
 
 
+class BodyFlow(MumfordFlow):
+    """The motion of a state; on a separatrix only at times near the start. τ is computed first, from a series."""
+
+    _setting_up = 30_000
+
+    _clock = None
+
+    def __init__(self, system: BodySystem, state: Point, tolerance: float | None = None) -> None:
+        super().__init__(system, state, tolerance)
+        self._body = system
+        self._clocks = dict[int, SeriesClock | WalkedClock]()
+
+    def _places(self, times: list[Real]) -> list[Real]:
+        """The values of τ at the given times, with the digits that the state at the farthest time needs."""
+        last = max([abs(float(t)) for t in times], default=0.0)
+        far = last * self._pace
+        if not far < FARTHEST:
+            raise PrecisionLoss(
+                f"time {last}: {far:.1e} radians are more than the {FARTHEST:.0e} of this clock; nearer times are "
+                "within reach"
+            )
+        digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
+        clock = self._clocks.get(digits) or self._made(digits)
+        # cache the last clock only; another thread may replace it
+        self._clocks = {digits: clock}
+        return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
+
+    def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
+        """Raises ArgumentError: the series of this clock have no proven bounds; use :meth:`enclosure_at_tau`."""
+        raise ArgumentError(
+            f"times = {shown(times)}: the clock of {self.system!r} has no proven bounds; enclosure_at_tau has them, at "
+            "values of τ, dt = √s dτ"
+        )
+
+    def _made(self, digits: int) -> SeriesClock | WalkedClock:
+        K = MP(digits + SPARE)
+        try:
+            wide = MP(digits + SPARE + self._body.close_digits(MP(digits + MOST_SHARED)))
+            return SeriesClock(wide, self._body._unit(wide, self._inner(wide)), digits)
+        except PrecisionLoss:
+            # the ovals meet, or nearly so
+            reals = BareReals(K.context.prec)
+            fastest = float(max(self._body._weights(RR))) ** 0.5
+            length = STEP / (self._pace * fastest)
+            return WalkedClock(lambda t: self._motion.row(t, _rate, digits)[0][0], reals, digits, length, fastest)
+
+    def _made_torus(self) -> BodyTorus:
+
+        K = MP(DIGITS)
+        return BodyTorus(K, self._body._unit(K, self._inner(K)))
+
+    def _read(self, torus: BodyTorus, times: np.ndarray) -> np.ndarray:
+        rows, _ = torus.at(times)
+        return rows.reshape(-1, 2, 3)
+
+    @cached_property
+    def _pace(self) -> float:
+        """The approximate angular velocity of the body, in radians per unit time."""
+        return float(max(self._body._constants_in(RR)) * hypot(*map(float, self._inner(RR).p)))
+
+
 class BodySystem(MumfordSystem):
     """Base class of the ball, the top and Veselova's body; a state has q = γ and p = M, both in the body frame."""
 
-    size = 3
-    clocked = True
+    size, clocked, flow_type = 3, True, BodyFlow
     _constraint_names = ("|γ| = 1", "(γ, M) = 0", "M ≠ 0")
 
     def _light(self, N: FormulaField) -> tuple[Real, Real]:
@@ -157,14 +217,6 @@ class BodySystem(MumfordSystem):
         w = tuple((y - lean * x) / 2 for x, y in zip(sigma, nu, strict=True))
         return Point(gamma, cross(N, w, gamma))
 
-    def flow(self, state: Point, tolerance: float | None = None) -> BodyFlow:
-        """The motion of a state over RR or MP(digits), at any times; on a separatrix only at times near the start.
-
-        ``tolerance`` is that of :meth:`integrable.mumford.system.MumfordSystem.flow`.
-        """
-        self._check_range(state)
-        return BodyFlow(self, state, self._tolerance(tolerance))
-
     def close_digits(self, N: Any) -> int:
         """The number of digits beyond SPARE that periods lose because branch points are close.
 
@@ -196,67 +248,6 @@ class BodySystem(MumfordSystem):
         start = (*X, *Y, *(sigma for sigma, _ in pairs), *nus)
         direction = pace, pace * (1 - p / size)
         return Unit(alphas, kappas, 1 - (p + q * h1 / h2) / size, start, direction, momentum)
-
-
-class BodyFlow(MumfordFlow):
-    """The motion of a state; τ is computed first, from a Fourier series on the torus."""
-
-    _setting_up = 30_000
-
-    _clock = None
-
-    def __init__(self, system: BodySystem, state: Point, tolerance: float | None = None) -> None:
-        super().__init__(system, state, tolerance)
-        self._body = system
-        self._clocks = dict[int, SeriesClock | WalkedClock]()
-
-    def _places(self, times: list[Real]) -> list[Real]:
-        """The values of τ at the given times, with the digits that the state at the farthest time needs."""
-        last = max([abs(float(t)) for t in times], default=0.0)
-        far = last * self._pace
-        if not far < FARTHEST:
-            raise PrecisionLoss(
-                f"time {last}: {far:.1e} radians are more than the {FARTHEST:.0e} of this clock; nearer times are "
-                "within reach"
-            )
-        digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
-        clock = self._clocks.get(digits) or self._made(digits)
-        # cache the last clock only; another thread may replace it
-        self._clocks = {digits: clock}
-        return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
-
-    def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
-        """Raises ArgumentError: the series of this clock have no proven bounds; use :meth:`enclosure_at_tau`."""
-        raise ArgumentError(
-            f"times = {shown(times)}: the clock of {self.system!r} has no proven bounds; enclosure_at_tau has them, at "
-            "values of τ, dt = √s dτ"
-        )
-
-    def _made(self, digits: int) -> SeriesClock | WalkedClock:
-        K = MP(digits + SPARE)
-        try:
-            wide = MP(digits + SPARE + self._body.close_digits(MP(digits + MOST_SHARED)))
-            return SeriesClock(wide, self._body._unit(wide, self._inner(wide)), digits)
-        except PrecisionLoss:
-            # the ovals meet, or nearly so
-            reals = BareReals(K.context.prec)
-            fastest = float(max(self._body._weights(RR))) ** 0.5
-            length = STEP / (self._pace * fastest)
-            return WalkedClock(lambda t: self._motion.row(t, _rate, digits)[0][0], reals, digits, length, fastest)
-
-    def _made_torus(self) -> BodyTorus:
-
-        K = MP(DIGITS)
-        return BodyTorus(K, self._body._unit(K, self._inner(K)))
-
-    def _read(self, torus: BodyTorus, times: np.ndarray) -> np.ndarray:
-        rows, _ = torus.at(times)
-        return rows.reshape(-1, 2, 3)
-
-    @cached_property
-    def _pace(self) -> float:
-        """The approximate angular velocity of the body, in radians per unit time."""
-        return float(max(self._body._constants_in(RR)) * hypot(*map(float, self._inner(RR).p)))
 
 
 def _rate(N: FormulaField, D: Extended) -> tuple[tuple[Real]]:
