@@ -12,7 +12,7 @@ from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, wi
 from integrable.deformations.enclosed import EnclosedMotion
 from integrable.deformations.equations import BY_STEPS, NearWalk, right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
-from integrable.deformations.taylor import evaluate, integrate
+from integrable.deformations.taylor import integrate
 from integrable.motion.precise import rounded
 from integrable.motion.refusals import Rows, refused_rows
 from integrable.moving_point.losses import digits_of
@@ -136,10 +136,8 @@ class IntegratedStates:
 
     def _missing(self, rows: list[list[Any]]) -> list[int]:
         """For each row, the number of digits by which H and K miss an accuracy of LOST_DIGITS less than requested."""
-        wanted, nearby = self._asked - LOST_DIGITS, self._nearby
-        tape = recorded(self._integrals, 6)
-        found = evaluate(self._system.field, tape, [*nearby, *rows], self._asked + STEP_DIGITS, 2)
-        (before, *moved), found = found[: len(nearby)], found[len(nearby) :]
+        wanted = self._asked - LOST_DIGITS
+        (before, *moved), found = ([self._integrals(y) for y in points] for points in (self._nearby, rows))
         # H and K are measured relative to |F| + Σ|ΔF/part|, F = H or K, ΔF its change at a nearby state
         part = self._system.field.coerce(PART)
         sizes = [abs(F) + sum(abs(row[k] - F) for row in moved) / part for k, F in enumerate(before)]
@@ -153,7 +151,7 @@ class IntegratedStates:
         units, values = [part * max(map(abs, v)) for v in vectors], [x for v in vectors for x in v]
         return [values, *([*values[:i], values[i] + units[i // 3], *values[i + 1 :]] for i in range(6))]
 
-    def _integrals(self, y: Sequence[Any]) -> list[Any]:
-        """H and K, then H repeated: a tape must have as many results as variables."""
-        H, K = self._system._integrals_along(np.array(y[:3]), np.array(y[3:]))[2:]
-        return [H, K, H, H, H, H]
+    def _integrals(self, y: Sequence[Any]) -> tuple[Any, Any]:
+        """H and K at (γ, M)."""
+        found = self._system.integrals(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
+        return found.H, found.K

@@ -1,7 +1,4 @@
-"""Loops that integrate along the Taylor series of a tape, or evaluate a tape, for numbers of any kind.
-
-:mod:`integrable.deformations.series_compiled` compiles these loops for double-doubles.
-"""
+"""Loops that integrate along the Taylor series of a tape, for numbers of any kind, and compiled for double-doubles."""
 
 from __future__ import annotations
 
@@ -9,8 +6,11 @@ from math import exp, log
 from typing import Any, NamedTuple
 
 from integrable.series.recurrences import coefficients, values_at
+from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, TupleKind, record
+from jacobian.native.library import Library
+from jacobian.native.special import SPECIAL
 
-__all__ = ["SeriesRoom", "evaluated", "march_along"]
+__all__ = ["LIBRARY", "SeriesRoom", "march_along"]
 
 # number of steps from which the remaining ones are estimated; factor by which the estimate may be wrong
 KNOWN_FROM = 4
@@ -62,24 +62,6 @@ def march_along(
     return 0
 
 
-def evaluated(tape: tuple[Any, Any, Any, Any], rows: Any, middles: Any, series: Any, out: Any) -> None:
-    """Writes the results of a tape for rows of variables; a tape has as many results as variables.
-
-    ``series`` is working memory of two numbers per node.
-    """
-    kinds, left, right, results = tape
-    count = len(results)
-    for row in range(len(rows) // count):
-        i = row * count
-        for n in range(count):
-            middles[n] = rows[i + n]
-        for n in range(len(middles)):
-            series[2 * n] = middles[n]
-        coefficients(kinds, left, right, results, 0, 1, 1, series)
-        for n in range(count):
-            out[i + n] = series[2 * n + 1]
-
-
 def expand_about(tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, room: SeriesRoom) -> None:
     """Expands the series about the state in ``room.middles``, and stores the step that it allows."""
     kinds, left, right, rates = tape
@@ -120,3 +102,11 @@ def too_long(told: Any, most: float, now: float, end: float) -> bool:
     part = abs(now / end)
     expected = told[STEPS] / part if told[STEPS] >= KNOWN_FROM and part > 0 else 0.0
     return told[STEPS] > most or expected > UNEVEN * most
+
+
+_TAPE, _ROOM = TupleKind((INTS, INTS, INTS, INTS)), record(SeriesRoom, WIDES, WIDES, WIDES, FLOATS)
+LIBRARY = Library(
+    "taylor_series",
+    {"march": (march_along, (_TAPE, INT, FLOAT, FLOAT, BOOL, _ROOM, WIDES, WIDES))},
+    SPECIAL,
+)

@@ -6,13 +6,13 @@ or compiled for double-doubles. The last two coefficients determine the step (Jo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import ceil, log
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
-from integrable.deformations.series import ENDS, REACHED, STEPS, SeriesRoom, evaluated, march_along
+from integrable.deformations.series import ENDS, LIBRARY, REACHED, STEPS, SeriesRoom, march_along
 from integrable.series.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, Tape
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss
@@ -21,7 +21,7 @@ from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.double_double import split
 from jacobian.numbers.long_reals import BareReals
 
-__all__ = ["evaluate", "integrate"]
+__all__ = ["integrate"]
 
 MOST_OPERATIONS = {"compiled": 6e7, "interpreted": 3e7}
 """Largest number of products of coefficients in a motion: about a second compiled, half a minute interpreted."""
@@ -31,20 +31,9 @@ DOUBLE_DOUBLE = 28
 """Largest number of digits for which double-doubles are used."""
 
 
-class _Loops(Protocol):
-    """The loops for one kind of numbers."""
-
-    kind: str
-
-    def tape(self, arrays: Any) -> Any: ...
-    def row(self, values: Sequence[Any]) -> Any: ...
-    def room(self, count: int) -> Any: ...
-    def wide(self, values: Any) -> list[Any]: ...
-    def march(self, *arguments: Any) -> int: ...
-    def evaluated(self, *arguments: Any) -> None: ...
-
-
 class _Interpreted:
+    """The loops on bare reals with the digits of the field."""
+
     kind = "interpreted"
 
     def __init__(self, field: Any) -> None:
@@ -66,20 +55,14 @@ class _Interpreted:
         with self._reals:
             return march_along(*arguments)
 
-    def evaluated(self, *arguments: Any) -> None:
-        with self._reals:
-            evaluated(*arguments)
-
 
 class _Compiled:
+    """The loops on double-doubles."""
+
     kind = "compiled"
 
     def __init__(self, field: Any) -> None:
-        from integrable.deformations.series_compiled import LIBRARY
-
-        self._field = field
-        self.march: Any = LIBRARY.march
-        self.evaluated: Any = LIBRARY.evaluated
+        self._field, self.march = field, LIBRARY.march
 
     def tape(self, arrays: Any) -> Any:
         return tuple(np.array(x, dtype=np.int64) for x in arrays)
@@ -119,7 +102,14 @@ def integrate(
         if not order:
             continue
         ahead = [times[i] for i in order]
-        found, why = _on_loops(_marched, digits, field, tape, start, ahead, digits, refused is None, unit)
+        problem = field, tape, start, ahead, digits, refused is None, unit
+        try:
+            found, why = _marched(
+                _Compiled if digits <= DOUBLE_DOUBLE and not interpreted() else _Interpreted, *problem
+            )
+        except ArgumentError:
+            # numbers beyond the range of floats
+            found, why = _marched(_Interpreted, *problem)
         for i, row in zip(order, found, strict=False):
             rows[i] = row
         if why:
@@ -129,42 +119,8 @@ def integrate(
     return rows
 
 
-def evaluate(field: Field, tape: Tape, rows: Sequence[Sequence[Real]], digits: int, wanted: int) -> list[list[Any]]:
-    """The first ``wanted`` results of a tape for each row of variables, to ``digits`` digits.
-
-    The tape must have as many results as variables.
-    """
-    return _on_loops(_evaluated, digits, field, tape, rows, wanted)
-
-
-def _on_loops(compute: Callable[..., Any], digits: int, field: Any, *problem: Any) -> Any:
-    """``compute``(loops, field, …) with compiled loops if double-doubles have enough digits, otherwise interpreted."""
-    if digits <= DOUBLE_DOUBLE and not interpreted():
-        try:
-            return compute(_Compiled(field), field, *problem)
-        except ArgumentError:
-            # numbers beyond the range of floats
-            pass
-    return compute(_Interpreted(field), field, *problem)
-
-
-def _middles(loops: _Loops, field: Any, tape: Tape, values: Sequence[Any]) -> tuple[Any, Any]:
-    """The tape, and the values of its variables and constants, in the form that the loops take."""
-    constants = [field.coerce(x) if k == CONSTANT else 0 for k, x in zip(tape.kinds, tape.constants, strict=True)]
-    packed = loops.tape((tape.kinds, tape.left, tape.right, tape.results))
-    return packed, loops.row([*values, *constants[len(values) :]])
-
-
-def _evaluated(loops: _Loops, field: Any, tape: Tape, rows: Sequence[Sequence[Any]], wanted: int) -> list[list[Any]]:
-    count = len(tape.results)
-    packed, middles = _middles(loops, field, tape, [field.zero] * count)
-    given, out = loops.row([x for row in rows for x in row]), loops.room(len(rows) * count)
-    loops.evaluated(packed, given, middles, loops.room(2 * len(middles)), out)
-    return [loops.wide(out[i * count : i * count + wanted]) for i in range(len(rows))]
-
-
 def _marched(
-    loops: _Loops,
+    kind: type[_Interpreted] | type[_Compiled],
     field: Any,
     tape: Tape,
     start: Sequence[Any],
@@ -174,13 +130,17 @@ def _marched(
     unit: float,
 ) -> tuple[list[list[Any]], Exception | None]:
     """The variables at the times that were reached, and the error that stops the others, None if there is none."""
-    count = len(start)
+    loops, count = kind(field), len(start)
     # a step of radius/e² neglects e^{-2·order}
     order = ceil(digits * log(10) / 2) + 2
     products = sum(k in (PRODUCT, QUOTIENT, ROOT) for k in tape.kinds)
     work = order * (order / 2 * products + len(tape.kinds)) + OVERHEAD[loops.kind]
     most = MOST_OPERATIONS[loops.kind] / work
-    packed, middles = _middles(loops, field, tape, start)
+    constants = [field.coerce(x) if k == CONSTANT else 0 for k, x in zip(tape.kinds, tape.constants, strict=True)]
+    packed, middles = (
+        loops.tape((tape.kinds, tape.left, tape.right, tape.results)),
+        loops.row([*start, *constants[count:]]),
+    )
     room = SeriesRoom(middles, loops.room(1), loops.room(len(middles) * (order + 1)), np.zeros(4))
     out = loops.room(len(times) * count)
     status = loops.march(packed, order, -digits * log(10), most, strict, room, loops.row(times), out)
