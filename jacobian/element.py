@@ -104,6 +104,12 @@ class Arithmetic(Protocol[Element]):
         ...
 
 
+class FormulaField(Arithmetic[Element], Protocol[Element]):
+    """The numbers with which formulas are evaluated: a field, jets, long numbers, balls, columns."""
+
+    def sqrt(self, x: Element) -> Element: ...
+
+
 class Polynomial(Protocol):
     """A polynomial of galois, python-flint or PARI."""
 

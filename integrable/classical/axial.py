@@ -13,14 +13,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from integrable.mumford.fields import FormulaField, cofactor, exponential
+from integrable.mumford.fields import cofactor, exponential
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, normalized
 from integrable.phase.body import Vector
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import poly
-from jacobian.element import Arithmetic, Real
+from jacobian.element import Arithmetic, FormulaField, Real
 from jacobian.errors import PrecisionLoss
 from jacobian.relatives.extended import Extended, Kind, Lift, PointLift
 

@@ -17,13 +17,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
 from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of, uhlenbeck
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, poly
-from jacobian.element import Real, Value
+from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.fields.protocol import Field
 from jacobian.inexact.long_field import LongField

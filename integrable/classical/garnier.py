@@ -12,12 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
 from integrable.mumford.system import IntegralsByName
 from jacobian import RR
-from jacobian.element import Value
+from jacobian.element import FormulaField, Value
 from jacobian.errors import ArgumentError, shown
 from jacobian.fields.protocol import Field
 

@@ -14,12 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
 from integrable.mumford.system import IntegralsByName
 from jacobian import RR, poly
-from jacobian.element import Real, Value
+from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.fields.protocol import Field, check_field
 

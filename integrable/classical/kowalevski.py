@@ -18,12 +18,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NoReturn
 
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point, element, long_digits
 from integrable.mumford.motion import MumfordMotion, Start
 from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of, normalized
 from jacobian import RR, poly
-from jacobian.element import Numbers, Real
+from jacobian.element import FormulaField, Numbers, Real
 from jacobian.errors import NotRepresentable, one_or_more
 from jacobian.fields.protocol import Field, check_field
 

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
 from integrable.mumford.summed import SummedFlow
@@ -24,7 +23,7 @@ from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, 
 from integrable.phase.body import cross
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, poly
-from jacobian.element import Real, Value
+from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.fields.protocol import Field
 from jacobian.relatives.extended import Extended, Lift

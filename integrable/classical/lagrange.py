@@ -12,12 +12,11 @@ from __future__ import annotations
 
 from integrable.classical.axial import AxialSystem, Axis, heavy
 from integrable.classical.axial_torus import AxialFlow
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.system import IntegralsByName
 from integrable.phase.body import Vector
 from jacobian import RR
-from jacobian.element import Real, Value
+from jacobian.element import FormulaField, Real, Value
 from jacobian.fields.protocol import Field, check_field
 
 

@@ -12,12 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
 from integrable.mumford.system import IntegralsByName, on_sphere, uhlenbeck
 from jacobian import RR
-from jacobian.element import Real, Value
+from jacobian.element import FormulaField, Real, Value
 from jacobian.fields.protocol import Field
 
 

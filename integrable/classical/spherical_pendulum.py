@@ -14,11 +14,10 @@ from collections.abc import Sequence
 
 from integrable.classical.axial import AxialSystem, Axis, heavy
 from integrable.classical.axial_torus import AxialFlow
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.system import IntegralsByName, on_sphere
 from jacobian import RR
-from jacobian.element import Real
+from jacobian.element import FormulaField, Real
 from jacobian.fields.protocol import Field, check_field
 
 

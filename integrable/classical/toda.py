@@ -15,13 +15,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import SupportsIndex
 
-from integrable.mumford.fields import FormulaField, exponential, exponential_less_one, log_of
+from integrable.mumford.fields import exponential, exponential_less_one, log_of
 from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point_minus_infinity
 from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of
 from integrable.portrait.point_ovals import Form
 from jacobian import RR, poly
-from jacobian.element import Real, Value
+from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import one_of, whole
 from jacobian.fields.protocol import Field, check_field
 from jacobian.relatives.extended import Extended

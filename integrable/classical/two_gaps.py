@@ -16,11 +16,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of
 from jacobian import RR, poly
-from jacobian.element import Real, Value
+from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.fields.protocol import Field, check_field
 from jacobian.relatives.extended import Extended

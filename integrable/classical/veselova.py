@@ -16,10 +16,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from integrable.mumford.bodies import BodySystem
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import Point
 from jacobian import RR
-from jacobian.element import Real, Value
+from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, shown
 from jacobian.fields.protocol import Field
 

@@ -20,14 +20,13 @@ from math import ceil, hypot, log10
 from typing import TYPE_CHECKING, Any
 
 from integrable.mumford.body_torus import SPARE, BodyTorus, SeriesClock, Unit, WalkedClock
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import MumfordFlow, Point
 from integrable.mumford.motion import Start
 from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of, on_sphere
 from integrable.phase.body import Vector, cross
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import MP, RR, poly
-from jacobian.element import Numbers, Real, Value
+from jacobian.element import FormulaField, Numbers, Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.fields.protocol import Field
 from jacobian.numbers.long_reals import BareReals

@@ -11,17 +11,10 @@ A *direction* c = (c_0 … c_{g−1}) is the motion with Σ_i x_i^k dx_i/y_i = c
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
 
 from jacobian import poly
-from jacobian.element import Arithmetic, Element, Real
+from jacobian.element import Arithmetic, Real
 from jacobian.poly import Poly
-
-
-class FormulaField(Arithmetic[Element], Protocol[Element]):
-    """The numbers with which formulas are evaluated: a field, jets, long numbers, balls, columns."""
-
-    def sqrt(self, x: Element) -> Element: ...
 
 
 def padded(K: Arithmetic, a: Sequence[Real], size: int) -> Poly:

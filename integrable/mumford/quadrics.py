@@ -14,14 +14,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from integrable.mumford.fields import FormulaField, padded
+from integrable.mumford.fields import padded
 from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point
 from integrable.mumford.motion import Start
 from integrable.mumford.system import OFF, MumfordSystem, Spectral, all_of
 from integrable.portrait.point_ovals import Form
 from jacobian import poly
-from jacobian.element import Real
+from jacobian.element import FormulaField, Real
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.relatives.extended import Extended, Lift
 
