@@ -101,9 +101,9 @@ def _additions(smoke: bool) -> list[dict[str, object]]:
     ball = ChaplyginBall((1, 2, 3), K.coerce("0.7"), field=K)
     setup = ball.flow(
         ball.state(*(map(K.coerce, v) for v in (("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))))
-    ).setup.mpf
-    step = setup.table(1, 1)[1][0]
-    problem = setup.f, setup.axes, setup.start, step
+    ).setup
+    step = setup.reals.elements(setup.wide, setup.translations.level(0)[1])
+    problem = setup.problem.f, setup.problem.axes, setup.problem.start, step
     packed = [double_double.pack(x) for x in problem]
     exact = [double_double.unpack(x, K.coerce) for x in packed]
     floats = [tuple(float(c) for c in x) for x in problem]

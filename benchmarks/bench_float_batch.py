@@ -55,15 +55,16 @@ def _states() -> DivisorArray:
     from integrable.moving_point.compiled import LIBRARY
 
     ball = ChaplyginBall((1, 2, 3), 0.7)
-    setup = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))).setup.floats
-    step, point = setup.table(1, 1)[1][0], setup.start
+    setup = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))).setup
+    problem, step = setup.floats, tuple(map(float, setup.translations.level(0)[1]))
+    point = problem.start
     found = [step[:4]]
     for _ in range(997):
-        point = LIBRARY.march(setup.f, setup.axes, point, step, 3)
+        point = LIBRARY.march(problem.f, problem.axes, point, step, 3)
         found.append(point[:4])
     rows = np.array(found)
     u = np.hstack([rows[:, :2], np.ones((len(rows), 1))])
-    return DivisorArray.from_arrays(HyperellipticCurve(RR, setup.f).jacobian(), u, rows[:, 2:])
+    return DivisorArray.from_arrays(HyperellipticCurve(RR, problem.f).jacobian(), u, rows[:, 2:])
 
 
 def _random_divisors(field: Any, f: tuple[complex, ...]) -> DivisorArray:

@@ -338,7 +338,7 @@ class BodyCarrier(Carrier):
         sign = -1 if tau < 0 else 1
         with setup.reals:
             cell, x = self._place(abs(setup.reals.number(tau)))
-            point = setup.bare.reached(sign, cell)
+            point = setup.reached(sign, cell)
             if x != 0:
                 step = setup.translations.near(sign * x * setup.bare.half_step)
                 point = addition.shift(setup.bare.f, setup.bare.axes, point, step)

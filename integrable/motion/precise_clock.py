@@ -241,7 +241,7 @@ class PanelClock(RatePanels):
         self._afford(NEAR_CELLS + LONG * panels)
         while len(self._far) <= panels:
             centre = NEAR_CELLS + LONG * (len(self._far) - 1) + (LONG + 1) // 2
-            values = self._rates_at(self._setup.bare.reached(self._sign, centre), nodes)
+            values = self._rates_at(self._setup.reached(self._sign, centre), nodes)
             total = sum(map(mul, weights, values))
             self._far.append(self._far[-1] + LONG * self._half * total)
 
@@ -270,7 +270,7 @@ class PanelClock(RatePanels):
     def _mean(self, cell: int) -> Any:
         """The mean of 1/g over a cell."""
         if cell not in self._means:
-            values = self._rates_at(self._setup.bare.reached(self._sign, cell), self._nodes)
+            values = self._rates_at(self._setup.reached(self._sign, cell), self._nodes)
             self._means[cell] = self._setup.reals.plain(sum(map(mul, self._rule.weights, values)) / 2)
         return self._means[cell]
 
@@ -278,7 +278,7 @@ class PanelClock(RatePanels):
         """The Legendre series of 1/g over a cell; Unresolved if its last coefficients are too large."""
         if cell not in self._series:
             plain = self._setup.reals.plain
-            values = self._rates_at(self._setup.bare.reached(self._sign, cell), self._nodes)
+            values = self._rates_at(self._setup.reached(self._sign, cell), self._nodes)
             series = list(map(plain, self._rule.coefficients(values)))
             if max(map(abs, series[-2:])) > abs(series[0]) * self._setup.reals.number(10) ** -(self._digits + 3):
                 raise Unresolved

@@ -30,18 +30,19 @@ def residual_growth(setup: Setup, counts: Iterable[int], kernel: str) -> list[tu
     compiled = kernel == "compiled" or (kernel == "auto" and max(counts, default=0) >= COMPILE_FROM)
     march: Any = addition.march
     floats = setup.body.field == RR
-    view = setup.floats if floats else setup.mpf
-    inputs: Any = (view.f, view.axes, view.start, view.table(1, 1)[1][0])
+    problem, step = setup.problem, setup.reals.elements(setup.wide, setup.translations.level(0)[1])
+    if floats:
+        problem, step = setup.floats, tuple(map(float, step))
     if compiled and floats and not interpreted():
         from integrable.moving_point import compiled as loops
 
         march = loops.LIBRARY.march
-    f, axes, point, step = inputs
+    f, axes, point = problem.f, problem.axes, problem.start
     rows, done = [], 0
     for count in sorted(counts):
         point = march(f, axes, point, step, count - done)
         done = count
-        rows.append((count, residual(view.f, point)))
+        rows.append((count, residual(f, point)))
     return rows
 
 

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from integrable.moving_point.addition import Real, Row
@@ -23,7 +24,7 @@ SPARE_BITS = 15
 
 
 class Problem(NamedTuple):
-    """The motion of a body from γ and M. Numbers are those of a :class:`BareReals`, balls, or mpf (:meth:`over`).
+    """The motion of a body from γ and M. Numbers are bare reals, balls, floats or mpf.
 
     ``f`` holds the coefficients of the curve, ascending. ``axes`` and ``start`` are those of
     :mod:`integrable.moving_point.addition`. The unit of x is X = max a_i; times are τ' = 2X|M|·τ and t' = 2X|M|·t.
@@ -56,11 +57,11 @@ class Problem(NamedTuple):
         numbers = self.time_scale, self.ratio, self.d, self.momentum, self.half_step
         return (*self.f, *self.axes, *self.start, *numbers, *matrix, self.slowness)
 
-    def over(self, reals: BareReals, field: Any) -> Problem:
-        """The same motion in elements of an MP field; ``reals`` are those of its numbers."""
-        f, axes, start = (reals.elements(field, row) for row in self[:3])
-        ratio, d, time_scale, momentum, half_step, slowness = reals.elements(field, (*self[3:8], self.slowness))
-        matrix = self.matrix and reals.elements(field, self.matrix)
+    def over(self, number: Callable[[Any], Any]) -> Problem:
+        """The same motion in other numbers, to which ``number`` converts."""
+        f, axes, start = (tuple(map(number, row)) for row in self[:3])
+        matrix = self.matrix and tuple(map(number, self.matrix))
+        ratio, d, time_scale, momentum, half_step, slowness = map(number, (*self[3:8], self.slowness))
         return Problem(f, axes, start, ratio, d, time_scale, momentum, half_step, matrix, slowness)
 
     @staticmethod

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 from math import ceil, log, log10
 from typing import Any
@@ -11,13 +10,13 @@ import numpy as np
 
 from integrable.moving_point.addition import opposite, rate_at, shift
 from integrable.moving_point.problem import Problem
-from integrable.moving_point.step_table import StepTable
 from integrable.moving_point.translations import REACH, Translations
 from integrable.phase.body import Body, Vector
 from integrable.phase.precisions import EPS_DIGITS, SET_UP_DIGITS
 from integrable.phase.state import State, onto_constraints
 from integrable.phase.upright import ChaplyginTransformation
 from jacobian import MP, RR
+from jacobian.element import Real
 from jacobian.errors import ArgumentError
 from jacobian.numbers.long_reals import BareReals
 
@@ -29,11 +28,10 @@ MOST_PASSED = 4096
 
 
 class Setup:
-    """The curve, the start and the translations by basic steps of one motion, in three kinds of numbers. ``floats``,
-    ``mpf`` (numbers of the MP field ``wide``) and ``bare`` (numbers of ``reals``, for long loops) are each a
-    :class:`View`.
+    """One motion as a :class:`Problem` in three kinds of numbers, and its translations. ``floats`` are floats, those of
+    ``problem`` numbers of the MP field ``wide``, and those of ``bare`` numbers of ``reals``, for long loops.
 
-    ``problem`` is the motion in the wide precision; it defines the units. The argument ``digits`` sets the number of
+    The argument ``digits`` sets the number of
     digits independently of the body's field, whose numbers are taken as exact. The attribute ``digits`` includes guard
     digits.
     """
@@ -51,16 +49,17 @@ class Setup:
         self.body = body
         self._gamma, self._M, self._tilted = gamma, M, tilted
         self.reals = BareReals(self.wide.context.prec + GUARD_BITS)
+        self._passed: dict[int, tuple[Real, ...]] = {}
 
     @cached_property
-    def bare_problem(self) -> Problem:
+    def bare(self) -> Problem:
         """The motion in bare reals."""
         return Problem.of(self.reals, (*self.body.inertia, self.body.d, *self._gamma, *self._M), self._tilted)
 
     @cached_property
     def problem(self) -> Problem:
         """The motion in numbers of the wide field."""
-        return self.bare_problem.over(self.reals, self.wide)
+        return self.bare.over(lambda x: self.reals.element(self.wide, x))
 
     @property
     def floats_given(self) -> tuple[np.ndarray, bool] | None:
@@ -82,39 +81,48 @@ class Setup:
     @cached_property
     def time_scale(self) -> Any:
         """2X|M| in the wide field: one unit of τ in the flow's own units."""
-        return self.reals.element(self.wide, self.bare_problem.time_scale)
+        return self.reals.element(self.wide, self.bare.time_scale)
 
     @cached_property
     def step_length(self) -> Any:
         """A basic step in the flow's own time, in the wide field."""
-        return 2 * self.reals.element(self.wide, self.bare_problem.half_step)
+        return 2 * self.reals.element(self.wide, self.bare.half_step)
 
     @cached_property
-    def floats(self) -> View:
+    def floats(self) -> Problem:
         """The motion in floats."""
-        return View(self, float)
-
-    @cached_property
-    def mpf(self) -> View:
-        """The motion in numbers of the wide field."""
-        reals = self.reals
-        return View(self, lambda x: reals.element(self.wide, x))
-
-    @cached_property
-    def bare(self) -> View:
-        """The motion in bare reals; compute with them inside a ``with setup.reals`` block."""
-        return View(self, lambda x: x)
+        return self.bare.over(float)
 
     @cached_property
     def translations(self) -> Translations:
         """T(eps) for eps of any size."""
-        problem = self.bare_problem
+        problem = self.bare
         return Translations(self.reals, problem.f, problem.axes, problem.half_step)
 
-    @cached_property
-    def steps(self) -> StepTable:
-        """The translations by about 2^k basic steps."""
-        return StepTable(self.translations)
+    def reached(self, sign: int, steps: int) -> tuple[Real, ...]:
+        """The moving point after sign·``steps`` basic steps, in bare reals. The number of additions is about log2 of
+        ``steps``.
+
+        Intermediate points are cached, as neighbours share all additions but the last.
+        """
+        translations, point, done, level = self.translations, self.bare.start, 0, 0
+        if len(self._passed) > MOST_PASSED:
+            self._passed.clear()
+        while translations.level(level)[0] <= steps:
+            level += 1
+        while done < steps:
+            count, step = translations.level(level)
+            if done + count > steps:
+                level -= 1
+                continue
+            done += count
+            known = self._passed.get(sign * done)
+            if known is None:
+                with self.reals:
+                    moved = shift(self.bare.f, self.bare.axes, point, step if sign > 0 else opposite(step))
+                    known = self._passed[sign * done] = self.reals.plain_row(moved)
+            point = known
+        return point
 
     @property
     def terms(self) -> int:
@@ -134,51 +142,6 @@ class Setup:
 
 # number of terms per digit of a series within REACH
 TERMS_A_DIGIT = log(10) / -log(1.4 * REACH)
-
-
-class View:
-    """A motion in one kind of number; ``number`` converts a bare real to it. The attributes are ``f``,
-    ``axes`` and ``start`` of :mod:`integrable.moving_point.addition`, half of a basic step, |M| and the matrix of a
-    tilted motion.
-    """
-
-    def __init__(self, setup: Setup, number: Callable[[Any], Any]) -> None:
-        self._setup, self.number = setup, number
-        problem = setup.bare_problem
-        self.f, self.axes, self.start = (tuple(map(number, row)) for row in (problem.f, problem.axes, problem.start))
-        self.half_step, self.momentum = number(problem.half_step), number(problem.momentum)
-        self.matrix = None if problem.matrix is None else tuple(map(number, problem.matrix))
-        self._rows: dict[int, list[tuple[Any, ...]]] = {1: [], -1: []}
-        self._passed: dict[int, tuple[Any, ...]] = {}
-
-    def table(self, sign: int, steps: int) -> tuple[list[int], list[tuple[Any, ...]]]:
-        """(counts, translations). The k-th translation is by sign·counts[k] basic steps; counts ascend from 1 to beyond
-        ``steps``.
-        """
-        counts, levels = self._setup.steps.beyond(steps)
-        rows = self._rows[sign]
-        with self._setup.reals:
-            new = (tuple(map(self.number, step)) for step in levels[len(rows) :])
-            rows.extend(step if sign > 0 else opposite(step) for step in new)
-        return counts, rows
-
-    def reached(self, sign: int, steps: int) -> tuple[Any, ...]:
-        """The moving point after sign·``steps`` basic steps. The number of additions is about log2 of ``steps``.
-
-        Intermediate points are cached, as neighbours share all additions but the last.
-        """
-        reals, point, done = self._setup.reals, self.start, 0
-        counts, table = self.table(sign, steps)
-        if len(self._passed) > MOST_PASSED:
-            self._passed.clear()
-        with reals:
-            for count, step in zip(counts[::-1], table[::-1], strict=True):
-                while steps - done >= count:
-                    done += count
-                    known = self._passed.get(sign * done)
-                    point = known or reals.plain_row(shift(self.f, self.axes, point, step))
-                    self._passed[sign * done] = point
-        return point
 
 
 def digits_of_closeness(body: Body) -> int:

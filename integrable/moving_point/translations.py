@@ -11,8 +11,9 @@ from functools import cached_property
 from math import ceil, frexp, inf, isqrt, log2
 from typing import Any, NamedTuple
 
-from integrable.moving_point.addition import Row, centre, leading, opposite, shift
+from integrable.moving_point.addition import Row, centre, leading, opposite, shift, trust_of
 from integrable.moving_point.legendre import doubling_precisions
+from jacobian.element import Real
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 
@@ -114,6 +115,26 @@ class Translations:
         v0, v1 = v0 * eps, v1 / eps
         sigma = [root((a + u1) * a + u0) for a in self.axes[:3]]
         return (u0, u1, v0, v1, *sigma, *((v0 + v1 * a) / x for a, x in zip(self.axes[:3], sigma, strict=True)))
+
+    def level(self, k: int) -> tuple[int, tuple[Real, ...]]:
+        """(n, the translation by n basic steps): n = 1 for k = 0, and about 2n for the next k.
+
+        Of the neighbours 2n − 1, 2n and 2n + 1 the one is next whose translation loses fewest digits when it is added.
+        """
+        for i in range(len(self._levels), k + 1):
+            (n, last), (_, first) = self._levels[i - 1], self._levels[0]
+            with self.reals:
+                double, back = self.sum(last, last), opposite(first)
+            near = [(2 * n, double), (2 * n + 1, self.sum(double, first))]
+            if n > 1:
+                near.append((2 * n - 1, self.sum(double, back)))
+            self._levels[i] = max(near, key=lambda level: trust_of(level[1]))
+        return self._levels[k]
+
+    @cached_property
+    def _levels(self) -> dict[int, tuple[int, tuple[Real, ...]]]:
+        with self.reals:
+            return {0: (1, self.near(2 * self.half_step))}
 
     def sum(self, first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...]:
         """The sum of two translations."""

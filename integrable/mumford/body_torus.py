@@ -52,7 +52,7 @@ class Unit(NamedTuple):
 class Timed(NamedTuple):
     """A motion and the units of its clock, as a :class:`integrable.torus.lattice.TimedSource`."""
 
-    bare_problem: Problem
+    bare: Problem
     wide: Any
     reals: BareReals
     time_scale: Any
@@ -120,7 +120,10 @@ class RateSource(NamedTuple):
     wide: Any
     reals: BareReals
     digits: int
-    bare: None = None
+
+    def reached(self, sign: int, steps: int) -> tuple[Real, ...]:
+        """Not needed: dt/dτ has no sign that points beside the start would decide."""
+        raise NotImplementedError
 
 
 class SeriesClock:

@@ -39,7 +39,7 @@ class Source(Protocol):
     """
 
     @property
-    def bare_problem(self) -> Problem: ...
+    def bare(self) -> Problem: ...
     @property
     def wide(self) -> Any: ...
     @property
@@ -60,7 +60,7 @@ class TimedSource(Source, Protocol):
 class GivenSource(NamedTuple):
     """A :class:`Source` made from given values."""
 
-    bare_problem: Problem
+    bare: Problem
     wide: Any
     reals: BareReals
     floats_given: tuple[np.ndarray, bool] | None = None
@@ -137,7 +137,7 @@ class Units(NamedTuple):
         """Units for branch points that are all close together, of nearly equal moments or a heavy ball; others keep
         theirs.
         """
-        problem = setup.bare_problem
+        problem = setup.bare
         with setup.reals:
             origin, axes = best_origin(setup), problem.axes[:3]
             length = _near_power(float(max(axes) - min(axes)))
@@ -165,7 +165,7 @@ def motion_row(setup: Source, units: Units) -> tuple[Real, ...]:
 
     PrecisionLoss where the torus is not compact.
     """
-    (origin, length, lift), problem, reals = units, setup.bare_problem, setup.reals
+    (origin, length, lift), problem, reals = units, setup.bare, setup.reals
     with reals:
         first, second = oval_ends(problem, reals.number(1) / (1 << int(0.75 * setup.wide.context.prec)))
         abscissae = ((x - origin) / length for x in (*first, *second, *problem.axes[:3], problem.ratio))
@@ -177,14 +177,14 @@ def best_origin(setup: Source) -> Real:
     """The origin, 0 or the abscissa of an axis, that keeps the most digits of the distances between close branch
     points; within ``with setup.reals``.
     """
-    points = setup.bare_problem.branch_points
+    points = setup.bare.branch_points
     gaps = [(i, j, abs(float(points[i] - points[j]))) for i in range(len(points)) for j in range(i)]
 
     def digits(origin: Real) -> float:
         far = [abs(float(x - origin)) for x in points]
         return min(gap / max(far[i], far[j]) for i, j, gap in gaps if gap)
 
-    return max((setup.reals.number(0), *setup.bare_problem.axes[:3]), key=digits)
+    return max((setup.reals.number(0), *setup.bare.axes[:3]), key=digits)
 
 
 def oval_ends(problem: Problem, near: Real) -> tuple[tuple[Real, Real], tuple[Real, Real]]:
@@ -221,7 +221,7 @@ def beginning(setup: Source, loops: Any) -> Beginning:
     if found is not None:
         return found
     units = Units.of(setup)
-    motion, curve, row, problem = loops.row(motion_row(setup, units)), loops.room(9), loops.row, setup.bare_problem
+    motion, curve, row, problem = loops.row(motion_row(setup, units)), loops.room(9), loops.row, setup.bare
     loops.about_centre(motion, 0.0, 1.0, curve)
     *kappas, alpha, beta = problem.axes[3:]
     with setup.reals:

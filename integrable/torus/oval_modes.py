@@ -23,6 +23,7 @@ from typing import Any, NamedTuple, Protocol
 from integrable.torus.lattice import oval_ends
 from integrable.torus.ovals import Oval, exponent
 from integrable.torus.series import powers
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals, BareReals
 
@@ -148,7 +149,7 @@ def _resolved(torus: OvalTorus, size: tuple[int, int], digits: int, most_work: f
 
 class ModesSource(Protocol):
     """The data from which modes are made (:class:`integrable.moving_point.setup.Setup`): the motion over the ``wide``
-    field, accurate to ``digits``, and of a tilted body the moving points in ``bare`` reals.
+    field, accurate to ``digits``, and of a tilted body the moving points ``reached`` in bare reals.
     """
 
     @property
@@ -159,8 +160,7 @@ class ModesSource(Protocol):
     def reals(self) -> BareReals: ...
     @property
     def digits(self) -> int: ...
-    @property
-    def bare(self) -> Any: ...
+    def reached(self, sign: int, steps: int) -> tuple[Real, ...]: ...
 
 
 class OvalTorus:
@@ -201,7 +201,7 @@ class OvalTorus:
         points = [[self.ball(x) for x in setup.problem.start]]
         for n in range(1, count):
             with setup.reals:
-                reached = setup.bare.reached(1, n)
+                reached = setup.reached(1, n)
             points.append([self.ball(x) for x in setup.reals.elements(setup.wide, reached)])
         n = max(range(count), key=lambda n: abs(float(points[n][4] * points[n][5] * points[n][6])))
         point = points[n]

@@ -125,7 +125,7 @@ class Scouts:
         sizes_at = self._transform(steps, rows, number)
         sizes = [0.0] * len(steps)
         for cell in SAMPLES:
-            point = setup.bare.reached(sign, cell)
+            point = setup.reached(sign, cell)
             with setup.reals.at(SCOUT_BITS):
                 found = sizes_at(point)
             sizes = [max(a, b / found[0]) for a, b in zip(sizes, found, strict=True)]

@@ -93,7 +93,7 @@ def confirmed(setup: Source, tau: np.ndarray, found: np.ndarray, by_additions: n
     rows = [
         (t, x.tolist()) for t, x, y in zip(tau.tolist(), found, by_additions, strict=True) if not states_agree(x, y)
     ]
-    bare = setup.bare_problem
+    bare = setup.bare
     # not the set-up's own translations, which come from numbers of the wide field
     translations = Translations(setup.reals, bare.f, bare.axes, bare.half_step)
     for t, row in rows:

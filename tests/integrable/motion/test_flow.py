@@ -234,7 +234,7 @@ def test_the_small_translation_keeps_its_digits_down_to_nothing() -> None:
     for exponent in range(16):
         eps = setup.wide.coerce(10) ** -exponent * setup.problem.half_step
         step = setup.reals.elements(setup.wide, setup.translations.near(eps))
-        exact = addition.shift(setup.mpf.f, setup.mpf.axes, setup.mpf.start, step)
+        exact = addition.shift(setup.problem.f, setup.problem.axes, setup.problem.start, step)
         found = addition.shift(setup.floats.f, setup.floats.axes, setup.floats.start, in_floats(setup, float(eps)))
         assert max(abs(float(a - b)) for a, b in zip(exact, found, strict=True)) < 2e-14
 

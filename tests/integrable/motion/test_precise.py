@@ -149,7 +149,7 @@ def test_values_that_double_double_numbers_have_too_few_digits_for_are_made_with
     setup = heavy_setup(41)
     rates = PanelRates(setup, 28)
     steps = setup.translations.at_nodes(gauss_legendre(setup.reals, 20)[0], 1)
-    point = setup.bare.reached(1, 7)
+    point = setup.reached(1, 7)
     found = rates.around(point, steps, rates.steps(steps))
     assert found is not None
     with setup.reals:
@@ -184,8 +184,8 @@ def test_what_floats_leave_to_more_digits_takes_no_second() -> None:
 def test_points_on_the_way_are_those_of_a_way_of_its_own() -> None:
     setup, fresh = heavy_setup(27), heavy_setup(27)
     for steps in (1, 700, 691, 40, 700):
-        assert setup.bare.reached(-1, steps) == heavy_setup(27).bare.reached(-1, steps)
-    assert fresh.bare.reached(-1, 691) != fresh.bare.reached(1, 691)
+        assert setup.reached(-1, steps) == heavy_setup(27).reached(-1, steps)
+    assert fresh.reached(-1, 691) != fresh.reached(1, 691)
 
 
 def test_times_and_places_are_inverse_to_each_other() -> None:

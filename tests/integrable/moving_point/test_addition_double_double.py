@@ -107,10 +107,10 @@ def assert_as_exact_as_possible(found, loop, inputs, seed, factor=300):
 def test_additions(name):
     """Translations by about 2^k basic steps, the largest first."""
     setup = setup_of(name)
-    _, table = setup.mpf.table(1, 250)
+    table = [setup.reals.elements(setup.wide, setup.translations.level(k)[1]) for k in range(8)]
     for levels in (slice(1, None, -1), slice(None, None, -2)):
         steps = table[levels]
-        inputs = [double_double.pack(x) for x in (setup.mpf.f, setup.mpf.axes, setup.mpf.start, steps)]
+        inputs = [double_double.pack(x) for x in (setup.problem.f, setup.problem.axes, setup.problem.start, steps)]
         out = np.empty((10, 2))
         LOOPS.shifted(*inputs, out)
 
@@ -126,8 +126,8 @@ def test_additions(name):
 def test_near_identity(name):
     """(The terms of the series of very different moments are beyond the range of floats in the flow's own unit.)"""
     setup = setup_of(name)
-    offsets = [setup.wide.coerce(x) * setup.mpf.half_step for x in ("1", "-0.3", "1e-3", "-1e-30")]
-    f, axes = setup.mpf.f, setup.mpf.axes
+    offsets = [setup.wide.coerce(x) * setup.problem.half_step for x in ("1", "-0.3", "1e-3", "-1e-30")]
+    f, axes = setup.problem.f, setup.problem.axes
     series, roots = (series_of(f, power, setup.terms) for power in (-1, 1))
     inputs = [double_double.pack(x) for x in (series, roots, f[0], axes)]
     out = np.empty((len(offsets), 10, 2))

@@ -61,7 +61,7 @@ def test_it_is_the_readable_problem(name) -> None:
     system, gamma, M = ROWS[name]
     state = system.state(gamma, M, tilted="tilted" in name)
     setup = Setup(system.body, state.gamma, state.M, state.tilted)
-    problem, bare, K = readable(setup, state), setup.bare_problem, setup.wide
+    problem, bare, K = readable(setup, state), setup.bare, setup.wide
     assert (problem.matrix is None) == (bare.matrix is None)
     for field in (*Problem._fields, "branch_points"):
         true = getattr(problem, field)
@@ -78,7 +78,7 @@ def test_it_is_the_readable_problem(name) -> None:
         # at close branch points U and V vanish like powers of the distance of the two
         spare = 10**4 * (10**27 if name in ("heavy", "nearly equal") and field == "start" else 1)
         assert all(abs(x - y) <= spare * K.eps * (abs(x) + 1e-6 * size) for x, y in zip(*rows, strict=True)), field
-    assert setup.problem == bare.over(setup.reals, K)
+    assert setup.problem == bare.over(lambda x: setup.reals.element(K, x))
     # 1/g of the upright motion at the start, times its constant factor
     u0, u1, *_ = problem.start
     square = K.dot(problem.start[4:7], problem.start[4:7])
@@ -89,7 +89,7 @@ def test_it_is_the_readable_problem(name) -> None:
 def test_motions_without_a_curve_are_refused() -> None:
     ball = ChaplyginBall((1, 2, 3), 0.7)
     with pytest.raises(ArgumentError, match="the body is at rest"):
-        _ = Setup(ball.body, START[0], (0.0, 0.0, 0.0)).bare_problem
+        _ = Setup(ball.body, START[0], (0.0, 0.0, 0.0)).bare
     for scale in (2, -4):
         with pytest.raises(NotRepresentable, match="M is parallel to gamma"):
             _ = Setup(ball.body, START[0], tuple(scale * x for x in START[0]), tilted=True).time_scale

@@ -71,7 +71,7 @@ def test_the_rate_is_read_off_the_height_above_infinity(name) -> None:
         steps = [setup.translations.near(bare.half_step * x) for x in (0.75, -0.5, 1e-9, 3)]
         roots = [root(1 + d * (step[1] + d * step[0])) for step in steps]
         for n in range(8):
-            point = bare.reached(1, n)
+            point = setup.reached(1, n)
             found = addition.upright_rates(bare.f, bare.axes, d, point, steps, roots)
             for x, step in zip(found, steps, strict=True):
                 assert abs(x / addition.rate_after(bare.f, bare.axes, point, step) - 1) < (

@@ -561,7 +561,7 @@ def test_what_loops_begin_with_is_what_more_digits_begin_with(system, tilted) ->
     with setup.reals:
         gaps = [
             float(setup.reals.number(high) + setup.reals.number(low) - x) / max(1e-2, abs(float(x)))
-            for (high, low), x in zip(quick.problem.tolist(), setup.bare_problem.row, strict=True)
+            for (high, low), x in zip(quick.problem.tolist(), setup.bare.row, strict=True)
         ]
     assert max(map(abs, gaps)) < 1e-29
     torus, other = TorusFlow(setup, CompiledLoops()), TorusFlow(setup, FromMoreDigits())

@@ -52,12 +52,12 @@ def test_translations_near_the_identity(k):
     sums = []
     for K, f, start, step in (
         (RR, setup.floats.f, setup.floats.start, in_floats(setup, eps)),
-        (wide, setup.mpf.f, setup.mpf.start, exact),
+        (wide, setup.problem.f, setup.problem.start, exact),
     ):
         pairs = [([*row[:2], K.one], list(row[2:4])) for row in (start, step)]
         total = composition.compose(K, 2, f, *pairs)
         sums.append([wide.coerce(c) for c in (*total.u[:2], *total.v)])
-    moved = max(abs(x - y) for x, y in zip(sums[1], setup.mpf.start, strict=False))
+    moved = max(abs(x - y) for x, y in zip(sums[1], setup.problem.start, strict=False))
     assert 0.01 * 10.0**-k < moved < 10.0**-k
     assert max(abs(x - y) for x, y in zip(*sums, strict=True)) < 1e-14
 

@@ -36,7 +36,7 @@ def test_translations_near_the_identity(k):
     wide, eps = setup.wide, setup.floats.half_step * 10.0**-k
     exact = setup.reals.elements(wide, setup.translations.near(wide.coerce(eps)))
     found = genus2_real.add(setup.floats.f, setup.floats.start[:4], in_floats(setup, eps)[:4])[0]
-    true = genus2_real.add(setup.mpf.f, setup.mpf.start[:4], exact[:4])[0]
+    true = genus2_real.add(setup.problem.f, setup.problem.start[:4], exact[:4])[0]
     assert max(abs(wide.coerce(x) - y) for x, y in zip(found, true, strict=True)) < 1e-14
 
 
