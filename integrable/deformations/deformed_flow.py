@@ -183,7 +183,8 @@ class DeformedFlow(EnclosedMotion):
 
     def _terms(self) -> float:
         """The size of the terms of λ_k."""
-        return float(self.system.field.dot(self.state.M, self.state.M)) * max(self.system.a) ** self.system.degree
+        _, M = self.state.vectors
+        return float(self.system.field.dot(M, M)) * max(self.system.a) ** self.system.degree
 
     @cached_property
     def _compiled(self) -> QuickStates:
@@ -213,7 +214,7 @@ class OnCurves(ManyDigits):
         for _ in range(3):
             with LongNumbers(digits + GUARD_DIGITS) as numbers:
                 carrier = self._made(*widened(self._system, self._state, numbers))
-            start = carrier.start.gamma, carrier.start.M
+            start = carrier.start.vectors
             missing = carrier.difference(carrier.point(carrier.field.zero), start) + self.digits + SPARE
             if missing <= 0:
                 return carrier

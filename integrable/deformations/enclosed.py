@@ -114,10 +114,11 @@ class _March:
             wide = system.over(balls)
             start = onto_constraints(wide, state)
             self._rolls, zero = system.body.rolls, wide.field.zero
-            self._point = [*start.gamma, *start.M, *([zero] if self._rolls else [])]
+            self._point = [*start.row, *([zero] if self._rolls else [])]
             self._tape = recorded(right_hand_sides(wide), len(self._point))
             # a start at rest gives no unit for M
-            self._momentum = wide.field.dot(start.M, start.M).sqrt() if any(state.M) else wide.field.one
+            M = start.vectors[1]
+            self._momentum = wide.field.dot(M, M).sqrt() if any(state.vectors[1]) else wide.field.one
             self._now = zero
         self._order = ceil(bits * log(2) / -log(STEP))
         self._longest = 0.0

@@ -36,7 +36,7 @@ def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[A
 
     def right_hand_side(y: Sequence[Any]) -> list[Any]:
         rate = system.vector_field(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
-        moved = [*rate.gamma, *rate.M]
+        moved = [*rate.row]
         if not rolls:
             return moved
         slow = dot(system.body.contact, [x * x for x in y[:3]]) ** (system.field.one / 2)
@@ -80,8 +80,9 @@ class NearWalk:
     def walked(self, times: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray] | None:
         """The rows (γ, M) with τ if ``physical``, with t otherwise; None if the walk does not reach all times."""
         system, state = self._motion.system, self._motion.state
+        gamma, M = state.vectors
         # the variable after γ and M is τ, or t if the walk is in τ
-        equations, start = Equations(system, physical), Point(state.gamma, (*state.M, 0.0, 0.0, 0.0))
+        equations, start = Equations(system, physical), Point(gamma, (*M, 0.0, 0.0, 0.0))
         most = self._cost.of(len(times))
         near = walked(equations, start, times, most)
         if self._cost == BY_STEPS:
@@ -118,7 +119,7 @@ def kind_in(system: Hamiltonian, physical: bool) -> Kind:
 
     def start(N: Any, y: Sequence[Any]) -> list[Any]:
         inner = onto_constraints(of_constants(system, N, symbols), State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
-        return [*inner.gamma, *inner.M, *y[6:]]
+        return [*inner.row, *y[6:]]
 
     def moved(N: Any, y: Sequence[Any]) -> list[Any]:
         found = right_hand_sides(of_constants(system, N, symbols), physical)(y[:6])

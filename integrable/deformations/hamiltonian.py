@@ -212,14 +212,12 @@ class Hamiltonian(Made):
     def integrals(self, state: State[Element]) -> DeformedIntegrals[Element]:
         """C1, C2, H and K; NotRepresentable if the potential is infinite (γ_i = 0 with a pole there)."""
         K, state = self.field, self._checked(state)
-        wrap = self._constants(0)
+        wrap, (gamma, M) = self._constants(0), state.vectors
         with _Infinite():
-            energy, second = self.pair(
-                self.scalars(wrap, map(wrap, state.gamma), map(wrap, state.M)), self._terms(wrap)
-            )
+            energy, second = self.pair(self.scalars(wrap, map(wrap, gamma), map(wrap, M)), self._terms(wrap))
         if K.exact:
             energy, second = energy.value, second.value
-        return DeformedIntegrals(K.dot(state.gamma, state.gamma), K.dot(state.gamma, state.M), energy, second)
+        return DeformedIntegrals(K.dot(gamma, gamma), K.dot(gamma, M), energy, second)
 
     def _integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> DeformedIntegrals:
         """The :meth:`integrals` of N real states, each of shape (N,); γ and M have the shape (N, 3)."""
@@ -247,11 +245,11 @@ class Hamiltonian(Made):
     def rates_in(self, numbers: Any, y: Sequence[Any]) -> list[Any]:
         """(γ̇, Ṁ) at y = (γ, M), over a field whose elements overload the operators, such as symbolic expressions."""
         rate = self.over(numbers)._rates(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
-        return [*rate.gamma, *rate.M]
+        return [*rate.row]
 
     def _rates(self, state: State) -> State:
         wrap = self._constants(0)
-        q = self.scalars(wrap, map(wrap, state.gamma), map(wrap, state.M))
+        q = self.scalars(wrap, *(map(wrap, v) for v in state.vectors))
         omega, momentum = self.motion(q)
         rate = product(q.gamma, omega)
         if self.potential is not None:
@@ -325,7 +323,7 @@ class Hamiltonian(Made):
         assert terms is not None
         with _Infinite():
             energy = self.potential_energy(
-                self.scalars(jets.constant, jets.variables(state.gamma), (zero, zero, zero)), terms
+                self.scalars(jets.constant, jets.variables(state.vectors[0]), (zero, zero, zero)), terms
             )
         return jets.coerce(energy).slopes
 

@@ -113,7 +113,7 @@ class IntegratedStates:
     def _integrated(self, given: np.ndarray, physical: bool, refused: dict[int, str] | None) -> list[list[Any]]:
         system, state, digits = self._system, self._state, self._asked + STEP_DIGITS
         wide = system.field
-        start = [*state.gamma, *state.M, *([wide.zero] if system.body.rolls else [])]
+        start = [*state.row, *([wide.zero] if system.body.rolls else [])]
         rates, exponent = right_hand_sides(system, physical), self._exponent
         times = [wide.context.ldexp(wide.coerce(x), exponent) for x in given.tolist()]
         unit = wide.context.ldexp(wide.one, -exponent)
@@ -129,8 +129,9 @@ class IntegratedStates:
         """
         context, rate = self._system.field.context, self._system.vector_field(self._state)
         # for a body at rest γ̈ is of the size of Ṁ divided by a moment
-        pull = max(abs(a * m) for a, m in zip(self._system.a, rate.M, strict=True))
-        fastest = max(*map(abs, rate.gamma), context.sqrt(pull))
+        turn, change = rate.vectors
+        pull = max(abs(a * m) for a, m in zip(self._system.a, change, strict=True))
+        fastest = max(*map(abs, turn), context.sqrt(pull))
         exponent = int(context.mag(fastest)) if fastest else 0
         return exponent if abs(exponent) > USUAL else 0
 
@@ -147,7 +148,7 @@ class IntegratedStates:
     @cached_property
     def _nearby(self) -> list[list[Any]]:
         """The start, and six points with one coordinate moved by PART of the largest component of γ, or of M."""
-        vectors, part = (self._state.gamma, self._state.M), self._system.field.coerce(PART)
+        vectors, part = self._state.vectors, self._system.field.coerce(PART)
         units, values = [part * max(map(abs, v)) for v in vectors], [x for v in vectors for x in v]
         return [values, *([*values[:i], values[i] + units[i // 3], *values[i + 1 :]] for i in range(6))]
 

@@ -57,21 +57,22 @@ class CubicCarrier(CurvesCarrier):
             curve = oval_of_cubic(K, q, shift, value * x + shift, value * rate)
             self.curves.append(curve)
             self.tracks.append(curve.track(value, shift))
-        signs = [K.one if x > 0 else -K.one for x in state.gamma]
+        signs = [K.one if x > 0 else -K.one for x in state.vectors[0]]
         numbers = [*a, *b, *c, *signs, *self.lambdas, *system.integrals(state)[2:]]
         self.frame = Frame(numbers, [K.one] * 3, False, True, self.sizes)
 
     def _separated(self, state: State) -> tuple[list[Any], list[Any], list[Any]]:
         """The ũ_k, their derivatives, and the λ_k."""
         K, a, poles = self.system.field, self.system.a, self.system.potential.poles
-        squares = [x * x for x in state.gamma]
+        gamma, M = state.vectors
+        squares = [x * x for x in gamma]
         s = K.dot(a, squares)
-        h1 = sum(x * m * m for x, m in zip(a, state.M, strict=True))
+        h1 = sum(x * m * m for x, m in zip(a, M, strict=True))
         h1 = h1 + sum(b * (a[i - 2] + a[i - 1] - s) / squares[i] for i, b in enumerate(poles))
-        h2 = K.dot(state.M, state.M) + sum(b / x for b, x in zip(poles, squares, strict=True))
-        w = cross(K, state.gamma, state.M)
+        h2 = K.dot(M, M) + sum(b / x for b, x in zip(poles, squares, strict=True))
+        w = cross(K, gamma, M)
         V: poly.Poly = (K.zero,) * 3
-        for x, y, pair in zip(state.gamma, w, self._pairs, strict=True):
+        for x, y, pair in zip(gamma, w, self._pairs, strict=True):
             V = poly.add(K, V, poly.scale(K, 2 * x * y, pair))
         images = [(b / x + y * y) / h2 for b, x, y in zip(poles, squares, w, strict=True)]
         u = [a[0] + gap[0] for gap in interlaced(self.system.body, images)]
@@ -118,5 +119,5 @@ class PoleFlow(DeformedFlow):
     def _terms(self) -> float:
         poles = self.system.potential.poles
         return super()._terms() + max(self.system.a) * sum(
-            b / (x * x) for b, x in zip(poles, self.state.gamma, strict=True)
+            b / (x * x) for b, x in zip(poles, self.state.vectors[0], strict=True)
         )

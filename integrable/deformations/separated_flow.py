@@ -40,10 +40,11 @@ class OvalCarrier(CurvesCarrier):
         if isometry is not None:
             diagonal = roots(K, isometry.squares)
             back, self.speed, system = [1 / b for b in diagonal], isometry.factor, isometry.pair
-            state = State(*lift(K, diagonal, state.gamma, state.M))
+            state = State(*lift(K, diagonal, *state.vectors))
         self.pair, body = system, system.body
         check_distinct(body)
-        h2 = K.dot(state.M, state.M)
+        _, M = state.vectors
+        h2 = K.dot(M, M)
         if h2 == 0:
             raise ArgumentError("M = (0, 0, 0): at rest; a flow needs M ≠ 0")
         H, second = system.integrals(state)[2:]
@@ -62,7 +63,7 @@ class OvalCarrier(CurvesCarrier):
             sizes if isometry is None else (abs(self.speed) * sizes[0], abs(self.system.integrals(self.start).K))
         )
         found = self._state(*(curve.start for curve in self.curves))[0]
-        if sum(x * y for x, y in zip(found, self.start.gamma, strict=True)) < 0:
+        if sum(x * y for x, y in zip(found, self.start.vectors[0], strict=True)) < 0:
             # the sign of γ and M
             self.frame.numbers[-1] = -K.one
 
@@ -187,15 +188,17 @@ def _eigenvalues(K: Any, H: Any, second: Any) -> tuple[Any, Any]:
 def _rate(system: Any, state: State) -> State:
     """The derivatives (γ, M)' with respect to τ."""
     rate = system.vector_field(state)
-    slow = system.body.conformal(state.gamma) ** (system.field.one / 2)
-    return State(tuple(slow * x for x in rate.gamma), tuple(slow * x for x in rate.M))
+    slow = system.body.conformal(state.vectors[0]) ** (system.field.one / 2)
+    turn, pull = rate.vectors
+    return State(tuple(slow * x for x in turn), tuple(slow * x for x in pull))
 
 
 def _image(K: Any, state: State, rate: State, h2: Any) -> tuple[list[Any], list[Any]]:
     """The vectors w = γ × M and |M|·(w/|M|)'."""
-    w = cross(K, state.gamma, state.M)
-    moved = [x + y for x, y in zip(cross(K, rate.gamma, state.M), cross(K, state.gamma, rate.M), strict=True)]
-    growth = sum(x * y for x, y in zip(state.M, rate.M, strict=True)) / h2
+    (gamma, M), (turn, pull) = state.vectors, rate.vectors
+    w = cross(K, gamma, M)
+    moved = [x + y for x, y in zip(cross(K, turn, M), cross(K, gamma, pull), strict=True)]
+    growth = sum(x * y for x, y in zip(M, pull, strict=True)) / h2
     return list(w), [x - growth * y for x, y in zip(moved, w, strict=True)]
 
 

@@ -148,9 +148,9 @@ def _image(system: Hamiltonian, state: State) -> _Image:
     K, body, a = system.field, system.body, system.a
     if any(c == K.zero for c in body.differences):
         raise NotRepresentable("two moments of inertia are equal: the separated variables do not determine γ")
-    h1, h2 = body.integrals(state.gamma, state.M)[2:]
+    h1, h2 = body.integrals(*state.vectors)[2:]
     check_moving(K, h2)
-    w = cross(K, state.gamma, state.M)
+    w = cross(K, *state.vectors)
     squares = [K.div(K.mul(x, x), h2) for x in w]
     total = K.dot(squares, [K.add(a[i - 2], a[i - 1]) for i in range(3)])
     u = quadratic_roots(K, K.neg(total), K.neg(K.dot(squares, [K.mul(a[i - 2], a[i - 1]) for i in range(3)])))
@@ -180,11 +180,11 @@ def _first(K: Any, x: Any, y: Any) -> bool:
 
 def _pairs(system: Hamiltonian, state: State, w: Any, h2: Any) -> tuple[Pair, ...]:
     """The pairs (w_i, N_i), N_i = c·w_i − 2g(1 − da_i)γ_i, with c such that (w, N) = 0."""
-    K, body = system.field, system.body
+    K, body, (gamma, _) = system.field, system.body, state.vectors
     g = K.one
     if body.rolls:
-        g = coordinates.root_of_g(body, state.gamma) if state.g is None else state.g
-    scaled = [K.mul(K.add(g, g), K.mul(r, x)) for r, x in zip(body.contact, state.gamma, strict=True)]
+        g = coordinates.root_of_g(body, gamma) if state.g is None else state.g
+    scaled = [K.mul(K.add(g, g), K.mul(r, x)) for r, x in zip(body.contact, gamma, strict=True)]
     lean = K.div(K.dot(w, scaled), h2)
     return tuple((x, K.sub(K.mul(lean, x), y)) for x, y in zip(w, scaled, strict=True))
 
@@ -303,7 +303,7 @@ def curves_of(system: Hamiltonian) -> Hamiltonian:
 def lifted(system: Hamiltonian, state: State) -> State:
     """The state of the tilde pair that corresponds to a state; NotASquare if √a_i or |Bγ| is not in the field."""
     K, isometry = system.field, system.isometry()
-    return state if isometry is None else State(*lift(K, roots(K, isometry.squares), state.gamma, state.M))
+    return state if isometry is None else State(*lift(K, roots(K, isometry.squares), *state.vectors))
 
 
 def unlifted(system: Hamiltonian, state: State) -> State:
@@ -311,4 +311,4 @@ def unlifted(system: Hamiltonian, state: State) -> State:
     K, isometry = system.field, system.isometry()
     if isometry is None:
         return state
-    return State(*lift(K, [K.inv(x) for x in roots(K, isometry.squares)], state.gamma, state.M))
+    return State(*lift(K, [K.inv(x) for x in roots(K, isometry.squares)], *state.vectors))

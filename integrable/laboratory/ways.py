@@ -44,8 +44,8 @@ class WideFlow(Flow):
         """The set-up of the motion."""
         body, state = self._wide_body, self._wide_state
         if self.system.field != RR:
-            return Setup(body, state.gamma, state.M, state.tilted, self.system.field.dps)
-        return Setup(Body(body.inertia, body.d, RR), state.gamma, state.M, state.tilted)
+            return Setup(body, *state.vectors, state.tilted, self.system.field.dps)
+        return Setup(Body(body.inertia, body.d, RR), *state.vectors, state.tilted)
 
     @cached_property
     def _closed(self) -> Way | None:

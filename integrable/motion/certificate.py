@@ -77,7 +77,7 @@ def _turned(flow: Motion, time: Any, K: Any) -> tuple[Any, Any]:
     """
     context = MP(K.dps + _turns(flow, time, K)).context
     body, state = flow.system.body, flow.state
-    inertia, d, *vectors = map(context.mpf, (body.inertia[0], body.d, *state.gamma, *state.M))
+    inertia, d, *vectors = map(context.mpf, (body.inertia[0], body.d, *state.row))
     length = context.sqrt(context.fdot(vectors[:3], vectors[:3]))
     gamma, M = [x / length for x in vectors[:3]], vectors[3:]
     n = context.fdot(gamma, M) / inertia
@@ -95,7 +95,7 @@ def _turned(flow: Motion, time: Any, K: Any) -> tuple[Any, Any]:
 def _turns(flow: Motion, time: Any, K: Any) -> int:
     """The number of digits of the turns made until a time, plus some spare ones."""
     # |ω| ≤ |M|/min I
-    fastest = sum(abs(K.coerce(m)) for m in flow.state.M) / min(map(K.coerce, flow.system.inertia))
+    fastest = sum(abs(K.coerce(m)) for m in flow.state.vectors[1]) / min(map(K.coerce, flow.system.inertia))
     return BESIDE + ceil(K.context.log10(1 + abs(time) * fastest))
 
 

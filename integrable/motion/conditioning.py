@@ -90,10 +90,11 @@ def conditioning(system: Any, state: State, times: Sequence[Real], motion: Motio
 
 def _sizes(system: Any, state: State, rows: tuple[np.ndarray, np.ndarray]) -> list[Any]:
     """The sizes of γ and of M, at each time, to which their changes are relative."""
-    size = float(system.field.sqrt(system.field.dot(state.M, state.M))) or 1.0
+    gamma, M = state.vectors
+    size = float(system.field.sqrt(system.field.dot(M, M))) or 1.0
     if not hasattr(system, "inputs"):
         return [1.0, size]
-    starts = float(max(map(abs, state.gamma))) or 1.0, size
+    starts = float(max(map(abs, gamma))) or 1.0, size
     return [np.maximum(abs(x).max(axis=1).astype(float), start) for x, start in zip(rows, starts, strict=True)]
 
 
@@ -114,7 +115,7 @@ def _inputs(system: Any, state: State) -> tuple[list[str], list[Any]]:
     if getattr(system, "potential", None) is not None:
         a, b, poles = system.potential
         named += [(f"potential {i + 1}", x) for i, x in enumerate((a, b, *poles))]
-    named += [(f"γ{i + 1}", x) for i, x in enumerate(state.gamma)] + [(f"M{i + 1}", x) for i, x in enumerate(state.M)]
+    named += zip(("γ1", "γ2", "γ3", "M1", "M2", "M3"), state.row, strict=True)
     return [name for name, _ in named], [value for _, value in named]
 
 

@@ -89,13 +89,13 @@ class Rolling:
         system = widened(flow.system, setup.wide)
         body, state = system.body, onto_constraints(system, flow.state)
         c, (h1, h2) = system.integrals(state)[1], system.integrals(state)[2:]
-        length = setup.wide.sqrt(sum(x * x for x in cross(setup.wide, state.gamma, state.M)))
+        length = setup.wide.sqrt(sum(x * x for x in cross(setup.wide, *state.vectors)))
         middle = sorted(range(3), key=lambda i: body.inertia[i])[1]
         self._different = numbers(
             *((body.inertia[middle] - x) * body.a[middle] * a for x, a in zip(body.inertia, body.a, strict=True))
         )
         self._d = number(body.d)
-        self._contact, self._start = numbers(*body.contact), [numbers(*v)[None] for v in (state.gamma, state.M)]
+        self._contact, self._start = numbers(*body.contact), [numbers(*v)[None] for v in state.vectors]
         self.loss = float(setup.wide.sqrt(h2) / length)
         self._tilt, rest = None, setup.wide.one
         if setup.tilt:

@@ -35,7 +35,7 @@ class SymmetricPath:
         wide, tilt, self._field = flow.setup.wide, flow.setup.tilt, flow.system.field
         system = widened(flow.system, wide)
         state, body = onto_constraints(system, flow.state), system.body
-        gamma, M = state.gamma, state.M
+        gamma, M = state.vectors
         axis = symmetry_axis(body.inertia)
         assert axis is not None
         self._axis = i = axis

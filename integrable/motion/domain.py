@@ -35,7 +35,7 @@ def check_domain(system: PhaseSpace, state: State) -> None:
     """Raises ArgumentError if a flow over RR refuses a body or a state; it names the argument, its value and a
     remedy.
     """
-    body, M = system.body, state.M
+    body, (_, M) = system.body, state.vectors
     inertia, d = body.inertia, body.d
     momentum = max(map(abs, M))
     if max(*inertia, d, momentum) > LARGEST:
@@ -55,7 +55,7 @@ def check_domain(system: PhaseSpace, state: State) -> None:
 def _named(system: PhaseSpace, state: State) -> list[tuple[str, float]]:
     """(name, value) for each number of a body and of M, with the names used in messages."""
     moments = [(f"inertia[{i}]", x) for i, x in enumerate(system.inertia)]
-    return [*moments, ("d", system.d), *((f"M[{i}]", x) for i, x in enumerate(state.M))]
+    return [*moments, ("d", system.d), *((f"M[{i}]", x) for i, x in enumerate(state.vectors[1]))]
 
 
 def _check_shape(inertia: Vector, d: float) -> None:

@@ -80,7 +80,7 @@ def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> E
 def _bits(body: Body, state: State, digits: int, tau: Any) -> int:
     """The number of bits with which the computation of the state at τ starts."""
     # computed by exponents, since the product may exceed the range of floats
-    doublings = 4 + max(0, mag(tau) + mag(2 * max(body.a) * max(map(abs, state.M))))
+    doublings = 4 + max(0, mag(tau) + mag(2 * max(body.a) * max(map(abs, state.vectors[1]))))
     if doublings > MOST_DOUBLINGS:
         raise ArgumentError(f"tau = {tau}: enclosures reach turns up to 2^{MOST_DOUBLINGS}; give a nearer time")
     return ceil(3.33 * (digits + 6) + LOST * doublings)
@@ -121,7 +121,7 @@ class BallMotion:
         self._digits = digits
         with self.reals:
             K = self.field = BallField(self.reals)
-            given = (*body.inertia, body.d, *state.gamma, *state.M)
+            given = (*body.inertia, body.d, *state.row)
             problem = self.problem = Problem.of(self.reals, given, state.tilted)
             middle = [[x.mid() for x in row] for row in (problem.f, problem.axes)]
             half_step: Any = problem.half_step

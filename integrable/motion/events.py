@@ -61,7 +61,7 @@ def _in_floats(flow: BodyMotion) -> BodyMotion:
         return flow
     body = flow.system.body
     system = replaced(flow.system, body=Body.make(tuple(map(float, body.inertia)), float(body.d), RR))
-    gamma, M = (tuple(map(float, v)) for v in (flow.state.gamma, flow.state.M))
+    gamma, M = (tuple(map(float, v)) for v in flow.state.vectors)
     return type(flow)(system, State((gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]), tilted=flow.state.tilted))
 
 

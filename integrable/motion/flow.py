@@ -88,12 +88,12 @@ class Flow(BodyMotion):
             _ = self.setup
         if state.tilted:
             # raises if M ∥ γ in the precision of the state
-            leaning(field, state.gamma, state.M)
+            leaning(field, *state.vectors)
 
     @cached_property
     def setup(self) -> Setup:
         """The set-up of the motion."""
-        return Setup(self.system.body, self.state.gamma, self.state.M, self.state.tilted)
+        return Setup(self.system.body, *self.state.vectors, self.state.tilted)
 
     @cached_property
     def portrait(self) -> Portrait:
@@ -296,7 +296,7 @@ class Flow(BodyMotion):
     @cached_property
     def _level(self) -> tuple[Any, Any]:
         """H1 and H2 of the motion."""
-        h1, h2 = self.system.body.energies(self.state.gamma, self.state.M)
+        h1, h2 = self.system.body.energies(*self.state.vectors)
         return h1, h2
 
     def _off(self, rows: np.ndarray, way: str) -> tuple[np.ndarray, str]:

@@ -468,7 +468,7 @@ class PreciseFlow(ManyDigits):
     def __init__(
         self, body: Body, state: State, digits: int, setup: Setup | None = None, limits: ClockLimits = NONE
     ) -> None:
-        self._problem = body, state.gamma, state.M, state.tilted
+        self._problem = body, *state.vectors, state.tilted
         self._limits = limits
         # a motion that floats refuse loses digits: a set-up with extra digits costs less than a second one
         setup = setup or Setup(*self._problem, digits=digits + (self.expected if limits.most < inf else 0))

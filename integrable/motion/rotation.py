@@ -32,10 +32,12 @@ class PrincipalRotation:
         axis = rotation_axis(state)
         assert axis is not None
         self._order = i, j, k = axis, (axis + 1) % 3, (axis + 2) % 3
-        self._momentum, self._rolls = N.number(K.coerce(state.M[i])), system.body.rolls
-        body, (y, z) = Body.make(system.inertia, system.d, K), (K.coerce(state.gamma[n]) for n in (j, k))
+        gamma, M = state.vectors
+        momentum, y, z = map(K.coerce, (M[i], gamma[j], gamma[k]))
+        self._momentum, self._rolls = N.number(momentum), system.body.rolls
+        body = Body.make(system.inertia, system.d, K)
         pi, start = K.context.pi, K.context.atan2(-z, y)
-        rate = body.a[i] * K.coerce(state.M[i])
+        rate = body.a[i] * momentum
         self._turning = rate / (2 * pi), start / (2 * pi)
         root = K.sqrt(body.contact[j])
         modulus = K.sqrt(body.contact[k]) / root

@@ -85,7 +85,7 @@ class ShortRuns:
 
     def __init__(self, system: PhaseSpace, state: State, kernel: str = "auto") -> None:
         body = system.body
-        self._given = np.array([[*body.inertia, body.d, *state.gamma, *state.M]], dtype=np.float64)
+        self._given = np.array([[*body.inertia, body.d, *state.row]], dtype=np.float64)
         self._tilted, self._rolls, self._kernel = state.tilted, body.rolls, kernel
         self._cost = torus_cost(min(body.inertia), max(body.inertia), body.d)
         # the number of panels of the last run, read by measurements only

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, overload
@@ -89,7 +88,8 @@ class Motion(Immutable):
         from jacobian.notebook import named
 
         return named(
-            f"motion by {self.method}", [("system", self.system), ("γ(0)", self.state.gamma), ("M(0)", self.state.M)]
+            f"motion by {self.method}",
+            [("system", self.system), *zip(("γ(0)", "M(0)"), self.state.vectors, strict=True)],
         )
 
     # --- for subclasses
@@ -240,7 +240,7 @@ class Trajectory(Exported):
         if self._status is not None and self._status[row]:
             raise NotRepresentable(f"row {row} was refused: {self.reasons[self._status[row]]}")
         values = self._rows[row].tolist()
-        return dataclasses.replace(self.flow.state, gamma=tuple(values[:3]), M=tuple(values[3:]))
+        return replaced(self.flow.state, vectors=(tuple(values[:3]), tuple(values[3:])))
 
     def concatenated(self, *others: Trajectory) -> Trajectory:
         """A Trajectory of these rows and those of ``others``, which belong to the same motion. ``way`` names all

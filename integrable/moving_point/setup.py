@@ -76,7 +76,7 @@ class Setup:
             return None
         body = Body.make(self.body.inertia, self.body.d, self.wide)
         state = onto_constraints(body, State(self._gamma, self._M, tilted=True))
-        return ChaplyginTransformation.of(body, state.gamma, state.M)
+        return ChaplyginTransformation.of(body, *state.vectors)
 
     @cached_property
     def time_scale(self) -> Any:

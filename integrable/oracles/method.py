@@ -31,6 +31,8 @@ from numbers import Real
 from time import perf_counter
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from integrable.extras import command, installed
 from integrable.oracles.body import Solution, body_equations, is_body
 from integrable.oracles.expressions import Kind, recorded
@@ -232,7 +234,8 @@ def problem_of(system: Any, state: Any) -> Problem:
 
     The system is a body, whose equations this folder contains, or has a method ``rates_in`` that takes any numbers.
     """
-    start = (*state.gamma, *state.M)
+    # a state over RR has arrays, whose numbers are numpy's
+    start = tuple(np.hstack([state.gamma, state.M]).tolist())
     field = getattr(system, "field", None)
     number = float if field is None else field.coerce
     given: tuple[Any, ...] = ()

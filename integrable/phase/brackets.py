@@ -120,7 +120,7 @@ def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
     """
     K = system.field
     base = K.base if isinstance(K, JetField) else K
-    one, tilt = base.dot(like.gamma, like.gamma), base.dot(like.gamma, like.M)
+    one, tilt = (base.dot(like.vectors[0], v) for v in like.vectors)
     square = K.dot(gamma, gamma)
     nearby = K.add(K.one, K.div(K.sub(one, square), K.add(one, one)))
     scale = nearby if K.exact else K.sqrt(K.div(one, square))
@@ -141,7 +141,7 @@ def differential(system: PhaseSpace, function: Callable[[Any, State], Sequence[A
         gamma, M = point[:3], point[3:]
         return function(moved, on_leaf(moved, state, gamma, M))
 
-    return jacobian_matrix(system.field, of_point, (*state.gamma, *state.M))
+    return jacobian_matrix(system.field, of_point, state.row)
 
 
 def bracket(system: PhaseSpace, F: Callable[[Any, State], Any], G: Callable[[Any, State], Any], state: State) -> Real:
@@ -169,7 +169,7 @@ def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State)
 
     def image(moved: Any, x: State) -> Sequence[Real]:
         y = step.over(moved)(x) if hasattr(step, "over") else step(moved, x)
-        return (*y.gamma, *y.M)
+        return y.row
 
     brackets = pushed(system.field, differential(system, image, state), system.poisson(state))
     target = step(state) if hasattr(step, "over") else step(system, state)
@@ -209,7 +209,7 @@ def conformal_field(system: PhaseSpace, state: State) -> tuple[Real, ...]:
 
 def root(system: PhaseSpace, state: State) -> Any:
     """The root g of g² = 1/(1 − d(γ, Aγ)) that belongs to a state."""
-    return coordinates.root_of_g(system.body, state.gamma) if state.g is None else state.g
+    return coordinates.root_of_g(system.body, state.vectors[0]) if state.g is None else state.g
 
 
 def measure_divergence(body: Body, gamma: Vector, M: Vector) -> Any:

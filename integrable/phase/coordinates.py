@@ -55,10 +55,10 @@ def upright_pairs(body: Body, state: State) -> tuple[Pair, ...]:
     """
     if state.tilted:
         raise ArgumentError("state: (γ, M) may differ from 0 here; take the state of system.upright(state)")
-    K, sigma = body.field, state.gamma
-    w = cross(K, state.gamma, state.M)
+    K, (sigma, M) = body.field, state.vectors
+    w = cross(K, sigma, M)
     if body.rolls:
-        g = root_of_g(body, state.gamma) if state.g is None else state.g
+        g = root_of_g(body, sigma) if state.g is None else state.g
         sigma = (K.mul(g, sigma[0]), K.mul(g, sigma[1]), K.mul(g, sigma[2]))
     return tuple((x, K.add(y, y)) for x, y in zip(sigma, w, strict=True))
 
@@ -71,7 +71,7 @@ def to_pairs(body: Body, state: State) -> tuple[Pair, ...]:
     lean = K.mul(body.d, K.dot([K.mul(a, x) for a, (x, _) in zip(body.a, pairs, strict=True)], [y for _, y in pairs]))
     pairs = sheared(K, pairs, lean)
     if len(branch_points(body)) == 4:
-        g = root_of_g(body, state.gamma) if state.g is None else state.g
+        g = root_of_g(body, state.vectors[0]) if state.g is None else state.g
         return (*pairs, (g, K.mul(lean, g)))
     return pairs
 

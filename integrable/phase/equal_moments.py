@@ -121,12 +121,12 @@ class Upright(NamedTuple):
         axis = symmetry_axis(system.inertia)
         assert axis is not None
         order = [(axis + 1) % 3, (axis + 2) % 3, axis]
-        inertia, gamma, M = (tuple(v[i] for i in order) for v in (system.inertia, state.gamma, state.M))
+        inertia, gamma, M = (tuple(v[i] for i in order) for v in (system.inertia, *state.vectors))
         body = Body.make(inertia, system.d, K)
         state = onto_constraints(body, State(gamma, M, tilted=state.tilted))
         clock, matrix = (K.one, K.zero), (K.one, K.zero, K.zero, K.one)
         if state.tilted:
-            tilt = ChaplyginTransformation.of(body, state.gamma, state.M)
+            tilt = ChaplyginTransformation.of(body, *state.vectors)
             body, clock, matrix = tilt.upright, tilt.rate(), tilt.inverse_matrix()
-            state = onto_constraints(body, State(*tilt.apply_vectors(state.gamma, state.M)))
-        return Upright(body, state.gamma, state.M, clock, matrix, [order.index(i) for i in range(3)])
+            state = onto_constraints(body, State(*tilt.apply_vectors(*state.vectors)))
+        return Upright(body, *state.vectors, clock, matrix, [order.index(i) for i in range(3)])

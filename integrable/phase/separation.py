@@ -147,14 +147,14 @@ def _check_rolling(body: Body) -> None:
 
 def lifts(body: Body, state: State) -> tuple[State, ...]:
     """The eight states (s_iγ_i, s_js_kM_i), s_i = ±1, that share the divisor and (u, p) of a state, itself first."""
-    K = body.field
+    K, (gamma, M) = body.field, state.vectors
 
     def turned(x: Real, sign: int) -> Any:
         return x if sign > 0 else K.neg(x)
 
     result = []
     for s in [(i, j, k) for i in (1, -1) for j in (1, -1) for k in (1, -1)]:
-        x, y, z = (turned(x, sign) for x, sign in zip(state.gamma, s, strict=True))
-        m = [turned(x, s[(i + 1) % 3] * s[(i + 2) % 3]) for i, x in enumerate(state.M)]
+        x, y, z = (turned(x, sign) for x, sign in zip(gamma, s, strict=True))
+        m = [turned(x, s[(i + 1) % 3] * s[(i + 2) % 3]) for i, x in enumerate(M)]
         result.append(State((x, y, z), (m[0], m[1], m[2]), state.g))
     return tuple(result)

@@ -116,7 +116,7 @@ class PhaseSpace(Made, Generic[Element]):
     def integrals(self, state: State[Element]) -> Integrals[Element]:
         """The integrals C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M) of a state."""
         state = self._checked(state)
-        return self.body.integrals(state.gamma, state.M)
+        return self.body.integrals(*state.vectors)
 
     def _integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> Integrals:
         """The :meth:`integrals` of N real states, γ and M of shape (N, 3): four arrays of shape (N,)."""
@@ -138,12 +138,13 @@ class PhaseSpace(Made, Generic[Element]):
     def omega(self, state: State[Element]) -> Vector[Element]:
         """The angular velocity ω in the body frame."""
         state = self._checked(state)
-        return self.body.omega(state.gamma, state.M)
+        return self.body.omega(*state.vectors)
 
     def vector_field(self, state: State[Element]) -> State[Element]:
         """(γ̇, Ṁ) = (γ × ω, M × ω), as a State of derivatives."""
         omega = self.omega(state)
-        return State(cross(self.field, state.gamma, omega), cross(self.field, state.M, omega))
+        gamma, M = state.vectors
+        return State(cross(self.field, gamma, omega), cross(self.field, M, omega))
 
     def poisson(self, state: State[Element]) -> tuple[tuple[Element, ...], ...]:
         """The 6×6 matrix of the brackets of (γ, M)."""
@@ -159,7 +160,7 @@ class PhaseSpace(Made, Generic[Element]):
         from integrable.phase.upright import ChaplyginTransformation
 
         state = self._checked(state)
-        change = ChaplyginTransformation.of(self.body, state.gamma, state.M)
+        change = ChaplyginTransformation.of(self.body, *state.vectors)
         return replaced(self, body=change.upright), change.apply(state), change
 
     def curve(self, h1: Element | Value, h2: Element | Value) -> HyperellipticCurve[Element]:
@@ -284,7 +285,8 @@ def check_state(system: Any, state: Any) -> State:
     """
     if not isinstance(state, State):
         raise ArgumentError(f"state = {shown(state)}: give a State, made by {type(system).__name__}.state(gamma, M)")
-    if system.field.exact and (isinstance(state.gamma[0], (float, complex)) or hasattr(state.gamma[0], "_mpf_")):
+    first = state.vectors[0][0]
+    if system.field.exact and (isinstance(first, (float, complex)) or hasattr(first, "_mpf_")):
         raise FieldError(
             f"state = {shown(state)}: its numbers are not of {system.field.name}, the field of {shown(system)}"
         )

@@ -2,40 +2,98 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any, Generic
+from typing import TYPE_CHECKING, Any, Generic, overload
 
 from integrable.phase.body import Vector
 from jacobian.element import Element
 from jacobian.errors import written
+from jacobian.immutable import Immutable, at_once
+
+if TYPE_CHECKING:
+    import numpy as np
 
 MOST_BITS = 14_000
 """The largest number of bits that is written in decimals: Python refuses ints above 4300 digits, about 14,280 bits."""
 
 
-@dataclass(frozen=True)
-class State(Generic[Element]):
-    """A state (γ, M): the unit vertical γ and the angular momentum M about the contact point, both in the body frame.
-
-    ``system.state(gamma, M)`` makes one and checks it. Over an exact field with d ≠ 0 the state carries the root ``g``
-    of g², whose sign distinguishes the divisor D from −D; over the reals g > 0 is understood and ``g`` is None.
-    ``tilted``: (γ, M) may differ from 0; divisors, steps and the flow then use :mod:`integrable.phase.upright`.
+class _Part:
+    """γ or M as the user sees it: a read-only array over RR and MP, as in a trajectory, and a tuple over exact fields,
+    whose sums and products numpy would not reduce.
     """
 
-    gamma: Vector[Element]
-    M: Vector[Element]
+    def __init__(self, place: int) -> None:
+        self._place = place
+
+    @overload
+    def __get__(self, state: None, owner: type) -> _Part: ...
+    @overload
+    def __get__(self, state: State[float], owner: type) -> np.ndarray[tuple[int], np.dtype[np.float64]]: ...
+    @overload
+    def __get__(self, state: State[Element], owner: type) -> Vector[Element]: ...
+    def __get__(self, state: Any, owner: type) -> Any:
+        if state is None:
+            return self
+        vector = state.vectors[self._place]
+        real = isinstance(vector[0], float)
+        if not (real or hasattr(vector[0], "_mpf_")):
+            return vector
+        import numpy as np
+
+        array = np.array(vector, dtype=np.float64 if real else object)
+        array.setflags(write=False)
+        return array
+
+
+# the constructor, repr, comparison and hash are written out; dataclasses.replace takes a state
+@dataclass(init=False, repr=False, eq=False)
+class State(Immutable, Generic[Element]):
+    """A state (γ, M): the unit vertical γ and the angular momentum M about the contact point, both in the body frame.
+
+    ``system.state(gamma, M)`` makes one and checks it. ``gamma`` and ``M`` are read-only arrays of shape (3,) over RR
+    and MP, and tuples over an exact field. ``vectors`` is the pair (γ, M) of tuples over every field, and ``row``
+    has the six numbers.
+
+    Over an exact field with d ≠ 0 the state carries the root ``g`` of g², whose sign distinguishes the divisor D from
+    −D; over the reals g > 0 is understood and ``g`` is None. ``tilted``: (γ, M) may differ from 0; divisors, steps and
+    the flow then use :mod:`integrable.phase.upright`.
+    """
+
+    gamma: _Part = _Part(0)
+    M: _Part = _Part(1)
     g: Element | None = None
     tilted: bool = False
+    vectors: tuple[Vector[Element], Vector[Element]] = field(init=False)
+
+    @at_once
+    def __init__(
+        self, gamma: Vector[Element], M: Vector[Element], g: Element | None = None, tilted: bool = False
+    ) -> None:
+        if type(gamma) is not tuple or type(M) is not tuple:
+            gamma, M = _numbers(gamma), _numbers(M)
+        vars(self).update(vectors=(gamma, M), g=g, tilted=tilted)
+
+    @property
+    def row(self) -> tuple[Element, ...]:
+        """The six numbers γ1, γ2, γ3, M1, M2, M3."""
+        gamma, M = self.vectors
+        return *gamma, *M
 
     def __repr__(self) -> str:
-        return f"State({', '.join(f'{x.name}={_text(getattr(self, x.name))}' for x in fields(self))})"
+        gamma, M = map(_text, self.vectors)
+        return f"State(gamma={gamma}, M={M}, g={_text(self.g)}, tilted={self.tilted})"
 
     def _repr_html_(self) -> str:
         from jacobian.notebook import named
 
-        facts = [("γ", self.gamma), ("M", self.M)]
+        facts: list[tuple[str, object]] = list(zip("γM", self.vectors, strict=True))
         return named("state", facts if self.g is None else [*facts, ("g", self.g)])
+
+
+def _numbers(vector: Any) -> Any:
+    """A vector as a tuple, which has a hash; an array such as ``state.gamma`` as one of Python's own numbers."""
+    return tuple(vector.tolist() if hasattr(vector, "tolist") else vector)
 
 
 def _text(value: Any) -> str:
@@ -53,7 +111,7 @@ def onto_constraints(system: Any, state: State) -> State:
     (γ, M) = 0. Otherwise a step would multiply the distance of the divisor from its curve by the step's condition.
     """
     K = system.field
-    gamma, M = (tuple(map(K.coerce, v)) for v in (state.gamma, state.M))
+    gamma, M = (tuple(map(K.coerce, v)) for v in state.vectors)
     size = K.sqrt(K.dot(gamma, gamma))
     g1, g2, g3 = (x / size for x in gamma)
     tilt = K.zero if state.tilted else K.dot((g1, g2, g3), M)
@@ -63,7 +121,7 @@ def onto_constraints(system: Any, state: State) -> State:
 
 def rotation_axis(state: State) -> int | None:
     """The axis i along which M lies, if γ_i = 0, both without any rounding; else None."""
-    x, m = state.gamma, state.M
+    x, m = state.vectors
     if m.count(0) != 2:
         return None
     return next((i for i in range(3) if m[i] != 0 and m[i - 1] == m[i - 2] == x[i] == 0), None)

@@ -61,8 +61,8 @@ class ChaplyginTransformation:
     def apply(self, state: State) -> State:
         """The upright state (γ̃, M̃) of (γ, M), with g̃ = g/(s(1 − dkn)) where the state carries g."""
         K = self.body.field
-        gamma, M = self.apply_vectors(state.gamma, state.M)
-        g = None if state.g is None else K.div(state.g, K.mul(self.s, self._slip(state.gamma, state.M)))
+        gamma, M = self.apply_vectors(*state.vectors)
+        g = None if state.g is None else K.div(state.g, K.mul(self.s, self._slip(*state.vectors)))
         return State(gamma, M, g)
 
     def apply_vectors(self, gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
@@ -75,7 +75,7 @@ class ChaplyginTransformation:
     def invert(self, state: State) -> State:
         """The tilted State (γ, M) of an upright state (γ̃, M̃)."""
         K = self.body.field
-        gamma, M = self.invert_vectors(state.gamma, state.M)
+        gamma, M = self.invert_vectors(*state.vectors)
         g = None if state.g is None else K.mul(state.g, K.mul(self.s, self._slip(gamma, M)))
         return State(gamma, M, g, tilted=True)
 

@@ -24,7 +24,7 @@ def start_angles(system: PhaseSpace, state: State, wide: Any, digits: int) -> tu
     field; PrecisionLoss if the ovals have nearly met.
     """
     for lost in LOST:
-        setup = Setup(system.body, state.gamma, state.M, state.tilted, digits=wide.dps + lost)
+        setup = Setup(system.body, *state.vectors, state.tilted, digits=wide.dps + lost)
         balls = BallReals(setup.reals.bits + 32)
         try:
             with balls:

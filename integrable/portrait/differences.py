@@ -80,7 +80,7 @@ def inputs_over(K: Field, body: Body, state: State) -> tuple[Body, State]:
 
 def _numbers(body: Body, state: State, K: Any) -> Any:
     """The ten numbers γ (normalized), M, I and d, in K."""
-    found = np.array([K.coerce(x) for x in (*state.gamma, *state.M, *body.inertia, body.d)], dtype=object)
+    found = np.array([K.coerce(x) for x in (*state.row, *body.inertia, body.d)], dtype=object)
     found[:3] /= K.sqrt(found[:3] @ found[:3])
     return found
 

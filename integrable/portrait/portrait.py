@@ -156,7 +156,7 @@ class Portrait(Immutable):
     def _rolling(self, system: PhaseSpace, state: State, K: Any) -> tuple[Any, Any]:
         """The mean velocity of the point of contact and the mean of (γ, ω)."""
         zeta, number = self.level.zeta, self._field.coerce
-        gamma, M = (tuple(map(K.coerce, v)) for v in (state.gamma, state.M))
+        gamma, M = (tuple(map(K.coerce, v)) for v in state.vectors)
         c, size = K.dot(gamma, M) if state.tilted else K.zero, K.dot(gamma, gamma)
         spin = number(c * zeta / (1 - K.coerce(system.d) * zeta))
         if not system.body.rolls:

@@ -82,7 +82,11 @@ class ClassicalSystem:
     def inputs(self, state: State) -> dict[str, Any]:
         """All input numbers of a motion, by name."""
         system = self.system
-        parts = (("constant ", system.constants), ("parameter ", system.parameters), ("q", state.gamma), ("p", state.M))
+        parts = (
+            ("constant ", system.constants),
+            ("parameter ", system.parameters),
+            *zip("qp", state.vectors, strict=True),
+        )
         return {f"{name}{i + 1}": x for name, values in parts for i, x in enumerate(values)}
 
     def problem(self, inputs: dict[str, Any]) -> tuple[ClassicalSystem, State]:
@@ -117,7 +121,7 @@ class ClassicalMotion:
 
 
 def _point(state: State) -> Point:
-    return Point(tuple(state.gamma), tuple(state.M))
+    return Point(*state.vectors)
 
 
 def _state(point: Point) -> State:

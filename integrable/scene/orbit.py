@@ -27,7 +27,7 @@ class Orbit(Trajectory):
     """
 
     def __init__(self, step: Step, states: tuple[State, ...]) -> None:
-        rows = [(*state.gamma, *state.M) for state in states]
+        rows = [state.row for state in states]
         steps = np.arange(len(states))
         super().__init__(step, steps, steps, np.array(rows, dtype=_kind(step.system)), "steps")
         self.states = states

@@ -38,7 +38,7 @@ ATTEMPTS = 3
 
 def drift(system: PhaseSpace, image: State, state: State) -> Any:
     """The larger of the relative differences of H1 and of H2 between two states."""
-    (h1, h2), (k1, k2) = (system.body.energies(x.gamma, x.M) for x in (state, image))
+    (h1, h2), (k1, k2) = (system.body.energies(*x.vectors) for x in (state, image))
     return max(abs(k1 - h1) / (abs(h1) or 1), abs(k2 - h2) / (abs(h2) or 1))
 
 
@@ -91,8 +91,8 @@ def body_condition(system: PhaseSpace) -> float:
 def tilt_condition(change: ChaplyginTransformation, state: State) -> float:
     """The factor by which cancellation may amplify errors in Chaplygin's transformation of a state and its inverse."""
     K = change.body.field
-    M = change.apply_vectors(state.gamma, state.M)[1]
-    size, upright = (K.sqrt(K.dot(v, v)) for v in (state.M, M))
+    M = change.apply_vectors(*state.vectors)[1]
+    size, upright = (K.sqrt(K.dot(v, v)) for v in (state.vectors[1], M))
     a, b, c, d = map(abs, change.inverse_matrix())
     there = max(change.p * (1 + abs(change.k) * size), change.s * (size + abs(change.shift)) / upright)
     return float(there * max(a + b * upright, (c + d * upright) / size))
@@ -140,7 +140,7 @@ def on_principal_axis(system: PhaseSpace, state: State) -> int | None:
     The body then rotates about this axis, and the double point of its curve is a point of its divisor.
     """
     K: Any = system.field
-    x, m = state.gamma, state.M
+    x, m = state.vectors
     i = max(range(3), key=lambda k: abs(m[k]))
     off = max(abs(x[i]), abs(m[i - 1] / m[i]), abs(m[i - 2] / m[i])) if m[i] else K.one
     return i if off <= K.eps**2 else None
@@ -162,13 +162,13 @@ def _beside_rotation(step: Step, state: State, count: int, condition: float) -> 
         for other in (False, True)
     ]
     for one, two in zip(*found, strict=True):
-        size = abs(max(two.M, key=abs))
-        gaps = [abs(x - y) for x, y in zip(one.gamma, two.gamma, strict=True)]
-        gaps += [abs(x - y) / size for x, y in zip(one.M, two.M, strict=True)]
+        size = abs(max(two.vectors[1], key=abs))
+        differences = [abs(x - y) for x, y in zip(one.row, two.row, strict=True)]
+        gaps = [*differences[:3], *(x / size for x in differences[3:])]
         if not max(gaps) <= K.eps**0.75:
             raise NotRepresentable(
-                f"{step!r}: M = {state.M} is along a principal axis and γ across it: the images of motions beside this "
-                "rotation depend on the side, and it has none"
+                f"{step!r}: M = {state.vectors[1]} is along a principal axis and γ across it: the images of motions "
+                "beside this rotation depend on the side, and it has none"
             )
     return [_without_dust(K, image) for image in found[0]]
 
@@ -176,8 +176,8 @@ def _beside_rotation(step: Step, state: State, count: int, condition: float) -> 
 def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) -> State:
     """The state with γ (or M, if ``by_momentum``) turned away from its exact direction by 10^−distance."""
     K: Any = system.field
-    i = max(range(3), key=lambda k: abs(state.M[k]))
-    gamma, M = (list(map(K.coerce, v)) for v in (state.gamma, state.M))
+    gamma, M = (list(map(K.coerce, v)) for v in state.vectors)
+    i = max(range(3), key=lambda k: abs(M[k]))
     small = K.context.mpf(10) ** -distance
     if by_momentum:
         # the change of M is orthogonal to γ, which is orthogonal to the axis
@@ -189,10 +189,10 @@ def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) 
 
 def _without_dust(field: Any, image: State) -> State:
     """The image with components of the size of the perturbation set to 0, so that it is a rotation about an axis."""
-    size = max(map(abs, image.M))
+    sizes = field.one, max(map(abs, image.vectors[1]))
     (g1, g2, g3), (m1, m2, m3) = (
-        tuple(x if abs(x) > field.eps**2 * scale else field.zero for x in v)
-        for v, scale in ((image.gamma, field.one), (image.M, size))
+        tuple(x if abs(x) > field.eps**2 * size else field.zero for x in v)
+        for v, size in zip(image.vectors, sizes, strict=True)
     )
     return State((g1, g2, g3), (m1, m2, m3), tilted=image.tilted)
 
@@ -204,7 +204,7 @@ def widened(system: PhaseSpace, field: Field) -> PhaseSpace:
 
 
 def _rounded(field: Field, state: State) -> State:
-    (g1, g2, g3), (m1, m2, m3) = (tuple(map(field.coerce, v)) for v in (state.gamma, state.M))
+    (g1, g2, g3), (m1, m2, m3) = (tuple(map(field.coerce, v)) for v in state.vectors)
     return State((g1, g2, g3), (m1, m2, m3), tilted=state.tilted)
 
 

@@ -92,8 +92,8 @@ class Multiplication(Move):
         inexact = isinstance(self.system.field, InexactField)
         if abs(self.factor) > 1 and inexact and on_principal_axis(self.system, state) is not None:
             raise NotRepresentable(
-                f"M = {state.M} is along a principal axis and γ across it: a point of the divisor is the double point "
-                "of its curve, and has no multiples; give another state"
+                f"M = {state.vectors[1]} is along a principal axis and γ across it: a point of the divisor is the "
+                "double point of its curve, and has no multiples; give another state"
             )
         # the divisor is added to itself, so partial sums may come near special positions
         return body_condition(self.system) ** 4 * 1e8 * float(self.factor) ** 2 if abs(self.factor) > 1 else 1.0
@@ -140,7 +140,8 @@ class Keyless(Move):
     def _image(self, state: State) -> State:
         """The image of an upright state. NotASquare if |M|, a √(1 − d·a_i) or g̃ is not in the field."""
         body, K = self.system.body, self.system.field
-        h2 = K.dot(state.M, state.M)
+        _, M = state.vectors
+        h2 = K.dot(M, M)
         check_moving(K, h2)
         size = square_root(K, h2, "H2 = |M|²")
         roots = [K.add(size, size)] * 3
@@ -222,4 +223,4 @@ class ConicStep(Move):
             )
         (x1, _), (x2, _), (x3, _) = reflected(K, sheared(K, pairs, c), (s if self.sign > 0 else K.neg(s),) * 3)
         # every member of the pencil has the same M
-        return State((x1, x2, x3), state.M)
+        return State((x1, x2, x3), state.vectors[1])

@@ -54,7 +54,7 @@ class Shift(Move):
     def plain(self, state: State) -> State:
         """The image of a state, rounded once."""
         K, state = self.system.field, self.system._checked(state)
-        if not any(state.M):
+        if not any(state.vectors[1]):
             # a state at rest does not move
             return state
         setup, step = self._translation(state)
@@ -90,7 +90,7 @@ class Shift(Move):
         least = (self.system.field.dps or EPS_DIGITS) + digits_of_closeness(body)
         digits = least + SPARE
         while True:
-            setup = Setup(body, state.gamma, state.M, state.tilted, digits)
+            setup = Setup(body, *state.vectors, state.tilted, digits)
             first, second = self._integrals(setup)
             size = abs(first) + abs(second)
             if not size <= FARTHEST:

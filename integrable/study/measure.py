@@ -140,7 +140,7 @@ def _backlund(task: Task, kept: Data | None, tick: Tick) -> Data:
         return Spent(0.0, 0.0, ready - begun, perf_counter() - ready), rows
 
     result, rows = _timed(once, task, tick)
-    return result | truth.judge([x.gamma for x in rows], [x.M for x in rows])
+    return result | truth.judge(*zip(*(x.vectors for x in rows), strict=True))
 
 
 def _imaginary_pair(system: Any, state: Any) -> Callable[[float], Any]:

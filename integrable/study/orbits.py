@@ -148,11 +148,12 @@ def _jump(step: Any, state: State, found: Orbit) -> float | None:
     end = found.states[-1]
     K = step.system.field
     if K.exact:
-        return float((once.gamma, once.M) != (end.gamma, end.M))
-    size = K.sqrt(K.dot(state.M, state.M))
+        return float(once.vectors != end.vectors)
+    _, M = state.vectors
+    scales = 1, K.sqrt(K.dot(M, M))
     return max(
         float(abs(x - y) / scale)
-        for scale, v, w in ((1, once.gamma, end.gamma), (size, once.M, end.M))
+        for scale, v, w in zip(scales, once.vectors, end.vectors, strict=True)
         for x, y in zip(v, w, strict=True)
     )
 

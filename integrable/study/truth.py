@@ -173,9 +173,9 @@ def _independent(by: str, scene: Scene, flow: Any, time: Any, digits: int) -> tu
     if by == COLLOCATED:
         step = time_scale(*scene.start(FLOAT_DIGITS)) / STEPS_OF_A_SCALE
         advance = collocation(equations(system, state), system.field.coerce, context.dps, digits // 2)
-        return _states(follow(advance, [*state.gamma, *state.M], [context.mpf(time)], context.mpf(step)))
+        return _states(follow(advance, state.row, [context.mpf(time)], context.mpf(step)))
     rate = right_hand_sides(system)
-    row = context.odefun(lambda _time, y: rate(y), 0, [*state.gamma, *state.M])(context.mpf(time))
+    row = context.odefun(lambda _time, y: rate(y), 0, state.row)(context.mpf(time))
     return [row[:3]], [row[3:]]
 
 
@@ -191,10 +191,10 @@ class Judge:
         self.context = system.field.context
         self.gamma, self.M = self._rows(gamma), self._rows(M)
         self.integrals = system.integrals(state)
-        self.size_of_M = self.context.sqrt(sum(m * m for m in state.M)) or self.context.one
+        self.size_of_M = self.context.sqrt(sum(m * m for m in state.vectors[1])) or self.context.one
         # γ is a unit vector
         classical = isinstance(system, ClassicalSystem)
-        self.size_of_gamma = (max(map(abs, state.gamma)) if classical else 0) or self.context.one
+        self.size_of_gamma = (max(map(abs, state.vectors[0])) if classical else 0) or self.context.one
 
     def judge(self, gamma: Any, M: Any) -> dict[str, Any]:
         """:meth:`errors`, and the "drift" of each integral: its largest change from the start over the rows.

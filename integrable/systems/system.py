@@ -31,7 +31,7 @@ class System(PhaseSpace[Element]):
         from integrable.phase.brackets import ball_matrix
 
         state = self._checked(state)
-        return ball_matrix(self.body, state.gamma, state.M, state.g)
+        return ball_matrix(self.body, *state.vectors, state.g)
 
     def translation(
         self,

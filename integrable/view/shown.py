@@ -77,7 +77,7 @@ def _last(scene: Scene, system: Any, state: State, until: float | None) -> float
         if last <= 0:
             raise ArgumentError(f"until = {written(last)}: give a time > 0")
         return last
-    rate = float(np.linalg.norm(system._omega_along(np.array([state.gamma]), np.array([state.M]))))
+    rate = float(np.linalg.norm(system._omega_along(*(np.array([v]) for v in state.vectors))))
     return min(max(scene.times.floats()), 2 * np.pi * TURNS / rate)
 
 

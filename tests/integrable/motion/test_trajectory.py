@@ -83,7 +83,7 @@ def test_states_one_after_the_other_and_by_their_number(made) -> None:
     """A loop over the states used to end in an error, and an orbit did not accept numpy integers."""
     state = BALL.state(*START)
     run = BALL.flow(state).at([0, 1, 2]) if made == "flow" else orbit(BALL.translation([1.8, 2.5]), state, 2)
-    assert [x.gamma for x in run] == [tuple(row) for row in run.gamma.tolist()]
+    assert [x.gamma.tolist() for x in run] == run.gamma.tolist()
     assert run[np.int64(1)] == run[1] == list(run)[1]
     with pytest.raises(ArgumentError, match="row = 3: the rows are 0 … 2"):
         run[3]
