@@ -20,6 +20,7 @@ from integrable.phase.state import State
 from integrable.phase.ways import InOrder, Way
 from integrable.series.tape import recorded
 from jacobian import MP, RR
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 
@@ -62,7 +63,7 @@ class IntegratedMotion(EnclosedMotion):
         yield from self._near()
         yield self._equations
 
-    def _kept(self, way: InOrder, given: np.ndarray, physical: bool, nan: Any) -> Rows:
+    def _kept(self, way: InOrder, given: np.ndarray, physical: bool, nan: Real) -> Rows:
         way.way = self.method
         for near in self._near():
             if (found := near.walked(given, physical)) is not None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 from contextlib import suppress
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -294,7 +294,7 @@ class Flow(BodyMotion):
         return positions(run)
 
     @cached_property
-    def _level(self) -> tuple[Any, Any]:
+    def _level(self) -> tuple[Real, Real]:
         """H1 and H2 of the motion."""
         h1, h2 = self.system.body.energies(*self.state.vectors)
         return h1, h2

@@ -38,8 +38,13 @@ def kept_rows(compute: Compute, values: np.ndarray, nan: Real) -> Rows:
         try:
             rows[left], tau[left] = compute(values[left])
             break
-        except REFUSALS:
-            for beyond, why in list(_too_far(compute, values, left)) or _too_many(compute, values, left):
+        except REFUSALS as error:
+            order = left[np.argsort(np.abs(values[left]), kind="stable")]
+            back = np.array([t < 0 for t in values[order]], dtype=bool)
+            found = [_refused(compute, values, order[chosen]) for chosen in (~back, back)]
+            if not any(why for _, why in found):
+                found = [_refused(compute, values, order, str(error))]
+            for beyond, why in found:
                 status[beyond] = _place(reasons, why)
             left = left[status[left] == 0]
             if not len(left):
@@ -64,38 +69,22 @@ def _place(reasons: list[str], why: str) -> int:
     return reasons.index(why)
 
 
-def _too_far(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterable[tuple[np.ndarray, str]]:
-    """(rows, reason) in each direction of time: the first refused time and all beyond it."""
-    for sign in (1, -1):
-        chosen = left[np.array([(t < 0) == (sign < 0) for t in values[left]], dtype=bool)]
-        order = chosen[np.argsort(np.abs(values[chosen]), kind="stable")]
-        low, high, why = 0, len(order), ""
-        probe = high - 1
-        while low < high:
-            said = _refusal(compute, values[order[probe : probe + 1]])
-            if said:
-                high, why = probe, said
-            else:
-                low = probe + 1
-            probe = (low + high) // 2
-        if why:
-            yield order[high:], why
+def _refused(compute: Compute, values: np.ndarray, order: np.ndarray, why: str = "") -> tuple[np.ndarray, str]:
+    """The first of the rows in ``order`` that is refused and all beyond it, by bisection, and the reason.
 
-
-def _too_many(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterable[tuple[np.ndarray, str]]:
-    """(rows, reason) if each row is accepted alone: the first, by distance, that is refused together with those before
-    it, and all beyond.
+    Rows are computed alone; if all are refused together for the reason ``why``, each is computed with those before it.
     """
-    order = left[np.argsort(np.abs(values[left]), kind="stable")]
-    low, high, why = 0, len(order), ""
-    while high - low > 1:
-        middle = (low + high) // 2
-        said = _refusal(compute, values[order[:middle]])
+    together = bool(why)
+    low, high = 0, len(order) - together
+    probe = high // 2 if together else high - 1
+    while low < high:
+        said = _refusal(compute, values[order[0 if together else probe : probe + 1]])
         if said:
-            high, why = middle, said
+            high, why = probe, said
         else:
-            low = middle
-    yield order[low:], why or _refusal(compute, values[order])
+            low = probe + 1
+        probe = (low + high) // 2
+    return order[high:], why
 
 
 def _refusal(compute: Compute, values: np.ndarray) -> str:

@@ -14,7 +14,7 @@ from integrable.moving_point.setup import Setup
 from integrable.phase.state import State
 from integrable.phase.ways import InOrder, Way, times_in
 from jacobian import RR
-from jacobian.element import Numbers
+from jacobian.element import Numbers, Real
 from jacobian.errors import (
     ArgumentError,
     NotRepresentable,
@@ -29,6 +29,8 @@ from jacobian.immutable import Immutable, at_once, read_only, replaced
 
 if TYPE_CHECKING:
     from integrable.files.frame import Frame
+    from integrable.motion.precise import RoundedRows
+    from integrable.torus.access import TorusFlow
 
 Times = np.ndarray[tuple[int], np.dtype[Any]]
 """Shape (N,)."""
@@ -110,7 +112,7 @@ class Motion(Immutable):
         """Computes :attr:`Trajectory.contact` for a run."""
         raise NotRepresentable(f"{self.system!r} is no body that rolls on a plane: it has no point of contact")
 
-    def _kept(self, way: InOrder, given: np.ndarray, physical: bool, nan: Any) -> Rows:
+    def _kept(self, way: InOrder, given: np.ndarray, physical: bool, nan: Real) -> Rows:
         """The rows that ``way`` computes; rows that it refuses are set to ``nan``."""
         return kept_rows(lambda times: _computed(way, times, physical), given, nan)
 
@@ -155,18 +157,16 @@ class BodyMotion(Motion):
         raise NotImplementedError
 
     @cached_property
-    def _precise(self) -> Any:
-        """The method that computes states with more digits than the field has."""
-        raise NotImplementedError
-
-    @cached_property
     def contact_on_torus(self) -> Any:
         """The contact point as a series on the torus, or None where there is none; cached for later runs."""
         raise NotImplementedError
 
     @cached_property
-    def _torus(self) -> Any:
-        """The torus of the motion, which gives states at any time, or None where there is none."""
+    def _precise(self) -> RoundedRows:
+        raise NotImplementedError
+
+    @cached_property
+    def _torus(self) -> TorusFlow | None:
         raise NotImplementedError
 
 

@@ -6,11 +6,12 @@ The rest is computed by additions in long numbers (:mod:`integrable.mumford.moti
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple
 
-from integrable.mumford.motion import MumfordMotion, Start, settled_digits
+from integrable.mumford.fields import FormulaField
+from integrable.mumford.motion import MumfordMotion, Start, Vectors, settled_digits
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.ways import StatesReached, filled, times_in
 from jacobian import RR
@@ -23,6 +24,8 @@ from jacobian.relatives.extended import Extended, Lift
 
 if TYPE_CHECKING:
     import numpy as np
+
+    Arrays = Sequence[np.ndarray]
 
     from integrable.mumford.body_torus import BodyTorus
     from integrable.mumford.elliptic_torus import EllipticTorus
@@ -47,6 +50,8 @@ TIMES_TO_THETA = 12
 ROUNDED = 2.0**-53
 # bits of the periods of a torus in separated coordinates whose states are floats
 BITS_OF_TORUS = 160
+Angles = Sequence[tuple[Any, Any]]
+"""The sine and the cosine of half of each angle of a pair, or the cosine and the sine of an angle about an axis."""
 # the values of Path.way
 SERIES, TORUS, ADDITIONS = "series", "torus", "additions"
 
@@ -98,14 +103,14 @@ class MumfordFlow:
         return self.system._genus() or len(self.system.spectral(self.start).v)
 
     @property
-    def _clock(self) -> Any:
+    def _clock(self) -> Callable[[FormulaField, Extended], tuple[Real, Real]] | None:
         return self.system._clock if self.system.clocked else None
 
     @cached_property
     def _motion(self) -> MumfordMotion:
         return MumfordMotion(self._place, self._genus, self.system.complex_data)
 
-    def _inner(self, N: Any) -> Point:
+    def _inner(self, N: FormulaField) -> Point:
         inner: Point = self.system._constrained(N, self.system._inside(N, self.start))
         return inner
 
@@ -162,7 +167,7 @@ class MumfordFlow:
     _long_way = ADDITIONS
     """The name of the way of :meth:`_by_additions`."""
 
-    def _row(self, time: Any) -> Any:
+    def _row(self, time: Real) -> Vectors:
         """The state at a time, in long numbers."""
         return self._motion.row(time, self._reader(time), self.digits, self._clock)
 
@@ -207,7 +212,7 @@ class MumfordFlow:
 
         return TorusPortrait(self.system, self.start)
 
-    def _settled_on_torus(self, read: Callable[[SeparatedTorus], Any]) -> list[list[Any]]:
+    def _settled_on_torus(self, read: Callable[[SeparatedTorus], Vectors]) -> list[list[Real]]:
         """The result of ``read`` for the torus in separated coordinates, to the digits of the field."""
         found = settled_digits(lambda N: read(self._separated(N)), self.digits)
         return [[element(self.system.field, x) for x in row] for row in found]
@@ -255,11 +260,11 @@ class MumfordFlow:
             raise NotRepresentable(f"{name}: the clock of {self.system!r} is no sum over the points of its pairs")
         return torus
 
-    def _ends(self, N: LongField) -> list[Any]:
+    def _ends(self, N: LongField) -> list[Real]:
         """The branch points at which the lifts of a state have signs."""
         return [kind.e for kind in self._place(N).kinds if isinstance(kind, Lift)]
 
-    def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Any, Any]]:
+    def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Arrays, Arrays]]:
         """The function of :meth:`_states_on` that returns q and p, for arrays of floats."""
         import numpy as np
 
@@ -267,7 +272,7 @@ class MumfordFlow:
 
         K, read = Columns(), self._states_on(N, torus)
 
-        def states(halves: list[tuple[Any, Any]], turned: list[Any]) -> tuple[Any, Any]:
+        def states(halves: list[tuple[np.ndarray, np.ndarray]], turned: Arrays) -> tuple[Arrays, Arrays]:
             given = [(Column(np.cos(x)), Column(np.sin(x))) for x in turned]
             found = read(K, [(Column(s), Column(c)) for s, c in halves], given)
             zero = 0 * halves[0][0]
@@ -276,7 +281,7 @@ class MumfordFlow:
 
         return states
 
-    def _states_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[Any, Any, Any], Point]:
+    def _states_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[FormulaField, Angles, Angles], Point]:
         """``read(K, halves, turned)``: the state in the numbers of K at given angles.
 
         ``halves`` are (sin ½φ, cos ½φ) of each point; ``turned`` are (cos, sin) of each angle about an axis since the
@@ -284,20 +289,20 @@ class MumfordFlow:
         """
         pairs = self._pairs_on(N, torus)
 
-        def read(K: Any, halves: Any, turned: Any) -> Point:
+        def read(K: FormulaField, halves: Angles, turned: Angles) -> Point:
             state: Point = self.system._back(K, self._inner(K), pairs(K, halves, turned), K.zero)
             return state
 
         return read
 
-    def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[Any, Any, Any], Extended]:
+    def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[FormulaField, Angles, Angles], Extended]:
         """``pairs(K, halves, turned)``: the pair at given angles in the numbers of K, as in :meth:`_states_on`.
 
         Its data are those of the start, where a clock has the datum 0, and ``turned``.
         """
         start, ends = self._place(N), self._ends(N)
         here = iter(torus.pair_at(N, torus.halves, ends)[2])
-        scales: list[Any] = []
+        scales: list[tuple[Real, Real, int] | None] = []
         for kind, datum in zip(start.kinds, start.data, strict=True):
             if isinstance(kind, Lift):
                 (kappa, sigma, nu), (own, slope) = datum, next(here)
@@ -307,7 +312,7 @@ class MumfordFlow:
             else:
                 scales.append(None)
 
-        def pairs(K: Any, halves: Any, turned: Any) -> Extended:
+        def pairs(K: FormulaField, halves: Angles, turned: Angles) -> Extended:
             u, v, lifts = torus.pair_at(K, halves, ends)
             found, data = iter(lifts), []
             for scale in scales:
@@ -326,7 +331,7 @@ class MumfordFlow:
         tau: Real = self._motion.tau_at(time, digits, self._clock)
         return tau
 
-    def _places(self, times: list[Any]) -> list[Any]:
+    def _places(self, times: list[Real]) -> list[Real]:
         """The parameter of the motion at these times: the times themselves, or τ."""
         return times
 
@@ -419,7 +424,7 @@ class MumfordFlow:
         found = self._read_columns(times, torus.at(times))
         return np.stack([np.stack([x.hi for x in part], axis=1) for part in found], axis=1)
 
-    def _read_columns(self, times: Any, D: Extended) -> Point:
+    def _read_columns(self, times: np.ndarray, D: Extended) -> Point:
         """The states of the pairs D at times, as columns."""
         from integrable.mumford.columns import Column, Columns
 
@@ -427,7 +432,7 @@ class MumfordFlow:
         columns: Point = self.system._back(N, self._inner(N), D, Column(times))
         return columns
 
-    def _reader(self, time: Any) -> Any:
+    def _reader(self, time: Real) -> Callable[[FormulaField, Extended], Point]:
         return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))
 
 
@@ -438,7 +443,7 @@ def long_digits(K: Any) -> int:
     return ROUNDED_TO_FLOATS if K == RR else int(K.dps)
 
 
-def element(K: Any, x: Any) -> Any:
+def element(K: Any, x: Real) -> Any:
     """A long number as an element of RR or MP(digits)."""
     from jacobian.numbers.long_reals import BareReals
 

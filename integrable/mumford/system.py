@@ -12,12 +12,12 @@ import cmath
 import math
 from collections.abc import Callable, Iterable, Sequence
 from inspect import signature
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeGuard, TypeVar
 
-from integrable.mumford.fields import padded
+from integrable.mumford.fields import FormulaField, padded
 from integrable.mumford.flow import MumfordFlow, Point, element, long_digits
 from integrable.mumford.motion import Start, settled_digits
-from integrable.phase.jets import JetField
+from integrable.phase.jets import Jet, JetField
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.portrait.point_ovals import Form, Separation
@@ -47,6 +47,8 @@ OFF = 2.0**24
 LEAST = 2.0**-50
 
 
+Found = TypeVar("Found")
+
 IntegralsByName = dict[str, Element]
 """The integrals of motion by name, each a number or a tuple of numbers."""
 
@@ -66,11 +68,11 @@ class MumfordSystem(Made):
     """
 
     field: Field
-    constants: tuple[Any, ...]
-    parameters: tuple[Any, ...] = ()
+    constants: tuple[Real, ...]
+    parameters: tuple[Real, ...] = ()
     size: int
 
-    def _set_up(self, field: Any, values: Any, argument: str, least: int) -> None:
+    def _set_up(self, field: Field, values: Iterable[Value], argument: str, least: int) -> None:
         """Sets ``field`` and ``constants``; these must be at least ``least`` different numbers."""
         wanted = f"a sequence of at least {least} different numbers"
         if field is RR and _finite_floats(values):
@@ -86,15 +88,15 @@ class MumfordSystem(Made):
 
     # --- the table of a system
 
-    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
         """Table: the values, in the numbers of N, that must be 0 at a state."""
         return ()
 
-    def _constrained(self, N: Any, state: Point) -> Point:
+    def _constrained(self, N: FormulaField, state: Point) -> Point:
         """Table: the state projected onto its constraints to all digits of N, an inexact field."""
         return state
 
-    def _spectral(self, N: Any, state: Point) -> Spectral:
+    def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         """Table: the curve and the pair of a state."""
         raise NotImplementedError
 
@@ -102,51 +104,52 @@ class MumfordSystem(Made):
         """Table: the degree of U; 0 if it depends on the state."""
         return 0
 
-    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+    def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         """Table: the direction of the motion."""
         raise NotImplementedError
 
-    def _vector_field(self, N: Any, state: Point) -> Point:
+    def _vector_field(self, N: FormulaField, state: Point) -> Point:
         """Table: (q', p') by the equations of motion."""
         raise NotImplementedError
 
-    def _auxiliary(self, N: Any, state: Point) -> tuple[Any, ...]:
+    def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
         """Table, if the equations of motion are not rational: functions of a state that make them rational."""
         return ()
 
-    def _rational_rates(self, N: Any, state: Point, auxiliary: tuple[Any, ...]) -> tuple[Any, ...]:
+    def _rational_rates(self, N: FormulaField, state: Point, auxiliary: tuple[Real, ...]) -> tuple[Real, ...]:
         """Table, with :meth:`_auxiliary`: q', p' and the derivatives of its functions, by the four operations."""
         rate = self._vector_field(N, state)
         return (*rate.q, *rate.p)
 
-    def _integrals(self, N: Any, state: Point) -> IntegralsByName:
+    def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """Table: the integrals of motion by name, as numbers or tuples of numbers."""
         raise NotImplementedError
 
-    def _start(self, N: Any, state: Point) -> Start:
+    def _start(self, N: FormulaField, state: Point) -> Start:
         """Table: the start of the motion with the data that it carries; by default none."""
         f, u, v = self._spectral(N, state)
         return Start(f, u, v, self._direction(N, len(v)))
 
-    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+    def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
         """Table: the state of a divisor D that the motion from ``start`` reaches after ``time``."""
         raise NotImplementedError
 
-    def _time_rate(self, N: Any, u: poly.Poly) -> Any:
+    def _time_rate(self, N: FormulaField, u: poly.Poly) -> Real:
         """Table: dt/dτ at a pair; 1 if t is linear in τ."""
-        return N.one
+        rate: Real = N.one
+        return rate
 
-    def _action(self, N: Any, state: Point) -> Form | None:
+    def _action(self, N: FormulaField, state: Point) -> Form | None:
         """Table: the form whose sum over the pair is p dq, without the angles about an axis; None if there is none."""
         return None
 
-    def _separation(self, N: Any, state: Point) -> Separation:
+    def _separation(self, N: FormulaField, state: Point) -> Separation:
         """Table, if t is not linear in τ or there are angles about an axis: the forms that are known along a motion."""
         genus = self._genus() or len(self._spectral(N, state).v)
         forms = [Form((*[N.zero] * j, N.one)) for j in range(genus)]
         return Separation(forms, self._direction(N, len(forms)), self._action(N, state), known=self._branches(N))
 
-    def _branches(self, N: Any) -> tuple[Any, ...]:
+    def _branches(self, N: FormulaField) -> tuple[Real, ...]:
         """Table: branch points that all states share."""
         return ()
 
@@ -159,7 +162,7 @@ class MumfordSystem(Made):
     clocked = False
     """Whether t is not linear in τ; the motion then carries t, and ``_clock`` reads it."""
 
-    def _clock(self, N: Any, D: Extended) -> tuple[Any, Any]:
+    def _clock(self, N: FormulaField, D: Extended) -> tuple[Real, Real]:
         """Table, if ``clocked``: (t, dt/dτ) at a divisor of the motion."""
         raise NotImplementedError
 
@@ -172,7 +175,7 @@ class MumfordSystem(Made):
         return JetField(K, 0) if K.exact and not isinstance(K, JetField) else K
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, object]:
         names = [name for name in signature(type(self)).parameters if name != "field"]
         given = (self.constants, *self.parameters) if self.constants else self.parameters
         return dict(zip(names, given, strict=True))
@@ -202,10 +205,11 @@ class MumfordSystem(Made):
         self._check(state)
         return state
 
-    def _floats(self, q: Any, p: Any) -> Point | None:
+    def _floats(self, q: object, p: object) -> Point | None:
         """The state over RR if q and p are tuples of finite floats, otherwise None."""
-        right = self.field == RR and _finite_floats(q) and _finite_floats(p) and len(q) == len(p) == self.size
-        return Point(q, p) if right else None
+        if self.field == RR and _finite_floats(q) and _finite_floats(p) and len(q) == len(p) == self.size:
+            return Point(q, p)
+        return None
 
     def _check(self, state: Point, inside: Point | None = None) -> None:
         """ArgumentError if a state violates a constraint; ``inside`` is the state in ``numbers`` if it is known."""
@@ -230,7 +234,7 @@ class MumfordSystem(Made):
         """The last state that was checked, in a list; empty before the first check."""
         return []
 
-    def _constraint_sizes(self, state: Point) -> list[Any]:
+    def _constraint_sizes(self, state: Point) -> list[Real]:
         """The change of each constraint if every q changed by the largest |q|, and every p by the largest |p|."""
         jets, n = JetField(self.field, 2 * self.size), self.size
         both = jets.variables((*state.q, *state.p))
@@ -240,7 +244,7 @@ class MumfordSystem(Made):
             for value in self._constraints(jets, Point(both[:n], both[n:]))
         ]
 
-    def _surface_sizes(self, weights: Sequence[Any], state: Point) -> list[Any]:
+    def _surface_sizes(self, weights: Sequence[Real], state: Point) -> list[Real]:
         """The :meth:`_constraint_sizes` of Σw_iq_i² = 1, Σw_iq_ip_i = 0 and p ≠ 0, in closed form."""
         q, p = (tuple(map(abs, part)) for part in state)
         widest, fastest, size = max(q), max(p), self.field.dot(weights, q)
@@ -249,8 +253,12 @@ class MumfordSystem(Made):
     _constraint_names: tuple[str, ...] = ()
 
     def _formula(
-        self, formula: Callable[[Any, Point], Any], state: Point, inside: Point | None = None, finite: bool = True
-    ) -> Any:
+        self,
+        formula: Callable[[FormulaField, Point], Found],
+        state: Point,
+        inside: Point | None = None,
+        finite: bool = True,
+    ) -> Found:
         """``formula(N, state)`` in the numbers of the field; PrecisionLoss if a value exceeds the range of floats."""
         N = self.numbers
         try:
@@ -260,9 +268,9 @@ class MumfordSystem(Made):
         except (ArithmeticError, ValueError):
             if N.exact:
                 raise
-            found, finite = math.inf, True
-        if not finite or _in_range(found):
-            return found
+        else:
+            if not finite or _in_range(found):
+                return found
         raise PrecisionLoss(
             f"q, p = {shown(tuple(state))}: the formulas of {self!r} go beyond the range of {N.name} there; use "
             "MP(digits), or another unit"
@@ -319,14 +327,14 @@ class MumfordSystem(Made):
 
         n, system = self.size, self._with_symbols()
 
-        def point(y: Sequence[Any]) -> Point:
+        def point(y: Sequence[Real]) -> Point:
             return Point(tuple(y[:n]), tuple(y[n : 2 * n]))
 
-        def start(N: Any, y: Sequence[Any]) -> tuple[Any, ...]:
+        def start(N: FormulaField, y: Sequence[Real]) -> tuple[Real, ...]:
             inner = system._constrained(N, point(y))
             return *inner.q, *inner.p, *system._auxiliary(N, inner)
 
-        def rates(N: Any, y: Sequence[Any]) -> tuple[Any, ...]:
+        def rates(N: FormulaField, y: Sequence[Real]) -> tuple[Real, ...]:
             return system._rational_rates(N, point(y), tuple(y[2 * n :]))
 
         rest = Point((RR.zero,) * n, (RR.zero,) * n)
@@ -385,15 +393,17 @@ class MumfordSystem(Made):
         y = K.sqrt(poly.evaluate(K, self.spectral(state).f, at))
         return at, y if sign > 0 else K.neg(y)
 
-    def _time_step(self, h: Any) -> Any:
+    def _time_step(self, h: Value) -> Real:
         """The time step h as an element of the field, RR or MP(digits); ArgumentError if its square is 0."""
         long_digits(self.field)
-        step = self.field.coerce(h, "h")
+        step: Real = self.field.coerce(h, "h")
         if self.field.mul(step, step) == self.field.zero:
             raise ArgumentError(f"h = {shown(h)}: a step of time other than 0 is needed")
         return step
 
-    def _mapped(self, state: Point, point: Any, formula: Callable[[Any, Point, Any, Any], Point]) -> Point:
+    def _mapped(
+        self, state: Point, point: Iterable[Value], formula: Callable[[FormulaField, Point, Real, Real], Point]
+    ) -> Point:
         """``formula(N, state, λ, μ)`` at a point (λ, μ) of the curve.
 
         Over inexact fields it is evaluated in long numbers, and μ is recomputed so that the point is on the curve.
@@ -431,24 +441,24 @@ class MumfordSystem(Made):
         rows = settled_digits(read, K.dps or ROUNDED_TO_FLOATS)
         return Point(*(tuple(element(K, c) for c in row) for row in rows))
 
-    def _inside(self, N: Any, state: Point) -> Point:
+    def _inside(self, N: FormulaField, state: Point) -> Point:
         if not (isinstance(state, Point) and len(state.q) == len(state.p) == self.size):
             raise ArgumentError(f"state = {shown(state)}: give one that state(q, p) of {self!r} returns")
         return Point(tuple(map(N.coerce, state.q)), tuple(map(N.coerce, state.p)))
 
     def _bare(self, x: Any) -> Any:
-        return x.value if self.numbers is not self.field and hasattr(x, "slopes") else x
+        return x.value if self.numbers is not self.field and isinstance(x, Jet) else x
 
     def _outside(self, state: Point) -> Point:
         return Point(tuple(map(self._bare, state.q)), tuple(map(self._bare, state.p)))
 
-    def _constants_in(self, N: Any) -> tuple[Any, ...]:
+    def _constants_in(self, N: FormulaField) -> tuple[Real, ...]:
         return tuple(map(N.coerce, self.constants))
 
-    def _parameters_in(self, N: Any) -> tuple[Any, ...]:
+    def _parameters_in(self, N: FormulaField) -> tuple[Real, ...]:
         return tuple(map(N.coerce, self.parameters))
 
-    def _sums(self, N: Any, weights: Sequence[Any]) -> poly.Poly:
+    def _sums(self, N: FormulaField, weights: Sequence[Real]) -> poly.Poly:
         """The polynomial Π(x − a_i)·Σ weight_i/(x − a_i) with all coefficients, where a are the constants."""
         a = self._constants_in(N)
         total = [N.zero] * len(a)
@@ -458,12 +468,12 @@ class MumfordSystem(Made):
         return tuple(total)
 
 
-def _finite_floats(values: Any) -> bool:
+def _finite_floats(values: object) -> TypeGuard[tuple[float, ...]]:
     """Whether ``values`` is a tuple of finite floats."""
     return type(values) is tuple and set(map(type, values)) == {float} and all(map(math.isfinite, values))
 
 
-def _in_range(found: Any) -> bool:
+def _in_range(found: object) -> bool:
     """Whether ``found``, a number or a tuple or dict of numbers, contains only finite floats."""
     if isinstance(found, dict):
         found = tuple(found.values())
@@ -472,20 +482,20 @@ def _in_range(found: Any) -> bool:
     return cmath.isfinite(found) if isinstance(found, (float, complex)) else True
 
 
-def normalized(N: Any, q: Sequence[Any]) -> tuple[Any, ...]:
+def normalized(N: FormulaField, q: Sequence[Real]) -> tuple[Real, ...]:
     """The unit vector q/|q| over an inexact field."""
     size = N.sqrt(N.dot(q, q))
     return tuple(x / size for x in q)
 
 
-def on_sphere(N: Any, state: Point) -> Point:
+def on_sphere(N: FormulaField, state: Point) -> Point:
     """The state with q/|q|, and p without its component along q, over an inexact field."""
     q = normalized(N, state.q)
     along = N.dot(q, state.p)
     return Point(q, tuple(y - along * x for x, y in zip(q, state.p, strict=True)))
 
 
-def uhlenbeck(a: Sequence[Any], state: Point, first: Sequence[Any]) -> tuple[Any, ...]:
+def uhlenbeck(a: Sequence[Real], state: Point, first: Sequence[Real]) -> tuple[Real, ...]:
     """Uhlenbeck's integrals first_i + Σ_j (q_i p_j − q_j p_i)²/(a_i − a_j) (Moser 1980)."""
     q, p = state
     found = []
@@ -498,7 +508,7 @@ def uhlenbeck(a: Sequence[Any], state: Point, first: Sequence[Any]) -> tuple[Any
     return tuple(found)
 
 
-def all_of(N: Any, spectral: tuple[Any, Any, Any], genus: int) -> Spectral:
+def all_of(N: FormulaField, spectral: tuple[poly.Poly, poly.Poly, poly.Poly], genus: int) -> Spectral:
     """f, u, v with all coefficients of u and v restored; arithmetic over exact fields trims leading zeros."""
     f, u, v = spectral
     return Spectral(f, (*padded(N, u, genus), N.one), padded(N, v, genus))

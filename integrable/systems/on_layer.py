@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from integrable.motion.domain import check_domain
 from integrable.mumford.bodies import BodySystem
-from integrable.mumford.flow import Path, Point, long_digits
+from integrable.mumford.fields import FormulaField
+from integrable.mumford.flow import MumfordFlow, Path, Point, long_digits
 from integrable.phase.body import unwarned
 from integrable.phase.enclosure import EnclosedPath, Enclosure, ball_digits
 from integrable.phase.state import State, onto_constraints
-from jacobian import MP, RR, Divisor
-from jacobian.element import Numbers
+from jacobian import MP, RR, Divisor, Field
+from jacobian.element import Number, Numbers, Real, Value
 from jacobian.errors import ArgumentError, shown, written
 from jacobian.immutable import Immutable
 
 if TYPE_CHECKING:
+    from integrable.portrait.portrait import Portrait
+    from integrable.portrait.section import Section
+    from integrable.portrait.spectrum import Spectrum
     from integrable.systems.system import System
 
 
@@ -25,13 +30,13 @@ class BodyOnLayer(BodySystem):
     ``flow`` is the body's own, compiled over RR; ``by_additions`` is the flow of any system of genus 2 (d ≠ 0).
     """
 
-    def __init__(self, inertia: Any, d: Any = 0, field: Any = RR) -> None:
+    def __init__(self, inertia: Iterable[Value], d: Value = 0, field: Field = RR) -> None:
         self._set_up_moments(field, inertia)
-        K, d = self.field, self.field.coerce(d, "d")
-        self.parameters = (d,)
-        if any(K.add(moment, d) == K.zero for moment in self.constants):
+        K, offset = self.field, self.field.coerce(d, "d")
+        self.parameters = (offset,)
+        if any(K.add(moment, offset) == K.zero for moment in self.constants):
             raise ArgumentError(
-                f"d = {written(d)}: with inertia = {shown(inertia)} one of I_i + d is 0, and must not be"
+                f"d = {written(offset)}: with inertia = {shown(inertia)} one of I_i + d is 0, and must not be"
             )
 
     @property
@@ -56,7 +61,7 @@ class BodyOnLayer(BodySystem):
         self._check(state)
         return BodyPath(self, state)
 
-    def by_additions(self, state: Point) -> Any:
+    def by_additions(self, state: Point) -> MumfordFlow:
         """The motion through a state by additions in long numbers; ArgumentError at d = 0, and over RR where
         :mod:`integrable.motion.domain` refuses the body or the state.
         """
@@ -71,14 +76,14 @@ class BodyOnLayer(BodySystem):
     # the layer adds no compiled kind of its own: the body's own flow is faster near its start too
     _kind = None
 
-    def _constants_in(self, N: Any) -> tuple[Any, ...]:
+    def _constants_in(self, N: FormulaField) -> tuple[Real, ...]:
         (d,) = self._parameters_in(N)
         return tuple(N.one / (N.coerce(moment) + d) for moment in self.constants)
 
-    def _light(self, N: Any) -> tuple[Any, Any]:
+    def _light(self, N: FormulaField) -> tuple[Real, Real]:
         return N.one, -self._parameters_in(N)[0]
 
-    def _weights(self, N: Any) -> tuple[Any, ...]:
+    def _weights(self, N: FormulaField) -> tuple[Real, ...]:
         return tuple(N.coerce(moment) * e for moment, e in zip(self.constants, self._constants_in(N), strict=True))
 
 
@@ -109,25 +114,26 @@ class BodyPath(Immutable):
         return _enclosed(self._flow.enclosure_at_tau(tau, digits))
 
     @property
-    def portrait(self) -> Any:
+    def portrait(self) -> Portrait:
         """The portrait of the motion that the body's own flow gives."""
         return self._flow.portrait
 
-    def spectrum(self) -> Any:
+    def spectrum(self) -> Spectrum:
         """The spectral lines of γ, M and ω that the body's own flow gives."""
         return self._flow.spectrum()
 
-    def section(self, count: int, axis: str = "largest") -> Any:
+    def section(self, count: int, axis: str = "largest") -> Section:
         """The next ``count`` crossings of a Poincaré section that the body's own flow gives."""
         return self._flow.section(count, axis)
 
-    def tau_near(self, time: Any, digits: int) -> Any:
+    def tau_near(self, time: Number, digits: int) -> Real:
         """τ at a physical time, as a long number of about ``digits`` digits."""
         wide = MP(max(ball_digits(self.system.field, digits), self.digits))
         body = BodyOnLayer(self.system.constants, self.system.parameters[0], wide).body
         gamma, M = (list(map(wide.coerce, part)) for part in self.start)
         exact = onto_constraints(body, State((gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2])))
-        return body.flow(exact).at([wide.coerce(time, "time")]).tau[0]
+        tau: Real = body.flow(exact).at([wide.coerce(time, "time")]).tau[0]
+        return tau
 
 
 def _enclosed(found: Enclosure) -> EnclosedPath:
