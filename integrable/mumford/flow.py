@@ -10,12 +10,11 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple
 
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.motion import MumfordMotion, Start, Vectors, settled_digits
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.ways import StatesReached, filled, times_in
 from jacobian import RR
-from jacobian.element import Element, Number, Numbers, Real
+from jacobian.element import Element, FormulaField, Number, Numbers, Real
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
 from jacobian.immutable import Record, at_once, quick_property, read_only
 from jacobian.inexact.long_field import LongField

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Sequence
 from inspect import signature
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeGuard, TypeVar
 
-from integrable.mumford.fields import FormulaField, padded
+from integrable.mumford.fields import padded
 from integrable.mumford.flow import MumfordFlow, Point, element, long_digits
 from integrable.mumford.motion import Start, settled_digits
 from integrable.phase.jets import Jet, JetField
@@ -22,7 +22,7 @@ from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, Divisor, HyperellipticCurve, poly
-from jacobian.element import Element, Real, Value
+from jacobian.element import Element, FormulaField, Real, Value
 from jacobian.errors import (
     ArgumentError,
     JacobianError,

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.motion.domain import check_domain
 from integrable.mumford.bodies import BodySystem
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import MumfordFlow, Path, Point, long_digits
 from integrable.phase.body import unwarned
 from integrable.phase.enclosure import EnclosedPath, Enclosure, ball_digits
 from integrable.phase.state import State, onto_constraints
 from jacobian import MP, RR, Divisor, Field
-from jacobian.element import Number, Numbers, Real, Value
+from jacobian.element import FormulaField, Number, Numbers, Real, Value
 from jacobian.errors import ArgumentError, shown, written
 from jacobian.immutable import Immutable
 
