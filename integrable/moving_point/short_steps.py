@@ -10,15 +10,13 @@ from typing import Any
 from integrable.moving_point.addition import (
     Row,
     carried,
-    cofactor_at,
     moving_point,
     noise,
     opposite,
-    pair,
     put,
     rate_at,
     settled,
-    settled_pair,
+    shift,
 )
 from integrable.moving_point.problem import CONTACT
 from integrable.moving_point.short_rows import (
@@ -43,7 +41,6 @@ from integrable.moving_point.short_rows import (
 )  # fmt: skip
 from integrable.moving_point.translations import Expansion, expand_orders, high_parts
 from jacobian.element import Real
-from jacobian.inexact.genus2_real import add
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
@@ -69,7 +66,8 @@ def panel_steps(room: ShortRoom, h: float) -> bool:
     room.made[0], room.made[1], room.made[2] = 0, 0, max(level, FINEST)
     small_steps(room, eps, level, room.made[2])
     for place in range(HALF - level + 1, HALF + 1):
-        doubled(room.wide, room.steps, place)
+        step = moving_point(room.steps, 10 * (place - 1))
+        put(shift(curve_of(room.wide), unit_axes(room.wide), step, step), room.steps, 10 * place)
     return level < HALF
 
 
@@ -153,18 +151,6 @@ def put_node(room: ShortRoom, rule: Rule, level: int, j: int, origin: Real) -> N
     put(opposite(there), room.wide_nodes, 10 * (level * count + j))
 
 
-def doubled(wide: Row, steps: Row, place: int) -> None:
-    """Writes the double of the previous row's translation to row ``place`` of ``steps``."""
-    one = 1 + 0 * wide[0]
-    before, here, step = 10 * (place - 1), 10 * place, moving_point(steps, 10 * (place - 1))
-    divisor, transfer = summed(wide, steps, place - 1, step, steps, place)
-    rest, trust = cofactor_at(curve_of(wide), divisor), noise(step)
-    for i in abreast(0, 3):
-        x, y = steps[before + 4 + i], steps[before + 7 + i]
-        sigma, nu = pair(wide[6 + i], one, x, y, x, y, transfer)
-        steps[here + 4 + i], steps[here + 7 + i] = settled_pair(divisor, rest, wide[6 + i], one, sigma, nu, trust)
-
-
 def moved_row(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int, target: int, point: Row) -> None:
     """Writes row ``origin`` of ``points``, moved by a translation or its inverse, to row ``target``. The values of
     :func:`looked_at` there go to ``point``.
@@ -172,23 +158,9 @@ def moved_row(wide: Row, points: Row, origin: int, steps: Row, place: int, sign:
     step = moving_point(steps, 10 * place)
     if sign < 0:
         step = opposite(step)
-    _, transfer = summed(wide, points, origin, step, points, target)
-    before, by, there = 10 * origin, 10 * place, 10 * target
-    for i in abreast(0, 3):
-        x, y, sigma, nu = points[before + 4 + i], points[before + 7 + i], steps[by + 4 + i], sign * steps[by + 7 + i]
-        points[there + 4 + i], points[there + 7 + i] = pair(wide[6 + i], wide[9 + i], x, y, sigma, nu, transfer)
+    there = carried(curve_of(wide), axes_of(wide), moving_point(points, 10 * origin), step)
+    put(there, points, 10 * target)
     looked_at(wide, points, target, point, 0)
-
-
-def summed(wide: Row, points: Row, origin: int, step: Any, into: Row, target: int) -> Any:
-    """The divisor of row ``origin`` of ``points`` after a translation, and the transfer polynomials. The divisor is
-    also written to row ``target`` of ``into``. The polynomials give the three pairs by the same formula, in SIMD lanes.
-    """
-    i, k = 10 * origin, 10 * target
-    point = points[i], points[i + 1], points[i + 2], points[i + 3]
-    divisor, transfer = add(curve_of(wide), point, (step[0], step[1], step[2], step[3]))
-    into[k], into[k + 1], into[k + 2], into[k + 3] = divisor
-    return divisor, transfer
 
 
 def steps_ahead(room: ShortRoom) -> None:
