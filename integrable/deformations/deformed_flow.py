@@ -22,6 +22,7 @@ from integrable.deformations.oval_loops import Frame, Track, lifted_state, tilde
 from integrable.deformations.quick_states import QuickStates
 from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits, RoundedRows
 from integrable.moving_point.losses import NOTHING, digits_of
+from integrable.phase.body import Vector
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.state import State, onto_constraints
 from integrable.phase.ways import Way
@@ -123,7 +124,7 @@ class CurvesCarrier(Carrier):
     def lost(self, tau: Real) -> int:
         return ceil(float(self.field.context.log10(1 + self.turns(tau))))
 
-    def vectors(self, point: Any) -> tuple[Real, Real]:
+    def vectors(self, point: Any) -> tuple[Vector[Real], Vector[Real]]:
         gamma, M = point
         return gamma, M
 

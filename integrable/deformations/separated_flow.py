@@ -151,17 +151,15 @@ class SeparatedFlow(DeformedFlow):
         On curve k the motion adds this point in the time ``time_of(k, field, μ_k, μ_k/I_i)``.
         """
         many = self._curves.many
-        while True:
-            carrier: Any = many.carrier
+
+        def compute(carrier: Any, _: object) -> tuple[Any, int] | None:
             times = carrier.times_of(time_of)
-            # None: digits were added for the number of periods, and the carrier is new
             if many.enough(max(map(abs, times)) / abs(carrier.speed)) is None:
-                continue
+                return None
             moved = carrier.moved(times)
-            missing = carrier.drift([moved]) + many.digits
-            if missing <= 0:
-                break
-            many.add_digits(min(missing, carrier.field.dps))
+            return moved, carrier.drift([moved]) + many.digits
+
+        moved = many.settled([], compute)
         x1, x2, x3, m1, m2, m3 = self._curves.rows([moved])[0].tolist()
         return State((x1, x2, x3), (m1, m2, m3))
 

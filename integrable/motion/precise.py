@@ -9,10 +9,9 @@ repeated with as many more as were missing.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import wraps
+from collections.abc import Callable, Sequence
 from math import ceil, inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
 
@@ -27,9 +26,16 @@ from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.protocol import Field
 
+Found = TypeVar("Found")
+
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     from integrable.phase.body import Body, Vector
     from integrable.phase.state import State
+    from integrable.torus.long_clock import MultiprecisionTorusClock
+
+    Compute: TypeAlias = "Callable[[Carrier, list[Real]], tuple[Found, int] | None]"
 
 # extra digits of the second computation of the farthest state, beyond those that it may lose
 WIDER = 10
@@ -56,12 +62,16 @@ class Carrier:
     digits: int
     rolls: bool
     """Whether τ differs from t: the carrier then has a clock."""
+    witness: Self | None = None
+    """The carrier with more digits that has checked the farthest point of this one."""
+    witnessed: Real = 0
+    """The largest |τ| whose point the witness has checked."""
 
-    def scaled(self, t: Real) -> Any:
+    def scaled(self, t: Real) -> Real:
         """A time in the user's units, converted to those of the carrier."""
         raise NotImplementedError
 
-    def unscaled(self, t: Real) -> Any:
+    def unscaled(self, t: Real) -> Real:
         """A time in the carrier's units, converted to those of the user."""
         return t
 
@@ -73,15 +83,15 @@ class Carrier:
         """An estimate of τ at a physical time t ≥ 0, to estimate the loss of digits before a clock exists."""
         return t
 
-    def tau(self, times: list[Real], digits: int) -> list[Any]:
+    def tau(self, times: list[Real], digits: int) -> list[Real]:
         """The values of τ at physical times, to ``digits`` digits."""
         return times
 
-    def tau_alone(self, time: Any, digits: int) -> Real:
+    def tau_alone(self, time: Real, digits: int) -> Real:
         """τ at a single physical time."""
         return self.tau([time], digits)[0]
 
-    def times(self, tau: list[Any], digits: int) -> list[Any]:
+    def times(self, tau: list[Real], digits: int) -> list[Real]:
         """The physical times t(τ) at values of τ: shape (N,)."""
         return tau
 
@@ -93,42 +103,19 @@ class Carrier:
         """The moving point at τ."""
         raise NotImplementedError
 
-    def vectors(self, point: Real) -> tuple[Any, Any]:
+    def vectors(self, point: Any) -> tuple[Vector[Real], Vector[Real]]:
         """(γ, M) of a moving point."""
         raise NotImplementedError
 
-    def drift(self, points: list[Real]) -> int:
+    def drift(self, points: list[Any]) -> int:
         """The decimal exponent of the largest relative change of the integrals since the start."""
         raise NotImplementedError
 
-    def gap(self, point: Real, truth: Any, tau: Real) -> int:
+    def gap(self, point: Any, truth: Self, tau: Real) -> int:
         """The decimal exponent of the relative difference between a point at τ and the point of ``truth``, a carrier
         with more digits.
         """
         raise NotImplementedError
-
-
-def begun_with_few_digits(method: Any) -> Any:
-    """Decorates a method of :class:`ManyDigits` for times: a call starts again with the first digits, and Ctrl-C
-    restores the digits. So near times are as fast after a far time as before.
-    """
-
-    @wraps(method)
-    def inside(self: ManyDigits, times: Sequence[Real], *arguments: Any) -> Real | None:
-        before = self._level()
-        try:
-            self._begin(max(map(abs, times), default=0))
-            return method(self, times, *arguments)
-        except BaseException as error:
-            if not isinstance(error, Exception):
-                self.carrier, self._witness, self._witnessed = before
-            raise
-
-    return inside
-
-
-Level = tuple[Carrier, "Carrier | None", Any]
-"""A carrier, the carrier that checks its farthest point, and the largest τ so far."""
 
 
 class ManyDigits:
@@ -141,55 +128,56 @@ class ManyDigits:
 
     def __init__(self, digits: int, carrier: Carrier) -> None:
         self.digits = digits
-        self.carrier = carrier
-        self._witness: Carrier | None = None
-        self._witnessed: Any = 0
-        # the first set-up of the motion and the one with most digits since, if others are in use; the nearest time, in
-        # units of the user, at which a computation showed that the first digits do not suffice
-        self._few: Level | None = None
-        self._more: Level | None = None
-        self._too_far: Any = inf
-
-    def _level(self) -> Level:
-        return self.carrier, self._witness, self._witnessed
-
-    def _begin(self, far: Any) -> None:
-        """Start with the first digits, unless a computation has shown that they do not suffice so far away."""
-        if self._few and self.carrier is not self._few[0] and far < self._too_far:
-            self._more = self._level()
-            self.carrier, self._witness, self._witnessed = self._few
+        # the carrier in use, the one with the first digits and the one with most
+        self.carrier = self._first = self._finest = carrier
+        # the nearest time, in units of the user, at which a computation showed that the first digits do not suffice
+        self._too_far: Real = inf
 
     def carrier_of(self, digits: int) -> Carrier:
         """A carrier of the motion with so many digits."""
         raise NotImplementedError
 
-    def at(self, times: list[Any]) -> tuple[list[Any], list[Any]]:
+    def at(self, times: list[Real]) -> tuple[list[Real], list[Any]]:
         """(τ, moving points) at physical times: τ in the user's units, with guard digits."""
-        tau, points = self._good(times, self.carrier.rolls)
+        tau, points = self.settled(times, self._at)
         return [self.carrier.unscaled(t) for t in tau], points
 
-    def at_tau(self, tau: Sequence[Real]) -> list[Any]:
+    def at_tau(self, tau: list[Real]) -> list[Any]:
         """The moving points at τ."""
-        return self._good(tau, False)[1]
+        return self.settled(tau, self._points)[1]
 
-    @begun_with_few_digits
-    def times(self, tau: list[Any]) -> list[Any]:
+    def times(self, tau: list[Real]) -> list[Real]:
         """Physical times at τ, in the user's units."""
-        while True:
-            carrier = self.carrier
-            scaled = [carrier.scaled(t) for t in tau]
-            lost = self.enough(max(map(abs, scaled), default=0))
-            if lost is None:
-                continue
-            times = carrier.times(scaled, self.digits + SPARE + lost)
-            missing = carrier.clock_missing(max(scaled, key=abs), self.digits + SPARE) if scaled else 0
-            if missing <= 0:
-                return [carrier.unscaled(t) for t in times]
-            self._add_missing(missing, tau)
+        return [self.carrier.unscaled(t) for t in self.settled(tau, self._times)]
 
-    def vectors(self, points: list[Any]) -> list[tuple[Any, Any]]:
+    def vectors(self, points: list[Any]) -> list[tuple[Vector[Real], Vector[Real]]]:
         """(γ, M) of the points that :meth:`at` and :meth:`at_tau` returned."""
         return [self.carrier.vectors(point) for point in points]
+
+    def settled(self, times: list[Real], compute: Compute[Found]) -> Found:
+        """The result of ``compute``, repeated with more digits as long as it lacks any.
+
+        ``compute`` is given the carrier and ``times`` in its units. It returns the result and the number of missing
+        digits, or None if :meth:`enough` has replaced the carrier. A call starts with the first digits again, unless
+        they are known not to suffice. So near times are as fast after a far time as before.
+        """
+        before, far = self.carrier, max(map(abs, times), default=0)
+        self.carrier = self._first if far < self._too_far else self._finest
+        try:
+            while True:
+                result = compute(self.carrier, [self.carrier.scaled(t) for t in times])
+                if result is None:
+                    continue
+                found, missing = result
+                if missing <= 0:
+                    return found
+                if times:
+                    self._too_far = min(self._too_far, far)
+                # if no digit is right, the number of missing ones is unknown
+                self.add_digits(min(missing, self.carrier.digits) + WIDER)
+        except KeyboardInterrupt:
+            self.carrier = before
+            raise
 
     def add_digits(self, more: int) -> None:
         """Replaces the carrier by one with ``more`` more digits."""
@@ -200,45 +188,9 @@ class ManyDigits:
                 f"the motion loses more than {self.digits + MOST_LOST} digits on the way there, {lost} or more; times "
                 f"nearer to 0 are within reach, and MP fields of at least {lost - MOST_LOST} digits allow as many"
             )
-        if self._few is None or self.carrier is self._few[0]:
-            self._few = self._level()
-        known = self._more if self._more and self._more[0].digits >= digits else None
-        self.carrier, self._witness, self._witnessed = known or (self.carrier_of(digits), None, 0)
-
-    def _add_missing(self, missing: int, times: list[Any]) -> None:
-        """Replaces the carrier by one with the digits that a computation has shown to be missing."""
-        self._too_far = min(self._too_far, max(map(abs, times), default=0))
-        # if no digit is right, the number of missing ones is unknown
-        self.add_digits(min(missing, self.carrier.digits) + WIDER)
-
-    @begun_with_few_digits
-    def _good(self, times: list[Any], clock: bool) -> tuple[list[Any], list[Any]]:
-        while True:
-            carrier = self.carrier
-            tau = [carrier.scaled(t) for t in times]
-            far = max(map(abs, tau), default=0)
-            # a time that is too far is refused before a clock is made
-            lost = self.enough(carrier.most_tau(far) if clock else far)
-            if lost is None:
-                continue
-            if clock and tau:
-                wanted = self.digits + SPARE + lost
-                if len(tau) == 1:
-                    tau = [carrier.tau_alone(tau[0], wanted)]
-                else:
-                    # the farthest time shows whether the digits suffice
-                    if self.enough(abs(carrier.tau([max(tau, key=abs)], wanted)[0])) is None:
-                        continue
-                    tau = carrier.tau(tau, wanted)
-                if self.enough(max(map(abs, tau))) is None:
-                    continue
-            points = [carrier.point(t) for t in tau]
-            missing = self._missing(tau, points)
-            if clock and tau and missing <= 0:
-                missing = carrier.clock_missing(max(tau, key=abs), self.digits + SPARE)
-            if missing <= 0:
-                return tau, points
-            self._add_missing(missing, times)
+        if self._finest.digits < digits:
+            self._finest = self.carrier_of(digits)
+        self.carrier = self._finest
 
     def enough(self, tau: Real) -> int | None:
         """The digits by which errors may grow until τ; None if the carrier had too few and was replaced."""
@@ -249,21 +201,58 @@ class ManyDigits:
         self.add_digits(self.step * ceil(missing / self.step))
         return None
 
-    def _missing(self, tau: list[Any], points: list[Any]) -> int:
+    def _at(self, carrier: Carrier, times: list[Real]) -> tuple[tuple[list[Real], list[Any]], int] | None:
+        if not (carrier.rolls and times):
+            return self._points(carrier, times)
+        # a time that is too far is refused before a clock is made
+        lost = self.enough(carrier.most_tau(_farthest(times)))
+        if lost is None:
+            return None
+        wanted = self.digits + SPARE + lost
+        if len(times) == 1:
+            tau = [carrier.tau_alone(times[0], wanted)]
+        else:
+            # the farthest time shows whether the digits suffice
+            if self.enough(abs(carrier.tau([max(times, key=abs)], wanted)[0])) is None:
+                return None
+            tau = carrier.tau(times, wanted)
+        found = self._points(carrier, tau)
+        if found is None or found[1] > 0:
+            return found
+        return found[0], carrier.clock_missing(max(tau, key=abs), self.digits + SPARE)
+
+    def _points(self, carrier: Carrier, tau: list[Real]) -> tuple[tuple[list[Real], list[Any]], int] | None:
+        if self.enough(_farthest(tau)) is None:
+            return None
+        points = [carrier.point(t) for t in tau]
+        return (tau, points), self._missing(carrier, tau, points)
+
+    def _times(self, carrier: Carrier, tau: list[Real]) -> tuple[list[Real], int] | None:
+        lost = self.enough(_farthest(tau))
+        if lost is None:
+            return None
+        times = carrier.times(tau, self.digits + SPARE + lost)
+        return times, carrier.clock_missing(max(tau, key=abs), self.digits + SPARE) if tau else 0
+
+    def _missing(self, carrier: Carrier, tau: list[Real], points: list[Any]) -> int:
         """The number of requested digits that the points lack; at most 0 if they lack none."""
-        carrier, wanted = self.carrier, self.digits + SPARE
+        wanted = self.digits + SPARE
         missing = carrier.drift(points) + wanted
         far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)
-        if far is None or missing > 0 or abs(tau[far]) <= self._witnessed:
+        if far is None or missing > 0 or abs(tau[far]) <= carrier.witnessed:
             return missing
         # two computations that have both lost every digit may meet in the same rotation
         wider = carrier.digits + WIDER + carrier.lost(abs(tau[far]))
-        if self._witness is None or self._witness.digits < wider:
-            self._witness = self.carrier_of(wider)
-        missing = carrier.gap(points[far], self._witness, tau[far]) + wanted
+        if carrier.witness is None or carrier.witness.digits < wider:
+            carrier.witness = self.carrier_of(wider)
+        missing = carrier.gap(points[far], carrier.witness, tau[far]) + wanted
         if missing <= 0:
-            self._witnessed = abs(tau[far])
+            carrier.witnessed = abs(tau[far])
         return missing
+
+
+def _farthest(times: list[Real]) -> Real:
+    return max(map(abs, times), default=0)
 
 
 class RoundedRows:
@@ -290,7 +279,7 @@ class RoundedRows:
         return rounded(self.field, [(*gamma, *M) for gamma, M in self.many.vectors(points)]).reshape(-1, 6)
 
 
-def rounded(K: Field, values: Any) -> np.ndarray:
+def rounded(K: Field, values: Sequence[Real] | Sequence[Sequence[Real]]) -> np.ndarray:
     """Wide numbers as an array of elements of the field K."""
     if K == RR:
         return np.array(values, dtype=np.float64)
@@ -320,20 +309,20 @@ class BodyCarrier(Carrier):
         self._limits = limits
         self._scouts = scouts or Scouts(setup, limits.compiled)
         self._clocks: dict[int, PanelClock] = {}
-        self._torus: Any = None
+        self._torus: MultiprecisionTorusClock | None = None
         self._least_work = 0.0
         self._alone = False
 
-    def scaled(self, t: Real) -> Any:
+    def scaled(self, t: Real) -> Real:
         return self.setup.wide.coerce(t) * self.setup.time_scale
 
-    def unscaled(self, t: Real) -> Any:
+    def unscaled(self, t: Real) -> Real:
         return t / self.setup.time_scale
 
     def lost(self, tau: Real) -> int:
         return lost_digits(self.setup, tau)
 
-    def point(self, tau: Any) -> tuple[Any, ...]:
+    def point(self, tau: Real) -> tuple[Real, ...]:
         setup = self.setup
         sign = -1 if tau < 0 else 1
         with setup.reals:
@@ -344,23 +333,23 @@ class BodyCarrier(Carrier):
                 point = addition.shift(setup.bare.f, setup.bare.axes, point, step)
             return setup.reals.plain_row(point)
 
-    def vectors(self, point: Real) -> tuple[Any, Any]:
+    def vectors(self, point: Sequence[Real]) -> tuple[Vector[Real], Vector[Real]]:
         setup, bare = self.setup, self.setup.bare
         with setup.reals as reals:
             gamma, M = vectors(point, bare.momentum, bare.matrix)
         return reals.elements(setup.wide, gamma), reals.elements(setup.wide, M)
 
-    def drift(self, points: list[Real]) -> int:
+    def drift(self, points: list[Sequence[Real]]) -> int:
         return max((digits_of(drift(self.setup, point)) for point in points), default=-NOTHING)
 
-    def gap(self, point: Any, truth: BodyCarrier, tau: Any) -> int:
+    def gap(self, point: Sequence[Real], truth: Self, tau: Real) -> int:
         again, reals = truth.point(tau), truth.setup.reals
         with reals:
             mine = [reals.number(self.setup.reals.element(self.setup.wide, x)) for x in point]
             size = 1 + max(map(abs, again))
             return digits_of(max(abs(x - y) for x, y in zip(mine, again, strict=True)) / size)
 
-    def tau(self, times: list[Real], digits: int = 0) -> list[Any]:
+    def tau(self, times: list[Real], digits: int = 0) -> list[Real]:
         """The values of τ at physical times, to the digits of the set-up."""
         setup = self.setup
         # estimated with the initial rate, since a heavy ball's τ runs a thousand times faster than t
@@ -388,7 +377,7 @@ class BodyCarrier(Carrier):
                 return found
         return super().tau_alone(time, digits)
 
-    def _one_time(self, time: Any) -> Any:
+    def _one_time(self, time: Real) -> Real | None:
         """τ at a physical time by :class:`~integrable.motion.precise_clock.OneTime`; None where it does not apply."""
         setup, sign = self.setup, -1 if time < 0 else 1
         rough = BodyCarrier(Setup(*self._problem, digits=ROUGH_DIGITS), self._problem)
@@ -399,13 +388,13 @@ class BodyCarrier(Carrier):
             found = OneTime(setup, sign, scouts=self._scouts).tau(t, tau, self.point)
             return None if found is None else reals.element(setup.wide, sign * found)
 
-    def times(self, tau: list[Any], digits: int) -> list[Any]:
+    def times(self, tau: list[Real], digits: int) -> list[Real]:
         setup, torus = self.setup, self._far(tau)
         if torus:
             return [setup.wide.coerce(t) for t in torus.times([torus.wide.coerce(t) for t in tau])]
         return [self._near_time(t) for t in tau]
 
-    def _near_time(self, tau: Any) -> Any:
+    def _near_time(self, tau: Real) -> Real:
         """The physical time at τ, a wide number, from the clock's panels."""
         setup = self.setup
         sign = -1 if tau < 0 else 1
@@ -413,7 +402,7 @@ class BodyCarrier(Carrier):
             place = self._place(abs(setup.reals.number(tau)))
             return setup.reals.element(setup.wide, sign * self._clock(sign).time(*place))
 
-    def _place(self, tau: Any) -> tuple[int, Any]:
+    def _place(self, tau: Real) -> tuple[int, Real]:
         """Splits τ ≥ 0 into (n, x): the nearest number n of basic steps, and the rest x in half steps."""
         half = self.setup.bare.half_step
         cell = self.setup.reals.nearest(tau / (2 * half))
@@ -424,7 +413,7 @@ class BodyCarrier(Carrier):
             self._clocks[sign] = PanelClock(self.setup, sign, self._limits, self._scouts)
         return self._clocks[sign]
 
-    def _far(self, tau: list[Any]) -> Any:
+    def _far(self, tau: list[Real]) -> MultiprecisionTorusClock | None:
         """The clock on the torus, where it costs less; None where the torus degenerates."""
         setup = self.setup
         steps = float(max(map(abs, tau), default=0) / setup.step_length)
@@ -437,7 +426,7 @@ class BodyCarrier(Carrier):
             self._torus = self._made_torus(work, setup.digits + SPARE - whole)
         return self._torus
 
-    def _made_torus(self, work: float, digits: int) -> Any:
+    def _made_torus(self, work: float, digits: int) -> MultiprecisionTorusClock | None:
         """The clock on the torus to this many digits after the point, if its tables need at most ``work``
         multiplications; otherwise None, and the work needed is recorded.
         """
