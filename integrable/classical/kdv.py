@@ -13,29 +13,37 @@ that shrinks to a point, e_{2j−1} = e_{2j}, is the eigenvalue of a soliton. A 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Sequence
+from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from integrable.mumford.flow import element, long_digits
+from integrable.mumford.fields import FormulaField
+from integrable.mumford.flow import BITS_OF_TORUS, RIGHT, element, long_digits
 from integrable.mumford.motion import MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
 from integrable.mumford.system import Spectral
 from integrable.phase.enclosure import ball_digits, exact_times, widest
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, poly
-from jacobian.element import Numbers, Real, Value
-from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
+from jacobian.element import Arithmetic, Numbers, Real, Value
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, entries, shown
 from jacobian.fields.protocol import Field, check_field
+from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from integrable.classical.kdv_profile import Profile
+    from integrable.mumford.elliptic_torus import EllipticTorus
     from integrable.mumford.enclosure import EnclosedPlace
+    from integrable.mumford.phase_torus import PhaseTorus
+    from integrable.mumford.real_torus import RealTorus
+
+    Profile = EllipticTorus | RealTorus | PhaseTorus
 
 # digits of the pair at which a profile starts; bits that its double-doubles may lose because of a narrow band
 PROFILE_DIGITS, MOST_LOST = 60, 24
@@ -46,7 +54,7 @@ MANY = 24
 class Eigenvalues(NamedTuple):
     """γ_1 … γ_g at x = t = 0, and the signs of y at them, which are those of −U'(γ_j)·∂γ_j/∂x."""
 
-    gamma: tuple[Any, ...]
+    gamma: tuple[Real, ...]
     signs: tuple[int, ...]
 
 
@@ -69,7 +77,7 @@ class KdV(Made):
         self.gaps = len(given) // 2
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, object]:
         return {"edges": self.edges}
 
     def state(self, gamma: Iterable[Value], signs: Iterable[int] | None = None) -> Eigenvalues:
@@ -97,12 +105,12 @@ class KdV(Made):
         """The polynomials f, u and v of a state, in ascending order, without the double edges at an eigenvalue."""
         return self._spectral(self.field, self._checked(state))
 
-    def _checked(self, state: Any) -> Eigenvalues:
+    def _checked(self, state: Eigenvalues) -> Eigenvalues:
         if not isinstance(state, Eigenvalues) or len(state.gamma) != self.gaps:
             raise ArgumentError(f"state = {shown(state)}: give one that state(gamma, signs) of {self!r} returns")
         return state
 
-    def _spectral(self, K: Any, state: Eigenvalues) -> Spectral:
+    def _spectral(self, K: FormulaField, state: Eigenvalues) -> Spectral:
         edges, points = self._moving(K, state)
         ys = []
         for x, sign in points:
@@ -113,7 +121,7 @@ class KdV(Made):
             ys.append(y if sign > 0 else K.neg(y))
         return Spectral(poly.neg(K, poly.from_roots(K, edges)), *through(K, [x for x, _ in points], ys))
 
-    def _moving(self, K: Any, state: Eigenvalues) -> tuple[list[Any], list[tuple[Any, int]]]:
+    def _moving(self, K: FormulaField, state: Eigenvalues) -> tuple[list[Real], list[tuple[Real, int]]]:
         """The edges and the pairs (γ_j, sign), without double edges at a γ_j: such a γ_j never moves."""
         edges, points = [*map(K.coerce, self.edges)], []
         for x, sign in zip(map(K.coerce, state.gamma), state.signs, strict=True):
@@ -137,12 +145,11 @@ class Wave:
         self.kdv = kdv
         self.start = kdv._checked(state)
         self._edges, points = kdv._moving(kdv.field, state)
-        self._constant = None if points else self._edges[0]
         self._genus = len(points)
         self._motion = MumfordMotion(self._place, self._genus)
-        self._profiles: dict[float, Profile] = {}
+        self._profiles: dict[float, Profile | None] = {}
 
-    def _place(self, N: Any) -> Start:
+    def _place(self, N: LongField) -> Start:
         f, u, v = self.kdv._spectral(N, self.start)
         of_x, of_t = directions_of_waves(N, f)
         return Start(f, u, v, of_x, further=(of_t,))
@@ -157,114 +164,117 @@ class Wave:
         import numpy as np
 
         xs, ts = self._given(x, t)
-        if not self._profiles_pay:
-            return self._filled(xs, ts, self._value, float if self.kdv.field == RR else object)
-        found = np.empty(xs.shape)
-        times, which = np.unique(ts.astype(float).ravel(), return_inverse=True)
-        places = np.split(np.argsort(which, kind="stable"), np.cumsum(np.bincount(which)))
-        for time, at_time in zip(times.tolist(), places, strict=False):
-            found.flat[at_time] = self._at_one_time(xs.ravel()[at_time].astype(float), time)
+        found = np.empty_like(xs)
+        times, which = np.unique(ts, return_inverse=True)
+        order, counts = np.argsort(which.ravel(), kind="stable"), np.bincount(which.ravel())
+        for time, places in zip(times.tolist(), np.split(order, np.cumsum(counts)), strict=False):
+            found.flat[places] = self._at_one_time(xs.flat[places], time)
         return found
 
-    def enclosure(self, x: Numbers, t: Numbers = 0, digits: int | None = None) -> Any:
+    def enclosure(self, x: Numbers, t: Numbers = 0, digits: int | None = None) -> np.ndarray:
         """Enclosures of u(x, t): balls (``flint.arb``) that provably contain it, in an array as :meth:`at` returns.
 
         Their radius is at most 10^(−digits) times the span of the edges. The edges, γ_j, x and t count as exact.
         ``digits`` defaults to those of the field, 15 for RR. PrecisionLoss if no such balls are found.
         """
+        import numpy as np
+
         from integrable.mumford.enclosure import Precisions
 
         wanted = ball_digits(self.kdv.field, digits)
         precisions = Precisions(self._place, self._genus, wanted)
 
-        def value(x: Real, t: Real) -> Any:
-            if self._constant is not None:
-                return exact_times([self._constant])[0]
+        def value(x: Real, t: Real) -> Real:
+            if not self._genus:
+                return exact_times([self._edges[0]])[0]
             return precisions.narrow(lambda place: self._ball(place, x, t), max(abs(float(x)), abs(float(t))))[0]
 
-        return self._filled(*self._given(x, t), value, object)
+        xs, ts = self._given(x, t)
+        balls = [value(*pair) for pair in zip(xs.flat, ts.flat, strict=True)]
+        return np.array(balls, dtype=object).reshape(xs.shape)
 
-    def _ball(self, place: EnclosedPlace, x: Any, t: Any) -> tuple[Any, Any]:
+    def _ball(self, place: EnclosedPlace, x: Real, t: Real) -> tuple[Real, Real]:
         """A ball around u, and its radius relative to the span of the edges."""
         K = place.field
         D = place.at(K.coerce(x), (K.coerce(t),))
         ((value, span),) = self._read(K, D)
         return value, widest(((value,), span))
 
-    def _given(self, x: Any, t: Any) -> tuple[Any, Any]:
+    def _given(self, x: Numbers, t: Numbers) -> list[np.ndarray]:
         """x and t, broadcast to arrays of one shape, with elements of the field."""
         import numpy as np
 
         K = self.kdv.field
-        given = [np.array(values, dtype=object) for values in (x, t)]
+        found = []
+        for name, values in (("x", x), ("t", t)):
+            read = np.vectorize(partial(K.coerce, argument=name), otypes=[float if K == RR else object])
+            found.append(read(np.array(values, dtype=object)))
         try:
-            arrays = np.broadcast_arrays(*given)
+            return [*np.broadcast_arrays(*found)]
         except ValueError:
             raise ArgumentError(
-                f"x, t have the shapes {given[0].shape}, {given[1].shape}: one shape fits both"
+                f"x, t have the shapes {found[0].shape}, {found[1].shape}: one shape fits both"
             ) from None
-        found = [np.empty(array.shape, dtype=object) for array in arrays]
-        for row, array, name in zip(found, arrays, "xt", strict=True):
-            for place in np.ndindex(array.shape):
-                row[place] = K.coerce(array[place], name)
-        return found[0], found[1]
 
-    @staticmethod
-    def _filled(xs: Any, ts: Any, value: Callable[[Any, Any], Any], kind: type) -> np.ndarray:
-        """The array of ``value(x, t)`` for the elements of xs and ts."""
-        import numpy as np
+    def _at_one_time(self, xs: np.ndarray, t: Real) -> Sequence[Real] | np.ndarray:
+        """u at many x and one t, in floats from the torus of the motion in x, if it pays off and agrees."""
+        if self._genus and self.kdv.field == RR and not interpreted() and len(xs) >= MANY:
+            profile = self._profile(float(t))
+            carries = self._genus <= 2 or self._lost(max(abs(xs)), t) <= MOST_LOST
+            if profile is not None and carries and profile.reaches(xs):
+                return self._on(profile, xs)
+        return [self._value(x, t) for x in xs.tolist()]
 
-        found = np.empty(xs.shape, dtype=kind)
-        for place in np.ndindex(found.shape):
-            found[place] = value(xs[place], ts[place])
-        return found
-
-    @property
-    def _profiles_pay(self) -> bool:
-        """Whether compiled loops in floats are available for many x at one t."""
-        return bool(self._genus and self.kdv.field == RR and not interpreted())
-
-    def _at_one_time(self, xs: Any, t: float) -> Any:
-        """u at many x and one t, in floats."""
-        found = None
-        if len(xs) >= MANY:
+    def _profile(self, t: float) -> Profile | None:
+        """The torus of the motion in x at a time, if it agrees with additions; only the last one is kept."""
+        if t not in self._profiles:
             try:
-                profile = self._profile(t)
-            except PrecisionLoss:
-                profile = None
-            if profile is not None and (self._genus <= 2 or self._lost(max(abs(xs)), t) <= MOST_LOST):
-                found = profile.at(xs)
-        return [self._value(x, t) for x in xs.tolist()] if found is None else found
+                torus = self._made_profile(t)
+                found = zip(torus.witnesses.tolist(), self._on(torus, torus.witnesses).tolist(), strict=True)
+                apart = max(abs(u - self._value(x, t)) for x, u in found)
+                right = apart <= RIGHT * (self._edges[-1] - self._edges[0])
+            except (NotRepresentable, PrecisionLoss, ZeroDivisionError):
+                right = False
+            self._profiles = {t: torus if right else None}
+        return self._profiles[t]
 
-    def _profile(self, t: float) -> Profile:
-        """The profile at time t; only the last one is cached."""
-        from integrable.classical.kdv_profile import Profile
+    def _made_profile(self, t: float) -> Profile:
+        from integrable.mumford.columns import Columns
+        from integrable.mumford.elliptic_torus import EllipticTorus
+        from integrable.mumford.phase_torus import PhaseTorus
+        from integrable.mumford.real_torus import RealTorus
+        from integrable.portrait.separated import SeparatedTorus
 
-        found = self._profiles.get(t)
-        if found is None:
-            size = self._genus + 1
-            (pair,) = self._row(0.0, t, lambda N, D: ((*D.u, *D.v),), PROFILE_DIGITS)
+        size = self._genus + 1
+        (pair,) = self._row(0.0, t, lambda N, D: ((*D.u, *D.v),), PROFILE_DIGITS)
 
-            def place(K: Any) -> Start:
-                start = self._place(K)
-                u, v = (tuple(element(K, x) if K.dps else x for x in a) for a in (pair[:size], pair[size:]))
-                return Start(start.f, u, v, start.direction)
+        def place(N: LongField) -> Start:
+            return self._place(N)._replace(u=tuple(pair[:size]), v=tuple(pair[size:]))
 
-            found = Profile(
-                place, self._read, lambda x: [[*map(float, row)] for row in self._row(x, t, self._read)], self._genus
-            )
-            self._profiles = {t: found}
-        return found
+        if self._genus <= 2:
+            return EllipticTorus(place) if self._genus == 1 else RealTorus(place)
+        with LongField(BITS_OF_TORUS) as N:
+            start = place(N)
+            forms = [Form((*[N.zero] * j, N.one)) for j in range(self._genus)]
+            torus = SeparatedTorus(N, (start.f, start.u, start.v), Separation(forms, start.direction))
+            return PhaseTorus(torus, lambda halves, _: Extended(*torus.pair_at(Columns(), halves, ())[:2]))
 
-    def _value(self, x: Any, t: Any) -> Any:
-        if self._constant is not None:
-            return self._constant
+    def _on(self, torus: Profile, xs: np.ndarray) -> np.ndarray:
+        """u at many x, from a torus."""
+        from integrable.mumford.columns import Column, Columns
+
+        ((u, _),) = self._read(Columns(), torus.at(xs))
+        return Column.of(u).hi
+
+    def _value(self, x: Real, t: Real) -> Real:
+        if not self._genus:
+            return self._edges[0]
         return element(self.kdv.field, self._row(x, t, self._read, self.digits)[0][0])
 
-    def _row(self, x: Any, t: Any, read: Read, digits: int = ROUNDED_TO_FLOATS) -> Vectors:
+    def _row(self, x: Real, t: Real, read: Read, digits: int = ROUNDED_TO_FLOATS) -> Vectors:
         return self._motion.row(x, read, digits, further=(t,), lost=self._lost(x, t))
 
-    def _lost(self, x: Any, t: Any) -> int:
+    def _lost(self, x: Real, t: Real) -> int:
         """A bound on the bits lost between (0, 0) and (x, t) because of a narrow band or double edge n.
 
         On the way U(n) = ψ² may shrink. By −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at rates of at
@@ -280,13 +290,13 @@ class Wave:
             needed = max(needed, min(size, -math.log(width)) if width else size)
         return math.ceil(2 * needed / math.log(2))
 
-    def _read(self, N: Any, D: Extended) -> list[list[Any]]:
+    def _read(self, N: FormulaField, D: Extended) -> list[list[Real]]:
         f = poly.neg(N, poly.from_roots(N, [*map(N.coerce, self._edges)]))
         # the span of the edges is returned too, as the size to which the digits of u refer
         return [[potential(N, f, D.u), N.coerce(self._edges[-1]) - N.coerce(self._edges[0])]]
 
 
-def directions_of_waves(K: Field, f: poly.Poly) -> tuple[tuple[Real, ...], tuple[Real, ...]]:
+def directions_of_waves(K: Arithmetic, f: poly.Poly) -> tuple[tuple[Real, ...], tuple[Real, ...]]:
     """The directions (c, c') of x and t: Σ_j γ_j^k dγ_j/y_j = c_k dx + c'_k dt."""
     gaps = len(f) // 2 - 1
     of_x, of_t = [K.zero] * gaps, [K.zero] * gaps
@@ -297,6 +307,6 @@ def directions_of_waves(K: Field, f: poly.Poly) -> tuple[tuple[Real, ...], tuple
     return tuple(of_x), tuple(of_t)
 
 
-def potential(K: Field, f: poly.Poly, u: poly.Poly) -> Any:
+def potential(K: Arithmetic, f: poly.Poly, u: poly.Poly) -> Real:
     """The solution at a pair: u = Σe_i − 2Σγ_j."""
     return K.add(f[-2], K.mul(poly.integer(K, 2), u[-2]))
