@@ -18,7 +18,6 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
-from integrable.mumford.fields import FormulaField
 from integrable.mumford.flow import BITS_OF_TORUS, RIGHT, element, long_digits
 from integrable.mumford.motion import MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
@@ -28,7 +27,7 @@ from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, poly
-from jacobian.element import Arithmetic, Numbers, Real, Value
+from jacobian.element import Arithmetic, FormulaField, Numbers, Real, Value
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, entries, shown
 from jacobian.fields.protocol import Field, check_field
 from jacobian.inexact.long_field import LongField
