@@ -16,11 +16,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from integrable.motion.trajectory import BodyMotion
+from integrable.moving_point.addition import Row
 from integrable.moving_point.legendre import integral
 from integrable.moving_point.problem import vectors
 from integrable.phase.body import cross
@@ -29,6 +30,7 @@ from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
 from integrable.torus.panels import Panels, panel_integrals
 from jacobian import RR
+from jacobian.element import Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
 
 if TYPE_CHECKING:
@@ -77,13 +79,13 @@ class Rolling:
     has lost.
     """
 
-    def __init__(self, flow: BodyMotion, number: Callable[[Any], Any] | None = None) -> None:
+    def __init__(self, flow: BodyMotion, number: Callable[[Real], Real] | None = None) -> None:
         """``number`` converts the constants from wide numbers: by default to floats over RR, else not at all."""
         self.flow = flow
         setup = flow.setup
         number = number or (float if flow.system.field == RR else setup.wide.coerce)
 
-        def numbers(*values: Any) -> np.ndarray:
+        def numbers(*values: Real) -> np.ndarray:
             return np.array([number(x) for x in values])
 
         system = widened(flow.system, setup.wide)
@@ -187,7 +189,7 @@ class Rolling:
         run = self.flow.at_tau(sign * tau)
         return self.rates(np.hstack([run.gamma, run.M]))
 
-    def _by_gauss(self, tau: np.ndarray, length: Any) -> np.ndarray:
+    def _by_gauss(self, tau: np.ndarray, length: Real) -> np.ndarray:
         """The bounded part at ``tau`` in multiprecision, by Gauss–Legendre rules between 0, the ends of panels and all
         τ.
         """
@@ -202,7 +204,7 @@ class Rolling:
         place = {t: k for k, t in enumerate(cuts)}
         return np.array([sums[place[t]] - sums[place[K.zero]] for t in tau], dtype=object).reshape(-1, 2)
 
-    def _gauss(self, first: Any, last: Any) -> np.ndarray:
+    def _gauss(self, first: Real, last: Real) -> np.ndarray:
         """The integral of :meth:`rates` from ``first`` to ``last``."""
         return integral(self.flow.system.field, lambda tau: self._at(1, tau), first, last, self.loss)
 
@@ -233,7 +235,7 @@ class PreciseContact:
             rolling, momentum = Rolling(flow, reals.number), setup.bare.momentum
         back = setup.bare.matrix
 
-        def rates(points: list[tuple[Any, ...]]) -> Any:
+        def rates(points: list[Row]) -> list[list[Real]]:
             rows = [[*gamma, *M] for gamma, M in (vectors(point, momentum, back) for point in points)]
             return rolling.rates(np.array(rows, dtype=object)).tolist()
 

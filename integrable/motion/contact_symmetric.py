@@ -16,8 +16,6 @@ The square roots in the two integrands are 1/g and 1/g̃.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from integrable.motion.trajectory import BodyMotion
@@ -26,6 +24,7 @@ from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
 from jacobian import RR
+from jacobian.element import Real
 
 
 class SymmetricPath:
@@ -45,7 +44,7 @@ class SymmetricPath:
         routh = (M[i] + body.d * c / other * gamma[i]) / wide.sqrt(body.conformal(gamma))
         length = wide.sqrt(wide.dot(w, w))
         factor, lean = -difference * body.contact[i - 1] * routh / (a * length), c / length
-        self._along: tuple[Any, Any, Any] = self._numbers(factor, body.d * difference, body.contact[i - 1])
+        self._along: tuple[Real, Real, Real] = self._numbers(factor, body.d * difference, body.contact[i - 1])
         self._contact = np.array(self._numbers(*body.contact))
 
         k, s, p = (tilt.k, tilt.s, tilt.p) if tilt else (wide.zero, wide.one, wide.one)
@@ -53,7 +52,7 @@ class SymmetricPath:
         routh, h2 = M[i] / wide.sqrt(body.conformal(gamma)), wide.dot(M, M)
         height = h2 + body.d * difference * routh * routh
         factor = -lean * difference * routh / (a * p * wide.sqrt(height))
-        self._spin: tuple[Any, Any, Any] = self._numbers(factor, -body.d * difference, body.contact[i] * h2 / height)
+        self._spin: tuple[Real, Real, Real] = self._numbers(factor, -body.d * difference, body.contact[i] * h2 / height)
         self._upright = np.array(self._numbers(*body.contact))
         self._change = self._numbers(p, p * k, -p / (s * wide.sqrt(height)))
 
@@ -69,7 +68,7 @@ class SymmetricPath:
             [self._primitive(*self._along, gamma[:, i], slow), self._primitive(*self._spin, z, slow_upright)], axis=1
         )
 
-    def _primitive(self, factor: Any, slope: Any, constant: Any, x: np.ndarray, root: np.ndarray) -> np.ndarray:
+    def _primitive(self, factor: Real, slope: Real, constant: Real, x: np.ndarray, root: np.ndarray) -> np.ndarray:
         """The integral factor·∫_0^x dx/√(constant + slope·x²); ``root`` is the value of the square root at x."""
         scale = abs(slope) ** 0.5
         if self._field == RR:
@@ -82,6 +81,6 @@ class SymmetricPath:
         result: np.ndarray = factor / scale * arc
         return result
 
-    def _numbers(self, x: Any, y: Any, z: Any) -> tuple[Any, Any, Any]:
+    def _numbers(self, x: Real, y: Real, z: Real) -> tuple[Real, Real, Real]:
         number = float if self._field == RR else self._field.coerce
         return number(x), number(y), number(z)

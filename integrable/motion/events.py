@@ -13,6 +13,7 @@ from integrable.phase.body import Body
 from integrable.phase.state import State
 from integrable.torus.panels import Panels, distinct, zeros
 from jacobian import RR
+from jacobian.element import Number
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, one_of, shown
 from jacobian.immutable import replaced
 
@@ -37,7 +38,7 @@ ROUNDING = 1e3
 MOST_STEPS = 100
 
 
-def events(flow: BodyMotion, condition: Condition, start: Any, end: Any, direction: int = 0) -> Trajectory:
+def events(flow: BodyMotion, condition: Condition, start: Number, end: Number, direction: int = 0) -> Trajectory:
     """The states at which ``condition`` changes sign between two physical times: see :meth:`Flow.events`."""
     if not callable(condition):
         raise ArgumentError(f"condition = {shown(condition)}: give a function of γ and M, arrays of shape (N, 3)")
@@ -100,7 +101,13 @@ def _values(flow: BodyMotion, condition: Condition, times: np.ndarray) -> np.nda
 
 
 def _polished(
-    flow: BodyMotion, condition: Condition, times: Any, slopes: Any, halves: Any, first: Any, last: Any
+    flow: BodyMotion,
+    condition: Condition,
+    times: np.ndarray,
+    slopes: np.ndarray,
+    halves: np.ndarray,
+    first: Any,
+    last: Any,
 ) -> np.ndarray:
     """Refines zeros to the precision of the flow, by Newton's method with the slopes of the panels, and keeps those
     between ``first`` and ``last``.

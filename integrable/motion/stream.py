@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from shutil import disk_usage
-from typing import Any
 
 import numpy as np
 from numpy.lib import format as npy
@@ -12,6 +11,7 @@ from numpy.lib import format as npy
 from integrable.files.whole import whole_file
 from integrable.motion.trajectory import Motion
 from jacobian import RR
+from jacobian.element import Number
 from jacobian.errors import ArgumentError, shown, whole
 
 # number of states that are computed together
@@ -19,7 +19,7 @@ CHUNK = 200_000
 BYTES_OF_A_STATE = 56
 
 
-def stream(flow: Motion, path: str | os.PathLike[str], start: Any, end: Any, count: int) -> None:
+def stream(flow: Motion, path: str | os.PathLike[str], start: Number, end: Number, count: int) -> None:
     """The implementation of :meth:`integrable.motion.flow.Flow.stream`."""
     if flow.system.field != RR:
         raise ArgumentError(f"field = {flow.system.field.name}: a stream is of floats; use RR")

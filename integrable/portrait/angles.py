@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from integrable.moving_point.setup import Setup
 from integrable.torus.oval_modes import OvalTorus
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.numbers.long_reals import BallReals
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 SPARE, LOST = 4, (0, 40, 160, 640)
 
 
-def start_angles(system: PhaseSpace, state: State, wide: Any, digits: int) -> tuple[Real, Real]:
+def start_angles(system: PhaseSpace, state: State, wide: MultiprecisionField, digits: int) -> tuple[Real, Real]:
     """The angles θ of the start, Σ∫(dx, x dx)/y = θ1·2(A0, A1) + θ2·2(B0, B1), modulo 1, to ``digits`` in the ``wide``
     field; PrecisionLoss if the ovals have nearly met.
     """

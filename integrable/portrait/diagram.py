@@ -8,7 +8,7 @@ consists of the rotations about its axis. X = 1 means M ∥ γ. All motions with
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -114,7 +114,7 @@ class Diagram(Record):
         return f"<Diagram of {self.system!r}>"
 
 
-def _reals(**given: Any) -> tuple[np.ndarray, ...]:
+def _reals(**given: Numbers) -> tuple[np.ndarray, ...]:
     """The named arguments, broadcast to arrays of one shape."""
     found = [floats(values, argument, "real numbers are needed") for argument, values in given.items()]
     for argument, values in zip(given, found, strict=True):

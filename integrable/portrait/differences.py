@@ -6,18 +6,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import ceil, log10
-from typing import Any
 
 import numpy as np
 
 from integrable.phase.body import Body, cross
 from integrable.phase.state import State
 from jacobian import MP
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
-from jacobian.fields.protocol import Field
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.progress import Progress
 
-Motion = Callable[[Body, State], Any]
+Motion = Callable[[Body, State], np.ndarray]
 """A function of a body and a state that returns γ and M at the times, shape (N, 6)."""
 
 # guard digits beyond those lost to the step and the derivatives, and the largest number of attempts when derivatives
@@ -29,7 +29,7 @@ MOTIONS = 18
 ONE_SIDED = (-3, 4, -1)
 
 
-def differences(motion: Motion, body: Body, state: State, digits: int, size: float) -> Any:
+def differences(motion: Motion, body: Body, state: State, digits: int, size: float) -> np.ndarray:
     """The derivatives ∂(γ, M)/∂(γ(0), M(0), I, d), (N, 6, 10), in mpf to ``digits``; ``size`` estimates the largest.
 
     Central differences with a step that ends at that many digits. PrecisionLoss where the derivatives are much larger
@@ -47,12 +47,12 @@ def differences(motion: Motion, body: Body, state: State, digits: int, size: flo
     raise PrecisionLoss(f"sensitivity: derivatives of {size:.0e} and more next to a separatrix; ask for earlier times")
 
 
-def _quotients(motion: Motion, body: Body, state: State, K: Any, step: Any) -> Any:
+def _quotients(motion: Motion, body: Body, state: State, K: MultiprecisionField, step: Real) -> np.ndarray:
     numbers = _numbers(body, state, K)
     gamma, M = numbers[:3], numbers[3:6]
     progress = Progress(f"sensitivity, by differences of motions in {K.dps} digits", MOTIONS)
 
-    def rows(shift: np.ndarray) -> Any:
+    def rows(shift: np.ndarray) -> np.ndarray:
         found = motion(*_inputs(numbers + shift, K))
         progress.add(1)
         return found
@@ -73,25 +73,25 @@ def _quotients(motion: Motion, body: Body, state: State, K: Any, step: Any) -> A
     return np.stack([*tangents, *columns[2:]], axis=2)
 
 
-def inputs_over(K: Field, body: Body, state: State) -> tuple[Body, State]:
+def inputs_over(K: MultiprecisionField, body: Body, state: State) -> tuple[Body, State]:
     """A body and a state in a field of more digits."""
     return _inputs(_numbers(body, state, K), K)
 
 
-def _numbers(body: Body, state: State, K: Any) -> Any:
+def _numbers(body: Body, state: State, K: MultiprecisionField) -> np.ndarray:
     """The ten numbers γ (normalized), M, I and d, in K."""
     found = np.array([K.coerce(x) for x in (*state.row, *body.inertia, body.d)], dtype=object)
     found[:3] /= K.sqrt(found[:3] @ found[:3])
     return found
 
 
-def _inputs(numbers: Any, K: Any) -> tuple[Body, State]:
+def _inputs(numbers: np.ndarray, K: MultiprecisionField) -> tuple[Body, State]:
     g1, g2, g3 = numbers[:3] / K.sqrt(numbers[:3] @ numbers[:3])
     m1, m2, m3, i1, i2, i3, d = numbers[3:]
     return Body.make((i1, i2, i3), d, K), State((g1, g2, g3), (m1, m2, m3), tilted=True)
 
 
-def _directions(K: Any, gamma: Any) -> list[Any]:
+def _directions(K: MultiprecisionField, gamma: np.ndarray) -> list[np.ndarray]:
     """Nine directions of ten numbers each: two unit vectors orthogonal to γ, then unit vectors of M, I and d."""
     axis = min(range(3), key=lambda i: abs(gamma[i]))
     unit = [K.one * (i == axis) for i in range(3)]

@@ -11,13 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from integrable.phase.body import Body
 from integrable.torus.long_clock import phases
 from integrable.torus.oval_modes import modes_of_rate
 from integrable.torus.series import LongSeries
+from jacobian.element import Real
 from jacobian.numbers.long_reals import BallReals
 
 
-def growth(run: Any, slopes: np.ndarray, digits: int) -> Any:
+def growth(run: Any, slopes: np.ndarray, digits: int) -> np.ndarray:
     """The secular part, shape (N, 6, 10), at the times of ``run``, a Trajectory over MP. ``slopes``, shape (2, 10), are
     the derivatives of both frequencies. PrecisionLoss where the modes of 1/g are too many.
     """
@@ -32,17 +34,19 @@ def growth(run: Any, slopes: np.ndarray, digits: int) -> Any:
     else:
         spin = _spin(body, run.gamma, run.M)
         Y = np.hstack([np.cross(run.gamma, spin), np.cross(run.M, spin)]) - _lean(run, (e1, e2), digits)[:, None] * x
-    return run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)
+    found: np.ndarray = run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)
+    return found
 
 
-def _spin(body: Any, gamma: Any, M: Any) -> Any:
+def _spin(body: Body, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
     """The vectors Ω = M/g + dg(γ, AM)γ of the field Y, shape (N, 3)."""
     slowness = np.frompyfunc(body.field.sqrt, 1, 1)(np.sum(np.array(body.contact) * gamma**2, axis=1))[:, None]
     along = np.sum(gamma * np.array(body.a) * M, axis=1)[:, None]
-    return slowness * M + body.d * along / slowness * gamma
+    spin: np.ndarray = slowness * M + body.d * along / slowness * gamma
+    return spin
 
 
-def _lean(run: Any, rates: tuple[Any, Any], digits: int) -> Any:
+def _lean(run: Any, rates: tuple[Real, Real], digits: int) -> np.ndarray:
     """The values of σ at the times of a run, shape (N,)."""
     import flint
 

@@ -34,12 +34,12 @@ class Level(NamedTuple):
     largest a_i, d̃, √H̃2, and s of Chaplygin's transformation. The numbers are all floats or all mpf.
     """
 
-    a: tuple[Any, Any, Any]
+    a: tuple[Real, Real, Real]
     axes: tuple[int, int, int]
     zeta: Any
-    d: Any
-    momentum: Any
-    s: Any
+    d: Real
+    momentum: Real
+    s: Real
 
     @staticmethod
     def of(setup: Setup) -> Level:
@@ -53,7 +53,7 @@ class Level(NamedTuple):
         return Level((a1, a2, a3), (axes[0], axes[1], axes[2]), zeta, problem.d / top, problem.momentum, s)
 
     @staticmethod
-    def at(body: Body, X: Any, zeta: Any) -> Level:
+    def at(body: Body, X: Real, zeta: Real) -> Level:
         """The level of all motions with H2 = 1, (γ, M)² = X < 1 and ζ between the least and the largest a_i.
 
         All of Chaplygin's transformation is rational in X and ζ.
@@ -72,7 +72,7 @@ class Level(NamedTuple):
         return bool(self.zeta < self.a[1])
 
     @property
-    def ends(self) -> tuple[Any, Any, Any, Any]:
+    def ends(self) -> tuple[Real, Real, Real, Real]:
         """The two ends of the first oval, then the two ends of the second."""
         a1, a2, a3 = self.a
         return a1, min(self.zeta, a2), max(self.zeta, a2), a3
@@ -84,12 +84,12 @@ class Level(NamedTuple):
         return 1 - self.d * a1, 1 - self.d * a2, 1 - self.d * a3
 
     @property
-    def pi(self) -> Any:
+    def pi(self) -> Real:
         """π as a float or mpf, like the level's numbers."""
         return math.pi if isinstance(self.zeta, float) else +self.zeta.context.pi
 
     @property
-    def eps(self) -> Any:
+    def eps(self) -> Real:
         """The rounding unit of the numbers."""
         return FLOAT_EPS if isinstance(self.zeta, float) else self.zeta.context.eps
 
@@ -100,27 +100,28 @@ class Level(NamedTuple):
         return bool(ends[2] - ends[1] > self.eps**0.75 * ends[3])
 
 
-def zeta_through(level: Level, phi: np.ndarray, momentum: np.ndarray) -> Any:
+def zeta_through(level: Level, phi: np.ndarray, momentum: np.ndarray) -> np.ndarray:
     """ζ of the motion, of the upright body of a level, through a point (φ, M̃_i/|M̃|) of its section γ̃_i = 0, i the
     axis of the largest moment (:mod:`integrable.portrait.section`): q − (q − a₁)M̃_i²/|M̃|². Arrays of floats.
     """
     a1, a2, a3 = map(float, level.a)
     d, c, s = float(level.d), np.cos(phi) ** 2, np.sin(phi) ** 2
     q = (a3 * c + a2 * s - d * a2 * a3) / (1 - d * (a2 * c + a3 * s))
-    return q - (q - a1) * momentum**2
+    found: np.ndarray = q - (q - a1) * momentum**2
+    return found
 
 
 class Ovals(NamedTuple):
     """The integrals A0, A1, B0, B1 and K0, K1, L0, L1; at d = 0 K and L equal A and B."""
 
-    A0: Any
-    A1: Any
-    B0: Any
-    B1: Any
-    K0: Any
-    K1: Any
-    L0: Any
-    L1: Any
+    A0: Real
+    A1: Real
+    B0: Real
+    B1: Real
+    K0: Real
+    K1: Real
+    L0: Real
+    L1: Real
 
     @staticmethod
     def of(level: Level) -> Ovals:
@@ -144,17 +145,19 @@ class Ovals(NamedTuple):
         return Ovals(*values, k0 / (size * top), k1 / size, l0 / (size * top), l1 / size)
 
     @property
-    def D(self) -> Any:
+    def D(self) -> Real:
         """The determinant A0·B1 − A1·B0, which is positive."""
-        return self.A0 * self.B1 - self.A1 * self.B0
+        area: Real = self.A0 * self.B1 - self.A1 * self.B0
+        return area
 
     @property
-    def slowness(self) -> Any:
+    def slowness(self) -> Real:
         """The quotient (K0·L1 − K1·L0)/D."""
-        return (self.K0 * self.L1 - self.K1 * self.L0) / self.D
+        slowed: Real = (self.K0 * self.L1 - self.K1 * self.L0) / self.D
+        return slowed
 
 
-def _thirds(ends: tuple[Any, ...], d: Any, pi: Any, near: float) -> tuple[Any, Any]:
+def _thirds(ends: tuple[Real, ...], d: Real, pi: Real, near: float) -> tuple[Real, Real]:
     """The integrals ∫x^k dx/((1 − dx)√|(x − a)(x − b)(x − c)(x − e)|), k = 0 and 1, from a to b; c, e lie beyond b."""
     a, b, c, e = ends
     if a == b:

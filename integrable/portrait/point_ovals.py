@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from jacobian import MP, poly
+from jacobian.element import FormulaField, Real
 from jacobian.errors import NotRepresentable
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.long_reals import BareReals
@@ -21,15 +22,21 @@ REAL = 3
 DIGITS_A_BIT = math.log10(2)
 
 
+Halves: TypeAlias = "Sequence[tuple[Any, Any]]"
+"""(sin ½φ, cos ½φ) of each point: long numbers, or columns."""
+Roots = tuple[list[Real], list[tuple[Real, Real]]]
+"""Real roots, and the real and imaginary parts of others."""
+
+
 class Form(NamedTuple):
     """The differential form numerator·dx/(Π(x − pole)·y); poles at branch points must be regular."""
 
     numerator: poly.Poly
-    poles: tuple[Any, ...] = ()
+    poles: tuple[Real, ...] = ()
 
-    def coefficient(self, N: Any, x: Any) -> Any:
+    def coefficient(self, N: FormulaField, x: Real) -> Real:
         """The quotient numerator/Π(x − pole) at x."""
-        value = poly.evaluate(N, self.numerator, x)
+        value: Real = poly.evaluate(N, self.numerator, x)
         for p in self.poles:
             value = value / (x - p)
         return value
@@ -45,12 +52,12 @@ class Separation(NamedTuple):
     """
 
     forms: Sequence[Form]
-    rates: Sequence[Any]
+    rates: Sequence[Real]
     action: Form | None = None
-    turns: Sequence[tuple[Form, Any]] = ()
-    momenta: tuple[Any, ...] = ()
-    known: tuple[Any, ...] = ()
-    factor: Callable[[Any], Any] | None = None
+    turns: Sequence[tuple[Form, Real]] = ()
+    momenta: tuple[Real, ...] = ()
+    known: tuple[Real, ...] = ()
+    factor: Callable[[Real], Real] | None = None
 
 
 class PointOval(NamedTuple):
@@ -60,22 +67,23 @@ class PointOval(NamedTuple):
     """
 
     place: int
-    lead: Any
-    middle: Any
-    radius: Any
-    others: tuple[tuple[Any, Any], ...]
+    lead: Real
+    middle: Real
+    radius: Real
+    others: tuple[tuple[Real, Real | None], ...]
 
-    def over(self, N: Any) -> PointOval:
+    def over(self, N: FormulaField) -> PointOval:
         """The oval in the numbers of another field."""
         others = tuple((N.coerce(e), None if s is None else N.coerce(s)) for e, s in self.others)
         return PointOval(self.place, N.coerce(self.lead), N.coerce(self.middle), N.coerce(self.radius), others)
 
-    def weight(self, N: Any, x: Any) -> Any:
+    def weight(self, N: FormulaField, x: Real) -> Real:
         """The value 1/√h at x, with f = (x − a)(b − x)h."""
-        h = -self.lead
+        h: Real = -self.lead
         for e, square in self.others:
             h *= x - e if square is None else (x - e) * (x - e) + square
-        return 1 / N.sqrt(h)
+        found: Real = 1 / N.sqrt(h)
+        return found
 
     @property
     def decay(self) -> float:
@@ -92,18 +100,19 @@ class PointOval(NamedTuple):
 class Pole(NamedTuple):
     """The part residue/(x − place) of a coefficient of dφ; its integral over φ is mean·(φ + swing)."""
 
-    place: Any
-    residue: Any
-    mean: Any
-    ratio: Any
+    place: Real
+    residue: Real
+    mean: Real
+    ratio: Real
 
-    def swing(self, phi: Any) -> Any:
+    def swing(self, phi: Real) -> Real:
         """The continuous branch of 2·atan(ratio·tan ½φ) − φ."""
         import gmpy2
 
         sine, cosine = gmpy2.sin_cos(phi / 2)
         # the angle between (cos, ratio·sin) and (cos, sin)
-        return 2 * gmpy2.atan2((self.ratio - 1) * sine * cosine, cosine * cosine + self.ratio * sine * sine)
+        found: Real = 2 * gmpy2.atan2((self.ratio - 1) * sine * cosine, cosine * cosine + self.ratio * sine * sine)
+        return found
 
     def swings(self, phi: np.ndarray) -> np.ndarray:
         """The values of :meth:`swing` at an array of floats φ."""
@@ -112,7 +121,7 @@ class Pole(NamedTuple):
         return found
 
 
-def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Any] = ()) -> tuple[list[Any], list[Any]]:
+def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Real] = ()) -> Roots:
     """The real roots of a polynomial in ascending order, and its complex roots with positive imaginary part.
 
     The roots in ``known`` are taken as exact.
@@ -126,7 +135,7 @@ def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Any] = ()) -> t
     return real, [(N.coerce(x.real), N.coerce(x.imag)) for x in found if x.imag > least * size]
 
 
-def oval_around(lead: Any, roots: tuple[list[Any], list[Any]], x: Any) -> PointOval:
+def oval_around(lead: Real, roots: Roots, x: Real) -> PointOval:
     """The real oval that contains x, or the nearest one if rounding left x outside."""
     real, pairs = roots
     last = len(real) - 1
@@ -137,12 +146,14 @@ def oval_around(lead: Any, roots: tuple[list[Any], list[Any]], x: Any) -> PointO
         raise NotRepresentable("a point of this motion is in no bounded oval: the motion is unbounded")
     k = min(places, key=lambda k: max(real[k] - x, x - real[k + 1], 0))
     below, above = real[k], real[k + 1]
-    others = [(e, None) for e in (*real[:k], *real[k + 2 :])] + [(e, s * s) for e, s in pairs]
+    others: list[tuple[Real, Real | None]] = [(e, None) for e in (*real[:k], *real[k + 2 :])]
+    others += [(e, s * s) for e, s in pairs]
     return PointOval(k, lead, (below + above) / 2, (above - below) / 2, tuple(others))
 
 
-def angle_in(N: LongField, oval: PointOval, x: Any, y: Any) -> Any:
+def angle_in(N: LongField, oval: PointOval, x: Real, y: Real) -> Real:
     """The angle φ of a point (x, y) of an oval."""
     import gmpy2
 
-    return gmpy2.atan2(y * oval.weight(N, x), oval.middle - x)
+    phi: Real = gmpy2.atan2(y * oval.weight(N, x), oval.middle - x)
+    return phi

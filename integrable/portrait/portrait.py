@@ -15,7 +15,7 @@ J are the actions of (γ, M) = 0 in :func:`integrable.phase.separation.to_separa
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from integrable.moving_point.elliptic_integrals import complete
 from integrable.moving_point.problem import vectors
@@ -23,6 +23,7 @@ from integrable.portrait.angles import start_angles
 from integrable.portrait.ovals import Level, Ovals
 from jacobian.element import Real
 from jacobian.errors import NotRepresentable
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.immutable import Immutable
 from jacobian.numbers.roots import root
 
@@ -95,7 +96,7 @@ class Portrait(Immutable):
         return self._field.coerce(first), self._field.coerce(second)
 
     @cached_property
-    def angles(self) -> tuple[Any, Any]:
+    def angles(self) -> tuple[Real, Real]:
         """(θ1, θ2) of the start in turns, modulo 1: θ + ντ is the motion. θ_k are conjugate to 2πJ_k.
 
         They are those of the divisor, 0 at (u1, u2) = (a₁, a₃): the eight states that share it have the same angles.
@@ -130,7 +131,7 @@ class Portrait(Immutable):
             )
         return self.ovals
 
-    def _means(self, rolls: bool) -> tuple[tuple[Any, Any], Any]:
+    def _means(self, rolls: bool) -> tuple[tuple[Real, Real], Real]:
         """The frequencies (ν1, ν2) and the mean of g over t, in wide numbers."""
         level, ovals = self.level, self.ovals
         if ovals is None:
@@ -144,7 +145,7 @@ class Portrait(Immutable):
         mean = 1 / (level.s * root(r1 * r2 * r3) * ovals.slowness) if rolls else D / D
         return (ovals.B1 / (2 * D), -ovals.A1 / (2 * D)), mean
 
-    def _rates(self, setup: Setup) -> tuple[Any, Any, Any]:
+    def _rates(self, setup: Setup) -> tuple[Real | None, Real | None, Real | None]:
         """The mean rates of precession, spin and polhode."""
         if self.axis is None:
             return None, None, None
@@ -153,7 +154,7 @@ class Portrait(Immutable):
         sign = pi if momentum > 0 else -pi
         return number(pi * turn), number(sign * rest), number(sign * (turn + rest))
 
-    def _rolling(self, system: PhaseSpace, state: State, K: Any) -> tuple[Any, Any]:
+    def _rolling(self, system: PhaseSpace, state: State, K: MultiprecisionField) -> tuple[Real | None, Real]:
         """The mean velocity of the point of contact and the mean of (γ, ω)."""
         zeta, number = self.level.zeta, self._field.coerce
         gamma, M = (tuple(map(K.coerce, v)) for v in state.vectors)

@@ -49,9 +49,10 @@ class Section(Record):
         self.rotation = rotation
 
     @property
-    def tau(self) -> Any:
+    def tau(self) -> np.ndarray:
         """The values of the flow's own time τ at the crossings, shape (N,)."""
-        return self.run.tau
+        found: np.ndarray = self.run.tau
+        return found
 
     def figure(self) -> Figure:
         """A picture: the crossings among the curves of other motions of the same upright body."""
@@ -99,7 +100,7 @@ def tilde(flow: Any, run: Any) -> tuple[np.ndarray, np.ndarray]:
     return run.gamma + k * run.M, run.M - shift * run.gamma
 
 
-def _refined(flow: Any, tau: Any, axis: int) -> Any:
+def _refined(flow: Any, tau: np.ndarray, axis: int) -> Any:
     """The Trajectory at the crossings near τ, by Newton steps on the flow, each of which doubles the digits."""
     K = flow.system.field
     for _ in range(1 if K == RR else ceil(log2(K.dps / ROUGH_DIGITS)) + 1):

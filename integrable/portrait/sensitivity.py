@@ -12,6 +12,7 @@ independent integral changes only shapes.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from math import ceil, log10
 from typing import TYPE_CHECKING, Any
@@ -25,8 +26,9 @@ from integrable.portrait.variations import Variation, gradient
 from integrable.torus.integrals import periods_of, resolved_samples
 from integrable.torus.series import TorusSeries, spectrum, together
 from jacobian import MP, RR
-from jacobian.element import Numbers
+from jacobian.element import Numbers, Real
 from jacobian.errors import NotRepresentable
+from jacobian.fields.protocol import Field
 from jacobian.immutable import Record, read_only
 
 if TYPE_CHECKING:
@@ -50,7 +52,12 @@ class Sensitivity(Record):
     """
 
     def __init__(
-        self, times: np.ndarray, matrix: np.ndarray, secular: np.ndarray | None, way: str, grown: Any = None
+        self,
+        times: np.ndarray,
+        matrix: np.ndarray,
+        secular: np.ndarray | None,
+        way: str,
+        grown: tuple[Any, ...] | None = None,
     ) -> None:
         """``secular`` is None where it is computed on request: then ``grown`` are the arguments of :func:`_grown`."""
         self.times, self.matrix, self._secular, self.way, self._inputs = times, matrix, secular, way, grown
@@ -109,7 +116,7 @@ def sensitivity(flow: Any, times: Numbers) -> Sensitivity:
     # a motion has two phases unless a point of its divisor is at rest or the ovals have met
     parted = flow.portrait.region in ("low", "high")
 
-    def rows(body: Body, state: State) -> Any:
+    def rows(body: Body, state: State) -> np.ndarray:
         """Returns γ and M in rows; if ``parted``, a last row holds both frequencies."""
         there = flow._through(body, state)
         states = there.at(run.times)
@@ -124,14 +131,15 @@ def sensitivity(flow: Any, times: Numbers) -> Sensitivity:
     return Sensitivity(run.times, _numbers(field, matrix[:-1]), None, "differences", grown)
 
 
-def _grown(times: Any, flow: Any, slopes: Any, digits: int, wide: int) -> Any:
+def _grown(times: np.ndarray, flow: Any, slopes: Sequence[Sequence[Real]], digits: int, wide: int) -> np.ndarray:
     """The secular part of differences of motions, from the derivatives of the frequencies."""
     there = flow._through(*inputs_over(MP(wide), flow.system.body, flow.state))
     return _numbers(flow.system.field, growth(there.at(times), np.array(slopes, dtype=object), digits))
 
 
-def _numbers(field: Any, found: Any) -> Any:
-    return np.frompyfunc(field.coerce, 1, 1)(found).astype(float if field == RR else object)
+def _numbers(field: Field, found: np.ndarray) -> np.ndarray:
+    numbers: np.ndarray = np.frompyfunc(field.coerce, 1, 1)(found).astype(float if field == RR else object)
+    return numbers
 
 
 class TorusVariations:
@@ -217,7 +225,7 @@ def _noise(most: np.ndarray) -> np.ndarray:
     return found
 
 
-def _lost(flow: Any, run: Any, matrix: Any) -> float:
+def _lost(flow: Any, run: Any, matrix: np.ndarray) -> float:
     """The digits lost in floats, relative to the largest element at every time.
 
     The scale comes from two exact symmetries: scaling moments, d and M together leaves γ(t) unchanged, and scaling M

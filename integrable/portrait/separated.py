@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from integrable.portrait.oval_angles import OvalAngles
 from integrable.portrait.point_ovals import (
     DIGITS_A_BIT,
     Form,
+    Halves,
     PointOval,
     Pole,
     Separation,
@@ -28,6 +28,7 @@ from integrable.portrait.point_ovals import (
 )
 from integrable.torus.series import long_spectrum
 from jacobian import MP, poly
+from jacobian.element import FormulaField, Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.linear import pivoted
@@ -60,20 +61,21 @@ class SeparatedTorus:
         if len({oval.middle for oval in self.ovals}) < len(points):
             raise NotRepresentable("two points of this motion share an oval: it has no separate turns")
         self.start = [angle_in(N, oval, x, poly.evaluate(N, v, x)) for oval, x in zip(self.ovals, points, strict=True)]
-        self._known: list[Any] = curve[0]
+        self._known: list[Real] = curve[0]
         self._pi = N.coerce(MP(DIGITS_BEYOND + math.ceil(N.bits * DIGITS_A_BIT)).context.pi)
 
     @property
-    def one(self) -> Any:
+    def one(self) -> Real:
         """The number 1."""
-        return self._field.one
+        one: Real = self._field.one
+        return one
 
     @cached_property
     def forms(self) -> list[Form]:
         return [*self.separation.forms, *(form for form, _ in self.separation.turns)]
 
     @cached_property
-    def _values(self) -> list[list[list[Any]]]:
+    def _values(self) -> list[list[list[Real]]]:
         """The coefficients of dφ of all forms at the nodes of each oval, without those of :attr:`poles`."""
         return [self._sampled(oval, self.forms) for oval in self.ovals]
 
@@ -97,8 +99,8 @@ class SeparatedTorus:
         return found
 
     def _sampled(
-        self, oval: PointOval, forms: Sequence[Form], factor: Callable[[Any], Any] | None = None
-    ) -> list[list[Any]]:
+        self, oval: PointOval, forms: Sequence[Form], factor: Callable[[Real], Real] | None = None
+    ) -> list[list[Real]]:
         """The coefficients of dφ, times ``factor``, at φ = π(k + ½)/n, without those of their poles."""
         import gmpy2
 
@@ -108,7 +110,7 @@ class SeparatedTorus:
         if wanted > MOST_NODES:
             raise PrecisionLoss("branch points nearly meet: the motion is too near to a separatrix")
         count = 1 << math.ceil(math.log2(wanted))
-        rows: list[list[Any]] = [[] for _ in forms]
+        rows: list[list[Real]] = [[] for _ in forms]
         for k in range(count):
             x = oval.middle - oval.radius * gmpy2.cos(self._pi * (2 * k + 1) / (2 * count))
             weight = oval.weight(N, x) * (factor(x) if factor else N.one)
@@ -120,14 +122,14 @@ class SeparatedTorus:
         return rows
 
     @cached_property
-    def means(self) -> list[list[Any]]:
+    def means(self) -> list[list[Real]]:
         """The mean of the coefficient of dφ, for each oval and form."""
         return [
             [_mean(row, poles) for row, poles in zip(rows, places, strict=True)]
             for rows, places in zip(self._values, self.poles, strict=True)
         ]
 
-    def phase_of(self, sums: Sequence[Any]) -> list[Any]:
+    def phase_of(self, sums: Sequence[Real]) -> list[Real]:
         """The phases in turns, one for each oval, at which the forms have these sums."""
         N, genus = self._field, len(self.ovals)
         rows = [[2 * self._pi * means[j] for means in self.means] + [N.coerce(sums[j])] for j in range(genus)]
@@ -137,13 +139,13 @@ class SeparatedTorus:
         return found
 
     @cached_property
-    def waves(self) -> list[list[list[Any]]]:
+    def waves(self) -> list[list[list[Real]]]:
         """The numbers 2w_n/n, n = 1, 2, …, for each oval and form; w_n are the modes of its coefficient of dφ."""
         import gmpy2
 
         N = self._field
 
-        def of_row(row: list[Any]) -> list[Any]:
+        def of_row(row: list[Real]) -> list[Real]:
             # the nodes are shifted by half a step
             samples = np.array([*row, *reversed(row)], dtype=object)[:, None]
             modes = long_spectrum(samples, BareReals(N.bits))[1 : len(row), 0]
@@ -154,7 +156,7 @@ class SeparatedTorus:
 
         return [[of_row(row) for row in rows] for rows in self._values]
 
-    def _sums(self, angles: Sequence[Any]) -> list[Any]:
+    def _sums(self, angles: Sequence[Real]) -> list[Real]:
         """The sums over the points of the integrals of all forms from the lower ends to these angles."""
         import gmpy2
 
@@ -170,11 +172,11 @@ class SeparatedTorus:
         return found
 
     @cached_property
-    def phases(self) -> list[Any]:
+    def phases(self) -> list[Real]:
         """The phases of the start, in turns: one for each oval, 0 at its lower end."""
         return self.phase_of(self._sums(self.start))
 
-    def pair_at(self, N: Any, halves: Sequence[tuple[Any, Any]], ends: Sequence[Any]) -> tuple[Any, Any, list[Any]]:
+    def pair_at(self, N: FormulaField, halves: Halves, ends: Sequence[Real]) -> tuple[poly.Poly, poly.Poly, Halves]:
         """(U, V, [(σ, V(e)/σ) at each of the branch points ``ends``]), where σ² = |U(e)|, in the numbers of N.
 
         ``halves`` are (sin ½φ, cos ½φ) of each point. σ changes its sign with the half angle of the point that turns
@@ -194,8 +196,14 @@ class SeparatedTorus:
         return u, tuple(v), [self._lift_at(N, e, ovals, points, halves, shares) for e in ends]
 
     def _lift_at(
-        self, N: Any, end: Any, ovals: Sequence[PointOval], points: Sequence[Any], halves: Sequence[Any], shares: Any
-    ) -> Any:
+        self,
+        N: FormulaField,
+        end: Real,
+        ovals: Sequence[PointOval],
+        points: Sequence[Real],
+        halves: Halves,
+        shares: Sequence[Real],
+    ) -> tuple[Real, Real]:
         """The pair (σ, V(e)/σ) at a branch point e; ``shares`` are y/Π(x − other points) over r·sin φ."""
         place, e = self.place_of(end), N.coerce(end)
         own, root, rest, size = None, N.one, N.one, N.one
@@ -217,17 +225,17 @@ class SeparatedTorus:
         return root * far, slope / far
 
     @property
-    def halves(self) -> list[tuple[Any, Any]]:
+    def halves(self) -> list[tuple[Real, Real]]:
         """(sin ½φ, cos ½φ) of each point at the start."""
         import gmpy2
 
         return [gmpy2.sin_cos(phi / 2) for phi in self.start]
 
-    def place_of(self, e: Any) -> int:
+    def place_of(self, e: Real) -> int:
         """The index of a branch point among the real branch points in ascending order."""
         return min(range(len(self._known)), key=lambda k: abs(self._known[k] - e))
 
-    def angles_at(self, time: Any) -> tuple[list[Any], list[Any]]:
+    def angles_at(self, time: Real) -> tuple[list[Real], list[Real]]:
         """(angles φ of all points, growth of each further angle) after a time from the start."""
         N, genus = self._field, len(self.ovals)
         whole, rest = [], []
@@ -268,7 +276,7 @@ class SeparatedTorus:
         return np.stack(found, axis=1) if found else np.zeros((len(angles), 0))
 
     @property
-    def swings_at_start(self) -> list[Any]:
+    def swings_at_start(self) -> list[Real]:
         """The angles about an axis at the start, minus their parts linear in the phases."""
         sums, genus = self._sums(self.start), len(self.ovals)
         return [
@@ -286,7 +294,7 @@ class SeparatedTorus:
         sizes = [int(np.flatnonzero(k.any(axis=1)).max(initial=0)) + 1 for k in kept]
         return OvalAngles(means, tuple(w[:n] for w, n in zip(waves, sizes, strict=True)))
 
-    def _slopes(self, oval: PointOval, phi: Any) -> list[Any]:
+    def _slopes(self, oval: PointOval, phi: Real) -> list[Real]:
         """The coefficients of dφ of the g forms."""
         import gmpy2
 
@@ -294,7 +302,7 @@ class SeparatedTorus:
         return [form.coefficient(self._field, x) * oval.weight(self._field, x) for form in self.separation.forms]
 
     @cached_property
-    def frequencies(self) -> list[Any]:
+    def frequencies(self) -> list[Real]:
         """The frequencies in turns per unit of time: of each point, upwards where y > 0, then of further angles."""
         found = self.phase_of(self.separation.rates)
         if self.separation.factor is not None:
@@ -305,7 +313,7 @@ class SeparatedTorus:
             found.append(rate / (2 * self._pi) + turned)
         return found
 
-    def _slowness(self, factor: Callable[[Any], Any]) -> Any:
+    def _slowness(self, factor: Callable[[Real], Real]) -> Real:
         """The mean of the product of ``factor`` over two points: a quotient of determinants of integrals."""
         slowed = [self._sampled(oval, self.separation.forms, factor) for oval in self.ovals]
         areas = []
@@ -315,7 +323,7 @@ class SeparatedTorus:
         return areas[0] / areas[1]
 
     @cached_property
-    def actions(self) -> list[Any] | None:
+    def actions(self) -> list[Real] | None:
         """The actions (1/2π)∮p dq over the cycles of the frequencies; None if the system has no action form."""
         form = self.separation.action
         if form is None:
@@ -327,5 +335,5 @@ class SeparatedTorus:
         return [*found, *self.separation.momenta]
 
 
-def _mean(row: Sequence[Any], poles: Sequence[Pole]) -> Any:
+def _mean(row: Sequence[Real], poles: Sequence[Pole]) -> Real:
     return sum(row) / len(row) + sum(pole.mean for pole in poles)

@@ -74,13 +74,13 @@ class Spectrum(Record):
     Σ a·e^(2πift). The line 0 is the mean.
     """
 
-    gamma: Any
-    M: Any
-    omega: Any
-    q: Any
-    p: Any
+    gamma: np.ndarray
+    M: np.ndarray
+    omega: np.ndarray
+    q: np.ndarray
+    p: np.ndarray
 
-    def __init__(self, modes: Any, frequencies: Any, quantities: dict[str, Any]) -> None:
+    def __init__(self, modes: np.ndarray, frequencies: np.ndarray, quantities: dict[str, np.ndarray]) -> None:
         self.modes, self.frequencies = modes, frequencies
         self.quantities = tuple(quantities)
         for name, amplitudes in quantities.items():

@@ -28,9 +28,10 @@ class TorusPortrait(Immutable):
         self.frequencies, self.actions = tuple(x for (x,) in rows), tuple(actions) or None
 
     @property
-    def rotation_number(self) -> Any:
+    def rotation_number(self) -> Real:
         """The quotient of the first two frequencies."""
-        return self.frequencies[0] / self.frequencies[1]
+        quotient: Real = self.frequencies[0] / self.frequencies[1]
+        return quotient
 
     @property
     def periods(self) -> tuple[Real, ...]:
@@ -54,7 +55,7 @@ class TorusPortrait(Immutable):
         return f"<TorusPortrait: frequencies {', '.join(f'{float(f):.6g}' for f in self.frequencies)}>"
 
 
-def _numbers_of(torus: SeparatedTorus) -> list[list[Any]]:
+def _numbers_of(torus: SeparatedTorus) -> list[list[Real]]:
     """Signs that make the actions of ovals positive, then with these signs the actions and each frequency."""
     actions, one = torus.actions, torus.one
     genus = len(torus.ovals)

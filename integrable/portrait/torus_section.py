@@ -35,13 +35,14 @@ class TorusSection(Record):
     1,).
     """
 
-    def __init__(self, path: Any, theta: Any, rotation: Any) -> None:
+    def __init__(self, path: Any, theta: np.ndarray, rotation: np.ndarray) -> None:
         self.path, self.theta, self.rotation = path, theta, rotation
 
     @property
-    def times(self) -> Any:
+    def times(self) -> np.ndarray:
         """The times of the crossings, shape (N,)."""
-        return self.path.times
+        found: np.ndarray = self.path.times
+        return found
 
     def __len__(self) -> int:
         return len(self.theta)

@@ -4,18 +4,19 @@ floats, and in multiprecision like that of 1/g in :mod:`integrable.torus.long_cl
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from integrable.moving_point.addition import moving_point, shift
+from integrable.moving_point.addition import Row, moving_point, shift
 from integrable.torus.corners import Corners, resolved
 from integrable.torus.long_clock import phases
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.series import LongSeries, TorusSeries, long_spectrum, needed_sizes, spectrum, together
 from integrable.torus.states import turned
 from integrable.torus.walks import KNOWN
+from jacobian.element import Real
 from jacobian.numbers.long_reals import BallReals
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ MOST_SAMPLES, SAMPLES_A_DIGIT = 1 << 15, 32
 
 Function = Callable[[np.ndarray], np.ndarray]
 """A function of states, γ and M side by side, shape (N, 6), that gives m numbers for each, shape (N, m)."""
-Pairs = Callable[[list[tuple[Any, ...]]], list[tuple[Any, Any]]]
+Pairs = Callable[[list[Row]], Sequence[Sequence[Real]]]
 """A function that gives two bare reals for each of several moving points."""
 
 
@@ -137,7 +138,7 @@ class LongIntegral:
         self._frequencies = nu[0], nu[1]
         noise = 8 * loops.noise
 
-        def transformed(samples: Any) -> tuple[np.ndarray, tuple[int, int]]:
+        def transformed(samples: np.ndarray) -> tuple[np.ndarray, tuple[int, int]]:
             grid = long_spectrum(samples, loops.reals)
             return grid, needed_sizes(grid, (noise, noise))
 
@@ -154,20 +155,20 @@ class LongIntegral:
             least = float(min(1, loops.noise * most / size)) if size else 1.0
             self._series.append(LongSeries(self._half_plane(grid), self._frequencies, self._wide, least))
 
-    def at(self, tau: Any) -> tuple[Any, Any]:
+    def at(self, tau: Real) -> tuple[Real, Real]:
         """Both integrals at τ, wide numbers."""
         angles = phases(tau, self._frequencies, self._wide)
         first, second = (series.at([angles])[0] for series in self._series)
         return first, second
 
-    def _half_plane(self, grid: np.ndarray) -> list[list[Any]]:
+    def _half_plane(self, grid: np.ndarray) -> list[list[Real]]:
         """The modes of a grid in the form that :class:`~integrable.torus.series.LongSeries` takes."""
         from flint import acb
 
         rows, most = (grid.shape[0] + 1) // 2, grid.shape[1] // 2 - 1
         element, wide, balls = self._reals.element, self._wide, BallReals(self._reals.bits)
 
-        def number(c: Any) -> Any:
+        def number(c: Any) -> acb:
             return acb(*(balls.number(element(wide, x)) for x in (c.real, c.imag)))
 
         with balls:
@@ -177,12 +178,12 @@ class LongIntegral:
 class _Values(Corners):
     """Samples of F₁ + iF₂."""
 
-    def __init__(self, setup: Setup, loops: Any, most: int, function: Pairs) -> None:
+    def __init__(self, setup: Setup, loops: ReadableLoops, most: int, function: Pairs) -> None:
         super().__init__(setup, loops, most)
         self._function = function
         self.doubled = (1 + self.odd[0], 1 + self.odd[1])
 
-    def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Any:
+    def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> np.ndarray:
         places, points = zip(*self._points(sizes, known), strict=True)
         blocks = []
         with self.loops.reals as reals:
@@ -198,9 +199,7 @@ class _Values(Corners):
         whole = np.block([blocks[width * i : width * (i + 1)] for i in range(self.doubled[0])])
         return self.completed(whole, known)
 
-    def _points(
-        self, sizes: tuple[int, int], known: np.ndarray | None
-    ) -> Iterator[tuple[tuple[int, int], tuple[Any, ...]]]:
+    def _points(self, sizes: tuple[int, int], known: np.ndarray | None) -> Iterator[tuple[tuple[int, int], Row]]:
         """((row, column), moving point) for every point of the grid whose value is not known."""
         (rows, columns), fine = self.sizes, self.fine(sizes, known)
         self.loops.offsets(self._packed_curve, self._packed_small, fine)
@@ -221,7 +220,7 @@ class _Values(Corners):
                     point = self._turned(point, row < 0, column < 0)
                 yield (row % sizes[0], column % sizes[1]), point
 
-    def _turned(self, point: tuple[Any, ...], first: int, second: int) -> tuple[Any, ...]:
+    def _turned(self, point: Row, first: int, second: int) -> Row:
         """The point one period further in the first direction, then in the second."""
         if first:
             point = turned(point, self.signs, 0)

@@ -9,11 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import log10
-from typing import Any
 
 import numpy as np
 
-from integrable.moving_point.addition import opposite, rate_after
+from integrable.moving_point.addition import Row, opposite, rate_after
 from integrable.moving_point.legendre import legendre_transform
 from integrable.moving_point.setup import Setup
 from integrable.moving_point.translations import Translations
@@ -31,6 +30,10 @@ FLAT, FLATTEST = 1e-6, 1e-16
 SAMPLES = range(0, 512, 61)
 
 
+Packed = tuple[tuple[int, int], tuple[int, int], tuple[bool, bool], np.ndarray, np.ndarray, tuple[int, int], np.ndarray]
+"""Translations as :meth:`PanelRates.around` takes them: those of a grid of one row (:mod:`integrable.torus.walks`)."""
+
+
 class PanelRates:
     """1/g around the moving points of a setup; values are right to 10^−``digits``."""
 
@@ -42,14 +45,14 @@ class PanelRates:
         self._curve = self._packed([setup.bare.f])[0], axes, axes
         self._checked = 0
 
-    def steps(self, steps: Sequence[Any]) -> Any:
+    def steps(self, steps: Sequence[Row]) -> Packed:
         """Translations as :meth:`around` takes them."""
         rows = np.zeros((len(steps), 20, 2))
         rows[:, :10] = self._packed(steps)
         counts, rest = np.ones(len(steps), dtype=np.int64), np.zeros((2, 2))
         return (1, 1), (1, len(steps)), (False, False), rows.reshape(-1, 2), counts, (0, 0), rest
 
-    def values(self, point: Real, packed: Any) -> np.ndarray:
+    def values(self, point: Row, packed: Packed) -> np.ndarray:
         """1/g after each translation in ``packed``, which :meth:`steps` made, as double-doubles, shape (N, 2)."""
         count = packed[1][1]
         rates, other = np.empty((count, 2)), np.empty((count, 2))
@@ -57,12 +60,12 @@ class PanelRates:
         # a grid around a corner begins at the corner itself
         return np.roll(rates, (count - 1) // 2, axis=0)
 
-    def around(self, point: Any, steps: Sequence[Real], packed: Any) -> np.ndarray | None:
+    def around(self, point: Row, steps: Sequence[Row], packed: Packed) -> np.ndarray | None:
         """The same for ``steps`` and their packed form; None if double-doubles have too few digits."""
         rates = self.values(point, packed)
         return rates if self._right(point, steps, rates) else None
 
-    def _right(self, point: Any, steps: Sequence[Any], rates: np.ndarray) -> bool:
+    def _right(self, point: Row, steps: Sequence[Row], rates: np.ndarray) -> bool:
         """Whether a sample of the values, which varies from panel to panel and includes the ends, agrees with values of
         all digits.
         """
@@ -76,7 +79,7 @@ class PanelRates:
                     return False
         return True
 
-    def _packed(self, rows: Sequence[Any]) -> np.ndarray:
+    def _packed(self, rows: Sequence[Row]) -> np.ndarray:
         """Rows of bare reals as double-doubles, shape (rows, numbers, 2)."""
         with self._setup.reals:
             high = [[float(x) for x in row] for row in rows]
@@ -96,7 +99,7 @@ class Scouts:
         self._setup = setup
         self._rates = PanelRates(setup, 0) if compiled else None
         self._found: dict[tuple[int, int], float] = {}
-        self._rules: dict[int, tuple[list[Any], list[list[Any]]]] = {}
+        self._rules: dict[int, tuple[list[Row], list[list[Real]]]] = {}
 
     def digits_a_node(self, sign: int, length: int) -> float:
         """Digits gained per Legendre coefficient of 1/g over ``length`` cells in a direction, at worst."""
@@ -115,7 +118,7 @@ class Scouts:
         last = max((k for k in range(1, len(sizes)) if sizes[k] > LEAST_SEEN), default=1)
         return -log10(max(sizes[last], LEAST_SEEN)) / last
 
-    def _sizes(self, sign: int, length: int, number: Any) -> list[float]:
+    def _sizes(self, sign: int, length: int, number: Callable[[Real], Real]) -> list[float]:
         """The largest Legendre coefficients over some panels, relative to the first, computed in ``number``."""
         setup = self._setup
         steps, rows = self._rule(length)
@@ -131,7 +134,7 @@ class Scouts:
             sizes = [max(a, b / found[0]) for a, b in zip(sizes, found, strict=True)]
         return sizes
 
-    def _rule(self, length: int) -> tuple[list[Any], list[list[Any]]]:
+    def _rule(self, length: int) -> tuple[list[Row], list[list[Real]]]:
         """Translations to the nodes of a panel, and the matrix from values there to a Legendre series."""
         if length not in self._rules:
             problem, reals = self._setup.problem, BareReals(SCOUT_BITS)
@@ -140,13 +143,15 @@ class Scouts:
             self._rules[length] = translations.at_nodes(x, length), rows
         return self._rules[length]
 
-    def _transform(self, steps: list[Any], rows: list[list[Any]], number: Any) -> Callable[[Any], list[float]]:
+    def _transform(
+        self, steps: list[Row], rows: list[list[Real]], number: Callable[[Real], Real]
+    ) -> Callable[[Row], list[float]]:
         """A function that returns the sizes of the coefficients around a moving point."""
         setup, rates = self._setup, self._rates
         if rates and number is float:
             packed, transform = rates.steps(steps), np.array(rows, dtype=float)
 
-            def wide_sizes(point: Real) -> list[float]:
+            def wide_sizes(point: Row) -> list[float]:
                 high, low = rates.values(point, packed).T
                 # so that the coefficients of a nearly constant function keep their digits
                 series = transform @ (high - high[0] + (low - low[0]))
@@ -158,7 +163,7 @@ class Scouts:
         matrix = [[number(c) for c in row] for row in rows]
         f, axes = (tuple(map(number, row)) for row in (setup.bare.f, setup.bare.axes))
 
-        def sizes(point: Any) -> list[float]:
+        def sizes(point: Row) -> list[float]:
             values = [rate_after(f, axes, tuple(map(number, point)), step) for step in nodes]
             return [abs(float(sum(c * v for c, v in zip(row, values, strict=True)))) for row in matrix]
 
