@@ -50,12 +50,12 @@ class TorusCost(NamedTuple):
 
 # costs without a clock, with a clock, and for moments whose I/(I + d) differ by the factor THINNER: 1/g then has far
 # more Fourier modes
-FREE, ROLLING, THIN = TorusCost(600.0, 0.7, 0.3), TorusCost(1100.0, 3.0, 1.0), TorusCost(4500.0, 6.0, 5.5)
+FREE, ROLLING, THIN = TorusCost(600.0, 0.7, 0.3), TorusCost(1100.0, 3.0, 1.0), TorusCost(2600.0, 6.0, 5.5)
 THINNER = 20.0
 DENSE_FROM = 5000
 # states from panels are less accurate than states from a torus by some roundings: a single run must therefore be WORTH
 # times cheaper than the torus. Many runs need to be only as cheap
-WORTH, WORTH_OF_MANY = 2.0, 1.0
+WORTH, WORTH_OF_MANY = 1.5, 1.0
 # largest number of panels: errors grow with the number, as the effect of input rounding does
 MOST_PANELS = 3000
 # largest number of times

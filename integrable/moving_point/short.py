@@ -79,6 +79,8 @@ APART = 2.0**-45
 # after PACED panels the time per panel is known up to a factor of UNSTEADY; a run that cannot reach its end at that
 # pace is abandoned
 PACED, UNSTEADY = 32, 1.05
+# a run under way may take 1/SPARE more panels than planned: to give up near the end would waste them all
+SPARE = 4
 # reasons to abandon a run: rounding in floats, panels that do not converge, too many panels, too few digits. UNSORTED
 # times are a reason not to start it
 ROUNDING, UNRESOLVED, FAR, LOST, UNSORTED = 1, 2, 3, 4, 5
@@ -156,7 +158,7 @@ def one_way(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bo
     level, n = 0, 0
     while 0 <= i < len(request.order):
         # a halved panel costs more than one panel
-        if n >= most or room.made[3] > 2 * request.most:
+        if n >= most + most // SPARE or room.made[3] > 2 * request.most:
             return FAR
         status = centre_after(room, n, sign)
         if status != 0:

@@ -181,6 +181,8 @@ def energy(a: Sequence[Real], weight: Real, gamma: Sequence[Real], M: Sequence[R
 
 def triple(field: Field, values: Any, argument: str) -> Vector:
     """The three given values as elements of the field; other input raises an ArgumentError that names ``argument``."""
+    if getattr(values, "shape", None) == (3,):
+        values = values.tolist()
     if field is RR and type(values) in (list, tuple) and len(values) == 3:
         x, y, z = values
         # fast path: building the argument's names for messages would cost a large part of a short run
