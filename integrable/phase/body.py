@@ -121,7 +121,7 @@ class Body(Generic[Element]):
         K = self.field
         return Integrals(K.dot(gamma, gamma), K.dot(gamma, M), K.dot(self.omega(gamma, M), M), K.dot(M, M))
 
-    def energies(self, gamma: Any, M: Any) -> tuple[Any, Any]:
+    def energies(self, gamma: Iterable[Real], M: Iterable[Real]) -> tuple[Any, Any]:
         """(H1, H2), computed with operators: γ and M are three real numbers each or three arrays each."""
         (r1, r2, r3), (x1, x2, x3), (m1, m2, m3) = self.contact, gamma, M
         weight = self.d / (r1 * x1 * x1 + r2 * x2 * x2 + r3 * x3 * x3)
@@ -170,7 +170,7 @@ def unwarned() -> Iterator[None]:
         _unwarned.reset(before)
 
 
-def energy(a: Sequence[Real], weight: Real, gamma: Sequence[Real], M: Sequence[Real]) -> Any:
+def energy(a: Iterable[Real], weight: Real, gamma: Iterable[Real], M: Iterable[Real]) -> Any:
     """H1 = (ω, M) = (M, AM) + weight·(γ, AM)² with weight = d·g², computed with operators."""
     # written out for speed: every step of a map compares the energies of its image
     (a1, a2, a3), (x1, x2, x3), (m1, m2, m3) = a, gamma, M
@@ -208,7 +208,7 @@ def cross(field: Arithmetic, x: Vector, y: Vector) -> Vector:
     )
 
 
-def _check_moment(field: Any, moment: Any, d: Any, i: int) -> None:
+def _check_moment(field: Field, moment: Real, d: Real, i: int) -> None:
     if field.characteristic == 0 and moment <= 0:
         raise ArgumentError(
             f"inertia[{i}] = {written(moment)} is not positive: a moment of inertia is > 0, so that d·a_i < 1"

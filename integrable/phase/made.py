@@ -66,7 +66,7 @@ def _short(n: int) -> int | str:
     return n if n.bit_length() < MOST_BITS else hex(n)
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     """The ``repr`` of a plain value; an int that is stored as text in base 16 is written without quotes."""
     if isinstance(value, tuple):
         return f"({', '.join(map(_text, value))}{',' if len(value) == 1 else ''})"

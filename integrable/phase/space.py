@@ -93,7 +93,7 @@ class PhaseSpace(Made, Generic[Element]):
                 )
         return State(x, m, self._root(x, g), tilted=tilted)
 
-    def _root(self, gamma: Vector[Element], g: Any) -> Element | None:
+    def _root(self, gamma: Vector[Element], g: Element | Value | None) -> Element | None:
         """The root of g² that a state over this field carries: None over the reals and at d = 0."""
         K = self.field
         if not (K.exact and self.body.rolls):
@@ -279,7 +279,7 @@ class PhaseSpace(Made, Generic[Element]):
         return named(type(self).__name__, [*facts, ("d", self.d)] if self.body.rolls else facts)
 
 
-def check_state(system: Any, state: Any) -> State:
+def check_state(system: Made, state: object) -> State:
     """``state`` unchanged. Raises ArgumentError, with a hint how to make a state, if the argument is not a State, and
     FieldError if its numbers are of another field.
     """
@@ -293,13 +293,13 @@ def check_state(system: Any, state: Any) -> State:
     return state
 
 
-def check_moving(K: Field, h2: Any) -> None:
+def check_moving(K: Field[Element], h2: Element) -> None:
     """Raises ArgumentError if H2 = (M, M) is 0."""
     if h2 == K.zero:
         raise ArgumentError(f"H2 = {written(h2)}: (M, M) must not vanish; a body at rest has no curve")
 
 
-def _pair(K: Any, values: Any, argument: str) -> list[Any]:
+def _pair(K: Field[Element], values: Iterable[Value], argument: str) -> list[Element]:
     given = entries(values, argument, "a sequence of two numbers")
     if len(given) != 2:
         raise ArgumentError(f"{argument} = {shown(values)}: give two numbers")
@@ -317,7 +317,7 @@ def _show(vector: Vector) -> str:
     return "(" + ", ".join(map(written, vector)) + ")"
 
 
-def _precision(K: Any) -> str:
+def _precision(K: Field) -> str:
     if K.exact or K.name == "RR":
         return ""
     return f" to {K.name}; give decimal strings rather than floats"
