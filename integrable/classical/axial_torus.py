@@ -27,11 +27,9 @@ from integrable.mumford.elliptic_torus import (
     inverse_factorials,
     long_numbers,
     means,
-    nome_of,
     part_of_round,
-    terms_of,
-    thetas,
-)  # fmt: skip
+    theta_table,
+)
 from integrable.mumford.flow import MumfordFlow, Point
 from integrable.portrait.separated import SeparatedTorus
 from integrable.torus.witness import TURNS
@@ -51,17 +49,6 @@ LOST, NOTHING = 2.0**-130, 2.0**-90
 Arrays = tuple[np.ndarray, ...]
 
 
-class Turns(NamedTuple):
-    """The coefficients of e^{±ikv} in θ(v − ia), k = 2n + 1, divided by the largest.
-
-    ``ahead`` are the coefficients of +k, ``back`` those of −k. ``pace`` is −iθ₂'/θ₂ at −ia.
-    """
-
-    ahead: list[Real]
-    back: list[Real]
-    pace: Real
-
-
 class AxialTorus:
     """States of a motion of :class:`~integrable.classical.axial.AxialSystem` in floats at any times.
 
@@ -72,7 +59,7 @@ class AxialTorus:
         with long_numbers(BITS) as N:
             inner = system._constrained(N, system._inside(N, state))
             axis, top = system._axis(N, inner), system._top(N, inner)
-            gaps = Gaps.of(N, system._curve(N, inner), axis)
+            gaps = Gaps.of(N, system._curve(N, inner))
         with long_numbers(FEWER_BITS) as N:
             numbers, table = _steady(N, gaps, axis) if gaps.steady else _turning(N, gaps, axis)
             row = double_double_row((*numbers, *(top or (N.zero,) * 3)))
@@ -165,9 +152,8 @@ class Gaps(NamedTuple):
     steady: bool
 
     @staticmethod
-    def of(N: LongField, f: poly.Poly, axis: Axis) -> Gaps:
-        """The gaps of a cubic with leading coefficient 2, f(1) = −m₁², f(−1) = −m₂²."""
-        m1, m2 = axis.m
+    def of(N: LongField, f: poly.Poly) -> Gaps:
+        """The gaps of a cubic with leading coefficient 2, f(±1) ≤ 0."""
         mean, slope = -f[2] / 6, f[1] / 2
         square, cube = mean * mean - slope / 3, mean**3 - mean * slope / 2 - f[0] / 4
         if not square > 0:
@@ -184,14 +170,7 @@ class Gaps(NamedTuple):
         middle = (3 * mean - x) / 2
         spread = N.sqrt(max(middle * middle - (slope - 2 * x * middle), N.zero))
         x1, x2, x3 = (middle - spread, middle + spread, x) if side > 0 else (x, middle - spread, middle + spread)
-        # f(±1) is known to all digits; this also gives all digits of the distance of a root from ±1
-        down1, down2, beyond = 1 - x1, abs(1 - x2), abs(x3 - 1)
-        if down2 > beyond:
-            beyond = m1 * m1 / (2 * down1 * down2)
-        elif beyond > 0:
-            down2 = m1 * m1 / (2 * down1 * beyond)
-        up2 = 1 + x2
-        up1 = m2 * m2 / (2 * up2 * (x3 + 1)) if up2 > 0 else N.zero
+        down1, down2, beyond, up1, up2 = 1 - x1, abs(1 - x2), abs(x3 - 1), abs(1 + x1), 1 + x2
         swing, above = abs(x2 - x1), x3 - x2
         lost = size * LOST
         if not min(above, down1, up2) > lost:
@@ -217,27 +196,18 @@ def _turning(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequ
     """The numbers and the table of an axis that nods between x₁ and x₂."""
     (down1, down2), (up1, up2), swing = gaps.down, gaps.up, gaps.swing
     wide = swing + gaps.above
-    k, k1 = N.sqrt(swing / wide), N.sqrt(gaps.above / wide)
-    levels, others = means(N, k1), means(N, k)
-    quarter = levels[-1][0]
-    nome = nome_of(N, levels, others)
-    count = terms_of(nome)
-    m1, m2 = axis.m
+    k, (m1, m2) = N.sqrt(swing / wide), axis.m
+    levels, thetas, (theta2, theta3, theta4) = theta_table(N, k, N.sqrt(gaps.above / wide))
+    quarter, others, nome = levels[-1][0], means(N, k), thetas[6] / 2
     alpha = first_kind(N, others, N.sqrt(down2 * wide), N.sqrt(swing * gaps.beyond)) * quarter
     beta = first_kind(N, others, N.sqrt(up1), N.sqrt(swing)) * quarter
-    first, second = _turns(nome, alpha if m1 > 0 else -alpha, count), _turns(nome, -beta if m2 > 0 else beta, count)
+    first, of_first = _waves(nome, alpha if m1 > 0 else -alpha, len(thetas) // 4)
+    second, of_second = _waves(nome, -beta if m2 > 0 else beta, len(thetas) // 4)
     pace = N.sqrt(wide / 2) * quarter
-    about = axis.w + m1 / (2 * down1) - m2 / (2 * up2) - pace * (first.pace + second.pace)
-    odd, even, (theta2, theta3, theta4) = thetas(N, nome, count)
-    table = [
-        x
-        for n, sign in zip(range(count), [1, -1] * count, strict=False)
-        for x in (
-            first.ahead[n] + first.back[n], first.ahead[n] - first.back[n],
-            sign * (second.ahead[n] + second.back[n]), sign * (second.ahead[n] - second.back[n]),
-            sign * odd[n], odd[n], even[n], sign * even[n],
-        )
-    ]  # fmt: skip
+    about = axis.w + m1 / (2 * down1) - m2 / (2 * up2) - pace * (of_first + of_second)
+    table: list[Real] = []
+    for n, (one, other) in enumerate(zip(first, second, strict=True)):
+        table += [*one, *(x if n % 2 == 0 else -x for x in other), *thetas[4 * n : 4 * n + 4]]
     # sn = θ₃θ₁/(θ₂θ₄) and so on
     height, slope = swing * (theta3 / theta2) ** 2, 2 * swing * N.sqrt(wide / 2) * (theta4 / theta2) ** 2
     place = _start(N, levels, gaps, axis)
@@ -258,17 +228,20 @@ def _scaled(N: LongField, numbers: Sequence[Real], table: Sequence[Real], axis: 
     return *numbers[:3], factor.real, factor.imag, *numbers[5:]
 
 
-def _turns(nome: Real, angle: Real, count: int) -> Turns:
-    """The :class:`Turns` of θ(v − i·angle)."""
+def _waves(nome: Real, angle: Real, count: int) -> tuple[list[tuple[Real, Real]], Real]:
+    """The sum and the difference of the coefficients of e^{±ikv} in θ(v − i·angle), k = 2n + 1, n < ``count``.
+
+    They are divided by the largest one. The second result is −iθ₂'/θ₂ at −i·angle.
+    """
     import gmpy2
 
-    grown, size = gmpy2.exp(2 * abs(angle)), [nome ** (n * n + n) for n in range(count)]
-    large = [x * grown**n for n, x in enumerate(size)]
-    small = [x / grown ** (n + 1) for n, x in enumerate(size)]
-    ahead, back = (small, large) if angle < 0 else (large, small)
-    total = sum(x + y for x, y in zip(ahead, back, strict=True))
-    slope = sum((2 * n + 1) * (x - y) for n, (x, y) in enumerate(zip(ahead, back, strict=True)))
-    return Turns(ahead, back, slope / total)
+    grown, rows = gmpy2.exp(2 * abs(angle)), []
+    for n in range(count):
+        size = nome ** (n * n + n)
+        large, small = size * grown**n, size / grown ** (n + 1)
+        rows.append((large + small, small - large if angle < 0 else large - small))
+    slope = sum((2 * n + 1) * difference for n, (_, difference) in enumerate(rows))
+    return rows, slope / sum(total for total, _ in rows)
 
 
 def _start(N: LongField, levels: list[tuple[Real, Real]], gaps: Gaps, axis: Axis) -> Real:
