@@ -8,8 +8,8 @@ more; PrecisionLoss if this does not help.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property, wraps
 from math import ceil
 from typing import Any, ClassVar
@@ -40,12 +40,15 @@ ROUNDING = 6
 # λ_k above this fraction of their terms lose no essential digits in floats
 ORDINARY = 1e-6
 
+GammaM = tuple[Vector, Vector]
+"""γ and M in wide numbers."""
 
-def at_its_precision(method: Any) -> Any:
+
+def at_its_precision(method: Callable[..., Any]) -> Any:
     """Decorator of a carrier's method: it runs inside the context ``precision`` of the carrier."""
 
     @wraps(method)
-    def inside(self: Any, *arguments: Any) -> Real:
+    def inside(self: Any, *arguments: Any) -> Any:
         with self.precision:
             return method(self, *arguments)
 
@@ -74,12 +77,12 @@ class CurvesCarrier(Carrier):
         self.system, self.start = system, state
 
     @property
-    def field(self) -> Any:
+    def field(self) -> LongNumbers:
         """The field of the wide numbers."""
         return self.system.field
 
     @property
-    def precision(self) -> Any:
+    def precision(self) -> AbstractContextManager[object]:
         """The context in which the wide numbers are used."""
         return self.field if isinstance(self.field, LongNumbers) else nullcontext()
 
@@ -92,51 +95,56 @@ class CurvesCarrier(Carrier):
         return self.system.body.rolls
 
     @property
-    def period(self) -> Any:
+    def period(self) -> Real:
         """The shorter of the periods of the two curves."""
         return min(curve.period for curve in self.curves)
 
     @at_its_precision
-    def turns(self, tau: Real) -> Any:
+    def turns(self, tau: Real) -> Real:
         """The number of periods in |τ|, for the shorter of the periods of the two curves."""
         return abs(self.speed * tau) / self.period
 
     @at_its_precision
-    def point(self, tau: Real) -> tuple[list[Any], list[Any]]:
+    def point(self, tau: Real) -> GammaM:
         return self.moved([self.speed * tau] * 2)
 
     @at_its_precision
-    def moved(self, times: Sequence[Real]) -> tuple[list[Any], list[Any]]:
+    def moved(self, times: Sequence[Real]) -> GammaM:
         """(γ, M) after the point of each curve has moved for its time in ``times``."""
         return self._state(*(curve.moved(time) for curve, time in zip(self.curves, times, strict=True)))
 
-    def _state(self, *roots: Sequence[Real]) -> tuple[list[Any], list[Any]]:
+    def _state(self, *roots: Sequence[Real]) -> GammaM:
         """(γ, M) from the roots R_i on both curves."""
         first, second = (curve.ordered(r) for curve, r in zip(self.curves, roots, strict=True))
         found = lifted_state(self.frame, *tilde_state(self.frame, first, second, *self.tracks))
-        gamma, M = ([x for _, x in sorted(zip(self.order, vector, strict=True))] for vector in found)
+        i, j, k = (self.order.index(n) for n in range(3))
+        gamma, M = ((vector[i], vector[j], vector[k]) for vector in found)
         return gamma, M
 
-    def scaled(self, t: Real) -> Any:
+    def scaled(self, t: Real) -> Real:
         return self.field.coerce(t)
 
     @at_its_precision
     def lost(self, tau: Real) -> int:
         return ceil(float(self.field.context.log10(1 + self.turns(tau))))
 
-    def vectors(self, point: Any) -> tuple[Vector[Real], Vector[Real]]:
+    def vectors(self, point: Any) -> GammaM:
         gamma, M = point
         return gamma, M
 
     @at_its_precision
     def drift(self, points: list[Any]) -> int:
-        return integrals_missing(self.system, self.system.integrals(self.start)[2:], self.sizes, points, 0)
+        before, worst = self.system.integrals(self.start)[2:], -NOTHING
+        for gamma, M in points:
+            rows = zip(self.system.integrals(State(tuple(gamma), tuple(M)))[2:], before, self.sizes, strict=True)
+            worst = max(worst, *(digits_of(abs(x - y) / size) for x, y, size in rows))
+        return worst
 
-    def gap(self, point: Any, truth: CurvesCarrier, tau: Any) -> int:
+    def gap(self, point: Any, truth: CurvesCarrier, tau: Real) -> int:
         return truth.difference(point, truth.point(truth.field.coerce(tau)))
 
     @at_its_precision
-    def difference(self, row: Any, truth: Any) -> int:
+    def difference(self, row: GammaM, truth: GammaM) -> int:
         """The decimal exponent of the relative difference between (γ, M) and another computation of it."""
         worst = -NOTHING
         for found, right, unit in zip(row, truth, (1, self.momentum), strict=True):
@@ -223,20 +231,6 @@ class OnCurves(ManyDigits):
         raise PrecisionLoss(
             f"{shown(self._state)}: it is not found again from its two points even with {written(digits)} digits"
         )
-
-
-def integrals_missing(
-    system: Any, before: tuple[Real, Real], sizes: tuple[Real, Real], rows: Sequence[Any], digits: int
-) -> int:
-    """The number of ``digits`` that H and K of rows (γ, M) lack, compared with ``before`` and relative to ``sizes``.
-
-    It is 0 or less if none is missing. The rows are of wide numbers.
-    """
-    worst = -NOTHING
-    for gamma, M in rows:
-        after = system.integrals(State(tuple(gamma), tuple(M)))[2:]
-        worst = max(worst, *(digits_of(abs(x - y) / size) for x, y, size in zip(after, before, sizes, strict=True)))
-    return worst + digits
 
 
 def digits_asked(K: Any) -> int:

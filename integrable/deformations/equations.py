@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from integrable.deformations.hamiltonian import Hamiltonian, Potential, dot
+from integrable.deformations.hamiltonian import Hamiltonian
+from integrable.deformations.scalars import Potential, dot
 from integrable.motion.trajectory import Motion
 from integrable.mumford.flow import Point
 from integrable.phase.body import Body
@@ -19,6 +20,7 @@ from integrable.phase.ways import Cost
 from integrable.series.kinds import Formulas, Kind, kind_of
 from integrable.series.near import finished, walked
 from integrable.series.symbols import Symbol
+from jacobian.element import Real
 from jacobian.immutable import replaced
 
 __all__ = ["NearWalk", "right_hand_sides"]
@@ -27,14 +29,14 @@ __all__ = ["NearWalk", "right_hand_sides"]
 BY_THETA, BY_THETA_IN_POLES, BY_STEPS = Cost(300, 3), Cost(900, 3), Cost(150_000, 0)
 
 
-def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[Any]]:
+def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[Real]], list[Real]]:
     """The equations of motion y ↦ ẏ from ``system.vector_field``, y = (γ1, γ2, γ3, M1, M2, M3, and τ if d ≠ 0).
 
     Here τ̇ = g. Unless ``physical``, derivatives are with respect to τ, and t replaces τ in y.
     """
     rolls = system.body.rolls
 
-    def right_hand_side(y: Sequence[Any]) -> list[Any]:
+    def right_hand_side(y: Sequence[Real]) -> list[Real]:
         rate = system.vector_field(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
         moved = [*rate.row]
         if not rolls:
@@ -117,11 +119,11 @@ def kind_in(system: Hamiltonian, physical: bool) -> Kind:
     there = tuple(x != 0 for x in constants_of(system))
     symbols = [Symbol("constant", i) if is_there else 0.0 for i, is_there in enumerate(there)]
 
-    def start(N: Any, y: Sequence[Any]) -> list[Any]:
+    def start(N: Any, y: Sequence[Real]) -> list[Real]:
         inner = onto_constraints(of_constants(system, N, symbols), State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
         return [*inner.row, *y[6:]]
 
-    def moved(N: Any, y: Sequence[Any]) -> list[Any]:
+    def moved(N: Any, y: Sequence[Real]) -> list[Real]:
         found = right_hand_sides(of_constants(system, N, symbols), physical)(y[:6])
         return [*found, *([N.zero] * (9 - len(found)))]
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Self
+from typing import Self
 
 from integrable.deformations.deformation import Deformation
-from integrable.deformations.hamiltonian import Potential, Scalars, combination, product
+from integrable.deformations.scalars import Potential, Scalars, combination, product
 from jacobian import RR
-from jacobian.element import Value
+from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
 
@@ -32,7 +32,7 @@ class Gyroscopic(Deformation):
     def over(self, field: Field) -> Self:
         return replaced(super().over(field), c=field.coerce(self.c, "c"))
 
-    def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
+    def pair(self, q: Scalars, potential: Potential | None) -> tuple[Real, Real]:
         """The integrals (H, K)."""
         c = self._constants(0)(self.c)
         quarter = c * c / 4
@@ -40,7 +40,7 @@ class Gyroscopic(Deformation):
         first = (q.m2 + quarter) * (c * q.eta_dual - q.xi * q.xi + quarter * q.sigma)
         return energy, first + q.m1 * (c * q.eta + quarter * (2 * q.s - q.e1))
 
-    def motion(self, q: Scalars) -> tuple[Any, Any]:
+    def motion(self, q: Scalars) -> tuple[list[Real], list[Real]]:
         """(Ω, Ṁ): Ω = AM − sM + (c/2)γ × Aγ, Ṁ = M × Ω + γ × [−m2·Aγ + (c/2)(Aγ × M + A(M × γ)) + (c²/4)Aγ]."""
         c = self._constants(0)(self.c)
         half = c / 2

@@ -9,10 +9,11 @@ nonholonomic Chaplygin ball", with the corrections of docs/errata.md.)
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from functools import cached_property
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Self
 
+from integrable.deformations.scalars import Potential, Scalars, dot, product
 from integrable.phase.body import Body, Vector, unwarned
 from integrable.phase.jets import JetField
 from integrable.phase.made import Made
@@ -40,118 +41,11 @@ class DeformedIntegrals(NamedTuple, Generic[Element]):
     K: Element
 
 
-class Scalars:
-    """The functions of (γ, M) from which the Hamiltonians are composed; each is computed on first use."""
-
-    def __init__(self, a: Sequence[Any], d: Real, gamma: Sequence[Real], M: Sequence[Real]) -> None:
-        self.a, self.d, self.gamma, self.M = tuple(a), d, tuple(gamma), tuple(M)
-        a1, a2, a3 = self.a
-        self.e1, self.e2, self.e3 = a1 + a2 + a3, a1 * a2 + a2 * a3 + a3 * a1, a1 * a2 * a3
-        self.dual = (a2 * a3, a3 * a1, a1 * a2)
-
-    @cached_property
-    def squares(self) -> tuple[Any, ...]:
-        """γ_i²."""
-        return tuple(x * x for x in self.gamma)
-
-    @cached_property
-    def s(self) -> Any:
-        """(γ, Aγ)."""
-        return dot(self.a, self.squares)
-
-    @cached_property
-    def q2(self) -> Any:
-        """(Aγ, Aγ)."""
-        return sum(a * a * x for a, x in zip(self.a, self.squares, strict=True))
-
-    @cached_property
-    def sigma(self) -> Any:
-        """(γ, A^∨γ)."""
-        return dot(self.dual, self.squares)
-
-    @cached_property
-    def m1(self) -> Any:
-        """(M, AM)."""
-        return sum(a * m * m for a, m in zip(self.a, self.M, strict=True))
-
-    @cached_property
-    def m2(self) -> Any:
-        """(M, M) = H2."""
-        return dot(self.M, self.M)
-
-    @cached_property
-    def xi(self) -> Any:
-        """(γ, AM)."""
-        return dot(self.AM, self.gamma)
-
-    @cached_property
-    def zeta(self) -> Any:
-        """(γ, A^∨M)."""
-        return sum(a * x * m for a, x, m in zip(self.dual, self.gamma, self.M, strict=True))
-
-    @cached_property
-    def eta(self) -> Any:
-        """(M, γ × Aγ)."""
-        return dot(self.M, product(self.gamma, self.Ag))
-
-    @cached_property
-    def eta_dual(self) -> Any:
-        """(M, γ × A^∨γ)."""
-        return dot(self.M, product(self.gamma, [a * x for a, x in zip(self.dual, self.gamma, strict=True)]))
-
-    @cached_property
-    def Ag(self) -> tuple[Real, ...]:
-        """Aγ."""
-        return tuple(a * x for a, x in zip(self.a, self.gamma, strict=True))
-
-    @cached_property
-    def AM(self) -> tuple[Real, ...]:
-        """AM."""
-        return tuple(a * x for a, x in zip(self.a, self.M, strict=True))
-
-    @cached_property
-    def tau(self) -> Any:
-        """tr A − s."""
-        return self.e1 - self.s
-
-    @cached_property
-    def t2(self) -> Any:
-        """q2 − s²."""
-        return self.q2 - self.s * self.s
-
-    @cached_property
-    def G(self) -> Any:
-        """g² = 1/(1 − ds)."""
-        return 1 / (1 - self.d * self.s)
-
-    @cached_property
-    def kappa(self) -> Any:
-        """G(s − d·q2) = tr A − u1 − u2."""
-        return self.G * (self.s - self.d * self.q2)
-
-    @cached_property
-    def H1(self) -> Any:
-        """(ω, M) = m1 + dGξ²."""
-        return self.m1 + self.d * self.G * self.xi * self.xi
-
-    def axes(self) -> list[tuple[Any, Any, Any, Any]]:
-        """(a_i, a_j, a_k, γ_i²) for each axis."""
-        return [(self.a[i], self.a[i - 2], self.a[i - 1], self.squares[i]) for i in range(3)]
-
-
-class Potential(NamedTuple):
-    """The five parameters of a potential: ``a`` and ``b`` of its polynomial part, ``poles`` the factors of 1/γ_i²."""
-
-    a: Real
-    b: Real
-    poles: tuple[Real, Real, Real]
-
-
 class Isometry(NamedTuple):
     """H of a check or hat pair is ``factor`` times the H̃ of the tilde ``pair`` at the lift by B; ``squares`` are B²."""
 
-    squares: tuple[Any, Any, Any]
-    factor: Any
+    squares: Vector
+    factor: Real
     pair: Any
 
 
@@ -213,7 +107,7 @@ class Hamiltonian(Made):
         """C1, C2, H and K; NotRepresentable if the potential is infinite (γ_i = 0 with a pole there)."""
         K, state = self.field, self._checked(state)
         wrap, (gamma, M) = self._constants(0), state.vectors
-        with _Infinite():
+        with _finite():
             energy, second = self.pair(self.scalars(wrap, map(wrap, gamma), map(wrap, M)), self._terms(wrap))
         if K.exact:
             energy, second = energy.value, second.value
@@ -224,14 +118,14 @@ class Hamiltonian(Made):
         import numpy as np
 
         q = self.scalars(self._constants(0), gamma.T, M.T)
-        with _Infinite(), np.errstate(divide="raise"):
+        with _finite(), np.errstate(divide="raise"):
             return DeformedIntegrals(dot(q.gamma, q.gamma), dot(q.gamma, q.M), *self.pair(q, self._terms(lambda x: x)))
 
     def _omega_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
         """Ω = ½∂H/∂M, for which γ̇ = γ × Ω, at N real states; shape (N, 3)."""
         import numpy as np
 
-        with _Infinite(), np.errstate(divide="raise"):
+        with _finite(), np.errstate(divide="raise"):
             return np.stack(self.motion(self.scalars(self._constants(0), gamma.T, M.T))[0], axis=1)
 
     def _attitude_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
@@ -242,7 +136,7 @@ class Hamiltonian(Made):
         """The derivatives (γ̇, Ṁ), as a State."""
         return self._rates(self._checked(state))
 
-    def rates_in(self, numbers: Any, y: Sequence[Any]) -> list[Any]:
+    def rates_in(self, numbers: Any, y: Sequence[Real]) -> list[Real]:
         """(γ̇, Ṁ) at y = (γ, M), over a field whose elements overload the operators, such as symbolic expressions."""
         rate = self.over(numbers)._rates(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
         return [*rate.row]
@@ -251,13 +145,14 @@ class Hamiltonian(Made):
         wrap = self._constants(0)
         q = self.scalars(wrap, *(map(wrap, v) for v in state.vectors))
         omega, momentum = self.motion(q)
-        rate = product(q.gamma, omega)
+        rate: list[Any] = product(q.gamma, omega)
         if self.potential is not None:
             slope = [wrap(x) for x in self._slope(state)]
             momentum = [m + x / 2 for m, x in zip(momentum, product(q.gamma, slope), strict=True)]
         if self.field.exact:
             rate, momentum = ([x.value for x in v] for v in (rate, momentum))
-        return State(tuple(rate), tuple(momentum))
+        (x1, x2, x3), (m1, m2, m3) = rate, momentum
+        return State((x1, x2, x3), (m1, m2, m3))
 
     @property
     def repels(self) -> bool:
@@ -274,7 +169,7 @@ class Hamiltonian(Made):
     degree: ClassVar[int] = 1
     """The degree of H in A."""
 
-    def eigenvalue_sums(self, integrals: DeformedIntegrals) -> tuple[Any, Any]:
+    def eigenvalue_sums(self, integrals: DeformedIntegrals) -> tuple[Real, Real]:
         """(λ1 + λ2, −λ1λ2)."""
         return integrals.H, integrals.K
 
@@ -314,14 +209,14 @@ class Hamiltonian(Made):
         a, b, poles = self.potential
         return Potential(wrap(a), wrap(b), tuple(map(wrap, poles)))
 
-    def _slope(self, state: State) -> tuple[Any, ...]:
+    def _slope(self, state: State) -> tuple[Real, ...]:
         """The gradient ∂V/∂γ."""
         K = self.field
         jets = JetField(K, 3)
         zero = jets.constant(K.zero)
         terms = self._terms(jets.constant)
         assert terms is not None
-        with _Infinite():
+        with _finite():
             energy = self.potential_energy(
                 self.scalars(jets.constant, jets.variables(state.vectors[0]), (zero, zero, zero)), terms
             )
@@ -336,40 +231,16 @@ class Hamiltonian(Made):
         )
 
 
-def poles(q: Scalars, potential: Potential, term: Any) -> Any:
-    """Σ b_i·term(a_i, a_j, a_k)/γ_i² over the axes with b_i ≠ 0."""
-    total = 0 * q.s
-    for b, (a, a2, a3, square) in zip(potential.poles, q.axes(), strict=True):
-        if b != 0 * potential.a:
-            total = total + b * term(a, a2, a3) / square
-    return total
-
-
-def dot(x: Sequence[Any], y: Sequence[Any]) -> Any:
-    """Σ x_i y_i."""
-    return sum(a * b for a, b in zip(x, y, strict=True))
-
-
-def product(x: Sequence[Any], y: Sequence[Any]) -> list[Any]:
-    """x × y."""
-    return [x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)]
-
-
-def combination(*terms: tuple[Any, Sequence[Any]]) -> list[Any]:
-    """The linear combination Σ c·v of pairs (c, v)."""
-    return [sum(c * v[i] for c, v in terms) for i in range(3)]
-
-
-class _Infinite:
-    """Context in which a division by a vanishing γ_i, s or 1 − ds raises NotRepresentable."""
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
-        # numpy raises FloatingPointError instead of ZeroDivisionError
-        if kind is not None and issubclass(kind, (ZeroDivisionError, FloatingPointError)):
-            raise NotRepresentable("the Hamiltonian is infinite here: it divides by γ_i, s or 1 − ds that vanishes")
+@contextmanager
+def _finite() -> Iterator[None]:
+    """Raises NotRepresentable where a vanishing γ_i, s or 1 − ds is divided by."""
+    try:
+        yield
+    # numpy raises FloatingPointError
+    except (ZeroDivisionError, FloatingPointError):
+        raise NotRepresentable(
+            "the Hamiltonian is infinite here: it divides by γ_i, s or 1 − ds that vanishes"
+        ) from None
 
 
 def _potential(field: Any, values: Sequence[Any]) -> Potential:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -83,18 +82,18 @@ class IntegratedStates:
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
-        found = self.kept(times, True, None, strict=True)
+        found = self.kept(times, True, 0.0, strict=True)
         return found.rows, found.tau
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """γ and M at values of τ, shape (N, 6)."""
-        return self.kept(tau, False, None, strict=True).rows
+        return self.kept(tau, False, 0.0, strict=True).rows
 
     def times(self, tau: np.ndarray) -> np.ndarray:
         """Physical times at values of τ."""
-        return self.kept(tau, False, None, strict=True).tau
+        return self.kept(tau, False, 0.0, strict=True).tau
 
-    def kept(self, given: np.ndarray, physical: bool, nan: Any, strict: bool = False) -> Rows:
+    def kept(self, given: np.ndarray, physical: bool, nan: Real, strict: bool = False) -> Rows:
         """The rows at values of t with τ in ``tau``; unless ``physical``, at values of τ with t in ``tau``."""
         refused: dict[int, str] = {}
         found = self._integrated(given, physical, None if strict else refused)
@@ -111,7 +110,7 @@ class IntegratedStates:
         tau = rounded(self._field, [row[6] for row in found]) if self._system.body.rolls else given
         return refused_rows(Rows(rows, tau), refused, nan)
 
-    def _integrated(self, given: np.ndarray, physical: bool, refused: dict[int, str] | None) -> list[list[Any]]:
+    def _integrated(self, given: np.ndarray, physical: bool, refused: dict[int, str] | None) -> list[list[Real]]:
         system, state, digits = self._system, self._state, self._asked + STEP_DIGITS
         wide = system.field
         start = [*state.row, *([wide.zero] if system.body.rolls else [])]
@@ -136,7 +135,7 @@ class IntegratedStates:
         exponent = int(context.mag(fastest)) if fastest else 0
         return exponent if abs(exponent) > USUAL else 0
 
-    def _missing(self, rows: list[list[Any]]) -> list[int]:
+    def _missing(self, rows: list[list[Real]]) -> list[int]:
         """For each row, the number of digits by which H and K miss an accuracy of LOST_DIGITS less than requested."""
         wanted = self._asked - LOST_DIGITS
         (before, *moved), found = ([self._integrals(y) for y in points] for points in (self._nearby, rows))
@@ -147,13 +146,13 @@ class IntegratedStates:
         return [max(digits_of(abs(x - y) / size) for x, y, size in pair) + wanted for pair in pairs]
 
     @cached_property
-    def _nearby(self) -> list[list[Any]]:
+    def _nearby(self) -> list[list[Real]]:
         """The start, and six points with one coordinate moved by PART of the largest component of γ, or of M."""
         vectors, part = self._state.vectors, self._system.field.coerce(PART)
         units, values = [part * max(map(abs, v)) for v in vectors], [x for v in vectors for x in v]
         return [values, *([*values[:i], values[i] + units[i // 3], *values[i + 1 :]] for i in range(6))]
 
-    def _integrals(self, y: Sequence[Any]) -> tuple[Any, Any]:
+    def _integrals(self, y: Sequence[Real]) -> tuple[Real, Real]:
         """H and K at (γ, M)."""
         found = self._system.integrals(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
         return found.H, found.K

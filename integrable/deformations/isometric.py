@@ -6,15 +6,8 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from integrable.deformations.deformation import Deformation
-from integrable.deformations.hamiltonian import (
-    DeformedIntegrals,
-    Isometry,
-    Potential,
-    Scalars,
-    combination,
-    poles,
-    product,
-)
+from integrable.deformations.hamiltonian import DeformedIntegrals, Isometry
+from integrable.deformations.scalars import Potential, Scalars, combination, componentwise, poles, product
 from jacobian import RR
 from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field
@@ -48,7 +41,7 @@ class Check(IsometricDeformation):
         K, (a1, a2, a3) = self.field, self.a
         return Isometry(self.a, K.neg(K.mul(a1, K.mul(a2, a3))), Tilde(self.a, field=K))
 
-    def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
+    def pair(self, q: Scalars, potential: Potential | None) -> tuple[Real, Real]:
         """(H, K)."""
         square = q.xi * q.xi
         energy, first, second = q.s * (q.m1 - q.s * q.m2) - 2 * square, q.s * q.m1 - square, square
@@ -69,7 +62,7 @@ class Check(IsometricDeformation):
         terms = poles(q, potential, lambda a1, a2, a3: (1 / a2 + 1 / a3 - 2 * inverse) * q.s / a1)
         return a * inverse + b * (inverse - q.e2 / q.e3) * inverse * inverse + terms
 
-    def motion(self, q: Scalars) -> tuple[Any, Any]:
+    def motion(self, q: Scalars) -> tuple[list[Real], list[Real]]:
         """(Ω, Ṁ): Ω = sAM − s²M − 2ξAγ, Ṁ = M × Ω + γ × [(m1 − 2s·m2)Aγ − 2ξAM]."""
         omega = combination((q.s, q.AM), (-q.s * q.s, q.M), (-2 * q.xi, q.Ag))
         pull = combination((q.m1 - 2 * q.s * q.m2, q.Ag), (-2 * q.xi, q.AM))
@@ -96,7 +89,7 @@ class Hat(IsometricDeformation):
         squares = (K.mul(a2, a3), K.mul(a3, a1), K.mul(a1, a2))
         return Isometry(squares, K.mul(a1, squares[0]), Tilde(self.a, field=K))
 
-    def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
+    def pair(self, q: Scalars, potential: Potential | None) -> tuple[Real, Real]:
         """(H, K)."""
         alpha, root = _alpha(q), q.sigma * q.xi + q.tau * q.zeta
         energy = alpha * q.m1 - (q.sigma + alpha * q.tau) * q.m2
@@ -116,9 +109,9 @@ class Hat(IsometricDeformation):
         terms = poles(q, potential, lambda _, a2, a3: (1 / a2 + 1 / a3 - 2 * S) * q.sigma / (a2 * a3))
         return a * S + b * (S - q.e2 / q.e3) * S * S + terms
 
-    def motion(self, q: Scalars) -> tuple[Any, Any]:
+    def motion(self, q: Scalars) -> tuple[list[Real], list[Real]]:
         """(Ω, Ṁ): Ω = αAM − (σ + ατ)M, Ṁ = M × Ω + γ × {[tr A⁻¹·A^∨γ + 2Aγ](m1 − τm2) + αm2·Aγ − m2·A^∨γ}."""
-        alpha, dual = _alpha(q), [a * x for a, x in zip(q.dual, q.gamma, strict=True)]
+        alpha, dual = _alpha(q), componentwise(q.dual, q.gamma)
         omega = combination((alpha, q.AM), (-q.sigma - alpha * q.tau, q.M))
         height = q.m1 - q.tau * q.m2
         pull = combination((q.e2 / q.e3 * height - q.m2, dual), (2 * height + alpha * q.m2, q.Ag))

@@ -8,11 +8,11 @@ are lost only in the fraction of a period (:mod:`integrable.mumford.elliptic_tor
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from integrable.deformations.oval_loops import Track
 from integrable.mumford.elliptic_torus import theta_quotients, theta_rows
-from jacobian.element import Real
+from jacobian.element import FormulaField, Real
+from jacobian.inexact.long_numbers import LongNumbers
 
 
 class SeparatedOval:
@@ -24,7 +24,7 @@ class SeparatedOval:
     """
 
     def __init__(
-        self, K: Any, e: Sequence[Any], gap: Callable[[int, int], Any], sizes: Sequence[Real], turn: int
+        self, K: LongNumbers, e: Sequence[Real], gap: Callable[[int, int], Real], sizes: Sequence[Real], turn: int
     ) -> None:
         self.field, self.e = K, e
         # on the bounded oval, e_low ≤ Z ≤ e_middle ≤ e_high
@@ -53,16 +53,16 @@ class SeparatedOval:
         """R_low, R_middle and R_high of the roots R_i."""
         return r[self.low], r[self.middle], r[self.high]
 
-    def track(self, scale: Any, shift: Any) -> Track:
+    def track(self, scale: Real, shift: Real) -> Track:
         """The constants for :mod:`integrable.deformations.oval_loops`, where Z = ``scale``·z + ``shift``."""
         numbers = [*self.factors, self.since / self.period, *((x - shift) / scale for x in self.ordered(self.e))]
         return Track([*numbers, 1 / scale], self.table, None)
 
-    def moved(self, tau: Any) -> list[Any]:
+    def moved(self, tau: Real) -> list[Real]:
         """The roots R_i after a time τ from the start."""
         return self.at((tau + self.since) / self.period)
 
-    def at(self, turns: Any) -> list[Any]:
+    def at(self, turns: Real) -> list[Real]:
         """The roots R_i at a phase."""
         context = self.field.context
         turns = turns - 2 * context.nint(turns / 2)
@@ -72,20 +72,20 @@ class SeparatedOval:
             r[i] = factor * x
         return r
 
-    def _since_low(self) -> Any:
+    def _since_low(self) -> Real:
         """The time since Z = e_low, between −½ and ½ period, as an elliptic integral of the first kind."""
         context, r = self.field.context, self.start
         cosine, delta = r[self.middle] ** 2 / self.swing, r[self.high] ** 2 / self.breadth
         time = r[self.low] / context.sqrt(self.swing) * context.elliprf(cosine, delta, 1)
         return time / context.sqrt(self.breadth)
 
-    def imaginary_half(self, z: Any) -> Any:
+    def imaginary_half(self, z: Real) -> Real:
         """The imaginary time from Z = e_low down to Z = z; if z is None, down to −∞: half the imaginary period."""
         integral = self.field.context.elliprf
         half = integral(0, self.swing, self.breadth)
         return half if z is None else half - integral(*(x - z for x in self.e))
 
 
-def root_of_rounded(K: Any, x: Any) -> Real:
+def root_of_rounded(K: FormulaField, x: Real) -> Real:
     """The root √|x| of a number that is nonnegative up to rounding."""
-    return K.context.sqrt(abs(x))
+    return K.sqrt(abs(x))

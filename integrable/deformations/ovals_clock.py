@@ -15,6 +15,7 @@ from integrable.torus.long_clock import LongClock, phases
 from integrable.torus.oval_modes import Modes
 from integrable.torus.series import circle_of, fourier, powers
 from jacobian import MP
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 
@@ -35,16 +36,16 @@ class OvalsClock(LongClock):
         self._modes, self._unit = modes_of_pace(motion, digits, field), field.coerce(motion.period)
         super().__init__(self._modes, digits, field)
 
-    def tau(self, times: list[Any]) -> list[Any]:
+    def tau(self, times: list[Real]) -> list[Real]:
         """τ at every t; exactly 0 at 0."""
         found = super().tau([self.wide.coerce(t) / self._unit for t in times])
         return [x * self._unit if t else self.wide.zero for t, x in zip(times, found, strict=True)]
 
-    def times(self, tau: list[Any]) -> list[Any]:
+    def times(self, tau: list[Real]) -> list[Real]:
         """t at every τ."""
         return [t * self._unit for t in super().times([self.wide.coerce(x) / self._unit for x in tau])]
 
-    def defect(self, tau: Any, rate: Any) -> Any:
+    def defect(self, tau: Real, rate: Real) -> Real:
         """The relative difference between 1/g by its modes at τ and ``rate``."""
         import flint
 

@@ -25,6 +25,7 @@ from integrable.phase.state import State
 from jacobian import poly
 from jacobian.element import Real
 from jacobian.errors import NotRepresentable, shown
+from jacobian.inexact.long_numbers import LongNumbers
 
 __all__ = ["PoleFlow"]
 
@@ -61,7 +62,7 @@ class CubicCarrier(CurvesCarrier):
         numbers = [*a, *b, *c, *signs, *self.lambdas, *system.integrals(state)[2:]]
         self.frame = Frame(numbers, [K.one] * 3, False, True, self.sizes)
 
-    def _separated(self, state: State) -> tuple[list[Any], list[Any], list[Any]]:
+    def _separated(self, state: State) -> tuple[list[Real], list[Real], list[Real]]:
         """The ũ_k, their derivatives, and the λ_k."""
         K, a, poles = self.system.field, self.system.a, self.system.potential.poles
         gamma, M = state.vectors
@@ -79,7 +80,7 @@ class CubicCarrier(CurvesCarrier):
         return u, [-(V[0] + V[1] * x) for x in u], [h1 - x * h2 for x in u]
 
 
-def oval_of_cubic(K: Any, q: poly.Poly, shift: Any, z: Any, slope: Any) -> SeparatedOval:
+def oval_of_cubic(K: LongNumbers, q: poly.Poly, shift: Real, z: Real, slope: Real) -> SeparatedOval:
     """The oval of Z'² = 4Z³ − g2Z − g3 through (Z, Z') = (``z``, ``slope``).
 
     With Z = λu + ``shift``, q(u) = (Z'/λ)² has degree 3 and leading coefficient 4λ.
@@ -98,7 +99,7 @@ def oval_of_cubic(K: Any, q: poly.Poly, shift: Any, z: Any, slope: Any) -> Separ
     return SeparatedOval(K, e, lambda i, j: e[i] - e[j], sizes, 1 if slope >= 0 else -1)
 
 
-def roots_of_cubic(K: Any, g2: Real, g3: Any) -> list[Real]:
+def roots_of_cubic(K: LongNumbers, g2: Real, g3: Real) -> list[Real]:
     """The real roots of 4Z³ − g2Z − g3 in ascending order, by Viète's formula with cos 3θ."""
     # rounding may push the cosine beyond 1 at an equilibrium, where the oval is a point
     cosine = max(-K.one, min(K.one, g3 * (27 / g2**3) ** (K.one / 2)))

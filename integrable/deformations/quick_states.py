@@ -8,6 +8,7 @@ periods away, that carrier computes the states.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -26,6 +27,7 @@ from integrable.torus.corners import FIRST_SIZE, resolved
 from integrable.torus.long_clock import RESONANT
 from integrable.torus.loops import CompiledLoops
 from integrable.torus.series import in_resonance
+from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 
 if TYPE_CHECKING:
@@ -128,7 +130,9 @@ class QuickStates:
                 self._packed = carrier, None
         return self._packed[1]
 
-    def _quick(self, carrier: Any, packed: Packed, phases: np.ndarray, far: int, truth: Any) -> np.ndarray | None:
+    def _quick(
+        self, carrier: Any, packed: Packed, phases: np.ndarray, far: int, truth: tuple[Sequence[Real], Sequence[Real]]
+    ) -> np.ndarray | None:
         """γ and M at phases since the start; None if H or K changes, or if row ``far`` differs from ``truth``."""
         count = len(phases) // 2
         out, rest, room = np.empty(6 * count), np.empty(6 * count), np.empty((6 * count, 2))
@@ -172,7 +176,7 @@ class QuickClock:
         phases, delays = self._clock.phases(times)
         return phases, (Column(times) * self._pace + Column(delays)).hi
 
-    def holds(self, carrier: Any, moved: list[Any], turns: list[Any], tau: np.ndarray, time: float) -> bool:
+    def holds(self, carrier: Any, moved: list[Real], turns: list[Any], tau: np.ndarray, time: float) -> bool:
         """Whether the clock is accurate at ``time``: t(τ) returns this time, and dt/dτ agrees with that of the carrier.
 
         The phases there are ``turns``; on the carrier's curves they are the times ``moved``.

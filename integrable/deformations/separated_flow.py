@@ -8,7 +8,7 @@ da_i), brings each curve to Z'² = 4Π(Z − e_i), e_i = μ_k/I_i, on which the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -16,15 +16,20 @@ from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, a
 from integrable.deformations.oval import SeparatedOval, root_of_rounded
 from integrable.deformations.oval_loops import Frame, height
 from integrable.moving_point.losses import digits_of
-from integrable.phase.body import cross
+from integrable.phase.body import Body, cross
 from integrable.phase.isometry import lift, roots
 from integrable.phase.state import State
+from jacobian.element import Real
 from jacobian.errors import ArgumentError, NotRepresentable, shown
+from jacobian.inexact.long_numbers import LongNumbers
 
 __all__ = ["SeparatedFlow"]
 
 if TYPE_CHECKING:
     from integrable.deformations.ovals_clock import OvalsClock
+
+TimeOf = Callable[[int, LongNumbers, Real, Sequence[Real]], Real]
+"""The time in which the motion on curve k adds a point, from k, the field, μ_k and the μ_k/I_i."""
 
 
 class OvalCarrier(CurvesCarrier):
@@ -36,7 +41,7 @@ class OvalCarrier(CurvesCarrier):
     def __init__(self, system: Any, state: State) -> None:
         super().__init__(system, state)
         isometry, K = system.isometry(), system.field
-        back: Sequence[Any] = (K.one,) * 3
+        back: Sequence[Real] = (K.one,) * 3
         if isometry is not None:
             diagonal = roots(K, isometry.squares)
             back, self.speed, system = [1 / b for b in diagonal], isometry.factor, isometry.pair
@@ -67,17 +72,19 @@ class OvalCarrier(CurvesCarrier):
             # the sign of γ and M
             self.frame.numbers[-1] = -K.one
 
-    def _on_curves(self, e: Sequence[Any], slope: Sequence[Any]) -> None:
+    def _on_curves(self, e: Sequence[Real], slope: Sequence[Real]) -> None:
         """Makes the curves through the image e = w/|M| of the start and its derivative ``slope``."""
         body = self.pair.body
         gaps, turns = _separated(body, e, slope)
         product = body.contact[0] * body.contact[1] * body.contact[2]
         self.mu = [value * product for value in self.lambdas]
-        self.curves = [_oval(body, mu, row, turn) for mu, row, turn in zip(self.mu, gaps, turns, strict=True)]
+        self.curves = [
+            _oval(self.field, body, mu, row, turn) for mu, row, turn in zip(self.mu, gaps, turns, strict=True)
+        ]
         self.tracks = [curve.track(mu, self.field.zero) for curve, mu in zip(self.curves, self.mu, strict=True)]
         self.order = sorted(range(3), key=lambda i: body.inertia[i])
 
-    def _numbers(self, e: Sequence[Any], slope: Sequence[Any]) -> list[Any]:
+    def _numbers(self, e: Sequence[Real], slope: Sequence[Real]) -> list[Real]:
         """The numbers of the :class:`Frame`, with the sign 1 of γ and M."""
         K, body, order = self.field, self.pair.body, self.order
         roots_of_weights = [r / root_of_rounded(K, c) for r, c in zip(body.contact, body.differences, strict=True)]
@@ -88,20 +95,20 @@ class OvalCarrier(CurvesCarrier):
         return [*axes, body.d, *self.mu, *self.lambdas, -K.one if odd else K.one, K.one]
 
     @at_its_precision
-    def most_tau(self, t: Any) -> Any:
+    def most_tau(self, t: Real) -> Real:
         # 1/g² is smallest, 1 − da_i, where γ is along the axis of the smallest moment
         return t / root_of_rounded(self.field, min(self.pair.body.contact))
 
     @at_its_precision
-    def tau(self, times: list[Any], digits: int) -> list[Any]:
+    def tau(self, times: list[Real], digits: int) -> list[Real]:
         return [self.field.coerce(x) for x in self.clock(digits).tau(times)]
 
     @at_its_precision
-    def times(self, tau: list[Any], digits: int) -> list[Any]:
+    def times(self, tau: list[Real], digits: int) -> list[Real]:
         return [self.field.coerce(t) for t in self.clock(digits).times(tau)]
 
     @at_its_precision
-    def clock_missing(self, tau: Any, digits: int) -> int:
+    def clock_missing(self, tau: Real, digits: int) -> int:
         rate = self.pace(*(self.z(k, curve.moved(tau)) for k, curve in enumerate(self.curves)))
         return digits_of(self.clock(digits).defect(tau, rate)) + digits
 
@@ -115,23 +122,23 @@ class OvalCarrier(CurvesCarrier):
     _clocks: OvalsClock | None = None
 
     @cached_property
-    def weights(self) -> tuple[Any, Any]:
+    def weights(self) -> tuple[Real, Real]:
         """The weights of 1 + dz_k in g²: both positive, with the sum 1."""
         one, two = self.lambdas
         return one / (one - two), -two / (one - two)
 
-    def z(self, k: int, r: Sequence[Any]) -> Any:
+    def z(self, k: int, r: Sequence[Real]) -> Real:
         """z = Z/μ_k at the roots R_i on curve k."""
         return height(self.tracks[k], self.curves[k].ordered(r))
 
-    def pace(self, first: Any, second: Any) -> Any:
+    def pace(self, first: Real, second: Real) -> Real:
         """dt/dτ = 1/g from z on both curves: g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k|."""
         one, two = self.weights
         d = self.system.d
         return 1 / root_of_rounded(self.field, one * (1 + d * first) + two * (1 + d * second))
 
     @at_its_precision
-    def times_of(self, time_of: Any) -> list[Any]:
+    def times_of(self, time_of: TimeOf) -> list[Real]:
         """The time on each curve for :meth:`SeparatedFlow.translated`."""
         return [time_of(k, self.field, mu, c.e) for k, (mu, c) in enumerate(zip(self.mu, self.curves, strict=True))]
 
@@ -145,7 +152,7 @@ class SeparatedFlow(DeformedFlow):
 
     _carrier = OvalCarrier
 
-    def translated(self, time_of: Any) -> State:
+    def translated(self, time_of: TimeOf) -> State:
         """The state after an addition of a point on each of the curves k = 0, 1.
 
         On curve k the motion adds this point in the time ``time_of(k, field, μ_k, μ_k/I_i)``.
@@ -164,7 +171,7 @@ class SeparatedFlow(DeformedFlow):
         return State((x1, x2, x3), (m1, m2, m3))
 
 
-def check_distinct(body: Any) -> None:
+def check_distinct(body: Body) -> None:
     """Raises NotRepresentable if two moments of inertia are equal."""
     if any(c == 0 for c in body.differences):
         raise NotRepresentable(
@@ -173,7 +180,7 @@ def check_distinct(body: Any) -> None:
         )
 
 
-def _eigenvalues(K: Any, H: Any, second: Any) -> tuple[Any, Any]:
+def _eigenvalues(K: LongNumbers, H: Real, second: Real) -> tuple[Real, Real]:
     """λ1 ≥ 0 ≥ λ2 with H = λ1 + λ2, K = −λ1λ2; the smaller is computed from the larger without cancellation."""
     spread = root_of_rounded(K, H * H + 4 * abs(second))
     if H >= 0:
@@ -191,7 +198,7 @@ def _rate(system: Any, state: State) -> State:
     return State(tuple(slow * x for x in turn), tuple(slow * x for x in pull))
 
 
-def _image(K: Any, state: State, rate: State, h2: Any) -> tuple[list[Any], list[Any]]:
+def _image(K: LongNumbers, state: State, rate: State, h2: Real) -> tuple[list[Real], list[Real]]:
     """The vectors w = γ × M and |M|·(w/|M|)'."""
     (gamma, M), (turn, pull) = state.vectors, rate.vectors
     w = cross(K, gamma, M)
@@ -200,7 +207,7 @@ def _image(K: Any, state: State, rate: State, h2: Any) -> tuple[list[Any], list[
     return list(w), [x - growth * y for x, y in zip(moved, w, strict=True)]
 
 
-def _separated(body: Any, e: Any, slope: Any) -> tuple[list[list[Any]], list[int]]:
+def _separated(body: Body, e: Sequence[Real], slope: Sequence[Real]) -> tuple[list[list[Real]], list[int]]:
     """ũ_k − a_i for both roots ũ1 < ũ2 of U(x) = Σe_i²(x − a_j)(x − a_k), and the signs of ũ_k'."""
     gaps = interlaced(body, [x * x for x in e])
     turns = []
@@ -211,7 +218,7 @@ def _separated(body: Any, e: Any, slope: Any) -> tuple[list[list[Any]], list[int
     return gaps, turns
 
 
-def interlaced(body: Any, squares: Sequence[Any]) -> list[list[Any]]:
+def interlaced(body: Body, squares: Sequence[Real]) -> list[list[Real]]:
     """ũ_k − a_i for both roots ũ1 < ũ2 of U(x) = Σ squares_i(x − a_j)(x − a_k), squares ≥ 0 with the sum 1.
 
     They are computed as roots in x − a_middle, and from (ũ1 − a_i)(ũ2 − a_i) = U(a_i) = c_i·squares_i. Differences of
@@ -220,7 +227,7 @@ def interlaced(body: Any, squares: Sequence[Any]) -> list[list[Any]]:
     K, c = body.field, body.differences
     low, middle, high = sorted(range(3), key=lambda i: body.a[i])
 
-    def apart(i: int, j: int) -> Any:
+    def apart(i: int, j: int) -> Real:
         return (body.inertia[j] - body.inertia[i]) * body.a[i] * body.a[j]
 
     below, above = apart(middle, low), apart(high, middle)
@@ -237,21 +244,20 @@ def interlaced(body: Any, squares: Sequence[Any]) -> list[list[Any]]:
     return gaps
 
 
-def _oval(body: Any, mu: Any, gaps: Any, turn: int) -> SeparatedOval:
+def _oval(K: LongNumbers, body: Body, mu: Real, gaps: Sequence[Real], turn: int) -> SeparatedOval:
     """The curve through the point with ũ − a_i = ``gaps``: Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i))."""
-    K = body.field
     # 1 − dũ = (1 − da_i) − d(ũ − a_i), from the smallest ũ − a_i
     slow = next(r - body.d * x for r, x in sorted(zip(body.contact, gaps, strict=True), key=lambda pair: abs(pair[1])))
     sizes = [root_of_rounded(K, mu * x / (slow * r)) for x, r in zip(gaps, body.contact, strict=True)]
     inertia = body.inertia
 
-    def gap(i: int, j: int) -> Any:
+    def gap(i: int, j: int) -> Real:
         return mu * (inertia[j] - inertia[i]) / (inertia[i] * inertia[j])
 
     return SeparatedOval(K, [mu / x for x in inertia], gap, sizes, turn if mu > 0 else -turn)
 
 
-def _signs(curves: Sequence[SeparatedOval], e: Any, slope: Any) -> list[int]:
+def _signs(curves: Sequence[SeparatedOval], e: Sequence[Real], slope: Sequence[Real]) -> list[int]:
     """The signs of e_i = ±const·R_i(curve 1)R_i(curve 2), from e_i and its derivative, which do not both vanish."""
     one, two = curves
     result = []

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from math import exp, log
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from integrable.moving_point.addition import Row
 from integrable.series.recurrences import coefficients, values_at
 from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, TupleKind, record
 from jacobian.native.library import Library
@@ -28,15 +29,15 @@ class SeriesRoom(NamedTuple):
     ``told`` the report.
     """
 
-    middles: Any
-    now: Any
-    series: Any
-    told: Any
+    middles: Row
+    now: Row
+    series: Row
+    told: Row
 
 
 def march_along(
-    tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, most: float, strict: bool, room: SeriesRoom,
-    times: Any, out: Any,
+    tape: tuple[Row, Row, Row, Row], order: int, tolerance: float, most: float, strict: bool, room: SeriesRoom,
+    times: Row, out: Row,
 ) -> int:  # fmt: skip
     """Writes the variables at ``times``, which ascend or descend from 0, to ``out``, row by row.
 
@@ -62,7 +63,7 @@ def march_along(
     return 0
 
 
-def expand_about(tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, room: SeriesRoom) -> None:
+def expand_about(tape: tuple[Row, Row, Row, Row], order: int, tolerance: float, room: SeriesRoom) -> None:
     """Expands the series about the state in ``room.middles``, and stores the step that it allows."""
     kinds, left, right, rates = tape
     for n in range(len(room.middles)):
@@ -74,7 +75,7 @@ def expand_about(tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, 
         room.told[LONGEST] = room.told[STEP]
 
 
-def step_within(order: int, tolerance: float, count: int, series: Any) -> float:
+def step_within(order: int, tolerance: float, count: int, series: Row) -> float:
     """The largest step at which the last two terms are below the tolerance; 0 if they are NaN."""
     width, found, most = order + 1, 1e300, abs(series[0])
     for n in range(1, count):
@@ -97,7 +98,7 @@ def step_within(order: int, tolerance: float, count: int, series: Any) -> float:
     return found
 
 
-def too_long(told: Any, most: float, now: float, end: float) -> bool:
+def too_long(told: Row, most: float, now: float, end: float) -> bool:
     """Whether the steps so far exceed ``most``, or those expected until ``end`` exceed UNEVEN times ``most``."""
     part = abs(now / end)
     expected = told[STEPS] / part if told[STEPS] >= KNOWN_FROM and part > 0 else 0.0

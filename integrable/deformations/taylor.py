@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from integrable.deformations.series import ENDS, LIBRARY, REACHED, STEPS, SeriesRoom, march_along
+from integrable.moving_point.addition import Row
 from integrable.series.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, Tape
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss
@@ -39,16 +40,16 @@ class _Interpreted:
     def __init__(self, field: Any) -> None:
         self._field, self._reals = field, BareReals(field.context.prec)
 
-    def tape(self, arrays: Any) -> Any:
+    def tape(self, arrays: tuple[list[int], ...]) -> tuple[Row, ...]:
         return arrays
 
-    def row(self, values: Sequence[Any]) -> Any:
+    def row(self, values: Sequence[Real]) -> Row:
         return list(self._reals.row(values))
 
-    def room(self, count: int) -> Any:
+    def room(self, count: int) -> Row:
         return [self._reals.number(0)] * count
 
-    def wide(self, values: Any) -> list[Any]:
+    def wide(self, values: Row) -> list[Real]:
         return list(self._reals.elements(self._field, values))
 
     def march(self, *arguments: Any) -> int:
@@ -64,16 +65,16 @@ class _Compiled:
     def __init__(self, field: Any) -> None:
         self._field, self.march = field, LIBRARY.march
 
-    def tape(self, arrays: Any) -> Any:
+    def tape(self, arrays: tuple[list[int], ...]) -> tuple[Row, ...]:
         return tuple(np.array(x, dtype=np.int64) for x in arrays)
 
-    def row(self, values: Sequence[Any]) -> Any:
+    def row(self, values: Sequence[Real]) -> Row:
         return np.array([split(x) for x in values])
 
-    def room(self, count: int) -> Any:
+    def room(self, count: int) -> Row:
         return np.zeros((count, 2))
 
-    def wide(self, values: Any) -> list[Any]:
+    def wide(self, values: Row) -> list[Real]:
         if not np.isfinite(values).all():
             return [self._field.context.nan] * len(values)
         made = self._field.context.mpf
@@ -96,7 +97,7 @@ def integrate(
     there would be too many steps. ``refused``, if given, receives the index and the reason of each time that fails.
     Reasons state times multiplied by ``unit``, as the user gave them.
     """
-    rows: list[list[Any]] = [list(start)] * len(times)
+    rows: list[list[Real]] = [list(start)] * len(times)
     for sign in (1, -1):
         order = sorted((i for i in range(len(times)) if sign * times[i] > 0), key=lambda i: abs(times[i]))
         if not order:
@@ -123,12 +124,12 @@ def _marched(
     kind: type[_Interpreted] | type[_Compiled],
     field: Any,
     tape: Tape,
-    start: Sequence[Any],
-    times: Sequence[Any],
+    start: Sequence[Real],
+    times: Sequence[Real],
     digits: int,
     strict: bool,
     unit: float,
-) -> tuple[list[list[Any]], Exception | None]:
+) -> tuple[list[list[Real]], Exception | None]:
     """The variables at the times that were reached, and the error that stops the others, None if there is none."""
     loops, count = kind(field), len(start)
     # a step of radius/e² neglects e^{-2·order}

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from integrable.deformations.deformation import Deformation
-from integrable.deformations.hamiltonian import Potential, Scalars, combination, poles, product
+from integrable.deformations.scalars import Potential, Scalars, combination, poles, product
 from jacobian import RR
-from jacobian.element import Value
+from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field
 
 
@@ -34,7 +34,7 @@ class Tilde(Deformation):
         zero = self.field.zero
         return self.potential.a == self.potential.b == zero and all(b > zero for b in self.potential.poles)
 
-    def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
+    def pair(self, q: Scalars, potential: Potential | None) -> tuple[Real, Real]:
         """The integrals (H, K)."""
         square = q.xi * q.xi
         energy = q.m1 - q.s * q.m2 + 2 * q.d * q.G * square
@@ -54,7 +54,7 @@ class Tilde(Deformation):
         terms = poles(q, potential, lambda _, a2, a3: (a2 + a3 - 2 * q.kappa) / q.G)
         return a * q.G + b * (q.G - trace) * q.G * q.G + terms
 
-    def motion(self, q: Scalars) -> tuple[Any, Any]:
+    def motion(self, q: Scalars) -> tuple[list[Real], list[Real]]:
         """(Ω, Ṁ): Ω = AM − sM + 2dGξAγ, Ṁ = M × Ω + γ × [dGξ(AM + sM) − m2·Aγ]."""
         spin = q.d * q.G * q.xi
         omega = combination((1, q.AM), (-q.s, q.M), (2 * spin, q.Ag))
@@ -79,7 +79,7 @@ def _rolling(q: Scalars, potential: Potential) -> Any:
     rest = poles(q, potential, lambda _, a2, a3: (q.kappa - a2) * (q.kappa - a3) / G)
     depth = a + b * (G * G - trace * G - (1 - d * q.kappa) * whole)
 
-    def well(a1: Any, a2: Any, a3: Any) -> Any:
+    def well(a1: Real, a2: Real, a3: Real) -> Any:
         pair = 1 / (1 - d * a2) + 1 / (1 - d * a3)
         return a + b * (G * G - G * pair - pair / (1 - d * a1))
 

@@ -15,16 +15,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.separated_flow import SeparatedFlow
 from integrable.phase import coordinates
-from integrable.phase.body import cross, square_root
+from integrable.phase.body import Vector, cross, square_root
 from integrable.phase.isometry import lift, roots
 from integrable.phase.jets import Jet
 from integrable.phase.space import check_moving
 from integrable.phase.state import State
 from integrable.steps.step import Step, checked_multiple, checked_signs
 from jacobian import HyperellipticCurve, poly
-from jacobian.element import Real
+from jacobian.element import Arithmetic, Real, Value
 from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, PrecisionLoss, shown, written
 from jacobian.fields.quadratic import quadratic_roots
+from jacobian.inexact.long_numbers import LongNumbers
 from jacobian.relatives.signed import Pair
 
 if TYPE_CHECKING:
@@ -44,9 +45,9 @@ class _Image(NamedTuple):
     w_iN_i = V(a_i)/c_i, where V(ũ_k) = y_k.
     """
 
-    u: list[Any]
-    y: list[Any]
-    lambdas: list[Any]
+    u: list[Real]
+    y: list[Real]
+    lambdas: list[Real]
     pairs: tuple[Pair, ...]
 
 
@@ -100,7 +101,7 @@ def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = N
     return unlifted(given, _state(system, pairs, u, h1, h2, like))
 
 
-def _on_curve(system: Hamiltonian, name: str, D: Divisor) -> tuple[Any, Any, Any]:
+def _on_curve(system: Hamiltonian, name: str, D: Divisor) -> tuple[Real, Real, Real]:
     """(ũ, y, λ) of a divisor of one curve, the argument ``name``."""
     K = system.field
     if len(D.u) != 2:
@@ -121,19 +122,19 @@ def elliptic_curve_of(system: Hamiltonian, mu: Real) -> HyperellipticCurve:
     return HyperellipticCurve(K, poly.scale(K, poly.integer(K, 4), f))
 
 
-def _contact(system: Hamiltonian) -> Any:
+def _contact(system: Hamiltonian) -> Real:
     K, r = system.field, system.body.contact
     return K.mul(r[0], K.mul(r[1], r[2]))
 
 
-def _mu(system: Hamiltonian, value: Any) -> Any:
+def _mu(system: Hamiltonian, value: Real) -> Real:
     K = system.field
     if value == K.zero:
         raise NotRepresentable("λ = 0: K vanishes, and one of the two curves degenerates")
     return K.mul(value, _contact(system))
 
 
-def _mu_of(system: Hamiltonian, f: poly.Poly) -> Any:
+def _mu_of(system: Hamiltonian, f: poly.Poly) -> Real:
     """μ of the curve f = 4Π(Z − μ/I_i), from Σ1/I; if that is 0 in the field, from ΣI and the lowest coefficients."""
     K, inertia = system.field, system.body.inertia
     four, total = poly.integer(K, 4), K.dot([K.inv(x) for x in inertia], (K.one,) * 3)
@@ -178,7 +179,7 @@ def _first(K: Any, x: Any, y: Any) -> bool:
     return bool(K.key(x) < K.key(y))
 
 
-def _pairs(system: Hamiltonian, state: State, w: Any, h2: Any) -> tuple[Pair, ...]:
+def _pairs(system: Hamiltonian, state: State, w: Vector, h2: Real) -> tuple[Pair, ...]:
     """The pairs (w_i, N_i), N_i = c·w_i − 2g(1 − da_i)γ_i, with c such that (w, N) = 0."""
     K, body, (gamma, _) = system.field, system.body, state.vectors
     g = K.one
@@ -189,7 +190,9 @@ def _pairs(system: Hamiltonian, state: State, w: Any, h2: Any) -> tuple[Pair, ..
     return tuple((x, K.sub(K.mul(lean, x), y)) for x, y in zip(w, scaled, strict=True))
 
 
-def _state(system: Hamiltonian, pairs: Any, u: Any, h1: Any, h2: Any, like: State | None) -> State:
+def _state(
+    system: Hamiltonian, pairs: Sequence[Pair], u: Sequence[Real], h1: Real, h2: Real, like: State | None
+) -> State:
     K, body = system.field, system.body
     w, n = (tuple(column) for column in zip(*pairs, strict=True))
     over = [K.div(x, r) for x, r in zip(w, body.contact, strict=True)]
@@ -220,7 +223,11 @@ class CurveTranslation(Step):
     """
 
     def __init__(
-        self, system: Hamiltonian, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1
+        self,
+        system: Hamiltonian,
+        points: Sequence[Value | None],
+        sheets: Sequence[int] | None = None,
+        multiple: int = 1,
     ) -> None:
         self.system = system
         given = list(points) if isinstance(points, (list, tuple)) else []
@@ -269,7 +276,7 @@ class CurveTranslation(Step):
         y = square_root(K, poly.evaluate(K, jacobian.curve.f, z), f"points[{k}]: the square of the ordinate")
         return D + self.multiple * jacobian.from_points([(z, y if self.sheets[k] > 0 else K.neg(y))])
 
-    def _height(self, K: Any, mu: Any, x: Any) -> Any:
+    def _height(self, K: Arithmetic, mu: Real, x: Real) -> Real:
         below = K.sub(K.one, K.mul(K.coerce(curves_of(self.system).d), x))
         if below == K.zero:
             raise ArgumentError(
@@ -277,7 +284,7 @@ class CurveTranslation(Step):
             )
         return K.div(K.mul(mu, x), below)
 
-    def _time(self, k: int, K: Any, mu: Any, e: Sequence[Any]) -> Any:
+    def _time(self, k: int, K: LongNumbers, mu: Real, e: Sequence[Real]) -> Real:
         """The time, in wide numbers, in which the motion on curve k adds its point.
 
         It is multiple·∫dZ/Y from the point's Z to ∞, by Carlson's R_F; a positive sheet is a negative time.
