@@ -130,9 +130,14 @@ def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Real] = ()) -> 
     K = MP(math.ceil(N.bits * DIGITS_A_BIT))
     numbers, convert = working_numbers(K), BareReals(N.bits).element
     found = simple_roots(numbers, [numbers.real(convert(K, c)) for c in a]) if len(a) > 1 else []
-    size, least = max(map(abs, (*found, *map(float, known)))), numbers.context.mpf(2) ** -(N.bits // REAL)
-    real = sorted([*known, *(N.coerce(x.real) for x in found if abs(x.imag) <= least * size)])
-    return real, [(N.coerce(x.real), N.coerce(x.imag)) for x in found if x.imag > least * size]
+    least = least_part(N, [*found, *known])
+    real = sorted([*known, *(N.coerce(x.real) for x in found if abs(x.imag) <= least)])
+    return real, [(N.coerce(x.real), N.coerce(x.imag)) for x in found if x.imag > least]
+
+
+def least_part(N: LongField, roots: Sequence[Any]) -> float:
+    """The size up to which an imaginary part of a root, or a distance of two roots, may be rounding."""
+    return max(abs(complex(x)) for x in roots) * 2.0 ** -(N.bits // REAL)
 
 
 def oval_around(lead: Real, roots: Roots, x: Real) -> PointOval:

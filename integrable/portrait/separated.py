@@ -23,6 +23,7 @@ from integrable.portrait.point_ovals import (
     Pole,
     Separation,
     angle_in,
+    least_part,
     oval_around,
     real_and_complex,
 )
@@ -40,8 +41,8 @@ MOST_NODES = 1 << 13
 NEGLIGIBLE = 1e-18
 # number of correct bits after Newton's method in floats
 FLOAT_BITS = 40
-# extra nodes, and extra digits of π
-SPARE_NODES, DIGITS_BEYOND = 8, 5
+# extra nodes, extra digits of π, and bits that the size of the smallest oval has
+SPARE_NODES, DIGITS_BEYOND, SPARE_BITS = 8, 5, 20
 
 
 class SeparatedTorus:
@@ -62,6 +63,7 @@ class SeparatedTorus:
             raise NotRepresentable("two points of this motion share an oval: it has no separate turns")
         self.start = [angle_in(N, oval, x, poly.evaluate(N, v, x)) for oval, x in zip(self.ovals, points, strict=True)]
         self._known: list[Real] = curve[0]
+        self._close = least_part(N, curve[0])
         self._pi = N.coerce(MP(DIGITS_BEYOND + math.ceil(N.bits * DIGITS_A_BIT)).context.pi)
 
     @property
@@ -231,6 +233,14 @@ class SeparatedTorus:
 
         return [gmpy2.sin_cos(phi / 2) for phi in self.start]
 
+    def moves(self, oval: PointOval) -> bool:
+        """Whether the distances of the point from a pole at the end of its oval are more than rounding."""
+        return bool(oval.radius > self._field.doubled(self._field.eps, SPARE_BITS) * max(map(abs, self._known)))
+
+    def may_rest(self, oval: PointOval) -> bool:
+        """Whether the ends of an oval may be a double root, which is known to half of the digits."""
+        return bool(oval.radius <= self._close)
+
     def place_of(self, e: Real) -> int:
         """The index of a branch point among the real branch points in ascending order."""
         return min(range(len(self._known)), key=lambda k: abs(self._known[k] - e))
@@ -329,7 +339,7 @@ class SeparatedTorus:
         if form is None:
             return None
         found = [
-            _mean(self._sampled(oval, [form])[0], self._poles_of(oval, form)) if oval.radius else self.one - self.one
+            _mean(self._sampled(oval, [form])[0], self._poles_of(oval, form)) if self.moves(oval) else self._field.zero
             for oval in self.ovals
         ]
         return [*found, *self.separation.momenta]

@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from jacobian.element import Real
+from jacobian.errors import NotRepresentable
 from jacobian.immutable import Immutable
 
 if TYPE_CHECKING:
@@ -17,8 +18,9 @@ class TorusPortrait(Immutable):
 
     ``frequencies`` are turns per unit of time: first of each point of the pair in its oval, in ascending order of
     ovals, then of the angles about an axis. ``actions`` are conjugate to 2π times the phases, so that dH = 2πΣf dJ;
-    those of ovals are positive. They are None for a system that is not Hamiltonian in q and p. The state itself may
-    take two turns of an oval: at a branch point where it has a sign, that sign changes.
+    those of ovals are positive, and so is the frequency of a point that rests. They are None for a system that is not
+    Hamiltonian in q and p. The state itself may take two turns of an oval: at a branch point where it has a sign, that
+    sign changes.
     """
 
     def __init__(self, system: Any, state: Any) -> None:
@@ -40,11 +42,12 @@ class TorusPortrait(Immutable):
 
     @cached_property
     def angles(self) -> tuple[Real, ...]:
-        """The phases θ of the points at the start, in turns modulo 1, 0 at the lower ends of ovals; θ + ft later."""
-        found = [
-            x for (x,) in self.system.flow(self.state)._settled_on_torus(lambda torus: [[x] for x in torus.phases])
-        ]
-        return tuple((s * x) % 1 for s, x in zip(self._signs, found, strict=False))
+        """The phases θ of the points at the start, in turns modulo 1, 0 at the lower ends of ovals; θ + ft later.
+
+        NotRepresentable where a point rests.
+        """
+        found = self.system.flow(self.state)._settled_on_torus(_phases_of)
+        return tuple((s * x) % 1 for s, (x,) in zip(self._signs, found, strict=False))
 
     def _repr_html_(self) -> str:
         from jacobian.notebook import named
@@ -58,7 +61,17 @@ class TorusPortrait(Immutable):
 def _numbers_of(torus: SeparatedTorus) -> list[list[Real]]:
     """Signs that make the actions of ovals positive, then with these signs the actions and each frequency."""
     actions, one = torus.actions, torus.one
-    genus = len(torus.ovals)
-    signs = [-one if actions and k < genus and actions[k] < 0 else one for k in range(len(torus.frequencies))]
-    turned = [s * x for s, x in zip(signs, actions or (), strict=False)]
+    signs = [one for _ in torus.frequencies]
+    for k, (oval, action) in enumerate(zip(torus.ovals, actions or (), strict=False)):
+        # the action of a point that rests is 0, up to rounding
+        if (torus.frequencies[k] if torus.may_rest(oval) else action) < 0:
+            signs[k] = -one
+    genus, actions = len(torus.ovals), actions or []
+    turned = [*map(abs, actions[:genus]), *actions[genus:]]
     return [signs, turned, *([s * x] for s, x in zip(signs, torus.frequencies, strict=True))]
+
+
+def _phases_of(torus: SeparatedTorus) -> list[list[Real]]:
+    if not all(map(torus.moves, torus.ovals)):
+        raise NotRepresentable("angles: in this motion a point of the pair rests, which does not know its angle")
+    return [[x] for x in torus.phases]

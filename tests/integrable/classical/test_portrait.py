@@ -160,3 +160,20 @@ def test_a_motion_to_a_separatrix_has_no_frequencies() -> None:
     falling = system.flow(system.state((0.6, 0, 0.8), (0.8 * 0.4**0.5, 0, -0.6 * 0.4**0.5)))
     with pytest.raises((NotRepresentable, PrecisionLoss)):
         falling.portrait  # noqa: B018
+
+
+@pytest.mark.parametrize("state", [((1, 0, "Z"), (0.2, 0.3, 0)), (("Z", 0, 1), (0, 0, 0.1))])
+def test_a_point_that_rests_has_the_frequency_of_small_oscillations(state) -> None:
+    """A star in the plane of its galaxy and one on the axis, beside stars nearby."""
+    galaxy = REAL["galaxy"](RR, 3)[0]
+
+    def portrait(z):
+        q, p = state
+        return galaxy.flow(galaxy.state([z if x == "Z" else x for x in q], p)).portrait
+
+    found, near = portrait(0.0), portrait(1e-7)
+    assert np.allclose(found.frequencies, near.frequencies, rtol=1e-12, atol=0)
+    assert np.allclose(found.actions, near.actions, rtol=1e-12, atol=1e-13)
+    assert min(near.angles) >= 0
+    with pytest.raises(NotRepresentable, match=r"^angles: .* a point of the pair rests"):
+        _ = found.angles
