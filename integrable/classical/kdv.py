@@ -178,15 +178,16 @@ class Wave:
         """
         import numpy as np
 
-        from integrable.mumford.enclosure import Precisions
+        from integrable.mumford.enclosure import lost_bits, places
 
         wanted = ball_digits(self.kdv.field, digits)
-        precisions = Precisions(self._place, self._genus, wanted)
+        motion = places(self._place, wanted)
 
         def value(x: Real, t: Real) -> Real:
             if not self._genus:
                 return exact_times([self._edges[0]])[0]
-            return precisions.narrow(lambda place: self._ball(place, x, t), max(abs(float(x)), abs(float(t))))[0]
+            lost = lost_bits(self._genus, max(abs(float(x)), abs(float(t))))
+            return motion.narrow(lambda place: self._ball(place, x, t), lost)[0]
 
         xs, ts = self._given(x, t)
         balls = [value(*pair) for pair in zip(xs.flat, ts.flat, strict=True)]

@@ -10,25 +10,30 @@ is divided by |γ|, and M (of an upright state) loses its part along γ.
 
 from __future__ import annotations
 
-from contextlib import suppress
+from collections.abc import Callable, Sequence
+from functools import partial
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
-from mpmath import mag
+from mpmath import mag, nstr
 
 from integrable.motion.precise import PreciseFlow
 from integrable.moving_point import addition
 from integrable.moving_point.addition import opposite
-from integrable.moving_point.balls import BallField, BallTranslations, picard_box, time_after
+from integrable.moving_point.balls import BallField, BallTranslations, around, picard_box, time_after
 from integrable.moving_point.problem import Problem, vectors
 from integrable.moving_point.translations import Translations
-from integrable.phase.enclosure import Enclosure, exact_times, is_bounded, rounded_up, widest
+from integrable.phase.enclosure import Enclosure, Precisions, exact_times, is_bounded, widest
+from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 from jacobian.progress import Progress
 
 if TYPE_CHECKING:
+    from flint import arb
+
     from integrable.phase.body import Body
+    from integrable.phase.enclosure import Row
     from integrable.phase.state import State
 
 # sum of the semi-axes of a panel's ellipse, in half panels
@@ -37,83 +42,57 @@ ELLIPSE = 3
 LOST = 14
 # bits for the complex discs, whose bounds need few
 BOUND_BITS = 64
-MOST_ATTEMPTS = 8
 MOST_PANELS = 100_000
 # largest number of doublings: with more, the number of steps exceeds the range of floats
 MOST_DOUBLINGS = 1000
 
 
-def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: Any) -> Enclosure:
-    """Enclosures of the states at physical times. ``clock`` is the number of the flow's units in a unit of time."""
-    farthest = max(map(abs, times), default=0)
-    # half a panel is at most that of an ellipse in a unit disc, and τ is at least t
-    if body.rolls and farthest * clock > MOST_PANELS:
-        raise ArgumentError(
-            f"times: enclosing physical time at {farthest} takes {float(farthest * clock):.2g} panels, more than "
-            f"{MOST_PANELS}; enclosure_at_tau has no such limit"
-        )
-    starts = PreciseFlow(body, state, digits).at(times)[0] if body.rolls else times
+def enclosure(body: Body, state: State, times: Sequence[Real], digits: int) -> Enclosure:
+    """Enclosures of the states at physical times."""
+    starts = PreciseFlow(body, state, digits).at(list(times))[0] if body.rolls else times
+    motions = Precisions(partial(BallMotion, body, state, digits), digits)
     # all times use the precision of the farthest, so that they share the panels of one motion
-    bits, motions = max((_bits(body, state, digits, tau) for tau in starts), default=0), dict[int, BallMotion]()
-    rows = {}
+    lost, rows = max((_lost(body, state, tau) for tau in starts), default=0), {}
     # farthest first: its panels serve the others, and it determines the common precision
     for i in sorted(range(len(times)), key=lambda i: -abs(times[i])):
-        t, tau = times[i], starts[i]
-        rows[i] = _narrow(motions, (body, state, digits), tau, bits, lambda motion, t=t, tau=tau: motion.tau_at(t, tau))
+        rows[i] = _row(motions, partial(BallMotion.tau_at, t=times[i], guess=starts[i]), lost)
     return Enclosure(exact_times(times), [rows[i] for i in range(len(times))])
 
 
-def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> Enclosure:
+def enclosure_at_tau(body: Body, state: State, tau: Sequence[Real], digits: int) -> Enclosure:
     """Enclosures of the states at values of τ."""
-
-    def place(motion: BallMotion, t: Any) -> Any:
-        return motion.field.coerce(t) * motion.problem.time_scale
-
-    motions: dict[int, BallMotion] = {}
-    rows = [
-        _narrow(motions, (body, state, digits), t, _bits(body, state, digits, t), lambda motion, t=t: place(motion, t))
-        for t in tau
-    ]
+    motions = Precisions(partial(BallMotion, body, state, digits), digits)
+    rows = [_row(motions, partial(BallMotion.scaled, t=t), _lost(body, state, t)) for t in tau]
     return Enclosure(None if body.rolls else exact_times(tau), rows)
 
 
-def _bits(body: Body, state: State, digits: int, tau: Any) -> int:
-    """The number of bits with which the computation of the state at τ starts."""
+def _lost(body: Body, state: State, tau: Real) -> int:
+    """A guess of the number of bits that balls lose until τ."""
     # computed by exponents, since the product may exceed the range of floats
-    doublings = 4 + max(0, mag(tau) + mag(2 * max(body.a) * max(map(abs, state.vectors[1]))))
+    doublings = 4 + max(0, mag(tau) + mag(2 * max(body.a) * max(map(abs, state.M))))
     if doublings > MOST_DOUBLINGS:
-        raise ArgumentError(f"tau = {tau}: enclosures reach turns up to 2^{MOST_DOUBLINGS}; give a nearer time")
-    return ceil(3.33 * (digits + 6) + LOST * doublings)
+        raise ArgumentError(
+            f"tau = {nstr(tau, 5)}: enclosures reach turns up to 2^{MOST_DOUBLINGS}; give a nearer time"
+        )
+    return LOST * doublings
 
 
-def _narrow(
-    motions: dict[int, BallMotion], given: tuple[Body, State, int], tau: Any, bits: int, place: Any
-) -> tuple[Any, Any, Any, float]:
-    """(τ, γ, M, radius) of one row, at a precision raised from ``bits`` until the radius is at most 10^(−digits).
+def _row(motions: Precisions[BallMotion], place: Callable[[BallMotion], arb], lost: int) -> Row:
+    """One row, at the τ of ``place`` in the flow's units."""
 
-    ``motions`` maps bits to the motions that were made for previous rows.
-    """
-    digits = given[2]
-    for _ in range(MOST_ATTEMPTS):
-        if bits not in motions:
-            motions[bits] = BallMotion(given[0], given[1], bits, digits)
-        motion = motions[bits]
-        with motion.reals, suppress(PrecisionLoss):
-            scaled = place(motion)
-            gamma, M = vectors(motion.point(scaled), motion.problem.momentum, motion.problem.matrix)
-            radius = widest((gamma, 1), (M, motion.problem.momentum))
-            if radius * motion.field.coerce(10) ** digits < 1:
-                return scaled / motion.problem.time_scale, gamma, M, rounded_up(radius)
-        bits = bits * 3 // 2 + 64
-    raise PrecisionLoss(
-        f"tau = {tau}: no ball of radius 1e-{digits} was reached with {bits} bits; ask for fewer digits"
-    )
+    def read(motion: BallMotion) -> tuple[tuple[arb, tuple[arb, ...], tuple[arb, ...]], arb]:
+        tau, problem = place(motion), motion.problem
+        gamma, M = vectors(motion.point(tau), problem.momentum, problem.matrix)
+        return (tau / problem.time_scale, gamma, M), widest((gamma, 1), (M, problem.momentum))
+
+    (tau, gamma, M), radius = motions.narrow(read, lost)
+    return tau, gamma, M, radius
 
 
 class BallMotion:
     """The flow of one body and state in balls of ``bits`` bits; to be used inside ``with motion.reals``."""
 
-    def __init__(self, body: Body, state: State, bits: int, digits: int) -> None:
+    def __init__(self, body: Body, state: State, digits: int, bits: int) -> None:
         import flint
 
         self._flint = flint
@@ -146,27 +125,24 @@ class BallMotion:
             point = addition.carried(self.problem.f, self.problem.axes, self._start, step)
         return point if tau.is_exact() else self._spread(point, tau.rad().abs_upper())
 
-    def _spread(self, point: Any, width: Any) -> tuple[Any, ...]:
-        """Balls for the moving point at all τ within ``width`` of the τ of ``point``, by the mean value theorem on a
-        Picard box.
-        """
-        arb = self._flint.arb
+    def _spread(self, point: Sequence[arb], width: arb) -> tuple[arb, ...]:
+        """Balls for the moving point at all τ within ``width`` of the τ of ``point``."""
         sizes = [width * (1.1 * abs(x).abs_upper() + 2.0**-20) for x in self._velocity(point)]
-        for _ in range(MOST_ATTEMPTS):
-            box = [x + arb(0, s) for x, s in zip(point, sizes, strict=True)]
-            reach = [(width * abs(x)).abs_upper() for x in self._velocity(box)]
-            if all(a <= b for a, b in zip(reach, sizes, strict=True)):
-                return tuple(x + arb(0, r) for x, r in zip(point, reach, strict=True))
-            sizes = [max(s, 1.05 * x) for x, s in zip(reach, sizes, strict=True)]
-        raise PrecisionLoss("a time is not known well enough to enclose the state there: use more digits")
+        found = picard_box(self._velocity, point, sizes, width)
+        if found is None:
+            raise PrecisionLoss("a time is not known well enough to enclose the state there: use more digits")
+        return tuple(map(around, point, found[1]))
 
-    def tau_at(self, t: Any, guess: Any) -> Any:
-        """τ, in the flow's units, at the physical time t (an exact ball), from a guess in the user's units."""
-        problem = self.problem
-        target = self.field.coerce(t) * problem.time_scale
+    def scaled(self, t: Real) -> arb:
+        """A time in the user's units, converted to those of the flow."""
+        return self.field.coerce(t) * self.problem.time_scale
+
+    def tau_at(self, t: Real, guess: Real) -> arb:
+        """τ, in the flow's units, at the physical time t, from a guess in the user's units."""
+        problem, target = self.problem, self.scaled(t)
         if not problem.matrix and problem.d == 0:
             return target
-        tau = (self.field.coerce(guess) * problem.time_scale).mid()
+        tau = self.scaled(guess).mid()
         if t == 0:
             return self.field.zero
         rest = target - self.time(tau)
@@ -175,7 +151,7 @@ class BallMotion:
     def time(self, tau: Any) -> Any:
         """∫_0^τ dτ/g for an exact τ ≠ 0; its panels are cached for later times."""
         if not self._half:
-            self._half = float(self._disc(self._start, 1.0)) * 2 / (ELLIPSE + 1 / ELLIPSE) * 0.7
+            self._half = self._bounded_disc(self._start, 1.0, 0)[0] * 2 / (ELLIPSE + 1 / ELLIPSE) * 0.7
         while True:
             panels = ceil(abs(float(tau)) / (2 * self._half))
             if panels > MOST_PANELS:
@@ -237,13 +213,9 @@ class BallMotion:
 
     # --- a disc of complex τ on which the motion is analytic
 
-    def _disc(self, point: Any, start: float) -> float:
-        """The radius of a disc of complex τ about the τ of ``point`` on which Picard's theorem gives the motion."""
-        return self._bounded_disc(point, start, 0)[0]
-
     def _bounded_disc(self, point: Any, start: float, enough: Any) -> tuple[float, Any]:
-        """(radius, bound of |1/g|) of a disc as in :meth:`_disc`, with the first radius that works from ``start`` down;
-        (0, None) if none that exceeds ``enough`` works.
+        """(radius, bound of |1/g|) of a disc of complex τ about the τ of ``point`` on which Picard's theorem gives the
+        motion, with the first radius that works from ``start`` down; (0, None) if none above ``enough`` works.
         """
         with self.reals.at(BOUND_BITS):
             speed = [abs(x).abs_upper() for x in self._velocity(point)]

@@ -135,9 +135,7 @@ class Flow(BodyMotion):
         from integrable.phase.enclosure import ball_digits
 
         given = self._checked(times, "times")
-        return enclosure(
-            self.system.body, self.state, list(given), ball_digits(self.system.field, digits), self.setup.time_scale
-        )
+        return enclosure(self.system.body, self.state, list(given), ball_digits(self.system.field, digits))
 
     def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> Enclosure:
         """:meth:`enclosure` at values of the flow's own time: a few additions for any τ."""

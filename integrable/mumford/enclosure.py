@@ -9,31 +9,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import ceil, frexp
-from typing import Any
+from math import frexp
+from typing import TYPE_CHECKING, Any
 
 from integrable.moving_point.balls import time_after
 from integrable.mumford.balls import Balls
 from integrable.mumford.motion import Placed, Start
 from integrable.mumford.translations import GroupTranslations, reference
-from integrable.phase.enclosure import EnclosedPath, Row, ball_digits, exact_times, rounded_up, widest
+from integrable.phase.enclosure import EnclosedPath, Precisions, ball_digits, exact_times, widest
 from jacobian import poly
 from jacobian.element import Real
-from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
 
+if TYPE_CHECKING:
+    from flint import acb, arb
+
+    from integrable.mumford.flow import MumfordFlow
+    from integrable.phase.enclosure import Row
+
+    Vectors = tuple[arb, Sequence[arb], Sequence[arb]]
+
 # initial allowance for lost bits: per genus, and per genus and doubling
 OF_GENUS, OF_DOUBLING = 160, 20
-SPARE = 64
-MOST_BITS, MOST_ATTEMPTS = 2**15, 8
 # guard digits of the first guess of τ
 GUARD = 6
 # largest imaginary part that rounding may leave of a real root, relative to the largest root of f
 REAL = 1e-9
-
-Found = tuple[Any, Any]
-"""A result computed in balls, and its radius."""
 
 
 class EnclosedTranslations(GroupTranslations):
@@ -69,78 +71,35 @@ class EnclosedPlace(Placed):
     _kind = EnclosedTranslations
 
 
-class Precisions:
-    """A motion in balls, with as many bits as results need.
-
-    ``place`` is that of :class:`integrable.mumford.motion.Placed`.
-    """
-
-    def __init__(self, place: Callable[[Any], Start], genus: int, digits: int, complex: bool = False) -> None:
-        self._place, self._complex, self._genus, self._digits = place, complex, genus, digits
-        self._needed = ceil(3.33 * (digits + 2))
-        self._kept: tuple[int, EnclosedPlace | None] = (0, None)
-
-    def narrow(self, read: Callable[[EnclosedPlace], Found], farthest: float) -> tuple[Any, float]:
-        """The result of ``read`` with a radius of at most 10^(−digits), and that radius.
-
-        ``farthest`` is the absolute value of the largest requested time. PrecisionLoss if no precision suffices.
-        """
-        doublings = OF_DOUBLING * max(0, frexp(farthest)[1])
-        bits = max(self._kept[0], self._needed + SPARE + self._genus * (OF_GENUS + doublings))
-        for _ in range(MOST_ATTEMPTS):
-            if bits > MOST_BITS:
-                break
-            with Balls(bits, self._complex) as K:
-                found, radius = self._read(K, read)
-                if radius * K.coerce(10).real ** self._digits < 1:
-                    return found, rounded_up(radius)
-            lost = self._lost(bits, radius)
-            bits = max(bits * 5 // 4, self._needed + SPARE + lost) if lost else bits * 3 // 2
-        raise PrecisionLoss(
-            f"no balls of radius 1e-{self._digits} were found with {min(bits, MOST_BITS)} bits: the motion passes a "
-            "special position, or the time is too far; ask for fewer digits, or a nearer time"
-        )
-
-    def _read(self, K: Balls, read: Callable[[EnclosedPlace], Found]) -> Found:
-        """The result of ``read``; its radius is NaN if no bounds were found."""
-        try:
-            bits, place = self._kept
-            if bits != K.bits or place is None:
-                place = EnclosedPlace(K, self._place)
-                self._kept = K.bits, place
-            return read(place)
-        except (PrecisionLoss, ZeroDivisionError):
-            return None, K.coerce(0).real / 0
-
-    @staticmethod
-    def _lost(bits: int, radius: Any) -> int:
-        """The number of bits that the balls have lost; 0 if they have no bounds."""
-        if not radius.is_finite():
-            return 0
-        mantissa, exponent = radius.mid().man_exp()
-        return max(0, bits + int(exponent) + int(mantissa).bit_length())
+def places(place: Callable[[Any], Start], digits: int, complex: bool = False) -> Precisions[EnclosedPlace]:
+    """A motion in balls; ``place`` is that of :class:`integrable.mumford.motion.Placed`."""
+    return Precisions(lambda bits: EnclosedPlace(Balls(bits, complex), place), digits)
 
 
-def enclosed_path(flow: Any, times: Sequence[Any], digits: int | None, in_tau: bool = False) -> EnclosedPath:
+def lost_bits(genus: int, farthest: float) -> int:
+    """A guess of the number of bits that balls lose until the time ``farthest`` ≥ 0."""
+    return genus * (OF_GENUS + OF_DOUBLING * max(0, frexp(farthest)[1]))
+
+
+def enclosed_path(flow: MumfordFlow, times: Sequence[Real], digits: int | None, in_tau: bool = False) -> EnclosedPath:
     """Enclosures of the states of a ``MumfordFlow`` at times, or with ``in_tau`` at values of τ.
 
     ``times`` are elements of its field.
     """
     system = flow.system
     wanted = ball_digits(system.field, digits)
-    precisions = Precisions(flow._place, flow._genus, wanted, system.complex_data)
+    motion = places(flow._place, wanted, system.complex_data)
     clocked = system.clocked and not in_tau
     rows: list[Row] = []
     for time in times:
         guess = flow.tau_near(time, wanted + GUARD) if clocked else None
         farthest = abs(float(time if guess is None else guess))
-        read = partial(_state, flow, time, guess)
-        (tau, q, p), radius = precisions.narrow(read, farthest)
+        (tau, q, p), radius = motion.narrow(partial(_state, flow, time, guess), lost_bits(flow._genus, farthest))
         rows.append((tau, q, p, radius))
     return EnclosedPath(None if in_tau and system.clocked else exact_times(list(times)), rows, system.size)
 
 
-def _state(flow: Any, time: Any, guess: Any, place: EnclosedPlace) -> Found:
+def _state(flow: MumfordFlow, time: Real, guess: Real | None, place: EnclosedPlace) -> tuple[Vectors, arb]:
     """The enclosure (τ, q, p) of a state, and its radius."""
     K, system = place.field, flow.system
     when, start = K.coerce(time), flow._inner(K)
@@ -150,13 +109,13 @@ def _state(flow: Any, time: Any, guess: Any, place: EnclosedPlace) -> Found:
     return (tau.real, *state), widest(*vectors)
 
 
-def _size(before: Sequence[Any], now: Sequence[Any]) -> Any:
+def _size(before: Sequence[arb], now: Sequence[arb]) -> Real:
     """A lower bound of the largest entry of a vector at the start and now; 1 if all entries are exactly 0."""
     size = max(abs(x).abs_lower() for x in (*before, *now))
     return size if size > 0 else 1
 
 
-def _tau(flow: Any, place: EnclosedPlace, time: Any, guess: Any) -> Any:
+def _tau(flow: MumfordFlow, place: EnclosedPlace, time: arb | acb, guess: Real) -> arb | acb:
     """An enclosure of the τ that belongs to a time, for a motion that carries its clock."""
     K, clock = place.field, flow.system._clock
     if time == 0:

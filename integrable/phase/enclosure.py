@@ -1,23 +1,34 @@
-"""States with proven bounds: the results of enclosures, and functions shared by all motions."""
+"""States with proven bounds: the results of enclosures, and the search for as many bits as they need."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
-from typing import Any, ClassVar
+from collections.abc import Callable, Sequence
+from math import ceil
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 
 from integrable.phase.precisions import FLOAT_DIGITS
 from jacobian import RR
 from jacobian.element import Real
-from jacobian.errors import whole
+from jacobian.errors import PrecisionLoss, whole
 from jacobian.fields.multiprecision import MOST_DIGITS
 from jacobian.immutable import Record
 from jacobian.numbers.long_reals import BallReals
 
-Row = tuple[Any, Sequence[Any], Sequence[Any], float]
-"""One row: τ, the two vectors of a state, and the largest radius."""
+if TYPE_CHECKING:
+    from flint import arb
+
+    Row = tuple[arb, Sequence[arb], Sequence[arb], float]
+    """τ, the two vectors of a state, and the largest radius."""
+    Ends = tuple[tuple[int, int], tuple[int, int]]
+    Column = Sequence[Ends]
+    Sizes = Sequence[float]
+
+MOST_LOST_BITS, MOST_ATTEMPTS = 2**15, 8
+# bits that results keep beyond the requested digits
+SPARE_BITS = 16
 
 
 class BallRows(Record):
@@ -30,7 +41,7 @@ class BallRows(Record):
     _names: ClassVar[tuple[str, str]]
     """The names of the two vectors of a state; each has ``size`` numbers."""
 
-    def __init__(self, times: Any, rows: Sequence[Row], size: int = 3) -> None:
+    def __init__(self, times: Sequence[arb] | np.ndarray | None, rows: Sequence[Row], size: int = 3) -> None:
         self.size = size
         self.times = None if times is None else _array(times)
         self.tau = _array([row[0] for row in rows])
@@ -73,6 +84,57 @@ class EnclosedPath(BallRows):
     p: np.ndarray
 
 
+Enclosed = TypeVar("Enclosed")
+Found = TypeVar("Found")
+
+
+class Precisions(Generic[Enclosed]):
+    """A motion in balls, ``made`` with a number of bits, with as many bits as results need."""
+
+    def __init__(self, made: Callable[[int], Enclosed], digits: int) -> None:
+        self._made, self._digits, self._needed = made, digits, ceil(3.33 * (digits + 2))
+        self._kept: tuple[int, Enclosed | None] = (0, None)
+
+    def narrow(self, read: Callable[[Enclosed], tuple[Found, arb]], lost: int) -> tuple[Found, float]:
+        """The result of ``read`` with a radius of at most 10^(−digits), and that radius; ``read`` returns both.
+
+        ``lost`` is a guess of the number of bits that balls lose. PrecisionLoss if no precision suffices.
+        """
+        bits = max(self._kept[0], self._needed + SPARE_BITS + lost)
+        for _ in range(MOST_ATTEMPTS):
+            if bits > self._needed + MOST_LOST_BITS:
+                break
+            found = self._read(bits, read)
+            if found is not None and found[1] * 10**self._digits < 1:
+                return found[0], rounded_up(found[1])
+            lost = _lost_bits(bits, found[1]) if found else 0
+            bits = max(bits * 5 // 4, self._needed + SPARE_BITS + lost) if lost else bits * 3 // 2
+        raise PrecisionLoss(
+            f"no balls of radius 1e-{self._digits} were found with {min(bits, self._needed + MOST_LOST_BITS)} bits: "
+            "the motion passes a special position, or the time is too far; ask for fewer digits, or a nearer time"
+        )
+
+    def _read(self, bits: int, read: Callable[[Enclosed], tuple[Found, arb]]) -> tuple[Found, arb] | None:
+        """The result of ``read`` and its radius; None if no bounds were found."""
+        try:
+            with BallReals(bits):
+                kept, motion = self._kept
+                if kept != bits or motion is None:
+                    motion = self._made(bits)
+                    self._kept = bits, motion
+                return read(motion)
+        except (PrecisionLoss, ZeroDivisionError):
+            return None
+
+
+def _lost_bits(bits: int, radius: arb) -> int:
+    """The number of bits that balls with this radius have lost; 0 if they have no bounds."""
+    if not radius.is_finite():
+        return 0
+    mantissa, exponent = radius.mid().man_exp()
+    return max(0, bits + int(exponent) + int(mantissa).bit_length())
+
+
 def ball_digits(field: Any, digits: int | None) -> int:
     """``digits``, checked, or the default number of digits of balls: that of the field, 15 for RR."""
     if digits is None:
@@ -80,17 +142,17 @@ def ball_digits(field: Any, digits: int | None) -> int:
     return whole(digits, "digits", f"the balls' digits are an int ≥ 1, {MOST_DIGITS} at most", 1, MOST_DIGITS)
 
 
-def exact_times(times: Sequence[Real]) -> list[Real]:
+def exact_times(times: Sequence[Real]) -> list[arb]:
     """The given times as balls of radius 0."""
     return list(BallReals(64).row(float(t) if isinstance(t, float) else t for t in times))
 
 
-def is_bounded(values: Sequence[Any]) -> bool:
+def is_bounded(values: Sequence[arb]) -> bool:
     """Whether every ball has a finite radius."""
     return all(x.is_finite() for x in values)
 
 
-def widest(*vectors: tuple[Sequence[Real], Real]) -> Real:
+def widest(*vectors: tuple[Sequence[arb], Real]) -> arb:
     """An upper bound of the largest radius of the balls in (vector, size) pairs, each relative to its size. NaN if a
     radius is not finite.
     """
@@ -100,40 +162,43 @@ def widest(*vectors: tuple[Sequence[Real], Real]) -> Real:
     return max(x.rad() for x in found).abs_upper() if is_bounded(found) else arb("nan")
 
 
-def rounded_up(radius: Real) -> float:
+def rounded_up(radius: arb) -> float:
     """The radius rounded up to a float."""
     return max(float(radius) * (1 + 2.0**-50), sys.float_info.min)
 
 
-def _ends(ball: Any) -> tuple[Any, ...]:
+def _ends(ball: arb) -> Ends:
     """The midpoint and the radius of a ball, each as mantissa and exponent."""
-    return tuple(tuple(map(int, x.man_exp())) for x in (ball.mid(), ball.rad()))
+    (m, e), (r, k) = ball.mid().man_exp(), ball.rad().man_exp()
+    return (int(m), int(e)), (int(r), int(k))
 
 
-def _ball(flint: Any, middle: Any, radius: Any) -> Any:
+def _ball(ends: Ends) -> arb:
     """The ball with the midpoint and radius of :func:`_ends`. flint rounds every given radius up to 30 bits."""
-    mantissa, exponent = radius
+    from flint import arb
+
+    middle, (mantissa, exponent) = ends
     shift = 30 - mantissa.bit_length()
     for less in (1, 0):
-        ball = flint.arb(middle, flint.arb(((mantissa << shift) - less, exponent - shift))) if mantissa else None
-        if ball is not None and ball.rad() == flint.arb(radius):
+        ball = arb(middle, arb(((mantissa << shift) - less, exponent - shift))) if mantissa else None
+        if ball is not None and ball.rad() == arb(ends[1]):
             return ball
-    return flint.arb(middle, flint.arb(radius))
+    return arb(middle, arb(ends[1]))
 
 
-def _rebuilt(kind: Any, size: int, times: Any, tau: Any, first: Any, second: Any, radius: Any) -> Any:
-    import flint
-
-    def balls(values: Any) -> list[Any]:
+def _rebuilt(
+    kind: type[BallRows], size: int, times: Column | None, tau: Column, first: Column, second: Column, radius: Sizes
+) -> BallRows:
+    def balls(values: Column) -> list[arb]:
         with BallReals(64).at(max((m.bit_length() for (m, _), _ in values), default=1) + 64):
-            return [_ball(flint, *value) for value in values]
+            return list(map(_ball, values))
 
     vectors = (zip(*[iter(balls(values))] * size, strict=True) for values in (first, second))
     rows = list(zip(balls(tau), *vectors, radius, strict=True))
     return kind(None if times is None else balls(times), rows, size)
 
 
-def _array(values: list[Any]) -> np.ndarray:
+def _array(values: Sequence[arb] | np.ndarray) -> np.ndarray:
     result = np.empty(len(values), dtype=object)
     result[:] = values
     return result

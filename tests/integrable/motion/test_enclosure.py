@@ -95,7 +95,7 @@ def test_more_digits_than_a_float_has_exponents() -> None:
 @pytest.fixture(scope="module")
 def balls():
     system, state = motion_of(*CASES["tilted"])
-    return BallMotion(system.body, state, 400, 25)
+    return BallMotion(system.body, state, 25, 400)
 
 
 def test_the_differential_equation_is_that_of_the_flow(balls) -> None:
@@ -133,7 +133,7 @@ def test_translations_are_enclosed_at_every_precision(size) -> None:
     hold.
     """
     system, state = motion_of(*CASES["ball"])
-    few, many = (BallMotion(system.body, state, bits, 10) for bits in (120, 400))
+    few, many = (BallMotion(system.body, state, 10, bits) for bits in (120, 400))
     for eps in (size, -size):
         with few.reals:
             step = few._translations.near(few.reals.number(eps))
@@ -147,7 +147,7 @@ def test_translations_are_enclosed_at_every_precision(size) -> None:
 def test_the_rest_of_the_series_is_bounded() -> None:
     """With few terms the tail is large, and the balls still contain the truth."""
     system, state = motion_of(*CASES["ball"])
-    motion = BallMotion(system.body, state, 300, 10)
+    motion = BallMotion(system.body, state, 10, 300)
     with motion.reals:
         problem = motion.problem
         plain = Translations(
