@@ -16,7 +16,8 @@ from typing import NamedTuple
 from integrable.mumford.fields import cofactor, exponential
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
-from integrable.mumford.system import MumfordSystem, Spectral, all_of, normalized
+from integrable.mumford.surfaces import SurfaceSystem
+from integrable.mumford.system import Spectral, all_of
 from integrable.phase.body import Vector
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import poly
@@ -36,13 +37,12 @@ class Axis(NamedTuple):
     w: Real
 
 
-class AxialSystem(MumfordSystem):
+class AxialSystem(SurfaceSystem):
     """Base class of Lagrange's top and the spherical pendulum."""
 
     size = 3
     constants = ()
     complex_data = True
-    _constraint_names: tuple[str, ...] = ("|q| = 1",)
 
     def _axis(self, N: FormulaField, state: Point) -> Axis:
         """Table: the axis of a state."""
@@ -57,15 +57,6 @@ class AxialSystem(MumfordSystem):
         return None
 
     # --- derived from these
-
-    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
-        return (N.dot(state.q, state.q) - N.one,)
-
-    def _constraint_sizes(self, state: Point) -> list[Real]:
-        return self._surface_sizes([1] * self.size, state)[: len(self._constraint_names)]
-
-    def _constrained(self, N: FormulaField, state: Point) -> Point:
-        return Point(normalized(N, state.q), state.p)
 
     def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         axis = self._axis(N, state)

@@ -19,7 +19,8 @@ from collections.abc import Iterable, Sequence
 
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
-from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of, uhlenbeck
+from integrable.mumford.surfaces import SurfaceSystem
+from integrable.mumford.system import IntegralsByName, Spectral, all_of, uhlenbeck
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, poly
 from jacobian.element import FormulaField, Real, Value
@@ -32,7 +33,7 @@ from jacobian.relatives.extended import Extended, Lift, SecondKind
 MOST_STEPS = 100
 
 
-class Ellipsoid(MumfordSystem):
+class Ellipsoid(SurfaceSystem):
     """Geodesics on Σx_i²/a_i = 1, len(a) ≥ 2; the a_i are different, and positive over real fields.
 
     A state is a point q and a tangent vector p there. Time is length divided by |p|. With |p| = 1,
@@ -46,24 +47,8 @@ class Ellipsoid(MumfordSystem):
         if not field.exact and not all(isinstance(x, complex) or x > 0 for x in self.constants):
             raise ArgumentError(f"a = {shown(a)}: the squares of the semi-axes are positive")
 
-    def _over_axes(self, N: FormulaField, left: Sequence[Real], right: Sequence[Real]) -> Real:
-        """The sum Σ left_i·right_i/a_i."""
-        return N.dot([x / e for x, e in zip(left, self._constants_in(N), strict=True)], right)
-
-    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
-        q, p = state
-        moves = N.zero if any(x != N.zero for x in p) else N.one
-        return self._over_axes(N, q, q) - N.one, self._over_axes(N, q, p), moves
-
-    def _constraint_sizes(self, state: Point) -> list[Real]:
-        return self._surface_sizes([abs(1 / a) for a in self.constants], state)
-
-    def _constrained(self, N: FormulaField, state: Point) -> Point:
-        size = N.sqrt(self._over_axes(N, state.q, state.q))
-        q = tuple(x / size for x in state.q)
-        normal = [x / e for x, e in zip(q, self._constants_in(N), strict=True)]
-        along = N.dot(normal, state.p) / N.dot(normal, normal)
-        return Point(q, tuple(y - along * x for x, y in zip(normal, state.p, strict=True)))
+    def _normal(self, N: FormulaField, q: Sequence[Real]) -> Sequence[Real]:
+        return [x / e for x, e in zip(q, self._constants_in(N), strict=True)]
 
     def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         q, p = state
@@ -105,18 +90,18 @@ class Ellipsoid(MumfordSystem):
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
         q, p = state
-        normal = [x / e for x, e in zip(q, self._constants_in(N), strict=True)]
-        pull = self._over_axes(N, p, p) / N.dot(normal, normal)
+        normal = self._normal(N, q)
+        pull = N.dot(self._normal(N, p), p) / N.dot(normal, normal)
         return Point(p, tuple(-(pull * x) for x in normal))
 
     def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals F_i, |v|² = ΣF_i, and Joachimsthal's Σv_i²/a_i·Σx_i²/a_i²."""
         q, p = state
-        normal = [x / e for x, e in zip(q, self._constants_in(N), strict=True)]
+        normal = self._normal(N, q)
         return {
             "F": self._momenta(N, state),
             "speed squared": N.dot(p, p),
-            "Joachimsthal": self._over_axes(N, p, p) * N.dot(normal, normal),
+            "Joachimsthal": N.dot(self._normal(N, p), p) * N.dot(normal, normal),
         }
 
     def discrete(self, state: Point, h: Value) -> Point:

@@ -20,14 +20,15 @@ from typing import NoReturn
 
 from integrable.mumford.flow import Point, element, long_digits
 from integrable.mumford.motion import MumfordMotion, Start
-from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of, normalized
+from integrable.mumford.surfaces import SurfaceSystem
+from integrable.mumford.system import IntegralsByName, Spectral, all_of
 from jacobian import RR, poly
 from jacobian.element import FormulaField, Numbers, Real
 from jacobian.errors import NotRepresentable, one_or_more
 from jacobian.fields.protocol import Field, check_field
 
 
-class KowalevskiTop(MumfordSystem):
+class KowalevskiTop(SurfaceSystem):
     """Kowalevski's top; a state has q = γ, the vertical, and p = ω, the angular velocity, both in the body frame."""
 
     size = 3
@@ -36,12 +37,6 @@ class KowalevskiTop(MumfordSystem):
 
     def __init__(self, field: Field = RR) -> None:
         self.field = check_field(field, "field")
-
-    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
-        return (N.dot(state.q, state.q) - N.one,)
-
-    def _constrained(self, N: FormulaField, state: Point) -> Point:
-        return Point(normalized(N, state.q), state.p)
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
         (x, y, z), (p, q, r) = state

@@ -10,36 +10,26 @@ branch point a_i, with κ = f₁'(a_i). So signs are determined, also where the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
-from integrable.mumford.system import IntegralsByName, on_sphere, uhlenbeck
+from integrable.mumford.surfaces import SurfaceSystem
+from integrable.mumford.system import IntegralsByName, uhlenbeck
 from jacobian import RR
-from jacobian.element import FormulaField, Real, Value
+from jacobian.element import FormulaField, Value
 from jacobian.fields.protocol import Field
 
 
-class Neumann(QuadricSystem):
+class Neumann(SurfaceSystem, QuadricSystem):
     """The motion on S^n in the potential ½Σa_i q_i², n + 1 = len(a) ≥ 2, with different a_i.
 
     ``Neumann((1, 2, 4)).flow(system.state(q, p)).at(times)``; time is physical, and the a_i are in 1/time².
     ``step`` is the discretization of Moser and Veselov (1991); for λ → −∞ its time step is about 1/√−λ.
     """
 
-    _constraint_names = ("|q| = 1", "(q, p) = 0")
-
     def __init__(self, a: Iterable[Value], field: Field = RR) -> None:
         self._set_up(field, a, "a", 2)
-
-    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
-        return N.dot(state.q, state.q) - N.one, N.dot(state.q, state.p)
-
-    def _constraint_sizes(self, state: Point) -> list[Real]:
-        return self._surface_sizes([1] * self.size, state)[:2]
-
-    def _constrained(self, N: FormulaField, state: Point) -> Point:
-        return on_sphere(N, state)
 
     def _shape(self, N: FormulaField, state: Point) -> Shape:
         return Shape((), (), (-N.one,))

@@ -10,12 +10,10 @@ in the terms of :mod:`integrable.classical.axial`, g = q_1 + iq_2.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from integrable.classical.axial import AxialSystem, Axis, heavy
 from integrable.classical.axial_torus import AxialFlow
 from integrable.mumford.flow import Point
-from integrable.mumford.system import IntegralsByName, on_sphere
+from integrable.mumford.system import IntegralsByName
 from jacobian import RR
 from jacobian.element import FormulaField, Real
 from jacobian.fields.protocol import Field, check_field
@@ -25,16 +23,9 @@ class SphericalPendulum(AxialSystem):
     """The spherical pendulum; a state has q, a point of the unit sphere with e_3 upwards, and p = q'."""
 
     flow_type = AxialFlow
-    _constraint_names = ("|q| = 1", "(q, p) = 0")
 
     def __init__(self, field: Field = RR) -> None:
         self.field = check_field(field, "field")
-
-    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
-        return *super()._constraints(N, state), N.dot(*state)
-
-    def _constrained(self, N: FormulaField, state: Point) -> Point:
-        return on_sphere(N, state)
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
         q, p = state

@@ -22,7 +22,8 @@ from typing import TYPE_CHECKING, Any
 from integrable.mumford.body_torus import SPARE, BodyTorus, SeriesClock, Unit, WalkedClock
 from integrable.mumford.flow import MumfordFlow, Point
 from integrable.mumford.motion import Start
-from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of, on_sphere
+from integrable.mumford.surfaces import SurfaceSystem
+from integrable.mumford.system import IntegralsByName, Spectral, all_of
 from integrable.phase.body import Vector, cross
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import MP, RR, poly
@@ -112,7 +113,7 @@ class BodyFlow(MumfordFlow):
         return float(max(self._body._constants_in(RR)) * hypot(*map(float, self._inner(RR).p)))
 
 
-class BodySystem(MumfordSystem):
+class BodySystem(SurfaceSystem):
     """Base class of the ball, the top and Veselova's body; a state has q = γ and p = M, both in the body frame."""
 
     size, clocked, flow_type = 3, True, BodyFlow
@@ -133,16 +134,6 @@ class BodySystem(MumfordSystem):
         self._set_up(field, inertia, "inertia", 3)
         if self.size != 3 or self.field.zero in self.constants:
             raise ArgumentError(f"inertia = {shown(inertia)}: three different numbers other than 0 are needed")
-
-    def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
-        moves = N.zero if any(x != N.zero for x in state.p) else N.one
-        return N.dot(state.q, state.q) - N.one, N.dot(*state), moves
-
-    def _constraint_sizes(self, state: Point) -> list[Real]:
-        return self._surface_sizes([1] * self.size, state)
-
-    def _constrained(self, N: FormulaField, state: Point) -> Point:
-        return on_sphere(N, state)
 
     def _omega(self, N: FormulaField, state: Point) -> Vector:
         a, (gamma, M) = self._constants_in(N), state

@@ -244,12 +244,6 @@ class MumfordSystem(Made):
             for value in self._constraints(jets, Point(both[:n], both[n:]))
         ]
 
-    def _surface_sizes(self, weights: Sequence[Real], state: Point) -> list[Real]:
-        """The :meth:`_constraint_sizes` of Σw_iq_i² = 1, Σw_iq_ip_i = 0 and p ≠ 0, in closed form."""
-        q, p = (tuple(map(abs, part)) for part in state)
-        widest, fastest, size = max(q), max(p), self.field.dot(weights, q)
-        return [2 * widest * size, widest * self.field.dot(weights, p) + fastest * size, 0]
-
     _constraint_names: tuple[str, ...] = ()
 
     def _formula(
@@ -480,19 +474,6 @@ def _in_range(found: object) -> bool:
     if isinstance(found, tuple):
         return all(map(_in_range, found))
     return cmath.isfinite(found) if isinstance(found, (float, complex)) else True
-
-
-def normalized(N: FormulaField, q: Sequence[Real]) -> tuple[Real, ...]:
-    """The unit vector q/|q| over an inexact field."""
-    size = N.sqrt(N.dot(q, q))
-    return tuple(x / size for x in q)
-
-
-def on_sphere(N: FormulaField, state: Point) -> Point:
-    """The state with q/|q|, and p without its component along q, over an inexact field."""
-    q = normalized(N, state.q)
-    along = N.dot(q, state.p)
-    return Point(q, tuple(y - along * x for x, y in zip(q, state.p, strict=True)))
 
 
 def uhlenbeck(a: Sequence[Real], state: Point, first: Sequence[Real]) -> tuple[Real, ...]:
