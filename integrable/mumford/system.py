@@ -190,26 +190,19 @@ class MumfordSystem(Made):
 
     def state(self, q: Iterable[Value], p: Iterable[Value]) -> Point:
         """The state with these q and p; ArgumentError if it does not satisfy the constraints of the system."""
-        state = self._floats(q, p)
-        if state is not None:
-            self._check(state, state)
-            return state
-        parts = []
-        for name, values in (("q", q), ("p", p)):
-            wanted = f"a sequence of {self.size} numbers"
-            given = entries(values, name, wanted)
-            if len(given) != self.size:
-                raise ArgumentError(f"{name} = {shown(values)}: {wanted} is needed")
-            parts.append(tuple(self.field.coerce(x, f"{name}[{i}]") for i, x in enumerate(given)))
-        state = Point(*parts)
-        self._check(state)
+        state = Point(self._part(q, "q"), self._part(p, "p"))
+        self._check(state, None if self.field.exact else state)
         return state
 
-    def _floats(self, q: object, p: object) -> Point | None:
-        """The state over RR if q and p are tuples of finite floats, otherwise None."""
-        if self.field == RR and _finite_floats(q) and _finite_floats(p) and len(q) == len(p) == self.size:
-            return Point(q, p)
-        return None
+    def _part(self, values: Iterable[Value], name: str) -> tuple[Real, ...]:
+        """q or p as elements of the field."""
+        if self.field is RR and _finite_floats(values) and len(values) == self.size:
+            return values
+        wanted = f"a sequence of {self.size} numbers"
+        given = entries(values, name, wanted)
+        if len(given) != self.size:
+            raise ArgumentError(f"{name} = {shown(values)}: {wanted} is needed")
+        return tuple(self.field.coerce(x, f"{name}[{i}]") for i, x in enumerate(given))
 
     def _check(self, state: Point, inside: Point | None = None) -> None:
         """ArgumentError if a state violates a constraint; ``inside`` is the state in ``numbers`` if it is known."""
@@ -357,7 +350,8 @@ class MumfordSystem(Made):
     def _check_range(self, state: Point) -> None:
         """Checks a state as :meth:`_check` does; also PrecisionLoss if the formulas exceed the range of floats."""
         self._check(state)
-        if not self._is_ordinary(state):
+        size = self._ordinary_size
+        if not (self._ordinary_constants and -size < min(map(min, state)) and max(map(max, state)) < size):
             self.spectral(state)
 
     _ordinary_size = 1e9
@@ -367,10 +361,6 @@ class MumfordSystem(Made):
     def _ordinary_constants(self) -> bool:
         given = (*self.constants, *self.parameters)
         return self.field == RR and all(x == 0 or 1e-9 < abs(x) < 1e9 for x in given)
-
-    def _is_ordinary(self, state: Point) -> bool:
-        size = self._ordinary_size
-        return self._ordinary_constants and -size < min(map(min, state)) and max(map(max, state)) < size
 
     def _tolerance(self, tolerance: float | None) -> float | None:
         if tolerance is None:
