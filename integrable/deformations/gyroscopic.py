@@ -33,8 +33,7 @@ class Gyroscopic(Deformation):
         return replaced(super().over(field), c=field.coerce(self.c, "c"))
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Real, Real]:
-        """The integrals (H, K)."""
-        c = self._constants(0)(self.c)
+        c = self._constants()(self.c)
         quarter = c * c / 4
         energy = q.m1 - q.s * q.m2 + c * q.eta + quarter * q.s
         first = (q.m2 + quarter) * (c * q.eta_dual - q.xi * q.xi + quarter * q.sigma)
@@ -42,7 +41,7 @@ class Gyroscopic(Deformation):
 
     def motion(self, q: Scalars) -> tuple[list[Real], list[Real]]:
         """(Ω, Ṁ): Ω = AM − sM + (c/2)γ × Aγ, Ṁ = M × Ω + γ × [−m2·Aγ + (c/2)(Aγ × M + A(M × γ)) + (c²/4)Aγ]."""
-        c = self._constants(0)(self.c)
+        c = self._constants()(self.c)
         half = c / 2
         omega = combination((1, q.AM), (-q.s, q.M), (half, product(q.gamma, q.Ag)))
         turned = [a * x for a, x in zip(q.a, product(q.M, q.gamma), strict=True)]

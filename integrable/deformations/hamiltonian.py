@@ -9,7 +9,7 @@ nonholonomic Chaplygin ball", with the corrections of docs/errata.md.)
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Self
 
@@ -106,7 +106,7 @@ class Hamiltonian(Made):
     def integrals(self, state: State[Element]) -> DeformedIntegrals[Element]:
         """C1, C2, H and K; NotRepresentable if the potential is infinite (γ_i = 0 with a pole there)."""
         K, state = self.field, self._checked(state)
-        wrap, (gamma, M) = self._constants(0), state.vectors
+        wrap, (gamma, M) = self._constants(), state.vectors
         with _finite():
             energy, second = self.pair(self.scalars(wrap, map(wrap, gamma), map(wrap, M)), self._terms(wrap))
         if K.exact:
@@ -117,7 +117,7 @@ class Hamiltonian(Made):
         """The :meth:`integrals` of N real states, each of shape (N,); γ and M have the shape (N, 3)."""
         import numpy as np
 
-        q = self.scalars(self._constants(0), gamma.T, M.T)
+        q = self.scalars(self._constants(), gamma.T, M.T)
         with _finite(), np.errstate(divide="raise"):
             return DeformedIntegrals(dot(q.gamma, q.gamma), dot(q.gamma, q.M), *self.pair(q, self._terms(lambda x: x)))
 
@@ -126,7 +126,7 @@ class Hamiltonian(Made):
         import numpy as np
 
         with _finite(), np.errstate(divide="raise"):
-            return np.stack(self.motion(self.scalars(self._constants(0), gamma.T, M.T))[0], axis=1)
+            return np.stack(self.motion(self.scalars(self._constants(), gamma.T, M.T))[0], axis=1)
 
     def _attitude_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
         """Raises NotRepresentable, because M is not fixed in space."""
@@ -142,7 +142,7 @@ class Hamiltonian(Made):
         return [*rate.row]
 
     def _rates(self, state: State) -> State:
-        wrap = self._constants(0)
+        wrap = self._constants()
         q = self.scalars(wrap, *(map(wrap, v) for v in state.vectors))
         omega, momentum = self.motion(q)
         rate: list[Any] = product(q.gamma, omega)
@@ -194,10 +194,9 @@ class Hamiltonian(Made):
 
     # --- inside
 
-    def _constants(self, directions: int) -> Any:
+    def _constants(self) -> Callable[[Any], Any]:
         """The function that converts elements of the field to numbers with operators."""
-        K = self.field
-        return JetField(K, directions).constant if K.exact or directions else lambda x: x
+        return JetField(self.field, 0).constant if self.field.exact else lambda x: x
 
     def scalars(self, wrap: Any, gamma: Any, M: Any) -> Scalars:
         """The :class:`Scalars` of γ and M; ``wrap`` converts the body's constants."""
@@ -216,11 +215,9 @@ class Hamiltonian(Made):
         zero = jets.constant(K.zero)
         terms = self._terms(jets.constant)
         assert terms is not None
+        q = self.scalars(jets.constant, jets.variables(state.vectors[0]), (zero, zero, zero))
         with _finite():
-            energy = self.potential_energy(
-                self.scalars(jets.constant, jets.variables(state.vectors[0]), (zero, zero, zero)), terms
-            )
-        return jets.coerce(energy).slopes
+            return jets.coerce(self.potential_energy(q, terms)).slopes
 
     @property
     def arguments(self) -> dict[str, object]:

@@ -42,7 +42,6 @@ class Check(IsometricDeformation):
         return Isometry(self.a, K.neg(K.mul(a1, K.mul(a2, a3))), Tilde(self.a, field=K))
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Real, Real]:
-        """(H, K)."""
         square = q.xi * q.xi
         energy, first, second = q.s * (q.m1 - q.s * q.m2) - 2 * square, q.s * q.m1 - square, square
         if potential is not None:
@@ -56,7 +55,6 @@ class Check(IsometricDeformation):
         return energy, first * second
 
     def potential_energy(self, q: Scalars, potential: Potential) -> Any:
-        """V(γ)."""
         a, b, _ = potential
         inverse = 1 / q.s
         terms = poles(q, potential, lambda a1, a2, a3: (1 / a2 + 1 / a3 - 2 * inverse) * q.s / a1)
@@ -90,7 +88,6 @@ class Hat(IsometricDeformation):
         return Isometry(squares, K.mul(a1, squares[0]), Tilde(self.a, field=K))
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Real, Real]:
-        """(H, K)."""
         alpha, root = _alpha(q), q.sigma * q.xi + q.tau * q.zeta
         energy = alpha * q.m1 - (q.sigma + alpha * q.tau) * q.m2
         first, second = q.tau * q.m2 - q.m1, root * root
@@ -104,7 +101,6 @@ class Hat(IsometricDeformation):
         return energy, first * second
 
     def potential_energy(self, q: Scalars, potential: Potential) -> Any:
-        """V(γ)."""
         (a, b, _), S = potential, _slope(q)
         terms = poles(q, potential, lambda _, a2, a3: (1 / a2 + 1 / a3 - 2 * S) * q.sigma / (a2 * a3))
         return a * S + b * (S - q.e2 / q.e3) * S * S + terms

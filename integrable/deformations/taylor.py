@@ -24,10 +24,6 @@ from jacobian.numbers.long_reals import BareReals
 
 __all__ = ["integrate"]
 
-MOST_OPERATIONS = {"compiled": 6e7, "interpreted": 3e7}
-"""Largest number of products of coefficients in a motion: about a second compiled, half a minute interpreted."""
-OVERHEAD = {"compiled": 3e4, "interpreted": 500}
-"""The overhead of a step, in such products."""
 DOUBLE_DOUBLE = 28
 """Largest number of digits for which double-doubles are used."""
 
@@ -35,7 +31,8 @@ DOUBLE_DOUBLE = 28
 class _Interpreted:
     """The loops on bare reals with the digits of the field."""
 
-    kind = "interpreted"
+    # products of coefficients in half a minute, and those that take as long as the overhead of a step
+    most, overhead = 3e7, 500
 
     def __init__(self, field: Any) -> None:
         self._field, self._reals = field, BareReals(field.context.prec)
@@ -60,7 +57,8 @@ class _Interpreted:
 class _Compiled:
     """The loops on double-doubles."""
 
-    kind = "compiled"
+    # the same, in a second
+    most, overhead = 6e7, 3e4
 
     def __init__(self, field: Any) -> None:
         self._field, self.march = field, LIBRARY.march
@@ -135,8 +133,8 @@ def _marched(
     # a step of radius/e² neglects e^{-2·order}
     order = ceil(digits * log(10) / 2) + 2
     products = sum(k in (PRODUCT, QUOTIENT, ROOT) for k in tape.kinds)
-    work = order * (order / 2 * products + len(tape.kinds)) + OVERHEAD[loops.kind]
-    most = MOST_OPERATIONS[loops.kind] / work
+    work = order * (order / 2 * products + len(tape.kinds)) + loops.overhead
+    most = loops.most / work
     constants = [field.coerce(x) if k == CONSTANT else 0 for k, x in zip(tape.kinds, tape.constants, strict=True)]
     packed, middles = (
         loops.tape((tape.kinds, tape.left, tape.right, tape.results)),

@@ -35,7 +35,6 @@ class Tilde(Deformation):
         return self.potential.a == self.potential.b == zero and all(b > zero for b in self.potential.poles)
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Real, Real]:
-        """The integrals (H, K)."""
         square = q.xi * q.xi
         energy = q.m1 - q.s * q.m2 + 2 * q.d * q.G * square
         if potential is None:
@@ -45,7 +44,6 @@ class Tilde(Deformation):
         return energy, second
 
     def potential_energy(self, q: Scalars, potential: Potential) -> Any:
-        """The potential V(γ)."""
         a, b, _ = potential
         if not self.body.rolls:
             terms = poles(q, potential, lambda _, a2, a3: a2 + a3 - 2 * q.s)

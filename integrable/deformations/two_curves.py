@@ -32,6 +32,10 @@ if TYPE_CHECKING:
     from jacobian import Divisor
 
 
+Abscissas = Sequence[Value | None]
+"""Values of ũ on both curves; None adds nothing."""
+
+
 class TwoPoints(NamedTuple):
     """A divisor on each of the two elliptic curves of a state."""
 
@@ -223,11 +227,7 @@ class CurveTranslation(Step):
     """
 
     def __init__(
-        self,
-        system: Hamiltonian,
-        points: Sequence[Value | None],
-        sheets: Sequence[int] | None = None,
-        multiple: int = 1,
+        self, system: Hamiltonian, points: Abscissas, sheets: Sequence[int] | None = None, multiple: int = 1
     ) -> None:
         self.system = system
         given = list(points) if isinstance(points, (list, tuple)) else []

@@ -43,7 +43,7 @@ class OverJets:
     def pair(self) -> Any:
         """(H, K) as jets."""
         # constants are jets during this call only
-        vars(self.system)["_constants"] = lambda _: self.constant
+        vars(self.system)["_constants"] = lambda: self.constant
         try:
             return self.system.pair(self.q, self.terms)
         finally:

@@ -25,7 +25,7 @@ FIELDS = {"GF(2^61-1)": lambda: GF(2**61 - 1), "GF(7^3)": lambda: GF(7, 3, [4, 0
 
 def scalars(system, seed):
     state = random_state(system.rigid, Random(seed))
-    wrap = system._constants(0)
+    wrap = system._constants()
     return state, system.scalars(wrap, map(wrap, state.gamma), map(wrap, state.M))
 
 
@@ -111,7 +111,7 @@ def test_the_angular_velocity_is_half_the_gradient(K, name) -> None:
         state = random_state(system.rigid, rng)
         return state, OverJets(system, state).pair()[0]
 
-    wrap = system._constants(0)
+    wrap = system._constants()
     for _ in range(3):
         state, H = attempt(make)
         omega, _ = system.motion(system.scalars(wrap, map(wrap, state.gamma), map(wrap, state.M)))
@@ -144,7 +144,7 @@ def test_the_rolling_potential_without_poles(K) -> None:
         return system, state, a, b
 
     system, state, *strengths = attempt(make)
-    wrap = system._constants(0)
+    wrap = system._constants()
     q, (a, b) = system.scalars(wrap, map(wrap, state.gamma), map(wrap, state.M)), map(wrap, strengths)
     inverse = [1 / (1 - q.d * x) for x in q.a]
     trace, whole = sum(inverse), inverse[0] * inverse[1] * inverse[2]
