@@ -25,7 +25,6 @@ from jacobian.relatives.extended import Extended
 if TYPE_CHECKING:
     from flint import acb, arb
 
-    from integrable.mumford.flow import MumfordFlow
     from integrable.phase.enclosure import Row
 
     Vectors = tuple[arb, Sequence[arb], Sequence[arb]]
@@ -81,7 +80,7 @@ def lost_bits(genus: int, farthest: float) -> int:
     return genus * (OF_GENUS + OF_DOUBLING * max(0, frexp(farthest)[1]))
 
 
-def enclosed_path(flow: MumfordFlow, times: Sequence[Real], digits: int | None, in_tau: bool = False) -> EnclosedPath:
+def enclosed_path(flow: Any, times: Sequence[Real], digits: int | None, in_tau: bool = False) -> EnclosedPath:
     """Enclosures of the states of a ``MumfordFlow`` at times, or with ``in_tau`` at values of τ.
 
     ``times`` are elements of its field.
@@ -99,7 +98,7 @@ def enclosed_path(flow: MumfordFlow, times: Sequence[Real], digits: int | None, 
     return EnclosedPath(None if in_tau and system.clocked else exact_times(list(times)), rows, system.size)
 
 
-def _state(flow: MumfordFlow, time: Real, guess: Real | None, place: EnclosedPlace) -> tuple[Vectors, arb]:
+def _state(flow: Any, time: Real, guess: Real | None, place: EnclosedPlace) -> tuple[Vectors, arb]:
     """The enclosure (τ, q, p) of a state, and its radius."""
     K, system = place.field, flow.system
     when, start = K.coerce(time), flow._inner(K)
@@ -115,7 +114,7 @@ def _size(before: Sequence[arb], now: Sequence[arb]) -> Real:
     return size if size > 0 else 1
 
 
-def _tau(flow: MumfordFlow, place: EnclosedPlace, time: arb | acb, guess: Real) -> arb | acb:
+def _tau(flow: Any, place: EnclosedPlace, time: arb | acb, guess: Real) -> arb | acb:
     """An enclosure of the τ that belongs to a time, for a motion that carries its clock."""
     K, clock = place.field, flow.system._clock
     if time == 0:

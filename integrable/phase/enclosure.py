@@ -110,7 +110,7 @@ class Precisions(Generic[Enclosed]):
             lost = _lost_bits(bits, found[1]) if found else 0
             bits = max(bits * 5 // 4, self._needed + SPARE_BITS + lost) if lost else bits * 3 // 2
         raise PrecisionLoss(
-            f"no balls of radius 1e-{self._digits} were found with {min(bits, self._needed + MOST_LOST_BITS)} bits: "
+            f"no balls of radius 1e-{self._digits} were found with up to {MOST_LOST_BITS} spare bits: "
             "the motion passes a special position, or the time is too far; ask for fewer digits, or a nearer time"
         )
 
