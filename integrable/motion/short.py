@@ -8,7 +8,7 @@ cases are left to the next method.
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -253,7 +253,7 @@ def _listed() -> Rule:
 class Prepared(NamedTuple):
     """The constant arguments and the working memory that all calls of the compiled loops share."""
 
-    call: Any
+    call: Callable[..., None]
     rule: Packed
     ascending: Packed
     """The empty array in place of a sorting order, for times that ascend already."""

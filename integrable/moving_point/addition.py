@@ -65,7 +65,9 @@ def cofactor_at(f: Row, divisor: Row) -> Row:
     return f[2] - c1 * c1 - b1 * w1 - b0 * w2, w1, w2, f[5]
 
 
-def settled_pair(divisor: Row, rest: Row, a: Real, kappa: Real, sigma: Real, nu: Real, trust: Real) -> Any:
+def settled_pair(
+    divisor: Row, rest: Row, a: Real, kappa: Real, sigma: Real, nu: Real, trust: Real
+) -> tuple[Real, Real]:
     """The pair at the branch point a, corrected as in :func:`settled`; ``rest`` is W."""
     b0, b1, c0, c1 = divisor
     w0, w1, w2, w3 = rest
@@ -201,7 +203,7 @@ def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> t
     return m, r
 
 
-def leading(x: Any) -> Any:
+def leading(x: Row) -> Row:
     """x unchanged, a number or a row. Compiled code replaces this by the high parts of double-doubles."""
     return x
 

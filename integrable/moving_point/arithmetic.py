@@ -5,17 +5,16 @@ Constants are computed in numbers of a wide field and converted once.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from integrable.phase.precisions import SET_UP_DIGITS
 from jacobian import MP
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.fields.multiprecision import Mpf, MultiprecisionField
 from jacobian.numbers.double_double import exact_product, split
 from jacobian.numbers.long_reals import BareReals
 
-Array = Any
 # beyond this many turns a float holds no digits of the phase
 MOST_TURNS = 2.0**50
 # largest number of Newton steps to a zero in long doubles, including a bisection for each bit
@@ -31,26 +30,26 @@ class LongDoubles:
     arctan2, nearest = np.arctan2, np.rint
     passes = PASSES
 
-    def __init__(self, kind: Any = np.longdouble) -> None:
+    def __init__(self, kind: type[np.floating] = np.longdouble) -> None:
         self._kind, self.field = kind, MP(SET_UP_DIGITS)
         self.eps, self.tiny, self.bits = np.finfo(kind).eps, np.finfo(kind).tiny, np.finfo(kind).nmant
         self.pi = self.number(self.field.context.pi)
 
-    def number(self, x: Any) -> Any:
+    def number(self, x: Real) -> Real:
         """A wide number as a number of this kind."""
         high, low = split(x)
         return self._kind(high) + self._kind(low)
 
-    def wide(self, x: Any) -> Any:
+    def wide(self, x: Real) -> Real:
         """A number of this kind as a wide number."""
         high = float(x)
         return self.field.coerce(high) + self.field.coerce(float(x - high))
 
-    def result(self, x: Array) -> Any:
+    def result(self, x: np.ndarray) -> np.ndarray:
         """The array x rounded to floats."""
         return x.astype(float)
 
-    def turns_of(self, values: np.ndarray, rate: Any, start: Any) -> tuple[np.ndarray, Any]:
+    def turns_of(self, values: np.ndarray, rate: Mpf, start: Mpf) -> tuple[np.ndarray, np.ndarray]:
         """(whole turns, the rest in [−½, ½]) of values·rate + start; rate and start are wide. PrecisionLoss beyond
         2^50 turns.
         """
@@ -77,7 +76,7 @@ class Multiprecision:
     Compute with them inside a ``with numbers`` block.
     """
 
-    def __init__(self, field: Any) -> None:
+    def __init__(self, field: MultiprecisionField) -> None:
         import gmpy2 as g
 
         self.field, self.bits = field, field.context.prec
@@ -91,15 +90,15 @@ class Multiprecision:
         )
         self.arctan2 = np.frompyfunc(g.atan2, 2, 1)
 
-    def wide(self, x: Any) -> Any:
+    def wide(self, x: Real) -> Real:
         """A number of this kind as a wide number."""
         return self.reals.element(self.field, x)
 
-    def result(self, x: Array) -> Any:
+    def result(self, x: np.ndarray) -> np.ndarray:
         """The array x, unchanged."""
         return x
 
-    def turns_of(self, values: np.ndarray, rate: Any, start: Any) -> tuple[np.ndarray, Any]:
+    def turns_of(self, values: np.ndarray, rate: Real, start: Real) -> tuple[np.ndarray, np.ndarray]:
         """(whole turns, the rest in [−½, ½]) of values·rate + start; rate and start are wide."""
         turns = values * self.number(rate) + self.number(start)
         whole = self.nearest(turns)

@@ -10,7 +10,7 @@ by Krawczyk's test (1969).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from integrable.moving_point.addition import abel_slopes, abel_sums, carried, conjugate_points
 from integrable.moving_point.translations import Translations, series_of
@@ -18,37 +18,40 @@ from jacobian.errors import PrecisionLoss
 from jacobian.fields.inexact import InexactField
 
 if TYPE_CHECKING:
+    from flint import acb, arb
+
     from integrable.moving_point.problem import Problem
+    from jacobian.numbers.long_reals import BallReals
 
 
 MOST_TRIALS = 12
 MOST_BOXES = 6
 
 
-class BallField(InexactField):
+class BallField(InexactField["arb"]):
     """Real balls as a field, at the precision of flint's context. Given numbers are taken as exact."""
 
     name = "balls"
 
-    def __init__(self, reals: Any) -> None:
+    def __init__(self, reals: BallReals) -> None:
         self.reals = reals
         self.zero, self.one = reals.number(0), reals.number(1)
         self.eps = self.one * 2.0**-50
 
-    def coerce(self, value: Any, argument: str = "value") -> Any:
+    def coerce(self, value: object, argument: str = "value") -> arb:
         """The ball of radius 0 around a number; balls are returned unchanged."""
         return self.reals.number(value)
 
-    def sqrt(self, x: Any) -> Any:
+    def sqrt(self, x: arb) -> arb:
         """√x."""
         return x.sqrt()
 
-    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
+    def dot(self, xs: Sequence[arb], ys: Sequence[arb]) -> arb:
         """Σ x_i y_i."""
         return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
 
 
-def around(middle: Any, radius: Any) -> Any:
+def around(middle: arb, radius: arb) -> arb:
     """A ball that contains all numbers within ``radius`` of the ball ``middle``."""
     from flint import arb
 
@@ -56,8 +59,8 @@ def around(middle: Any, radius: Any) -> Any:
 
 
 def picard_box(
-    velocity: Callable[[Sequence[Any]], Sequence[Any]], point: Sequence[Any], sizes: Sequence[Any], radius: float
-) -> tuple[list[Any], list[Any]] | None:
+    velocity: Callable[[Sequence[acb]], Sequence[acb]], point: Sequence[arb], sizes: Sequence[arb], radius: float
+) -> tuple[list[acb], list[arb]] | None:
     """(box, reach) of the solution of ẋ = ``velocity``(x) from a point, by Picard's theorem. For complex
     |t| ≤ ``radius`` the solution stays in the box of complex balls and moves by at most ``reach``. None if no box is
     found.
@@ -75,7 +78,7 @@ def picard_box(
     return None
 
 
-def time_after(tau: Any, rest: Any, rate: Callable[[Any], Any]) -> Any:
+def time_after(tau: arb, rest: arb, rate: Callable[[arb], arb]) -> arb:
     """A ball that contains the τ at which a clock has advanced by ``rest`` since the exact ``tau``, by the interval
     Newton method. ``rate`` gives dt/dτ on a ball of τ and must be provably positive. PrecisionLoss if no ball is found.
     """
@@ -105,7 +108,7 @@ class BallTranslations:
         # a lower bound of the distance to the nearest branch point
         self._nearest = min(x.abs_lower() for x in problem.branch_points)
 
-    def near(self, eps: Any) -> tuple[Any, ...]:
+    def near(self, eps: arb) -> tuple[arb, ...]:
         """T(eps) for a ball eps that does not contain 0."""
         plain = self._plain
         doublings, term_bits = plain.plan(eps.mid())
@@ -121,7 +124,7 @@ class BallTranslations:
             step = carried(self.f, self.axes, step, step)
         return step
 
-    def _zero(self, m: Any, r: Any, eps: Any, size: int) -> tuple[Any, Any, Any, Any]:
+    def _zero(self, m: arb, r: arb, eps: arb, size: int) -> tuple[arb, arb, arb, arb]:
         """Enclosures of m and r; a bound of Σ(k+1)⁴q^k over the omitted terms; a bound of |m| + √|r|."""
         target = self.f[0] * eps * eps / 4
         noise = 2.0 ** (20 - self._plain.reals.bits) + 8 * (eps.rad() / eps).abs_upper()
@@ -138,7 +141,7 @@ class BallTranslations:
             radii = [3 * abs(y - x).abs_upper() + 2 * radius for x, y, radius in zip((m, r), new, radii, strict=True)]
         raise PrecisionLoss("a translation could not be enclosed at this precision: use more digits")
 
-    def _system(self, m: Any, r: Any, target: Any, size: int, tail: Any, reach: Any) -> tuple[Any, ...]:
+    def _system(self, m: arb, r: arb, target: arb, size: int, tail: arb, reach: arb) -> tuple[arb, ...]:
         """r·phi² − target, psi, the derivatives by m and r of the first, then of the second, and phi.
 
         Let |m| + √|r| ≤ R and |c_k| ≤ (k+1)(k+2)/2·nearest^(−k). The sums of the terms omitted from phi, psi, ∂phi/∂m,
@@ -158,7 +161,7 @@ class BallTranslations:
             phi,
         )
 
-    def _tail(self, reach: Any, size: int) -> Any:
+    def _tail(self, reach: arb, size: int) -> arb:
         """An upper bound of Σ_{k ≥ size} (k+1)⁴(reach/nearest)^k."""
         q = (reach / self._nearest).abs_upper()
         ratio = q * (size + 2) ** 4 / (size + 1) ** 4
@@ -167,7 +170,7 @@ class BallTranslations:
         return (q**size * (size + 1) ** 4 / (1 - ratio)).abs_upper()
 
 
-def _krawczyk(value: Any, slope: Any, point: Any, apart: Any) -> list[Any]:
+def _krawczyk(value: Sequence[arb], slope: Sequence[arb], point: Sequence[arb], apart: Sequence[arb]) -> list[arb]:
     """x − Y·F(x) + (1 − Y·J)(box − x), where Y is an approximate inverse of J. If it lies inside the box, the box
     contains exactly one zero of F, and this set contains that zero.
     """

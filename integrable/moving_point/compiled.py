@@ -5,7 +5,6 @@ addition.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from integrable.moving_point import addition
 from integrable.moving_point.addition import Real, Row
@@ -47,7 +46,7 @@ def leading_parts(b: Expressions, x: Value) -> Value:
     return b.rounded(x)
 
 
-SPECIAL: dict[Any, Callable[..., Value]] = {
+SPECIAL: dict[Callable[..., object], Callable[..., Value]] = {
     **SPECIAL_NUMBERS,
     addition.estimate: estimated,
     addition.leading: leading_parts,

@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 from operator import mul
-from typing import Any
 
 import numpy as np
 
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.numbers.long_reals import BallReals, BareReals
 
 # a function that needs more nodes per digit than this is taken as not smooth on the interval
 MOST_NODES = 20
 
-Rule = tuple[list[Any], list[list[Any]], list[Any]]
+Rule = tuple[list[Real], list[list[Real]], list[Real]]
 
 
 @lru_cache(maxsize=32)
-def legendre_rule(K: Any, count: int) -> Rule:
+def legendre_rule(K: MultiprecisionField, count: int) -> Rule:
     """(nodes, matrix, weights) on [−1, 1], in K = MP(digits). The n × n matrix maps values at the nodes to the
     coefficients of a Legendre series; the weights give the integral from 0 to 1. The nodes ascend.
     """
@@ -36,7 +36,9 @@ def legendre_rule(K: Any, count: int) -> Rule:
     )
 
 
-def integral(K: Any, function: Callable[[np.ndarray], np.ndarray], first: Any, last: Any, loss: float) -> np.ndarray:
+def integral(
+    K: MultiprecisionField, function: Callable[[np.ndarray], np.ndarray], first: Real, last: Real, loss: float
+) -> np.ndarray:
     """The integral over one interval of a ``function`` that maps an array of times to shape (N, m). The number of nodes
     is raised until the last Legendre coefficients are below ``loss`` times the rounding of K. PrecisionLoss if too
     many are needed.
@@ -64,7 +66,7 @@ class LegendreSeries:
             # P_k at the lower half of the nodes
             self._rows = list(zip(*columns, strict=True))
 
-    def coefficients(self, values: list[Any]) -> list[Real]:
+    def coefficients(self, values: list[Real]) -> list[Real]:
         """The coefficients of the series that has these values at the nodes."""
         count, weighted = len(values), list(map(mul, self.weights, values))
         # P_k(−x) = (−1)^k·P_k(x)
@@ -119,7 +121,7 @@ def legendre_polynomials(one: Real, x: Real, count: int) -> list[Real]:
     return values[:count]
 
 
-def _half_integrals(reals: BareReals, count: int) -> list[Any]:
+def _half_integrals(reals: BareReals, count: int) -> list[Real]:
     """∫_0^1 P_k for k < count."""
     one = reals.number(1)
     values = legendre_polynomials(one, 0 * one, count + 1)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from math import ceil, log, log10
-from typing import Any
 
+from integrable.moving_point.addition import Row
 from integrable.moving_point.setup import Setup
 from integrable.phase.body import energy
 from jacobian.element import Real
@@ -41,7 +41,7 @@ def lost_digits(setup: Setup, tau: Real) -> int:
     return ceil(float(total) / log(10))
 
 
-def drift(setup: Setup, point: Any) -> Real:
+def drift(setup: Setup, point: Row) -> Real:
     """The larger of the relative changes of H1 and H2 at a moving point of bare reals."""
     reals = setup.reals
     with reals:

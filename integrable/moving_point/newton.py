@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 
 def step_inside(
-    x: np.ndarray, value: Any, slope: np.ndarray, low: np.ndarray, high: np.ndarray
+    x: np.ndarray, value: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(improved x, low, high) for the zeros of increasing functions that have this ``value`` and ``slope`` at x. A
     Newton step that leaves the bracket [low, high] is replaced by bisection. All arguments are arrays of one shape.

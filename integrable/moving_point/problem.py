@@ -6,10 +6,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from integrable.moving_point.addition import Real, Row
 from integrable.moving_point.translations import REACH
+from integrable.phase.body import Vector
 from integrable.phase.coordinates import directions_of
 from integrable.phase.upright import parallel
 from jacobian.errors import ArgumentError
@@ -21,6 +22,8 @@ START, TIME_SCALE, RATIO, HEAVINESS, MOMENTUM, HALF_STEP, MATRIX, SLOWNESS = 14,
 CONTACT, INVARIANTS, ROW = 34, 37, 39
 # number of last bits in which |γ × M|/|M| has no significance
 SPARE_BITS = 15
+Contact = tuple[Vector[Real], Real]
+"""r_i = I_i/(I_i + d) and d of a body."""
 
 
 class Problem(NamedTuple):
@@ -57,7 +60,7 @@ class Problem(NamedTuple):
         numbers = self.time_scale, self.ratio, self.d, self.momentum, self.half_step
         return (*self.f, *self.axes, *self.start, *numbers, *matrix, self.slowness)
 
-    def over(self, number: Callable[[Any], Any]) -> Problem:
+    def over(self, number: Callable[[Real], Real]) -> Problem:
         """The same motion in other numbers, to which ``number`` converts."""
         f, axes, start = (tuple(map(number, row)) for row in self[:3])
         matrix = self.matrix and tuple(map(number, self.matrix))
@@ -82,7 +85,7 @@ class Problem(NamedTuple):
             )  # fmt: skip
 
 
-def problem_row(given: Any, tilted: bool, out: Any) -> None:
+def problem_row(given: Row, tilted: bool, out: Row) -> None:
     """Writes the row of a :class:`Problem` to ``out``, from the moments, d, γ and M in ``given``, then r_i =
     I_i/(I_i + d) of the upright body, and H1 and H2 of the given motion. An upright state has the identity as its
     matrix.
@@ -121,7 +124,9 @@ def check(gamma: Row, M: Row, tilted: bool, bits: int) -> None:
         raise parallel(float(x * a + y * b + z * c))
 
 
-def energies(a: Any, contact: Any, d: Real, gamma: Any, M: Any) -> tuple[Real, Real]:
+def energies(
+    a: Vector[Real], contact: Vector[Real], d: Real, gamma: Vector[Real], M: Vector[Real]
+) -> tuple[Real, Real]:
     """H1 and H2."""
     xi, square, h1, h2 = 0 * d, 0 * d, 0 * d, 0 * d
     for i in range(3):
@@ -133,8 +138,8 @@ def energies(a: Any, contact: Any, d: Real, gamma: Any, M: Any) -> tuple[Real, R
 
 
 def made_upright(
-    given: Any, a: Any, gamma: Any, M: Any, energies: tuple[Real, Real], tilted: bool
-) -> tuple[Any, Any, Any, Any]:
+    given: Row, a: Vector[Real], gamma: Vector[Real], M: Vector[Real], energies: tuple[Real, Real], tilted: bool
+) -> tuple[Contact, Vector[Real], Vector[Real], tuple[Real, Real, Real, Real]]:
     """((r_i, d), γ, M) of the upright motion, r_i = I_i/(I_i + d), and (k, s, p, dkH1) of Chaplygin's
     transformation.
     """
@@ -173,7 +178,7 @@ def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[
     return k, left, 1 / root(1 + k * rise), rise
 
 
-def put_curve(given: Any, a: Any, body: Any, gamma: Any, M: Any, out: Any) -> Real:
+def put_curve(given: Row, a: Vector[Real], body: Contact, gamma: Vector[Real], M: Vector[Real], out: Row) -> Real:
     """Writes the coefficients of f = (x − ratio)·Π(α_i − x)·(1 − dX·x), ascending, then α_i and κ_i to ``out``.
     Returns the ratio H1/(H2·X).
     """
@@ -201,7 +206,7 @@ def put_curve(given: Any, a: Any, body: Any, gamma: Any, M: Any, out: Any) -> Re
     return ratio
 
 
-def moving_start(a: Any, body: Any, gamma: Any, M: Any, spin: Real, out: Any) -> None:
+def moving_start(a: Vector[Real], body: Contact, gamma: Vector[Real], M: Vector[Real], spin: Real, out: Row) -> None:
     """Writes the moving point of γ and M to ``out``."""
     (r0, r1, r2), d = body
     x, y, u = gamma
@@ -218,7 +223,7 @@ def moving_start(a: Any, body: Any, gamma: Any, M: Any, spin: Real, out: Any) ->
     out[18], out[19], out[20], out[21], out[22], out[23] = s0, s1, s2, n0, n1, n2
 
 
-def vectors(point: Any, momentum: Any, matrix: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+def vectors(point: Row, momentum: Real, matrix: Row | None) -> tuple[Vector[Real], Vector[Real]]:
     """(γ, M) of a moving point of bare reals, mpf or balls.
 
     ``momentum`` is |M|; ``matrix`` is that of the :class:`Problem`.
@@ -228,7 +233,5 @@ def vectors(point: Any, momentum: Any, matrix: Any) -> tuple[tuple[Any, ...], tu
     if matrix is None:
         return gamma, M
     a, b, c, d = matrix
-    return (
-        tuple(a * x + b * y for x, y in zip(gamma, M, strict=True)),
-        tuple(c * x + d * y for x, y in zip(gamma, M, strict=True)),
-    )
+    (x, y, z), (m0, m1, m2) = gamma, M
+    return (a * x + b * m0, a * y + b * m1, a * z + b * m2), (c * x + d * m0, c * y + d * m1, c * z + d * m2)

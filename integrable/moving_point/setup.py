@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import ceil, log, log10
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from integrable.phase.upright import ChaplyginTransformation
 from jacobian import MP, RR
 from jacobian.element import Real
 from jacobian.errors import ArgumentError
+from jacobian.fields.multiprecision import Mpf, MultiprecisionField
 from jacobian.numbers.long_reals import BareReals
 
 GUARD_DIGITS = 10
@@ -37,14 +37,15 @@ class Setup:
     """
 
     def __init__(self, body: Body, gamma: Vector, M: Vector, tilted: bool = False, digits: int | None = None) -> None:
-        field: Any = body.field
-        self.wide: Any
-        if field != RR and (type(field) is not type(MP(15)) or field.complex):
+        field = body.field
+        own = field.dps if isinstance(field, MultiprecisionField) and not field.complex else None
+        if own is None and field != RR:
             raise ArgumentError(f"field = {field.name}: a flow runs over RR or MP(digits)")
-        if field == RR and digits is None:
+        wanted = own if digits is None else digits
+        if wanted is None:
             self.wide, self.digits = MP(SET_UP_DIGITS + digits_of_closeness(body)), EPS_DIGITS
         else:
-            self.digits = (field.dps if digits is None else digits) + GUARD_DIGITS
+            self.digits = wanted + GUARD_DIGITS
             self.wide = MP(self.digits + WIDER)
         self.body = body
         self._gamma, self._M, self._tilted = gamma, M, tilted
@@ -79,12 +80,12 @@ class Setup:
         return ChaplyginTransformation.of(body, *state.vectors)
 
     @cached_property
-    def time_scale(self) -> Any:
+    def time_scale(self) -> Mpf:
         """2X|M| in the wide field: one unit of τ in the flow's own units."""
         return self.reals.element(self.wide, self.bare.time_scale)
 
     @cached_property
-    def step_length(self) -> Any:
+    def step_length(self) -> Mpf:
         """A basic step in the flow's own time, in the wide field."""
         return 2 * self.reals.element(self.wide, self.bare.half_step)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import ROW
@@ -152,17 +152,17 @@ def new_room(wide: Row, floats: Row, made: Row) -> ShortRoom:
     )  # fmt: skip
 
 
-def curve_of(row: Row) -> Any:
+def curve_of(row: Row) -> Row:
     """The coefficients of f as a tuple."""
     return row[0], row[1], row[2], row[3], row[4], row[5]
 
 
-def axes_of(row: Row) -> Any:
+def axes_of(row: Row) -> Row:
     """The axes as a tuple."""
     return row[6], row[7], row[8], row[9], row[10], row[11], row[12], row[13]
 
 
-def unit_axes(row: Row) -> Any:
+def unit_axes(row: Row) -> Row:
     """The axes for translations: κ = 1, and no tilt."""
     one = 1 + 0 * row[6]
     return row[6], row[7], row[8], one, one, one, one, 0 * one

@@ -5,7 +5,6 @@ panels are in wide numbers. The nodes around them are in floats, or in wide numb
 from __future__ import annotations
 
 from math import sqrt
-from typing import Any
 
 from integrable.moving_point.addition import (
     Row,
@@ -40,6 +39,7 @@ from integrable.moving_point.short_rows import (
     unit_axes,
 )  # fmt: skip
 from integrable.moving_point.translations import Expansion, expand_orders, high_parts
+from integrable.phase.body import Vector
 from jacobian.element import Real
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
@@ -103,7 +103,7 @@ def small_steps(room: ShortRoom, eps: float, first: int, last: int) -> None:
         put(expanded(rows, axes, room.rates[level]), room.steps, 10 * (HALF - level))
 
 
-def expanded(rows: Expansion, axes: Row, eps: Real) -> Any:
+def expanded(rows: Expansion, axes: Row, eps: Real) -> Row:
     """The translation by eps, from its expansion."""
     square = (0 * rows.u0[0] + eps) * eps
     z = float(square)
@@ -229,7 +229,7 @@ def led_on(room: ShortRoom, origin: int, place: int, sign: int, target: int, off
     room.seen[POINT * target + MOVED] = float(by)
 
 
-def framed(wide: Row, r: Any, point: Row) -> Any:
+def framed(wide: Row, r: Vector[Real], point: Row) -> tuple[Vector[Real], Vector[Real], Real]:
     """(σ, ν, deviation): the pairs of a point, corrected to Σrσ² = 1, Σrσν = 0 and the Σrν² that follows. Here
     r_iΠ(α_i − α_j) = κ_i. The deviation is the relative correction of the first sum plus that of the last.
     """
@@ -244,7 +244,7 @@ def framed(wide: Row, r: Any, point: Row) -> Any:
     return x, times(root(scale), y), abs(square - 1) + abs(scale - 1)
 
 
-def levelled(wide: Row, r: Any, x: Any, y: Any, off: float) -> Any:
+def levelled(wide: Row, r: Vector[Real], x: Vector[Real], y: Vector[Real], off: float) -> Vector[Real]:
     """ν = ``y`` of a framed pair, turned about σ = ``x`` so that f = V² mod U. Where the slope is small no turn can
     achieve that, and the turn is damped. ``off`` is the relative deviation of H1/H2 on the level set.
 
@@ -265,34 +265,34 @@ def levelled(wide: Row, r: Any, x: Any, y: Any, off: float) -> Any:
     return less(y, left * slope / (slope * slope + bound), z)
 
 
-def on_pairs(wide: Row, r: Any, x: Any, y: Any) -> Row:
+def on_pairs(wide: Row, r: Vector[Real], x: Vector[Real], y: Vector[Real]) -> Row:
     """The moving point with given framed pairs, from κσ² = U, κσν = V."""
     p = wide[7] * wide[8], wide[8] * wide[6], wide[6] * wide[7]
     p, q = times_each(r, p), times_each(r, sums(wide))
     return inner(p, x, x), -inner(q, x, x), inner(p, x, y), -inner(q, x, y), x[0], x[1], x[2], y[0], y[1], y[2]
 
 
-def sums(wide: Row) -> Any:
+def sums(wide: Row) -> Vector[Real]:
     """α_j + α_k for the three axes i."""
     return wide[7] + wide[8], wide[8] + wide[6], wide[6] + wide[7]
 
 
-def inner(r: Any, x: Any, y: Any) -> Real:
+def inner(r: Vector[Real], x: Vector[Real], y: Vector[Real]) -> Real:
     """Σr_i·x_i·y_i."""
     return r[0] * x[0] * y[0] + r[1] * x[1] * y[1] + r[2] * x[2] * y[2]
 
 
-def times_each(x: Any, y: Any) -> Any:
+def times_each(x: Vector[Real], y: Vector[Real]) -> Vector[Real]:
     """The three products x_i·y_i."""
     return x[0] * y[0], x[1] * y[1], x[2] * y[2]
 
 
-def times(k: Any, x: Any) -> Any:
+def times(k: Real, x: Vector[Real]) -> Vector[Real]:
     """k·x."""
     return k * x[0], k * x[1], k * x[2]
 
 
-def less(x: Any, k: Any, y: Any) -> Any:
+def less(x: Vector[Real], k: Real, y: Vector[Real]) -> Vector[Real]:
     """x − k·y."""
     return x[0] - k * y[0], x[1] - k * y[1], x[2] - k * y[2]
 
@@ -312,7 +312,7 @@ def seen(room: ShortRoom, j: int) -> None:
     room.seen[POINT * j + OFF] += room.seen[POINT * j + MOVED]
 
 
-def contact_of(wide: Row) -> Any:
+def contact_of(wide: Row) -> Vector[Real]:
     """r_i = I_i/(I_i + d)."""
     return wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import ceil, frexp, inf, isqrt, log2
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from integrable.moving_point.addition import Row, centre, leading, opposite, shift, trust_of
 from integrable.moving_point.legendre import doubling_precisions
@@ -36,7 +36,7 @@ class Translations:
     ``half_step`` is half of a basic step, chosen by REACH.
     """
 
-    def __init__(self, reals: BareReals, f: Any, axes: Any, half_step: Any) -> None:
+    def __init__(self, reals: BareReals, f: Row, axes: Row, half_step: Real) -> None:
         self.reals = reals
         self.f = reals.row(f)
         self.axes = (*reals.row(axes[:3]), *[reals.number(1)] * 4, reals.number(0))
@@ -47,7 +47,7 @@ class Translations:
         self._expansions: dict[int, tuple[Expansion, float]] = {}
 
     @cached_property
-    def series(self) -> tuple[Any, ...]:
+    def series(self) -> tuple[Real, ...]:
         """The coefficients of 1/√(f/f0) about x = 0."""
         size = int(self.reals.bits / (TERM_BITS + self._halvings)) + 6
         with self.reals:
@@ -90,7 +90,7 @@ class Translations:
         """
         return max(4, int(self.reals.bits / (2 * log2(max(min(radius / size, 2.0**500), 1.01)))) + 6)
 
-    def near(self, eps: Any) -> tuple[Any, ...]:
+    def near(self, eps: Real) -> tuple[Real, ...]:
         """T(eps) as a moving point with κ = 1, for eps ≠ 0 of any size."""
         reals = self.reals
         self._asked += 1
@@ -106,7 +106,7 @@ class Translations:
                 step = reals.plain_row(shift(self.f, self.axes, step, step))
         return reals.plain_row(step)
 
-    def _summed(self, rows: Expansion, terms: int, eps: Any) -> tuple[Any, ...]:
+    def _summed(self, rows: Expansion, terms: int, eps: Real) -> tuple[Real, ...]:
         """T(eps) by its expansion."""
         square = eps * eps
         u0, u1, v0, v1 = (0 * eps,) * 4
@@ -136,12 +136,12 @@ class Translations:
         with self.reals:
             return {0: (1, self.near(2 * self.half_step))}
 
-    def sum(self, first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...]:
+    def sum(self, first: tuple[Real, ...], second: tuple[Real, ...]) -> tuple[Real, ...]:
         """The sum of two translations."""
         with self.reals:
             return self.reals.plain_row(shift(self.f, self.axes, first, second))
 
-    def at_nodes(self, nodes: list[Any], length: int) -> list[tuple[Any, ...]]:
+    def at_nodes(self, nodes: list[Real], length: int) -> list[tuple[Real, ...]]:
         """T at the nodes of a panel of ``length`` basic steps. ``nodes`` lie in [−1, 1], symmetric about 0, and do not
         include 0.
         """
@@ -150,13 +150,13 @@ class Translations:
             outer = [self.near(self.half_step * length * x) for x in nodes[: len(nodes) // 2]]
             return outer + [opposite(step) for step in outer[::-1]]
 
-    def plan(self, eps: Any) -> tuple[int, float]:
+    def plan(self, eps: Real) -> tuple[int, float]:
         """(number of halvings of eps, bits gained per term of the series after them)."""
         exponent = frexp(float(max(abs(eps) / self.half_step, 2.0**-500)))[1]
         doublings = max(0, exponent + self._halvings)
         return doublings, TERM_BITS + doublings - exponent
 
-    def centre(self, eps: Any, term_bits: float) -> tuple[Any, Any]:
+    def centre(self, eps: Real, term_bits: float) -> tuple[Real, Real]:
         """(m, r) of T(eps), whose points are at m ± √r, by Newton's method. It starts from floats or, for a tiny eps,
         from the leading order.
         """
@@ -250,7 +250,7 @@ def expand_orders(f: Row, rows: Expansion, begin: int, end: int) -> None:
         v0[k] = (s - t) * (k + 1) / (2 * k * (2 * k + 3))
 
 
-def series_of(f: tuple[Any, ...], power: int, size: int) -> tuple[Any, ...]:
+def series_of(f: tuple[Real, ...], power: int, size: int) -> tuple[Real, ...]:
     """The first coefficients of (f/f0)^(power/2) about 0."""
     out = [f[0]] * size
     power_series(f, power, out)

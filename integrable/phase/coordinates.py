@@ -165,7 +165,7 @@ def integrals_of(body: Body, D: Divisor) -> tuple[Real, Real]:
     raise CurveMismatch(f"D = {D!r} is on {curve!r}, which is no curve of this system: give one as divisor(state) does")
 
 
-def root_pair(K: Any, square: Any, product: Real, other: Any, model: Pair | None = None) -> Pair:
+def root_pair(K: Any, square: Real, product: Real, other: Real, model: Pair | None = None) -> Pair:
     """(σ, ν) with σ² = square, σν = product and ν² = other. Of ±(σ, ν) the one closer to ``model`` is returned; without
     a model the sign is chosen as in :func:`pairs_of`.
     """

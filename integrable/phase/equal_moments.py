@@ -11,6 +11,7 @@ from integrable.phase.body import Body, Vector
 from integrable.phase.state import State, onto_constraints
 from integrable.phase.upright import ChaplyginTransformation
 from jacobian.element import Real
+from jacobian.fields.multiprecision import Mpf
 from jacobian.fields.protocol import Field
 
 if TYPE_CHECKING:
@@ -27,17 +28,17 @@ def symmetry_axis(inertia: Vector) -> int | None:
 class Swing(NamedTuple):
     """The constants r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω of the formulas, and θ and φ at the start: wide numbers."""
 
-    r: Any
-    r3: Any
+    r: Real
+    r3: Real
     delta: Real
-    ratio: Any
-    momentum: Any
-    kappa: Any
-    size: Any
+    ratio: Real
+    momentum: Real
+    kappa: Real
+    size: Real
     mu: Real
-    rate: Any
-    theta: Any
-    phi: Any
+    rate: Real
+    theta: Real
+    phi: Real
 
     @staticmethod
     def of(body: Body, gamma: Vector, M: Vector) -> Swing:
@@ -71,7 +72,7 @@ class Swing(NamedTuple):
         return self.delta * self.size * self.size
 
     @property
-    def spin(self) -> Any:
+    def spin(self) -> Real:
         """The constant gM₃."""
         return self.momentum * self.kappa / _sqrt(self.mu)
 
@@ -96,7 +97,7 @@ class Swing(NamedTuple):
         return [c, -self.kappa * s, self.size * s], M
 
 
-def _sqrt(x: Any) -> Any:
+def _sqrt(x: Mpf) -> Mpf:
     """The square root of an mpf, with its own digits."""
     return x.context.sqrt(x)
 
@@ -111,7 +112,7 @@ class Upright(NamedTuple):
     body: Body
     gamma: Vector
     M: Vector
-    clock: tuple[Any, Any]
+    clock: tuple[Real, Real]
     matrix: tuple[Real, ...]
     columns: list[int]
 

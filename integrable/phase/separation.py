@@ -19,7 +19,7 @@ from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, written
 from jacobian.fields.protocol import Field
 from jacobian.fields.quadratic import quadratic_roots
 
-Two = tuple[Any, Any]
+Two = tuple[Real, Real]
 
 
 class Separated(NamedTuple):
@@ -29,7 +29,7 @@ class Separated(NamedTuple):
     p: Two
 
 
-def phi(body: Body, x: Real) -> Any:
+def phi(body: Body, x: Real) -> Real:
     """φ(x) = 4(dx − 1)(a1 − x)(a2 − x)(a3 − x)."""
     K = body.field
     value = K.mul(poly.integer(K, 4), K.sub(K.mul(body.d, x), K.one))
@@ -53,7 +53,7 @@ def of_mumford(body: Body, u: poly.Poly, v: poly.Poly) -> Separated:
     return of_roots(body.field, u, v, lambda x: phi(body, x))
 
 
-def of_roots(K: Field, u: poly.Poly, v: poly.Poly, phi: Callable[[Any], Any]) -> Separated:
+def of_roots(K: Field, u: poly.Poly, v: poly.Poly, phi: Callable[[Real], Real]) -> Separated:
     """The roots u_k of ``u`` with the momenta v(u_k)/φ(u_k); errors as in :func:`to_separated`."""
     first, second = _roots(K, u)
     p = []
@@ -149,7 +149,7 @@ def lifts(body: Body, state: State) -> tuple[State, ...]:
     """The eight states (s_iγ_i, s_js_kM_i), s_i = ±1, that share the divisor and (u, p) of a state, itself first."""
     K, (gamma, M) = body.field, state.vectors
 
-    def turned(x: Real, sign: int) -> Any:
+    def turned(x: Real, sign: int) -> Real:
         return x if sign > 0 else K.neg(x)
 
     result = []

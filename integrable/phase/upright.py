@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from integrable.phase.body import Body, Vector, cross, square_root
+from integrable.phase.body import Body, Integrals, Vector, cross, square_root
 from integrable.phase.state import State
 from jacobian.element import Real
 from jacobian.errors import NotRepresentable
@@ -29,9 +29,9 @@ class ChaplyginTransformation:
 
     body: Body
     upright: Body
-    k: Any
-    s: Any
-    p: Any
+    k: Real
+    s: Real
+    p: Real
     shift: Real
     """The product d·k·H1."""
 
@@ -93,7 +93,7 @@ class ChaplyginTransformation:
         upright = K.div(K.mul(self.s, self.s), self.p)
         return upright, K.neg(K.mul(self.s, self.k)), K.mul(upright, self.shift), self.s
 
-    def rate(self) -> tuple[Any, Any]:
+    def rate(self) -> tuple[Real, Real]:
         """(α, β) with 1/g = (α + βñ)/g̃, ñ = g̃²(γ̃, AM̃): they give physical time t = ∫dτ/g from the upright motion.
 
         α = s and β = dks²/p, from dt̃/dt = s(1 − dkn) and ω = ω̃ dt̃/dt.
@@ -101,7 +101,7 @@ class ChaplyginTransformation:
         K = self.body.field
         return self.s, K.div(K.mul(K.mul(self.body.d, self.k), K.mul(self.s, self.s)), self.p)
 
-    def _slip(self, gamma: Vector, M: Vector) -> Any:
+    def _slip(self, gamma: Vector, M: Vector) -> Real:
         """The factor 1 − dkn, with n = (γ, ω)."""
         K = self.body.field
         slip = K.sub(K.one, K.mul(K.mul(self.body.d, self.k), K.dot(gamma, self.body.omega(gamma, M))))
@@ -120,7 +120,7 @@ def leaning(K: Any, gamma: Vector, M: Vector) -> Real:
     return square
 
 
-def _root(body: Body, integrals: Any, square: Any) -> tuple[Any, Any]:
+def _root(body: Body, integrals: Integrals, square: Real) -> tuple[Real, Real]:
     """(k, 1 + kc) with k = −2c/((H2 − dH1) + √((H2 − dH1)² + 4c²dH1)); ``square`` is |γ × M|².
 
     Over an exact field the other sign of the square root is used if the denominator vanishes.
