@@ -14,17 +14,16 @@ import numpy as np
 
 from integrable.moving_point import short
 from integrable.moving_point.short_rows import (
-    CLOCK,
     FLOATS,
     LOT,
     MADE,
-    PHYSICAL,
     SUMS,
     WIDES,
     Request,
     Rule,
     new_room,
 )
+from integrable.moving_point.short_start import set_up
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
 
@@ -133,15 +132,17 @@ class ShortRuns:
             [0.0] * count, [0.0] * count, [0.0] * (6 * count), [0.0] * count,
         )  # fmt: skip
         with reals:
-            room = new_room([reals.number(0)] * WIDES, [0.0] * FLOATS, [0] * MADE)
+            given, wide, floats = reals.row(self._given[0].tolist()), [reals.number(0)] * WIDES, [0.0] * FLOATS
             try:
-                status = short.short_run(room, _listed(), request, reals.row(self._given[0].tolist()), self._tilted)
+                motion = set_up(given, self._tilted, wide, floats)
+                room = new_room(motion, wide, floats, [0] * MADE)
+                status = short.short_run(room, _listed(), request, given, self._tilted)
             except (ArithmeticError, ValueError, TypeError):
                 # compiled code returns infinities or NaN here instead of raising
                 status = short.LOST
         rows, other = np.array(request.out).reshape(-1, 6), np.array(request.other)
         if status == 0:
-            other /= room.numbers[CLOCK if physical else PHYSICAL]
+            other /= motion.tau_unit if physical else motion.time_unit
         return status, rows, other
 
 

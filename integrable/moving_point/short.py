@@ -25,27 +25,20 @@ from integrable.moving_point.problem import TIME_SCALE
 from integrable.moving_point.short_reading import largest_drift, read_off
 from integrable.moving_point.short_rows import (
     AHEAD,
-    BASIC,
     BEGIN,
-    CLOSE,
-    FASTEST,
     HALF,
     LEVELS,
-    LIFT,
     LOT,
     OFF,
     POINT,
-    RADIAN,
     RATE,
     SHADOW,
     TIME_UNIT,
     Request,
     Rule,
     ShortRoom,
-    axes_of,
-    curve_of,
 )  # fmt: skip
-from integrable.moving_point.short_start import at_start, cast_shadow, scaled, set_up
+from integrable.moving_point.short_start import at_start, cast_shadow, scaled
 from integrable.moving_point.short_steps import (
     contact_in_floats,
     go_ahead,
@@ -87,11 +80,12 @@ ROUNDING, UNRESOLVED, FAR, LOST, UNSORTED = 1, 2, 3, 4, 5
 
 
 def short_run(room: ShortRoom, rule: Rule, request: Request, given: Row, tilted: bool) -> int:
-    """Computes the requested states from the moments, d, γ and M in ``given``. Returns 0, or the reason for failure."""
-    numbers, wide = room.numbers, room.wide
-    set_up(given, tilted, wide, numbers, room.point)
+    """Computes the requested states of the motion from the moments, d, γ and M in ``given``. Returns 0, or the reason
+    for failure.
+    """
+    motion, wide = room.motion, room.wide
     scaled(request.times, wide, TIME_UNIT if request.physical else TIME_SCALE, request.high, request.low)
-    if not (numbers[CLOSE] <= CLOSEST and numbers[LIFT] <= STEEPEST):
+    if not (motion.close <= CLOSEST and motion.lift <= STEEPEST):
         return LOST
     h = first_half(room)
     careful = room.made[4] > 0
@@ -104,7 +98,7 @@ def short_run(room: ShortRoom, rule: Rule, request: Request, given: Row, tilted:
     if status == ROUNDING and not careful and room.made[3] * CAREFUL <= request.most:
         far = too_far(room, request, h, request.most // CAREFUL)
         status = FAR if far else run_both_ways(room, rule, request, h, True)
-    if status == 0 and not largest_drift(room, request.out, len(request.times)) <= INTEGRALS:
+    if status == 0 and not largest_drift(motion, request.out, len(request.times)) <= INTEGRALS:
         status = LOST
     at_start(given, tilted, request.times, request.out, request.other)
     return status
@@ -114,7 +108,7 @@ def first_half(room: ShortRoom) -> float:
     """Half the length of a panel of this motion. Branch points of very different size may limit the power series but
     not the panels; the length is then doubled until the body turns far enough on it.
     """
-    h, most, longer = panel_half(room.numbers[BASIC]), TURN * room.numbers[RADIAN], 0
+    h, most, longer = panel_half(room.motion.half_step), TURN * room.motion.radian, 0
     while longer < LEVELS and h * 2.0 ** (longer + 1) <= most:
         longer += 1
     room.made[4] = longer if longer >= WORTHWHILE else 0
@@ -132,7 +126,7 @@ def too_far(room: ShortRoom, request: Request, h: float, most: int) -> bool:
     count = len(request.order)
     if count == 0:
         return False
-    reach = 2 * h * (room.numbers[FASTEST] if request.physical else 1.0) * most
+    reach = 2 * h * (room.motion.fastest if request.physical else 1.0) * most
     first, last = abs(request.high[request.order[0]]), abs(request.high[request.order[count - 1]])
     return not (first <= reach and last <= reach)
 
@@ -223,7 +217,7 @@ def panel(
 
 def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool, level: int, sign: int) -> int:
     """Computes the values at the nodes of one panel or part of it. Returns 0 if they are accurate, else the reason."""
-    numbers, count = room.numbers, len(rule.nodes)
+    count = len(rule.nodes)
     begin = 10 * level * count
     if not room.point[OFF] <= CENTRE:
         return LOST
@@ -232,7 +226,7 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
     room.made[3] += 1
     if not careful:
         point = moving_point(room.point)
-        motion = curve_of(numbers), axes_of(numbers), contact_in_floats(room.wide)
+        motion = room.motion.f, room.motion.axes, contact_in_floats(room.wide)
         node_values(motion, point, room.nodes, begin, sign < 0, room.values, room.rates)
         tail, before = tails(room, rule, request)
         if tail <= TAIL and stepless(room, rule) <= STEP:
@@ -268,7 +262,7 @@ def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
         last, earlier = last / (4 * abs(mean)), earlier / (4 * abs(mean))
         tail = last if not last <= tail else tail
         before = max(before, earlier)
-    return tail * room.numbers[LIFT], before * room.numbers[LIFT]
+    return tail * room.motion.lift, before * room.motion.lift
 
 
 def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
@@ -291,4 +285,4 @@ def stepless(room: ShortRoom, rule: Rule) -> float:
     for e in range(6):
         step = abs(room.values[e * len(rule.nodes) + LOT] - room.last[e])
         worst = step if not step <= worst else worst
-    return worst * room.numbers[LIFT]
+    return worst * room.motion.lift

@@ -8,17 +8,10 @@ from integrable.moving_point.addition import Row
 from integrable.moving_point.compiled import SPECIAL
 from integrable.moving_point.short import UNSORTED
 from integrable.moving_point.short import short_run as run
-from integrable.moving_point.short_rows import (
-    CLOCK,
-    GIVEN,
-    MADE,
-    PHYSICAL,
-    Request,
-    Rule,
-    new_room,
-)  # fmt: skip
 from integrable.moving_point.short_rows import FLOATS as FLOAT_ROOM
+from integrable.moving_point.short_rows import GIVEN, MADE, Request, Rule, new_room
 from integrable.moving_point.short_rows import WIDES as WIDE_ROOM
+from integrable.moving_point.short_start import set_up
 from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, ArrayKind, TupleKind, record
 from jacobian.native.library import Library, Packed
 
@@ -50,7 +43,8 @@ def entry(
         for i in range(GIVEN):
             wide[i] = given[member, i]
         made[0], made[1], made[2], made[3], made[4] = 0, 0, 0, 0, 0
-        room = new_room(wide[GIVEN:], floats, made)
+        motion = set_up(wide[:GIVEN], tilted, wide[GIVEN:], floats)
+        room = new_room(motion, wide[GIVEN:], floats, made)
         request = Request(
             asked[0], asked[1], asked[2], asked[3], asked[4], times[at], order[at] if len(order) > 0 else ascending,
             scaled[:count], scaled[count:], rows[member], other[member],
@@ -59,7 +53,7 @@ def entry(
         numbers[members + member] = made[3]
         # without a clock ``other`` is empty
         if asked[0] or asked[1]:
-            unit = room.numbers[CLOCK if asked[0] else PHYSICAL]
+            unit = motion.tau_unit if asked[0] else motion.time_unit
             for i in range(count):
                 other[member, i] = other[member, i] / unit
 

@@ -5,17 +5,8 @@ from __future__ import annotations
 from math import sqrt
 
 from integrable.moving_point.addition import Row
-from integrable.moving_point.short_rows import (
-    BACK,
-    ENERGIES,
-    LOT,
-    RATE,
-    SHAPE,
-    SIZE,
-    Request,
-    Rule,
-    ShortRoom,
-)  # fmt: skip
+from integrable.moving_point.problem import energies
+from integrable.moving_point.short_rows import LOT, RATE, FloatMotion, Request, Rule, ShortRoom
 from jacobian.numbers.abreast import abreast
 
 # Newton's iteration ends after a step smaller than this
@@ -158,21 +149,20 @@ def interpolated(room: ShortRoom, rule: Rule, x: float, out: Row, place: int) ->
         q4 += w * values[4 * count + j] + v * values[4 * count + k]
         q5 += w * values[5 * count + j] + v * values[5 * count + k]
     side = 1.0 if total > 0 else -1.0
-    short_state(room, side * q0, side * q1, side * q2, side * q3, side * q4, side * q5, out, place)
+    short_state(room.motion, side * q0, side * q1, side * q2, side * q3, side * q4, side * q5, out, place)
 
 
 def short_state(
-    room: ShortRoom, s0: float, s1: float, s2: float, n0: float, n1: float, n2: float, out: Row, place: int
+    motion: FloatMotion, s0: float, s1: float, s2: float, n0: float, n1: float, n2: float, out: Row, place: int
 ) -> None:  # fmt: skip
     """Writes γ and M, computed from a common multiple of σ and ν."""
-    numbers = room.numbers
     scale = 1 / sqrt(s0 * s0 + s1 * s1 + s2 * s2)
     x, y, z = s0 * scale, s1 * scale, s2 * scale
     lean = x * n0 + y * n1 + z * n2
     w0, w1, w2 = n0 - lean * x, n1 - lean * y, n2 - lean * z
-    scale = numbers[SIZE] / sqrt(w0 * w0 + w1 * w1 + w2 * w2)
+    scale = motion.momentum / sqrt(w0 * w0 + w1 * w1 + w2 * w2)
     m0, m1, m2 = (w1 * z - w2 * y) * scale, (w2 * x - w0 * z) * scale, (w0 * y - w1 * x) * scale
-    a, b, c, d = numbers[BACK], numbers[BACK + 1], numbers[BACK + 2], numbers[BACK + 3]
+    a, b, c, d = motion.matrix
     if b != 0:
         x, y, z, m0, m1, m2 = (
             a * x + b * m0, a * y + b * m1, a * z + b * m2, c * x + d * m0, c * y + d * m1, c * z + d * m2,
@@ -181,23 +171,13 @@ def short_state(
     out[place + 3], out[place + 4], out[place + 5] = m0, m1, m2
 
 
-def largest_drift(room: ShortRoom, out: Row, count: int) -> float:
-    """The largest relative change of H1 or H2 from their start values, which are in ``numbers``."""
+def largest_drift(motion: FloatMotion, out: Row, count: int) -> float:
+    """The largest relative change of H1 or H2 from their start values."""
     worst = 0.0
     for i in range(count):
-        h1, h2 = invariants(room.numbers, out, 6 * i)
-        for x in (h1 / room.numbers[ENERGIES], h2 / room.numbers[ENERGIES + 1]):
+        k = 6 * i
+        gamma, M = (out[k], out[k + 1], out[k + 2]), (out[k + 3], out[k + 4], out[k + 5])
+        h1, h2 = energies(motion.a, motion.contact, motion.d, gamma, M)
+        for x in (h1 / motion.energies[0], h2 / motion.energies[1]):
             worst = abs(x - 1) if not abs(x - 1) <= worst else worst
     return worst
-
-
-def invariants(numbers: Row, row: Row, place: int) -> tuple[float, float]:
-    """H1 and H2 of γ and M."""
-    h1, h2, spin, square = 0.0, 0.0, 0.0, 0.0
-    for k in range(3):
-        a, x, m = numbers[SHAPE + k], row[place + k], row[place + 3 + k]
-        h1 += a * m * m
-        h2 += m * m
-        spin += a * x * m
-        square += numbers[SHAPE + 3 + k] * x * x
-    return h1 + numbers[SHAPE + 6] * spin * spin / square, h2

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import ROW
 from integrable.moving_point.translations import Expansion, expansion_of
+from integrable.phase.body import Vector
 
 # number of values in the moments, d, γ and M
 GIVEN = 10
@@ -17,10 +18,6 @@ LEVELS, FINEST = 6, 7
 # smaller than the one before: 15 such factors make 107 bits
 ORDERS, WIDE_ORDERS, ORDER_GAIN = 16, 9, 140.5
 
-# positions in ``numbers``, the data of a motion in floats, after f and the axes
-CLOCK, SIZE, BACK, BASIC = 14, 15, 16, 20
-LIFT, CLOSE, ENERGIES, SHAPE, PHYSICAL, FASTEST, RADIAN = 21, 22, 23, 25, 32, 33, 34
-NUMBERS = 35
 # position in ``wide``, after a problem's row, of the unit of physical time, and the length of ``wide``
 TIME_UNIT = ROW
 WIDE = TIME_UNIT + 1
@@ -63,12 +60,44 @@ class Rule(NamedTuple):
     """:data:`SUMS`, flattened."""
 
 
-class ShortRoom(NamedTuple):
-    """Working memory."""
+class FloatMotion(NamedTuple):
+    """One motion in floats; the units are those of its :class:`~integrable.moving_point.problem.Problem`."""
 
+    f: Row
+    axes: Row
+    a: Vector[float]
+    """1/(I_i + d) of the given body, in the user's units, as are the next three."""
+    contact: Vector[float]
+    """I_i/(I_i + d)."""
+    d: float
+    energies: tuple[float, float]
+    """H1 and H2."""
+    momentum: float
+    """|M| of the upright motion."""
+    matrix: Row
+    """The inverse of Chaplygin's transformation; of an upright state the identity."""
+    tau_unit: float
+    """The length of a unit of the user's τ."""
+    time_unit: float
+    """The length of a unit of physical time."""
+    close: float
+    """I + d over the difference of the largest and the least moment."""
+    lift: float
+    """A quarter of the factor by which an error of the upright motion may grow in γ or M/|M|; at least 1."""
+    half_step: float
+    """Half of a basic step."""
+    radian: float
+    """A lower bound of the time in which the body turns by a radian."""
+    fastest: float
+    """An upper bound of 1/g (:func:`integrable.moving_point.short_start.fastest`)."""
+
+
+class ShortRoom(NamedTuple):
+    """The motion, and working memory."""
+
+    motion: FloatMotion
     wide: Row
     """A :func:`~integrable.moving_point.problem.problem_row` in wide numbers, and the unit of physical time."""
-    numbers: Row
     points: Row
     steps: Row
     wide_nodes: Row
@@ -128,25 +157,24 @@ class Request(NamedTuple):
 MADE = 5
 NODE_STEPS = 10 * NODES * (LEVELS + 1)
 WIDES = WIDE + 10 * (POINTS + PANEL + AHEAD) + NODE_STEPS + 7 * ORDERS + 10 * AHEAD_POINTS
-FLOATS = NUMBERS + NODE_STEPS + POINT + 2 * AHEAD * POINT + 9 * NODES + 1 + 9
+FLOATS = POINT + NODE_STEPS + 2 * AHEAD * POINT + 9 * NODES + 1 + 9
 
 
-def new_room(wide: Row, floats: Row, made: Row) -> ShortRoom:
-    """Working memory inside the arrays ``wide`` and ``floats``, whose content is arbitrary. ``made`` holds :data:`MADE`
-    zeros.
+def new_room(motion: FloatMotion, wide: Row, floats: Row, made: Row) -> ShortRoom:
+    """Working memory inside the arrays ``wide`` and ``floats``, to whose beginnings
+    :func:`integrable.moving_point.short_start.set_up` has written. ``made`` holds :data:`MADE` zeros.
     """
     points, steps = WIDE, WIDE + 10 * POINTS
     nodes = steps + 10 * (PANEL + AHEAD)
     series = nodes + NODE_STEPS
     ahead = series + 7 * ORDERS
-    point = NUMBERS + NODE_STEPS
-    seen = point + POINT
+    seen = POINT + NODE_STEPS
     values = seen + 2 * AHEAD * POINT
     last = values + 9 * NODES + 1
     return ShortRoom(
-        wide[:points], floats[:NUMBERS], wide[points:steps], wide[steps:nodes], wide[nodes:series],
-        floats[NUMBERS:point], expansion_of(wide[series:ahead]), wide[ahead:], made,
-        floats[point:seen], floats[seen:values], floats[values : values + 6 * NODES],
+        motion, wide[:points], wide[points:steps], wide[steps:nodes], wide[nodes:series],
+        floats[POINT:seen], expansion_of(wide[series:ahead]), wide[ahead:], made,
+        floats[:POINT], floats[seen:values], floats[values : values + 6 * NODES],
         floats[values + 6 * NODES : values + 7 * NODES], floats[values + 7 * NODES : values + 8 * NODES],
         floats[values + 8 * NODES : last], floats[last : last + 6], floats[last + 6 :],
     )  # fmt: skip

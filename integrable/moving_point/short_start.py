@@ -8,6 +8,7 @@ from math import sqrt
 
 from integrable.moving_point.addition import Row, moving_point, put, rate_at
 from integrable.moving_point.problem import (
+    HALF_STEP,
     HEAVINESS,
     INVARIANTS,
     MATRIX,
@@ -17,64 +18,42 @@ from integrable.moving_point.problem import (
     TIME_SCALE,
     problem_row,
 )
-from integrable.moving_point.short_rows import (
-    AHEAD,
-    BACK,
-    BASIC,
-    BEGIN,
-    CLOCK,
-    CLOSE,
-    ENERGIES,
-    FASTEST,
-    LIFT,
-    PHYSICAL,
-    RADIAN,
-    SHAPE,
-    SIZE,
-    TIME_UNIT,
-    axes_of,
-)  # fmt: skip
+from integrable.moving_point.short_rows import AHEAD, BEGIN, TIME_UNIT, FloatMotion, axes_of
 from integrable.moving_point.short_steps import OFF_BY, contact_of, framed, gamma_and_w, levelled, on_pairs
 from jacobian.numbers.roots import root
 
 
-def set_up(given: Row, tilted: bool, wide: Row, numbers: Row, point: Row) -> None:
-    """Writes the data of a motion, from the moments, d, γ and M in ``given``: a
-    :func:`~integrable.moving_point.problem.problem_row` and the units of time in wide numbers to ``wide``; f, the axes
-    and derived quantities in floats to ``numbers``.
+def set_up(given: Row, tilted: bool, wide: Row, point: Row) -> FloatMotion:
+    """The motion in floats, from the moments, d, γ and M in ``given``. Writes a
+    :func:`~integrable.moving_point.problem.problem_row` and the units of time in wide numbers to ``wide``, and γ and w
+    of the start to ``point``.
     """
     problem_row(given, tilted, wide)
-    s, spin = wide[12], wide[MOMENTUM]
+    s, spin, start, d = wide[12], wide[MOMENTUM], moving_point(wide, START), given[3]
     # time is scaled by s, so that the rest of the clock rate averages 1
     wide[12], wide[13] = 1 + 0 * s, wide[13] / s
     wide[TIME_UNIT] = wide[TIME_SCALE] / s
-    gamma_and_w(moving_point(wide, START), point, BEGIN, 1)
-    rate = float(rate_at(axes_of(wide), moving_point(wide, START)))
-    for i in range(START):
-        numbers[i] = float(wide[i])
-    numbers[CLOCK], numbers[PHYSICAL], numbers[SIZE] = float(wide[TIME_SCALE]), float(wide[TIME_UNIT]), float(spin)
-    for i in range(4):
-        numbers[BACK + i] = float(wide[MATRIX + i])
-    for i in range(3):
-        numbers[SHAPE + i], numbers[SHAPE + 3 + i] = (
-            float(1 / (given[i] + given[3])),
-            float(given[i] / (given[i] + given[3])),
-        )
-    numbers[SHAPE + 6], numbers[ENERGIES], numbers[ENERGIES + 1] = (
-        float(given[3]),
-        float(wide[INVARIANTS]),
-        float(wide[INVARIANTS + 1]),
-    )
+    gamma_and_w(start, point, BEGIN, 1)
+    total = given[0] + d, given[1] + d, given[2] + d
     least, most = min(given[0], given[1], given[2]), max(given[0], given[1], given[2])
-    numbers[CLOSE] = float((most + given[3]) / (most - least))
-    # the factor, divided by 4, by which an error of the upright motion may grow in γ or M/|M|
     length = root(given[7] * given[7] + given[8] * given[8] + given[9] * given[9])
     lift = max(
         abs(wide[MATRIX]) + abs(wide[MATRIX + 1]) * spin, (abs(wide[MATRIX + 2]) + wide[MATRIX + 3] * spin) / length
     )
-    numbers[LIFT] = max(1.0, float(lift) / 4)
-    pace(float(wide[RATIO]), float(wide[HEAVINESS]), numbers)
-    fastest(float(wide[RATIO]), float(wide[HEAVINESS]), abs(rate), wide, numbers)
+    # |ω|² ≤ H1/min I, and g ≥ 1
+    radian = 2 * sqrt(max(0.0, float((1 - wide[HEAVINESS]) / wide[RATIO])))
+    rate = abs(float(rate_at(axes_of(wide), start)))
+    return FloatMotion(
+        (float(wide[0]), float(wide[1]), float(wide[2]), float(wide[3]), float(wide[4]), float(wide[5])),
+        (float(wide[6]), float(wide[7]), float(wide[8]), float(wide[9]),
+         float(wide[10]), float(wide[11]), float(wide[12]), float(wide[13])),
+        (float(1 / total[0]), float(1 / total[1]), float(1 / total[2])),
+        (float(given[0] / total[0]), float(given[1] / total[1]), float(given[2] / total[2])),
+        float(d), (float(wide[INVARIANTS]), float(wide[INVARIANTS + 1])), float(spin),
+        (float(wide[MATRIX]), float(wide[MATRIX + 1]), float(wide[MATRIX + 2]), float(wide[MATRIX + 3])),
+        float(wide[TIME_SCALE]), float(wide[TIME_UNIT]), float((most + d) / (most - least)),
+        max(1.0, float(lift) / 4), float(wide[HALF_STEP]), radian, fastest(wide, rate),
+    )  # fmt: skip
 
 
 def cast_shadow(wide: Row, ahead: Row) -> None:
@@ -120,21 +99,16 @@ def at_start(given: Row, tilted: bool, times: Row, out: Row, other: Row) -> None
             other[i] = 0.0
 
 
-def pace(ratio: float, dX: float, numbers: Row) -> None:
-    """Writes to ``numbers`` half of a basic step, and a lower bound of the τ in which the body turns by a radian."""
-    low = min(numbers[6], numbers[7], numbers[8])
-    # |ω|² ≤ H1/min I, and g ≥ 1
-    numbers[RADIAN] = 2 * sqrt(max(0.0, 1 - dX) / ratio)
-    numbers[BASIC] = 0.6 * min(low, ratio) / sqrt(-numbers[0])
-
-
-def fastest(ratio: float, dX: float, rate: float, wide: Row, numbers: Row) -> None:
-    """Writes to ``numbers`` an upper bound of 1/g, whose value at the start is ``rate``. For an upright body 1/g is
+def fastest(wide: Row, rate: float) -> float:
+    """An upper bound of 1/g, whose value at the start is ``rate``. For an upright body 1/g is
     proportional to √((1 − du₁)(1 − du₂)), which is largest at the lower ends of both ovals. For a tilted body, or if
-    that bound exceeds twice ``rate``, it writes twice ``rate``; larger values show during the run.
+    that bound exceeds twice ``rate``, twice ``rate`` is returned; larger values show during the run.
     """
-    low, high = min(numbers[6], numbers[7], numbers[8]), max(numbers[6], numbers[7], numbers[8])
-    middle = numbers[6] + numbers[7] + numbers[8] - low - high
+    dX, ratio, first, second, third = (
+        float(wide[HEAVINESS]), float(wide[RATIO]), float(wide[6]), float(wide[7]), float(wide[8]),
+    )  # fmt: skip
+    low, high = min(first, second, third), max(first, second, third)
+    middle = first + second + third - low - high
     most, here = (1 - dX * low) * (1 - dX * max(middle, ratio)), 1 + dX * (float(wide[15]) + dX * float(wide[14]))
     upright = wide[13] == 0 and most < 4 * here
-    numbers[FASTEST] = rate * (sqrt(most / here) if upright else 2.0)
+    return rate * (sqrt(most / here) if upright else 2.0)

@@ -59,7 +59,7 @@ def panel_steps(room: ShortRoom, h: float) -> bool:
     rows = room.series
     expand_orders(curve_of(room.wide), rows, 0, WIDE_ORDERS)
     # the contributions of further orders are so small that floats suffice
-    expand_orders(curve_of(room.numbers), high_parts(rows), WIDE_ORDERS, ORDERS)
+    expand_orders(room.motion.f, high_parts(rows), WIDE_ORDERS, ORDERS)
     level, eps = 0, h
     while level < HALF and not exact_at(rows, eps):
         level, eps = level + 1, eps / 2

@@ -116,8 +116,7 @@ def first_steps(given, tilted, wide, floats, made, found):
     """The translations by half a panel and by the smallest step, f, the axes and half a panel, compiled."""
     for i in range(GIVEN):
         wide[i] = given[0, i]
-    room = new_room(wide[GIVEN:], floats, made)
-    set_up(wide[:GIVEN], tilted, room.wide, room.numbers, room.point)
+    room = new_room(set_up(wide[:GIVEN], tilted, wide[GIVEN:], floats), wide[GIVEN:], floats, made)
     h = first_half(room)
     panel_steps(room, h)
     for i in range(10):
@@ -139,11 +138,9 @@ def test_a_point_off_its_level_is_put_back_on_it(name) -> None:
     state = system.state(gamma, M, tilted=tilted)
     reals = BareReals(200)
     with reals:
-        room = new_room([reals.number(0)] * WIDES, [0.0] * FLOATS, [0] * MADE)
-        set_up(
-            reals.row([*system.inertia, system.d, *state.gamma, *state.M]), tilted, room.wide, room.numbers, room.point
-        )
-        wide, r, off = room.wide, contact_of(room.wide), 1e-12
+        wide = [reals.number(0)] * WIDES
+        set_up(reals.row([*system.inertia, system.d, *state.gamma, *state.M]), tilted, wide, [0.0] * FLOATS)
+        r, off = contact_of(wide), 1e-12
         start = [*wide[14:18], *(x * (1 + k * k * off) for k, x in enumerate(wide[18:24]))]
         x, y, by = framed(wide, r, start)
         assert 0 < by < 1e3 * off
