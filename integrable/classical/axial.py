@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from integrable.mumford.fields import cofactor, exponential
+from integrable.mumford.fields import cofactor, elementary
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
 from integrable.mumford.surfaces import SurfaceSystem
@@ -128,7 +128,7 @@ class AxialSystem(SurfaceSystem):
             _, sigma, last = datum
             lifts.append((sigma, -last / 2 if branches(m) else sigma * (rate + y) / (2 * (z - e))))
         (first, of_first), (second, of_second) = lifts
-        turn = exponential(N, i * axis.w * time)
+        turn = elementary(N, "exp", i * axis.w * time)
         if self._carrier(axis) is None:
             turn = turn * (axis.g[0] + i * axis.g[1])
         g = turn * first * second

@@ -16,9 +16,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from integrable.classical.summed import SummedFlow
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
-from integrable.classical.summed import SummedFlow
 from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of
 from integrable.phase.body import cross
 from integrable.portrait.point_ovals import Form, Separation

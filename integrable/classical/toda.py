@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import SupportsIndex
 
-from integrable.mumford.fields import exponential, exponential_less_one, log_of
+from integrable.mumford.fields import elementary
 from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point_minus_infinity
 from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of
@@ -52,7 +52,7 @@ class TodaLattice(MumfordSystem):
         """The exponentials e^{q_k − q_1}, or e^{q_k} over an exact field; both give the same U, V and f."""
         if N.exact:
             return state.q
-        return tuple(exponential(N, x - state.q[0]) for x in state.q)
+        return tuple(elementary(N, "exp", x - state.q[0]) for x in state.q)
 
     def _links(self, N: FormulaField, state: Point) -> list[Real]:
         """The links e^{q_{k+1} − q_k}, k = 1 … n."""
@@ -103,13 +103,13 @@ class TodaLattice(MumfordSystem):
             links, rates = self._links(N, state), tuple(x * y for x, y in zip(state.q, state.p, strict=True))
         else:  # exponentials of differences rather than quotients
             q, rates = state.q, state.p
-            links = [exponential(N, q[(k + 1) % self.size] - q[k]) for k in range(self.size)]
+            links = [elementary(N, "exp", q[(k + 1) % self.size] - q[k]) for k in range(self.size)]
         return Point(rates, tuple(links[k] - links[k - 1] for k in range(self.size)))
 
     def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
         """The links minus 1, computed without cancellation if all q nearly coincide."""
         q = state.q
-        return tuple(exponential_less_one(N, q[(k + 1) % self.size] - q[k]) for k in range(self.size))
+        return tuple(elementary(N, "expm1", q[(k + 1) % self.size] - q[k]) for k in range(self.size))
 
     def _rational_rates(self, N: FormulaField, state: Point, auxiliary: tuple[Real, ...]) -> tuple[Real, ...]:
         p = state.p
@@ -133,7 +133,7 @@ class TodaLattice(MumfordSystem):
         p, links = self._chain(N, start, (D.u, D.v))
         q = [N.zero]
         for link in links:
-            q.append(q[-1] + log_of(N, link))
+            q.append(q[-1] + elementary(N, "log", link))
         # Σq = Σq(0) + tΣp
         total = sum(start.q, N.zero) + time * sum(start.p, N.zero)
         shift = (total - sum(q, N.zero)) / self.size
@@ -183,7 +183,7 @@ class TodaLattice(MumfordSystem):
                 w.append(w[-1] * link)
             if N.exact:
                 return Point(tuple(here.q[0] * c for c in w), tuple(p))
-            return Point(tuple(here.q[0] + log_of(N, c) for c in w), tuple(p))
+            return Point(tuple(here.q[0] + elementary(N, "log", c) for c in w), tuple(p))
 
         return self._mapped(state, point, formula)
 

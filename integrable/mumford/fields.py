@@ -109,22 +109,8 @@ def brackets(K: Arithmetic, u: Poly, v: Poly, phi: Poly) -> tuple[tuple[Real, ..
     return tuple(table)
 
 
-def exponential(N: Arithmetic, x: Real) -> Real:
-    """e^x in the numbers of RR, MP or long numbers."""
-    return _elementary(N, x, "exp")
-
-
-def exponential_less_one(N: Arithmetic, x: Real) -> Real:
-    """e^x − 1 in the numbers of RR, MP or long numbers, without cancellation."""
-    return _elementary(N, x, "expm1")
-
-
-def log_of(N: Arithmetic, x: Real) -> Real:
-    """log x in the numbers of RR, MP or long numbers."""
-    return _elementary(N, x, "log")
-
-
-def _elementary(N: Arithmetic, x: Real, name: str) -> Real:
+def elementary(N: Arithmetic, name: str, x: Real) -> Real:
+    """exp, expm1 or log of x in the numbers of RR, MP, long numbers, balls or columns."""
     import math
 
     import gmpy2

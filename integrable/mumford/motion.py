@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from integrable.mumford.fields import cofactor, exponential, multiplier, rates
+from integrable.mumford.fields import cofactor, elementary, multiplier, rates
 from integrable.mumford.translations import GroupTranslations, part_at
 from jacobian import poly
 from jacobian.errors import PrecisionLoss, shown
@@ -104,7 +104,8 @@ class Placed:
         for kind, datum in zip(self.group.kinds, data, strict=True):
             if isinstance(kind, PointLift):
                 kappa, sigma, bar = datum
-                turn = exponential(K, poly.evaluate(K, n, kind.x) / poly.evaluate(K, u, kind.x) * kind.y * tau / 2)
+                slope = poly.evaluate(K, n, kind.x) / poly.evaluate(K, u, kind.x)
+                turn = elementary(K, "exp", slope * kind.y * tau / 2)
                 datum = (kappa, sigma * turn, bar / turn)
             turned.append(datum)
         return self.start._replace(data=tuple(turned))

@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.fields import exponential
+from integrable.mumford.fields import elementary
 from integrable.mumford.series import PointMotion, through
 from jacobian import poly
 from jacobian.element import Numbers
@@ -173,13 +173,13 @@ class GroupTranslations:
             elif isinstance(kind, PointLift):
                 # σ'/σ = ½U'(x)/U(x) + ½n(x)y/U(x), and with −y for σ̄
                 value, first = (poly.evaluate(K, a, kind.x) for a in (u, start))
-                root, turn = K.sqrt(value / first), exponential(K, kind.y * next(integrals, K.zero) / 2)
+                root, turn = K.sqrt(value / first), elementary(K, "exp", kind.y * next(integrals, K.zero) / 2)
                 data.append((-first if len(u) % 2 == 0 else first, root * turn, root / turn))
             elif isinstance(kind, SecondKind):
                 data.append(omega)
             else:
                 assert isinstance(kind, ThirdKind)
-                data.append(exponential(K, kind.r * omega))
+                data.append(elementary(K, "exp", kind.r * omega))
         return Extended(u, v, tuple(data))
 
 
