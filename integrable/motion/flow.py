@@ -306,23 +306,16 @@ class Flow(BodyMotion):
         if way == ShortRuns.way or rows.dtype == object:
             # these methods have compared the integrals already, the precise flow with more digits
             return super()._off(rows, way)
-        found: list[np.ndarray] = []
-        why = ""
-        for first in range(0, len(rows), CHUNK):
-            drift = integrals_drift(self, rows[first : first + CHUNK])
-            # fast if no row is off; the maximum is NaN if any row is
-            if drift.max() <= DRIFT:
-                continue
-            with np.errstate(invalid="ignore"):
-                wrong = np.flatnonzero(~(drift <= DRIFT))
-            if len(wrong) and not found:
-                why = (
-                    f"H1 and H2 are off by {float(drift[wrong[0]]):.1e} of their size: the motion there is beyond "
-                    f"{self.system.field.name}; use more digits"
-                )
-            if len(wrong):
-                found.append(first + wrong)
-        return (np.concatenate(found), why) if found else super()._off(rows, way)
+        drift = integrals_drift(self, rows)
+        # the maximum is NaN if any row is
+        if drift.max(initial=0) <= DRIFT:
+            return super()._off(rows, way)
+        with np.errstate(invalid="ignore"):
+            wrong = np.flatnonzero(~(drift <= DRIFT))
+        return wrong, (
+            f"H1 and H2 are off by {float(drift[wrong[0]]):.1e} of their size: the motion there is beyond "
+            f"{self.system.field.name}; use more digits"
+        )
 
 
 def integrals_drift(flow: Flow, rows: np.ndarray) -> np.ndarray:
@@ -332,6 +325,8 @@ def integrals_drift(flow: Flow, rows: np.ndarray) -> np.ndarray:
         found = [energies(row[:3], row[3:]) for row in rows.tolist()]
         # H1 is NaN whenever its row is, and max keeps a NaN that comes first
         return np.array([max(abs(k1 / h1 - 1), abs(k2 / h2 - 1)) for k1, k2 in found])
+    if len(rows) > CHUNK:
+        return np.concatenate([integrals_drift(flow, rows[i : i + CHUNK]) for i in range(0, len(rows), CHUNK)])
     found1, found2 = energies(rows[:, :3].T, rows[:, 3:].T)
     drift: np.ndarray = np.maximum(abs(found2 / h2 - 1), abs(found1 / h1 - 1))
     return drift
