@@ -253,7 +253,7 @@ class PhaseSpace(Made, Generic[Element]):
         """
         from integrable.phase import separation
 
-        K = self.field
+        K: Field = self.field
         (u1, u2), (p1, p2) = _pair(K, u, "u"), _pair(K, p, "p")
         if like is not None:
             like = self._checked(like)
