@@ -8,25 +8,25 @@ coordinates of 1903, which do not exist at d = 0.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple
 
 from integrable.phase import coordinates
 from integrable.phase.body import Body
 from integrable.phase.state import State
 from jacobian import poly
-from jacobian.element import Real
+from jacobian.element import Element, Real
 from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, written
 from jacobian.fields.protocol import Field
 from jacobian.fields.quadratic import quadratic_roots
 
-Two = tuple[Real, Real]
+Two = tuple[Element, Element]
 
 
-class Separated(NamedTuple):
+class Separated(NamedTuple, Generic[Element]):
     """Two coordinates and their conjugate momenta."""
 
-    u: Two
-    p: Two
+    u: Two[Element]
+    p: Two[Element]
 
 
 def phi(body: Body, x: Real) -> Real:
