@@ -47,8 +47,8 @@ class IntegratedMotion(EnclosedMotion):
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
-        # computed here so that a field other than RR or MP(digits) is refused at once
-        _ = self._equations
+        # refuses fields other than RR or MP(digits)
+        digits_asked(system.field)
 
     @cached_property
     def _equations(self) -> IntegratedStates:
