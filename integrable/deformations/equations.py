@@ -117,7 +117,7 @@ def kind_in(system: Hamiltonian, physical: bool) -> Kind:
     """The compiled walks of systems of this kind, in t if ``physical``, otherwise in τ."""
     # terms with constant 0 must be omitted, because they may divide by quantities that vanish
     there = tuple(x != 0 for x in constants_of(system))
-    symbols = [Symbol("constant", i) if is_there else 0.0 for i, is_there in enumerate(there)]
+    symbols = [Symbol(("constant", i)) if is_there else 0.0 for i, is_there in enumerate(there)]
 
     def start(N: Any, y: Sequence[Real]) -> list[Real]:
         inner = onto_constraints(of_constants(system, N, symbols), State((y[0], y[1], y[2]), (y[3], y[4], y[5])))

@@ -292,9 +292,9 @@ class MumfordSystem(Made):
         from integrable.series.symbols import Symbol, SymbolField
 
         count = len(self.constants)
-        symbols = tuple(Symbol("constant", i) for i in range(count))
+        symbols = tuple(Symbol(("constant", i)) for i in range(count))
         # terms with parameter 0 must be omitted, because they may divide by quantities that vanish
-        further = tuple(Symbol("constant", count + i) if x else 0.0 for i, x in enumerate(self._standing))
+        further = tuple(Symbol(("constant", count + i)) if x else 0.0 for i, x in enumerate(self._standing))
         return replaced(self, field=SymbolField(), constants=symbols, parameters=further)
 
     @property

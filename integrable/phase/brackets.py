@@ -29,13 +29,16 @@ from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
 
-Matrix = tuple[tuple[Any, ...], ...]
+Variables = tuple[Any, ...]
+"""A point, in numbers of a field or in jets over it."""
+Matrix = tuple[Variables, ...]
+OfVariables = Callable[[Any, Variables], Sequence[Any]]
 # weights of a central difference quotient of sixth order
 STENCIL = ((1, 45), (2, -9), (3, 1))
 STENCIL_SCALE = 60
 
 
-def ball_matrix(body: Body, gamma: Vector, M: Vector, g: Any = None) -> Matrix:
+def ball_matrix(body: Body, gamma: Vector, M: Vector, g: object = None) -> Matrix:
     """The 6×6 matrix of brackets of (γ1, γ2, γ3, M1, M2, M3) at any (γ, M), also for (γ, M) ≠ 0.
 
     ``g`` is the root of g² (by default the field's own; NotASquare where there is none).
@@ -69,7 +72,7 @@ def canonical_matrix(K: Field) -> Matrix:
     return weighted_matrix(K, (K.one, K.one))
 
 
-def _skew(K: Any, x: Vector) -> Matrix:
+def _skew(K: Field, x: Vector) -> Matrix:
     """The 3×3 matrix −ε_ijk x_k of a vector x."""
     zero, (x1, x2, x3) = K.zero, x
     return ((zero, K.neg(x3), x2), (x3, zero, K.neg(x1)), (K.neg(x2), x1, zero))
@@ -78,7 +81,7 @@ def _skew(K: Any, x: Vector) -> Matrix:
 # --- derivatives
 
 
-def jacobian_matrix(K: Any, function: Callable[[Any, tuple[Any, ...]], Sequence[Any]], point: Sequence[Any]) -> Matrix:
+def jacobian_matrix(K: Any, function: OfVariables, point: Sequence[Real]) -> Matrix:
     """The matrix ∂f_i/∂x_k of f(field, x) at ``point``: exact over an exact field, else differences of order six."""
     if K.exact:
         jets = JetField(K, len(point))
@@ -94,8 +97,8 @@ def jacobian_matrix(K: Any, function: Callable[[Any, tuple[Any, ...]], Sequence[
     return tuple(zip(*columns, strict=True))
 
 
-def _difference(function: Callable[[Any], Sequence[Any]], point: tuple[Any, ...], k: int, step: Any) -> Any:
-    total: list[Any] | None = None
+def _difference(function: Callable[[Variables], Sequence[Real]], point: Variables, k: int, step: Real) -> list[Real]:
+    total: list[Real] | None = None
     for count, weight in STENCIL:
         shift = count * step * max(1, abs(point[k]))
         ahead, behind = (function((*point[:k], point[k] + s, *point[k + 1 :])) for s in (shift, -shift))
@@ -133,10 +136,10 @@ def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
     return State(gamma, (m1, m2, m3), K.sqrt(K.inv(system.body.conformal(gamma)), like.g), like.tilted)
 
 
-def differential(system: PhaseSpace, function: Callable[[Any, State], Sequence[Any]], state: State) -> Matrix:
+def differential(system: PhaseSpace, function: Callable[[Any, State], Sequence[Real]], state: State) -> Matrix:
     """The matrix ∂f_i/∂(γ, M) of f(system, state) at ``state``, along the symplectic leaf of the state."""
 
-    def of_point(field: Arithmetic, point: tuple[Any, ...]) -> Sequence[Real]:
+    def of_point(field: Arithmetic, point: Variables) -> Sequence[Real]:
         moved = over(system, field)
         gamma, M = point[:3], point[3:]
         return function(moved, on_leaf(moved, state, gamma, M))
@@ -144,7 +147,7 @@ def differential(system: PhaseSpace, function: Callable[[Any, State], Sequence[A
     return jacobian_matrix(system.field, of_point, state.row)
 
 
-def bracket(system: PhaseSpace, F: Callable[[Any, State], Any], G: Callable[[Any, State], Any], state: State) -> Real:
+def bracket(system: PhaseSpace, F: Callable[[Any, State], Real], G: Callable[[Any, State], Real], state: State) -> Real:
     """The value of {F, G} at ``state``, for the bracket of :meth:`System.poisson`."""
     rows = differential(system, lambda s, x: (F(s, x), G(s, x)), state)
     return pushed(system.field, rows, system.poisson(state))[0][1]
@@ -180,8 +183,8 @@ def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State)
 
 
 def jacobi_defects(
-    K: Field, matrix: Callable[[Any, tuple[Any, ...]], Matrix], point: tuple[Real, ...]
-) -> dict[tuple[int, int, int], Any]:
+    K: Field, matrix: Callable[[Any, Variables], Matrix], point: Variables
+) -> dict[tuple[int, int, int], Real]:
     """The sums Σ_cyclic {x_i, {x_j, x_k}} at ``point``, by (i, j, k), i < j < k: all zero for a Poisson structure."""
     size = len(point)
     entries = [(j, k) for j in range(size) for k in range(size)]
@@ -207,19 +210,19 @@ def conformal_field(system: PhaseSpace, state: State) -> tuple[Real, ...]:
     return tuple(K.mul(scale, K.dot(line, row)) for line in system.poisson(state))
 
 
-def root(system: PhaseSpace, state: State) -> Any:
+def root(system: PhaseSpace, state: State) -> Real:
     """The root g of g² = 1/(1 − d(γ, Aγ)) that belongs to a state."""
     return coordinates.root_of_g(system.body, state.vectors[0]) if state.g is None else state.g
 
 
-def measure_divergence(body: Body, gamma: Vector, M: Vector) -> Any:
+def measure_divergence(body: Body, gamma: Vector, M: Vector) -> Real:
     """The divergence div(g·(γ × ω, M × ω))/g at any (γ, M): 0, as g dγ dM is an invariant measure (Chaplygin 1903).
 
     Rational in (γ, M): the derivative of g enters as −½g²·∂(g⁻²), g⁻² = 1 − d(γ, Aγ).
     """
     K = body.field
 
-    def motion(field: Any, point: tuple[Any, ...]) -> Sequence[Any]:
+    def motion(field: Field, point: Variables) -> Sequence[Real]:
         moved = replace(body, field=field)
         x, m = point[:3], point[3:]
         omega = _omega(moved, x, m)
@@ -234,13 +237,13 @@ def measure_divergence(body: Body, gamma: Vector, M: Vector) -> Any:
     return K.sub(trace, K.div(change, K.mul(two, _inverse_square(body, gamma))))
 
 
-def _inverse_square(body: Body, gamma: Sequence[Any]) -> Any:
+def _inverse_square(body: Body, gamma: Sequence[Real]) -> Real:
     """1 − d(γ, Aγ), for γ of any length."""
     K = body.field
     return K.sub(K.one, K.mul(body.d, K.dot(body.a, [K.mul(x, x) for x in gamma])))
 
 
-def _omega(body: Body, gamma: Sequence[Any], M: Sequence[Any]) -> Vector:
+def _omega(body: Body, gamma: Sequence[Real], M: Sequence[Real]) -> Vector:
     K = body.field
     moved = [K.mul(a, x) for a, x in zip(body.a, M, strict=True)]
     spin = K.mul(body.d, K.div(K.dot(gamma, moved), _inverse_square(body, gamma)))

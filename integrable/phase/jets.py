@@ -7,7 +7,7 @@ differentiation; Wengert 1964). A jet also has operators, which make formulas re
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any
 
 from jacobian import poly
@@ -24,7 +24,7 @@ class Jet:
 
     __slots__ = ("field", "slopes", "value")
 
-    def __init__(self, field: JetField, value: Any, slopes: tuple[Real, ...]) -> None:
+    def __init__(self, field: JetField, value: Real, slopes: tuple[Real, ...]) -> None:
         self.field = field
         self.value = value
         self.slopes = slopes
@@ -44,38 +44,38 @@ class Jet:
     def __lt__(self, other: Real) -> bool:
         return bool(self.value < (other.value if isinstance(other, Jet) else other))
 
-    def _other(self, other: Any) -> Any:
+    def _other(self, other: object) -> Jet | None:
         if isinstance(other, Jet):
             return other
         if isinstance(other, int):
             return self.field.integer(other)
         return self.field.coerce(other) if isinstance(other, float) and not self.field.exact else None
 
-    def __add__(self, other: Real) -> Any:
+    def __add__(self, other: Jet | Real) -> Jet:
         y = self._other(other)
         return NotImplemented if y is None else self.field.add(self, y)
 
     __radd__ = __add__
 
-    def __sub__(self, other: Real) -> Any:
+    def __sub__(self, other: Jet | Real) -> Jet:
         y = self._other(other)
         return NotImplemented if y is None else self.field.sub(self, y)
 
-    def __rsub__(self, other: Real) -> Any:
+    def __rsub__(self, other: Jet | Real) -> Jet:
         y = self._other(other)
         return NotImplemented if y is None else self.field.sub(y, self)
 
-    def __mul__(self, other: Real) -> Any:
+    def __mul__(self, other: Jet | Real) -> Jet:
         y = self._other(other)
         return NotImplemented if y is None else self.field.mul(self, y)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Real) -> Any:
+    def __truediv__(self, other: Jet | Real) -> Jet:
         y = self._other(other)
         return NotImplemented if y is None else self.field.div(self, y)
 
-    def __rtruediv__(self, other: Real) -> Any:
+    def __rtruediv__(self, other: Jet | Real) -> Jet:
         y = self._other(other)
         return NotImplemented if y is None else self.field.div(y, self)
 
@@ -122,11 +122,11 @@ class JetField:
     def __hash__(self) -> int:
         return hash(("JetField", self.base, self.directions))
 
-    def constant(self, value: Any) -> Jet:
+    def constant(self, value: Real) -> Jet:
         """The jet with a given value in the base and all slopes zero."""
         return Jet(self, value, self._flat)
 
-    def variables(self, values: Sequence[Any]) -> tuple[Jet, ...]:
+    def variables(self, values: Sequence[Real]) -> tuple[Jet, ...]:
         """The jets values[k] + ε_k, one for each direction."""
         zero, one = self.base.zero, self.base.one
         return tuple(
@@ -137,7 +137,7 @@ class JetField:
         """The jet m·1 of an int m."""
         return self.constant(poly.integer(self.base, m))
 
-    def coerce(self, value: Any, argument: str = "value") -> Jet:
+    def coerce(self, value: object, argument: str = "value") -> Jet:
         """A jet of this field unchanged, or the constant jet of a value that the base accepts. FieldError for other
         jets.
         """
@@ -147,52 +147,52 @@ class JetField:
             raise FieldError(f"{argument} = {shown(value)} has {len(value.slopes)} slopes, not {self.directions}")
         return value
 
-    def _jet(self, x: Any) -> Jet:
+    def _jet(self, x: Jet | Real) -> Jet:
         return x if isinstance(x, Jet) else self.constant(x)
 
-    def add(self, x: Any, y: Any) -> Jet:
+    def add(self, x: Jet | Real, y: Jet | Real) -> Jet:
         K, x, y = self.base, self._jet(x), self._jet(y)
         return Jet(self, K.add(x.value, y.value), tuple(map(K.add, x.slopes, y.slopes)))
 
-    def sub(self, x: Any, y: Any) -> Jet:
+    def sub(self, x: Jet | Real, y: Jet | Real) -> Jet:
         K, x, y = self.base, self._jet(x), self._jet(y)
         return Jet(self, K.sub(x.value, y.value), tuple(map(K.sub, x.slopes, y.slopes)))
 
-    def neg(self, x: Any) -> Jet:
+    def neg(self, x: Jet | Real) -> Jet:
         K, x = self.base, self._jet(x)
         return Jet(self, K.neg(x.value), tuple(map(K.neg, x.slopes)))
 
-    def mul(self, x: Any, y: Any) -> Jet:
+    def mul(self, x: Jet | Real, y: Jet | Real) -> Jet:
         K, x, y = self.base, self._jet(x), self._jet(y)
         a, b = x.value, y.value
         slopes = tuple([K.add(K.mul(a, t), K.mul(s, b)) for s, t in zip(x.slopes, y.slopes, strict=True)])
         return Jet(self, K.mul(a, b), slopes)
 
-    def inv(self, x: Any) -> Jet:
+    def inv(self, x: Jet | Real) -> Jet:
         """The inverse 1/x; ZeroDivisionError where the value of x is zero."""
         K, x = self.base, self._jet(x)
         inverse = K.inv(x.value)
         factor = K.neg(K.mul(inverse, inverse))
         return Jet(self, inverse, tuple([K.mul(factor, s) for s in x.slopes]))
 
-    def div(self, x: Any, y: Any) -> Jet:
+    def div(self, x: Jet | Real, y: Jet | Real) -> Jet:
         return self.mul(x, self.inv(y))
 
-    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Jet:
+    def dot(self, xs: Sequence[Jet | Real], ys: Sequence[Jet | Real]) -> Jet:
         """The sum Σ x_i y_i."""
         total = self.zero
         for x, y in zip(xs, ys, strict=True):
             total = self.add(total, self.mul(x, y))
         return total
 
-    def is_zero(self, x: Any, scale: Any = None) -> bool:
+    def is_zero(self, x: Jet | Real, scale: Jet | Real | None = None) -> bool:
         """Whether value and slopes are all zero. Over an inexact base: whether the value is, relative to ``scale``."""
         x = self._jet(x)
         if self.exact:
             return x == self.zero
         return bool(self.base.is_zero(x.value, scale.value if isinstance(scale, Jet) else scale))
 
-    def sqrt(self, x: Any, root: Any = None) -> Jet:
+    def sqrt(self, x: Jet | Real, root: Real | None = None) -> Jet:
         """The square root of x whose value is ``root``, by default the base's own root; NotASquare if there is none.
 
         NotRepresentable at value 0 with a slope: the root is not differentiable.
@@ -210,13 +210,13 @@ class JetField:
         """The constant jet of a random element of the base."""
         return self.constant(self.base.random(rng))
 
-    def key(self, x: Any) -> Hashable:
+    def key(self, x: Jet | Real) -> Hashable:
         """A hashable key of a jet, from the base's keys of its value and slopes."""
         x = self._jet(x)
         return (self.base.key(x.value), *map(self.base.key, x.slopes))
 
 
-def apply(field: Any, function: Any, *values: Any) -> Any:
+def apply(field: Any, function: Callable[..., object], *values: Real) -> Any:
     """The value at elements of a field of ``function``, which is written with operators and is called on jets.
 
     NotRepresentable where it divides by zero.

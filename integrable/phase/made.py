@@ -49,7 +49,7 @@ class Made(Immutable):
         return f"{type(self).__name__}({', '.join(given)})"
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     """``value`` as ints, floats, strings and tuples of these, which a field converts to exactly the same numbers."""
     if isinstance(value, Sequence) and not isinstance(value, str):
         return tuple(map(_plain, value))

@@ -14,7 +14,7 @@ from math import inf
 from typing import Any
 
 from integrable.phase.body import Body
-from integrable.phase.brackets import Matrix, jacobian_matrix, weighted_matrix
+from integrable.phase.brackets import Matrix, Variables, jacobian_matrix, weighted_matrix
 from integrable.phase.separation import phi
 from jacobian import poly
 from jacobian.element import Real
@@ -61,8 +61,8 @@ def trace_hamiltonian(body: Body, point: tuple[Real, Real, Real, Real], m: int) 
 
 
 def nijenhuis_torsion(
-    K: Field, operator: Callable[[Any, tuple[Any, ...]], Matrix], point: tuple[Real, ...]
-) -> dict[tuple[int, int, int], Any]:
+    K: Field, operator: Callable[[Any, Variables], Matrix], point: Variables
+) -> dict[tuple[int, int, int], Real]:
     """The components T^i_jk, j < k, of the torsion of a field of operators N(field, point) at a point.
 
     T(X, Y) = [NX, NY] − N[NX, Y] − N[X, NY] + N²[X, Y]; all are zero for a recursion operator. Derivatives as in
@@ -106,7 +106,7 @@ def rank(K: Field, matrix: tuple[tuple[Real, ...], ...]) -> int:
     return found
 
 
-def _four(body: Body, point: Sequence[Any]) -> list[Any]:
+def _four(body: Body, point: Sequence[Real]) -> list[Real]:
     if not isinstance(body, Body):
         raise ArgumentError(f"body = {shown(body)}: a Body is needed, such as system.body")
     given = entries(point, "point", "a sequence (u1, u2, p1, p2)")
@@ -115,8 +115,8 @@ def _four(body: Body, point: Sequence[Any]) -> list[Any]:
     return [body.field.coerce(x, f"point[{i}]") for i, x in enumerate(given)]
 
 
-def _power(K: Any, x: Any, m: int) -> Any:
-    result = K.one
+def _power(K: Field, x: Real, m: int) -> Real:
+    result: Real = K.one
     for bit in bin(m)[2:]:
         result = K.mul(result, result)
         if bit == "1":

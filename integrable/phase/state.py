@@ -96,7 +96,7 @@ def _numbers(vector: Any) -> Any:
     return tuple(vector.tolist() if hasattr(vector, "tolist") else vector)
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     """The ``repr`` of a number or vector, also of fractions too long for Python to write (4300 digits)."""
     if isinstance(value, tuple):
         return f"({', '.join(map(_text, value))})"

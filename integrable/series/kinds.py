@@ -21,11 +21,10 @@ import numpy as np
 
 from integrable.series.room import Orders, Room
 from integrable.series.steps import Reached, Steps, bounds_of, inverses, step_cost
-from integrable.series.symbols import Functions, SymbolField
-from integrable.series.tape import Recorded, Tape, recorded
+from integrable.series.symbols import SymbolField
+from integrable.series.tape import Tape, recorded
 from integrable.series.walk import LANES, Codes
 from integrable.series.walk_text import TIMES, module
-from jacobian.fields.inexact import InexactField
 from jacobian.native import kept, machine
 from jacobian.numbers.compiler import interpreted
 
@@ -38,6 +37,9 @@ ENTRIES = ("start", "series", "advance", "dense")
 LINE = 64
 
 
+Formula = Callable[[SymbolField, Sequence[Any]], Sequence[object]]
+
+
 class Formulas(NamedTuple):
     """The formulas of a kind over a field N: ``rates``(N, y) returns the derivatives of all variables y.
 
@@ -45,41 +47,18 @@ class Formulas(NamedTuple):
     ``half`` numbers.
     """
 
-    rates: Callable[[Any, Sequence[Any]], Sequence[Any]]
-    start: Callable[[Any, Sequence[Any]], Sequence[Any]]
+    rates: Formula
+    start: Formula
     shown: int
     variables: int
     half: int
-
-
-class Recorder(InexactField):
-    """The field over which the formulas of a kind are recorded; its constants are symbols."""
-
-    name = "recorded numbers of a kind"
-
-    def __init__(self) -> None:
-        self.field = field = SymbolField()
-        self.zero, self.one, self.eps = field.zero, field.one, field.eps
-        self.context = Functions
-
-    def coerce(self, value: Any, argument: str = "value") -> Any:
-        """Returns ``value`` itself if it is a recorded number, otherwise a recorded constant with this value."""
-        return value if isinstance(value, Recorded) else self.field.coerce(value)
-
-    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
-        """Σ x_i y_i."""
-        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
-
-    def sqrt(self, x: Any) -> Any:
-        """√x."""
-        return x**0.5
 
 
 class Kind:
     """The compiled walks of a kind of systems."""
 
     def __init__(self, name: str, formulas: Formulas) -> None:
-        numbers = Recorder()
+        numbers = SymbolField()
         self.count, self.half = formulas.shown, formulas.half
         self.rates: Tape = recorded(lambda y: formulas.rates(numbers, y), formulas.variables)
         self.start: Tape = recorded(lambda y: formulas.start(numbers, y), formulas.shown)

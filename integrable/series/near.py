@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -14,9 +14,9 @@ class State(Protocol):
     """A state (q, p)."""
 
     @property
-    def q(self) -> tuple[Any, ...]: ...
+    def q(self) -> tuple[float, ...]: ...
     @property
-    def p(self) -> tuple[Any, ...]: ...
+    def p(self) -> tuple[float, ...]: ...
 
 
 class Walked(Protocol):

@@ -5,14 +5,18 @@ A tape is a :class:`integrable.series.tape.Tape`.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import MutableSequence, Sequence
 
 from integrable.series.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, SUM
+from jacobian.element import Real
 from jacobian.numbers.roots import root
 from jacobian.numbers.sums import joined, plus_product
 
+Indices = Sequence[int]
+Reals = MutableSequence[Real]
 
-def convolved(series: Any, p: int, q: int, begin: int, end: int, k: int) -> Any:
+
+def convolved(series: Reals, p: int, q: int, begin: int, end: int, k: int) -> Real:
     """The sum Σ p_j q_{k−j}, begin ≤ j < end, of the series that begin at p and q, as two partial sums in parallel."""
     nothing = 0 * series[p]
     a, b = nothing, nothing
@@ -24,7 +28,7 @@ def convolved(series: Any, p: int, q: int, begin: int, end: int, k: int) -> Any:
     return joined(a, b)
 
 
-def squared(series: Any, p: int, begin: int, k: int) -> Any:
+def squared(series: Reals, p: int, begin: int, k: int) -> Real:
     """The sum Σ p_j p_{k−j}, begin ≤ j ≤ k − begin, whose equal terms j and k − j are computed once."""
     half = convolved(series, p, p, begin, (k + 1) // 2, k)
     if k % 2 == 1:
@@ -33,7 +37,16 @@ def squared(series: Any, p: int, begin: int, k: int) -> Any:
     return joined(half, plus_product(half, middle, middle))
 
 
-def coefficients(kinds: Any, left: Any, right: Any, rates: Any, first: int, order: int, unit: Any, series: Any) -> None:
+def coefficients(
+    kinds: Indices,
+    left: Indices,
+    right: Indices,
+    rates: Indices,
+    first: int,
+    order: int,
+    unit: Real,
+    series: Reals,
+) -> None:
     """Writes the Taylor coefficients of all nodes into ``series``; those of node n begin at ``series[n·(order + 1)]``.
 
     The orders written are ``first`` to ``order`` − 1, for variables ``first`` + 1 to ``order``. Lower orders must be
@@ -65,7 +78,7 @@ def coefficients(kinds: Any, left: Any, right: Any, rates: Any, first: int, orde
             series[i * width + k + 1] = unit * series[rates[i] * width + k] / (k + 1)
 
 
-def values_at(x: Any, order: int, series: Any, count: int, out: Any, place: int) -> None:
+def values_at(x: Real, order: int, series: Reals, count: int, out: Reals, place: int) -> None:
     """Writes the first ``count`` variables at distance ``x`` from their expansion point to ``out[place]`` onward."""
     for i in range(count):
         start = i * (order + 1)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from integrable.series.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, VARIABLE, Tape
+from integrable.series.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, Tape, levels_of
 from jacobian.native.machine import features
 
 # number of floats in a vector register
@@ -92,7 +92,7 @@ class Room:
 def _factors(tape: Tape) -> dict[int, tuple[int, int]]:
     """For each product, quotient and root: the two nodes whose earlier coefficients its recurrence multiplies."""
     found = {}
-    for n, (kind, p, q) in enumerate(zip(tape.kinds, tape.left, tape.right, strict=True)):
+    for n, (kind, p, q) in enumerate(tape.nodes):
         if kind in (PRODUCT, ROOT) or (kind == QUOTIENT and tape.kinds[q] != CONSTANT):
             found[n] = (p if kind == PRODUCT else n), (n if kind == ROOT else q)
     return found
@@ -107,15 +107,12 @@ def _packs(nodes: Sequence[int], most: int) -> dict[tuple[int, ...], int]:
 
 def _abreast(tape: Tape, most: int) -> list[tuple[tuple[int, ...], bool]]:
     """Groups of two or four products that do not depend on each other, and whether they are squares."""
-    levels = list[int]()
-    for kind, p, q in zip(tape.kinds, tape.left, tape.right, strict=True):
-        levels.append(0 if kind in (VARIABLE, CONSTANT) else 1 + max(levels[p], levels[q]))
-    found = []
+    levels, found = levels_of(tape.nodes), []
     for level in sorted(set(levels)):
         for square in (True, False):
             nodes = [
-                n for n, kind in enumerate(tape.kinds)
-                if kind == PRODUCT and levels[n] == level and (tape.left[n] == tape.right[n]) == square
+                n for n, (kind, p, q) in enumerate(tape.nodes)
+                if kind == PRODUCT and levels[n] == level and (p == q) == square
             ]  # fmt: skip
             while len(nodes) > 1 and most > 1:
                 width = min(most, 4 if len(nodes) > 3 else 2)

@@ -102,7 +102,7 @@ class Series(Sums):
         rest = self._convolved(n, 1 if kind == ROOT else 0, k, k) if n in self.room.factors else None
         top = None if self._constant(p) else self._value(p, k)
         if rest is not None:
-            minus = (self.text.fneg(rest[0]), self.text.fneg(rest[1]) if rest[1] else "")
+            minus = self.text.wide_negative(rest)
             top = minus if top is None else self._plus(top, minus)
         # the coefficients of a constant beyond order 0 are 0
         nothing = self.text.real(0.0)
@@ -116,7 +116,7 @@ class Series(Sums):
             return self._value(p, k)
         y = self._value(q, k)
         if kind == DIFFERENCE:
-            y = self.text.fneg(y[0]), self.text.fneg(y[1]) if y[1] else ""
+            y = self.text.wide_negative(y)
         if k and self._constant(p):
             return y
         x = self._value(p, k)

@@ -2,59 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from math import frexp
 from typing import Any
 
-from integrable.series.tape import GROWTH, Recorded
+from integrable.series.tape import DIFFERENCE, GROWTH, PRODUCT, SUM, Operand, Recorded
+from jacobian.element import Real
 from jacobian.fields.inexact import InexactField
 
 Key = tuple[Any, ...]
-"""The key of a symbol: ('constant', i), ('number', x) or (operator, key, key)."""
+"""The key of a symbol: ('constant', i), ('number', x) or (kind of a tape's operation, key, key)."""
 
 
-class Symbol:
+@dataclass(frozen=True, repr=False)
+class Symbol(Operand):
     """A constant whose value is known when a walk begins; ``key`` says how it is computed."""
 
-    __slots__ = ("key",)
-
-    def __init__(self, *key: Any) -> None:
-        self.key: Key = key
+    key: Key
 
     def __repr__(self) -> str:
         # the same in every process, because names of objects on disk derive from it
         return repr(self.key)
 
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Symbol) and self.key == other.key
-
-    def __add__(self, other: Any) -> Any:
-        return self if _is(other, 0) else _operation("+", self, other)
-
-    def __radd__(self, other: Any) -> Any:
-        return self if _is(other, 0) else _operation("+", other, self)
-
-    def __sub__(self, other: Any) -> Any:
-        return self if _is(other, 0) else _operation("-", self, other)
-
-    def __rsub__(self, other: Any) -> Any:
-        return _operation("-", other, self)
-
-    def __mul__(self, other: Any) -> Any:
-        return self if _is(other, 1) else 0.0 if _is(other, 0) else _operation("*", self, other)
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Any) -> Any:
-        return _operation("/", self, other)
-
-    def __rtruediv__(self, other: Any) -> Any:
-        return _operation("/", other, self)
-
-    def __neg__(self) -> Any:
-        return _operation("*", -1.0, self)
+    @staticmethod
+    def operation(kind: int, x: object, y: object) -> Any:
+        if isinstance(x, Recorded) or isinstance(y, Recorded):
+            return NotImplemented
+        for one, other in ((x, y), (y, x)):
+            if isinstance(other, int | float):
+                if other == 0 and (kind == SUM or (kind == DIFFERENCE and other is y)):
+                    return one
+                if other in (0, 1) and kind == PRODUCT:
+                    return one if other else 0.0
+        return Symbol((kind, key_of(x), key_of(y)))
 
 
 def key_of(x: Any) -> Key:
@@ -62,37 +43,35 @@ def key_of(x: Any) -> Key:
     return x.key if isinstance(x, Symbol) else ("number", float(x))
 
 
-def _is(x: Any, n: int) -> bool:
-    return isinstance(x, int | float) and x == n
-
-
-def _operation(sign: str, x: Any, y: Any) -> Any:
-    if isinstance(x, Recorded) or isinstance(y, Recorded):
-        return NotImplemented
-    return Symbol(sign, key_of(x), key_of(y))
-
-
 class SymbolField(InexactField):
-    """The field of the constants of a recorded formula: floats and symbols."""
+    """The field over which the formulas of a kind are recorded: floats, symbols, and recorded numbers."""
 
     name = "symbols"
     zero, one, eps = 0.0, 1.0, 2.0**-53
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
-        """Returns a symbol unchanged, 0 and powers of two as floats, and other numbers as symbols.
+        """Returns symbols and recorded numbers unchanged, 0 and powers of two as floats, and other numbers as symbols.
 
         The reciprocals of powers of two are exact in floats. Other reciprocals, such as 1/3, need more digits.
         """
-        if isinstance(value, Symbol):
+        if isinstance(value, Operand):
             return value
         x = float(value)
-        return x if frexp(x)[0] in (0.0, 0.5, -0.5) else Symbol("number", x)
+        return x if frexp(x)[0] in (0.0, 0.5, -0.5) else Symbol(("number", x))
 
+    def dot(self, xs: Sequence[Real], ys: Sequence[Real]) -> Real:
+        """Σ x_i y_i."""
+        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
 
-class Functions:
-    """Functions of recorded numbers other than the four operations and roots."""
+    def sqrt(self, x: Real) -> Real:
+        """√x."""
+        root: Real = x**0.5
+        return root
 
-    @staticmethod
-    def expm1(x: Recorded) -> Recorded:
-        """e^x − 1."""
-        return x.function(GROWTH)
+    class context:
+        """Functions of recorded numbers other than the four operations and roots."""
+
+        @staticmethod
+        def expm1(x: Recorded) -> Recorded:
+            """e^x − 1."""
+            return x.function(GROWTH)

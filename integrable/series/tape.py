@@ -8,8 +8,12 @@ Derivatives*, chapters 2 and 13.)
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable, Sequence
+from operator import add, mul, sub, truediv
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from typing import Self
 
 VARIABLE, CONSTANT, SUM, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, GROWTH = range(9)
 
@@ -29,15 +33,19 @@ class Tape(NamedTuple):
     constants: list[Any]
     results: list[int]
 
+    @property
+    def nodes(self) -> list[tuple[int, int, int]]:
+        """The triples (kind, left, right)."""
+        return list(zip(self.kinds, self.left, self.right, strict=True))
 
-def recorded(formula: Callable[[Sequence[Any]], Sequence[Any]], variables: int) -> Tape:
+
+def recorded(formula: Callable[[Sequence[Any]], Sequence[object]], variables: int) -> Tape:
     """The tape of a formula of ``variables`` variables; its constants may be numbers of any kind with operators."""
     recorder = _Recorder()
     given = [recorder.node(VARIABLE, -1 - i, -1) for i in range(variables)]
     results = [recorder.lifted(x).index for x in formula(given)]
-    nodes, levels = recorder.nodes, list[int]()
-    for kind, p, q in nodes:
-        levels.append(0 if kind in (VARIABLE, CONSTANT) else 1 + max(levels[p], levels[q]))
+    nodes = recorder.nodes
+    levels = levels_of(nodes)
     order = sorted(range(len(nodes)), key=lambda n: (levels[n], nodes[n][0]))
     place = {n: k for k, n in enumerate(order)}
     kinds = [nodes[n][0] for n in order]
@@ -45,13 +53,21 @@ def recorded(formula: Callable[[Sequence[Any]], Sequence[Any]], variables: int) 
     return Tape(kinds, left, right, [recorder.constants[n] for n in order], [place[n] for n in results])
 
 
+def levels_of(nodes: Iterable[tuple[int, int, int]]) -> list[int]:
+    """The level of each node (kind, left, right): 0 for variables and constants, else one above its operands."""
+    found: list[int] = []
+    for kind, p, q in nodes:
+        found.append(0 if kind in (VARIABLE, CONSTANT) else 1 + max(found[p], found[q]))
+    return found
+
+
 class _Recorder:
     def __init__(self) -> None:
         self.nodes: list[tuple[int, int, int]] = []
-        self.constants: list[Any] = []
-        self._known: dict[Any, int] = {}
+        self.constants: list[object] = []
+        self._known: dict[object, int] = {}
 
-    def node(self, kind: int, left: int, right: int, constant: Any = 0) -> Recorded:
+    def node(self, kind: int, left: int, right: int, constant: object = 0) -> Recorded:
         key = (kind, left, right, _known_by(constant))
         index = self._known.setdefault(key, len(self.nodes))
         if index == len(self.nodes):
@@ -59,18 +75,18 @@ class _Recorder:
             self.constants.append(constant)
         return Recorded(self, index)
 
-    def lifted(self, x: Any) -> Recorded:
+    def lifted(self, x: object) -> Recorded:
         return x if isinstance(x, Recorded) else self.node(CONSTANT, -1, -1, x)
 
-    def operation(self, kind: int, x: Any, y: Any) -> Recorded:
-        x, y = self.lifted(x), self.lifted(y)
+    def operation(self, kind: int, left: object, right: object) -> Recorded:
+        x, y = self.lifted(left), self.lifted(right)
         p, q = x.constant, y.constant
         # with an integer q, 1/q would become a float
         folded = kind != QUOTIENT or not isinstance(q, int)
         if p is not None and q is not None and folded:
             return self.lifted(_OPERATIONS[kind](p, q))
         if kind == QUOTIENT and q is not None and folded:
-            return self.operation(PRODUCT, 1 / q, x)
+            return self.operation(PRODUCT, truediv(1, q), x)
         if kind == PRODUCT:
             if q is not None:
                 x, y, p, q = y, x, q, p
@@ -85,7 +101,7 @@ class _Recorder:
         return self.node(kind, x.index, y.index)
 
 
-def _known_by(constant: Any) -> Any:
+def _known_by(constant: object) -> object:
     """The key of a constant. Equal constants share one, except balls: equal balls may stand for different numbers."""
     try:
         hash(constant)
@@ -94,15 +110,46 @@ def _known_by(constant: Any) -> Any:
     return constant
 
 
-_OPERATIONS: dict[int, Callable[[Any, Any], Any]] = {
-    SUM: lambda x, y: x + y,
-    DIFFERENCE: lambda x, y: x - y,
-    PRODUCT: lambda x, y: x * y,
-    QUOTIENT: lambda x, y: x / y,
-}
+_OPERATIONS: dict[int, Callable[[Any, Any], Any]] = {SUM: add, DIFFERENCE: sub, PRODUCT: mul, QUOTIENT: truediv}
 
 
-class Recorded:
+class Operand:
+    """The operators of a number whose class says what an :meth:`operation` is."""
+
+    __slots__ = ()
+
+    def operation(self, kind: int, x: object, y: object) -> Self:
+        """The number that an operation on x and y returns; one of them is this number."""
+        raise NotImplementedError
+
+    def __add__(self, other: object) -> Self:
+        return self.operation(SUM, self, other)
+
+    def __radd__(self, other: object) -> Self:
+        return self.operation(SUM, other, self)
+
+    def __sub__(self, other: object) -> Self:
+        return self.operation(DIFFERENCE, self, other)
+
+    def __rsub__(self, other: object) -> Self:
+        return self.operation(DIFFERENCE, other, self)
+
+    def __mul__(self, other: object) -> Self:
+        return self.operation(PRODUCT, self, other)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: object) -> Self:
+        return self.operation(QUOTIENT, self, other)
+
+    def __rtruediv__(self, other: object) -> Self:
+        return self.operation(QUOTIENT, other, self)
+
+    def __neg__(self) -> Self:
+        return self.operation(PRODUCT, -1, self)
+
+
+class Recorded(Operand):
     """A number that records the operations performed on it."""
 
     __hash__ = None  # type: ignore[assignment]
@@ -110,8 +157,11 @@ class Recorded:
     def __init__(self, recorder: _Recorder, index: int) -> None:
         self._recorder, self.index = recorder, index
 
+    def operation(self, kind: int, x: object, y: object) -> Recorded:
+        return self._recorder.operation(kind, x, y)
+
     @property
-    def constant(self) -> Any:
+    def constant(self) -> object:
         """The value if this is a constant, otherwise None."""
         recorder = self._recorder
         return recorder.constants[self.index] if recorder.nodes[self.index][0] == CONSTANT else None
@@ -121,29 +171,7 @@ class Recorded:
             return self.index == other.index
         return self.constant is not None and bool(self.constant == other)
 
-    def __add__(self, other: Any) -> Recorded:
-        return self._recorder.operation(SUM, self, other)
-
-    __radd__ = __add__
-
-    def __sub__(self, other: Any) -> Recorded:
-        return self._recorder.operation(DIFFERENCE, self, other)
-
-    def __rsub__(self, other: Any) -> Recorded:
-        return self._recorder.operation(DIFFERENCE, other, self)
-
-    def __mul__(self, other: Any) -> Recorded:
-        return self._recorder.operation(PRODUCT, self, other)
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Any) -> Recorded:
-        return self._recorder.operation(QUOTIENT, self, other)
-
-    def __rtruediv__(self, other: Any) -> Recorded:
-        return self._recorder.operation(QUOTIENT, other, self)
-
-    def __pow__(self, exponent: Any) -> Recorded:
+    def __pow__(self, exponent: float) -> Recorded:
         if exponent == 2:
             return self * self
         assert exponent == 0.5
@@ -152,6 +180,3 @@ class Recorded:
     def function(self, kind: int) -> Recorded:
         """The node of a function of this number: ROOT or GROWTH."""
         return self._recorder.node(kind, self.index, self.index)
-
-    def __neg__(self) -> Recorded:
-        return self._recorder.operation(PRODUCT, -1, self)

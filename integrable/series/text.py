@@ -58,6 +58,9 @@ class Text(Code):
 
     # --- double-doubles, as sums whose parts may overlap; the low part that is known last is added last
 
+    def wide_negative(self, x: Wide) -> Wide:
+        return self.fneg(x[0]), self.fneg(x[1]) if x[1] else ""
+
     def wide_sum(self, x: Wide, y: Wide) -> Wide:
         """x + y, where y is known later."""
         s, e = two_sum(self, x[0], y[0])

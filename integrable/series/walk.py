@@ -9,10 +9,13 @@ from __future__ import annotations
 
 import ctypes
 from math import exp, floor, log, log2
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from integrable.series.room import BENT, FIRST, STEP, UNITS
 from integrable.series.walk_text import TIMES
+
+if TYPE_CHECKING:
+    from numpy import ndarray as Array
 
 __all__ = ["Bounds", "Codes", "Given", "walked"]
 
@@ -71,8 +74,8 @@ class Given(NamedTuple):
     ``spare``, TIMES floats of each.
     """
 
-    constants: Any
-    state: Any
+    constants: Array
+    state: Array
     half: int
     parts: int
     order: int
@@ -105,7 +108,9 @@ class Place(NamedTuple):
     row: int
 
 
-def walked(codes: Codes, bounds: Bounds, given: Given, room: Any, units: Any, times: Any, rows: Any, found: Any) -> Any:
+def walked(
+    codes: Codes, bounds: Bounds, given: Given, room: Array, units: Array, times: Array, rows: Array, found: Array
+) -> tuple[int, int, float, int]:
     """The number of ``times`` reached, how many of them are wrong, the largest difference, and the number of steps.
 
     The difference is that of the two walks, relative to the largest component of q, or of p. States go into ``found``.
@@ -117,13 +122,11 @@ def walked(codes: Codes, bounds: Bounds, given: Given, room: Any, units: Any, ti
     start(codes.start, given.constants, given.state, room)
     unit = begun(codes, given, room, units)
     limit, done, behind, steps, seen = len(times), 0, 0, 0, Compared(0, 0, 0, 0, 0.0)
-    now, later = 0.0, 0.0
-    ahead = -1.0 if times[limit - 1] < 0 else 1.0
+    now, later, ahead = 0.0, 0.0, -1.0 if times[limit - 1] < 0 else 1.0
     first, second = reach(bounds, room, 0), reach(bounds, room, 1)
     if not abs(times[limit - 1]) <= bounds.farthest * first * unit:
         return 0, 0, 0.0, 0
-    if second < FARTHEST:
-        second = BACK * second
+    second = BACK * second if second < FARTHEST else second
     while True:
         done = put_rows(codes, given, room, Place(0, now, first, done), times, limit, unit, rows)
         if done < limit and not goes_on(first, now, times[limit - 1] / unit, steps, bounds.most):
@@ -147,14 +150,14 @@ def walked(codes: Codes, bounds: Bounds, given: Given, room: Any, units: Any, ti
     return limit, seen.wrong, seen.gap, steps
 
 
-def both_moved(codes: Codes, room: Any, first: float, second: float) -> None:
+def both_moved(codes: Codes, room: Array, first: float, second: float) -> None:
     """Advances both walks by a step each, and computes the series there."""
     room[LANES * STEP], room[LANES * STEP + 1] = first, second
     advance(codes.advance, room)
     series(codes.series, room)
 
 
-def in_order(times: Any) -> bool:
+def in_order(times: Array) -> bool:
     """Whether times are finite, of one sign, and in ascending size."""
     before = 0.0
     down = times[len(times) - 1] < 0
@@ -166,7 +169,7 @@ def in_order(times: Any) -> bool:
     return True
 
 
-def begun(codes: Codes, given: Given, room: Any, units: Any) -> float:
+def begun(codes: Codes, given: Given, room: Array, units: Array) -> float:
     """Computes the series at the start, and returns their unit of time.
 
     The unit is a power of two near the shortest time scale of q or p. So coefficients stay within the range of floats,
@@ -185,7 +188,7 @@ def begun(codes: Codes, given: Given, room: Any, units: Any) -> float:
     return unit
 
 
-def put_unit(given: Given, room: Any, units: Any, unit: float) -> None:
+def put_unit(given: Given, room: Array, units: Array, unit: float) -> None:
     """Writes ``unit``/(k + 1) into the room."""
     high, low = LANES * UNITS, LANES * (UNITS + given.order)
     for k in range(given.order):
@@ -195,7 +198,7 @@ def put_unit(given: Given, room: Any, units: Any, unit: float) -> None:
                 room[low + LANES * k + lane] = unit * units[2 * k + 1]
 
 
-def shortest_time(given: Given, room: Any) -> float:
+def shortest_time(given: Given, room: Array) -> float:
     """The shortest time scale of q or p, estimated from their first coefficients in the unit 1."""
     shortest = FARTHEST
     for begin in (0, given.half):
@@ -207,7 +210,7 @@ def shortest_time(given: Given, room: Any) -> float:
     return shortest
 
 
-def largest(given: Given, room: Any, begin: int, k: int) -> float:
+def largest(given: Given, room: Array, begin: int, k: int) -> float:
     """The largest coefficient of order k of the part (q or p) that begins at ``begin``."""
     found = 0.0
     for i in range(begin, begin + given.half):
@@ -215,7 +218,7 @@ def largest(given: Given, room: Any, begin: int, k: int) -> float:
     return found
 
 
-def reach(bounds: Bounds, room: Any, lane: int) -> float:
+def reach(bounds: Bounds, room: Array, lane: int) -> float:
     """The step that the series of a walk allow; 0 if a ratio is not finite, or if all ratios underflow to 0.
 
     FARTHEST if the motion is exactly linear in time.
@@ -234,7 +237,9 @@ def reach(bounds: Bounds, room: Any, lane: int) -> float:
     return float(floor(power(min(found, 25.0)) / GRAIN)) * GRAIN if found > -1000 else 0.0
 
 
-def put_rows(codes: Codes, given: Given, room: Any, at: Place, times: Any, limit: int, unit: float, rows: Any) -> int:
+def put_rows(
+    codes: Codes, given: Given, room: Array, at: Place, times: Array, limit: int, unit: float, rows: Array
+) -> int:
     """Writes the rows that the series of one walk reach, from its next row on; returns the first row beyond."""
     width = 2 * given.parts * given.half
     ahead = room[given.spare : given.spare + (2 + width) * TIMES]
@@ -273,7 +278,9 @@ def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bo
     return left < UNEVEN * most * step if steps < KNOWN else steps * (gone + left) < EVEN * most * gone
 
 
-def compared(given: Given, agreed: float, seen: Compared, limit: int, times: Any, rows: Any, found: Any) -> Compared:
+def compared(
+    given: Given, agreed: float, seen: Compared, limit: int, times: Array, rows: Array, found: Array
+) -> Compared:
     """The comparison of both walks up to row ``limit``; the rows of the first walk are rounded into ``found``."""
     half, width, count = given.half, given.parts * given.half, len(times)
     wrong, lost, first_lost, worst = seen.wrong, seen.lost, seen.first, seen.gap
@@ -306,27 +313,27 @@ def compared(given: Given, agreed: float, seen: Compared, limit: int, times: Any
 # --- the straight-line code of a kind, and logarithms from the bits of a float: single instructions when compiled
 
 
-def start(code: int, constants: Any, state: Any, room: Any) -> None:
+def start(code: int, constants: Array, state: Array, room: Array) -> None:
     """Writes the constants and the state into a room."""
     _called(code, constants, state, room)
 
 
-def series(code: int, room: Any) -> None:
+def series(code: int, room: Array) -> None:
     """Computes the coefficients about the state in a room."""
     _called(code, room)
 
 
-def advance(code: int, room: Any) -> None:
+def advance(code: int, room: Array) -> None:
     """Advances the state in a room by a step."""
     _called(code, room)
 
 
-def dense(code: int, room: Any, lane: int, ahead: Any) -> None:
+def dense(code: int, room: Array, lane: int, ahead: Array) -> None:
     """Reads distances from the front of ``ahead``, and writes the states of a walk there behind them."""
     _called(code, room[lane:], ahead)
 
 
-def _called(code: int, *arrays: Any) -> None:
+def _called(code: int, *arrays: Array) -> None:
     ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(arrays))(code)(*(x.ctypes.data for x in arrays))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from integrable.series import walk
 from integrable.series.walk import Bounds, Codes, Given, walked
@@ -46,7 +45,7 @@ def _power(b: Operators, x: Value) -> Value:
 
 
 NUMBERS = {walk.logarithm: _logarithm, walk.power: _power}
-STRAIGHT: dict[Any, Callable[..., Value]] = {
+STRAIGHT: dict[object, Callable[..., Value]] = {
     walk.start: lambda b, code, *rows: _call(b, code, *(row.parts[0] for row in rows)),
     walk.series: lambda b, code, room: _call(b, code, room.parts[0]),
     walk.advance: lambda b, code, room: _call(b, code, room.parts[0]),

@@ -178,7 +178,7 @@ def _gathered(text: Text, parts: list[str]) -> str:
 def _values(text: Text, tape: Tape, known: dict[Key, Wide]) -> list[Wide]:
     """The results of a tape for the floats in %state."""
     found: list[Wide] = []
-    for n, (kind, p, q) in enumerate(zip(tape.kinds, tape.left, tape.right, strict=True)):
+    for n, (kind, p, q) in enumerate(tape.nodes):
         if kind == VARIABLE:
             found.append((text.load(n, "%state"), text.real(0.0)))
         elif kind == CONSTANT:
@@ -189,12 +189,14 @@ def _values(text: Text, tape: Tape, known: dict[Key, Wide]) -> list[Wide]:
             pair = text.write(f"call {{double, double}} @growth(double {found[p][0]}, double {found[p][1]})")
             found.append(_parts(text, pair))
         else:
-            y = found[q]
-            if kind == DIFFERENCE:
-                y = text.fneg(y[0]), text.fneg(y[1])
-            operation = product if kind in (MULTIPLE, PRODUCT) else quotient if kind == QUOTIENT else total
-            found.append(operation(text, *found[p], *y))
+            found.append(_combined(text, kind, found[p], found[q]))
     return [found[n] for n in tape.results]
+
+
+def _combined(text: Text, kind: int, x: Wide, y: Wide) -> Wide:
+    """The sum, difference, product or quotient of two double-doubles."""
+    operation = product if kind in (MULTIPLE, PRODUCT) else quotient if kind == QUOTIENT else total
+    return operation(text, *x, *(text.wide_negative(y) if kind == DIFFERENCE else y))
 
 
 def _parts(text: Text, pair: str) -> Wide:
@@ -205,17 +207,14 @@ def _parts(text: Text, pair: str) -> Wide:
 def _constant(text: Text, key: Key, known: dict[Key, Wide]) -> Wide:
     """The constant with this key, as a double-double."""
     if key not in known:
-        sign, *rest = key
-        if sign == "constant":
+        kind, *rest = key
+        if kind == "constant":
             known[key] = text.load(rest[0], "%constants"), text.real(0.0)
-        elif sign == "number":
+        elif kind == "number":
             known[key] = text.real(rest[0]), text.real(0.0)
         else:
             x, y = (_constant(text, each, known) for each in rest)
-            if sign == "-":
-                y = text.fneg(y[0]), text.fneg(y[1])
-            operation = product if sign == "*" else quotient if sign == "/" else total
-            known[key] = operation(text, *x, *y)
+            known[key] = _combined(text, kind, x, y)
     return known[key]
 
 

@@ -16,7 +16,7 @@ from tests.jacobian.test_values import assert_sealed, descendants
 VALUES = {f"{name} over {kind}": value for kind, K in FIELDS.items() for name, value in values_over(K).items()}
 VALUES |= other_values()
 # internal number types, never returned to users
-INSIDE = {"Balls", "Columns", "Recorder", "_Operators", "SymbolField"}
+INSIDE = {"Balls", "Columns", "_Operators", "SymbolField"}
 ARRAYS = ("times", "tau", "gamma", "M", "omega", "attitude", "quaternion", "contact", "error", "digits", "radius")
 ARRAYS += (
     "ratios",

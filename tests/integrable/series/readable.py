@@ -22,7 +22,6 @@ OPERATIONS: dict[Any, Callable[[Any, Any], Any]] = {
     PRODUCT: lambda x, y: x * y,
     QUOTIENT: lambda x, y: x / y,
 }
-OF_CONSTANTS = {"+": SUM, "-": DIFFERENCE, "*": PRODUCT, "/": QUOTIENT}
 
 
 def states_of(kind: Kind, given: Sequence[float], state: Sequence[float], times: Sequence[float]) -> list[list[float]]:
@@ -64,12 +63,12 @@ def _constants(N: LongField, tape: Tape, given: Sequence[float]) -> list[Any]:
 
 
 def _number(N: LongField, key: Key, given: Sequence[float]) -> Any:
-    sign, *rest = key
-    if sign == "constant":
+    kind, *rest = key
+    if kind == "constant":
         return N.coerce(float(given[rest[0]]))
-    if sign == "number":
+    if kind == "number":
         return N.coerce(rest[0])
-    return OPERATIONS[OF_CONSTANTS[sign]](*(_number(N, each, given) for each in rest))
+    return OPERATIONS[kind](*(_number(N, each, given) for each in rest))
 
 
 def _results(N: LongField, tape: Tape, given: Sequence[float], variables: Sequence[Any]) -> list[Any]:
