@@ -3,6 +3,8 @@
 A run includes its own set-up, so a new flow needs no other (:mod:`integrable.moving_point.short`). Compiled, it costs
 some tens of microseconds plus a few per panel; interpreted, the same source is some hundred times slower. Doubtful
 cases are left to the next method.
+
+To T = 100 a compiled Taylor walk (:mod:`integrable.series`) of the ball's equations takes four times as long.
 """
 
 from __future__ import annotations
