@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from integrable.mumford.elliptic_torus import EllipticTorus
     from integrable.mumford.enclosure import EnclosedPlace
     from integrable.mumford.phase_torus import PhaseTorus
-    from integrable.mumford.real_torus import RealTorus
+    from integrable.mumford.theta_torus import ThetaTorus
 
-    Profile = EllipticTorus | RealTorus | PhaseTorus
+    Profile = EllipticTorus | ThetaTorus | PhaseTorus
 
 # digits of the pair at which a profile starts; bits that its double-doubles may lose because of a narrow band
 PROFILE_DIGITS, MOST_LOST = 60, 24
@@ -242,7 +242,7 @@ class Wave:
         from integrable.mumford.columns import Columns
         from integrable.mumford.elliptic_torus import EllipticTorus
         from integrable.mumford.phase_torus import PhaseTorus
-        from integrable.mumford.real_torus import RealTorus
+        from integrable.mumford.theta_torus import ThetaTorus
         from integrable.portrait.separated import SeparatedTorus
 
         size = self._genus + 1
@@ -252,7 +252,7 @@ class Wave:
             return self._place(N)._replace(u=tuple(pair[:size]), v=tuple(pair[size:]))
 
         if self._genus <= 2:
-            return EllipticTorus(place) if self._genus == 1 else RealTorus(place)
+            return EllipticTorus(place) if self._genus == 1 else ThetaTorus(place)
         with LongField(BITS_OF_TORUS) as N:
             start = place(N)
             forms = [Form((*[N.zero] * j, N.one)) for j in range(self._genus)]

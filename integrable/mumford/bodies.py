@@ -19,11 +19,12 @@ from itertools import pairwise
 from math import ceil, hypot, log10
 from typing import TYPE_CHECKING, Any
 
-from integrable.mumford.body_torus import SPARE, BodyTorus, SeriesClock, Unit, WalkedClock
+from integrable.mumford.body_clocks import SPARE, SeriesClock, Unit, WalkedClock
 from integrable.mumford.flow import MumfordFlow, Point
 from integrable.mumford.motion import Start
 from integrable.mumford.surfaces import SurfaceSystem
 from integrable.mumford.system import IntegralsByName, Spectral, all_of
+from integrable.mumford.theta_torus import Rate, ThetaTorus
 from integrable.phase.body import Vector, cross
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import MP, RR, poly
@@ -34,16 +35,12 @@ from jacobian.numbers.long_reals import BareReals
 from jacobian.relatives.extended import Extended, Lift
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from integrable.phase.enclosure import EnclosedPath
 
 # guard digits of τ; digits are raised for far times in steps of DIGITS_APART, so that few series are computed
 GUARD, DIGITS_APART = 6, 4
 # largest rotation, in radians, for which a clock is set up
 FARTHEST = 1e100
-# digits with which a torus is set up
-DIGITS = 50
 # number of digits that periods lose per leading digit shared by two branch points
 DIGITS_A_GAP = 3
 # largest number of shared digits
@@ -98,14 +95,8 @@ class BodyFlow(MumfordFlow):
             length = STEP / (self._pace * fastest)
             return WalkedClock(lambda t: self._motion.row(t, _rate, digits)[0][0], reals, digits, length, fastest)
 
-    def _made_torus(self) -> BodyTorus:
-
-        K = MP(DIGITS)
-        return BodyTorus(K, self._body._unit(K, self._inner(K)))
-
-    def _read(self, torus: BodyTorus, times: np.ndarray) -> np.ndarray:
-        rows, _ = torus.at(times)
-        return rows.reshape(-1, 2, 3)
+    def _made_torus(self) -> ThetaTorus:
+        return ThetaTorus(self._place, self._body._rate_at)
 
     @cached_property
     def _pace(self) -> float:
@@ -184,6 +175,11 @@ class BodySystem(SurfaceSystem):
         (p, q), (first, second, third) = self._light(N), self._weights(N)
         return N.sqrt(first * second * third / (p * p - p * q * u[1] + q * q * u[0]))
 
+    def _rate_at(self, N: FormulaField) -> Rate:
+        """The rate of :meth:`_time_rate`."""
+        (p, q), (first, second, third) = self._light(N), self._weights(N)
+        return Rate(-p / q, -1, N.sqrt(first * second * third) / abs(q))
+
     def _separation(self, N: FormulaField, state: Point) -> Separation:
         (p, q), (a, b, c) = self._light(N), self._weights(N)
         forms = [Form((N.one,)), Form((N.zero, N.one))]
@@ -232,12 +228,10 @@ class BodySystem(SurfaceSystem):
         X = (1 - lights[0] / size + lights[1] / size**2, lights[0] / size - 2)
         Y = ((v[0] + slope * (size - p)) / height, -slope * size / height)
         pace, alphas = -q * height / size, tuple(1 - c / size for c in weights)
-        slopes = poly.derivative(N, poly.from_roots(N, alphas))
-        kappas = tuple(c * poly.evaluate(N, slopes, e) for c, e in zip(weights, alphas, strict=True))
         nus = (nu / (2 * momentum) for _, nu in pairs)
         start = (*X, *Y, *(sigma for sigma, _ in pairs), *nus)
         direction = pace, pace * (1 - p / size)
-        return Unit(alphas, kappas, 1 - (p + q * h1 / h2) / size, start, direction, momentum)
+        return Unit(alphas, 1 - (p + q * h1 / h2) / size, start, direction)
 
 
 def _rate(N: FormulaField, D: Extended) -> tuple[tuple[Real]]:

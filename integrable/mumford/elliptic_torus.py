@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from integrable.moving_point.arithmetic import MOST_TURNS
+from integrable.mumford.branch_points import APART, SMALL, all_real, coincident, long_roots
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import Start
-from integrable.mumford.real_torus import APART, BITS, SMALL, real_roots
 from integrable.torus.witness import TURNS
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
@@ -31,6 +31,8 @@ from jacobian.relatives.extended import Extended, Lift
 
 Row = Any
 
+# bits in which a torus is set up
+BITS = 200
 # number of terms of the sine series, and of the cosine series, for angles up to an eighth of a turn
 PAIRS = 15
 # series end at a term below LAST; beyond MOST_TERMS terms double-doubles cannot distinguish the motion from one on a
@@ -124,7 +126,10 @@ class EllipticTorus:
             ends = [kind.e for kind in start.kinds if isinstance(kind, Lift)]
             if len(start.v) != 1 or len(ends) != len(start.kinds) or (ends and len(start.f) == 5):
                 raise PrecisionLoss("a motion of genus 1 without lifts but at branch points is needed")
-            model = _model(N, start, real_roots(N, start.f, ends))
+            roots = long_roots(N, start.f, ends)
+            if not all_real(roots) or coincident(N, roots):
+                raise PrecisionLoss("branch points are not real, or not told apart")
+            model = _model(N, start, roots)
             wide = model.swing + model.above
             levels, table, (two, three, four) = theta_table(N, N.sqrt(model.swing / wide), N.sqrt(model.above / wide))
             quarter = levels[-1][0]

@@ -26,10 +26,8 @@ if TYPE_CHECKING:
 
     Arrays = Sequence[np.ndarray]
 
-    from integrable.mumford.body_torus import BodyTorus
     from integrable.mumford.elliptic_torus import EllipticTorus
     from integrable.mumford.phase_torus import PhaseTorus
-    from integrable.mumford.real_torus import RealTorus
     from integrable.mumford.theta_torus import ThetaTorus
     from integrable.phase.enclosure import EnclosedPath
     from integrable.portrait.separated import SeparatedTorus
@@ -42,8 +40,8 @@ RIGHT = 1e-12
 # costs in microseconds (python -m benchmarks near, real_torus): of a point by additions; of the longest series worth
 # trying; by genus, of a point on a torus, and of the set-up of a torus
 BY_ADDITIONS, LONGEST, ON_TORUS, TO_TORUS = 1500, 150_000, {1: 3, 2: 3, 3: 100}, {1: 300, 2: 2000, 3: 60_000}
-# number of times whose additions take as long as the set-up of theta functions of genus 2 (python -m benchmarks
-# real_torus)
+# number of times whose additions take as long as a torus of genus 2 whose branch points are not real, confirmed by
+# additions (python -m benchmarks real_torus)
 TIMES_TO_THETA = 12
 # rounding error of correctly rounded floats
 ROUNDED = 2.0**-53
@@ -339,30 +337,27 @@ class MumfordFlow:
         """Whether the motion may have a torus."""
         return self._compiles and (self._genus >= 2 or not self.system.clocked)
 
-    def _torus_for(self, count: int) -> RealTorus | BodyTorus | EllipticTorus | PhaseTorus | ThetaTorus | None:
+    def _torus_for(self, count: int) -> EllipticTorus | PhaseTorus | ThetaTorus | None:
         """The torus, if this many times justify its set-up."""
         dear = self._genus > 2 or self._takes_theta
         return self._torus if count >= TIMES_TO_THETA or (count and not dear) else None
 
     @cached_property
     def _takes_theta(self) -> bool:
-        """Whether the torus needs theta functions of genus 2; their set-up takes as long as several additions."""
+        """Whether branch points of genus 2 are not real; to confirm the torus then takes several additions."""
         if self._genus != 2 or not self._may_have_torus:
             return False
-        from integrable.mumford.real_torus import BITS, OtherOvals, real_roots
+        from integrable.mumford.branch_points import all_real, long_roots
 
         try:
-            with LongField(BITS) as N:
+            with LongField(BITS_OF_TORUS) as N:
                 start = self._place(N)
-                real_roots(N, start.f, [kind.e for kind in start.kinds if isinstance(kind, Lift)])
-        except OtherOvals:
-            return True
+                return not all_real(long_roots(N, start.f, [kind.e for kind in start.kinds if isinstance(kind, Lift)]))
         except (PrecisionLoss, ZeroDivisionError):
-            pass
-        return False
+            return False
 
     @cached_property
-    def _torus(self) -> RealTorus | BodyTorus | EllipticTorus | PhaseTorus | ThetaTorus | None:
+    def _torus(self) -> EllipticTorus | PhaseTorus | ThetaTorus | None:
         """The compiled torus of a motion of genus 1 or 2 in floats; None if there is none or it is not confirmed."""
         if not self._may_have_torus:
             return None
@@ -372,20 +367,16 @@ class MumfordFlow:
         except (NotRepresentable, PrecisionLoss, ZeroDivisionError):
             return None
 
-    def _made_torus(self) -> RealTorus | BodyTorus | EllipticTorus | PhaseTorus | ThetaTorus:
+    def _made_torus(self) -> EllipticTorus | PhaseTorus | ThetaTorus:
         if self._genus == 1:
             from integrable.mumford.elliptic_torus import EllipticTorus
 
             return EllipticTorus(self._place)
         if self._genus > 2:
             return self._made_phase_torus()
-        from integrable.mumford.real_torus import OtherOvals, RealTorus
         from integrable.mumford.theta_torus import ThetaTorus
 
-        try:
-            return RealTorus(self._place)
-        except OtherOvals:
-            return ThetaTorus(self._place)
+        return ThetaTorus(self._place)
 
     def _made_phase_torus(self) -> PhaseTorus:
         from integrable.mumford.columns import Columns
@@ -405,7 +396,9 @@ class MumfordFlow:
 
         times = torus.witnesses
         true = filled((self._walked, self._by_additions), times).states
-        gaps = np.abs(self._read(torus, times) - true).max(axis=2)
+        with np.errstate(invalid="ignore"):
+            # a wrong pair may be none of the system's: NaN
+            gaps = np.abs(self._read(torus, times) - true).max(axis=2)
         return bool((gaps <= RIGHT * np.abs(true).max(axis=2)).all())
 
     def _walked(self, times: np.ndarray) -> StatesReached:

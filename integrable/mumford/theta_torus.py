@@ -1,4 +1,4 @@
-"""Motions of genus 2 on a real torus whose branch points need not be real, by theta functions.
+"""Motions of genus 2 on a real torus, by theta functions.
 
 D = P₁ + P₂ has z = A⁻¹(∫_{r₀}^{P₁} + ∫_{r₀}^{P₂})(dx/y, x dx/y), r₀ a branch point; z is linear in time. On y² = f(x)
 of degree 5
@@ -6,30 +6,48 @@ of degree 5
     √|U(r_i)| = |f'(r_i)/lead|^¼·|θ[η_i](z)/θ[η_∞](z)|,   V = −∂_{(0,1)}U,
 
 where η_i is the odd characteristic of the branch point r_i (Thomae; Mumford 1984). Exactly one of the 16 η_0 makes all
-η_0 + 2(q, p)_i odd, where ∫_{r₀}^{r_i} = Ap + Bq. All of this is real in a basis whose A spans the real periods.
+η_0 + 2(q, p)_i odd, where ∫_{r₀}^{r_i} = Ap + Bq. All of this is real in a basis whose A spans the real periods. Models
+of degree 6 with real roots are first transformed by x ↦ 1/(E − x), where E is the largest root.
+
+For geodesics dt/dτ is |U| at the root x = 0. Its mean is a determinant of integrals over the ovals, and t is the mean
+times τ plus a Fourier series.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from functools import partial
+from math import pi
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from integrable.moving_point.arithmetic import MOST_TURNS
+from integrable.mumford.branch_points import (
+    SMALL,
+    PairModel,
+    all_real,
+    lift_of,
+    long_roots,
+    opened,
+    with_root,
+    without_root,
+)
 from integrable.mumford.columns import Column
-from integrable.mumford.elliptic_torus import long_numbers
-from integrable.mumford.fields import cofactor
+from integrable.mumford.elliptic_torus import double_double_row, half_turn, long_numbers
 from integrable.mumford.motion import Start
-from integrable.mumford.theta_series import LIBRARY, theta_sums
+from integrable.mumford.theta_series import LIBRARY, ThetaSums, theta_sums
+from integrable.torus.access import TorusClock, resolved_spectrum
+from integrable.torus.corners import FIRST_SIZE, resolved
+from integrable.torus.loops import CompiledLoops
 from integrable.torus.witness import witnesses
-from jacobian import RR, poly
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
-from jacobian.periods.paths import image
-from jacobian.periods.quadrature import working_numbers
+from jacobian.periods.paths import image, moments
 from jacobian.periods.real_basis import (
     NEARLY,
+    Matrix,
+    Whole,
     characteristics,
     coordinates,
     half_integrals,
@@ -37,40 +55,69 @@ from jacobian.periods.real_basis import (
     real_basis,
     solved,
 )  # fmt: skip
-from jacobian.periods.roots import conjugated, simple_roots
-from jacobian.relatives.extended import Extended, Lift
-
-Row = Any
+from jacobian.relatives.extended import Extended, Lift, SecondKind
 
 # bits in which a torus is set up
 BITS = 160
-# largest number of Newton steps to a root
-NEWTON_STEPS = 20
-# size of U at a branch point, relative to x², below which σ is not computed from it
-SMALL = 1e-20
+MOST_SAMPLES = 1 << 16
+# the largest ratio of the phases' rates for which equations of motion are followed to a turn of the slower one
+SLOW = 8
+
+
+class Rate(NamedTuple):
+    """dt/dτ of a motion: ``factor``·|U(e)|^(``power``/2), where e is a branch point beyond both ovals.
+
+    ``power`` is 2 or −1.
+    """
+
+    e: Any
+    power: int
+    factor: Any
 
 
 class ThetaTorus:
     """D of a :class:`Start` of genus 2 in double-doubles, at any times.
 
-    ``place(K)`` returns the start in the numbers of K. PrecisionLoss if branch points nearly meet, if fewer than two
-    are real, and for data other than lifts on a model of odd degree.
+    ``place(K)`` returns the start in the numbers of K, ``rate(K)`` the :class:`Rate` of a motion whose time is not
+    linear in τ. A datum of the second kind must be this time, with dt/dτ = |U(0)|. PrecisionLoss if branch points
+    nearly meet, if fewer than two are real, for other data than lifts, and on a model of even degree for lifts or if
+    the points of the pair are not one in each oval.
     """
 
-    def __init__(self, place: Callable[[Any], Start]) -> None:
+    def __init__(self, place: Callable[[Any], Start], rate: Callable[[Any], Rate] | None = None) -> None:
         with long_numbers(BITS) as N:
             start = place(N)
             lifts = {kind.e: data for kind, data in zip(start.kinds, start.data, strict=True) if isinstance(kind, Lift)}
-            if len(start.v) != 2 or len(start.f) != 6 or len(lifts) != len(start.kinds):
+            others = [kind for kind in start.kinds if not isinstance(kind, Lift)]
+            if len(start.v) != 2 or not all(isinstance(kind, SecondKind) for kind in others):
                 raise PrecisionLoss("a motion of genus 2 without lifts but at branch points is needed")
-            roots = complex_roots(N, start.f, list(lifts))
+            model = PairModel(start.f[-1], start.u[:2], start.v, start.direction, long_roots(N, start.f, list(lifts)))
+            self._pole = None
+            if len(model.roots) == 6:
+                if lifts or not all_real(model.roots):
+                    raise PrecisionLoss("lifts or complex branch points on a model of even degree")
+                self._pole, model = Column.of(model.roots[-1]), without_root(model)
+            model = opened(N, model, lifts)
+            timed = Rate(N.zero, 2, N.one) if others else rate and rate(N)
+            if others and (model.direction[1] != 0 or min(map(abs, model.roots)) > SMALL * max(map(abs, model.roots))):
+                raise PrecisionLoss("a datum of the second kind that is not the time")
+            self._kinds, self._first, self._direction = start.kinds, start.data, Column.of(model.direction[0])
             with LongField(BITS, complex=True) as Z:
-                self._make(Z, start, [Z.coerce(e) for e in roots], lifts)
+                basis = theta_basis(Z, model)
+                self._places = basis.places
+                self._frequencies = [Column.of(x) for x in basis.frequencies]
+                self._paces = [float(x) for x in basis.frequencies]
+                self._make_lifts(Z, model, lifts, basis)
+                self._clock = None if timed is None else self._made_clock(Z, basis, timed)
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times more than one period of each phase from the start, in both directions, for a comparison."""
-        return witnesses(self._paces)
+        """Times more than one period of each phase from the start, in both directions, for a comparison.
+
+        A phase that is much slower is left out: theta functions need no check of what a period changes.
+        """
+        fastest = max(map(abs, self._paces))
+        return witnesses([nu for nu in self._paces if SLOW * abs(nu) >= fastest])
 
     def reaches(self, times: np.ndarray) -> bool:
         """Whether double-doubles resolve the fraction of a turn at all of these times."""
@@ -78,114 +125,156 @@ class ThetaTorus:
 
     def at(self, times: np.ndarray) -> Extended:
         """The pairs with their data at N times, as columns of N numbers."""
-        phases = [Column(times) * nu + place for nu, place in zip(self._frequencies, self._places, strict=True)]
-        out = np.ascontiguousarray(
-            self._values(np.stack([np.stack([x.hi, x.lo], axis=-1) for x in phases], axis=1)).transpose(1, 2, 0)
-        )
+        if not self.reaches(times):
+            turns = float(np.abs(times).max()) * max(map(abs, self._paces))
+            raise PrecisionLoss(f"{turns:.1e} turns of a phase are more than double-double numbers hold")
+        out = np.ascontiguousarray(sums_at(self._sums, self._phases(times)).transpose(1, 2, 0))
         data = [
             (kappa, size * Column(*out[2 * k + 1]), size * Column(*out[2 * k + 2]))
             for k, (kappa, size) in enumerate(self._sizes)
         ]
         # interpolate U and V from their values at two branch points
         (e, first), (other, second) = list(zip(self._ends, data, strict=True))[:2]
-        u, v = (
+        u_ends, v_ends = (
             [kappa * sigma * x[n] for kappa, sigma, x in ((d[0], d[1], d) for d in (first, second))] for n in (1, 2)
         )
-        rise = (u[0] - u[1]) * self._over - (e + other)
-        slope = (v[0] - v[1]) * self._over
-        return Extended(
-            (u[0] - e * (e + rise), rise, Column(1.0)), (v[0] - slope * e, slope), tuple(data[: self._read])
-        )
+        rise = (u_ends[0] - u_ends[1]) * self._over - (e + other)
+        slope = (v_ends[0] - v_ends[1]) * self._over
+        u, v = (u_ends[0] - e * (e + rise), rise), (v_ends[0] - slope * e, slope)
+        if self._pole is not None:
+            u, v = with_root(self._pole, u, v)
+        read = iter(data)
+        found = [
+            next(read) if isinstance(kind, Lift) else Column.of(first) - self._direction * Column(times)
+            for kind, first in zip(self._kinds, self._first, strict=True)
+        ]
+        return Extended((*u, Column(1.0)), v, tuple(found))
 
-    def _values(self, phases: np.ndarray) -> np.ndarray:
-        """The values of :func:`theta_lifts`, shape (N, width, 2), at phases of shape (N, 2, 2)."""
-        width = 2 * self._sums.sizes[0] - 1
-        out = np.empty((width * len(phases), 2))
-        LIBRARY.theta_lifts(self._sums, np.ascontiguousarray(phases).reshape(-1, 2), out)
-        return out.reshape(-1, width, 2)
+    def _phases(self, times: np.ndarray) -> np.ndarray:
+        """Both phases in turns, shape (N, 2, 2)."""
+        if self._clock is None:
+            turned = [Column(times) * nu for nu in self._frequencies]
+        else:
+            rows = self._clock.phases(times)[0].reshape(-1, 2, 2)
+            turned = [Column(rows[:, k, 0], rows[:, k, 1]) for k in (0, 1)]
+        return pairs_of_columns([x + place for x, place in zip(turned, self._places, strict=True)])
 
-    def _make(self, Z: LongField, start: Start, roots: list[Any], lifts: dict[Any, Any]) -> None:
-        lead = start.f[-1]
-        found = real_basis(half_integrals(Z, roots, lead))
-        tau = ratio(found.cycles)
-        chars = characteristics(found)
-        w = image(Z, roots, lead, found.halves, (*start.u[:2], *start.v))
-        ((p1, p2, q1, q2),) = coordinates(found.cycles, tau, [w])
-        halves = [round(2 * float(q)) for q in (q1, q2)]
-        if max(abs(float(2 * q - n)) for q, n in zip((q1, q2), halves, strict=True)) > NEARLY:
-            raise PrecisionLoss("the pair is on no real torus")
-        others = sorted(
-            (e.real for e in roots if e.imag == 0 and e.real not in lifts), key=lambda e: -abs(e - next(iter(lifts), 0))
-        )
-        self._read = len(lifts)
-        ends = [*lifts, *others][: max(2, len(lifts))]
+    def _make_lifts(self, Z: LongField, model: PairModel, lifts: dict[Any, Any], basis: ThetaBasis) -> None:
+        real = [e for e in model.roots if not e.imag]
+        ends = [*lifts, *sorted((e for e in real if e not in lifts), key=lambda e: -abs(e - next(iter(lifts), 0)))]
+        ends = ends[: max(2, len(lifts))]
         if len(ends) < 2:
             raise PrecisionLoss("fewer than two branch points are real")
-        places = [next(i for i, e in enumerate(roots) if e.real == end and e.imag == 0) for end in ends]
-        along = solved(found.cycles[:2], (Z.zero, Z.one))
-        shifted = [((a + halves[0]) % 2, (b + halves[1]) % 2, c, d) for a, b, c, d in chars]
-        self._sums, tops = theta_sums(tau, [shifted[i] for i in (*places, 5)], [x.real for x in along])
-        self._places = Column.of(p1), Column.of(p2)
-        nu = solved(found.cycles[:2], (Z.coerce(start.direction[0]), Z.coerce(start.direction[1])))
-        self._frequencies = [Column.of(x.real) for x in nu]
-        self._paces = [float(x.real) for x in nu]
-        scales = [Z.coerce(high) + Z.coerce(low) for high, low in tops.tolist()]
-        at_start = self._values(np.array([[[x.hi, x.lo] for x in self._places]]))[0]
-        f = poly.scale(Z, Z.coerce(lead), poly.from_roots(Z, roots))
-        slope = poly.derivative(Z, f)
+        self._sums, sizes = basis.sums(Z, [model.roots.index(e) for e in ends])
+        at_start = sums_at(self._sums, pairs_of_columns([x + Column(np.zeros(1)) for x in self._places]))[0]
         self._ends, self._sizes = [Column.of(e) for e in ends], []
         self._over = Column.of(1 / (ends[0] - ends[1]))
-        for k, (e, i) in enumerate(zip(ends, places, strict=True)):
-            kappa, sigma, nu_e = lifts.get(e) or lift_of(Z, start, e)
-            size = Z.sqrt(Z.sqrt(abs(poly.evaluate(Z, slope, roots[i])) / abs(lead))).real
-            size = size * (scales[k] / scales[-1] / Z.sqrt(abs(kappa))).real
+        for k, (e, size) in enumerate(zip(ends, sizes, strict=True)):
+            kappa, sigma, nu = lifts.get(e) or lift_of(Z, model, e)
             own, rate = (float(x) for x in at_start[2 * k + 1 : 2 * k + 3, 0])
             # if σ vanishes, ν carries the sign
-            if own * sigma + rate * nu_e * SMALL < 0:
-                size = -size
-            self._sizes.append((Column.of(kappa), Column.of(size)))
+            sign = -1 if own * sigma + rate * nu * SMALL < 0 else 1
+            self._sizes.append((Column.of(kappa), Column.of(sign * size / Z.sqrt(abs(kappa)).real)))
+
+    def _made_clock(self, Z: LongField, basis: ThetaBasis, rate: Rate) -> TorusClock:
+        if not all_real(basis.roots):
+            raise PrecisionLoss("a time that is not linear in τ, and complex branch points")
+        far = min(range(5), key=lambda i: abs(basis.roots[i] - rate.e))
+        sums, (size,) = basis.sums(Z, [far])
+        samples = partial(rates_on, sums, Column.of(size), self._places, rate)
+        mean, (nu1, nu2) = rate.factor * mean_power(Z, basis, far, rate.power), basis.frequencies
+        loops, scale = CompiledLoops(), 2 * pi * max(map(abs, self._paces))
+        grid = partial(resolved, samples, sizes=(FIRST_SIZE, FIRST_SIZE), most=MOST_SAMPLES)
+        spectrum = resolved_spectrum(loops, grid, self._paces, scale, loops.noise)
+        rates = (nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean, nu1, nu2, mean, 2 * half_turn())
+        self._paces = [float(x / mean) for x in (nu1, nu2)]
+        return TorusClock(loops, spectrum, double_double_row(rates), scale, loops.noise / 64)
 
 
-def lift_of(Z: LongField, start: Start, e: Any) -> tuple[Any, Any, Any]:
-    """(κ, σ, ν) at a real branch point e that carries no lift: κσ² = U, κσν = V, κν² = −W, κ = ±1."""
-    whole = (*start.u[:2], start.u[0] ** 0)
-    height, slope = poly.evaluate(Z, whole, e).real, poly.evaluate(Z, start.v, e).real
-    if abs(height) > SMALL * (1 + e**2):
-        kappa = 1 if height > 0 else -1
-        sigma = Z.sqrt(abs(height)).real
-        return kappa, sigma, kappa * slope / sigma
-    square = -poly.evaluate(Z, cofactor(Z, start.f, whole, start.v), e).real
-    kappa = 1 if square > 0 else -1
-    nu = Z.sqrt(abs(square)).real
-    return kappa, kappa * slope / nu, nu
+class ThetaBasis(NamedTuple):
+    """The data of theta functions of a motion: τ, and the characteristics of the five roots and of infinity.
 
-
-def complex_roots(N: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
-    """The roots of f sorted by real part, with conjugate roots adjacent; ``known`` are some of the real ones.
-
-    PrecisionLoss if floats do not separate two roots.
+    ``places`` are the phases at the start in turns, ``frequencies`` their turns per unit of τ, ``along`` those
+    along the direction (0, 1).
     """
-    rest = poly.quotient(N, f, poly.from_roots(N, known))
-    numbers, slope = working_numbers(RR), poly.derivative(N, rest)
-    rough = simple_roots(numbers, [*map(complex, rest)])
-    if len(rough) > 1:
-        rough = conjugated(numbers, rough)
-    found = [*map(complex, known)]
-    for x in rough:
-        if min((abs(x - y) for y in found), default=1) <= 1e-9 * max(1e-300, *map(abs, (*found, x))):
-            raise PrecisionLoss("two branch points are not told apart")
-        found.append(x)
-    polished: list[Any] = list(known)
-    with LongField(BITS, complex=True) as Z:
-        for z in rough:
-            x = Z.coerce(z)
-            for _ in range(NEWTON_STEPS):
-                move = poly.evaluate(Z, rest, x) / poly.evaluate(Z, slope, x)
-                x -= move
-                if not abs(move) > N.root_of_eps * abs(x):
-                    break
-            # only one root of a conjugate pair is kept; its conjugate is added below, so that they match exactly
-            polished.append(x.real if z.imag == 0 else x)
-        pairs = [x for x in polished if x.imag > 0]
-        real = [x for x in polished if x.imag == 0]
-        return sorted([*real, *pairs, *(x.conjugate() for x in pairs)], key=lambda x: (float(x.real), float(x.imag)))
+
+    roots: list[Any]
+    lead: Any
+    tau: Matrix
+    chars: list[Whole]
+    places: tuple[Column, Column]
+    frequencies: tuple[Any, Any]
+    along: tuple[Any, Any]
+
+    def sums(self, Z: LongField, places: Sequence[int]) -> tuple[ThetaSums, list[Any]]:
+        """The series of these roots and of infinity, and for each root e the ratio of √|U(e)| to their quotient."""
+        sums, tops = theta_sums(self.tau, [self.chars[i] for i in (*places, 5)], self.along)
+        *scales, last = (Z.coerce(high) + Z.coerce(low) for high, low in tops.tolist())
+        sizes = []
+        for i, scale in zip(places, scales, strict=True):
+            slope = Z.one
+            for e in (*self.roots[:i], *self.roots[i + 1 :]):
+                slope *= self.roots[i] - e
+            sizes.append((Z.sqrt(Z.sqrt(abs(slope))) * scale / last).real)
+        return sums, sizes
+
+
+def theta_basis(Z: LongField, model: PairModel) -> ThetaBasis:
+    """The data of theta functions of a motion; PrecisionLoss if it is on no real torus."""
+    lead, roots = model.lead, [Z.coerce(e) for e in model.roots]
+    found = real_basis(half_integrals(Z, roots, lead))
+    tau = ratio(found.cycles)
+    w = image(Z, roots, lead, found.halves, (*model.u, *model.v))
+    ((p1, p2, q1, q2),) = coordinates(found.cycles, tau, [w])
+    m, n = (round(2 * float(q)) for q in (q1, q2))
+    if max(abs(float(2 * q1 - m)), abs(float(2 * q2 - n))) > NEARLY:
+        raise PrecisionLoss("the pair is on no real torus")
+    chars = [((a + m) % 2, (b + n) % 2, c, d) for a, b, c, d in characteristics(found)]
+    along = solved(found.cycles[:2], (Z.zero, Z.one))
+    nu = solved(found.cycles[:2], (Z.coerce(model.direction[0]), Z.coerce(model.direction[1])))
+    places = Column.of(p1), Column.of(p2)
+    return ThetaBasis(roots, lead, tau, chars, places, (nu[0].real, nu[1].real), (along[0].real, along[1].real))
+
+
+def sums_at(sums: ThetaSums, phases: np.ndarray) -> np.ndarray:
+    """The values of :func:`integrable.mumford.theta_series.theta_lifts`, shape (N, width, 2), at phases (N, 2, 2)."""
+    width = 2 * sums.sizes[0] - 1
+    out = np.empty((width * len(phases), 2))
+    LIBRARY.theta_lifts(sums, phases.reshape(-1, 2), out)
+    return out.reshape(-1, width, 2)
+
+
+def pairs_of_columns(columns: Sequence[Column]) -> np.ndarray:
+    """Two columns of N numbers, as an array of shape (N, 2, 2)."""
+    return np.stack([np.stack([x.hi, x.lo], axis=-1) for x in columns], axis=1)
+
+
+def rates_on(
+    sums: ThetaSums, size: Column, places: Sequence[Column], rate: Rate, grid: tuple[int, int], known: np.ndarray | None
+) -> np.ndarray:
+    """A rate on a grid of the torus, shape (rows, columns, 2); ``sums`` are the series of its branch point."""
+    rows, columns = (np.arange(n) / n for n in grid)
+    phases = [x.ravel() for x in np.meshgrid(rows, columns, indexing="ij")]
+    out = sums_at(sums, pairs_of_columns([Column(x) + place for x, place in zip(phases, places, strict=True)]))
+    root = size * Column(out[:, 1, 0], out[:, 1, 1])
+    factor = Column.of(rate.factor)
+    found = factor * root * root if rate.power == 2 else factor * Column(np.sign(root.hi)) / root
+    return np.stack([found.hi, found.lo], axis=-1).reshape(*grid, 2)
+
+
+def mean_power(Z: LongField, basis: ThetaBasis, far: int, power: int) -> Any:
+    """The mean of |(e − x₁)(e − x₂)|^(power/2) over the torus, for points in the two bounded ovals of a real curve.
+
+    The invariant measure is (x₂ − x₁)dx₁dx₂/(y₁y₂), so this is a quotient of determinants; e is root number ``far``.
+    """
+    roots, lead = basis.roots, basis.lead
+    e, weighted = roots[far], []
+    sides = (0, 2) if lead > 0 else (1, 3)
+    plain = [moments(Z, roots, lead, k) for k in sides]
+    for k, (zeroth, first, second) in zip(sides, plain, strict=True):
+        if power == 2:
+            weighted.append((first - e * zeroth, second - e * first))
+        else:
+            weighted.append(moments(Z, roots, lead, k, (e,))[:2])
+    area, other = (abs(a[0] * b[1] - a[1] * b[0]) for a, b in (plain, weighted))
+    return (other / area).real

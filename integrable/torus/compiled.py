@@ -55,7 +55,6 @@ LIBRARY = Library(
         "rates": (survey.surveyed_rates, (WIDES, WIDES, WIDES, _FLOATS, _INTS, WIDES)),
         "about_centre": (survey.about_centre, (WIDES, FLOAT, FLOAT, WIDES)),
         "survey": (survey.survey, (WIDES, FLOAT, FLOATS, WIDES)),
-        "mean_height": (survey.mean_height, (WIDES, WIDES, WIDES)),
         "directions": (
             tables.directions,
             (WIDES, KINDS[Chart], WIDES, FLOATS, INT, KINDS[TableRoom], WIDES, WIDES),
@@ -65,7 +64,6 @@ LIBRARY = Library(
         "sampled": (walks.sampled, (_CURVE, WIDES, _FINE, WIDES, WIDES)),
         "states_at_phases": (states.states_at_phases, (_TORUS, FLOATS, FLOATS)),
         "states_at_tau": (states.states_at_tau, (_TORUS, WIDES, FLOATS, FLOATS)),
-        "points_at_phases": (states.points_at_phases, (_TORUS, WIDES, WIDES, WIDES)),
         "states_at_times": (
             clock_loops.states_at_times,
             (_TORUS, _CLOCK, FLOATS, TupleKind((FLOATS, FLOATS, FLOATS)), TupleKind((FLOATS, WIDES, INTS))),

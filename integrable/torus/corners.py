@@ -59,9 +59,6 @@ class Corners:
     walks do not lead back, or compiled loops lose digits beside the corners.
     """
 
-    _aslant = False
-    """Whether the motion has another direction than the flow of a body."""
-
     def __init__(self, setup: Source, loops: Any, most: int) -> None:
         self.setup, self.loops, self._most = setup, loops, most
         # numbers of the motion, in units of length and time of its own
@@ -109,12 +106,6 @@ class Corners:
         nu1, nu2 = self.loops.wide(self.rates[6:8], self.setup.wide)
         return nu1, nu2
 
-    def turns_along(self, first: Any, second: Any) -> tuple[Any, Any]:
-        """Turns of either phase along (Σ∫dξ/η, Σ∫ξ dξ/η) = (first, second), wide."""
-        (a1, b1), (a2, b2) = (self.loops.wide(period, self.setup.wide) for period in self.lattice.periods)
-        area = a1 * b2 - b1 * a2
-        return (first * b2 - second * a2) / area, (second * a1 - first * b1) / area
-
     @cached_property
     def mean(self) -> Any:
         """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, independent of samples.
@@ -135,16 +126,11 @@ class Corners:
         self.loops.reached(*self._line(tau), out)
         return out.reshape(-1, 6)
 
-    def departs(self, tau: np.ndarray) -> float:
-        """The difference between states at values of τ and those of :meth:`reached`."""
-        found: float = self.loops.departure(self.torus, *self._line(tau), np.empty(12 * len(tau)))
-        return found
-
     def _line(self, tau: np.ndarray) -> tuple[Line, np.ndarray, TableRoom, Any]:
         """The arguments, with working memory, for the loops that reach these times by additions to the start."""
         room = self.loops.room
         # if the branch points cluster, the flow's centre is far from all of them
-        far = self._aslant or self.units.length < 1
+        far = self.units.length < 1
         line = Line(self._packed_curve, self._start, self._motion, self.rates, self.lattice.chart.centres, far)
         return line, tau, TableRoom(room(TERMS), room(TERMS), room(9), room(0)), room(10 * len(tau))
 

@@ -57,15 +57,6 @@ class TimedSource(Source, Protocol):
     def step_length(self) -> Any: ...
 
 
-class GivenSource(NamedTuple):
-    """A :class:`Source` made from given values."""
-
-    bare: Problem
-    wide: Any
-    reals: BareReals
-    floats_given: tuple[np.ndarray, bool] | None = None
-
-
 class Chart(NamedTuple):
     """A division of the torus into cells: two centres, the largest |s| for each, the integer rows of a basis, and the
     numbers of cells in both directions, powers of 2.

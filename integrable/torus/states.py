@@ -10,7 +10,6 @@ from integrable.phase.coordinates import directions_of
 from integrable.torus.tables import SmallSteps, four, small_in_tuples, small_translation
 from integrable.torus.walks import IDENTITY, Curve, in_tuples
 from jacobian.numbers.abreast import abreast
-from jacobian.numbers.roots import root
 
 
 class Torus(NamedTuple):
@@ -121,19 +120,3 @@ def states_at_tau(torus: Torus, frequencies: Any, tau: Row, out: Row) -> None:
         first, turn1 = whole_turns(frequencies[0] * tau[i])
         second, turn2 = whole_turns(frequencies[1] * tau[i])
         state_at(near, first, second, turn1, turn2, out, 6 * i)
-
-
-def points_at_phases(torus: Torus, root_beyond: Row, phases: Row, out: Row) -> None:
-    """U, V, and σ and ν at three axes and at a root e beyond them, twelve numbers for each pair of phases in turns, one
-    after the other in ``phases``: σ = √U(e), ν = V(e)/σ.
-    """
-    near, e = torus_in_tuples(torus), root_beyond[0]
-    for i in abreast(0, len(phases) // 2):
-        first, turn1 = whole_turns(phases[2 * i])
-        second, turn2 = whole_turns(phases[2 * i + 1])
-        point = point_at(near, first, second, turn1, turn2)
-        sigma, place = root(point[0] + (point[1] + e) * e), 12 * i
-        out[place], out[place + 1], out[place + 2], out[place + 3] = point[0], point[1], point[2], point[3]
-        out[place + 4], out[place + 5], out[place + 6], out[place + 7] = point[4], point[5], point[6], sigma
-        out[place + 8], out[place + 9], out[place + 10] = point[7], point[8], point[9]
-        out[place + 11] = (point[2] + point[3] * e) / sigma

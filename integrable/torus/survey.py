@@ -13,7 +13,6 @@ from typing import Any
 from integrable.moving_point.addition import Real, Row
 from integrable.moving_point.elliptic_integrals import mean_slowness, oval_periods
 from integrable.moving_point.problem import MATRIX, MOMENTUM, SLOWNESS, TIME_SCALE
-from jacobian.numbers.roots import root
 
 # conjugate points of a translation stay within this fraction of the distance from its centre to the next branch point
 REACH = 0.4
@@ -39,9 +38,6 @@ MANY_CELLS = 1 << 12
 FLAT = 0.01
 # the number of results of :func:`surveyed_rates`
 RATES = 16
-# nodes on either side of the middle of an oval, SPACING apart in the logarithm of how it is divided: the rule leaves
-# e^(−2π²/SPACING) = 5e-35, truncation at the ends e^(−NODES·SPACING/2) = 1e-33
-NODES, SPACING = 608, 0.25
 
 
 def best_chart(
@@ -242,45 +238,3 @@ def about_centre(motion: Row, centre: Real, unit: float, out: Row) -> None:
         for k in range(i + 2, 0, -1):
             out[k] = constant * out[k] + slope * out[k - 1]
         out[0] = constant * out[0]
-
-
-def mean_height(motion: Row, step: Row, out: Row) -> None:
-    """Writes the mean over the torus of (r − du₁)(r − du₂) to out[0], and to out[1] the area of the torus in (∫dx/y, ∫x
-    dx/y), from the same sums.
-
-    The invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂), and u₂ − u₁ = (u₂ − m) + (m − u₁) for an m between the ovals: both
-    are sums of positive products of integrals over one oval, whatever branch points are close. ``motion`` is as for
-    :func:`survey`, step[0] = e^(−SPACING/2).
-    """
-    middle = (motion[1] + motion[2]) / 2
-    one, apart, height, both = oval_sums(motion[1], motion[0], (motion[2], motion[3]), middle, motion, step[0])
-    one2, apart2, height2, both2 = oval_sums(motion[2], motion[3], (motion[1], motion[0]), middle, motion, step[0])
-    area = apart * one2 + one * apart2
-    out[0] = (both * height2 + height * both2) / area
-    out[1] = (4 * SPACING * SPACING) * area
-
-
-def oval_sums(near: Real, far: Real, others: Row, middle: Real, motion: Row, step: Real) -> tuple[Real, ...]:
-    """∫g dx/|y| over an oval, without the factor SPACING, for g = 1, |x − middle|, r − dx and the product of these two.
-
-    The oval ends at ``near`` and ``far`` and faces the ``others``. With x = near + v(far − near) and t = log(v/(1 − v))
-    the nearest singularities in t are ±iπ, wherever branch points are: so the accuracy of the trapezoidal rule does not
-    depend on how close they are.
-    """
-    d, r, length = motion[8], motion[10], abs(far - near)
-    gaps = abs(others[0] - near), abs(others[1] - near), abs(middle - near), r - d * max(near, far)
-    one, apart, height, both, s = 0 * d, 0 * d, 0 * d, 0 * d, 1 + 0 * d
-    for n in range(NODES):
-        v = 1 / (1 + s * s)
-        weight, rest = s * v, s * s * v
-        if n == 0:
-            weight = weight / 2
-        for k in range(2):
-            # the node, then its mirror image
-            place = v if k == 0 else rest
-            beyond = (rest if k == 0 else v) if far > near else place
-            x, last = gaps[2] + length * place, gaps[3] + d * length * beyond
-            term = weight / root((gaps[0] + length * place) * (gaps[1] + length * place) * last)
-            one, apart, height, both = one + term, apart + term * x, height + term * last, both + term * x * last
-        s = s * step
-    return one, apart, height, both

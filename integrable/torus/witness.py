@@ -9,7 +9,6 @@ The digits lost in translations show where cells meet, since a state on the bord
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import ceil, log2
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -43,8 +42,6 @@ RIGHT = 1e-8
 # 1/κ in M_i (test_a_torus_of_close_moments_is_right_where_a_coordinate_plane_is_passed)
 BORDERS = 16
 SEAM, LEAST = 1e-13, 1e-2
-# the largest ratio of the phases' rates for which equations of motion are followed to a turn of the slower one
-SLOW = 8
 # numbers of halvings of a step, of terms and of Newton passes that together give a double-double number
 HALVINGS, TERMS, NEWTON_PASSES = 2, 32, 2
 
@@ -72,17 +69,6 @@ def witnesses(rates: list[float]) -> np.ndarray:
     # if a period takes so long that the fraction of the other phase is lost, its sign changes do not matter
     farthest = FAR / max(map(abs, rates))
     return np.array([min(max(turns / nu, -farthest), farthest) for nu in rates for turns in TURNS])
-
-
-def left_open(paces: list[float], departs: Callable[[np.ndarray], float]) -> np.ndarray:
-    """The τ of :func:`witnesses` that the equations of motion must still check.
-
-    Where one phase is much slower than the other they are only those of the faster, if additions give the same states
-    at the others. ``departs`` is :meth:`integrable.torus.corners.Corners.departs`, ``paces`` are turns per unit of τ.
-    """
-    tau, fastest = witnesses(paces), max(map(abs, paces))
-    slow = np.repeat([SLOW * abs(nu) < fastest for nu in paces], len(TURNS))
-    return tau[~slow] if slow.any() and departs(tau[slow]) <= ALIKE else tau
 
 
 def confirmed(setup: Source, tau: np.ndarray, found: np.ndarray, by_additions: np.ndarray) -> bool:

@@ -30,23 +30,40 @@ DIGITS = 33
 # trapezoidal rule is shorter, if all branch points are real
 MOST_NODES, MOST_NODES_IF_REAL = 2400, 400
 # nodes on either side of the middle of a path, SPACING apart in the logarithm of how it is divided: the rule leaves
-# e^(−2π²/SPACING) = 5e-35, truncation at the ends e^(−NODES·SPACING/2) = 1e-33
-NODES, SPACING = 608, 0.25
+# e^(−2π²/SPACING) = 5e-35, truncation at the ends e^(−NODES·SPACING/2) = 5e-55, 1e-33 beside a gap of 1e-42
+NODES, SPACING = 1000, 0.25
+# distance from a branch point, relative to its size, below which rounding may put a point beyond it
+NEAR = 2.0**-140
 # bits of the nodes of quadrature rules
 BITS = 180
 
 
 def along(Z: LongField, roots: list[Any], lead: Any, k: int) -> Vector:
     """∫(dx/y, x dx/y) along the straight path from root k to the next one."""
+    return moments(Z, roots, lead, k)[:2]
+
+
+def moments(
+    Z: LongField, roots: Sequence[Any], lead: Any, k: int, divisors: Sequence[Any] = ()
+) -> tuple[Any, Any, Any]:
+    """∫(dx/y, x dx/y, x² dx/y) along the straight path from root k to the next one.
+
+    The integrands are divided by √(x − e) for each e of ``divisors``.
+    """
     a, b = roots[k : k + 2]
     middle, half = (a + b) / 2, (b - a) / 2
-    others = [r for i, r in enumerate(roots) if i not in (k, k + 1)]
+    others = [*(r for i, r in enumerate(roots) if i not in (k, k + 1)), *divisors]
     path = straight(Z, a, b, others)
     count = nodes_needed([(r - middle) / half for r in others])
-    first, second = path_integrals(path, logistic_rule(False) if path.graded(count) else chebyshev_rule(count))
+    zeroth, first, second = path_integrals(path, logistic_rule(False) if path.graded(count) else chebyshev_rule(count))
     # (x − a)(x − b) is negative
     factor = Z.sqrt(Z.coerce(lead)) * Z.coerce(1j) * path.factor
-    return first / factor, (a * first + (b - a) * second) / factor
+    length = b - a
+    return (
+        zeroth / factor,
+        (a * zeroth + length * first) / factor,
+        (a * a * zeroth + length * (2 * a * first + length * second)) / factor,
+    )
 
 
 def image(Z: LongField, roots: list[Any], lead: Any, halves: list[Vector], pair: tuple[Any, Any, Any, Any]) -> Vector:
@@ -70,13 +87,13 @@ def to_point(Z: LongField, roots: list[Any], lead: Any, halves: list[Vector], po
     """
     (x1, y1), rules = point, []
     for k, r in enumerate(roots):
-        if x1 == r:
+        if abs(x1 - r) <= NEAR * abs(x1):
             return halves[k]
         rules.append((nodes_needed([Z.sqrt((e - r) / (x1 - r)) for i, e in enumerate(roots) if i != k]), k))
     count, k = min(rules)
     r, others = roots[k], [e for i, e in enumerate(roots) if i != k]
     path = straight(Z, r, x1, others)
-    first, second = path_integrals(path, logistic_rule(True) if path.graded(count) else legendre_rule(count))
+    first, second, _ = path_integrals(path, logistic_rule(True) if path.graded(count) else legendre_rule(count))
     factor = Z.sqrt(Z.coerce(lead)) * Z.sqrt(x1 - r) * path.factor
     end = factor
     for near, e in zip(path.ends, others, strict=True):
@@ -117,24 +134,28 @@ def straight(Z: LongField, a: Any, b: Any, others: Sequence[Any]) -> StraightPat
     return StraightPath(ends, sides, poles, factor)
 
 
-def path_integrals(path: StraightPath, rule: Row) -> Vector:
-    """∫dμ/w and ∫v dμ/w for the measure dμ of a rule, with x = a + (b − a)v and w = Π√((x − e)/(end − e))."""
+def path_integrals(path: StraightPath, rule: Row) -> tuple[Any, Any, Any]:
+    """∫dμ/w, ∫v dμ/w and ∫v² dμ/w for the measure dμ of a rule, with x = a + (b − a)v and w = Π√((x − e)/(end − e))."""
     import gmpy2
 
     poles = np.array([split(x) for q in path.poles for x in (q.real, q.imag)])
-    out = np.empty((4, 2))
+    out = np.empty((6, 2))
     LIBRARY.path_sums(rule, poles, np.array(path.sides), out)
-    (a, a1), (b, b1), (c, c1), (d, d1) = out.tolist()
-    return gmpy2.mpc(a, b) + gmpy2.mpc(a1, b1), gmpy2.mpc(c, d) + gmpy2.mpc(c1, d1)
+    zeroth, first, second = (
+        gmpy2.mpc(x, y) + gmpy2.mpc(x_low, y_low) for (x, x_low), (y, y_low) in out.reshape(3, 2, 2).tolist()
+    )
+    return zeroth, first, second
 
 
 def path_sums(rule: Row, poles: Row, sides: Row, out: Row) -> None:
-    """Writes the sums of weight/w and of v·weight/w over the nodes (v, 1 − v, weight) of a rule, w = Π√(1 + sq).
+    """Writes the sums of weight/w, v·weight/w and v²·weight/w, w = Π√(1 + sq), over the nodes of a rule.
+
+    ``rule`` has v, 1 − v and the weight of each node.
 
     ``poles`` are the q, real and imaginary parts; s is v where the item of ``sides`` is 0, and 1 − v where it is 1.
     """
     zero = 0 * rule[0]
-    a, b, c, d = zero, zero, zero, zero
+    a, b, c, d, g, h = zero, zero, zero, zero, zero, zero
     for n in range(len(rule) // 3):
         v, x, y = rule[3 * n], 1 + zero, zero
         for k in range(len(sides)):
@@ -143,8 +164,8 @@ def path_sums(rule: Row, poles: Row, sides: Row, out: Row) -> None:
             x, y = x * p - y * q, x * q + y * p
         over = rule[3 * n + 2] / (x * x + y * y)
         x, y = x * over, -(y * over)
-        a, b, c, d = a + x, b + y, c + v * x, d + v * y
-    out[0], out[1], out[2], out[3] = a, b, c, d
+        a, b, c, d, g, h = a + x, b + y, c + v * x, d + v * y, g + v * v * x, h + v * v * y
+    out[0], out[1], out[2], out[3], out[4], out[5] = a, b, c, d, g, h
 
 
 def complex_root(x: Real, y: Real) -> tuple[Real, Real]:

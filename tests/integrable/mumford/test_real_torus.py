@@ -13,8 +13,7 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
 from integrable.mumford.flow import Point
-from integrable.mumford.real_torus import RealTorus
-from integrable.torus.corners import Corners
+from integrable.mumford.theta_torus import ThetaTorus
 from jacobian import RR
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.compiler import interpreted
@@ -110,9 +109,9 @@ def with_datum(system, state, kind, value):
 def test_data_that_are_not_the_time_are_left_to_additions():
     toda, garnier = (next(case for case in CASES if isinstance(case[0], kind)) for kind in (TodaLattice, Garnier))
     with pytest.raises(PrecisionLoss, match="without lifts but at branch points"):
-        RealTorus(with_datum(*toda, ThirdKind(1.0), 3))
+        ThetaTorus(with_datum(*toda, ThirdKind(1.0), 3))
     with pytest.raises(PrecisionLoss, match="second kind that is not the time"):
-        RealTorus(with_datum(*garnier, SecondKind(), 0.25))
+        ThetaTorus(with_datum(*garnier, SecondKind(), 0.25))
 
 
 @pytest.mark.parametrize("case", range(len(GEODESICS)))
@@ -130,7 +129,7 @@ def test_the_clock_of_a_geodesic_is_right_after_many_turns(case):
 
 
 def test_neighbours_on_the_torus_are_neighbours():
-    """No jump at corners of cells, periods or sign changes."""
+    """No jump at periods or sign changes."""
     system, state = CASES[0]
     times = np.linspace(0, 40, 4001)
     path = system.flow(state).at(times)
@@ -166,23 +165,7 @@ def test_a_torus_says_what_it_does_not_take():
     system = Neumann((1, 2, 4, 7))
     state = system.state((0.5, 0.5, 0.5, 0.5), (0.3, -0.4, 0.2, -0.1))
     with pytest.raises(PrecisionLoss, match="genus 2"):
-        RealTorus(lambda N: system._start(N, system._inside(N, state)))
-
-
-def test_cells_that_do_not_fit_are_left_to_additions(monkeypatch):
-    system, state = CASES[0]
-    walk = Corners._walk
-
-    def rough(self, forward, most):
-        walk(self, forward, most)
-        # the states of every other corner
-        self.states[::20, 0] += 1e-10
-
-    monkeypatch.setattr(Corners, "_walk", rough)
-    flow = system.flow(state)
-    with pytest.raises(PrecisionLoss, match="cells of this motion's torus do not fit"):
-        RealTorus(flow._place)
-    assert not has_torus(flow)
+        ThetaTorus(lambda N: system._start(N, system._inside(N, state)))
 
 
 @pytest.mark.parametrize("case", [0, 7, 11, len(CASES) - 1])

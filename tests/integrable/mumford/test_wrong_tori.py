@@ -1,4 +1,4 @@
-"""A torus with one wrong sign is rejected: of a period, a corner, a lift, the direction, a sheet or the clock."""
+"""A torus with one wrong sign is rejected: of a period, a lift, the direction, a sheet or the clock."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from integrable.classical.garnier import Garnier
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
-from integrable.torus import access, lattice
-from integrable.torus.corners import Corners
+from integrable.mumford import theta_torus
+from integrable.mumford.theta_torus import ThetaBasis
+from integrable.torus import access
 from jacobian.numbers.compiler import interpreted
 from tests.integrable.ways import confirmed, forced, has_torus, made_torus
 
@@ -47,56 +48,38 @@ def test_the_right_torus_is_taken_and_right_in_both_directions(name) -> None:
     assert np.abs(found.p - true.p).max() < 1e-15 * np.abs(true.p).max()
 
 
-@pytest.mark.parametrize("place", [(i, j) for i in range(2) for j in range(3)])
+@pytest.mark.parametrize("place", [(i, j) for i in range(4) for j in range(3)])
 @pytest.mark.parametrize("name", MOTIONS)
-def test_a_wrong_sign_of_a_period_is_noticed(name, place, monkeypatch) -> None:
-    right = lattice.signs_of_periods
+def test_a_wrong_characteristic_is_noticed(name, place, monkeypatch) -> None:
+    """Also the wrong sign that a lift has after a period: two of the four numbers are these signs."""
+    right, (number, which) = ThetaBasis.sums, place
 
-    def wrong(points, basis):
-        signs = right(points, basis)
-        signs[place] *= -1
-        return signs
+    def wrong(self, Z, places):
+        chars, k = list(self.chars), places[which % len(places)]
+        changed = list(chars[k])
+        changed[number] ^= 1
+        chars[k] = tuple(changed)
+        return right(self._replace(chars=chars), Z, places)
 
-    monkeypatch.setattr(lattice, "signs_of_periods", wrong)
+    monkeypatch.setattr(ThetaBasis, "sums", wrong)
     assert not has_torus(flow_of(name))
 
 
-def with_corners(monkeypatch, change) -> None:
-    """Changes all corners of a torus but the start, after its walks have closed."""
-    walk = Corners._walk
-
-    def changed(self, forward, most):
-        walk(self, forward, most)
-        change(self.states.reshape(-1, 10, 2)[1:])
-
-    monkeypatch.setattr(Corners, "_walk", changed)
-
-
-@pytest.mark.parametrize(("name", "axis"), [each for each in LIFTS if each[0] != "Garnier"])
-def test_a_wrong_sign_of_a_corner_is_noticed(name, axis, monkeypatch) -> None:
-    def change(states) -> None:
-        states[:, [4 + axis, 7 + axis]] *= -1
-
-    with_corners(monkeypatch, change)
+@pytest.mark.parametrize("name", ["Neumann", "Garnier", "Toda", "Veselova", "Veselova, other oval"])
+def test_the_other_sheet_is_noticed(name, monkeypatch) -> None:
+    """The other motions begin at branch points, where there is one sheet."""
+    right = theta_torus.image
+    monkeypatch.setattr(theta_torus, "image", lambda *args: tuple(-x for x in right(*args)))
     assert not has_torus(flow_of(name))
 
 
-@pytest.mark.parametrize("name", MOTIONS)
-def test_the_other_sheet_at_the_corners_is_noticed(name, monkeypatch) -> None:
-    def change(states) -> None:
-        states[:, [2, 3, 7, 8, 9]] *= -1
-
-    with_corners(monkeypatch, change)
-    assert not has_torus(flow_of(name))
-
-
-@pytest.mark.parametrize(("name", "which"), [each for each in LIFTS if "Veselova" not in each[0]])
+@pytest.mark.parametrize(("name", "which"), LIFTS)
 def test_a_lift_that_is_read_with_the_wrong_sign_is_noticed(name, which) -> None:
     flow = flow_of(name)
     torus = made_torus(flow)
     assert confirmed(flow, torus)
-    kappa, size, place = torus._read[which]
-    torus._read[which] = kappa, -size, place
+    kappa, size = torus._sizes[which]
+    torus._sizes[which] = kappa, -size
     assert not confirmed(flow, torus)
 
 
@@ -104,12 +87,13 @@ def test_a_lift_that_is_read_with_the_wrong_sign_is_noticed(name, which) -> None
 @pytest.mark.parametrize("name", MOTIONS)
 def test_a_phase_that_runs_back_is_noticed(name, phases, monkeypatch) -> None:
     """One phase runs backwards, or both do, which reverses the motion."""
-    right = Corners.turns_along
+    right = theta_torus.theta_basis
 
-    def wrong(self, first, second):
-        return tuple(sign * nu for sign, nu in zip(phases, right(self, first, second), strict=True))
+    def wrong(Z, model):
+        basis = right(Z, model)
+        return basis._replace(frequencies=tuple(s * nu for s, nu in zip(phases, basis.frequencies, strict=True)))
 
-    monkeypatch.setattr(Corners, "turns_along", wrong)
+    monkeypatch.setattr(theta_torus, "theta_basis", wrong)
     assert not has_torus(flow_of(name))
 
 

@@ -1,9 +1,8 @@
-"""Motions of :mod:`integrable.mumford.bodies` on a compact real torus, and their clocks to any number of digits.
+"""Clocks of :mod:`integrable.mumford.bodies` to any number of digits.
 
-Corners, clock and states are computed by the compiled loops of the ball, along another direction. dt/dτ of such a body
-is a constant divided by √((1 − X₁)(1 − X₂)), where X = 1 is a branch point beyond both ovals. Its mean is a determinant
-of elliptic integrals, and t is the mean times τ plus a Fourier series (:mod:`integrable.torus.long_clock`). If the
-ovals meet, t is computed by quadrature along the motion.
+dt/dτ of such a body is a constant divided by √((1 − X₁)(1 − X₂)), where X = 1 is a branch point beyond both ovals. Its
+mean is a determinant of elliptic integrals, and t is the mean times τ plus a Fourier series
+(:mod:`integrable.torus.long_clock`). If the ovals meet, t is computed by quadrature along the motion.
 """
 
 from __future__ import annotations
@@ -11,17 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from integrable.moving_point.addition import integrate_series
-from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.moving_point.legendre import LegendreSeries
-from integrable.moving_point.problem import Problem
-from integrable.torus.access import TorusFlow
-from integrable.torus.corners import Corners
 from integrable.torus.long_clock import MultiprecisionTorusClock
-from integrable.torus.loops import CompiledLoops
-from integrable.torus.witness import left_open
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BareReals
@@ -36,71 +27,14 @@ MOST_STEPS = 100
 class Unit(NamedTuple):
     """A body's motion on Y² = (X − ζ)Π(α_i − X)(1 − X).
 
-    ``kappas`` are the κ_i of the lifts at the α_i. ``start`` is U_0, U_1, V_0, V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where
-    1/√Σσ² is dt/dτ. ``direction`` is (ΣdX/Y, ΣXdX/Y) per unit of τ. ``momentum`` is |M| divided by that of the pairs
-    (:func:`integrable.phase.coordinates.directions_of`).
+    ``start`` is U_0, U_1, V_0, V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where 1/√Σσ² is dt/dτ. ``direction`` is (ΣdX/Y,
+    ΣXdX/Y) per unit of τ.
     """
 
     alphas: tuple[Real, ...]
-    kappas: tuple[Real, ...]
     zeta: Any
     start: tuple[Any, ...]
     direction: tuple[Any, Any]
-    momentum: Any
-
-
-class Timed(NamedTuple):
-    """A motion and the units of its clock, as a :class:`integrable.torus.lattice.TimedSource`."""
-
-    bare: Problem
-    wide: Any
-    reals: BareReals
-    time_scale: Any
-    step_length: Any
-    floats_given: None = None
-
-
-class BodyTorus(TorusFlow):
-    """γ and M at any times of a motion, given as a :class:`Unit` over the field ``wide``.
-
-    PrecisionLoss if there is no compact real torus.
-    """
-
-    _aslant = True
-
-    def __init__(self, wide: Any, unit: Unit) -> None:
-        self._direction, (u0, u1, *_) = unit.direction, unit.start
-        reals = BareReals(wide.context.prec)
-        one, none, scale = wide.one, wide.zero, abs(unit.direction[0])
-        slowness = wide.sqrt((1 + u1 + u0) / wide.dot(unit.start[4:7], unit.start[4:7]))
-        axes, start = reals.row((*unit.alphas, *unit.kappas, one, none)), reals.row(unit.start)
-        zeta, d, scale_, half, momentum, slow = reals.row((unit.zeta, one, scale, none, unit.momentum, slowness))
-        problem = Problem((half,) * 6, axes, start, zeta, d, scale_, momentum, half, None, slow)
-        super().__init__(Timed(problem, wide, reals, scale, one), CompiledLoops())
-
-    def _made_rates(self, motion: Any) -> Any:
-        K, (origin, length, lift) = self.setup.wide, self.units
-        first, second = self._direction
-        origin, rates = self.setup.reals.element(K, origin), super()._made_rates(motion)
-        along = first * length * lift, (second - origin * first) * lift
-        nu, (mean,) = self.turns_along(*along), self.loops.wide(rates[9:10], K)
-        rates[4:12] = self.loops.row((*(x / mean for x in nu), *nu, 1 / mean, mean, *nu))
-        rates[14:] = self.loops.row(along)
-        return rates
-
-    @property
-    def witnesses(self) -> np.ndarray:
-        """Times at which the torus is compared with another method (:func:`integrable.torus.witness.left_open`)."""
-        return left_open([*map(float, self.frequencies)], self.departs) * float(self.mean)
-
-    def reaches(self, times: np.ndarray) -> bool:
-        """Whether double-doubles resolve the fraction of a turn at all of these times."""
-        turns: float = np.abs(times).max(initial=0) * max(map(abs, self._of_rates(4, 6)))
-        return turns <= MOST_TURNS
-
-    def _check_walk(self) -> None:
-        # the flow compares the states with additions
-        Corners._check_walk(self)
 
 
 class RateCurve(NamedTuple):

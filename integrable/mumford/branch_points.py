@@ -1,0 +1,143 @@
+"""The branch points of a curve in long numbers, and models of a motion of genus 2 with a branch point at infinity."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+from integrable.mumford.columns import Column
+from integrable.mumford.fields import cofactor
+from jacobian import RR, poly
+from jacobian.errors import PrecisionLoss
+from jacobian.inexact.long_field import LongField
+from jacobian.periods.quadrature import working_numbers
+from jacobian.periods.roots import conjugated, simple_roots
+
+# largest number of Newton steps to a root; roots nearer to each other than CLOSE, relative to the largest, are not
+# reached by Newton's method from floats
+NEWTON_STEPS, CLOSE = 20, 1e-9
+# length of an oval that is a point, relative to the largest branch point: points on it are within √OPENED of it
+OPENED = 2.0**-130
+# size of U at a branch point, relative to x², below which σ is not computed from it
+SMALL = 1e-20
+APART = "the points of the pair are not one in each oval"
+
+
+def long_roots(N: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
+    """The roots of f sorted by real part, with conjugate roots adjacent; ``known`` are some of the real ones, exact.
+
+    Real roots are real numbers. PrecisionLoss if floats do not separate two roots that are not known.
+    """
+    rest = poly.quotient(N, f, poly.from_roots(N, known))
+    numbers, slope = working_numbers(RR), poly.derivative(N, rest)
+    rough = simple_roots(numbers, [*map(complex, rest)])
+    if len(rough) > 1:
+        rough = conjugated(numbers, rough)
+    size = max(map(abs, [*map(complex, known), *rough]))
+    if any(abs(x - y) <= CLOSE * size for i, x in enumerate(rough) for y in rough[:i]):
+        raise PrecisionLoss("two branch points are not told apart")
+    found = list(known)
+    with LongField(N.bits, complex=True) as Z:
+        # only one root of a conjugate pair is polished, so that the two match exactly
+        for z in (x for x in rough if x.imag >= 0):
+            x = polished(Z, rest, slope, Z.coerce(z))
+            found += [x, x.conjugate()] if z.imag else [x.real]
+    return sorted(found, key=lambda x: (x.real, x.imag))
+
+
+def coincident(N: LongField, points: Sequence[Any]) -> list[int]:
+    """The indices k for which branch points k and k + 1 are too close to be told apart."""
+    size = max(map(abs, points))
+    return [k for k, (x, y) in enumerate(pairwise(points)) if not abs(x - y) > N.root_of_eps * size]
+
+
+def opened(N: LongField, model: PairModel, known: Collection[Any]) -> PairModel:
+    """The model of degree 5 with a bounded oval that is a point opened, by so little that no float changes.
+
+    The branch point that is not ``known`` is moved. PrecisionLoss if others coincide.
+    """
+    roots, first = list(model.roots), 0 if model.lead > 0 else 1
+    size = max(map(abs, roots))
+    for k in coincident(N, roots):
+        if not all_real(roots) or k not in (first, first + 2):
+            raise PrecisionLoss(f"two of the branch points {[*map(complex, roots)]} are not told apart")
+        if roots[k] in known:
+            roots[k + 1] = roots[k] + OPENED * size
+        else:
+            roots[k] = roots[k + 1] - OPENED * size
+    return model._replace(roots=roots)
+
+
+def polished(Z: LongField, f: poly.Poly, slope: poly.Poly, x: Any) -> Any:
+    """The root of f near x, by Newton's method; ``slope`` is f'."""
+    for _ in range(NEWTON_STEPS):
+        move = poly.evaluate(Z, f, x) / poly.evaluate(Z, slope, x)
+        x -= move
+        if not abs(move) > Z.root_of_eps * abs(x):
+            break
+    return x
+
+
+def all_real(points: Sequence[Any]) -> bool:
+    """Whether all branch points are real."""
+    return not any(x.imag for x in points)
+
+
+class PairModel(NamedTuple):
+    """A curve by its leading coefficient and roots, its pair u₀, u₁ and v₀, v₁, and the direction.
+
+    The roots ascend by their real parts.
+    """
+
+    lead: Any
+    u: tuple[Any, ...]
+    v: tuple[Any, ...]
+    direction: Sequence[Any]
+    roots: Sequence[Any]
+
+
+def lift_of(Z: LongField, model: PairModel, e: Any) -> tuple[Any, Any, Any]:
+    """(κ, σ, ν) at a real branch point e that carries no lift: κσ² = U, κσν = V, κν² = −W, κ = ±1."""
+    whole = (*model.u, model.u[0] ** 0)
+    height, slope = poly.evaluate(Z, whole, e).real, poly.evaluate(Z, model.v, e).real
+    if abs(height) > SMALL * (1 + e**2):
+        kappa = 1 if height > 0 else -1
+        sigma = Z.sqrt(abs(height)).real
+        return kappa, sigma, kappa * slope / sigma
+    f = poly.scale(Z, Z.coerce(model.lead), poly.from_roots(Z, [*map(Z.coerce, model.roots)]))
+    square = -poly.evaluate(Z, cofactor(Z, f, whole, model.v), e).real
+    kappa = 1 if square > 0 else -1
+    nu = Z.sqrt(abs(square)).real
+    return kappa, kappa * slope / nu, nu
+
+
+def without_root(even: PairModel) -> PairModel:
+    """The motion in X = 1/(E − x), y = y_X/X³, where E is the largest root of a model of even degree."""
+    (u0, u1), (v0, v1), (*roots, pole) = even.u, even.v, even.roots
+    lead = -even.lead
+    for e in roots:
+        lead *= pole - e
+    # U = (x − E)² + a(x − E) + b, and X³y = (mX − v₁)X² with m = V(E), X² = sX − p on the pair
+    a, b, m = u1 + 2 * pole, (pole + u1) * pole + u0, v1 * pole + v0
+    s, p = a / b, 1 / b
+    v = (-m * s * p + v1 * p, m * (s * s - p) - v1 * s)
+    c0, c1 = even.direction
+    moved = [1 / (pole - e) for e in roots]
+    # elsewhere a point of the pair may pass the largest root
+    ends = [(x - s) * x + p for x in moved[1:]]
+    if lead > 0 or any(sign * height < -SMALL * p for sign, height in zip((1, -1, -1, 1), ends, strict=True)):
+        raise PrecisionLoss(APART)
+    return PairModel(lead, (p, -s), v, (pole * c0 - c1, c0), moved)
+
+
+def with_root(pole: Any, u: Sequence[Any], v: Sequence[Any]) -> tuple[tuple[Column, Column], tuple[Column, Column]]:
+    """The pairs in x = E − 1/X, from pairs in X; E is ``pole``."""
+    (p, s), (y, slope) = u, v
+    for _ in range(3):
+        # divide V by X: 1/X = −(X + s)/p on the pair
+        y, slope = slope - s * y / p, -y / p
+    a, b = -s / p, 1 / p
+    # X = p(x − E) − s there
+    slope, y = slope * p, y - slope * s
+    return (pole * pole - a * pole + b, a - 2 * pole), (y - slope * pole, slope)
