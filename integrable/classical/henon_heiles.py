@@ -16,10 +16,10 @@ from collections.abc import Iterable, Sequence
 
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
-from integrable.mumford.system import IntegralsByName
+from integrable.mumford.system import IntegralsByName, elements
 from jacobian import RR, poly
 from jacobian.element import FormulaField, Real, Value
-from jacobian.errors import ArgumentError, entries, shown
+from jacobian.errors import ArgumentError, shown
 from jacobian.fields.protocol import Field, check_field
 
 
@@ -44,13 +44,9 @@ class HenonHeiles(QuadricSystem):
     ) -> None:
         self._set_up(field, a, "a", 1)
         axes = len(self.constants)
-        wanted = f"a sequence of {axes} numbers"
-        given = [0] * axes if barriers is None else entries(barriers, "barriers", wanted)
-        if len(given) != axes:
-            raise ArgumentError(f"barriers = {shown(barriers)}: {wanted} is needed")
-        names = ("alpha", "beta", "gamma", *(f"barriers[{i}]" for i in range(axes)))
-        values = (alpha, beta, gamma, *given)
-        self.parameters = tuple(self.field.coerce(x, name) for x, name in zip(values, names, strict=True))
+        heights = [0] * axes if barriers is None else barriers
+        shape = (self.field.coerce(x, name) for x, name in ((alpha, "alpha"), (beta, "beta"), (gamma, "gamma")))
+        self.parameters = (*shape, *elements(self.field, heights, "barriers", axes))
         if self.parameters[0] == self.field.zero:
             raise ArgumentError(f"alpha = {shown(alpha)}: a number other than 0 is needed")
         self.size = axes + 1

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from integrable.mumford.flow import BITS_OF_TORUS, RIGHT, element, long_digits
 from integrable.mumford.motion import MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
-from integrable.mumford.system import Spectral
+from integrable.mumford.system import Spectral, elements
 from integrable.phase.enclosure import ball_digits, exact_times, widest
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
@@ -85,10 +85,7 @@ class KdV(Made):
         Over an exact field f(γ_j) must be a square; +1 then stands for the root that the field's ``sqrt`` returns.
         """
         K, wanted = self.field, f"a sequence of {self.gaps} numbers, one in each gap [edges[2j − 1], edges[2j]]"
-        values = entries(gamma, "gamma", wanted)
-        if len(values) != self.gaps:
-            raise ArgumentError(f"gamma = {shown(gamma)}: {wanted}, is needed")
-        found = tuple(K.coerce(x, f"gamma[{j}]") for j, x in enumerate(values))
+        found = elements(K, gamma, "gamma", self.gaps, wanted)
         for j, x in enumerate(found):
             low, high = self.edges[2 * j + 1 : 2 * j + 3]
             if not K.exact and not low <= x <= high:

@@ -18,13 +18,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NoReturn
 
-from integrable.mumford.flow import Point, element, long_digits
-from integrable.mumford.motion import MumfordMotion, Start
+from integrable.mumford.flow import MumfordFlow, Point, element
 from integrable.mumford.surfaces import SurfaceSystem
 from integrable.mumford.system import IntegralsByName, Spectral, all_of
+from integrable.phase.ways import times_in
 from jacobian import RR, poly
 from jacobian.element import FormulaField, Numbers, Real
-from jacobian.errors import NotRepresentable, one_or_more
+from jacobian.errors import NotRepresentable
 from jacobian.fields.protocol import Field, check_field
 
 
@@ -91,14 +91,9 @@ class KowalevskiTop(SurfaceSystem):
     def line(self, state: Point, times: Numbers) -> list[Spectral]:
         """The curve f and the pair u, v at the given times, over RR or MP(digits)."""
         self._check(state)
-        K, digits = self.field, long_digits(self.field)
-
-        def place(N: FormulaField) -> Start:
-            return self._start(N, self._constrained(N, self._inside(N, state)))
-
-        f, motion = self.spectral(state).f, MumfordMotion(place, 2)
+        K, flow, f = self.field, MumfordFlow(self, state), self.spectral(state).f
         found = []
-        for i, time in enumerate(one_or_more(times, "times")):
-            rows = motion.row(K.coerce(time, f"times[{i}]"), lambda N, D: (D.u, D.v), digits)
+        for time in times_in(K, times, "times").tolist():
+            rows = flow._motion.row(time, lambda N, D: (D.u, D.v), flow.digits)
             found.append(Spectral(f, *(tuple(element(K, x) for x in row) for row in rows)))
         return found

@@ -17,10 +17,9 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from integrable.mumford.flow import Point
-from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of
+from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of, elements
 from jacobian import RR, poly
 from jacobian.element import FormulaField, Real, Value
-from jacobian.errors import ArgumentError, entries, shown
 from jacobian.fields.protocol import Field, check_field
 from jacobian.relatives.extended import Extended
 
@@ -45,11 +44,8 @@ class TwoGaps(MumfordSystem):
 
     def __init__(self, sums: Iterable[Value], field: Field = RR) -> None:
         self.field = check_field(field, "field")
-        wanted = "three numbers: the first three elementary symmetric functions of the five edges"
-        given = entries(sums, "sums", wanted)
-        if len(given) != 3:
-            raise ArgumentError(f"sums = {shown(sums)}: {wanted}")
-        self.parameters = tuple(self.field.coerce(x, f"sums[{i}]") for i, x in enumerate(given))
+        wanted = "a sequence of the first three elementary symmetric functions of the five edges"
+        self.parameters = elements(self.field, sums, "sums", 3, wanted)
 
     @property
     def arguments(self) -> dict[str, object]:

@@ -18,11 +18,11 @@ from integrable.mumford.fields import padded
 from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point
 from integrable.mumford.motion import Start
-from integrable.mumford.system import OFF, MumfordSystem, Spectral, all_of
+from integrable.mumford.system import OFF, MumfordSystem, Spectral, all_of, elements
 from integrable.portrait.point_ovals import Form
 from jacobian import poly
 from jacobian.element import FormulaField, Real
-from jacobian.errors import ArgumentError, entries, shown
+from jacobian.errors import ArgumentError, shown
 from jacobian.relatives.extended import Extended, Lift
 
 
@@ -140,7 +140,9 @@ class QuadricSystem(MumfordSystem):
         """
         if any(map(self._stands, self._barriers())):
             raise ArgumentError(f"{self!r} has no steps: all its barriers would have to be 0")
-        chosen = None if roots is None else self._roots(roots)
+        count = len(self.constants)
+        wanted = f"a sequence of {count} square roots of ℓ(λ - a_i)"
+        chosen = None if roots is None else elements(self.field, roots, "roots", count, wanted)
 
         def formula(N: FormulaField, here: Point, x: Real, y: Real) -> Point:
             f, u, v = self._spectral(N, here)
@@ -161,11 +163,3 @@ class QuadricSystem(MumfordSystem):
         """Whether two numbers differ; over an inexact field, by more than rounding."""
         K: Any = self.field
         return bool(x != y if K.exact else abs(x - y) > OFF * K.eps * abs(y))
-
-    def _roots(self, roots: Any) -> list[Real]:
-        """The square roots ``roots`` of a step as elements of the field."""
-        wanted = f"{len(self.constants)} square roots of ℓ(λ - a_i) are needed"
-        given = entries(roots, "roots", wanted)
-        if len(given) != len(self.constants):
-            raise ArgumentError(f"roots = {shown(roots)}: {wanted}")
-        return [self.field.coerce(x, f"roots[{i}]") for i, x in enumerate(given)]

@@ -198,11 +198,7 @@ class MumfordSystem(Made):
         """q or p as elements of the field."""
         if self.field is RR and _finite_floats(values) and len(values) == self.size:
             return values
-        wanted = f"a sequence of {self.size} numbers"
-        given = entries(values, name, wanted)
-        if len(given) != self.size:
-            raise ArgumentError(f"{name} = {shown(values)}: {wanted} is needed")
-        return tuple(self.field.coerce(x, f"{name}[{i}]") for i, x in enumerate(given))
+        return elements(self.field, values, name, self.size)
 
     def _check(self, state: Point, inside: Point | None = None) -> None:
         """ArgumentError if a state violates a constraint; ``inside`` is the state in ``numbers`` if it is known."""
@@ -450,6 +446,15 @@ class MumfordSystem(Made):
             rest = poly.from_roots(N, [*a[:i], *a[i + 1 :]])
             total = [x + weight * y for x, y in zip(total, rest, strict=True)]
         return tuple(total)
+
+
+def elements(K: FormulaField, values: Iterable[Value], argument: str, count: int, wanted: str = "") -> tuple[Real, ...]:
+    """The elements of ``values``, which must be ``count`` numbers; ``wanted`` describes them in an ArgumentError."""
+    wanted = wanted or f"a sequence of {count} numbers"
+    given = entries(values, argument, wanted)
+    if len(given) != count:
+        raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
+    return tuple(K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given))
 
 
 def _finite_floats(values: object) -> TypeGuard[tuple[float, ...]]:
