@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import ceil, log
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
@@ -29,6 +29,11 @@ from jacobian.numbers.long_reals import BallReals
 from jacobian.progress import Progress
 
 __all__ = ["EnclosedMotion"]
+
+if TYPE_CHECKING:
+    from flint import acb, arb
+
+    from integrable.phase.enclosure import Row
 
 # step relative to the radius of the disc; close to e⁻², which needs the fewest products
 STEP = 0.125
@@ -61,16 +66,16 @@ class EnclosedMotion(Motion):
 
 def deformed_enclosure(system: Hamiltonian, state: State, times: list[Real], digits: int) -> Enclosure:
     """The enclosure of a system's motion at physical times, in balls."""
-    rows: list[Any] = [None] * len(times)
+    rows: dict[int, Row] = {}
     for ahead in (True, False):
         order = sorted((i for i in range(len(times)) if (times[i] >= 0) == ahead), key=lambda i: abs(times[i]))
         found = _narrow(system, state, [times[i] for i in order], digits) if order else []
         for i, row in zip(order, found, strict=True):
             rows[i] = row
-    return Enclosure(exact_times(times), rows)
+    return Enclosure(exact_times(times), [rows[i] for i in range(len(times))])
 
 
-def _narrow(system: Hamiltonian, state: State, times: list[Any], digits: int) -> list[Any]:
+def _narrow(system: Hamiltonian, state: State, times: list[Real], digits: int) -> list[Row]:
     """The rows at times of one sign in ascending size, computed with as many bits as they need."""
     # the bits that balls lose grow with time; the bits by which M outgrows its unit do not
     needed = ceil(3.33 * (digits + 2)) + _March(system, state, BOUND_BITS).outgrown()
@@ -95,10 +100,10 @@ class _Around(NamedTuple):
     On the disc no coordinate moves by more than its ``reach``.
     """
 
-    now: Any
-    series: list[Any]
+    now: arb
+    series: list[arb]
     radius: float
-    reach: list[Any]
+    reach: list[arb]
 
 
 class _March:
@@ -124,9 +129,9 @@ class _March:
         self._longest = 0.0
         self._steps = 0
 
-    def rows(self, times: Sequence[Any], digits: int) -> list[tuple[Any, Any, Any, float]]:
+    def rows(self, times: Sequence[Real], digits: int) -> list[Row]:
         """(τ, γ, M, radius) at the times, up to the first time whose balls are too large."""
-        found: list[tuple[Any, Any, Any, float]] = []
+        found: list[Row] = []
         least = self._flint.arb(10) ** -digits
         progress = Progress(f"enclosing the motion to t = {written(times[-1])}", abs(float(times[-1])))
         around = self._around(0.0)
@@ -148,11 +153,11 @@ class _March:
             found.append((point[6] if self._rolls else time, gamma, M, rounded_up(width)))
         return found
 
-    def left(self, end: Any) -> float:
+    def left(self, end: Real) -> float:
         """The time that remains until ``end``, divided by the time reached."""
         return float(abs(self.reals.number(end)) / (abs(self._now) + 2.0**-1000))
 
-    def _check(self, end: Any) -> None:
+    def _check(self, end: Real) -> None:
         """Counts a step; raises Infeasible if the last time would take too many."""
         self._steps += 1
         expected = self._steps * self.left(end) if self._steps >= KNOWN_FROM else 0
@@ -178,7 +183,7 @@ class _March:
         radius, reach = self._disc(radius)
         return _Around(self._now, self._series(self._point, self._order, self._flint.arb), radius, reach)
 
-    def _at(self, around: _Around, distance: Any) -> list[Any]:
+    def _at(self, around: _Around, distance: arb) -> list[arb]:
         """The point ``distance`` later: the value of the series, widened by Cauchy's bound on the remainder."""
         count = len(self._point)
         found = [self.reals.number(0)] * count
@@ -187,7 +192,7 @@ class _March:
         tail = part ** (self._order + 1) / (1 - part)
         return [widened(x, tail * size) for x, size in zip(found, around.reach, strict=True)]
 
-    def _series(self, point: Sequence[Any], order: int, kind: Any) -> list[Any]:
+    def _series(self, point: Sequence[arb | acb], order: int, kind: type[arb | acb]) -> list[arb | acb]:
         """The Taylor coefficients of all nodes of the tape about a point; ``kind`` is the type, arb or acb."""
         tape, width = self._tape, order + 1
         series = [kind(0)] * (width * len(tape.kinds))
@@ -199,7 +204,7 @@ class _March:
         coefficients(tape.kinds, tape.left, tape.right, tape.results, 0, order, 1, series)
         return series
 
-    def _velocity(self, point: Sequence[Any]) -> list[Any]:
+    def _velocity(self, point: Sequence[arb | acb]) -> list[arb | acb]:
         """The derivatives at a point, or on a complex box; NaN where a root is not analytic there."""
         kind = type(point[0])
         series = self._series(point, 1, kind)
@@ -218,7 +223,7 @@ class _March:
         now = max(float(abs(x).abs_upper()) for x in self._point[3:6])
         return max(float(self._momentum), (pull * now / turning) ** 0.5 if turning else 0.0)
 
-    def _disc(self, radius: float) -> tuple[float, list[Any]]:
+    def _disc(self, radius: float) -> tuple[float, list[arb]]:
         """(radius, reach) of a disc of complex times on which Picard's theorem gives the motion."""
         with self.reals.at(BOUND_BITS):
             speed = [float(abs(x).abs_upper()) for x in self._velocity(self._point)]

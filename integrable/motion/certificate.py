@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil, floor
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,12 +15,16 @@ from integrable.phase.body import Body
 from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.precisions import FLOAT_DIGITS
 from jacobian import MP, RR
-from jacobian.element import Numbers
+from jacobian.element import Numbers, Real
 from jacobian.errors import PrecisionLoss, whole
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
+
+Pairs = Sequence[tuple[Sequence[Real], Sequence[Real]]]
+"""(γ, M) at several times."""
 
 # extra digits of the second run, and the least number of its digits
 WIDER = 15
@@ -59,7 +64,7 @@ def certified(flow: Motion, times: Numbers, digits: int | None) -> Trajectory:
     return replaced(run, error=error, digits=np.array(agree, dtype=int))
 
 
-def _vectors(flow: Motion, times: list[Any], K: Any) -> list[tuple[Any, Any]]:
+def _vectors(flow: Motion, times: list[Real], K: MultiprecisionField) -> Pairs:
     """γ and M at physical times, which are wide numbers, to the digits of K: by additions or an independent formula."""
     body, state = flow.system.body, flow.state
     if body.rolls and state.tilted and symmetry_axis(flow.system.inertia) is not None:
@@ -71,7 +76,7 @@ def _vectors(flow: Motion, times: list[Any], K: Any) -> list[tuple[Any, Any]]:
     return finer.vectors(finer.at(times)[1])
 
 
-def _turned(flow: Motion, time: Any, K: Any) -> tuple[Any, Any]:
+def _turned(flow: Motion, time: Real, K: MultiprecisionField) -> tuple[Sequence[Real], Sequence[Real]]:
     """γ and M of a ball with three equal moments: γ turns uniformly about L = M + dnγ, n = (γ, ω); L and n are
     constant.
     """
@@ -92,14 +97,14 @@ def _turned(flow: Motion, time: Any, K: Any) -> tuple[Any, Any]:
     return found, [x - d * n * y for x, y in zip(L, found, strict=True)]
 
 
-def _turns(flow: Motion, time: Any, K: Any) -> int:
+def _turns(flow: Motion, time: Real, K: MultiprecisionField) -> int:
     """The number of digits of the turns made until a time, plus some spare ones."""
     # |ω| ≤ |M|/min I
     fastest = sum(abs(K.coerce(m)) for m in flow.state.vectors[1]) / min(map(K.coerce, flow.system.inertia))
     return BESIDE + ceil(K.context.log10(1 + abs(time) * fastest))
 
 
-def _beside(flow: Motion, time: Any, K: Any) -> Body:
+def _beside(flow: Motion, time: Real, K: MultiprecisionField) -> Body:
     """The body with its equal moments changed so slightly that the states agree until a time, in numbers that resolve
     the change.
 

@@ -30,7 +30,7 @@ from jacobian.numbers.long_reals import BallReals
 from jacobian.progress import Progress
 
 if TYPE_CHECKING:
-    from flint import arb
+    from flint import acb, arb
 
     from integrable.phase.body import Body
     from integrable.phase.enclosure import Row
@@ -113,10 +113,10 @@ class BallMotion:
         # for physical time: half the length of a panel, the sums over whole panels in either direction, the nodes of a
         # panel
         self._half, self._reach = 0.0, 1.0
-        self._sums: dict[int, list[Any]] = {}
-        self._kept_nodes: tuple[float, list[tuple[Any, Any]]] | None = None
+        self._sums: dict[int, list[arb]] = {}
+        self._kept_nodes: tuple[float, list[tuple[tuple[arb, ...], arb]]] | None = None
 
-    def point(self, tau: Any) -> tuple[Any, ...]:
+    def point(self, tau: arb) -> tuple[arb, ...]:
         """The moving point at a ball τ, in the flow's units."""
         middle = tau.mid()
         point = self._start
@@ -148,7 +148,7 @@ class BallMotion:
         rest = target - self.time(tau)
         return time_after(tau, rest, lambda around: addition.rate_at(problem.axes, self.point(around)))
 
-    def time(self, tau: Any) -> Any:
+    def time(self, tau: arb) -> arb:
         """∫_0^τ dτ/g for an exact τ ≠ 0; its panels are cached for later times."""
         if not self._half:
             self._half = self._bounded_disc(self._start, 1.0, 0)[0] * 2 / (ELLIPSE + 1 / ELLIPSE) * 0.7
@@ -165,7 +165,7 @@ class BallMotion:
             self._half *= 0.7
             self._sums.clear()
 
-    def _swept(self, tau: Any, whole: int) -> Any:
+    def _swept(self, tau: arb, whole: int) -> arb | None:
         """∫dτ/g over ``whole`` panels and the remainder up to τ; None where a disc of analyticity is too small for a
         panel.
         """
@@ -182,7 +182,7 @@ class BallMotion:
         piece = self._panel(2 * whole * half + rest, rest)
         return None if piece is None else sums[whole] + piece
 
-    def _panel(self, middle: Any, half: Any) -> Any:
+    def _panel(self, middle: arb, half: arb) -> arb | None:
         """∫dτ/g from ``middle`` − ``half`` to ``middle`` + ``half``; None where the disc of analyticity is smaller than
         the ellipse.
         """
@@ -192,14 +192,14 @@ class BallMotion:
         if not is_bounded(centre):
             raise PrecisionLoss("a panel of physical time has no bound at this precision: use more digits")
         self._reach, bound = self._bounded_disc(centre, 1.3 * self._reach, needed)
-        if not self._reach >= needed:
+        if bound is None or not self._reach >= needed:
             self._reach = 1.0
             return None
         nodes = self._nodes(half)
         error = bound * 64 / 15 / (1 - arb(ELLIPSE) ** -2) * arb(ELLIPSE) ** (2 - len(nodes) * 2)
         return half * sum((w * addition.rate_after(f, axes, centre, step) for step, w in nodes), arb(0, error))
 
-    def _nodes(self, half: Any) -> list[tuple[Any, Any]]:
+    def _nodes(self, half: arb) -> list[tuple[tuple[arb, ...], arb]]:
         """The pairs (translation, weight) for the nodes of a panel's rule; the pairs of whole panels are cached."""
         if self._kept_nodes is not None and self._kept_nodes[0] == self._half and abs(half) == self._half:
             return self._kept_nodes[1]
@@ -213,7 +213,7 @@ class BallMotion:
 
     # --- a disc of complex τ on which the motion is analytic
 
-    def _bounded_disc(self, point: Any, start: float, enough: Any) -> tuple[float, Any]:
+    def _bounded_disc(self, point: Sequence[arb], start: float, enough: Real) -> tuple[float, arb | None]:
         """(radius, bound of |1/g|) of a disc of complex τ about the τ of ``point`` on which Picard's theorem gives the
         motion, with the first radius that works from ``start`` down; (0, None) if none above ``enough`` works.
         """
@@ -228,7 +228,7 @@ class BallMotion:
                 radius *= 0.85
         return 0.0, None
 
-    def _velocity(self, point: Any) -> list[Any]:
+    def _velocity(self, point: Sequence[arb | acb]) -> list[arb | acb]:
         """The derivative of a moving point by τ.
 
         U' = v1·U − (x + u1)V, 2V' = (x + u1)W − s·U with W = (f − V²)/U and s the quotient of (x + u1)W by U; at the
@@ -253,7 +253,7 @@ class BallMotion:
         ]
         return velocity
 
-    def _rate_bound(self, box: Any) -> Any:
+    def _rate_bound(self, box: Sequence[acb]) -> arb | None:
         """An upper bound of |1/g| on a box of complex moving points, or None if the box is too large for one."""
         a1, a2, a3 = self.problem.axes[:3]
         x1, x2, x3, y1, y2, y3 = box[4:]

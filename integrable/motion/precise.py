@@ -384,9 +384,9 @@ class BodyCarrier(Carrier):
         (found,) = rough.tau([rough.scaled(self.unscaled(time))])
         start = self.scaled(rough.unscaled(found))
         with setup.reals as reals:
-            t, tau = (abs(reals.number(x)) for x in (time, start))
-            found = OneTime(setup, sign, scouts=self._scouts).tau(t, tau, self.point)
-            return None if found is None else reals.element(setup.wide, sign * found)
+            t, near = (abs(reals.number(x)) for x in (time, start))
+            tau = OneTime(setup, sign, scouts=self._scouts).tau(t, near, self.point)
+            return None if tau is None else reals.element(setup.wide, sign * tau)
 
     def times(self, tau: list[Real], digits: int) -> list[Real]:
         setup, torus = self.setup, self._far(tau)

@@ -11,7 +11,7 @@ from bisect import bisect_right
 from collections.abc import Callable
 from math import ceil, inf
 from operator import mul
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from integrable.moving_point import addition
 from integrable.moving_point.legendre import LegendreSeries, doubling_precisions, gauss_legendre
@@ -21,7 +21,10 @@ from jacobian.errors import PrecisionLoss
 from jacobian.numbers.roots import root
 
 if TYPE_CHECKING:
+    from integrable.moving_point.addition import Row
     from integrable.moving_point.setup import Setup
+
+Found = TypeVar("Found")
 
 # cells of a long panel (odd, so that its centre is that of a cell), and cells before the first of them
 LONG = 9
@@ -58,9 +61,9 @@ class Nodes(NamedTuple):
     :func:`integrable.moving_point.addition.upright_rates`, None if that would lose digits.
     """
 
-    steps: list[Any]
+    steps: list[Row]
     packed: Any
-    roots: list[Any] | None
+    roots: list[Real] | None
 
 
 class Unresolved(ArithmeticError):
@@ -80,7 +83,7 @@ class RatePanels:
         self._half, self._d = setup.bare.half_step, setup.reals.number(setup.problem.d)
         self._scouts = Scouts(setup, limits.compiled) if scouts is None else scouts
 
-    def _at_nodes(self, nodes: list[Any], length: Any) -> Nodes:
+    def _at_nodes(self, nodes: list[Real], length: Real) -> Nodes:
         """The translations T to ``nodes`` of [−1, 1], scaled to ``length`` cells; nodes are symmetric about 0, without
         0.
         """
@@ -91,7 +94,7 @@ class RatePanels:
                 roots = [root(1 + d * (step[1] + d * step[0])) for step in steps]
         return Nodes(steps, self._compiled and self._compiled.steps(steps), roots)
 
-    def _rates_at(self, point: Any, nodes: Nodes) -> list[Any]:
+    def _rates_at(self, point: Row, nodes: Nodes) -> list[Real]:
         bare = self._setup.bare
         if self._compiled:
             found = self._compiled.around(point, nodes.steps, nodes.packed)
@@ -124,18 +127,18 @@ class PanelClock(RatePanels):
         super().__init__(setup, sign, limits, scouts)
         self._most = limits.most
         self._use(self._node_count(self._digits_a_node(1)))
-        self._long: tuple[Nodes, list[Any]] | None = None
-        self._far: list[Any] = []
+        self._long: tuple[Nodes, list[Real]] | None = None
+        self._far: list[Real] = []
 
-    def place(self, t: Real) -> tuple[int, Any]:
+    def place(self, t: Real) -> tuple[int, Real]:
         """The place at which the clock shows t ≥ 0."""
         return self._resolved(lambda: self._inverse(t))
 
-    def time(self, cell: int, x: Real) -> Any:
+    def time(self, cell: int, x: Real) -> Real:
         """The clock's time at a place."""
         return self._resolved(lambda: self._time(cell, x))
 
-    def _resolved(self, compute: Any) -> Any:
+    def _resolved(self, compute: Callable[[], Found]) -> Found:
         """The result of ``compute``, repeated with more nodes as long as a cell on the way needs them."""
         while True:
             try:
@@ -154,20 +157,20 @@ class PanelClock(RatePanels):
             )
         self._rule = LegendreSeries(setup.reals, count)
         self._nodes = self._at_nodes(self._rule.nodes, 1)
-        self._series: dict[int, list[Any]] = {}
-        self._means: dict[int, Any] = {}
+        self._series: dict[int, list[Real]] = {}
+        self._means: dict[int, Real] = {}
         # t at the upper end of cell −1, 0, 1, …
-        self._ends: list[Any] = []
+        self._ends: list[Real] = []
         self._far = []
 
     # --- the integral
 
-    def _time(self, cell: int, x: Any) -> Any:
+    def _time(self, cell: int, x: Real) -> Real:
         series = self._coefficients(cell)
         whole = addition.integrate_series(series, -1 + 0 * x)[0]
         return self._end(cell - 1) + self._half * (addition.integrate_series(series, x)[0] - whole)
 
-    def _inverse(self, t: Any) -> tuple[int, Any]:
+    def _inverse(self, t: Real) -> tuple[int, Real]:
         cell = self._cell(t)
         series = self._coefficients(cell)
         base = addition.integrate_series(series, -1 + 0 * t)[0]
@@ -191,7 +194,7 @@ class PanelClock(RatePanels):
             place -= (angle - target) / rate
         return cell, place
 
-    def _cell(self, t: Any) -> int:
+    def _cell(self, t: Real) -> int:
         """The cell in which the clock shows t."""
         while self._end(len(self._ends) - 2) <= t and len(self._ends) <= NEAR_CELLS + 1:
             self._end(len(self._ends) - 1)
@@ -205,7 +208,7 @@ class PanelClock(RatePanels):
         first = NEAR_CELLS + LONG * (bisect_right(self._far, t) - 1) + 1
         return next((cell for cell in range(first, first + LONG - 1) if self._end(cell) > t), first + LONG - 1)
 
-    def _end(self, cell: int) -> Any:
+    def _end(self, cell: int) -> Real:
         """t at the upper end of a cell; for cell −1 the negative time at the lower end of cell 0."""
         if not self._ends:
             self._ends.append(self._half * addition.integrate_series(self._coefficients(0), -1 + 0 * self._half)[0])
@@ -222,7 +225,7 @@ class PanelClock(RatePanels):
             total += 2 * self._half * self._mean(inner)
         return total
 
-    def _far_reaches(self, t: Any) -> bool:
+    def _far_reaches(self, t: Real) -> bool:
         """Extends the long panels beyond t; returns False if the clock has no long panels."""
         if not self._long_panels():
             return False
@@ -258,7 +261,7 @@ class PanelClock(RatePanels):
     def _long_panels(self) -> bool:
         return self._digits_a_node(LONG) > SLOWEST_LONG
 
-    def _long_rule(self) -> tuple[Nodes, list[Any]]:
+    def _long_rule(self) -> tuple[Nodes, list[Real]]:
         """The nodes, as translations, and the weights of the rule of a long panel."""
         if self._long is None:
             x, weights = gauss_legendre(self._setup.reals, self._node_count(2 * self._digits_a_node(LONG)))
@@ -267,14 +270,14 @@ class PanelClock(RatePanels):
 
     # --- one cell
 
-    def _mean(self, cell: int) -> Any:
+    def _mean(self, cell: int) -> Real:
         """The mean of 1/g over a cell."""
         if cell not in self._means:
             values = self._rates_at(self._setup.reached(self._sign, cell), self._nodes)
             self._means[cell] = self._setup.reals.plain(sum(map(mul, self._rule.weights, values)) / 2)
         return self._means[cell]
 
-    def _coefficients(self, cell: int) -> list[Any]:
+    def _coefficients(self, cell: int) -> list[Real]:
         """The Legendre series of 1/g over a cell; Unresolved if its last coefficients are too large."""
         if cell not in self._series:
             plain = self._setup.reals.plain
@@ -295,7 +298,7 @@ class OneTime(RatePanels):
     equally accurate series. A short panel at its end then corrects τ.
     """
 
-    def tau(self, t: Any, start: Any, point: Callable[[Any], Any]) -> Any:
+    def tau(self, t: Real, start: Real, point: Callable[[Real], Row]) -> Real | None:
         """|τ| at |t| = ``t`` > 0, from a value ``start`` that is right to more than END_DIGITS digits; None if the way
         is long or its panels are not resolved.
         """
@@ -317,7 +320,7 @@ class OneTime(RatePanels):
                 return start + end * x if self._ends(series[0], series[-2:], self._digits) else None
         return None
 
-    def _time(self, tau: Any, point: Callable[[Any], Any]) -> Any:
+    def _time(self, tau: Real, point: Callable[[Real], Row]) -> Real | None:
         """The physical time at τ > 0, by a Gauss rule on panels that are no longer than a cell."""
         count = ceil(float(tau / (2 * self._half)))
         nodes, weights = gauss_legendre(self._setup.reals, self._node_count(2 * self._digits_a_node(1)))
@@ -337,9 +340,9 @@ class OneTime(RatePanels):
             total += whole
         return panel * total
 
-    def _ends(self, first: Any, tail: list[Any], digits: float) -> bool:
+    def _ends(self, first: Real, tail: list[Real], digits: float) -> bool:
         """Whether the last coefficients of a series are negligible relative to its first."""
         return bool(max(map(abs, tail)) <= abs(first) * self._small(digits + 3))
 
-    def _small(self, digits: float) -> Any:
+    def _small(self, digits: float) -> Real:
         return self._setup.reals.number(10) ** -ceil(digits)

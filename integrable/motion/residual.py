@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from integrable.moving_point import addition
 from jacobian import RR
+from jacobian.element import Real
 from jacobian.errors import entries, shown, whole
 from jacobian.numbers.compiler import interpreted
 
@@ -19,7 +20,7 @@ COMPILE_FROM = 100_000
 MOST_COUNT = 100_000_000
 
 
-def residual_growth(setup: Setup, counts: Iterable[int], kernel: str) -> list[tuple[int, Any]]:
+def residual_growth(setup: Setup, counts: Iterable[int], kernel: str) -> list[tuple[int, Real]]:
     """For each n in ``counts``, (n, |f − V² mod U| relative to the size of f) after n additions of one basic step."""
     wanted = f"a sequence of ints ≥ 0, {MOST_COUNT} at most,"
     given = entries(counts, "counts", wanted)
@@ -46,7 +47,7 @@ def residual_growth(setup: Setup, counts: Iterable[int], kernel: str) -> list[tu
     return rows
 
 
-def residual(f: Any, point: Any) -> Any:
+def residual(f: Sequence[Real], point: Sequence[Real]) -> Real:
     """The distance |f − V² mod U| of a moving point from its curve, relative to the largest coefficient of f."""
     u0, u1, v0, v1 = point[:4]
     rest = [f[0] - v0 * v0, f[1] - 2 * v0 * v1, f[2] - v1 * v1, f[3], f[4], f[5]]

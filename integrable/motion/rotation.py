@@ -6,15 +6,16 @@ middle axis too. With g⁻² = r_j cos²θ + r_k sin²θ, r = 1 − da, τ is an
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from integrable.motion.symmetric import complete_over, half_turns
-from integrable.moving_point.arithmetic import LONG
+from integrable.moving_point.arithmetic import LONG, LongDoubles, Multiprecision
 from integrable.moving_point.elliptic_integrals import FirstKind
 from integrable.phase.body import Body
 from integrable.phase.state import State, rotation_axis
+from jacobian.element import Real
 
 if TYPE_CHECKING:
     from integrable.phase.space import PhaseSpace
@@ -27,7 +28,7 @@ class PrincipalRotation:
 
     way = "closed form"
 
-    def __init__(self, system: PhaseSpace, state: State, N: Any = LONG) -> None:
+    def __init__(self, system: PhaseSpace, state: State, N: LongDoubles | Multiprecision = LONG) -> None:
         self.numbers, K = N, N.field
         axis = rotation_axis(state)
         assert axis is not None
@@ -49,7 +50,7 @@ class PrincipalRotation:
         self._start = self._first_kind.swing(np.array([N.number(start - count * pi)]))
         self._flow_turning = root * rate / (4 * quarter), start / (2 * pi) + N.wide(self._start[0]) / (4 * quarter)
 
-    def radians(self, t: Any, of_flow: bool) -> Any:
+    def radians(self, t: Real, of_flow: bool) -> Real:
         """The approximate angle in radians by which γ turns until t, a physical time or (``of_flow``) a τ."""
         rate = self._flow_turning[0] if of_flow else self._turning[0]
         return 2 * self.numbers.field.context.pi * abs(t * rate) + 1
@@ -76,12 +77,12 @@ class PrincipalRotation:
         found: np.ndarray = (tau - (self._first_kind.swing(x) - self._start) / self._speed) / self._pace
         return self.numbers.result(found)
 
-    def _at_tau(self, tau: np.ndarray) -> tuple[Any, Any]:
+    def _at_tau(self, tau: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         N = self.numbers
         half, part = half_turns(N, N.turns_of(tau, *self._flow_turning)[1])
         return half, self._first_kind.inverse(2 * self._first_kind.quarter * part)
 
-    def _rows(self, half: Any, x: Any) -> np.ndarray:
+    def _rows(self, half: np.ndarray, x: np.ndarray) -> np.ndarray:
         (i, j, k), N, sign = self._order, self.numbers, 1 - 2 * (half % 2)
         rows = np.zeros((len(x), 6)) + 0 * x[:, None]
         rows[:, j], rows[:, k], rows[:, 3 + i] = sign * N.cos(x), -sign * N.sin(x), self._momentum

@@ -27,11 +27,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.moving_point.arithmetic import LONG, PASSES
+from integrable.moving_point.arithmetic import LONG, PASSES, LongDoubles, Multiprecision
 from integrable.moving_point.elliptic_integrals import FirstKind, carlson_j, complete
 from integrable.moving_point.newton import step_inside
 from integrable.phase.equal_moments import Swing, Upright
 from integrable.phase.space import PhaseSpace
+from jacobian.element import Real
 from jacobian.numbers.long_reals import BareReals
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ class SymmetricFlow:
 
     way = "closed form"
 
-    def __init__(self, system: PhaseSpace, state: State, N: Any = LONG) -> None:
+    def __init__(self, system: PhaseSpace, state: State, N: LongDoubles | Multiprecision = LONG) -> None:
         self.numbers, K = N, N.field
         self._rolls = system.body.rolls
         upright = Upright.of(system, state, K)
@@ -75,7 +76,7 @@ class SymmetricFlow:
         first, third = swing.factors
         self._factors = number(first), number(third)
 
-    def _phases(self, swing: Swing, rate: Any, kepler: Any) -> None:
+    def _phases(self, swing: Swing, rate: Real, kepler: Real) -> None:
         """Sets the rates of θ and φ in turns per unit of t and of τ, and the turns of φ per half turn of θ."""
         N, K = self.numbers, self.numbers.field
         pi, number = K.context.pi, N.number
@@ -96,7 +97,7 @@ class SymmetricFlow:
             self._third_advance = ((pi if swing.kappa > 0 else -pi) - 2 * third * pole) / (2 * pi)
         # the phases at time 0
         count = int(K.context.nint(swing.theta / pi))
-        x = number(swing.theta - count * pi)
+        x: Any = number(swing.theta - count * pi)
         self._start_count, self._start_x = count, x
         self._start_angle = number(K.context.sin(swing.theta)), number(K.context.cos(swing.theta))
         self._start_lean = self._lean(N.cos(x) * (-1) ** count)
@@ -106,7 +107,7 @@ class SymmetricFlow:
         self._origin = swing.phi / (2 * pi) - count * self._third_advance
         self._origin -= N.wide(self._turned(x) / (2 * N.pi))
 
-    def radians(self, t: Any, of_flow: bool) -> Any:
+    def radians(self, t: Real, of_flow: bool) -> Real:
         """The approximate number of radians by which all angles turn until a physical time, or until a time of the
         flow.
         """
@@ -149,7 +150,7 @@ class SymmetricFlow:
         times: np.ndarray = N.result(tau * number(self._flow_rate / self._rate) - gap / number(self._rate))
         return times
 
-    def _delay(self, count: np.ndarray, x: Any) -> Any:
+    def _delay(self, count: np.ndarray, x: np.ndarray) -> np.ndarray:
         """The advance of θ/2π since the start beyond its mean, at θ = π·count + x."""
         return self._kepler * (self._lean(self.numbers.cos(x) * _sign(count)) - self._start_lean)
 
@@ -171,7 +172,7 @@ class SymmetricFlow:
         half, part = half_turns(N, y)
         return 2 * whole + N.result(half), N.pi * part
 
-    def _turned_nearby(self, times: np.ndarray, gap: Any, turned: Any) -> Any:
+    def _turned_nearby(self, times: np.ndarray, gap: np.ndarray, turned: np.ndarray) -> np.ndarray:
         """``turned``, recomputed from F(θ) − F(θ₀) where θ − θ₀ (about ``gap``) is small. φ may turn a million times as
         fast as F, and the difference of two F loses digits. By the addition theorem F(θ) − F(θ₀) = F(ψ).
         """
@@ -192,7 +193,7 @@ class SymmetricFlow:
         turned[near[small]] = -self._factors[0] * self._first_kind.at(N.arcsin(sine[small])) / (2 * N.pi)
         return turned
 
-    def _gap(self, gap: Any, goal: Any) -> Any:
+    def _gap(self, gap: np.ndarray, goal: np.ndarray) -> np.ndarray:
         """θ − θ₀ to its last digit, from the nearby value ``gap``. For an upright body it is ``goal``; the clock of a
         tilted body adds a correction.
         """
@@ -213,19 +214,19 @@ class SymmetricFlow:
                 break
         return gap
 
-    def _angle_at(self, gap: Any) -> tuple[Any, Any]:
+    def _angle_at(self, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """sin θ and cos θ at θ₀ + gap."""
         (s0, c0), s, c = self._start_angle, self.numbers.sin(gap), self.numbers.cos(gap)
         return s0 * c + c0 * s, c0 * c - s0 * s
 
-    def _change_of_square(self, gap: Any) -> Any:
+    def _change_of_square(self, gap: np.ndarray) -> np.ndarray:
         """cos²θ − cos²θ₀."""
         s, c = self._angle_at(gap)
         s0, c0 = self._start_angle
         return -self.numbers.sin(gap) * (s0 * c + c0 * s)
 
     @property
-    def _farthest_lean(self) -> Any:
+    def _farthest_lean(self) -> np.ndarray:
         """An upper bound of the difference between θ/2π and its mean."""
         return abs(self._kepler) * self._lean(1 + 0 * self._root_mu)
 
@@ -236,7 +237,7 @@ class SymmetricFlow:
         half, part = half_turns(N, rest)
         return 2 * whole + N.result(half), self._first_kind.inverse(2 * self._first_kind.quarter * part)
 
-    def _lean(self, c: Any) -> Any:
+    def _lean(self, c: np.ndarray) -> np.ndarray:
         """G(c) = ∫_0^c du/√(μ + δA²u²)."""
         y, N = self._bulge * c * c, self.numbers
         # for arguments below this three terms of the series are right to the last digit
@@ -248,7 +249,7 @@ class SymmetricFlow:
 
     # --- states
 
-    def _turned(self, x: Any) -> Any:
+    def _turned(self, x: np.ndarray) -> np.ndarray:
         """φ(x) − φ(0) as a function of θ, without the contribution of F."""
         if self._flat or self._kappa == 0:
             return 0 * x
@@ -261,7 +262,7 @@ class SymmetricFlow:
         third = self._first_kind.at(x) + n / 3 * s**3 * carlson_j(N, c * c, c * c + k2 * s * s, 1 + 0 * s, far, product)
         return N.arctan2(self._kappa * s, c) - self._factors[1] * third
 
-    def _rows(self, count: np.ndarray, x: np.ndarray, turned: Any) -> np.ndarray:
+    def _rows(self, count: np.ndarray, x: np.ndarray, turned: np.ndarray) -> np.ndarray:
         """γ and M at θ = π·count + x, where F has turned φ by ``turned`` turns since the start, shape (N, 6)."""
         N = self.numbers
         _, turns = N.turns_of(count, self._third_advance, self._origin)
@@ -281,7 +282,7 @@ class SymmetricFlow:
         return found
 
 
-def complete_over(K: Any, modulus: Any, p: Any) -> Any:
+def complete_over(K: Any, modulus: Real, p: Real) -> Real:
     """The complete integral :func:`~integrable.moving_point.elliptic_integrals.complete` with a = b = 1, for numbers of
     K. It is computed in bare reals, which are faster.
     """
@@ -292,7 +293,7 @@ def complete_over(K: Any, modulus: Any, p: Any) -> Any:
         return numbers.element(K, complete(k, pole, one, one, pi, near))
 
 
-def half_turns(N: Any, rest: Any) -> tuple[Any, Any]:
+def half_turns(N: LongDoubles | Multiprecision, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Splits angles ``rest``, in turns, into n + r half turns: returns (n, r) with n whole and r in [−½, ½]."""
     half = N.nearest(2 * rest)
     return half, 2 * rest - half

@@ -17,6 +17,7 @@ import numpy as np
 from integrable.motion.symmetric import SymmetricFlow
 from integrable.moving_point.arithmetic import Multiprecision
 from jacobian import MP
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ class PreciseClosedForm:
     ) -> None:
         self._system, self._state, self._made = system, state, form
         self._field: Any = system.field
-        self._forms: dict[int, Form] = {}
+        self._forms: dict[int, tuple[Form, Multiprecision]] = {}
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
@@ -66,19 +67,19 @@ class PreciseClosedForm:
         """The physical times t(τ) at values of τ: shape (N,)."""
         return self._computed(self._digits(tau, of_flow=True), tau, lambda form, t: (form.times(t),))[0]
 
-    def _form(self, digits: int) -> Form:
+    def _form(self, digits: int) -> tuple[Form, Multiprecision]:
         if digits not in self._forms:
             numbers = Multiprecision(MP(digits))
             with numbers.reals:
-                self._forms[digits] = self._made(self._system, self._state, numbers)
+                self._forms[digits] = self._made(self._system, self._state, numbers), numbers
         return self._forms[digits]
 
     def _computed(self, digits: int, times: np.ndarray, compute: Compute, field: Any = None) -> tuple[np.ndarray, ...]:
         """Evaluates the closed form with so many digits; the results are elements of ``field``, by default the
         system's.
         """
-        form, field = self._form(digits), field or self._field
-        reals = form.numbers.reals
+        form, numbers = self._form(digits)
+        reals, field = numbers.reals, field or self._field
         with reals:
             found = compute(form, np.frompyfunc(reals.number, 1, 1)(times))
         return tuple(np.frompyfunc(partial(reals.element, field), 1, 1)(values) for values in found)
@@ -86,7 +87,7 @@ class PreciseClosedForm:
     def _digits(self, times: np.ndarray, of_flow: bool) -> int:
         """The working digits with which the state at the farthest time agrees with a computation in more digits."""
         own = int(self._field.dps)
-        rough, context = self._form(own + GUARD), MP(own + GUARD).context
+        rough, context = self._form(own + GUARD)[0], MP(own + GUARD).context
         farthest = np.array([max(times, key=abs)] if len(times) else [], dtype=object)
         if not len(farthest):
             return own + GUARD
@@ -105,10 +106,10 @@ class PreciseClosedForm:
             f"time {farthest[0]}: {digits} digits do not make {own} of the state there; give other units"
         )
 
-    def _row(self, digits: int, times: np.ndarray, of_flow: bool) -> list[Any]:
+    def _row(self, digits: int, times: np.ndarray, of_flow: bool) -> list[Real]:
         """γ and M at one time, to that many digits."""
         rows = self._computed(
             digits, times, lambda form, t: (form.at_tau(t) if of_flow else form.at(t)[0],), MP(digits)
         )[0]
-        row: list[Any] = rows[0].tolist()
+        row: list[Real] = rows[0].tolist()
         return row

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 from integrable.mumford.fields import cofactor, elementary, multiplier, rates
 from integrable.mumford.translations import GroupTranslations, part_at
 from jacobian import poly
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, ExtendedGroup, Kind, Lift, PointLift
@@ -38,14 +39,16 @@ class Start(NamedTuple):
     f: poly.Poly
     u: poly.Poly
     v: poly.Poly
-    direction: Sequence[Any]
+    direction: Sequence[Real]
     kinds: Sequence[Kind] = ()
     data: tuple[Any, ...] = ()
-    further: Sequence[Sequence[Any]] = ()
+    further: Sequence[Sequence[Real]] = ()
 
 
-Vectors = Sequence[Sequence[Any]]
+Vectors = Sequence[Sequence[Real]]
 Read = Callable[[LongField, Extended], Vectors]
+Clock = Callable[[LongField, Extended], tuple[Real, Real]]
+"""(t, dt/dτ) at a divisor."""
 
 
 class Placed:
@@ -61,10 +64,10 @@ class Placed:
         self._directions = (start.direction, *start.further)
         self._translations: dict[int, GroupTranslations] = {}
         # the pair at the last further times, since many τ often share them
-        self._carried: tuple[tuple[Any, ...], Extended] = ((), self.start)
+        self._carried: tuple[tuple[Real, ...], Extended] = ((), self.start)
 
     @property
-    def direction(self) -> Sequence[Any]:
+    def direction(self) -> Sequence[Real]:
         """The direction of τ."""
         return self._directions[0]
 
@@ -75,13 +78,13 @@ class Placed:
         return self._translations[which]
 
     @cached_property
-    def _ends(self) -> list[Any]:
+    def _ends(self) -> list[Real]:
         """The branch points of lifts that are double points of the curve at which a point of the pair stays."""
         K, (u, v, _) = self.field, self.start
         lifts = (kind.e for kind in self.group.kinds if isinstance(kind, Lift))
         return [e for e in lifts if max(part_at(K, u, e), part_at(K, v, e)) <= STILL * K.eps**0.5]
 
-    def at(self, tau: Any, further: tuple[Any, ...] = ()) -> Extended:
+    def at(self, tau: Real, further: tuple[Real, ...] = ()) -> Extended:
         """D at τ and at the times ``further`` along the further directions."""
         if self.rests:
             return self._resting(tau)
@@ -93,11 +96,11 @@ class Placed:
             self._carried = further, D
         return D if tau == 0 else self.translations().carried(D, tau)
 
-    def after(self, D: Extended, tau: Any, step: Any) -> Extended:
+    def after(self, D: Extended, tau: Real, step: Real) -> Extended:
         """D(τ + step), from D = D(τ)."""
         return self._resting(tau + step) if self.rests else self.translations().carried(D, step)
 
-    def _resting(self, tau: Any) -> Extended:
+    def _resting(self, tau: Real) -> Extended:
         """D(τ) of a pair at rest: only lifts at points change, by σ'/σ = ½n(x)y/U(x)."""
         K, (u, _, data) = self.field, self.start
         n, turned = multiplier(K, u, self.direction), []
@@ -130,7 +133,7 @@ class Placed:
         return still
 
     @cached_property
-    def _moved(self) -> Any:
+    def _moved(self) -> Real:
         """The size of the rates of the pair, relative to the size of their terms."""
         K, (u, v, _) = self.field, self.start
         w = cofactor(K, self.group.f, u, v)
@@ -154,7 +157,13 @@ class MumfordMotion:
         self._extra = OF_START + OF_GENUS * genus
 
     def row(
-        self, time: Any, read: Read, digits: int, clock: Any = None, further: tuple[Any, ...] = (), lost: int = 0
+        self,
+        time: Real,
+        read: Read,
+        digits: int,
+        clock: Clock | None = None,
+        further: tuple[Real, ...] = (),
+        lost: int = 0,
     ) -> Vectors:
         """``read(field, D)`` at a time, as long numbers with ``digits`` correct digits relative to each vector's size.
 
@@ -180,11 +189,11 @@ class MumfordMotion:
             "the motion passes a special position"
         )
 
-    def tau_at(self, time: Any, digits: int, clock: Any) -> Any:
+    def tau_at(self, time: Any, digits: int, clock: Clock | None) -> Any:
         """The τ at which the clock shows ``time``, found as in :meth:`row`."""
         return self.row(time, lambda K, D: ((self._reached[1],),), digits, clock)[0][0]
 
-    def _read(self, bits: int, times: tuple[Any, ...], read: Read, clock: Any) -> Vectors:
+    def _read(self, bits: int, times: tuple[Real, ...], read: Read, clock: Clock | None) -> Vectors:
         # precisions are multiples of APART, so that few are set up
         bits = -(-bits // APART) * APART
         with LongField(bits, self._complex) as K:
@@ -238,7 +247,7 @@ def _agree(rough: Vectors, fine: Vectors, wanted: int) -> bool:
     return True
 
 
-def _at_clock(placed: Placed, target: Any, clock: Any, near: Any) -> tuple[Any, Extended]:
+def _at_clock(placed: Placed, target: Real, clock: Clock, near: Real | None) -> tuple[Real, Extended]:
     """(τ, D) at which the clock shows ``target``.
 
     The search starts at the guess ``near``, or at 0 with the mean rate. It continues by Newton's method, and once the
@@ -279,7 +288,7 @@ def _at_clock(placed: Placed, target: Any, clock: Any, near: Any) -> tuple[Any, 
     raise PrecisionLoss("the clock was not inverted: use more digits")
 
 
-def _between(low: tuple[Any, ...], high: tuple[Any, ...], target: Any) -> Any:
+def _between(low: tuple[Real, ...], high: tuple[Real, ...], target: Real) -> Real:
     """τ at the time ``target`` between two points (τ, t, dt/dτ), on Hermite's cubic."""
     (first, begin, rate), (last, end, other) = low, high
     length = end - begin

@@ -15,7 +15,7 @@ from typing import Any
 from integrable.mumford.fields import elementary
 from integrable.mumford.series import PointMotion, through
 from jacobian import poly
-from jacobian.element import Numbers
+from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
 
@@ -37,7 +37,7 @@ class GroupTranslations:
     the curve at which the moved pairs have a point.
     """
 
-    def __init__(self, group: ExtendedGroup, direction: Sequence[Any], ends: Sequence[Any] = ()) -> None:
+    def __init__(self, group: ExtendedGroup, direction: Sequence[Real], ends: Sequence[Real] = ()) -> None:
         self.group, self._ends = group, ends
         self.field: Any = group.field
         xs, ys = self._reference()
@@ -58,7 +58,7 @@ class GroupTranslations:
         # the first k for which the growth of T(2^k h) has not been checked
         self._unseen = FRACTION
 
-    def _reference(self) -> tuple[list[Any], list[Any]]:
+    def _reference(self) -> tuple[list[Real], list[Real]]:
         """The points of E and P₀, chosen so that points of a motion on real ovals do not come near them."""
         return reference(self.group)
 
@@ -66,7 +66,7 @@ class GroupTranslations:
         """The number of terms of the series of E(τ)."""
         return self.field.bits // (PART - 1) + 8
 
-    def carried(self, D: Extended, tau: Numbers) -> Extended:
+    def carried(self, D: Extended, tau: Real) -> Extended:
         """The divisor D + T(τ)."""
         if tau == 0:
             return D
@@ -81,7 +81,7 @@ class GroupTranslations:
             place, k = (place - digit) // 2, k + 1
         return self._moved(D, self._near(tau - count * self.unit))
 
-    def _count(self, tau: Any) -> int:
+    def _count(self, tau: Real) -> int:
         return self.field.nearest(tau / self.unit) - 1
 
     def added(self, D: Extended, k: int, digit: int) -> Extended:
@@ -158,12 +158,14 @@ class GroupTranslations:
     def _is_general(self, D: Extended) -> bool:
         return bool(self.group.size_of_x(D.u) < NEAR * self._size)
 
-    def _near(self, time: Any) -> Extended:
+    def _near(self, time: Real) -> Extended:
         """The divisor E(time), with its data."""
         u, v, omega, thirds = self._series.at(time)
         return self._placed(u, v, omega, self._start, thirds)
 
-    def _placed(self, u: poly.Poly, v: poly.Poly, omega: Any, start: poly.Poly, thirds: Sequence[Any] = ()) -> Extended:
+    def _placed(
+        self, u: poly.Poly, v: poly.Poly, omega: Real, start: poly.Poly, thirds: Sequence[Real] = ()
+    ) -> Extended:
         """A pair with its data, continued from the pair whose U is ``start``, at which lifts are 1."""
         K, data, integrals = self.field, [], iter(thirds)
         for kind in self.group.kinds:
@@ -183,13 +185,13 @@ class GroupTranslations:
         return Extended(u, v, tuple(data))
 
 
-def part_at(K: Any, a: poly.Poly, e: Any) -> Any:
+def part_at(K: Any, a: poly.Poly, e: Real) -> Real:
     """|a(e)| relative to the sum of the absolute values of its terms; 0 for the zero polynomial."""
     size = sum(abs(c) * abs(e) ** i for i, c in enumerate(a))
     return abs(poly.evaluate(K, a, e)) / size if size > 0 else abs(K.zero)
 
 
-def reference(group: ExtendedGroup) -> tuple[list[Any], list[Any]]:
+def reference(group: ExtendedGroup) -> tuple[list[Real], list[Real]]:
     """The abscissas x and the ordinates y of g + 1 points far from each other and from the branch points.
 
     They are real points outside the circle that contains the roots of f, on the side where f > 0. Over complex numbers
