@@ -21,9 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from integrable.motion.trajectory import BodyMotion
-from integrable.moving_point.addition import Row
 from integrable.moving_point.legendre import integral
-from integrable.moving_point.problem import vectors
 from integrable.phase.body import cross
 from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.state import onto_constraints
@@ -228,22 +226,12 @@ class PreciseContact:
     def __init__(self, flow: BodyMotion) -> None:
         from integrable.torus.integrals import LongIntegral
 
-        self._flow, self._setup = flow, flow.setup
-        setup = self._setup
-        reals = setup.reals
-        with reals:
-            rolling, momentum = Rolling(flow, reals.number), setup.bare.momentum
-        back = setup.bare.matrix
-
-        def rates(points: list[Row]) -> list[list[Real]]:
-            rows = [[*gamma, *M] for gamma, M in (vectors(point, momentum, back) for point in points)]
-            return rolling.rates(np.array(rows, dtype=object)).tolist()
-
-        self._integral = LongIntegral(setup, flow.system.field.dps + GUARD, rates)
+        self._flow, setup = flow, flow.setup
+        with setup.reals:
+            rolling = Rolling(flow, setup.reals.number)
+        self._integral = LongIntegral(setup, flow.system.field.dps + GUARD, rolling.rates)
 
     def at(self, run: Trajectory) -> np.ndarray:
         """The bounded part at the times of a run, shape (N, 2). For physical times τ is recomputed to all digits."""
         tau = run.tau.tolist() if run.given_in_tau else self._flow._precise.many.at(run.times.tolist())[0]
-        wide, scale = self._setup.wide.coerce, self._setup.time_scale
-        rows = [self._integral.at(wide(t) * scale) for t in tau]
-        return np.array([[x / scale, y / scale] for x, y in rows], dtype=object).reshape(-1, 2)
+        return self._integral.at([self._flow.setup.wide.coerce(t) for t in tau])

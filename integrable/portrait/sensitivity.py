@@ -23,7 +23,7 @@ from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.portrait.differences import GUARD, differences, inputs_over
 from integrable.portrait.growth import growth
 from integrable.portrait.variations import Variation, gradient
-from integrable.torus.integrals import periods_of, resolved_samples
+from integrable.torus.integrals import MOST_COMPILED, periods_of, resolved_samples
 from integrable.torus.series import TorusSeries, spectrum, together
 from jacobian import MP, RR
 from jacobian.element import Numbers, Real
@@ -168,7 +168,7 @@ class TorusVariations:
 
     def _sample(self) -> None:
         """Sets the series of σ, a' and b."""
-        samples, _ = resolved_samples(self._torus, self._integrands, _noise)
+        samples = resolved_samples(self._torus, self._integrands, _noise, MOST_COMPILED).values
         lean, along, across = np.split(samples, [1, 8], axis=2)
         self._sigma = self._series(lean[..., 0])
         values = self._sigma.on_grid(lean.shape[:2]) + self._sigma.origin

@@ -146,9 +146,9 @@ class Corners:
         """The spectrum of 1/g, or of a function with other ``samples``, on a grid of its periods that resolves it:
         ``transformed(samples)`` are the spectrum and the shape of a grid that is fine enough.
         """
-        return resolved(samples or self.samples, transformed, self._first_grid(), self._most)
+        return resolved(samples or self.samples, transformed, self.first_grid(), self._most)
 
-    def _first_grid(self) -> tuple[int, int]:
+    def first_grid(self) -> tuple[int, int]:
         """The first grid: where ovals nearly meet, the number of columns that resolves a passage is known."""
         (rows, columns), loops = self.sizes, self.loops
         first, low, high, last = loops.floats(self._motion[:4]).tolist()

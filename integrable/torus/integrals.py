@@ -4,18 +4,18 @@ floats, and in multiprecision like that of 1/g in :mod:`integrable.torus.long_cl
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from integrable.moving_point.addition import Row, moving_point, shift
+from integrable.moving_point.addition import Row
+from integrable.phase.coordinates import directions_of
 from integrable.torus.corners import Corners, resolved
 from integrable.torus.long_clock import phases
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.series import LongSeries, TorusSeries, long_spectrum, needed_sizes, spectrum, together
-from integrable.torus.states import turned
-from integrable.torus.walks import KNOWN
+from integrable.torus.states import point_at, turned, whole_turns
 from jacobian.element import Real
 from jacobian.numbers.long_reals import BallReals
 
@@ -34,8 +34,6 @@ MOST_SAMPLES, SAMPLES_A_DIGIT = 1 << 15, 32
 
 Function = Callable[[np.ndarray], np.ndarray]
 """A function of states, γ and M side by side, shape (N, 6), that gives m numbers for each, shape (N, m)."""
-Pairs = Callable[[list[Row]], Sequence[Sequence[Real]]]
-"""A function that gives two bare reals for each of several moving points."""
 
 
 class TimedRun(Protocol):
@@ -56,15 +54,16 @@ class TorusIntegral:
     def __init__(self, flow: TorusFlow, function: Function, least: np.ndarray) -> None:
         self._flow = flow
 
-        def noise(most: np.ndarray) -> np.ndarray:
-            return np.maximum(NOISE, least / np.maximum(np.maximum(most, least), TINY))
+        def noise(sizes: np.ndarray) -> np.ndarray:
+            return np.maximum(NOISE, least / np.maximum(np.maximum(sizes, least), TINY))
 
-        samples, noises = resolved_samples(flow, function, noise)
+        most = MOST_COMPILED if flow.compiled else MOST_INTERPRETED
+        found = resolved_samples(flow, function, noise, most)
         self._doubled = periods_of(flow)
         first, second = (x / n for x, n in zip(flow.frequencies, self._doubled, strict=True))
         self._series = [
-            TorusSeries(spectrum(part), (first, second), noise=max(noise, flow.closure))
-            for part, noise in zip(np.moveaxis(samples, -1, 0), noises, strict=True)
+            TorusSeries(grid, (first, second), noise=max(noise, flow.closure))
+            for grid, noise in zip(found.grids, found.noises.tolist(), strict=True)
         ]
 
     def at(self, run: TimedRun) -> np.ndarray:
@@ -79,18 +78,30 @@ class TorusIntegral:
         return [series.swings_and_rates(first, second) for series in self._series]
 
 
-def periods_of(flow: TorusFlow) -> tuple[int, int]:
+def periods_of(flow: Corners) -> tuple[int, int]:
     """The periods, in turns of both phases, of functions that may change sign with an odd number of the γ_i."""
-    first, second = (2 if np.prod(row) < 0 else 1 for row in flow.turns)
-    return first, second
+    return 1 + flow.odd[0], 1 + flow.odd[1]
+
+
+class ResolvedSamples(NamedTuple):
+    """Samples of F on a grid over :func:`periods_of` that resolves it, (rows, columns, m), and of each part the Fourier
+    coefficients and the fraction of the largest below which they are rounding.
+    """
+
+    values: np.ndarray
+    grids: list[np.ndarray]
+    noises: np.ndarray
 
 
 def resolved_samples(
-    flow: TorusFlow, function: Function, noise: Callable[[np.ndarray], np.ndarray]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Samples of F on a grid over :func:`periods_of` that resolves it, (rows, columns, m), and the noise of each part.
-
-    ``noise`` gives it from the largest modes, (m,): modes below this fraction of the largest are rounding.
+    flow: Corners,
+    function: Function,
+    noise: Callable[[np.ndarray], np.ndarray],
+    most: int,
+    transform: Callable[[np.ndarray], np.ndarray] = spectrum,
+) -> ResolvedSamples:
+    """The samples of F. ``noise`` gives the noises from the largest coefficients of each part, (m,); PrecisionLoss
+    where more than ``most`` samples are needed.
     """
     doubled = periods_of(flow)
 
@@ -103,63 +114,56 @@ def resolved_samples(
             new[places] = False
         rest = grid[new]
         parts = [function(flow.at_phases(rest[begin : begin + CHUNK])) for begin in range(0, len(rest), CHUNK)]
-        samples = np.empty((*sizes, parts[0].shape[1]))
+        samples = np.empty((*sizes, parts[0].shape[1]), dtype=parts[0].dtype)
         samples[new] = np.concatenate(parts)
         if known is not None:
             samples[places] = known
         return samples
 
-    def transformed(samples: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], tuple[int, int]]:
-        grids = [np.abs(spectrum(part)) for part in np.moveaxis(samples, -1, 0)]
-        noises = noise(np.array([grid.max() for grid in grids]))
+    def transformed(values: np.ndarray) -> tuple[ResolvedSamples, tuple[int, int]]:
+        grids = [transform(part) for part in np.moveaxis(values, -1, 0)]
+        noises = noise(np.array([np.abs(grid).max() for grid in grids], dtype=float))
         seen = [(grid, x) for grid, x in zip(grids, noises.tolist(), strict=True) if grid.any() and x < 1 / 64]
         wanted = [needed_sizes(grid, (x, x)) for grid, x in seen]
-        rows, columns = zip(samples.shape[:2], *wanted, strict=True)
-        return (samples, noises), (max(rows), max(columns))
+        rows, columns = zip(values.shape[:2], *wanted, strict=True)
+        return ResolvedSamples(values, grids, noises), (max(rows), max(columns))
 
-    found: tuple[np.ndarray, np.ndarray] = resolved(
-        sampled, transformed, (FIRST_SIZE, FIRST_SIZE), MOST_COMPILED if flow.compiled else MOST_INTERPRETED
-    )
+    rows, columns = (max(FIRST_SIZE, size) for size in flow.first_grid())
+    found: ResolvedSamples = resolved(sampled, transformed, (rows, columns), most)
     return found
 
 
 class LongIntegral:
-    """∫_0^τ F dτ for two functions F with mean 0, to ``digits`` relative to their size; τ in the units of the set-up.
+    """∫_0^τ F dτ in multiprecision for F with mean 0, to ``digits`` relative to its largest part.
 
-    F may change sign with an odd number of the γ_i. PrecisionLoss where the torus degenerates, or takes too many
-    samples.
+    F takes states of bare reals, and may change sign with an odd number of the γ_i. PrecisionLoss where the torus
+    degenerates, or takes too many samples.
     """
 
-    def __init__(self, setup: Setup, digits: int, function: Pairs) -> None:
+    def __init__(self, setup: Setup, digits: int, function: Function) -> None:
         loops = ReadableLoops(setup, digits)
         self._wide, self._reals = setup.wide, loops.reals
-        corners = _Values(setup, loops, max(MOST_SAMPLES, SAMPLES_A_DIGIT * digits**2), function)
-        nu = [rate / n / setup.time_scale for rate, n in zip(corners.frequencies, corners.doubled, strict=True)]
-        self._frequencies = nu[0], nu[1]
-        noise = 8 * loops.noise
-
-        def transformed(samples: np.ndarray) -> tuple[np.ndarray, tuple[int, int]]:
-            grid = long_spectrum(samples, loops.reals)
-            return grid, needed_sizes(grid, (noise, noise))
-
-        both = corners.resolved(transformed)
-        # separate the modes of the real and the imaginary part: c and the conjugate of its opposite
+        most = max(MOST_SAMPLES, SAMPLES_A_DIGIT * digits**2)
+        flow = LongStates(setup, loops, most)
+        first, second = (rate / n for rate, n in zip(flow.frequencies, periods_of(flow), strict=True))
+        self._frequencies = first, second
         with loops.reals:
-            other = np.roll(both[::-1, ::-1], (1, 1), axis=(0, 1))
-            other = np.frompyfunc(lambda c: c.conjugate(), 1, 1)(other)
-            parts = (both + other) / 2, (both - other) / (2 * loops.reals.i)
-        most = np.abs(both).max()
-        self._series = []
-        for grid in parts:
-            size = np.abs(grid).max()
-            least = float(min(1, loops.noise * most / size)) if size else 1.0
-            self._series.append(LongSeries(self._half_plane(grid), self._frequencies, self._wide, least))
+            found = resolved_samples(
+                flow,
+                function,
+                lambda sizes: 8 * loops.noise * sizes.max() / np.maximum(sizes, TINY),
+                most,
+                lambda samples: long_spectrum(samples, loops.reals),
+            )
+        self._series = [
+            LongSeries(self._half_plane(grid), self._frequencies, self._wide, float(min(1, noise / 8)))
+            for grid, noise in zip(found.grids, found.noises.tolist(), strict=True)
+        ]
 
-    def at(self, tau: Real) -> tuple[Real, Real]:
-        """Both integrals at τ, wide numbers."""
-        angles = phases(tau, self._frequencies, self._wide)
-        first, second = (series.at([angles])[0] for series in self._series)
-        return first, second
+    def at(self, tau: Sequence[Real]) -> np.ndarray:
+        """The integrals at values of τ, wide numbers, shape (N, m)."""
+        angles = [phases(t, self._frequencies, self._wide) for t in tau]
+        return np.array([series.at(angles) for series in self._series], dtype=object).T
 
     def _half_plane(self, grid: np.ndarray) -> list[list[Real]]:
         """The modes of a grid in the form that :class:`~integrable.torus.series.LongSeries` takes."""
@@ -175,53 +179,24 @@ class LongIntegral:
             return [[number(grid[k, m]) for m in range(-most, most + 1)] for k in range(rows)]
 
 
-class _Values(Corners):
-    """Samples of F₁ + iF₂."""
+class LongStates(Corners):
+    """A torus whose states have all digits of its loops."""
 
-    def __init__(self, setup: Setup, loops: ReadableLoops, most: int, function: Pairs) -> None:
+    def __init__(self, setup: Setup, loops: ReadableLoops, most: int) -> None:
         super().__init__(setup, loops, most)
-        self._function = function
-        self.doubled = (1 + self.odd[0], 1 + self.odd[1])
+        # moving points by their phases; after whole turns only signs differ
+        self._points = dict[tuple[Real, Real], Row]()
 
-    def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> np.ndarray:
-        places, points = zip(*self._points(sizes, known), strict=True)
-        blocks = []
-        with self.loops.reals as reals:
-            for i in range(self.doubled[0]):
-                for j in range(self.doubled[1]):
-                    here = [self._turned(point, i, j) for point in points]
-                    values = [x + reals.i * y for x, y in self._function(here)]
-                    table = np.empty(sizes, dtype=object)
-                    for place, value in zip(places, values, strict=True):
-                        table[place] = value
-                    blocks.append(table)
-        width = self.doubled[1]
-        whole = np.block([blocks[width * i : width * (i + 1)] for i in range(self.doubled[0])])
-        return self.completed(whole, known)
-
-    def _points(self, sizes: tuple[int, int], known: np.ndarray | None) -> Iterator[tuple[tuple[int, int], Row]]:
-        """((row, column), moving point) for every point of the grid whose value is not known."""
-        (rows, columns), fine = self.sizes, self.fine(sizes, known)
-        self.loops.offsets(self._packed_curve, self._packed_small, fine)
-        above, left = (fine.finer[0] - 1) // 2, (fine.finer[1] - 1) // 2
-        # ν in the units of the set-up
-        lift, f, axes = self.units.lift, self.curve.f, self.curve.axes
-        for i, j in np.ndindex(rows, columns):
-            corner = moving_point(self.states, (i * columns + j) * 10)
-            for n, (a, b) in enumerate(np.ndindex(*fine.finer)):
-                if fine.counts[n] == KNOWN:
-                    continue
-                point = corner
-                with self.loops.reals:
-                    for k in range(fine.counts[n]):
-                        point = shift(f, axes, point, moving_point(fine.steps, 20 * n + 10 * k))
-                    point = (*point[:7], *(lift * x for x in point[7:]))
-                    row, column = i * fine.finer[0] + a - above, j * fine.finer[1] + b - left
-                    point = self._turned(point, row < 0, column < 0)
-                yield (row % sizes[0], column % sizes[1]), point
-
-    def _turned(self, point: Row, first: int, second: int) -> Row:
-        """The point one period further in the first direction, then in the second."""
-        if first:
-            point = turned(point, self.signs, 0)
-        return turned(point, self.signs, 3) if second else point
+    def at_phases(self, phases: np.ndarray) -> np.ndarray:
+        """γ and M at points of the torus, bare reals, shape (N, 6): ``phases`` are exact, in turns from the start."""
+        number, rows = self.loops.reals.number, []
+        p, q, r, s = self.torus.matrix
+        for (first, turn1), (second, turn2) in (map(whole_turns, pair) for pair in phases.tolist()):
+            if (first, second) not in self._points:
+                self._points[first, second] = point_at(self.torus, number(first), number(second), 0, 0)
+            point = self._points[first, second]
+            for turn, place in ((turn1, 0), (turn2, 3)):
+                point = turned(point, self.signs, place) if turn % 2 else point
+            pairs = list(zip(*directions_of(point), strict=True))
+            rows.append([*(p * x + q * y for x, y in pairs), *(r * x + s * y for x, y in pairs)])
+        return np.array(rows, dtype=object).reshape(-1, 6)
