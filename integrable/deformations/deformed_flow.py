@@ -1,7 +1,7 @@
 """The common part of the flows of the deformations: it chooses the digits for a time, and checks every state.
 
-For n requested digits a flow computes with GUARD_DIGITS more, plus the digits of the number of periods in the time. Any
-further loss is measured on every call: by the integrals of each state, by the farthest state computed again with more
+For n requested digits a flow computes with GUARD_DIGITS more, plus the digits of the number of periods in the time.
+Further loss is measured on every call: by the integrals of each state, by the farthest state computed again with more
 digits, which also checks the signs, and by the state at τ = 0. If k digits are missing, everything is repeated with k
 more; PrecisionLoss if this does not help.
 """
