@@ -181,7 +181,7 @@ def energy(a: Iterable[Real], weight: Real, gamma: Iterable[Real], M: Iterable[R
 
 def triple(field: Field, values: Any, argument: str) -> Vector:
     """The three given values as elements of the field; other input raises an ArgumentError that names ``argument``."""
-    if getattr(values, "shape", None) == (3,):
+    if getattr(values, "shape", None) == (3,) and hasattr(values, "tolist"):
         values = values.tolist()
     if field is RR and type(values) in (list, tuple) and len(values) == 3:
         x, y, z = values
