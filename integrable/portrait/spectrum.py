@@ -113,7 +113,9 @@ def lines_of(source: Sampled) -> Spectrum:
     dimension = len(source.doubled) - len(source.given)
     size = (FIRST_SIZE if dimension <= 2 else FIRST_OF_MANY,) * dimension
     while prod(size) <= MOST_SAMPLES:
-        grids = {name: _transformed(x) for name, x in source.samples(size).items()}
+        grids = {
+            name: np.fft.fftn(x, axes=range(x.ndim - 1), norm="forward") for name, x in source.samples(size).items()
+        }
         sizes = [np.abs(grid).max(axis=-1) for grid in grids.values()]
         wanted = [[_wanted(x / x.max(), k) for k in range(dimension)] for x in sizes if x.any()]
         larger = tuple(max(column) for column in zip(*wanted, strict=True))
@@ -121,12 +123,6 @@ def lines_of(source: Sampled) -> Spectrum:
             return _spectrum(source, grids)
         size = larger
     raise PrecisionLoss(f"spectrum: a grid of {' × '.join(map(str, size))} is needed on the torus of this motion")
-
-
-def _transformed(samples: np.ndarray) -> np.ndarray:
-    """The Fourier coefficients of samples, transformed in all directions but the last."""
-    grid: np.ndarray = np.fft.fftn(samples, axes=range(samples.ndim - 1), norm="forward")
-    return grid
 
 
 def _wanted(sizes: np.ndarray, k: int) -> int:

@@ -31,8 +31,7 @@ def torus_states(
     doubled = [2 if {o.place, o.place + 1} & places else 1 for o in torus.ovals]
     # the portrait may count turns in the opposite direction
     senses = [-1.0 if own * f < 0 else 1.0 for own, f in zip(torus.frequencies, frequencies, strict=True)]
-    start, begin = (np.array([x], dtype=float) for x in (torus.phases, torus.start))
-    swings_at_start = torus.swings(begin, start)
+    start, swings_at_start = (np.array(x, dtype=float) for x in (torus.phases, torus.swings_at_start))
 
     def values(turns: np.ndarray) -> dict[str, np.ndarray]:
         phases = start + turns[:, :genus]

@@ -140,13 +140,11 @@ class Corners:
         self.loops.states_at_phases(self.torus, np.ascontiguousarray(phases, dtype=np.float64).ravel(), out)
         return out.reshape(-1, 6)
 
-    def resolved(
-        self, transformed: Callable[[Any], tuple[Any, tuple[int, int]]], samples: Samples | None = None
-    ) -> Any:
-        """The spectrum of 1/g, or of a function with other ``samples``, on a grid of its periods that resolves it:
-        ``transformed(samples)`` are the spectrum and the shape of a grid that is fine enough.
+    def resolved(self, transformed: Callable[[Any], tuple[Any, tuple[int, int]]]) -> Any:
+        """The spectrum of 1/g on a grid of its periods that resolves it: ``transformed(samples)`` are the spectrum and
+        the shape of a grid that is fine enough.
         """
-        return resolved(samples or self.samples, transformed, self.first_grid(), self._most)
+        return resolved(self.samples, transformed, self.first_grid(), self._most)
 
     def first_grid(self) -> tuple[int, int]:
         """The first grid: where ovals nearly meet, the number of columns that resolves a passage is known."""
