@@ -46,10 +46,6 @@ class BallField(InexactField["arb"]):
         """√x."""
         return x.sqrt()
 
-    def dot(self, xs: Sequence[arb], ys: Sequence[arb]) -> arb:
-        """Σ x_i y_i."""
-        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
-
 
 def around(middle: arb, radius: arb) -> arb:
     """A ball that contains all numbers within ``radius`` of the ball ``middle``."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -113,10 +112,6 @@ class Columns(InexactField):
     def coerce(self, value: Any, argument: str = "value") -> Column:
         """A number as a column that broadcasts to all rows."""
         return Column.of(value)
-
-    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Column:
-        """Σ x_i y_i."""
-        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
 
     def sqrt(self, x: Column) -> Column:
         """The square root of x."""

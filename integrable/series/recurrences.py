@@ -38,14 +38,7 @@ def squared(series: Reals, p: int, begin: int, k: int) -> Real:
 
 
 def coefficients(
-    kinds: Indices,
-    left: Indices,
-    right: Indices,
-    rates: Indices,
-    first: int,
-    order: int,
-    unit: Real,
-    series: Reals,
+    kinds: Indices, left: Indices, right: Indices, rates: Indices, first: int, order: int, unit: Real, series: Reals
 ) -> None:
     """Writes the Taylor coefficients of all nodes into ``series``; those of node n begin at ``series[n·(order + 1)]``.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import frexp
 from typing import Any
@@ -58,10 +57,6 @@ class SymbolField(InexactField):
             return value
         x = float(value)
         return x if frexp(x)[0] in (0.0, 0.5, -0.5) else Symbol(("number", x))
-
-    def dot(self, xs: Sequence[Real], ys: Sequence[Real]) -> Real:
-        """Σ x_i y_i."""
-        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
 
     def sqrt(self, x: Real) -> Real:
         """√x."""

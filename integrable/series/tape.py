@@ -78,28 +78,6 @@ class _Recorder:
     def lifted(self, x: object) -> Recorded:
         return x if isinstance(x, Recorded) else self.node(CONSTANT, -1, -1, x)
 
-    def operation(self, kind: int, left: object, right: object) -> Recorded:
-        x, y = self.lifted(left), self.lifted(right)
-        p, q = x.constant, y.constant
-        # with an integer q, 1/q would become a float
-        folded = kind != QUOTIENT or not isinstance(q, int)
-        if p is not None and q is not None and folded:
-            return self.lifted(_OPERATIONS[kind](p, q))
-        if kind == QUOTIENT and q is not None and folded:
-            return self.operation(PRODUCT, truediv(1, q), x)
-        if kind == PRODUCT:
-            if q is not None:
-                x, y, p, q = y, x, q, p
-            if p is not None:
-                return y if p == 1 else x if p == 0 else self.node(MULTIPLE, x.index, y.index)
-        if q == 0 and kind in (SUM, DIFFERENCE):
-            return x
-        if p == 0 and kind in (SUM, QUOTIENT):
-            return y if kind == SUM else x
-        if kind in (SUM, PRODUCT) and x.index > y.index:
-            x, y = y, x
-        return self.node(kind, x.index, y.index)
-
 
 def _known_by(constant: object) -> object:
     """The key of a constant. Equal constants share one, except balls: equal balls may stand for different numbers."""
@@ -157,8 +135,28 @@ class Recorded(Operand):
     def __init__(self, recorder: _Recorder, index: int) -> None:
         self._recorder, self.index = recorder, index
 
-    def operation(self, kind: int, x: object, y: object) -> Recorded:
-        return self._recorder.operation(kind, x, y)
+    def operation(self, kind: int, left: object, right: object) -> Recorded:
+        recorder = self._recorder
+        x, y = recorder.lifted(left), recorder.lifted(right)
+        p, q = x.constant, y.constant
+        # with an integer q, 1/q would become a float
+        folded = kind != QUOTIENT or not isinstance(q, int)
+        if p is not None and q is not None and folded:
+            return recorder.lifted(_OPERATIONS[kind](p, q))
+        if kind == QUOTIENT and q is not None and folded:
+            return self.operation(PRODUCT, truediv(1, q), x)
+        if kind == PRODUCT:
+            if q is not None:
+                x, y, p, q = y, x, q, p
+            if p is not None:
+                return y if p == 1 else x if p == 0 else recorder.node(MULTIPLE, x.index, y.index)
+        if q == 0 and kind in (SUM, DIFFERENCE):
+            return x
+        if p == 0 and kind in (SUM, QUOTIENT):
+            return y if kind == SUM else x
+        if kind in (SUM, PRODUCT) and x.index > y.index:
+            x, y = y, x
+        return recorder.node(kind, x.index, y.index)
 
     @property
     def constant(self) -> object:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from math import inf
 from typing import Any, Generic
 
@@ -21,6 +21,7 @@ class InexactField(Immutable, Generic[Element]):
     exact = False
     characteristic = 0
     order = None
+    zero: Any
     eps: Any
     dps: Any = None
     """Decimal digits of the numbers; None of machine numbers."""
@@ -39,6 +40,10 @@ class InexactField(Immutable, Generic[Element]):
 
     def inv(self, x: Any) -> Element:
         return 1 / x
+
+    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
+        """Σ x_i y_i; fields that round it once have their own."""
+        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
 
     def is_zero(self, x: Any, scale: Any = None) -> bool:
         """Whether x, a difference of terms of size ``scale``, is zero.

@@ -55,10 +55,6 @@ class LongField(InexactField):
     def _real(self, value: Any) -> Any:
         return self._reals.number(value)
 
-    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
-        """The sum Σ x_i y_i."""
-        return sum([x * y for x, y in zip(xs, ys, strict=True)], self.zero)
-
     def exponent(self, x: Any) -> int | None:
         """The exponent e with 2^(e−1) ≤ |x| < 2^e; None for 0."""
         return self._exponent(abs(x)) if x else None
