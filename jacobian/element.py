@@ -64,6 +64,20 @@ class Real(Protocol):
     def __float__(self) -> float: ...
 
 
+class Complex(Real, Protocol):
+    """A real or complex number of gmpy2 by its operators."""
+
+    @property
+    def real(self) -> Any: ...
+
+    @property
+    def imag(self) -> Any: ...
+
+    def conjugate(self) -> Any: ...
+
+    def __complex__(self) -> complex: ...
+
+
 class Arithmetic(Protocol[Element]):
     """The operations that polynomials need from the field of their coefficients."""
 

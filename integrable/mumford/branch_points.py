@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from integrable.mumford.columns import Column
 from integrable.mumford.fields import cofactor
 from jacobian import RR, poly
+from jacobian.element import Complex, Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.periods.quadrature import working_numbers
@@ -24,7 +25,7 @@ SMALL = 1e-20
 APART = "the points of the pair are not one in each oval"
 
 
-def long_roots(N: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
+def long_roots(N: LongField, f: poly.Poly, known: Sequence[Complex]) -> list[Complex]:
     """The roots of f sorted by real part, with conjugate roots adjacent; ``known`` are some of the real ones, exact.
 
     Real roots are real numbers. PrecisionLoss if floats do not separate two roots that are not known.
@@ -46,13 +47,13 @@ def long_roots(N: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
     return sorted(found, key=lambda x: (x.real, x.imag))
 
 
-def coincident(N: LongField, points: Sequence[Any]) -> list[int]:
+def coincident(N: LongField, points: Sequence[Complex]) -> list[int]:
     """The indices k for which branch points k and k + 1 are too close to be told apart."""
     size = max(map(abs, points))
     return [k for k, (x, y) in enumerate(pairwise(points)) if not abs(x - y) > N.root_of_eps * size]
 
 
-def opened(N: LongField, model: PairModel, known: Collection[Any]) -> PairModel:
+def opened(N: LongField, model: PairModel, known: Collection[Complex]) -> PairModel:
     """The model of degree 5 with a bounded oval that is a point opened, by so little that no float changes.
 
     The branch point that is not ``known`` is moved. PrecisionLoss if others coincide.
@@ -69,7 +70,7 @@ def opened(N: LongField, model: PairModel, known: Collection[Any]) -> PairModel:
     return model._replace(roots=roots)
 
 
-def polished(Z: LongField, f: poly.Poly, slope: poly.Poly, x: Any) -> Any:
+def polished(Z: LongField, f: poly.Poly, slope: poly.Poly, x: Complex) -> Complex:
     """The root of f near x, by Newton's method; ``slope`` is f'."""
     for _ in range(NEWTON_STEPS):
         move = poly.evaluate(Z, f, x) / poly.evaluate(Z, slope, x)
@@ -79,7 +80,7 @@ def polished(Z: LongField, f: poly.Poly, slope: poly.Poly, x: Any) -> Any:
     return x
 
 
-def all_real(points: Sequence[Any]) -> bool:
+def all_real(points: Sequence[Complex]) -> bool:
     """Whether all branch points are real."""
     return not any(x.imag for x in points)
 
@@ -90,14 +91,14 @@ class PairModel(NamedTuple):
     The roots ascend by their real parts.
     """
 
-    lead: Any
-    u: tuple[Any, ...]
-    v: tuple[Any, ...]
-    direction: Sequence[Any]
-    roots: Sequence[Any]
+    lead: Complex
+    u: tuple[Complex, ...]
+    v: tuple[Complex, ...]
+    direction: Sequence[Real]
+    roots: Sequence[Complex]
 
 
-def lift_of(Z: LongField, model: PairModel, e: Any) -> tuple[Any, Any, Any]:
+def lift_of(Z: LongField, model: PairModel, e: Real) -> tuple[Real, Real, Real]:
     """(κ, σ, ν) at a real branch point e that carries no lift: κσ² = U, κσν = V, κν² = −W, κ = ±1."""
     whole = (*model.u, model.u[0] ** 0)
     height, slope = poly.evaluate(Z, whole, e).real, poly.evaluate(Z, model.v, e).real
@@ -131,7 +132,9 @@ def without_root(even: PairModel) -> PairModel:
     return PairModel(lead, (p, -s), v, (pole * c0 - c1, c0), moved)
 
 
-def with_root(pole: Any, u: Sequence[Any], v: Sequence[Any]) -> tuple[tuple[Column, Column], tuple[Column, Column]]:
+def with_root(
+    pole: Column, u: Sequence[Column], v: Sequence[Column]
+) -> tuple[tuple[Column, Column], tuple[Column, Column]]:
     """The pairs in x = E − 1/X, from pairs in X; E is ``pole``."""
     (p, s), (y, slope) = u, v
     for _ in range(3):

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import exp, pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from integrable.mumford.elliptic_torus import circle, double_double_row, half_turn, inverse_factorials
-from jacobian.element import Real
+from jacobian.element import Complex, Real
 from jacobian.errors import PrecisionLoss
 from jacobian.native.kinds import INT, INTS, WIDES, TupleKind, record
 from jacobian.native.library import Library
@@ -21,7 +21,7 @@ from jacobian.native.special import SPECIAL
 from jacobian.numbers.abreast import abreast
 from jacobian.periods.real_basis import Whole
 
-Row = Any
+Row = np.ndarray
 
 # largest number of harmonics of a series; beyond it, branch points nearly meet
 MOST_HARMONICS = 40
@@ -200,7 +200,7 @@ LIBRARY = Library(
 
 
 def theta_sums(
-    tau: Sequence[Sequence[Any]], chars: Sequence[Whole], along: Sequence[Any]
+    tau: Sequence[Sequence[Complex]], chars: Sequence[Whole], along: Sequence[Complex]
 ) -> tuple[ThetaSums, np.ndarray]:
     """The weights of the characteristics ``chars``, and the largest term of each class, by which they are divided.
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from math import pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -41,6 +41,7 @@ from integrable.torus.access import TorusClock, resolved_spectrum
 from integrable.torus.corners import FIRST_SIZE, resolved
 from integrable.torus.loops import CompiledLoops
 from integrable.torus.witness import witnesses
+from jacobian.element import Complex, Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.periods.paths import image, moments
@@ -59,9 +60,13 @@ from jacobian.relatives.extended import Extended, Lift, SecondKind
 
 # bits in which a torus is set up
 BITS = 160
+# largest number of samples of a rate; beyond it, branch points nearly meet
 MOST_SAMPLES = 1 << 16
 # the largest ratio of the phases' rates for which equations of motion are followed to a turn of the slower one
 SLOW = 8
+
+# (κ, σ, ν) by branch point
+Lifts = dict[Complex, tuple[Real, Real, Real]]
 
 
 class Rate(NamedTuple):
@@ -70,9 +75,9 @@ class Rate(NamedTuple):
     ``power`` is 2 or −1.
     """
 
-    e: Any
+    e: Complex
     power: int
-    factor: Any
+    factor: Complex
 
 
 class ThetaTorus:
@@ -84,7 +89,7 @@ class ThetaTorus:
     the points of the pair are not one in each oval.
     """
 
-    def __init__(self, place: Callable[[Any], Start], rate: Callable[[Any], Rate] | None = None) -> None:
+    def __init__(self, place: Callable[[LongField], Start], rate: Callable[[LongField], Rate] | None = None) -> None:
         with long_numbers(BITS) as N:
             start = place(N)
             lifts = {kind.e: data for kind, data in zip(start.kinds, start.data, strict=True) if isinstance(kind, Lift)}
@@ -99,7 +104,7 @@ class ThetaTorus:
                 self._pole, model = Column.of(model.roots[-1]), without_root(model)
             model = opened(N, model, lifts)
             timed = Rate(N.zero, 2, N.one) if others else rate and rate(N)
-            if others and (model.direction[1] != 0 or min(map(abs, model.roots)) > SMALL * max(map(abs, model.roots))):
+            if others and (model.direction[1] or min(map(abs, model.roots)) > SMALL * max(map(abs, model.roots))):
                 raise PrecisionLoss("a datum of the second kind that is not the time")
             self._kinds, self._first, self._direction = start.kinds, start.data, Column.of(model.direction[0])
             with LongField(BITS, complex=True) as Z:
@@ -159,7 +164,13 @@ class ThetaTorus:
             turned = [Column(rows[:, k, 0], rows[:, k, 1]) for k in (0, 1)]
         return pairs_of_columns([x + place for x, place in zip(turned, self._places, strict=True)])
 
-    def _make_lifts(self, Z: LongField, model: PairModel, lifts: dict[Any, Any], basis: ThetaBasis) -> None:
+    def _make_lifts(
+        self,
+        Z: LongField,
+        model: PairModel,
+        lifts: Lifts,
+        basis: ThetaBasis,
+    ) -> None:
         real = [e for e in model.roots if not e.imag]
         ends = [*lifts, *sorted((e for e in real if e not in lifts), key=lambda e: -abs(e - next(iter(lifts), 0)))]
         ends = ends[: max(2, len(lifts))]
@@ -198,15 +209,15 @@ class ThetaBasis(NamedTuple):
     along the direction (0, 1).
     """
 
-    roots: list[Any]
-    lead: Any
+    roots: list[Complex]
+    lead: Complex
     tau: Matrix
     chars: list[Whole]
     places: tuple[Column, Column]
-    frequencies: tuple[Any, Any]
-    along: tuple[Any, Any]
+    frequencies: tuple[Complex, Complex]
+    along: tuple[Complex, Complex]
 
-    def sums(self, Z: LongField, places: Sequence[int]) -> tuple[ThetaSums, list[Any]]:
+    def sums(self, Z: LongField, places: Sequence[int]) -> tuple[ThetaSums, list[Complex]]:
         """The series of these roots and of infinity, and for each root e the ratio of √|U(e)| to their quotient."""
         sums, tops = theta_sums(self.tau, [self.chars[i] for i in (*places, 5)], self.along)
         *scales, last = (Z.coerce(high) + Z.coerce(low) for high, low in tops.tolist())
@@ -262,7 +273,7 @@ def rates_on(
     return np.stack([found.hi, found.lo], axis=-1).reshape(*grid, 2)
 
 
-def mean_power(Z: LongField, basis: ThetaBasis, far: int, power: int) -> Any:
+def mean_power(Z: LongField, basis: ThetaBasis, far: int, power: int) -> Complex:
     """The mean of |(e − x₁)(e − x₂)|^(power/2) over the torus, for points in the two bounded ovals of a real curve.
 
     The invariant measure is (x₂ − x₁)dx₁dx₂/(y₁y₂), so this is a quotient of determinants; e is root number ``far``.

@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from functools import cache
 from math import ceil, log
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from jacobian.element import Complex, Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.native.kinds import INTS, WIDES
@@ -20,9 +21,8 @@ from jacobian.native.library import Library
 from jacobian.numbers.double_double import split
 from jacobian.numbers.roots import root
 
-Row = Any
-Real = Any
-Vector = tuple[Any, Any]
+Row = np.ndarray
+Vector = tuple[Complex, Complex]
 
 # digits of integrals
 DIGITS = 33
@@ -38,14 +38,14 @@ NEAR = 2.0**-140
 BITS = 180
 
 
-def along(Z: LongField, roots: list[Any], lead: Any, k: int) -> Vector:
+def along(Z: LongField, roots: list[Complex], lead: Complex, k: int) -> Vector:
     """∫(dx/y, x dx/y) along the straight path from root k to the next one."""
     return moments(Z, roots, lead, k)[:2]
 
 
 def moments(
-    Z: LongField, roots: Sequence[Any], lead: Any, k: int, divisors: Sequence[Any] = ()
-) -> tuple[Any, Any, Any]:
+    Z: LongField, roots: Sequence[Complex], lead: Complex, k: int, divisors: Sequence[Complex] = ()
+) -> tuple[Complex, Complex, Complex]:
     """∫(dx/y, x dx/y, x² dx/y) along the straight path from root k to the next one.
 
     The integrands are divided by √(x − e) for each e of ``divisors``.
@@ -66,7 +66,13 @@ def moments(
     )
 
 
-def image(Z: LongField, roots: list[Any], lead: Any, halves: list[Vector], pair: tuple[Any, Any, Any, Any]) -> Vector:
+def image(
+    Z: LongField,
+    roots: list[Complex],
+    lead: Complex,
+    halves: list[Vector],
+    pair: Sequence[Complex],
+) -> Vector:
     """The sum, modulo periods, of the integrals from the first root to both points of a pair (u₀, u₁, v₀, v₁).
 
     The pair is U = x² + u₁x + u₀, V = v₁x + v₀.
@@ -80,7 +86,7 @@ def image(Z: LongField, roots: list[Any], lead: Any, halves: list[Vector], pair:
     return total
 
 
-def to_point(Z: LongField, roots: list[Any], lead: Any, halves: list[Vector], point: Vector) -> Vector:
+def to_point(Z: LongField, roots: list[Complex], lead: Complex, halves: list[Vector], point: Vector) -> Vector:
     """The integrals from the first root to a point (x₁, y₁), modulo periods.
 
     The path is straight from the root r that takes fewest nodes, with nodes in √(x − r).
@@ -109,21 +115,21 @@ class StraightPath(NamedTuple):
     ``factor`` is Π√(end − e), ``poles`` are (other end − end)/(end − e).
     """
 
-    ends: list[Any]
+    ends: list[Complex]
     sides: list[int]
-    poles: list[Any]
-    factor: Any
+    poles: list[Complex]
+    factor: Complex
 
     def graded(self, count: int) -> bool:
         """Whether nodes that crowd at both ends are better than ``count`` nodes of a Gauss rule."""
-        if count > MOST_NODES_IF_REAL and all(q.imag == 0 for q in self.poles):
+        if count > MOST_NODES_IF_REAL and not any(q.imag for q in self.poles):
             return True
         if count > MOST_NODES:
             raise PrecisionLoss("branch points are too near to each other")
         return False
 
 
-def straight(Z: LongField, a: Any, b: Any, others: Sequence[Any]) -> StraightPath:
+def straight(Z: LongField, a: Complex, b: Complex, others: Sequence[Complex]) -> StraightPath:
     """The straight path from a to b."""
     sides = [int(abs(b - e) < abs(a - e)) for e in others]
     ends = [b if side else a for side in sides]
@@ -134,7 +140,7 @@ def straight(Z: LongField, a: Any, b: Any, others: Sequence[Any]) -> StraightPat
     return StraightPath(ends, sides, poles, factor)
 
 
-def path_integrals(path: StraightPath, rule: Row) -> tuple[Any, Any, Any]:
+def path_integrals(path: StraightPath, rule: Row) -> tuple[Complex, Complex, Complex]:
     """∫dμ/w, ∫v dμ/w and ∫v² dμ/w for the measure dμ of a rule, with x = a + (b − a)v and w = Π√((x − e)/(end − e))."""
     import gmpy2
 
@@ -186,7 +192,7 @@ def complex_root(x: Real, y: Real) -> tuple[Real, Real]:
 LIBRARY = Library("path_sums", {"path_sums": (path_sums, (WIDES, WIDES, INTS, WIDES))})
 
 
-def nodes_needed(poles: Sequence[Any]) -> int:
+def nodes_needed(poles: Sequence[Complex]) -> int:
     """The number of nodes of a rule on [−1, 1] for an integrand with these branch points, an even number."""
     rates = []
     for pole in map(complex, poles):
@@ -197,7 +203,7 @@ def nodes_needed(poles: Sequence[Any]) -> int:
     return count + -count % 8
 
 
-def rule_of(nodes: Iterable[tuple[Any, Any, Any]]) -> Row:
+def rule_of(nodes: Iterable[tuple[Complex, Complex, Complex]]) -> Row:
     """The rows (v, 1 − v, weight) of a rule in double-doubles."""
     return np.array([split(x) for row in nodes for x in row])
 

@@ -13,6 +13,7 @@ from itertools import combinations, product
 from math import gcd
 from typing import Any, NamedTuple
 
+from jacobian.element import Complex
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.periods.paths import Vector, along
@@ -33,7 +34,7 @@ class Periods(NamedTuple):
     halves: list[Vector]
 
 
-def half_integrals(Z: LongField, roots: list[Any], lead: Any) -> Periods:
+def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods:
     """The half-periods of five roots in the order of a simple polygon. Sheets are chosen so that τ is symmetric with Im
     τ positive.
     """
@@ -71,7 +72,7 @@ def symmetric(tau: Matrix, nearly: float) -> bool:
     return bool(abs(tau[0][1] - tau[1][0]) <= nearly * (1 + abs(tau[0][1])))
 
 
-def rough(vectors: Sequence[Vector]) -> list[Vector]:
+def rough(vectors: Sequence[Vector]) -> list[tuple[Any, Any]]:
     """The vectors in floats."""
     return [(complex(x), complex(y)) for x, y in vectors]
 
