@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.moving_point.elliptic_integrals import oval_periods
 from integrable.mumford import theta_torus
-from integrable.mumford.branch_points import long_roots
+from integrable.mumford.branch_points import PairModel, long_roots, opened, without_root
 from integrable.mumford.elliptic_torus import half_turn
 from integrable.mumford.flow import TIMES_TO_THETA
 from integrable.mumford.theta_series import theta, theta_lifts, theta_sums
@@ -231,3 +233,38 @@ def paths_value(roots, x):
     for e in roots:
         product *= x - e
     return product
+
+
+@pytest.mark.parametrize(
+    ("lead", "points", "taken"),
+    [(1, (2.5, 4.5), True), (1, (2, 5), True), (1, (2.5, 2.75), False), (1, (2.5, 7), False), (-1, (1.5, 3.5), False)],
+)
+def test_a_pair_that_may_pass_the_root_at_infinity_is_refused(lead, points, taken) -> None:
+    """On a model of even degree the points of the pair must be one in each bounded oval below the largest root."""
+    x, y = points
+    model = PairModel(lead, (x * y, -x - y), (0.5, 0.25), (1, 0), [1, 2, 3, 4, 5, 6])
+    if taken:
+        moved = without_root(model)
+        assert moved.lead == -lead * 120
+        assert moved.roots == [1 / 5, 1 / 4, 1 / 3, 1 / 2, 1]
+    else:
+        with pytest.raises(PrecisionLoss, match="one in each oval"):
+            without_root(model)
+
+
+def test_an_oval_that_is_a_point_is_opened_and_no_other() -> None:
+    with LongField(160) as N:
+        one, low = N.one, N.coerce(0.25)
+        for lead, roots, good in (
+            (1, (low, low, one, 2 * one, 3 * one), True),
+            (1, (-one, low, low, one, 2 * one), False),
+            (-1, (-one, low, low, one, 2 * one), True),
+        ):
+            model = PairModel(lead, (low, low), (low, low), (1, 0), roots)
+            if good:
+                found = opened(N, model, {low}).roots
+                assert sum(x != y for x, y in zip(found, roots, strict=True)) == 1
+                assert 0 < min(y - x for x, y in pairwise(found)) < 1e-38
+            else:
+                with pytest.raises(PrecisionLoss, match="not told apart"):
+                    opened(N, model, {low})
