@@ -103,6 +103,8 @@ class ThetaTorus:
                     raise PrecisionLoss("lifts or complex branch points on a model of even degree")
                 self._pole, model = Column.of(model.roots[-1]), without_root(model)
             model = opened(N, model, lifts)
+            if len(model.roots) != 5:
+                raise PrecisionLoss(f"{len(model.roots)} branch points, and five are needed")
             timed = Rate(N.zero, 2, N.one) if others else rate and rate(N)
             if others and (model.direction[1] or min(map(abs, model.roots)) > SMALL * max(map(abs, model.roots))):
                 raise PrecisionLoss("a datum of the second kind that is not the time")
