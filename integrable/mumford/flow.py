@@ -227,8 +227,7 @@ class MumfordFlow:
         points of the pair do not turn in g real ovals, and where time is no sum over them; PrecisionLoss if a grid on
         the torus would be too fine.
         """
-        from integrable.portrait.spectrum import lines_of
-        from integrable.portrait.torus_states import torus_states
+        from integrable.portrait.spectrum import lines_of, torus_states
 
         with LongField(BITS_OF_TORUS) as N:
             torus = self._separated_in_floats(N, "spectrum")
