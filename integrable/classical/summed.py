@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cached_property
 
-from integrable.mumford.flow import ON_TORUS, TO_TORUS, TORUS, MumfordFlow, Point
+from integrable.mumford.flow import ON_TORUS, TORUS, MumfordFlow, Point
 from integrable.mumford.motion import Vectors, settled_digits
 from integrable.mumford.phase_torus import PhaseTorus
 from integrable.phase.enclosure import EnclosedPath
@@ -23,7 +23,7 @@ class SummedFlow(MumfordFlow):
     _long_way = TORUS
 
     def _budget(self, count: int) -> float:
-        return TO_TORUS[3] + count * ON_TORUS[3]
+        return ON_TORUS[3].of(count)
 
     def _made_torus(self) -> PhaseTorus:
         return self._made_phase_torus()

@@ -20,12 +20,13 @@ from math import ceil, hypot, log10
 from typing import TYPE_CHECKING, Any
 
 from integrable.mumford.body_clocks import SPARE, SeriesClock, Unit, WalkedClock
-from integrable.mumford.flow import MumfordFlow, Point
+from integrable.mumford.flow import BY_ADDITIONS, MumfordFlow, Point
 from integrable.mumford.motion import Start
 from integrable.mumford.surfaces import SurfaceSystem
 from integrable.mumford.system import IntegralsByName, Spectral, all_of
 from integrable.mumford.theta_torus import Rate, ThetaTorus
 from integrable.phase.body import Vector, cross
+from integrable.phase.ways import Cost
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import MP, RR, poly
 from jacobian.element import FormulaField, Numbers, Real, Value
@@ -52,7 +53,7 @@ STEP = 0.5
 class BodyFlow(MumfordFlow):
     """The motion of a state; on a separatrix only at times near the start. τ is computed first, from a series."""
 
-    _setting_up = 30_000
+    _cost = Cost(30_000, BY_ADDITIONS.each)
 
     _clock = None
 

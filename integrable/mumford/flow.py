@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple
 
 from integrable.mumford.motion import MumfordMotion, Start, Vectors, settled_digits
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
-from integrable.phase.ways import StatesReached, filled, times_in
+from integrable.phase.ways import Cost, StatesReached, filled, times_in
 from jacobian import RR
 from jacobian.element import Element, FormulaField, Number, Numbers, Real
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
@@ -37,12 +37,13 @@ if TYPE_CHECKING:
 
 # a torus is rejected if its states differ by more than this from those of the equations of motion
 RIGHT = 1e-12
-# costs in microseconds (python -m benchmarks near, real_torus): of a point by additions; of the longest series worth
-# trying; by genus, of a point on a torus, and of the set-up of a torus
-BY_ADDITIONS, LONGEST, ON_TORUS, TO_TORUS = 1500, 150_000, {1: 3, 2: 3, 3: 100}, {1: 300, 2: 2000, 3: 60_000}
-# number of times whose additions take as long as a torus of genus 2 whose branch points are not real, confirmed by
-# additions (python -m benchmarks real_torus)
-TIMES_TO_THETA = 12
+# costs of additions, and of a torus by genus; microseconds of the longest series worth trying (python -m benchmarks
+# near, real_torus)
+BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
+ON_TORUS = {1: Cost(300, 3), 2: Cost(2000, 3), 3: Cost(60_000, 100)}
+# number of times whose additions take at least as long as a torus that is confirmed by additions: 34 and 19 ms where
+# branch points of genus 2 are not real, 72 and 72 ms in genus 3 (python -m benchmarks real_torus)
+TIMES_TO_THETA = 6
 # rounding error of correctly rounded floats
 ROUNDED = 2.0**-53
 # bits of the periods of a torus in separated coordinates whose states are floats
@@ -86,8 +87,8 @@ class Path(Record):
 class MumfordFlow:
     """The motion of one state; ``at(times)`` evaluates it. It is returned by ``system.flow(state)``."""
 
-    _setting_up = 6000
-    """The cost of setting up additions, in microseconds."""
+    _cost = BY_ADDITIONS
+    """The cost of additions."""
 
     def __init__(self, system: Any, state: Point, tolerance: float | None = None) -> None:
         self.digits = long_digits(system.field)
@@ -132,12 +133,11 @@ class MumfordFlow:
     def _budget(self, count: int) -> float:
         """The microseconds that the next method takes for this many times, its set-up included."""
         if self._may_have_torus:
-            genus = min(self._genus, 3)
-            return TO_TORUS[genus] + count * ON_TORUS[genus]
+            return ON_TORUS[min(self._genus, 3)].of(count)
         return self._cost_of_additions(count)
 
     def _cost_of_additions(self, count: int) -> float:
-        return min(self._setting_up + count * BY_ADDITIONS, LONGEST)
+        return min(self._cost.of(count), LONGEST)
 
     def _near(self, times: np.ndarray) -> StatesReached:
         """The states at those times that Taylor series reach sooner than the next way would."""
@@ -404,7 +404,7 @@ class MumfordFlow:
         """The states at those times that Taylor series reach sooner than additions would."""
         from integrable.series.near import finished, walked
 
-        most = len(times) * BY_ADDITIONS
+        most = len(times) * BY_ADDITIONS.each
         near = finished(self.system, self.start, times, walked(self.system, self.start, times, most), most)
         return StatesReached(SERIES, near.states, near.places)
 
