@@ -1,7 +1,7 @@
 """Common formulas of Lagrange's top and the spherical pendulum, on a curve y² = f(z) of genus 1.
 
-z is the height of the axis. Its horizontal part is carried as lifts at z = ±1. With U = x − z, V = z', f cubic of
-leading coefficient 2, f(1) = −m₁², f(−1) = −m₂², the horizontal part is
+z is the height of the axis, and g its horizontal part, carried as lifts at z = ±1. f is cubic with leading
+coefficient 2, f(1) = −m₁², f(−1) = −m₂². With U = x − z and V = z'
 
     g = Ce^{iwt}σ₁σ₂,   σ_k the lift at the point (±1, −im_k),   σ_k'/σ_k = (z' − im_k)/(2(z ∓ 1))
 
@@ -38,7 +38,7 @@ class Axis(NamedTuple):
 
 
 class AxialSystem(SurfaceSystem):
-    """Base class of Lagrange's top and the spherical pendulum."""
+    """Base class of Lagrange's top and the spherical pendulum, which give the formulas marked "table"."""
 
     size = 3
     constants = ()
@@ -85,7 +85,7 @@ class AxialSystem(SurfaceSystem):
         return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
 
     def _carrier(self, axis: Axis) -> int | None:
-        """The index of the end z = ±1 nearer to the start, whose lift starts as g; None if it is no branch point."""
+        """The index of the end z = ±1 nearer to the start, or None if that is no branch point. Its lift starts as g."""
         near = 0 if abs(1 - axis.z) < abs(1 + axis.z) else 1
         return near if branches(axis.m[near]) else None
 

@@ -97,7 +97,7 @@ class AxialFlow(MumfordFlow):
         return torus.at(times).reshape(-1, 2, 3)
 
     def _ends(self, N: LongField) -> list[Real]:
-        # at an end with m ≠ 0 g does not vanish
+        # g can vanish only at ends with m = 0
         m = self.system._axis(N, self._inner(N)).m
         return [e for e, x in zip((N.one, -N.one), m, strict=True) if x == 0]
 
@@ -231,7 +231,7 @@ def _scaled(N: LongField, numbers: Sequence[Real], table: Sequence[Real], axis: 
 def _waves(nome: Real, angle: Real, count: int) -> tuple[list[tuple[Real, Real]], Real]:
     """The sum and the difference of the coefficients of e^{±ikv} in θ(v − i·angle), k = 2n + 1, n < ``count``.
 
-    They are divided by the largest one. The second result is −iθ₂'/θ₂ at −i·angle.
+    The coefficients are divided by the largest one. The second result is −iθ₂'/θ₂ at −i·angle.
     """
     import gmpy2
 

@@ -6,8 +6,8 @@ F_i = v_i² + Σ_j (x_iv_j − x_jv_i)²/(a_i − a_j):
     U = f₁Σ(x_i²/a_i)/(x − a_i),   V = f₁Σx_iv_i/(x − a_i) − λU,   f₁ΣF_i/(x − a_i) = xR(x),   f = −x·f₁·R
 
 The roots of U are the elliptic coordinates, those of R the caustics; the genus is n. The direction is ±2e_0 in τ with
-dt = |U(0)|dτ. Since Σu^g du/y = −2dt, t = −½Ω for the second-kind datum Ω. The additions carry Ω, so that no quadrature
-is needed. At a branch point a_i the lift is (x_i, a_iv_i − λx_i).
+dt = |U(0)|dτ. With Ω = Σ∫u^g du/y, of the second kind, t = −½Ω. The additions carry Ω, so that no quadrature is
+needed. At a branch point a_i the lift is (x_i, a_iv_i − λx_i).
 
 Its discretization is D + (l, m) − (0, 0). The tangent leads to x + hv on Σy_i²/(a_i − l) = 1, and Ivory's affinity
 y_i ↦ √(a_i/(a_i − l))·y_i leads back. The tangent backwards from the new point reaches that quadric with the same h.
@@ -143,7 +143,7 @@ class Ellipsoid(SurfaceSystem):
         return self._mapped(state, point, formula)
 
     def _moved(self, N: FormulaField, state: Point, x: Real, h: Real) -> Point:
-        """The new state: its tangent backwards reaches the quadric of λ = x with the h of the tangent of ``state``."""
+        """The new state: the tangents of both, the new one backwards, reach the quadric of λ = x after ``h``."""
         a, slope = self._constants_in(N), x / h
         roots = [N.sqrt(e / (e - x)) for e in a]
         q = tuple(r * (y + h * v) for r, y, v in zip(roots, *state, strict=True))

@@ -44,9 +44,9 @@ if TYPE_CHECKING:
 
     Profile = EllipticTorus | ThetaTorus | PhaseTorus
 
-# digits of the pair at which a profile starts; bits that its double-doubles may lose because of a narrow band
+# a profile is u at one t, from a torus. Digits of the pair at its start; bits that a narrow band may cost it
 PROFILE_DIGITS, MOST_LOST = 60, 24
-# number of x at one t from which a profile pays off
+# least number of x at one t for which a profile is computed
 MANY = 24
 
 
@@ -275,8 +275,8 @@ class Wave:
         """A bound on the bits lost between (0, 0) and (x, t) because of a narrow band or double edge n.
 
         On the way U(n) = ψ² may shrink. By −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at rates of at
-        most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) at the square root of its unit.
-        Two precisions lose alike, so their comparison does not show the loss. The width of a band bounds it.
+        most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) from falling below the root of
+        its unit. Two precisions lose alike, so comparing them does not show the loss. A band's width bounds it.
         """
         edges, needed = self._edges, 0.0
         bounds = [float(sum(edges) - 2 * sum(edges[k::2])) for k in (1, 2)]
@@ -289,7 +289,7 @@ class Wave:
 
     def _read(self, N: FormulaField, D: Extended) -> list[list[Real]]:
         f = poly.neg(N, poly.from_roots(N, [*map(N.coerce, self._edges)]))
-        # the span of the edges is returned too, as the size to which the digits of u refer
+        # the digits of u refer to the span of the edges, which is therefore returned too
         return [[potential(N, f, D.u), N.coerce(self._edges[-1]) - N.coerce(self._edges[0])]]
 
 

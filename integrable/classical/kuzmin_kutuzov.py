@@ -8,7 +8,7 @@ a²zż and the integrals E, L about the axis, and I = ½(L_x² + L_y²) + (a² �
     P₄ = E(s² − a²)(s² − c²) + GM(s − c)(s² − a²) − ½L²(s² − c²) − I(s² − a²).
 
 The genus is 2, Σs ds/y = 0 and dt = Σs(s² − c²)ds/y, which is −PS dτ in the direction e_0. The azimuth grows by
-LΣs(s² − c²)/(s² − a²) ds/y, and p dq without it is Σs y ds/((s² − a²)(s² − c²)). z has the sign of a lift at s = c. If
+LΣs(s² − c²)/(s² − a²) ds/y, and the rest of p dq is Σs y ds/((s² − a²)(s² − c²)). z has the sign of a lift at s = c. If
 L = 0, R has the sign of a lift at s = a.
 """
 

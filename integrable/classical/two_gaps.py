@@ -8,7 +8,7 @@ partial differential equation is solved without a grid. In the terms of
     U = x² + Fx + G,   V = ½∂U/∂x,   F = (u − s_1)/2,   G = 3u²/8 − s_1u/4 − u_xx/8 + s_2/2 − s_1²/8
     ½G_xx = −s_3 − 2FG + u(F² + 2G) − ½FF_xx + ¼F_x²
 
-The second line is the equation of order four. It has the constants s_1, s_2, s_3, and s_4 and s_5 are its integrals.
+The second line is the equation of order four. Its constants are s_1, s_2, s_3; its integrals are s_4 and s_5.
 """
 
 from __future__ import annotations

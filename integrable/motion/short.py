@@ -49,8 +49,8 @@ class TorusCost(NamedTuple):
     dense: float
 
 
-# costs without a clock, with a clock, and for moments whose I/(I + d) differ by the factor THINNER: 1/g then has far
-# more Fourier modes
+# costs for d = 0, where t = τ; for d ≠ 0; and for moments whose I/(I + d) differ by the factor THINNER: 1/g then has
+# far more Fourier modes
 FREE, ROLLING, THIN = TorusCost(600.0, 0.7, 0.3), TorusCost(1100.0, 3.0, 1.0), TorusCost(2600.0, 6.0, 5.5)
 THINNER = 20.0
 DENSE_FROM = 5000
@@ -107,8 +107,8 @@ class ShortRuns:
         return None if found is None else found[1]
 
     def _run(self, times: np.ndarray, physical: bool, clock: bool) -> Found | None:
-        """(γ and M, other times). ``times`` are physical if ``physical``, else τ; the others are τ, or t with
-        ``clock``.
+        """(γ and M, other times). With ``physical`` the ``times`` are physical, the others τ. Otherwise ``times`` are
+        τ, and with ``clock`` the others are physical.
         """
         if len(times) > MOST_TIMES:
             return None

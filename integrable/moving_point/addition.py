@@ -1,7 +1,7 @@
 """The inner steps of the exact flow, on bare reals; the compiler takes them unchanged.
 
-A *moving point* is (u0, u1, v0, v1, σ1, σ2, σ3, ν1, ν2, ν3): the divisor x² + u1·x + u0, v1·x + v0 and, for every axis,
-the pair (σ_i, ν_i) = (Γ_i, n_i)/r_i that resolves the signs of γ_i: κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
+A *moving point* is (u0, u1, v0, v1, σ1, σ2, σ3, ν1, ν2, ν3): the divisor U = x² + u1·x + u0, V = v1·x + v0 and a lift
+(σ_i, ν_i) for every axis. It carries the sign of γ_i = σ_i/|σ|, and κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
 *translation* is the same with κ_i = 1. All numbers are in the flow's units (:mod:`integrable.moving_point.setup`).
 They are ``float`` or ``mpf``, in lists, tuples or numpy rows. ``axes`` is (α1, α2, α3, κ1, κ2, κ3, α, β). For a tilted
 body α and β give its clock (α + βñ)/g̃ (:meth:`integrable.phase.upright.ChaplyginTransformation.rate`); for an upright
@@ -33,8 +33,8 @@ def noise(step: Row) -> Real:
 
 
 def carried(f: Row, axes: Row, point: Row, step: Row) -> Row:
-    """The moving point after the addition of a translation, uncorrected: the sum of the divisors, and the lift law
-    applied to every pair.
+    """The moving point after the addition of a translation, uncorrected: the sum of the divisors, and
+    every pair by the addition law of lifts (:func:`pair`).
     """
     divisor, transfer = add(
         (f[0], f[1], f[2], f[3], f[4], f[5]),
@@ -77,8 +77,8 @@ def settled_pair(
 def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust: Real) -> tuple[Real, Real]:
     """One Gauss–Newton step of :func:`settled` for one pair.
 
-    ``trust`` is the squared ratio of the noise of U, V, W to that of the lift law. Where κ is small (nearly equal
-    moments) the result stays close to the lift law.
+    ``trust`` is the squared ratio of the noise of U, V, W to that of the pair before. Where κ is small (nearly equal
+    moments) the pair hardly changes.
     """
     x, y = kappa * sigma, kappa * nu
     e1, e2, e3 = leading(u - x * sigma), leading(v - x * nu), leading(-w - y * nu)
@@ -122,7 +122,7 @@ def rate_at(axes: Row, point: Row) -> Real:
 
 
 def rate_after(f: Row, axes: Row, point: Row, step: Row) -> Real:
-    """1/g after the addition of a translation. For an upright body it needs only the chord, not the sum itself."""
+    """1/g after the addition of a translation. For an upright body the chord suffices, without the sum."""
     if axes[7] != 0:
         return rate_at(axes, carried(f, axes, point, step))
     q, l1, l0 = chord(
@@ -146,8 +146,8 @@ def upright_rates(f: Row, axes: Row, d: Real, point: Row, steps: Row, roots: Row
     """:func:`rate_after` of an upright body for many translations, fast in interpreted code. ``roots`` holds
     √(1 + d(u1 + du0)) of each translation.
 
-    g² is proportional to U(1/d). As f(1/d) = 0, the sum's U'' there is P²/(l1²·U·U'), P = qV + LU. P loses digits
-    where 1 − dα is small at an axis.
+    g² is proportional to U(1/d). As f(1/d) = 0, the sum's U'' there is P²/(l1²·U·U'), U' the translation's, P = qV + LU
+    with q and L = l1·x + l0 of the chord. P loses digits where 1 − dα is small at an axis.
     """
     curve, first = (f[0], f[1], f[2], f[3], f[4], f[5]), (point[0], point[1], point[2], point[3])
     height = 1 + d * (point[1] + d * point[0])

@@ -121,7 +121,7 @@ class BallTranslations:
         return step
 
     def _zero(self, m: arb, r: arb, eps: arb, size: int) -> tuple[arb, arb, arb, arb]:
-        """Enclosures of m and r; a bound of Σ(k+1)⁴q^k over the omitted terms; a bound of |m| + √|r|."""
+        """Enclosures of m and r; the bound of :meth:`_tail`; a bound of |m| + √|r|."""
         target = self.f[0] * eps * eps / 4
         noise = 2.0 ** (20 - self._plain.reals.bits) + 8 * (eps.rad() / eps).abs_upper()
         radii = [abs(x).abs_upper() * noise for x in (m, r)]

@@ -32,7 +32,7 @@ addition_centre, addition_terms = addition.centre, addition.FLOAT_TERMS
 
 
 def estimated(b: Expressions, series: Value, f0: Value, eps: Value) -> Value:
-    """:func:`integrable.moving_point.addition.estimate` for the kinds of these values."""
+    """:func:`integrable.moving_point.addition.estimate` in compiled code, for floats or double-doubles."""
     if single(eps.kind) is not WIDE:
         return b.call(_estimate, [series, f0, eps])
     high = [b.rounded(x) for x in (f0, eps)]
@@ -40,7 +40,7 @@ def estimated(b: Expressions, series: Value, f0: Value, eps: Value) -> Value:
 
 
 def leading_parts(b: Expressions, x: Value) -> Value:
-    """:func:`integrable.moving_point.addition.leading` for the kinds of these values."""
+    """:func:`integrable.moving_point.addition.leading` in compiled code: the high parts of double-doubles."""
     if isinstance(x.kind, ArrayKind):
         return Value(HIGHS, x.parts) if x.kind.item is WIDE else x
     return b.rounded(x)

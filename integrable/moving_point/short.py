@@ -53,13 +53,13 @@ from integrable.moving_point.short_steps import (
 LENGTH = 5.0
 # on half a panel of several basic lengths the body turns by at most this, in radians
 TURN = 1.7
-# fewer doublings than this are not used; with them the nodes are in wide numbers, as floats lose digits on such bodies
+# panels are doubled at least so often, or not at all. Doubled ones have wide nodes: floats lose digits on such bodies
 WORTHWHILE = 3
-# upper bounds on a panel: TAIL of the last coefficients of γ, w and 1/g; STEP of jumps at its ends for nodes in floats,
-# WIDE_STEP for nodes in wide numbers, next to a panel whose nodes may be in floats
+# upper bounds on a panel. TAIL: its last coefficients of γ, w and 1/g. STEP: the jump from the panel before, for nodes
+# in floats. WIDE_STEP: the same for nodes in wide numbers, where those of the panel before may be in floats
 TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
-# cost of a panel with nodes in wide numbers, in panels with nodes in floats
+# cost of a panel with nodes in wide numbers, in units of one with nodes in floats
 CAREFUL = 10
 # relative tolerances: of the integrals of returned states, and of H2 at centres. The second is needed as double-doubles
 # lose most digits near a cluster of branch points, and panels that share a centre show no jump
@@ -245,8 +245,8 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
 
 
 def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
-    """The largest of the last coefficients of γ, w and 1/g relative to its mean, then the largest of earlier
-    coefficients, both times the amplification of errors.
+    """The largest of the last coefficients of γ, w and, for physical times, of 1/g over four times its mean; then the
+    largest of earlier coefficients. Both are multiplied by the amplification of errors.
     """
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):

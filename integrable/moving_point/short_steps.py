@@ -77,7 +77,7 @@ def exact_at(rows: Expansion, eps: float) -> bool:
     """
     square, exact = eps * eps, True
     fourth, fall = square * square, square * ORDER_GAIN
-    # u0 and u1 begin one order higher, v1 two
+    # u0 and u1 begin with order 1; v1·eps begins with 2
     a = max(abs(float(rows.u0[1])), abs(float(rows.u0[2])) * square)
     b = max(abs(float(rows.u1[1])), abs(float(rows.u1[2])) * square)
     c = max(abs(float(rows.v0[0])), abs(float(rows.v0[1])) * square, abs(float(rows.v0[2])) * fourth)
@@ -182,7 +182,7 @@ def longer(room: ShortRoom, origin: int, by: int, target: int) -> None:
         # two equal or nearly equal moments
         put(settled(curve_of(wide), unit_axes(wide), there, noise(moving_point(steps, 10 * by))), steps, 10 * target)
     else:
-        # the value of r_i for κ = 1
+        # r_i for κ_i = 1, as translations have it
         r = wide[CONTACT] / wide[9], wide[CONTACT + 1] / wide[10], wide[CONTACT + 2] / wide[11]
         x, y, _ = framed(wide, r, there)
         put(on_pairs(wide, r, x, levelled(wide, r, x, y, 0.0)), steps, 10 * target)
@@ -318,7 +318,7 @@ def contact_of(wide: Row) -> Vector[Real]:
 
 
 def contact_in_floats(wide: Row) -> tuple[Real, ...]:
-    """r_i in floats, followed by their rounding errors, which would be common to all nodes."""
+    """r_i in floats, then their rounding errors. Without these all nodes would have a common error."""
     r0, r1, r2 = wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2]
     x, y, z = float(r0), float(r1), float(r2)
     return x, y, z, float(r0 - x), float(r1 - y), float(r2 - z)

@@ -1,6 +1,6 @@
 """L-polynomials from their coefficients modulo p, for many primes.
 
-For p > 16g² its residue determines a_1, as |a_1| ≤ 2g√p. In genus 1 there is nothing else. In genus 2 and 3 the group
+For p > 16g² the residue of a_1 determines it, as |a_1| ≤ 2g√p. In genus 1 that is all. In genus 2 and 3 the group
 law determines the other a_i (:mod:`jacobian.arithmetic.decision_kernels`). Where several candidates remain, as with
 groups of small exponent, and for small primes, points are counted prime by prime (:mod:`jacobian.finite.frobenius`).
 """
@@ -58,7 +58,7 @@ def _desk(g: int, p: int) -> Any:
     from jacobian.arithmetic.desk import HEAD, Desk
 
     n = 2 * g + 3
-    # the square root of at most 20 rows of 40√p candidates
+    # room for about the square root of 20 rows of 40√p candidates, the most in genus 3
     steps = isqrt(1000 * isqrt(p)) if g == 3 else 4
     sizes = (HEAD + n + 2 * (g + 2), (ROWS, 4 * g + 8), (8, width(g)), n, n, (steps, width(g)), 4 * steps + 4, (24, 2))
     return Desk(*(np.zeros(size, np.int64) for size in (*sizes, (MOST, 2))))

@@ -25,9 +25,9 @@ POINTS = 12
 
 
 def decide(equations: Any, residues: Any, desk: Any, out: Any, begin: int, end: int) -> None:
-    """Writes (p, a_1, … a_g, the number of remaining candidates) into the rows of ``out`` from begin to end.
+    """Completes the rows (p, a_1, … a_g, the number of remaining candidates) of ``out`` from begin to end.
 
-    p is there already; ``residues`` are a_1 and the other a_i modulo p, ``equations`` the coefficients of F modulo p.
+    p is given there; ``residues`` are a_1 and the other a_i modulo p, ``equations`` the coefficients of F modulo p.
     The number is 1 where the prime is decided, 0 where every candidate is wrong.
     """
     g = residues.shape[1]

@@ -1,6 +1,6 @@
-"""Classes modulo one prime after the other, on curves set up for the prime: loops to be compiled.
+"""Divisor classes on curves modulo p, set up for one prime after the other: loops to be compiled.
 
-Classes are those of :mod:`jacobian.addition.cantor_words`, added in genus 2 by the explicit formulas where they apply.
+They are those of :mod:`jacobian.addition.cantor_words`, added in genus 2 by the explicit formulas where they apply.
 """
 
 from __future__ import annotations

@@ -94,7 +94,7 @@ def algebra(basis: Sequence[Integers]) -> Algebra:
 def _product_of_fields(matrices: Sequence[Any]) -> str:
     """The names of the fields whose product is a commutative algebra.
 
-    They are read off the minimal polynomial, of least discriminant, of a generator.
+    They are read off the minimal polynomial of the generator for which its discriminant is least.
     """
     generators = []
     for c in product(range(-2, 3) if len(matrices) < 5 else range(-1, 2), repeat=len(matrices)):
@@ -184,7 +184,7 @@ def is_norm(L: Sequence[int], d: int) -> bool:
 def _splits(polynomial: Any, d: int) -> bool:
     """Whether an irreducible polynomial factors over QQ(√d).
 
-    With an m for which the norm of polynomial(x + m√d) is squarefree, it does if this norm factors (Trager 1976).
+    If the norm of polynomial(x + m√d) is squarefree, the polynomial factors exactly if this norm does (Trager 1976).
     """
     from flint import fmpz_poly
 
@@ -216,7 +216,7 @@ def _power(L: Sequence[int], n: int) -> Any:
 
 
 def _endomorphisms_of(frobenius: Any) -> int:
-    """The dimension of End⁰ over the field with this polynomial of Frobenius: Σ m² over its roots (Tate 1966)."""
+    """The dimension of End⁰ by the polynomial of Frobenius: Σ m² over its roots, m their multiplicity (Tate 1966)."""
     return sum(part.degree() * times**2 for part, times in frobenius.factor_squarefree()[1])
 
 
@@ -232,7 +232,7 @@ def _centres(polynomials: Sequence[tuple[int, Sequence[int]]]) -> set[int]:
         elif len(L) == 5 and L[2] % p:
             a, b = L[1:3]
             inner, outer = a * a - 4 * b + 8 * p, (b + 2 * p) ** 2 - 4 * p * a * a
-            # the real subfield is the only quadratic one of QQ(π) if it is not biquadratic
+            # if QQ(π) is not biquadratic, its real subfield is its only quadratic one
             if isqrt(inner) ** 2 != inner and isqrt(outer) ** 2 != outer:
                 factors = _power(L, ROOTS_OF_UNITY).factor()[1]
                 found |= {squarefree(inner)} if len(factors) == factors[0][1] == 1 else set()

@@ -52,7 +52,7 @@ def translations(F: Sequence[int], g: int) -> list[int]:
 def exceptions(F: Sequence[int], g: int) -> int:
     """An integer whose prime divisors, and 2, are excluded from :func:`hasse_witt`.
 
-    It is the product of the values of F at the translations, and of the differences of these.
+    It is the product of the values of F at the translations, and of the differences of translations.
     """
     shifts = translations(F, g)
     values = (sum(c * a**i for i, c in enumerate(F)) for a in shifts)

@@ -123,8 +123,8 @@ class Room(NamedTuple):
 
 
 def walk(shape: Any, ends: Any, group: Any, room: Any, out: Any, total: Any) -> None:
-    """Walks to k = ends[n], ascending, and writes the last coefficients into rows of ``out``, the product of all k into
-    ``total``: prime by prime what all lanes of its group hold. ``shape`` = (start, d, count, translates).
+    """Walks to k = ends[n], n ascending. There the last coefficients go into rows of ``out``, the product of all k into
+    ``total``: for prime n, all lanes of its group. ``shape`` = (start, d, count, translates).
     """
     start, d, count, translates = shape
     states, groups = room.states, len(group.primes)

@@ -3,8 +3,8 @@
 For y² = F(x) the matrix has the coefficients of x^(ip−j) in F^((p−1)/2), 1 ≤ i, j ≤ g (Manin 1961; Yui 1978). Over
 extension fields and for small p python-flint raises F to that power. For larger p the coefficients obey a linear
 recurrence in the index (Bostan, Gaudry and Schost 2007), which divides by the index and so stops at p. It gives those
-below p, i = 1, in O(g·p) operations, or, over GF(p) from 2^20 on, in Õ(√p) by :mod:`jacobian.finite.matrix_products`;
-those of g translates F(x + a) determine the matrix (Harvey and Sutherland 2016).
+with i = 1 in O(g·p) operations, or, over GF(p) from 2^20 on, in Õ(√p) by :mod:`jacobian.finite.matrix_products`.
+Those of g translates F(x + a) determine the matrix (Harvey and Sutherland 2016).
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
         )
     into, back = conversions(K)
     power = into(F) ** ((p - 1) // 2)
-    # over GF(p) a few of many coefficients are converted
+    # over GF(p) the few coefficients that are needed are converted one by one
     extended = None if K.order == p else back(power)
     return [
         [
@@ -131,7 +131,7 @@ def _binomial_matrix(K: Any, a: Any, g: int) -> list[list[Any]]:
 
 
 def _first_column(K: Any, F: poly.Poly, g: int, index: int = 0) -> list[Any]:
-    """The coefficients of x^(p−1), …, x^(p−g) in F^((p−1)/2), F(0) ≠ 0, the translate of this index of g."""
+    """The coefficients of x^(p−1), …, x^(p−g) in F^((p−1)/2), F(0) ≠ 0. ``index``: which of g translates F is."""
     p = K.characteristic
     start = K.power(F[0], (p - 1) // 2)
     ratios = [K.div(c, F[0]) for c in F[1:]]

@@ -30,7 +30,7 @@ MEMORY = 3 << 30
 class Products:
     """The products for one polynomial F, F(0) ≠ 0, over GF(p), p < 2^49: ``ratios`` are f_i/f_0, i = 1 … d.
 
-    ``part`` = (i, g) for the i-th of g such polynomials: the log shows the progress of all.
+    ``part`` = (i, g) says that F is the i-th of g polynomials: the log shows the progress of all.
     """
 
     def __init__(self, p: int, ratios: list[int], part: tuple[int, int] = (0, 1), beta: int | None = None) -> None:
@@ -119,8 +119,8 @@ def step(p: int, d: int) -> int:
 
 
 def transforms(p: int, beta: int) -> float:
-    """The work for one entry: a transform of length 2n counts n·log₂ n, at each doubling four, then two for every β
-    points more."""
+    """The work for one entry. A transform of length 2n counts n·log₂ n; each doubling takes four, every β points beyond
+    the first β two."""
     levels = range(FIRST.bit_length() - 1, beta.bit_length() - 1)
     more = ((p - 1) // beta - 1) // beta
     return sum(4 * (1 << m) * m for m in levels) + 2 * more * beta * log2(beta)

@@ -124,7 +124,7 @@ def is_kept() -> bool:
 
 
 class EllipticFunctions:
-    """Miller's functions on a curve with :func:`has_functions`."""
+    """Miller's functions on a curve for which :func:`has_functions` is true."""
 
     def __init__(self, C: HyperellipticCurve) -> None:
         field: Any = C.field

@@ -57,7 +57,7 @@ def _two_rank(C: HyperellipticCurve) -> int:
 
 
 def is_supersingular(C: HyperellipticCurve, chi: Any) -> bool:
-    """Whether the Newton polygon of χ over GF(p^k) is the line of slope k/2: p^⌈ik/2⌉ | a_i. ``chi`` as above.
+    """Whether the Newton polygon of χ over GF(p^k) is the line of slope k/2: p^⌈ik/2⌉ | a_i. ``chi`` computes χ.
 
     In characteristic 2, p-rank 0 decides up to genus 2, where no other polygon has it.
     """

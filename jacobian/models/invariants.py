@@ -137,7 +137,7 @@ def transvectant(ring: Ring, f: list[Any], g: list[Any], order: int) -> list[Any
 
 
 def _derivative(form: list[Any], by_x: int, by_y: int) -> list[tuple[int, tuple[int, Any]]]:
-    """(power of x, (factor, coefficient)) of the terms of a form differentiated so often by x and y."""
+    """The terms of a form after ``by_x`` and ``by_y`` differentiations: (power of x, (factor, coefficient))."""
     degree = len(form) - 1
     return [(k - by_x, (perm(k, by_x) * perm(degree - k, by_y), form[k])) for k in range(by_x, degree - by_y + 1)]
 

@@ -101,7 +101,7 @@ class DualIsogeny(Immutable):
 class Splitting(Immutable):
     """The isogeny from the Jacobian of y² = G₁G₂G₃ with linearly dependent G_i to two elliptic curves.
 
-    There are s₁, s₂ with G_i = a_i(x − s₁)² + b_i(x − s₂)² (one of them may be ∞): with X = ((x − s₁)/(x − s₂))² the
+    There are s₁, s₂, one of them possibly ∞, with G_i = a_i(x − s₁)² + b_i(x − s₂)². By X = ((x − s₁)/(x − s₂))² the
     curve covers Y² = Π(a_iX + b_i) and Y² = Π(a_i + b_iX). ``source``, ``targets``: the curves; ``split(D)``: the two
     images of a class. FieldError where s₁ and s₂ are conjugate, with the field that has them.
     """
@@ -247,7 +247,7 @@ def _to_squares(K: Field, quadratics: Quadratics) -> tuple[Any, Any, Any, Any]:
     """
     for a, b in combinations(quadratics, 2):
         jacobian = poly.sub(K, poly.mul(K, poly.derivative(K, a), b), poly.mul(K, a, poly.derivative(K, b)))
-        # as forms of degree 2: the terms that derivatives by x omit cancel
+        # the G_i are forms of degree 2: the terms that derivatives by x alone omit cancel
         if jacobian:
             break
     degree = len(jacobian) - 1

@@ -11,8 +11,8 @@ from jacobian.models.isomorphism import Isomorphism
 
 
 def move_to_infinity(C: HyperellipticCurve, P: Given) -> Isomorphism:
-    """The isomorphism by x' = 1/(x − x(P)), which takes a rational point P to infinity: to ∞₊, or for a P = ιP to the
-    only point there, of an equation of odd degree. Exact fields; the identity, or ∞₊ ↔ ∞₋, for a P at infinity.
+    """The isomorphism by x' = 1/(x − x(P)), which takes a rational point P to infinity: to ∞₊ or, if P = ιP, to the
+    only point at infinity of an equation of odd degree. Exact fields; the identity, or ∞₊ ↔ ∞₋, for a P at infinity.
     """
     K, P = check_curve(C).field, C.check_point(P)
     if isinstance(P, PointAtInfinity):
