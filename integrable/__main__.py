@@ -5,7 +5,7 @@ from __future__ import annotations
 from integrable import _command
 
 if __name__ == "__main__":
-    # here, because the rest of this file is imported once the command answers interrupts
+    # before the imports below: _command makes the process answer interrupts, and then imports this file again
     _command()
 
 import argparse

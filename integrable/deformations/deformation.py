@@ -34,7 +34,7 @@ class Deformation(Hamiltonian):
         if self.repels:
             from integrable.deformations.pole_flow import PoleFlow
 
-            # refuses a state at which the potential is infinite
+            # raises NotRepresentable where the potential is infinite
             self.integrals(state)
             return PoleFlow(self, state)
         raise ArgumentError(
@@ -53,7 +53,7 @@ class Deformation(Hamiltonian):
             try:
                 return self.flow(state)
             except NotRepresentable:
-                # equal moments or K = 0: the equations of motion are regular there
+                # equal moments or K = 0: the equations of motion are regular there, and are integrated
                 pass
         from integrable.deformations.integrated import IntegratedMotion
 
@@ -71,7 +71,7 @@ class Deformation(Hamiltonian):
         return two_curves.divisors(self, self._checked(state))
 
     def from_divisor(self, D: TwoPoints, like: State | None = None) -> State:
-        """The state that belongs to two points, one of eight that share them: the state with the signs of ``like``.
+        """The state that belongs to two points. Eight states share them; the result has the signs of ``like``.
 
         Without ``like`` the signs are those of the field's square roots of w_i², w = γ × M, and of g².
         """

@@ -58,7 +58,7 @@ def at_its_precision(method: Callable[..., Any]) -> Any:
 class CurvesCarrier(Carrier):
     """The motion of a deformation at one precision, used by a :class:`DeformedFlow`. Its points are (γ, M).
 
-    ``system`` and ``start`` are over wide numbers: LongNumbers, entered when the carrier is created, or MP(digits).
+    ``system`` and ``start`` are over wide numbers: MP(digits), or LongNumbers in whose context it is created.
     Changes of H and K are relative to ``sizes``, the error of M relative to ``momentum`` if M = 0. A point moves on
     each of ``curves`` for ``speed``·τ; ``tracks`` and ``frame`` give the state, with the axes in ``order``.
     """
@@ -159,9 +159,8 @@ class DeformedFlow(EnclosedMotion):
 
     It is the base class of the flows that ``system.flow`` returns. The inputs count as exact, and states are rounded
     once to the field, floats included. Repeated calls return the same bits, whatever was computed before. Last bits may
-    change only when the walk of a kind of systems is compiled, once per machine
-    (:class:`integrable.series.kinds.Kind`). PrecisionLoss if more than MOST_LOST digits would be lost
-    (:mod:`integrable.motion.precise`).
+    change only when :class:`integrable.deformations.equations.NearWalk` is compiled for a kind of systems, once per
+    machine. PrecisionLoss if more than MOST_LOST digits would be lost (:mod:`integrable.motion.precise`).
     """
 
     method = "elliptic curves"

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 STEP = 0.125
 MOST_STEPS = 4_000
 KNOWN_FROM = 16
-"""Number of steps from which the remaining ones are estimated."""
+"""Number of steps after which the remaining ones are estimated."""
 SPARE_BITS = 64
 """Number of bits that the balls of the first attempt may lose."""
 MOST_ATTEMPTS = 8
@@ -50,7 +50,7 @@ SMALLEST_DISC = 1e-15
 
 
 class EnclosedMotion(Motion):
-    """The base class of the motions of deformations: states can be enclosed in balls from the equations of motion."""
+    """The base class of the motions of deformations. It encloses states in balls, from the equations of motion."""
 
     def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
         """Enclosures of the states at physical times: balls of radius at most 10^(−digits) that provably contain them.
@@ -179,7 +179,7 @@ class _March:
     # --- one step
 
     def _around(self, radius: float) -> _Around:
-        """The motion around the present time; ``radius`` is the first guess of the disc, 0 for none."""
+        """The motion around the present time; ``radius`` is a first guess of that of the disc, 0 for none."""
         radius, reach = self._disc(radius)
         return _Around(self._now, self._series(self._point, self._order, self._flint.arb), radius, reach)
 

@@ -1,6 +1,6 @@
-"""The equations of motion of a deformation as a formula, and their walks near the start.
+"""The equations of motion of a deformation as a formula, and their integration near the start.
 
-Walks are compiled for a kind of systems (:mod:`integrable.series.kinds`).
+A walk is such an integration by Taylor series, compiled for a kind of systems (:mod:`integrable.series.kinds`).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from jacobian.immutable import replaced
 
 __all__ = ["NearWalk", "right_hand_sides"]
 
-# by theta functions, by theta functions in repelling poles, and by an integrator (python -m benchmarks near)
+# costs of states by theta functions, without and with repelling poles, and by integration (python -m benchmarks near)
 BY_THETA, BY_THETA_IN_POLES, BY_STEPS = Cost(300, 3), Cost(900, 3), Cost(150_000, 0)
 
 
@@ -48,7 +48,7 @@ def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[R
 
 
 class Equations:
-    """The equations of motion of a system for walks near a start, in t if ``physical``, otherwise in τ."""
+    """The compiled equations of motion of a system for walks, in t if ``physical``, otherwise in τ."""
 
     size = 3
 
@@ -58,7 +58,7 @@ class Equations:
 
 
 class NearWalk:
-    """The :class:`integrable.phase.ways.Way` to states near the start; it may take as long as the next way costs."""
+    """The :class:`integrable.phase.ways.Way` to states near the start; it takes at most ``cost``, that of the next."""
 
     way = "integrated"
 

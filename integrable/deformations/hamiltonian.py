@@ -42,7 +42,7 @@ class DeformedIntegrals(NamedTuple, Generic[Element]):
 
 
 class Isometry(NamedTuple):
-    """H of a check or hat pair is ``factor`` times the H̃ of the tilde ``pair`` at the lift by B; ``squares`` are B²."""
+    """H of a check or hat pair is ``factor``·H̃ of the tilde ``pair`` at the lift by B = diag(√``squares``)."""
 
     squares: Vector
     factor: Real
@@ -230,7 +230,7 @@ class Hamiltonian(Made):
 
 @contextmanager
 def _finite() -> Iterator[None]:
-    """Raises NotRepresentable where a vanishing γ_i, s or 1 − ds is divided by."""
+    """Turns a division by a vanishing γ_i, s or 1 − ds in the block into NotRepresentable."""
     try:
         yield
     # numpy raises FloatingPointError

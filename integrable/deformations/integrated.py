@@ -30,7 +30,7 @@ STEP_DIGITS = 2
 LOST_DIGITS = 3
 # rates within 2^±USUAL are not rescaled, which saves one product per rate
 USUAL = 10
-# relative change of coordinates; large enough to change a K with a double zero, as at K = 0
+# relative change of coordinates from which the sizes of H and K are found; it changes K even at a double zero
 PART = 1.2345e-4
 
 
@@ -47,7 +47,7 @@ class IntegratedMotion(EnclosedMotion):
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
-        # refuses fields other than RR or MP(digits)
+        # raises ArgumentError for fields other than RR or MP(digits)
         digits_asked(system.field)
 
     @cached_property
@@ -124,8 +124,8 @@ class IntegratedStates:
     def _exponent(self) -> int:
         """The exponent of the unit of time, 2^−exponent, in which the equations are integrated.
 
-        A fast or slow γ moves by about 1 per unit. In other units coefficients of order 20 and more, which grow as
-        powers of the rate, would exceed the range of floats.
+        In this unit a fast or slow γ moves by about 1. In other units the coefficients of order 20 and more, which grow
+        as powers of the rate, would exceed the range of floats.
         """
         context, rate = self._system.field.context, self._system.vector_field(self._state)
         # for a body at rest γ̈ is of the size of Ṁ divided by a moment
@@ -136,7 +136,7 @@ class IntegratedStates:
         return exponent if abs(exponent) > USUAL else 0
 
     def _missing(self, rows: list[list[Real]]) -> list[int]:
-        """For each row, the number of digits by which H and K miss an accuracy of LOST_DIGITS less than requested."""
+        """For each row, the number of digits that H and K lack; LOST_DIGITS fewer than requested are enough."""
         wanted = self._asked - LOST_DIGITS
         (before, *moved), found = ([self._integrals(y) for y in points] for points in (self._nearby, rows))
         # H and K are measured relative to |F| + Σ|ΔF/part|, F = H or K, ΔF its change at a nearby state

@@ -31,7 +31,7 @@ class Check(IsometricDeformation):
     ``potential`` = (a, b, β_1, β_2, β_3) adds a/s + b(s⁻³ − tr A⁻¹·s⁻²) + Σβ_i(1/a_j + 1/a_k − 2/s)s/(a_iγ_i²).
     It is isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`). (Tsiganov, the check Hamiltonian
     as corrected in docs/errata.md, item 22.) The kinetic energy is indefinite, so a pole may attract, and γ_i may reach
-    0 in finite time.
+    0 in finite time. The letters s, m1, m2 and ξ are those of :class:`Scalars`.
     """
 
     def isometry(self) -> Isometry:
@@ -70,7 +70,7 @@ class Check(IsometricDeformation):
 class Hat(IsometricDeformation):
     """H = α·m1 − (σ + ατ)m2 = ν1 + ν2, K = (σξ + τζ)²(w, Aw) = −e3·ν1ν2 on e*(3), (γ, M) = 0, with a_i = 1/I_i.
 
-    α = σ·tr A⁻¹ − 2τ, τ = tr A − s, w = γ × M. K = −e3·ν1ν2 extends to a potential.
+    α = σ·tr A⁻¹ − 2τ, τ = tr A − s, w = γ × M (other letters: :class:`Scalars`). K = −e3·ν1ν2 extends to a potential.
     ``potential`` = (a, b, β_1, β_2, β_3) adds aS + b(S³ − tr A⁻¹·S²) + Σβ_i(1/a_j + 1/a_k − 2S)σ/(a_ja_kγ_i²),
     S = e2/e3 − τ/σ. The pair is isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`).
     """

@@ -16,7 +16,7 @@ from jacobian.inexact.long_numbers import LongNumbers
 
 
 class SeparatedOval:
-    """The oval with the branch points ``e``, from all |R_i| at one point and the sign of Z' there.
+    """The oval of the curve with branch points ``e``, from all |R_i| at the start and the sign of Z' there.
 
     ``gap(i, j)`` returns e_i − e_j, to all digits. ``low``, ``middle`` and ``high`` are the indices of the smallest,
     middle and largest e_i. ``period`` is the real period, after which R_low and R_middle have changed sign. ``table``
@@ -32,7 +32,7 @@ class SeparatedOval:
         self.signs = [1 if i == self.low else -1 for i in range(3)]
         self.start = list(sizes)
         self.start[self.low] *= turn
-        # rounding may make a gap negative, or that of an oval that is a point
+        # rounding may make a small gap negative, such as the width of an oval that is a point
         self.swing, self.breadth, self.above = (
             abs(gap(i, j)) for i, j in ((self.middle, self.low), (self.high, self.low), (self.high, self.middle))
         )

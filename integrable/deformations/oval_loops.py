@@ -37,11 +37,11 @@ class Track(NamedTuple):
 class Frame(NamedTuple):
     """The body and the integrals of a motion.
 
-    Without a potential ``numbers`` are three weights of e_i with their signs, three 1 − da_i, three weights of n_i,
-    three a_i, then d, μ1, μ2, λ1, λ2, the sign of the permutation that orders the axes, and the sign of γ and M.
-    ``in_poles``, in repelling poles, they are three a_i, three b_i, three c_i, the signs of the γ_i, λ1, λ2, H and K.
-    ``back`` is the diagonal of the lift to a check or hat pair, and ``lifted`` tells whether it applies. ``sizes`` are
-    those of H and K of the tilde pair.
+    Without a potential ``numbers`` are three signed weights of w_i/|M|, three 1 − da_i, three weights of N_i
+    (:mod:`~integrable.deformations.two_curves`), three a_i, then d, μ1, μ2, λ1, λ2, the sign of the permutation that
+    orders the axes, and the sign of γ and M. If ``in_poles`` (repelling poles), they are three a_i, three b_i, three
+    c_i, the signs of the γ_i, λ1, λ2, H and K. ``back`` is the diagonal of the lift to a check or hat pair, used if
+    ``lifted``. ``sizes`` are the units in which errors of H and K of the tilde pair are measured.
     """
 
     numbers: Row
@@ -112,7 +112,7 @@ def height(track: Track, r: Three) -> Real:
 
 
 def free_state(b: Row, p: Three, q: Three, first: Track, second: Track) -> tuple[Three, Three]:
-    """(γ, M) of the tilde pair without potential, from the roots on both curves (``b``: :class:`Frame`).
+    """(γ, M) of the tilde pair without potential, from the roots on both curves (``b``: ``Frame.numbers``).
 
     Since μ1 > 0 > μ2, the axes of low and high are exchanged on the second curve.
     """
@@ -162,7 +162,7 @@ def integrals_drift_of(frame: Frame, gamma: Three, M: Three) -> float:
 def state_in_poles(b: Row, p: Three, q: Three, first: Track, second: Track) -> tuple[Three, Three]:
     """(γ, M) of the tilde pair in repelling poles, where heights on the curves are the ũ_k.
 
-    ``b``: :class:`Frame`. The formulas: :mod:`integrable.deformations.pole_flow`.
+    ``b`` is ``Frame.numbers``. The formulas: :mod:`integrable.deformations.pole_flow`.
     """
     u1, u2 = height(first, p), height(second, q)
     gap = u2 - u1
@@ -178,7 +178,7 @@ def state_in_poles(b: Row, p: Three, q: Three, first: Track, second: Track) -> t
 def component_in_poles(
     over: Real, under: Real, y1: Real, y2: Real, h2: Real, b: Real, c: Real, sign: Real
 ) -> tuple[Real, Real]:
-    """(γ_i, w_i) from a_i − ũ_k, whose product is c_iE_i², and ũ_k' over ũ2 − ũ1."""
+    """(γ_i, w_i) from ``over`` = a_i − ũ1 and ``under`` = a_i − ũ2, with the product c_iE_i²; y_k is ũ_k'/(ũ2 − ũ1)."""
     v = y1 * under - y2 * over
     x = sign * root((4 * b * c * c + v * v) / (4 * h2 * c * over * under))
     return x, v / (2 * c * x)

@@ -28,7 +28,7 @@ GUARD_BITS = 30
 
 class OvalsClock(LongClock):
     """t(τ) and τ(t) of an :class:`integrable.deformations.separated_flow.OvalCarrier`, to ``digits`` digits relative to
-    its longer period. PrecisionLoss if 1/g needs too many modes.
+    the longer period of its curves. PrecisionLoss if 1/g needs too many modes.
     """
 
     def __init__(self, motion: Any, digits: int) -> None:
@@ -76,7 +76,7 @@ def modes_of_pace(motion: Any, digits: int, field: Any) -> Modes:
             )
         table = cosines(motion, sizes, bits)
         loud = abs(table) > table[0, 0] // 10**digits
-        # in a table that is too small the last modes are not small
+        # if the last modes are not small, the table is too small
         ends = loud[-1 - sizes[0] // 16 :].any(), loud[:, -1 - sizes[1] // 16 :].any()
         if not any(ends):
             rows, columns = (int(np.flatnonzero(loud.any(axis=1 - k))[-1]) + MARGIN for k in range(2))
@@ -122,7 +122,7 @@ def cosines(motion: Any, sizes: tuple[int, int], bits: int) -> np.ndarray:
 
 
 def _transformed(values: np.ndarray, count: int, bits: int) -> np.ndarray:
-    """The c_k with Σ_k c_k cos(πjk/n) = values_j, j, k = 0 … n, along the first axis."""
+    """The c_k with Σ_k c_k cos(πjk/n) = values_j, j, k = 0 … n = ``count``, along the first axis."""
     # transforms of even real columns are real, so one complex transform computes two of them
     width = (values.shape[1] + 1) // 2
     halves = (

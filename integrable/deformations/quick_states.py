@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 MOST_TURNS = 1e6
 # largest error of H and K, relative to their sizes, and of the farthest state
 MOST_LOST = 1e-20
-# largest relative error of 1/g, and of a time of the clock: some rounding units of floats
+# largest relative error of 1/g, and of a time from the clock: some rounding units of floats
 MOST_OFF = 4e-14
 # modes of 1/g below this, relative to its mean, are omitted; larger ones would affect the last bit of τ
 NOISE = 4e-18
@@ -133,7 +133,7 @@ class QuickStates:
     def _quick(
         self, carrier: Any, packed: Packed, phases: np.ndarray, far: int, truth: tuple[Sequence[Real], Sequence[Real]]
     ) -> np.ndarray | None:
-        """γ and M at phases since the start; None if H or K changes, or if row ``far`` differs from ``truth``."""
+        """γ and M at phases since the start; None if H or K drifts, or if row ``far`` differs from ``truth``."""
         count = len(phases) // 2
         out, rest, room = np.empty(6 * count), np.empty(6 * count), np.empty((6 * count, 2))
         lost = LIBRARY.states(*packed.tracks, packed.frame, phases, (out, rest, room))

@@ -2,8 +2,8 @@
 
 In ũ_k, the roots of Σ w_i²/(x − a_i), w = γ × M, the flow of H = λ1 + λ2 separates: ũ_k' = y_k, y_k² = λ_kφ(ũ_k), φ(x)
 = 4(dx − 1)Π(a_i − x), with λ_k constant, λ1 > 0 > λ2, and ' = d/dτ, dτ = g dt. Z = μ_k·ũ/(1 − dũ), μ_k = λ_kΠ(1 −
-da_i), brings each curve to Z'² = 4Π(Z − e_i), e_i = μ_k/I_i, on which the motion is an addition
-(:mod:`integrable.deformations.oval`), written by theta functions: any τ costs the same. (The separation: Tsiganov.)
+da_i), brings each curve to Z'² = 4Π(Z − e_i), e_i = μ_k/I_i (:mod:`integrable.deformations.oval`). There the motion is
+an addition, computed by theta functions, so any τ costs the same. (The separation: Tsiganov.)
 """
 
 from __future__ import annotations
@@ -139,7 +139,7 @@ class OvalCarrier(CurvesCarrier):
 
     @at_its_precision
     def times_of(self, time_of: TimeOf) -> list[Real]:
-        """The time on each curve for :meth:`SeparatedFlow.translated`."""
+        """The time on each curve from ``time_of``, for :meth:`SeparatedFlow.translated`."""
         return [time_of(k, self.field, mu, c.e) for k, (mu, c) in enumerate(zip(self.mu, self.curves, strict=True))]
 
 

@@ -13,7 +13,7 @@ from jacobian.native.special import SPECIAL
 
 __all__ = ["LIBRARY", "SeriesRoom", "march_along"]
 
-# number of steps from which the remaining ones are estimated; factor by which the estimate may be wrong
+# number of steps after which the remaining ones are estimated; factor by which the estimate may be wrong
 KNOWN_FROM = 4
 UNEVEN = 4
 # reasons why a march ends before its last time: its steps shrink to 0; there are too many steps

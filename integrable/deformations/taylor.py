@@ -31,7 +31,7 @@ DOUBLE_DOUBLE = 28
 class _Interpreted:
     """The loops on bare reals with the digits of the field."""
 
-    # products of coefficients in half a minute, and those that take as long as the overhead of a step
+    # number of products of coefficients in half a minute, and in the time of the overhead of a step
     most, overhead = 3e7, 500
 
     def __init__(self, field: Any) -> None:
@@ -57,7 +57,7 @@ class _Interpreted:
 class _Compiled:
     """The loops on double-doubles."""
 
-    # the same, in a second
+    # the same two numbers, with a second for half a minute
     most, overhead = 6e7, 3e4
 
     def __init__(self, field: Any) -> None:

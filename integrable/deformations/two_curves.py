@@ -2,8 +2,8 @@
 
 ũ_k are the roots of Σ w_i²(x − a_j)(x − a_k), w = γ × M; λ_k = H1 − ũ_kH2; y_k = dũ_k/dτ along the flow of H̃. With μ_k
 = λ_kΠ(1 − da_i) the point (Z, Y) = (μ_kũ/(1 − dũ), μ_ky/(1 − dũ)²) lies on Y² = 4Π(Z − μ_k/I_i). The curves are ordered
-by λ: over the reals ũ1 < ũ2, over an exact field by the field's numbering. The map takes the roots of the quadratic of
-ũ; its inverse takes the square roots of w_i² and of g². (Tsiganov's separation.)
+by λ: over the reals ũ1 < ũ2, over an exact field by the field's numbering. To find the points, the quadratic of ũ is
+solved; the inverse needs square roots of w_i² and of g². (Tsiganov's separation.)
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class _Image(NamedTuple):
 
 
 def divisors(system: Hamiltonian, state: State) -> TwoPoints:
-    """The two points of a state of a pair without potential; those of a check or hat pair are its tilde pair's.
+    """The two points of a state of a pair without potential; for a check or hat pair, those on its tilde pair's curves.
 
     NotASquare if ũ1, ũ2 or g are not in the field; NotRepresentable if moments are equal, ũ1 = ũ2, or K = 0.
     """

@@ -39,7 +39,7 @@ class Outcome(NamedTuple):
     """The outcome for all members, in numbers.
 
     ``status``, shape (K,), holds 0 or the number of a reason, ``ways`` the indices of the ways in ``WORDS``.
-    ``partial`` maps each member with refused rows to the reason numbers of all its rows.
+    ``partial`` maps each member that is refused in some rows to the reason numbers of all its rows.
     """
 
     status: np.ndarray
@@ -49,8 +49,8 @@ class Outcome(NamedTuple):
 
 
 class Said(NamedTuple):
-    """The outcome for one member: the index of its way, and the reason of each refused row ("" for the others), or of
-    all.
+    """The outcome for one member: the index of its way, and ``why``: the reason of a member refused as a whole, else
+    one reason per row, "" where it is not refused.
     """
 
     member: int
@@ -69,7 +69,7 @@ def computed(
     body = isinstance(system, System) and not interpreted()
     if body and out.shape[1] <= MOST_TIMES:
         quick = plain(members, tilted)
-    # a short run has been tried already
+    # "auto" would try a short run, which has been tried already
     kernel = "compiled" if body else "auto"
 
     def motion(member: int) -> Motion:
@@ -79,7 +79,7 @@ def computed(
 
 
 def computed_singly(motion: Callable[[int], Motion], times: np.ndarray, out: np.ndarray) -> Outcome:
-    """:func:`computed` for motions that are made one by one, ``motion(k)`` or its refusal, on one thread."""
+    """:func:`computed` on one thread, for motions made one by one: ``motion(k)`` returns or refuses member k."""
     none = np.zeros(len(out), dtype=bool)
     return _Work(np.empty((len(out), 10)), False, none, motion, times, out).outcome(1)
 
@@ -130,9 +130,9 @@ def short_runs(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Short runs of the members ``which``.
 
-    Returns whether each has one, γ and M of shape (H, N, 6), and τ of shape (H, N) or broadcastable to it.
+    Returns the H members that have one, their γ and M of shape (H, N, 6), and τ of shape (H, N) or (1, N).
 
-    ``times`` is (1, N), or (K, N) for as many ``members``.
+    ``times`` has shape (1, N), or (K, N) for K ``members``.
     """
     times = times_of_some(times, which)
     count, length = len(which), times.shape[1]
@@ -145,10 +145,10 @@ def short_runs(
 
 
 def gathered(count: int, length: int, part: Callable[[int, int], list[Said]], most: int | None = None) -> Outcome:
-    """The outcomes from ``part(begin, end)`` of ranges that make up ``count`` members at ``length`` times, on all
-    threads, or on ``most``.
+    """The outcome of ``count`` members at ``length`` times, from ``part(begin, end)`` for ranges of them, on all
+    threads or on ``most``.
 
-    A member without an outcome has all its states, from a short run.
+    A member of which ``part`` says nothing has all its states, from a short run.
     """
     size = max(1, min(MEMBERS, STATES // max(1, length)))
     return _outcome(count, [said for found in in_ranges(count, size, part, most) for said in found])

@@ -31,10 +31,10 @@ def ensemble(
     d: Numbers | None = None,
     tilted: bool = False,
 ) -> Ensemble:
-    """Many motions of ``system``, over RR: γ and M of shape (K, 3), and the moments ``inertia``, shape (K, 3), and
-    ``d``, shape (K,), where the members differ in them; each may also be one value for all. A refused member does not
-    affect the others: :meth:`Ensemble.at` has the reasons. ArgumentError for shapes that do not broadcast, another
-    field, and bodies of their own for a deformation.
+    """Many motions of ``system`` over RR, with γ and M of shape (K, 3). If the bodies of members differ, give the
+    moments ``inertia``, shape (K, 3), or ``d``, shape (K,); all members of a deformation have one body. Each argument
+    may also be one value for all. A refused member does not affect the others: :meth:`Ensemble.at` has the reasons.
+    ArgumentError for another field, shapes that do not broadcast, and ``inertia`` or ``d`` for a deformation.
     """
     return Ensemble(system, broadcast(system, gamma, M, inertia, d), flag(tilted, "tilted"))
 

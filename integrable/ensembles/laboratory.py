@@ -135,8 +135,8 @@ class LaboratoryEnsemble(Record):
 class _Work(NamedTuple):
     """The inputs of K members, and the arrays ``matrices`` and ``omega`` for their results.
 
-    ``members``, shape (K, 10), has the moments, d, γ and M in principal axes, ``frames`` the rotations from the axes of
-    :mod:`integrable.phase.attitude` to the laboratory. ``quick`` says which members may have short runs.
+    ``members``, shape (K, 10), has the moments, d, γ and M in principal axes. ``frames`` are the rotations from the
+    axes of :mod:`integrable.phase.attitude` to the laboratory. ``quick`` says which members may have short runs.
     """
 
     many: LaboratoryEnsemble
@@ -190,8 +190,8 @@ class _Work(NamedTuple):
 
 
 def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The arrays ``members``, ``frames`` and ``quick`` of :class:`_Work`: the computation of
-    :mod:`integrable.laboratory.bodies` in floats, for all members together.
+    """The arrays ``members``, ``frames`` and ``quick`` of :class:`_Work`, computed in floats for all members together,
+    as :mod:`integrable.laboratory.bodies` does for one.
     """
     body, given = many.body, many.orientations
     flipped = given.transpose(0, 2, 1)
@@ -218,10 +218,10 @@ def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.nda
 class LaboratoryRuns(Runs, Exported):
     """Orientations and ω of K motions at N times each, ``times`` in s.
 
-    ``matrices`` (K, N, 3, 3) take vectors from the axes of the tensor to the laboratory, ``omega_body`` (K, N, 3) is ω
-    along the former. ``status`` (K,) is 0, or the number of the reason for a refused member among ``reasons``, whose
-    numbers are NaN. A member is ``[k]``, a :class:`integrable.laboratory.motion.LaboratoryRun`; :attr:`kept` are those
-    of status 0.
+    ``matrices`` (K, N, 3, 3) take vectors from the axes of the tensor to the laboratory. ``omega_body`` (K, N, 3) is ω
+    in the axes of the tensor. ``status`` (K,) is 0, or for a refused member the index of its reason in ``reasons``; its
+    orientations and ω are NaN. A member is ``[k]``, a :class:`integrable.laboratory.motion.LaboratoryRun`; :attr:`kept`
+    are those of status 0.
     """
 
     def __init__(

@@ -76,7 +76,7 @@ class Members(Record):
         return self.members[:, 7:]
 
     def flow(self, member: int) -> Motion:
-        """The motion of one member; raises its refusal."""
+        """The motion of one member; raises an error if the member is refused."""
         member = whole(member, "member", f"the members are 0 … {len(self) - 1}", 0, len(self) - 1)
         return motion_of(self.system, self.members[member], self.tilted)
 
@@ -169,7 +169,7 @@ def system_of(system: Any, row: np.ndarray) -> Any:
 
 
 def motion_of(system: Any, row: np.ndarray, tilted: bool, kernel: str = "auto") -> Motion:
-    """The motion of one member, or its error if refused; ``kernel`` as for :class:`integrable.motion.flow.Flow`."""
+    """The motion of a member; an error if it is refused. ``kernel`` is that of :class:`integrable.motion.flow.Flow`."""
     own = system_of(system, row)
     state = own.state(tuple(row[4:7].tolist()), tuple(row[7:].tolist()), **({"tilted": True} if tilted else {}))
     motion: Motion = own.flow(state, kernel) if isinstance(own, System) else own.motion_through(state)

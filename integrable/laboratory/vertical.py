@@ -1,9 +1,9 @@
 """A ball whose momentum about the point of contact is vertical: M = cγ.
 
-Then γ̇ = λγ × Aγ with λ = c/(1 − d(γ, Aγ)) constant: Euler's equations of the momentum λγ of a free body of moments I_i
-+ d, which turns as the ball does. Any vector orthogonal to M is its γ. (Chaplygin 1903 excludes the case.) The centre
-moves with ẋ = r(ω_y, −ω_x). In a period T of γ in the body the ball turns by an angle Δ about the vertical and moves by
-δ, so x(nT + s) = Σ_{j<n} R(jΔ)δ + R(nΔ)x(s): any time takes the integral over one period.
+Then γ̇ = λγ × Aγ with λ = c/(1 − d(γ, Aγ)) constant. So a free body of moments I_i + d and momentum λγ turns as the
+ball does; any vector orthogonal to M serves as its γ. (Chaplygin 1903 excludes the case.) The centre moves with ẋ =
+r(ω_y, −ω_x). In a period T of γ in the body the ball turns by an angle Δ about the vertical and moves by δ, so
+x(nT + s) = Σ_{j<n} R(jΔ)δ + R(nΔ)x(s): any time needs only the integral over one period.
 """
 
 from __future__ import annotations

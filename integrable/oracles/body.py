@@ -34,11 +34,11 @@ class Solution(NamedTuple):
     gamma: np.ndarray
     M: np.ndarray
     evaluations: int
-    """The number of right-hand sides; for Taylor series of expansions, for closed forms of points."""
+    """The number of right-hand sides; of expansions for Taylor series, of states for closed forms."""
 
 
 def is_body(system: Any) -> bool:
-    """Whether a system is a body, which has ``inertia`` and ``d`` and the equations of the ball or the top."""
+    """Whether a system is a ball or a top: it then has ``inertia`` and ``d``."""
     return hasattr(system, "inertia") and hasattr(system, "d")
 
 

@@ -3,7 +3,7 @@ of the third kind.
 
 Name the axes so that M circles the third axis and the second is the middle one. Then
 
-    M = (A_1 cn u, A_2 sn u, A_3 dn u),  u = λt + u_0,  φ = |M|a_3t + (|M|(a_1 − a_3)/λ)·(Π(n; am u) − Π(n; am u_0)),
+    M = (A_1 cn u, A_2 sn u, A_3 dn u),  u = λt + u_0,  φ = |M|a_3t + (|M|(a_1 − a_3)/λ)·(Π(n; am u) − Π(n; am u_0)).
 
 The vector γ, fixed in space, turns by −φ about M, measured from the normal to M and the third axis. Phases are reduced
 modulo their periods in extended precision, so the error does not grow with t. With t taken as exact, floats are as
@@ -107,7 +107,7 @@ class EllipticTop:
     # --- inside
 
     def _turned(self, time: Any) -> Vector:
-        """γ(t) = R(−|ω|t)γ of a permanent rotation, where γ turns about M."""
+        """γ and M of a permanent rotation: γ(t) = R(−|ω|t)γ turns about M."""
         c = self.context
         if not self.length:
             return [*self.start, *self.M]

@@ -42,13 +42,13 @@ class Kind:
     inputs: int
     """The number of constants of a system of this kind."""
     coefficients: tuple[Node, ...]
-    """A program in these constants, the "c" of its lines …"""
+    """A program in these constants, which are the "c" of its lines."""
     used: tuple[int, ...]
-    """… of which these are the coefficients of the equations."""
+    """The lines of this program that are coefficients of the equations."""
     rates: tuple[Node, ...]
-    """The equations, in the state, "y", and the coefficients, "c" …"""
+    """A program for the equations, in the state, "y", and the coefficients, "c"."""
     results: tuple[int, ...]
-    """… of which these lines are ẏ."""
+    """The lines of ``rates`` that are ẏ."""
 
     @cached_property
     def key(self) -> str:
@@ -352,8 +352,8 @@ def recorded(
         if needed[k] and op not in ("y", "c", "number"):
             for i in args:
                 needed[i] = True
-    # a line that does not depend on the state is a coefficient if a result, or a line that does, uses it;
-    # short numbers are written out
+    # coefficients are lines without the state that a result or a line with the state uses; short numbers are
+    # written out instead
     outer = set(results)
     for k, (op, args) in enumerate(nodes):
         if needed[k] and moving[k] and op != "y":

@@ -1,7 +1,7 @@
-"""Gauss–Legendre of order 16, compiled for a kind of system. It has the smallest error on long runs of all ordinary
-integrators in double precision.
+"""Gauss–Legendre of order 16, compiled for a kind of system. Of all ordinary integrators in double precision it has
+the smallest error on long runs.
 
-Its measures against rounding are those of Hairer, McLachlan and Razakarivony (2008). The eight stages are solved by
+It reduces rounding errors as Hairer, McLachlan and Razakarivony (2008) do. The eight stages are solved by
 fixed-point iteration until it no longer improves. The weights h·b_i are pairs of floats, so the step has no systematic
 rounding error; γ and M are pairs of floats too (compensated sums).
 

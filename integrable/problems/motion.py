@@ -54,12 +54,12 @@ class UnitMotion:
 
     @cached_property
     def square(self) -> Fraction:
-        """The square of the length of q, exactly."""
+        """The exact square of the length of q."""
         return Fraction(self.unit.square(self.weights, self.scene.gamma)) if self.unit is not None else Fraction(1)
 
     @cached_property
     def along(self) -> Fraction:
-        """(γ, M), or the scalar product that vanishes where p is orthogonal to q, exactly."""
+        """The exact value of (γ, M), or of the scalar product :meth:`Unit.along` of q and p."""
         unit = self.unit
         return Fraction(unit.along(self.weights, self.scene.gamma, self.scene.M)) if unit is not None else Fraction(0)
 

@@ -14,7 +14,7 @@ class Run(NamedTuple):
     """The result of a method at one setting.
 
     ``error`` is that of :meth:`Problem.error`, ``seconds`` the median time of a start with its evaluation. ``first`` is
-    the time spent once before, and ``note`` the reason for missing figures.
+    the time spent only once, such as for compilation, and ``note`` the reason for missing figures.
     """
 
     method: str

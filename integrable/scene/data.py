@@ -51,7 +51,7 @@ SYSTEMS = {
     "toda": Kind("classical", "TodaLattice", ("n",)),
     "veselova": Kind("classical", "Veselova", ("inertia",)),
 }
-"""The systems of scenes. One of ``classical`` needs no more than its line here."""
+"""The systems of scenes. To add a system of ``classical``, only a line here is needed."""
 
 
 def system_class(system: str) -> Any:

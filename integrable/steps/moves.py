@@ -103,7 +103,7 @@ class Multiplication(Move):
 
     def _image(self, state: State) -> State:
         """The image of an upright state. NotASquare if it is not over the field; NotRepresentable for equal moments or
-        an image of low weight.
+        an image divisor of fewer than two points.
         """
         system, body, K = self.system, self.system.body, self.system.field
         kappas = coordinates.kappas(body)
@@ -126,8 +126,8 @@ class Keyless(Move):
 
     The parabola P = V − λU passes through D and (1/d, 0). The other zeros of y − P are D's image, reflected
     (:func:`jacobian.relatives.signed.reflected`), with ρ_i = 2σ_i|M|√(1 − d·a_i). So (gγ_i, 2w_i), w = γ × M, is
-    mapped to (2w_i/ρ_i, −ρ_igγ_i). The divisor is that of :meth:`System.torsion`, whose lift maps to −γ; the image is
-    real for every body. The map B preserves the bracket, and B² = (−γ, M).
+    mapped to (2w_i/ρ_i, −ρ_igγ_i). The divisor is that of :meth:`System.torsion`, whose image over the reals differs by
+    the sign of γ. The image is real for every body. The map B preserves the bracket, and B² = (−γ, M).
     """
 
     def __init__(self, system: PhaseSpace, signs: Sequence[int] | None = None) -> None:

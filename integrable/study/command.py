@@ -43,13 +43,13 @@ def study_of(
     progress: bool = False,
     minutes: float | None = None,
 ) -> Study:
-    """Run or resume a study in the folder ``out``, write ``report.md``, figures and ``report.json``, and return it.
+    """Run or resume a study in the folder ``out``, write its page, figures and ``report.json``, and return it.
 
     ``sources`` are names of scenes or paths of scene files; if there are none, all scenes of the package. Rows in
     ``out`` are kept unless code, scene or a library has changed; timed rows must be of one machine, commit and day.
-    With empty ``formats`` there are no figures, and matplotlib is not imported. ``jobs`` processes compute truths
-    (default: one per core); timed tasks run alone. No row begins after ``minutes``; the page lists the remaining ones
-    as not measured.
+    With empty ``formats`` there are no figures, and matplotlib is not imported. ``jobs`` processes compute truths and
+    floors (default: one per core); timed tasks run alone. No row begins after ``minutes``; the page lists the remaining
+    ones as not measured.
     """
     if minutes is not None and not (isinstance(minutes, Real) and minutes > 0):
         raise ArgumentError(f"minutes: {shown(minutes)} given; a positive number is needed")
@@ -141,7 +141,7 @@ def _named(machine: dict[str, Any]) -> str:
 
 
 def _write(study: Study, data: dict[str, Any], out: Path, formats: tuple[str, ...]) -> None:
-    """Writes the figures, ``report.md``, and ``report.json``, which holds all rows."""
+    """Writes the figures, the page as ``report.md``, the summary, and ``report.json``, which holds all rows."""
     if formats:
         from integrable.study.figures import as_bytes, error_against_run_time, floors
 

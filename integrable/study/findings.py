@@ -40,7 +40,7 @@ COARSE = 0.1
 
 @dataclass(frozen=True)
 class Behind:
-    """A comparator's row for which no row of the flow has a smaller error in the same time or less."""
+    """A comparator's row whose error is smaller than that of every row of the flow that takes at most its time."""
 
     scene: str
     row: dict[str, Any]
@@ -70,7 +70,7 @@ class Standing:
     tried: dict[str, dict[str, Any]]
     """For each method that was tried: its accuracy, what it was slower than, or its error message."""
     strong: Sequence[str]
-    """Methods that must have run before the outcome can be "none"."""
+    """Methods of which at least one must have run before the outcome can be "none"."""
 
     @property
     def ratio(self) -> float:
@@ -87,7 +87,7 @@ class Standing:
     def outcome(self) -> str:
         """The outcome of the comparison: "met", "slower", "none" or "stopped".
 
-        "met" means that another method is as accurate. "slower" means that it could be so only beyond its time limit.
+        "met" means that another method is as accurate. "slower" means that none was, but some exceeded their time.
         "none" means that strong methods ran and none was accurate enough, "stopped" that they could not run.
         """
         if self.peer is not None:
@@ -275,10 +275,10 @@ class Study:
 
     @property
     def behind(self) -> list[Behind]:
-        """Rows of comparators that the flow does not beat, in three groups, each by descending run time.
+        """Rows of comparators that the flow does not beat; those of scenes with T ≥ 1000 come first.
 
-        The groups are: scenes with T ≥ 1000; rows that are more accurate than the flow in the same time; rows that are
-        faster.
+        Then rows that are more accurate than the flow in the same time precede rows that are only faster. Among these
+        run times descend.
         """
         found = [(f, b) for f in self.findings for b in f.behind()]
         order = sorted(

@@ -6,9 +6,9 @@ start from the scene's numbers rounded to doubles, as in a study (:mod:`integrab
 refer to that motion. A run at more digits starts from the scene's own numbers, and its errors refer to their motion.
 
 The truth is the same motion at ``truth_digits`` digits. It is compared once with another integrator at a short time:
-the Taylor series of :mod:`integrable.oracles.reference`, Gauss collocation for a system of any genus, the same method
-at 10 more digits for a deformation. The run's own result is computed before the truth. If some row has at least ten
-more digits, the result's error is taken from that row.
+the Taylor series of :mod:`integrable.oracles.reference`, Gauss collocation for a system of any genus, the integrated
+equations at 10 more digits for a deformation. The run's own result is computed before the truth. If some row has at
+least ten more digits, the result's error is measured against that row.
 
 Errors of M are relative to |M|. Drifts are the largest relative departures, over the requested times, of |γ|², (γ,
 M)/|M| and the two integrals from their values at the exact start. Run times are medians of ``time.perf_counter``;
@@ -215,7 +215,7 @@ class _Run:
         return self._found[task.key][1]
 
     def flow_rows(self, task: Task) -> list[Row]:
-        """The row of a task; for floats there is a second row, with the time of the first call."""
+        """The row of a task; a ball or top in floats has a second row, with the time of the first use."""
         found = self.flow(task)
         result = dict(self._found[task.key][0])
         first, _ = result.pop("first"), result.pop("way")

@@ -40,7 +40,7 @@ __all__ = [
 
 FLOW = "divisor flow"
 STRONG = ("heyoka", "Taylor, compiled", "Gauss-Legendre 16", "Gauss-Legendre 16, adaptive", "SciPy DOP853, compiled")
-"""Methods that must have run before the outcome can be "none"."""
+"""Methods of which at least one must have run before the outcome can be "none"."""
 BACKLUND = "Bäcklund steps"
 NOT_MEASURED = "not measured"
 """The status of a row for which the study's time did not suffice."""

@@ -45,7 +45,7 @@ class Row:
 
 @dataclass(frozen=True)
 class TruthCheck:
-    """The comparison of the truth with an integrator that shares no code with it.
+    """The comparison of the truth with another integrator at ``digits`` digits.
 
     It holds the largest differences of γ and M/|M| at ``time``.
     """
@@ -58,7 +58,7 @@ class TruthCheck:
 
     @property
     def agrees(self) -> bool:
-        """Whether truth and integrator agree to all but ten digits of their precision."""
+        """Whether truth and integrator agree to ``digits`` − 10 digits."""
         return max(self.error_gamma, self.error_M) < 10.0 ** -(self.digits - 10)
 
 

@@ -83,7 +83,7 @@ def first_use(task: Task) -> tuple[float, float]:
 
 
 def _compile_walks(scene: Scene) -> None:
-    """Compiles or loads the walks near the start for systems like the scene's, as longer use would do anyway."""
+    """Compiles or loads the integration near the start for the kind of the scene's system, as longer use would do."""
     from integrable.deformations.equations import kind_in
     from integrable.deformations.hamiltonian import Hamiltonian
     from integrable.series.steps import steps_for
@@ -122,7 +122,7 @@ def at_one_time(task: Task) -> Task:
 
 
 def standing(task: Task, truth: Truth, floor: float, tick: Tick) -> Data:
-    """The comparison of the flow with other methods, with the keys "flow", "peer" and "tried".
+    """The comparison of the flow with other methods, with the keys "flow", "floor_gamma", "peer", "tried" and "strong".
 
     "peer" is the fastest other method whose error is at most the flow's or ``floor``, or None if there is none. "tried"
     has the most accurate run of each method, or the reason why there is none.
@@ -161,9 +161,9 @@ def standing(task: Task, truth: Truth, floor: float, tick: Tick) -> Data:
 def near_enough(task: Task, truth: Truth, error: float, fastest: float) -> tuple[tuple[float, float] | None, Data]:
     """A method's cheapest setting with at most the given error, with the seconds of a run, and a record of the search.
 
-    The first is None if no setting is accurate enough, or if even the cheapest is slower than the fastest method so far
-    or than the study allows. Settings are tried once each, the most accurate first. With very small steps rounding
-    accumulates, so a cheaper setting may have a smaller error. A near miss therefore does not end the search.
+    The first is None if no setting is accurate enough, or if even the cheapest takes longer than the study allows, or
+    MARGIN times as long as the fastest method so far. Settings are tried once each, the most accurate first. Rounding
+    accumulates over very small steps, so a near miss does not end the search: a cheaper setting may be more accurate.
     """
     method = METHODS[task.method]
     settings = method.ladder(*task.scene.start(FLOAT_DIGITS))

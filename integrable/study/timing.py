@@ -102,8 +102,8 @@ def interleaved(
 ) -> dict[str, Timing]:
     """The times of functions run in rounds. Each runs once per round, so a slow second affects all alike.
 
-    There are at least ``repeat`` rounds, and up to ``again`` times as many until no time scatters by more than a tenth
-    of its median. None starts after ``patience`` seconds. ``tick`` is called between the first ``repeat`` rounds.
+    There are ``repeat`` rounds, and more until no time scatters by more than a tenth of its median: up to ``again``
+    times as many. After ``patience`` seconds no further round starts. ``tick`` is called between the first ``repeat``.
     """
     spent: dict[str, list[Spent]] = {name: [] for name in every}
     found: dict[str, Any] = {}

@@ -1,4 +1,4 @@
-"""The truth of a scene: its motion at more digits than any row, checked by an integrator that shares no code with it.
+"""The truth of a scene: its motion at more digits than any row, checked by another integrator.
 
 The truth is stored as decimal strings. :class:`Truth` reads it and measures the errors of other tasks' states.
 """
@@ -59,9 +59,9 @@ def compute(
 
     With ``digits`` given, the truth has that many, and is checked at one ``time`` to as many digits. Otherwise its
     digits are the first of :data:`DIGITS` that resolve the motion, and the check goes as far in time as the integrator
-    gets in ``patience`` seconds (0: no check). If the flow of a body refuses the motion at any of these digits, the
-    truth is the Taylor series alone; "check" is then None and "refusal" the message. ``tick(label)`` is called between
-    the pieces of work.
+    gets in ``patience`` seconds (0: no check). If none do, the error is raised, except for a body: its truth is then
+    the Taylor series alone, with "check" None and the message as "refusal". ``tick(label)`` is called between the
+    pieces of work.
     """
     begun = perf_counter()
     if digits is not None:
@@ -160,7 +160,7 @@ def moved_by(system: Any) -> str:
 
 
 def _independent(by: str, scene: Scene, flow: Any, time: Any, digits: int) -> tuple[Any, Any]:
-    """γ and M at one time, shapes (1, 3), by an integrator that shares nothing with the truth."""
+    """γ and M at one time, shapes (1, 3), by the integrator ``by``, with more digits if it is also the truth's."""
     from integrable.deformations.equations import right_hand_sides
     from integrable.deformations.integrated import IntegratedMotion
 
