@@ -1,8 +1,8 @@
 """One addition, doubling or multiple of reduced triples, each in a single call of compiled code.
 
-The loops are those of :mod:`jacobian.addition.class_loops`, compiled for a kind of field and of equation at their first
-use; the compiled code stays on disk. Over fields of word size they cover all classes of all curves. Over GF(p), p of
-two words, and GF(2^n), n < 128, only explicit formulas are compiled, and the Python kernel takes the special cases.
+The loops are those of :mod:`jacobian.addition.class_loops`. They are compiled at their first use for a class of fields
+and of equations, and stay on disk. Over fields of word size they cover all classes of all curves. Over GF(p) with p of
+two words and GF(2^n), 16 < n < 128, only explicit formulas are compiled; the Python kernel takes the special cases.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from jacobian.numbers.words import Wide64, word_context
 
 
 def context(K: Any) -> Any:
-    """The context of a word-size field. All primes share one class of contexts: each class needs its own compilation,
-    and one for small primes would save only a tenth of a multiple's time.
+    """The context of a word-size field. All primes share one class of contexts, because each class is compiled
+    separately. A class for small primes would save only a tenth of the time of a multiple.
     """
     return table_context(K) if isinstance(K, TableField) else Wide64(*word_context(K.p, 64))
 
@@ -49,7 +49,7 @@ def library_of(K: Any, equation: Any) -> Library:
 
 @cache
 def library(context: type, model: type) -> Library:
-    """The compiled loops for a kind of context and of equation."""
+    """The compiled loops for a class of contexts and a class of equations."""
     short = context in (Wide64, BinaryTable, OddTable)
     item = INT if short else LONG
     head = CONTEXTS[context], record(model, *[item] * len(model._fields))  # type: ignore[attr-defined]
@@ -131,7 +131,7 @@ class ExplicitKernel:
         self._K, self._others, self._genus = K, others, C.genus
         self._weight = 0 if C.model == "split" else None
 
-    # a class whose v has g coefficients has weight g; all others are left to the other kernel
+    # if v has g coefficients, u has degree g; classes with a shorter v go to the other kernel
 
     def sum_of(self, a: Triple, b: Triple) -> Triple:
         """The reduced triple of a + b."""
@@ -190,6 +190,6 @@ def word_kernel(C: HyperellipticCurve) -> WordKernel | LineKernel:
 
 
 def is_kept(C: HyperellipticCurve, two_words: bool) -> bool:
-    """Whether the compiled loops for C are on disk."""
+    """Whether the compiled loops for C are on disk: those of :func:`two_word_context` or of :func:`context`."""
     K = (two_word_context if two_words else context)(C.field)
     return library_of(K, short_equation(C, K.to_word) or Plain()).is_kept()

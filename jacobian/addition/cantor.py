@@ -52,8 +52,8 @@ def compose(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
 
 
 def _assembled(C: HyperellipticCurve, d: Poly, u1: Poly, u2: Poly, v: Poly, k: Poly, weights: int | None) -> Triple:
-    """The triple (u₁u₂, v + u₂·(k mod u₁), n). The factor d is already divided out of u₁ and u₂; each of its roots adds
-    1 to the weight n.
+    """The triple (u₁u₂, v + u₂·(k mod u₁), n), n = weights + deg d − ⌈g/2⌉. The factor d is already divided out of u₁
+    and u₂.
     """
     K = C.field
     u, v = mul(K, u1, u2), add(K, v, mul(K, u2, mod(K, k, u1)))
@@ -121,8 +121,8 @@ def reduce(C: HyperellipticCurve, a: Triple) -> Triple:
 def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
     """The reduced triple equivalent to (u, v, n) on a split model, for deg u ≤ g+1.
 
-    A step with y − V₋ at ∞₋ raises n by g+1−deg u' ≥ 1, one with y − V₊ at ∞₊ lowers it by g+1−deg u ≥ 0; the weight on
-    the other side stays non-negative.
+    Each step adds a multiple of u to v, so that v has the leading terms of V₋ or V₊, and reflects at y − v. V₋ raises n
+    by g+1−deg u' ≥ 1, V₊ lowers it by g+1−deg u ≥ 0; the weight at the other point at infinity stays non-negative.
     """
     K, g = C.field, C.genus
     while not (0 <= n <= g - (len(u) - 1)):

@@ -1,10 +1,10 @@
 """Cantor's composition and reduction on python-flint's polynomials, for curves on which it is faster.
 
 Triples consist of raw elements (ints, Fractions); the polynomials inside are those of
-:mod:`jacobian.fields.flint_polynomials`. Conversions included, an addition takes at most a third of the time in Python,
-over finite fields and over QQ (``python -m benchmarks single heights``). It is not used in two cases. Explicit
-formulas, in genus 2 over GF(p) and small extensions and in genus 3 over GF(p), are as fast or faster. The elements of a
-large field of characteristic 2 cost as much to convert as to multiply.
+:mod:`jacobian.fields.flint_polynomials`. Conversions included, an addition takes at most a third of the time of
+Cantor's algorithm in Python (``python -m benchmarks single heights``). It is not used where explicit formulas are as
+fast: in genus 2 over GF(p) and small extensions, and in genus 3 over GF(p). Nor is it used over large fields of
+characteristic 2, whose elements cost as much to convert as to multiply.
 
 The formulas are those of :mod:`jacobian.addition.cantor`; tests check that both agree.
 """
@@ -30,7 +30,7 @@ def pays(C: HyperellipticCurve) -> bool:
     """Whether python-flint is faster than the Python kernels on this curve."""
     K = C.field
     if type(K) is DigitField:
-        # here elements are tuples of digits, on which the explicit formulas in Python are slow
+        # every operation splits elements into digits, which makes the explicit formulas in Python slow
         return K.p != 2
     if formulas_of(C) is not None:
         return isinstance(K, RationalField)
@@ -94,7 +94,7 @@ class FlintCantor:
         return u1 * u2, v + u2 * (k % u1), n, d
 
     def reductions(self, u: Any, v: Any, n: int | None) -> Iterator[tuple[Any, Flint]]:
-        """Yields (v, (u', v', n')) for each step of :func:`jacobian.addition.cantor.reduce`, by the function y − v."""
+        """Yields (v, (u', v', n')) for each step of :func:`jacobian.addition.cantor.reduce`: y − v and its result."""
         while u.degree() > self.limit:
             line = v
             u, v, n = self._reflect(u, v, n)

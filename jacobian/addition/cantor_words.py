@@ -161,7 +161,7 @@ def _half_xgcd(K: Any, S: Any, d: Any, s: Any, a: Any, na: Any, b: Any, nb: Any)
 
 
 def equation(curve: Any) -> Any:
-    """The tuple (f, length of f, h, length of h), the lengths without leading zeros."""
+    """The tuple (f, its length, h, its length) of a curve's array."""
     begin = _HEAD + curve[2]
     return curve[_HEAD:begin], curve[2], curve[begin : begin + curve[3]], curve[3]
 

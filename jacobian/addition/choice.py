@@ -5,12 +5,12 @@ except where Python's arithmetic is slow; so does genus 3 over GF(p) on y² = x�
 :func:`jacobian.addition.cantor_flint.pays` selects the curves that python-flint adds on. On all other curves Cantor's
 algorithm runs in Python, or NUCOMP from a genus on that depends on the model. All give the same triples.
 
-Over fields of word size (GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements), and over GF(p), 2^63 < p < 2^128, and
-GF(2^n), 16 < n < 128, where explicit formulas apply, the compiled kernels of :mod:`jacobian.addition.calls` are faster
-than all of these. They have to be compiled at their first use on a machine, and loaded by each process. So a group
-starts with one of the kernels above. It switches to the compiled one as soon as the process has done as many additions
-on such groups as the switch costs: READY additions if the kernels are on disk (``python -m jacobian compile`` puts them
-there), else COLD ones. :meth:`jacobian.group.Jacobian.compile` switches at once.
+The compiled kernels of :mod:`jacobian.addition.calls` are faster than all of these. They exist over fields of word size
+(GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements). Where explicit formulas apply, they also exist over GF(p), 2^63
+< p < 2^128, and GF(2^n), 16 < n < 128. A machine compiles them once, and each process loads them. So a group starts
+with one of the kernels above. It switches once the additions of the process on such groups have taken as long as the
+switch: after READY additions if the kernels are on disk (``python -m jacobian compile`` puts them there), else after
+COLD ones. :meth:`jacobian.group.Jacobian.compile` switches at once.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ NUCOMP_GENUS = {"ramified": 5, "split": 6, "inert": 6}
 """The genus from which NUCOMP takes less time than Cantor's algorithm; ``python -m benchmarks nucomp`` measures it."""
 
 READY = 20_000
-"""Additions in the time of loading the compiled kernels from disk; ``python -m benchmarks startup`` measures it."""
+"""So many additions take as long as loading compiled kernels from disk (``python -m benchmarks startup``)."""
 COLD = 300_000
-"""Additions in the time of compiling the kernels."""
+"""So many additions take as long as compiling the kernels."""
 BINARY_READY, BINARY_COLD = 1_000, 8_000
 """The same over GF(2^n), where Python takes longer."""
 SHARE = 64
@@ -54,7 +54,7 @@ Multiple = Callable[[int, cantor.Triple], cantor.Triple]
 
 @dataclass
 class Work:
-    """The number of ``additions`` on word-size groups that were done without compiled kernels, over all groups."""
+    """The number of ``additions`` done so far without compiled kernels, by all groups for which such kernels exist."""
 
     additions: float = 0
 
@@ -118,15 +118,15 @@ def is_word_sized(C: HyperellipticCurve) -> bool:
 
 
 def is_two_words_long(C: HyperellipticCurve) -> bool:
-    """Whether compiled formulas exist for C over a field whose elements take two words. They exist in genus 2, for odd
-    p with h = 0 and in degree 5 a monic f, and in genus 3 on y² = x⁷ + … over GF(p).
+    """Whether compiled formulas exist for C over a field whose elements take two words. They exist in genus 2
+    if h = 0 (for odd p) and f is monic (in degree 5), and in genus 3 on y² = x⁷ + … over GF(p).
     """
     return has_two_words(C.field) and short_equation(C, int) is not None
 
 
 def has_two_word_rows(C: HyperellipticCurve) -> bool:
-    """Whether compiled loops exist for arrays of classes of C over a field whose elements take two words. As in
-    :func:`is_two_words_long`, but with any h and f, since arrays are first moved to a short equation.
+    """Whether compiled loops exist for arrays of classes of C over a field whose elements take two words. Unlike
+    in :func:`is_two_words_long`, h and f are arbitrary, since arrays are first moved to a short equation.
     """
     septic = C.genus == 3 and C.model == "ramified" and C.field.characteristic != 2
     return has_two_words(C.field) and (C.genus == 2 or septic)
@@ -140,7 +140,7 @@ def has_two_words(K: Field[Any]) -> bool:
 
 
 def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
-    """The compiled kernel for C, an arithmetic model; None if its field has none or nothing is compiled."""
+    """The compiled kernel for C, an arithmetic model; None if there is none, or if compilation is switched off."""
     if interpreted() or not (is_word_sized(C) or is_two_words_long(C)):
         return None
     from jacobian.addition.calls import TwoWordKernel, word_kernel

@@ -75,7 +75,7 @@ def double_class(K: Any, C: Any, u: Any, v: Any) -> Any:
 def multiple_of_class(K: Any, C: Any, u: Any, v: Any, scalar: Any, digits: Any, odd: Any) -> Any:
     """Multiplies a class of weight g by a scalar > 0 in little-endian bytes; returns the triple of :func:`returned`.
 
-    Scratch memory: ``digits`` has a zero for each bit and one more, ``odd`` a column for each odd digit.
+    Scratch memory: ``digits``, one zero more than the scalar has bits, and ``odd``, a column for each odd digit.
     """
     position, first = signed_windows(scalar, 5, digits), encoded(K, C, u, v)
     keep(odd, 0, first)
@@ -170,7 +170,7 @@ STEPS: dict[str, dict[type, Any]] = {
 
 
 def put(K: Any, g: Any, found: Any, result: Any) -> None:
-    """Writes ``found``, a class with deg u = g and hence n = 0, into an array of :mod:`cantor_words`."""
+    """Writes ``found``, a class with deg u = g and hence n = 0, into an array of :mod:`.cantor_words`."""
     place = g + 2
     for x in found:
         result[place] = x

@@ -31,7 +31,7 @@ class OnInts:
 
     def __init__(self) -> None:
         self.degrees: dict[int, int] = {}
-        """The degree of each result in the inputs: one of degree 1 is about as long as p."""
+        """The degree of each result in the inputs; a result of degree 1 is about as long as p."""
 
     def operation(self, index: int, name: str, operands: tuple[int, ...], text: Callable[[int, int], str]) -> Written:
         """The text of an operation, from that of its operands."""
@@ -45,7 +45,7 @@ class OnInts:
         return f"{text(x, SUM)} {SIGNS[name]} {text(y, SUM if name == 'add' else PRODUCT)}", SUM
 
     def factor(self, index: int, found: Written, result: bool) -> Written:
-        """The text of a factor, or of a result, from that of the operation."""
+        """The text of an operation as a factor or a ``result``: reduced, unless it is a factor of degree 1."""
         if self.degrees.get(index, 1) == 1 and not result:
             return found
         self.degrees[index] = 1
@@ -57,7 +57,7 @@ class OnInts:
         return f"pow({x}, -1, p)"
 
     def reading(self, g: int, x: str, names: tuple[str, str], otherwise: str) -> list[str]:
-        """The lines that read a class; one whose v has g coefficients has weight g."""
+        """The lines that read a class, with ``otherwise`` run unless v has g coefficients, and u then degree g."""
         a, b = (_listed(name, g) for name in names)
         return [f"if len(v{x}) != {g}:", f"    {otherwise}", f"({a}, _), ({b}) = u{x}, v{x}"]
 
@@ -74,7 +74,7 @@ class OnElements:
         return f"{name}({', '.join(text(x, SUM) for x in operands)})", NAME
 
     def factor(self, index: int, found: Written, result: bool) -> Written:
-        """The text of a factor, or of a result, from that of the operation."""
+        """The text of an operation as a factor or a ``result``: unchanged."""
         return found
 
     def inverse(self, x: str) -> str:
@@ -82,7 +82,7 @@ class OnElements:
         return f"inv({x})"
 
     def reading(self, g: int, x: str, names: tuple[str, str], otherwise: str) -> list[str]:
-        """The lines that read a class of weight g."""
+        """The lines that read a class, with ``otherwise`` run unless u has degree g."""
         a, b = (_listed(name, g) for name in names)
         full = f"v{x} if len(v{x}) == {g} else (*v{x}, {', '.join(['zero'] * g)})[:{g}]"
         return [f"if len(u{x}) != {g + 1}:", f"    {otherwise}", f"({a}, _), ({b}) = u{x}, {full}"]

@@ -3,7 +3,7 @@
 :func:`texts` returns the code, one function for each step of the formulas; :func:`functions` returns these functions.
 A sum of up to four products is reduced once. The writer follows the sizes of all numbers, in units of p, on contexts
 with spare bits, on contexts without, and on floats. It reduces a number where an operation would exceed its bound.
-Binary fields and tables need no such reductions; for tables the code is the same.
+Binary fields and tables need no such reductions; tables of odd characteristic run the code for primes.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from jacobian.addition.straight import Formulas, Tape, parameters
 from jacobian.numbers import words
 
 MOST = 4
-"""The products of the longest dot."""
+"""The most products of a sum that is reduced once, ``dot4``."""
 
 
 class Size(NamedTuple):
@@ -63,7 +63,7 @@ class Writer:
                 self.names[i] = self._written(i)
 
     def _repeated(self, results: Sequence[int]) -> Iterable[int]:
-        """The products that occur in several sums, each short enough to take one product more without a reduction."""
+        """The products to be written out in every sum in which they occur, as each such sum has room for one more."""
         parts = {i: self._parts(i) for i in self.live if i in self.named}
         for i in self.named.difference(self.factors, results):
             sums = [products for products, others in parts.values() if i in others]
@@ -166,7 +166,7 @@ class Writer:
         return name
 
     def finished(self, results: Iterable[int], limit: Size) -> list[str]:
-        """The names of the results, within a limit."""
+        """Reduces the results to the bounds ``limit`` where they exceed them; returns their names."""
         for i in results:
             self._fit([self.names[i]] if limit.wide < SETTLED.wide and limit != CANONICAL else [])
             if not within(self.sizes[self.names[i]], limit):

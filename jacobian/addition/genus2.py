@@ -1,12 +1,12 @@
 """The explicit formulas of genus 2, for every field: sums and doubles of divisors of weight 2 in general position.
 
-With D = (U, V), U = x² + a₁x + a₀, V = b₁x + b₀, and D' = (U', V') likewise, ℓ = V + U·(s₁x + s₀) is the cubic through
-both, and D + D' = (u, −ℓ − h mod u) with u = (ℓ² + hℓ − f)/(U U') made monic. Lange 2005 ("Formulae for arithmetic on
-genus 2 hyperelliptic curves", tables 2 and 3) orders the steps so that one inversion is enough. Counted for h = 0 and a
-monic f (multiplications by a coefficient that is 0 or 1 are not made): an addition takes 1I + 22M + 3S and, where f₄ =
-0 too, a doubling 1I + 22M + 5S, as published. On models of degree 6, split or inert, the two divisors carry no weight
-at infinity, nor does their sum, and the same cubic serves; for any h it takes 1I + 29M + 3S, and 1I + 36M + 3S for a
-doubling (f₆ = 1, h = 0).
+Let D = (U, V), U = x² + a₁x + a₀, V = b₁x + b₀, and D' = (U', V') likewise. The cubic ℓ = V + U·(s₁x + s₀) passes
+through both, and D + D' = (u, −ℓ − h mod u) with u = (ℓ² + hℓ − f)/(U U') made monic. Lange 2005 ("Formulae for
+arithmetic on genus 2 hyperelliptic curves", tables 2 and 3) orders the steps so that one inversion is enough. For h = 0
+and a monic f an addition takes 1I + 22M + 3S and, where f₄ = 0 too, a doubling 1I + 22M + 5S, as published; products
+by a coefficient 0 or 1 are left out. On models of degree 6, split or inert, neither the two divisors nor their
+sum carry weight at infinity, so the same cubic serves. There an addition takes 1I + 29M + 3S for any h, and a doubling
+1I + 36M + 3S (f₆ = 1, h = 0).
 
 The product that is inverted is 0 in the special cases, which are left to Cantor's algorithm: common points (resultant r
 = 0), a cubic of lower degree on a ramified model (s₁ = 0), a cubic that meets infinity on one of degree 6 (s₁² + h₃s₁ =
@@ -89,7 +89,7 @@ def sum_u_of_degree_5(C: Any, cubic: Line, first: Line, second: Line) -> Pair:
     """(e₁, e₀) of the sum's u = x² + e₁x + e₀."""
     (_, s, w4, w5), (a1, a0, b1, _), (c1, c0, _, _) = cubic, first, second
     turned = s + (a1 - c1) + C.h2 * w4
-    # for a tangent without h₂ that is s
+    # for a tangent and h₂ = 0, turned = s, and c₁ = a₁, c₀ = a₀
     bow = s * s if second is first and not C.h2 else (s - c1) * turned + s * a1 + (a0 - c0)
     return s + turned - C.f5 * w5, bow + (b1 + b1 + C.h1) * w4 + (C.f5 * (a1 + c1) - C.f4) * w5
 

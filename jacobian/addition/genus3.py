@@ -1,4 +1,4 @@
-"""The explicit formulas of genus 3 on y² = f, 2 ≠ 0: f monic of degree 7, or of degree 8 on split models.
+"""The explicit formulas of genus 3 on y² = f, char ≠ 2: f monic of degree 7, or of degree 8 on split models.
 
 Let D = (U, V) with U = x³ + a₂x² + a₁x + a₀, V = b₂x² + b₁x + b₀, and D' = (U', V') likewise. The quintic ℓ = V + U·s,
 s of degree 2, passes through both. It meets the curve in four more points, the roots of u' = (ℓ² − f)/(UU's₂²). The
@@ -8,8 +8,8 @@ leading coefficient c passes through the four points; it meets the curve at ∞�
 step at infinity of Galbraith, Harrison and Mireles Morales (2008); it costs a second inversion.
 
 Composition and reduction are those of Cantor (1987); Wollinger, Pelzl and Paar 2005 ("Cantor versus Harley") and Fan,
-Wollinger and Gong 2007 order such steps so that one inversion is enough, of the resultant times the leading coefficient
-of s. The formulas fail exactly where what is inverted is 0; elsewhere all degrees are as stated.
+Wollinger and Gong 2007 order such steps so that one inversion is enough: that of the resultant times the leading
+coefficient of s. The formulas fail exactly where what is inverted is 0; elsewhere all degrees are as stated.
 
 A row is (a₂, a₁, a₀, b₂, b₁, b₀), a quotient (r, r·s₂, r·s₁, r·s₀). :mod:`jacobian.addition.straight` makes code of the
 steps.

@@ -18,7 +18,7 @@ MOST_BITS = 150_000
 as many. 1000·(0, 1) on y² = x⁵ + 2x + 1 has 380,000 bits and takes 3.5 s.
 """
 PART = 1 << 15
-"""The bits of a scalar for one call of compiled code. Such a call takes less than a second, and Ctrl-C works after it.
+"""The number of bits of a scalar in one call of compiled code. A call takes less than a second; Ctrl-C waits for it.
 """
 
 

@@ -2,14 +2,14 @@
 
 A composition is (A·B, v₂ + B·(k mod A)) of degree up to 2g, and Cantor's reduction lowers it by two degrees a step.
 Here the Euclidean algorithm on A and k is stopped half-way instead, at r = ck − qA. The function cy − w with w = cv₂ +
-Br vanishes on the composition. Its norm over A·B, with M₁ = (Br − c(v₁ − v₂))/A and M₂ = (r(v₁ + v₂ + h) − c(f − hv₂ −
-v₂²)/B)/A, is N = rM₁ + cM₂, of degree about g. The sum, up to one or two reduction steps, is
+Br vanishes on the composition. Its norm divided by A·B is N = rM₁ + cM₂, of degree about g, where M₁ = (Br − c(v₁ −
+v₂))/A and M₂ = (r(v₁ + v₂ + h) − c(f − hv₂ − v₂²)/B)/A. The sum, up to one or two reduction steps, is
 
     u = N,    v = −h − (w + εc'N)/c modulo N,
 
-where c' and r' are the values of the previous step, ε = ±1 and εAB = cw' − c'w. The division by c is exact. Found by
-Shanks for quadratic forms (NUCOMP 1989); for curves: Jacobson and van der Poorten 2002, Jacobson, Scheidler and Stein
-2007.
+where c' and r' are the values of the previous step, ε = ±1 and εAB = cw' − c'w. The division by c is exact. Shanks
+found the method for quadratic forms (NUCOMP 1989); for curves see Jacobson and van der Poorten 2002, and Jacobson,
+Scheidler and Stein 2007.
 
 The weight at infinity follows from the pole of w − cy at ∞₊ as in :func:`jacobian.addition.cantor.reflect`.
 """

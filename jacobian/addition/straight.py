@@ -143,14 +143,14 @@ class Term:
 
 
 def cross(x1: Any, x0: Any, y1: Any, y0: Any) -> Any:
-    """x₁y₀ + x₀y₁ where x₁y₁ and x₀y₀ are needed too: over a field by one more product (Karatsuba and Ofman 1962)."""
+    """x₁y₀ + x₀y₁ where x₁y₁, x₀y₀ are needed too: with ``karatsuba`` by one product more (Karatsuba, Ofman 1962)."""
     if _saves_products(x1, x0, y1, y0):
         return (x1 + x0) * (y1 + y0) - x1 * y1 - x0 * y0
     return x1 * y0 + x0 * y1
 
 
 def square_of_twice(x: Any) -> Any:
-    """(2x)² where x² is needed too: over a field without another product."""
+    """(2x)² where x² is needed too: with ``karatsuba`` without another product."""
     if not _saves_products(x):
         return (x + x) * (x + x)
     twice = x * x + x * x
@@ -158,7 +158,7 @@ def square_of_twice(x: Any) -> Any:
 
 
 def _saves_products(*numbers: Any) -> bool:
-    """Whether the numbers are of a kind for which saving a product is worth some sums more."""
+    """Whether one of the numbers is a term on a tape with ``karatsuba``."""
     return any(isinstance(x, Term) and x.tape.karatsuba for x in numbers)
 
 
@@ -166,8 +166,8 @@ class Formulas(NamedTuple):
     """The explicit formulas of one model: the genus, the coefficients of the curve that they use, and their steps.
 
     ``chord`` and ``tangent`` take the coefficients C and one or two classes to a quotient, ``opposite`` a class to its
-    negative. Each of the other ``steps`` has a name for its result. Its parameters are C, ``first``, ``second``,
-    ``quotient``, ``inverse`` (of the result "product"), and results of earlier steps. The sum is (*u, *v).
+    negative. ``steps`` are pairs: the name of a result, and its function of C, ``first``, ``second``,
+    ``quotient``, ``inverse`` (of the result "product"), or results of earlier steps. The sum is (*u, *v).
     """
 
     genus: int

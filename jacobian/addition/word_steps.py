@@ -4,8 +4,8 @@ The arithmetic is that of :mod:`jacobian.numbers.words`. A step takes a context 
 chooses the code: :data:`STEPS` holds the functions that :mod:`jacobian.addition.emit_words` writes for each class.
 Loops with these steps run in Python and compiled. Tests run all steps on intervals to show that no word overflows.
 
-A class of weight g is a tuple of 2g words, u and v from the highest coefficient down. In an array its row is stored as
-a column in the order u₀ … u_{g−1}, v₀ … v_{g−1}. Single classes are passed and returned as residues in that order.
+A class of weight g is a tuple of 2g words, u and v from the highest coefficient down. An array stores it as a
+column in the order u₀ … u_{g−1}, v₀ … v_{g−1}. Single classes are passed and returned as residues in that order.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ def check_count(count: Any) -> int:
 
 
 def elements(J: Jacobian, a: Any, name: str, width: int, compiled: bool) -> Any:
-    """An array (N, width) of raw elements of J's field: int64 where rows are compiled, objects elsewhere."""
+    """``a`` as an array (N, width) of raw elements of J's field: int64 if ``compiled``, else its floats or objects."""
     K: Any = J.field
     if hasattr(type(a), "irreducible_poly") and np.size(a):
         K.coerce(a.ravel()[0], name)  # raises for another field
@@ -71,7 +71,7 @@ def degrees(J: Jacobian, u: Any, v: Any) -> Any:
 
 
 def weights(J: Jacobian, n: Any, degree: Any) -> Any:
-    """The weight n at ∞₊ of each row, (N,); None where divisors have no such weight."""
+    """The weight n at ∞₊ of each row, (N,), by default ⌈(g − deg u)/2⌉; None unless the model is split."""
     g = J.curve.genus
     if J.curve.model != "split":
         if n is not None:

@@ -52,12 +52,12 @@ def engine(J: Jacobian) -> Any:
 
 
 class DivisorArray(Immutable, Generic[Element]):
-    """N divisor classes of one Jacobian. Make one by :meth:`stack`, :meth:`from_arrays` or :meth:`zeros`.
+    """N divisor classes of one Jacobian. Make one by :meth:`stack`, :meth:`from_arrays`, :meth:`zeros`, :meth:`random`.
 
-    ``A + B``, ``A − B``, ``−A``, ``A.double()``, ``m * A`` for one int or one for each row, ``A.sum()``. A single
-    Divisor is broadcast to all rows. ``A == B`` compares row by row and returns an array (N,). ``A[i]`` is a Divisor,
-    ``A[index]`` with a slice, a mask or an array of ints a DivisorArray. Arrays are immutable; arrays of two curves
-    cannot be combined (CurveMismatch), nor arrays of two lengths (ArgumentError).
+    Operations: ``A + B``, ``A − B``, ``−A``, ``A.double()``, ``A.sum()``, ``m * A`` for one int m or one for each row.
+    A single Divisor is broadcast to all rows. ``A == B`` compares row by row and returns an array (N,). ``A[i]`` is a
+    Divisor, ``A[index]`` with a slice, a mask or an array of ints a DivisorArray. Arrays are immutable. Arrays of two
+    curves cannot be combined (CurveMismatch), nor arrays of two lengths (ArgumentError).
 
     ``u`` (N, g + 1) and ``v`` (N, g) are ascending coefficients in the curve's own coordinates; each u is monic. ``n``
     (N,) is the weight at ∞₊, or None if divisors have none. Coefficients are ints over GF(p), p < 2^63, and over

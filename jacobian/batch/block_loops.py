@@ -133,13 +133,13 @@ SUMS = _of_genus(MEETING, SECOND)
 
 
 def keep_quotient(K: Any, C: Any, S: Any, j: Any, quotient: Any) -> None:
-    """Stores the first half of row j and its product."""
+    """Stores the quotient of row j, the first half of its sum, and the product to be inverted."""
     S[PRODUCT + j] = canonical(K, product(K, C, quotient))
     keep(S, MIDDLE, j, quotient)
 
 
 def keep_tangent(K: Any, C: Any, S: Any, j: Any) -> None:
-    """Computes and stores the first half of the double of row j."""
+    """Computes the first half of the double of row j, and stores it as :func:`keep_quotient` does."""
     keep_quotient(K, C, S, j, tangent(K, C, divisor(C, S, FIRST, j)))
 
 

@@ -18,14 +18,14 @@ from jacobian.inexact import genus2_complex, genus2_real, retraction
 # the largest allowed remainder f − V² mod U of a sum, relative to the size of its terms, as for single sums (REMAINDER
 # of jacobian.inexact.composition). 1 or 2 rows in 100 in general position exceed it, and are added again
 FINE = 2.0**-46
-# the largest remainder from which a Newton step leads back to the curve; a larger one (1 row in 10⁵) is added singly
+# the largest remainder from which a Newton step leads back to the curve; rows beyond it (1 in 10⁵) are added singly
 NOISE = 2.0**-40
 # the largest allowed remainder of given divisors
 GIVEN_NOISE = 2.0**-32
 # summands opposite up to this fraction of their size are not added here: almost no digits of their sum are known
 OPPOSITE = 2.0**-30
-# the sum has a point far out or at infinity if the slope is below this fraction of the chord's size, or the leading
-# coefficient of p² − q²f below this fraction of the other coefficients
+# a sum has a point far out or at infinity if the chord's slope is below this fraction of its size (deg f = 5, floats),
+# or the leading coefficient of p² − q²f in genus2_complex below the second fraction of the other coefficients
 FLATTEST_CHORD = 2.0**-12
 FLATTEST = 2.0**-20
 # least size of f at the smallest point, and of f's leading term at the largest point, relative to f at the largest

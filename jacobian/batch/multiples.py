@@ -1,6 +1,6 @@
 """Multiples of rows. A ladder runs on a few thousand rows at once, on one thread.
 
-``run`` is a :class:`jacobian.batch.compiled_rows.CompiledRows`, whose ``add_here``, ``double_here`` and ``negate_here``
+``run`` is a :class:`jacobian.batch.stored_rows.StoredRows`, whose ``add_here``, ``double_here`` and ``negate_here``
 are the group law on the calling thread.
 """
 

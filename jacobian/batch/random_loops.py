@@ -139,7 +139,7 @@ def value_at(K: Any, rows: Any, at: Any, d: Any, i: Any, x: Any, lead: Any) -> A
 
 
 def join(K: Any, rows: Any, g: Any, d: Any, i: Any, x: Any, slope: Any) -> None:
-    """Replaces v by v + slope·u and u, of degree d, by u·(x − x₀)."""
+    """Replaces v by v + slope·u and u, of degree d, by u·(X − x)."""
     for k in range(d):
         rows[g + k, i] = canonical(K, add(K, rows[g + k, i], canonical(K, mul(K, slope, rows[k, i]))))
     rows[g + d, i] = slope

@@ -51,7 +51,7 @@ class StoredRows:
 
     ``K`` is the context of the explicit formulas, ``words`` the context of all other loops: both store the same numbers
     unless rows are floats. ``dtype`` is the dtype of rows, ``numbers`` that of arrays of field elements. ``formulas``
-    is the short equation that the explicit formulas use, or None. One call of a loop adds ``step`` rows.
+    is the short equation that the explicit formulas use, or None. One call of a loop adds at most ``step`` rows.
     """
 
     compiled: bool
@@ -87,7 +87,7 @@ class StoredRows:
         return words
 
     def bits(self, words: Any) -> Any:
-        """An array of stored rows in the form that loops take which only copy numbers."""
+        """An array of stored rows in the form taken by loops that only copy numbers."""
         return self.view(words)
 
     def memory(self, *shape: int) -> Any:
@@ -302,8 +302,8 @@ class StoredRows:
             out.weight[begin:end] = self.genus - x.degree[begin:end] - x.weight[begin:end]
 
     def selected(self, stacked: Sequence[Any], choice: Any) -> Rows:
-        """Rows of which the i-th is row i of part choice[i]; ``stacked`` is (data, degree, weight) of all parts,
-        stacked.
+        """The rows of which the i-th is row i of part choice[i]. ``stacked`` is (data, degree, weight), arrays of all
+        parts.
         """
         out = self.empty(len(choice))
         (data, *others), (x, *rest) = stacked, out

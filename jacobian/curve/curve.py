@@ -50,13 +50,13 @@ class HyperellipticCurve(CurveQuestions[Element]):
     need not be monic. ``infinity_plus`` (split models): the value of y/x^(g+1) at the point to be called ∞₊; by default
     the smaller int over a finite field and the larger number elsewhere (by real, then imaginary part over CC).
 
-    ``genus``, ``f``, ``h`` (coefficient tuples, trimmed), ``field``; ``model`` is "ramified", "split" or "inert";
+    Attributes: ``genus``, ``f``, ``h`` (tuples, trimmed), ``field``; ``model`` is "ramified", "split" or "inert";
     ``infinity_plus`` and ``infinity_minus`` are the values of y/x^(g+1) there (equal on a ramified model, None on an
     inert one).
 
     Raises SingularCurve for a singular equation, decided exactly over exact fields. Over RR, CC and MP(dps) affine
     smoothness is not decided: rounding cannot distinguish a curve from a singular one nearby. Only the model at
-    infinity is, relative to the size of its coefficients.
+    infinity is decided, relative to the size of its coefficients.
     """
 
     def __init__(
@@ -110,7 +110,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
         return matches[0], next(z for z in roots if z is not matches[0])
 
     def _check_infinity(self, z: Element) -> None:
-        """At a double root z the other partial derivative, f_{2g+1} − h_g z, must not vanish."""
+        """SingularCurve if at a double root z the other partial derivative, f_{2g+1} − h_g z, vanishes too."""
         K: Any = self.field
         g = self.genus
         linear, product = coefficient(K, self.f, 2 * g + 1), K.mul(coefficient(K, self.h, g), z)
@@ -149,8 +149,8 @@ class HyperellipticCurve(CurveQuestions[Element]):
     def arithmetic_model(self) -> HyperellipticCurve[Element]:
         """The isomorphic curve on which divisors are added: this one, or its image under y → y + z₀x^(g+1).
 
-        The move is made for a ramified model with z₀ ≠ 0 or of formal degree 2g+2; the new equation has deg f = 2g+1
-        and deg h ≤ g. A Mumford pair (u, v) goes over to (u, v − z₀x^(g+1) mod u).
+        The move is made for a ramified model with deg f = 2g+2 or deg h = g+1, z₀ = ``infinity_plus``. The new equation
+        has deg f = 2g+1 and deg h ≤ g. A Mumford pair (u, v) goes over to (u, v − z₀x^(g+1) mod u).
         """
         K, g = self.field, self.genus
         if self.model != "ramified" or (len(self.f) <= 2 * g + 2 and len(self.h) <= g + 1):
@@ -194,8 +194,8 @@ class HyperellipticCurve(CurveQuestions[Element]):
         return Jacobian(self)
 
     def summary(self, bound: int = 2**12, height: int = 1000, digits: int = 20) -> Page:
-        """What is known of this curve over QQ, line by line, each proven, computed or conjectural: L-polynomials up to
-        ``bound``, points with x of up to this height (:func:`jacobian.page.lines.summary`).
+        """What is known of this curve over QQ, each line proven, computed or conjectural. L-polynomials to ``bound``,
+        points with x of up to this height, periods to ``digits`` digits (:func:`jacobian.page.lines.summary`).
         """
         from jacobian.page.lines import summary
 

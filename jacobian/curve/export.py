@@ -22,7 +22,7 @@ def to_flint(K: Field, *polynomials: poly.Poly) -> tuple[Any, ...]:
 
 
 def to_pari(K: Any, *polynomials: poly.Poly) -> str:
-    """The vector of polynomials in x, as text for GP or ``cypari.pari``; over GF(p^k) the generator a before it."""
+    """The vector of polynomials in x, as text for GP or ``cypari.pari``; over GF(p^k) it begins by defining a."""
     vector = ", ".join(_pari_polynomial(_exact(K), a) for a in polynomials)
     if K.order is None or K.degree == 1:
         return f"[{vector}]"

@@ -78,7 +78,7 @@ class CurveQuestions(Immutable, Generic[Element]):
     def quadratic_twist(self, d: Element | Value | None = None) -> Self:
         """The quadratic twist by d, isomorphic over K(√d), and over K(root of y² + y + d) in characteristic 2.
 
-        For F = h² + 4f and odd or no characteristic y² = d·F, in characteristic 2 y² + hy = f + d·h². By default the
+        Its equation is y² = d·(h² + 4f), in characteristic 2 y² + hy = f + d·h². By default the
         first element d of a finite field for which K(√d) is larger; over QQ there is no default. ArgumentError for a d
         whose twist is the curve itself.
         """
@@ -105,17 +105,17 @@ class CurveQuestions(Immutable, Generic[Element]):
     # --- over QQ, at all primes
 
     def l_polynomials(self, bound: int, file: File | None = None, progress: bool = False) -> LPolynomials:
-        """The L-polynomials at all primes p ≤ ``bound`` of good reduction of this equation, a curve over QQ of genus 1,
-        2 or 3, bound ≤ 2^24: :class:`jacobian.arithmetic.record.LPolynomials` (Harvey and Sutherland 2014, 2016).
+        """The L-polynomials of a curve over QQ of genus 1, 2 or 3 at all primes p ≤ ``bound`` of good reduction of this
+        equation: :class:`jacobian.arithmetic.record.LPolynomials` (Harvey and Sutherland 2014, 2016).
 
-        ``file``: where the state of a long run is kept; the same call goes on from there. ``progress``: with a bar
-        (tqdm, of the extra app). FieldError over other fields, Infeasible beyond.
+        ``file``: where the state of a long run is kept; the same call goes on from there. ``progress``: show a bar
+        (tqdm, in the extra app). FieldError over other fields, Infeasible in other genera or for bound > 2^24.
         """
         return self.jacobian().l_polynomials(bound, file, progress)
 
     def hasse_witt_matrices(self, bound: int) -> tuple[np.ndarray, np.ndarray]:
-        """(p, W) for curves over QQ of any genus: primes of good reduction up to the bound, (K,), and W_p modulo p, (K,
-        g, g), with L_p(T) ≡ det(1 − T·W_p) (:func:`jacobian.arithmetic.l_polynomials.hasse_witt_matrices`).
+        """(p, W) for a curve over QQ: odd primes of good reduction up to ``bound``, (N,), and W_p modulo p, (N, g, g),
+        with L_p(T) ≡ det(1 − T·W_p). :func:`jacobian.arithmetic.l_polynomials.hasse_witt_matrices` names exceptions.
         """
         return self.jacobian().hasse_witt_matrices(bound)
 
@@ -182,7 +182,7 @@ class CurveQuestions(Immutable, Generic[Element]):
         return self.p_rank() == self.genus
 
     def is_supersingular(self) -> bool:
-        """Whether all slopes of Frobenius are 1/2, so that the Jacobian is over the algebraic closure isogenous to a
+        """Whether all slopes of Frobenius are 1/2, so that over the algebraic closure the Jacobian is isogenous to a
         power of a supersingular elliptic curve (Oort 1974).
         """
         return self.jacobian().is_supersingular()

@@ -25,10 +25,10 @@ _conway: dict[tuple[int, int], tuple[int, ...]] = {}
 def GF(p: SupportsIndex | type, k: int = 1, modulus: Coefficients | None = None) -> FiniteField:
     """The finite field of p^k elements; the same arguments give the same object.
 
-    ``p`` is a prime, or a galois field class (then alone). ``modulus``: ascending coefficients of a monic irreducible
-    polynomial of degree k over GF(p); by default galois's Conway polynomial, or the first irreducible polynomial where
-    its table has none. Elements are ints: in [0, p), or Σ c_i p^i for Σ c_i a^i. ArgumentError for a composite p, a k
-    that is not a positive int, or a reducible modulus.
+    ``p`` is a prime, or a galois field class as the only argument. ``modulus``: ascending coefficients of a monic
+    irreducible polynomial of degree k over GF(p); by default galois's Conway polynomial, or the first irreducible one
+    where its table has none. Elements are ints: in [0, p), or Σ c_i p^i for Σ c_i a^i. ArgumentError for a composite p,
+    a k that is not a positive int, or a reducible modulus.
     """
     if isinstance(p, type) and hasattr(p, "irreducible_poly"):
         return _from_galois(p)

@@ -62,7 +62,7 @@ class Embedding:
         return self.large.coefficients(y) if self.large.degree > 1 else [y]
 
     def _echelon(self) -> list[tuple[int, list[int], list[int]]]:
-        """(pivot, row, its combination of the powers): the reduced rows of the coordinates of 1, b, …, b^(k−1)."""
+        """(pivot, row, its combination of powers): the coordinates of 1, b, …, b^(k−1), reduced; b: the image of a."""
         k, size = len(self._powers), self.large.degree
         rows = [[*self._digits(power), *(int(i == j) for j in range(k))] for i, power in enumerate(self._powers)]
         return [(pivot, row[:size], row[size:]) for pivot, row in echelon(self._base, rows, size)]
@@ -87,8 +87,8 @@ def _embedding(K: Any, L: Any) -> Embedding:
 def change_of_field(K: Any, L: Any) -> Callable[[Any], Any]:
     """The map from elements of K to elements of L; FieldError where there is none, or for an element without an image.
 
-    QQ goes to every field: modulo p, where p does not divide the denominator, and rounded. A finite field goes into
-    those that contain it, by :func:`embedding`, and back for elements that lie in the smaller one. Inexact fields go to
+    QQ goes to every field: modulo p if p does not divide the denominator, or rounded. A finite field goes into those
+    that contain it, by :func:`embedding`, and back for elements that lie in the smaller one. Inexact fields go to
     inexact ones.
     """
     if K == L:

@@ -1,4 +1,4 @@
-"""GF(p^k) of any size: an element is split into its base-p digits, multiplied out and reduced by the modulus."""
+"""GF(p^k) of any size: elements are split into base-p digits; products of digits are reduced by the modulus."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from jacobian.numbers.binary import carryless_product
 
 
 class DigitField(ExtensionField):
-    """GF(p^k) of any size: base-p digits, multiplied out and reduced by the modulus."""
+    """GF(p^k) of any size, computed on the base-p digits of elements, in characteristic 2 on bit masks."""
 
     def __init__(self, base: PrimeField, modulus: tuple[int, ...]) -> None:
         super().__init__(base, modulus)
-        # the terms of a^k = −Σ m_i a^i
+        # (i, −m_i) for the terms of a^k = −Σ m_i a^i
         self._tail = [(i, base.p - c) for i, c in enumerate(modulus[:-1]) if c]
 
     def add(self, x: int, y: int) -> int:

@@ -46,8 +46,8 @@ class ExtensionField(FiniteField):
         return extension_field, (type(self), self.base, self.modulus)
 
     def coerce(self, value: object, argument: str = "value") -> int:
-        """A whole number in [0, p^k), ascending coefficients [c0, c1, …] of a, or a galois scalar of this field; else
-        FieldError. Fractions are coefficients: [1/2] is the inverse of 2.
+        """The element given by a whole number in [0, p^k), ascending coefficients [c0, c1, …], or a galois scalar; else
+        FieldError. Fractions are read only as coefficients: [1/2] is the inverse of 2.
         """
         if hasattr(type(value), "irreducible_poly") and hasattr(type(value), "order"):
             return self._coerce_galois(value, argument)
@@ -128,7 +128,7 @@ extension_fields: dict[tuple[int, tuple[int, ...]], ExtensionField] = {}
 
 
 def extension_field(kind: type[ExtensionField], base: PrimeField, modulus: tuple[int, ...]) -> ExtensionField:
-    """The field of that modulus, irreducible over ``base``: the one that was made before, else one of this kind."""
+    """The field of that modulus, irreducible over ``base``: the one that was made before, else a new ``kind``."""
     key = base.p, modulus
     return extension_fields.get(key) or extension_fields.setdefault(key, kind(base, modulus))
 

@@ -27,7 +27,7 @@ def roots(K: Any, a: Poly) -> list[Any]:
 
 
 def without_root(K: Field[Element], a: Poly, x: Element) -> tuple[int, Poly]:
-    """The multiplicity of the root x of a non-zero polynomial, and its quotient by that power of x's linear factor."""
+    """(m, a/(X − x)^m), where m ≥ 0 is the multiplicity of the root x of a non-zero polynomial a."""
     line, multiplicity = (K.neg(x), K.one), 0
     while poly.evaluate(K, a, x) == K.zero:
         a, multiplicity = poly.quotient(K, a, line), multiplicity + 1

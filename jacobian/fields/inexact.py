@@ -24,7 +24,7 @@ class InexactField(Immutable, Generic[Element]):
     zero: Any
     eps: Any
     dps: Any = None
-    """Decimal digits of the numbers; None of machine numbers."""
+    """The decimal digits of the numbers; None for RR and CC."""
     complex: bool = False
     """Whether the numbers are complex."""
 

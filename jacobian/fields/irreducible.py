@@ -16,7 +16,7 @@ from jacobian.fields.prime import PrimeField
 
 MOST_DEGREE, LOW_DEGREE = 1000, 12
 MOST_WORK = 10**10
-"""k³ log₂ p: the search for a polynomial takes minutes beyond (25 s for k = 1000, p = 3)."""
+"""The largest k³ log₂ p; beyond it the search for a polynomial takes minutes (25 s for k = 1000, p = 3)."""
 
 
 def is_irreducible(K: PrimeField, m: poly.Poly) -> bool:
@@ -58,7 +58,7 @@ def default_modulus(base: PrimeField, k: int) -> tuple[int, ...]:
 
 
 def first_irreducible(base: PrimeField, k: int) -> tuple[int, ...]:
-    """The first irreducible polynomial of degree k; about one polynomial in k is irreducible."""
+    """The first irreducible one of :func:`monic_polynomials`; about one polynomial in k is irreducible."""
     from jacobian.progress import Progress
 
     progress = Progress(f"an irreducible polynomial of degree {k} over {base.name}", k)
@@ -71,11 +71,11 @@ def first_irreducible(base: PrimeField, k: int) -> tuple[int, ...]:
 
 
 def monic_polynomials(base: PrimeField, k: int) -> Iterator[tuple[int, ...]]:
-    """The monic polynomials of degree k, in the order of the number whose digits are their coefficients; those x^k + c
-    only where one may be irreducible.
+    """The monic polynomials of degree k, in the order of the numbers whose base-p digits are their coefficients.
+    Those of the form x^k + c are left out where none is irreducible.
     """
-    # x^k + c is irreducible for some c only where each prime factor of k divides p − 1, and 4 too if it divides k
-    # (Lidl and Niederreiter 1997, theorem 3.75): a long p is not searched for one in vain
+    # x^k + c is irreducible for some c only if each prime factor of k divides p − 1, and so does 4 if it divides k
+    # (Lidl and Niederreiter 1997, theorem 3.75); otherwise the search would try all p of them in vain
     hopeful = all((base.p - 1) % q == 0 for q in prime_factors(k)) and (k % 4 != 0 or base.p % 4 == 1)
     for number in count(1 if hopeful else base.p):
         digits = []
@@ -94,8 +94,8 @@ def prime_ring(p: int) -> Any:
 
 
 def kept(ring: Any) -> Any:
-    """A ring that is never freed, nor its references: python-flint (0.9) crashes where a polynomial and its ring are
-    collected together, in a cycle or when Python ends, and the ring first.
+    """``ring``, kept from being freed. python-flint (0.9) crashes if a polynomial and its ring are collected together,
+    in a cycle or when Python ends, and the ring goes first.
     """
     ctypes.pythonapi.Py_IncRef(ctypes.py_object(ring))
     return ring

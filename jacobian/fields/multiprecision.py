@@ -64,7 +64,7 @@ class MultiprecisionField(InexactField[Mpf]):
         return multiprecision_field, (self.dps, self.complex)
 
     def coerce(self, value: object, argument: str = "value") -> Mpf:
-        """The element of a number, as in :meth:`Field.coerce`, rounded once; an mpf or mpc of any context is one."""
+        """The element of a number, as in :meth:`Field.coerce`, rounded once; mpf and mpc of any context are read."""
         if isinstance(value, self._reals) and not self.complex:
             parts = value._mpf_
             # a number without a mantissa is 0 or not finite
@@ -119,7 +119,7 @@ class MultiprecisionField(InexactField[Mpf]):
         return self.context.sqrt(x)
 
     def exponent(self, x: Mpf) -> int:
-        """The e with 2^(e−1) ≤ |x| < 2^e, for x ≠ 0, of the larger of re x and im x."""
+        """The e with 2^(e−1) ≤ max(|re x|, |im x|) < 2^e, for x ≠ 0."""
         parts = x._mpc_ if hasattr(x, "_mpc_") else (x._mpf_,)
         return max(int(exponent + bits) for _, mantissa, exponent, bits in parts if mantissa)
 
@@ -138,7 +138,7 @@ class MultiprecisionField(InexactField[Mpf]):
         return self.context.ldexp(random_below(rng, 1 << bits), 2 - bits) - 2
 
     def key(self, x: Mpf) -> Hashable:
-        """The sign, mantissa and exponent: the classes of a context cannot be compared or pickled."""
+        """The sign, mantissa, exponent and bits as plain numbers, which do not belong to a context."""
         result: Hashable = x._mpc_ if self.complex else x._mpf_
         return result
 

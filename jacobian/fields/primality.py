@@ -3,7 +3,7 @@
 Sources: Miller 1976, Rabin 1980; the bases are those of Sorenson and Webster, "Strong pseudoprimes to twelve prime
 bases" (2017): the first 13 primes decide every n < 3317044064679887385961981. Above it the test is that of Baillie and
 Wagstaff, "Lucas pseudoprimes" (1980), strong to the base 2 and strong Lucas: not proven, but no composite is known to
-pass it. GMP multiplies long numbers.
+pass it. GMP runs it.
 """
 
 from __future__ import annotations

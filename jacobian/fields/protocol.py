@@ -1,7 +1,7 @@
 """The interface of a field: a context that computes with bare elements.
 
 Elements stay ordinary Python objects (``int``, ``Fraction``, ``float``, ``complex``, ``mpf``), and the field supplies
-the operations. Polynomials and divisors ask the field for every operation, so one Cantor serves them all.
+the operations. Polynomials and divisors ask the field for every operation, so one algorithm serves all fields.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ class Field(Arithmetic[Element], Protocol[Element]):
 
     @property
     def order(self) -> int | None:
-        """The number of elements, or None."""
+        """The number of elements; None for an infinite field."""
         ...
 
     def is_zero(self, x: Element, scale: Element | None = None) -> bool:
-        """Whether x is zero: exactly, or relative to ``scale``, the size of the terms of the difference x."""
+        """Whether x is zero: exactly, or relative to ``scale``, the size of the terms whose difference is x."""
         ...
 
     def sqrt(self, x: Element) -> Element:

@@ -9,7 +9,7 @@ from jacobian.errors import ArgumentError, shown
 
 
 def check_rng(rng: Rng) -> Any:
-    """``rng``, or an ArgumentError."""
+    """``rng``; ArgumentError if it is neither a numpy Generator nor a random.Random."""
     # random.Random has getrandbits, numpy's generators have bytes
     known = hasattr(rng, "random") and (hasattr(rng, "getrandbits") or hasattr(rng, "bytes"))
     if not known or isinstance(rng, type):

@@ -40,7 +40,7 @@ class ResidueField(FiniteFieldOf[poly.Poly]):
         return poly.half_xgcd(self.base, self.modulus, x)[1]
 
     def sqrt(self, x: poly.Poly) -> poly.Poly:
-        """One square root of x, or NotASquare; of degree 1, and of degree 2 in odd characteristic, by roots in K."""
+        """One square root of x, or NotASquare; if deg P = 1, or 2 in odd characteristic, from square roots in K."""
         K = self.base
         if len(self.modulus) == 2 and x:
             return (K.sqrt(x[0]),)

@@ -109,9 +109,9 @@ class Divisor(Immutable, Generic[Element]):
     on the roots of u; over an exact field it is trimmed, over an inexact one it has length deg u. ``n``: the weight at
     ∞₊ on a split model, in 0 … g − deg u; None on others, where it is determined. ``jacobian``: the group.
 
-    ``+``, ``−``, ``m * D``, ``==``, ``hash``; ``bool(D)`` is False for the identity; in sums the int 0 stands for the
-    identity. Over inexact fields ``==`` compares the numbers of the representation, which is not a test of equality of
-    classes. Combining divisors of two curves raises CurveMismatch.
+    Operations: ``+``, ``−``, ``m * D``, ``==``, ``hash``. ``bool(D)`` is False for the identity; in sums the int 0
+    stands for it. Over inexact fields ``==`` compares the numbers of the representation, which does not decide whether
+    the classes are equal. Combining divisors of two curves raises CurveMismatch.
     """
 
     __slots__ = ("jacobian", "n", "u", "v")
@@ -157,7 +157,7 @@ class Divisor(Immutable, Generic[Element]):
             raise FieldError(f"K = {J.field.name}: {self!r} has a point that goes to infinity there") from None
         if self.n is not None and J.curve.model == "inert" and 2 * self.n + self.degree != J.curve.genus:
             raise FieldError(f"K = {J.field.name}: {self!r} has unlike weights at ∞₊ and ∞₋, which are conjugate there")
-        # equal weights at the two points at infinity remain equal on a split model
+        # n is None if an inert model becomes split: from_mumford then shares the weight equally, as ∞₊ and ∞₋ had it
         return J.from_mumford(u, v, self.n if J.weight_of_zero is not None else None)
 
     def to_galois(self) -> tuple[Any, Any]:
@@ -294,7 +294,7 @@ def check_scalar(scalar: SupportsIndex, argument: str = "scalar") -> int:
 
 
 def check_scalars(scalars: Any, count: int, argument: str = "scalar") -> int | list[int]:
-    """``scalar`` as an int, or as a list of ``count`` ints if it is a sequence or a flat array; else ArgumentError."""
+    """``scalars`` as an int, or as a list of ``count`` ints if it is a sequence or a flat array; else ArgumentError."""
     import numpy as np
 
     several = isinstance(scalars, Sequence | np.ndarray) and not isinstance(scalars, NO_SEQUENCES)

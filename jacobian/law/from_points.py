@@ -16,15 +16,15 @@ from jacobian.law.divisor import Divisor, GroupLaw
 
 # points are added one by one; larger sums should use multiples in the group
 MOST_REPEATED, MOST_POINTS = 100, 100_000
-# up to AT_ONCE·g points are interpolated as one pair, without the group's addition
+# AT_ONCE·g points, or a few more, are interpolated as one pair; the group adds these pairs
 AT_ONCE = 8
 
 
 class Descent(NamedTuple):
     """Points over an extension field, and the map back to the field of the curve.
 
-    ``curve``: the same equation over the extension; ``back`` takes polynomials over it to the field; ``orbits``: lists
-    the points by sets that are closed under conjugation.
+    ``curve``: the same equation over the extension; ``back`` takes polynomials over it to the field; ``orbits``
+    groups the points into sets that are closed under conjugation.
     """
 
     curve: HyperellipticCurve
@@ -87,7 +87,7 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
     """The class of Σ P_i minus infinity over an exact field. A few points at a time become a reduced class, and the
     group adds these, because the time for one pair grows like the cube of its number of points.
 
-    On a split model the weight of a class at ∞₊ counts from ⌈g/2⌉: the last part compensates those of the others.
+    On a split model the weight of a class at ∞₊ counts from ⌈g/2⌉; that of the last part makes up for the others.
     """
     C = J.curve
     pairs = _equal_pairs(C, points) if descent is None else {}
@@ -110,7 +110,7 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
 
 
 def _equal_pairs(C: HyperellipticCurve, points: list[AffinePoint]) -> dict[AffinePoint, int]:
-    """Half the multiplicity, rounded down, of each point that occurs more than 8g times; its pairs form a multiple."""
+    """Half the multiplicity, rounded down, of each point that occurs more than 8g times: those to be multiplied."""
     return {point: count // 2 for point, count in Counter(points).items() if count > AT_ONCE * C.genus}
 
 

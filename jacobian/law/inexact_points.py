@@ -16,7 +16,7 @@ from jacobian.inexact.digits import Digits
 
 # the relative accuracy of y that a rounded v must keep
 KNOWN = 2**-7
-# y is taken as a rounded point of the curve if y² agrees with f up to this many units of the last digit
+# (x, y) is taken for a rounded point of the curve if y² agrees with f up to this many units of the last digit
 NEAR = 2**20
 
 

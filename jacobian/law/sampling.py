@@ -166,7 +166,7 @@ def _listed(J: GroupLaw) -> Iterator[Divisor]:
 
 
 def _local_choices(C: HyperellipticCurve, u: poly.Poly) -> list[tuple[poly.Poly, list[tuple[poly.Poly, poly.Poly]]]]:
-    """For each factor P^e of u, the tuple of P^e and the list of all pairs (P^e, v) on the curve."""
+    """For each factor P^e of u, the tuple of P and the list of all pairs (P^e, v) on the curve."""
     K: Any = C.field
     choices = []
     for P, multiplicity in factor(K, u):

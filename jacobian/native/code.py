@@ -8,8 +8,8 @@ from typing import NamedTuple
 from jacobian.numbers.double_double_steps import FUNCTIONS
 
 ONE, ZERO = "1.0", "0.0"
-# SIMD lanes: rounds of a loop run together (:func:`jacobian.numbers.abreast.abreast`); numbers of a twin array's item
-# (:data:`jacobian.native.kinds.TWIN_WIDES`)
+# the numbers of SIMD lanes: for the rounds of a loop that run together (:func:`jacobian.numbers.abreast.abreast`), and
+# for an item of a twin array (:data:`jacobian.native.kinds.TWIN_WIDES`)
 LANES, TWO = 8, 2
 
 
@@ -68,7 +68,7 @@ class Code:
         return f"%x{self._count}"
 
     def write(self, text: str) -> str:
-        """An instruction with a result; returns the result's name."""
+        """Appends an instruction with a result; returns the result's name."""
         name = self.fresh()
         self.lines.append(f"  {name} = {text}")
         return name
@@ -82,7 +82,7 @@ class Code:
         return self.literal("double", ONE)
 
     def slot(self, leaf: str) -> str:
-        """Stack memory for a scalar."""
+        """Allocates stack memory for a scalar; returns the name of its pointer."""
         name = self.fresh()
         self.slots.append(f"  {name} = alloca {leaf}")
         return name
@@ -109,7 +109,7 @@ class Code:
         return self.intrinsic("sqrt", x)
 
     def intrinsic(self, name: str, *arguments: str) -> str:
-        """Calls one of LLVM's functions of floats; returns the result's name."""
+        """Writes a call of one of LLVM's functions of floats; returns the result's name."""
         double = self.types.double
         given = ", ".join(f"{double} {x}" for x in arguments)
         return self.write(f"call {double} @llvm.{name}.{self.types.suffix}({given})")

@@ -1,8 +1,8 @@
 """Entries that Python calls without packing: compiled functions that read Python's ints and tuples themselves.
 
 Packing the arguments of a call into memory takes longer than an addition of words. An entry whose last kind is
-:class:`Objects` is a method of CPython instead: it gets its arguments as objects, and the leading ones, fixed for many
-calls, from the bytes that it is bound to.
+:class:`Objects` is a method of CPython instead, which gets its arguments as objects. The leading arguments are the same
+in many calls; the method is bound to a bytes object that holds them.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ FAST_CALL = 0x80
 
 
 class Scratch(NamedTuple):
-    """Memory on the stack that a call gets for itself: an array of this kind and shape."""
+    """An array of this kind and shape on the stack of a call: scratch memory that no caller passes."""
 
     kind: ArrayKind
     shape: tuple[int, ...]
@@ -56,7 +56,7 @@ class Scratch(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """A bytearray that holds so many rows of integers, of equal length."""
+    """The kind of a bytearray that holds ``number`` rows of integers, of equal length."""
 
     number: int
     kind: ArrayKind = ArrayKind(INT, 2)
@@ -66,7 +66,7 @@ class Objects(NamedTuple):
     """The kinds of arguments that an entry reads from Python's objects: ints, tuples, bytes objects as :data:`BYTES`,
     bytearrays as integers or :class:`Rows`. For :class:`Scratch` the caller passes nothing.
 
-    With ``unlocked`` other threads run meanwhile, which takes a tenth of a microsecond.
+    With ``unlocked`` a call releases Python's lock, which takes a tenth of a microsecond.
     """
 
     kinds: tuple[Any, ...]
@@ -101,7 +101,7 @@ def read(body: Any, kind: Any, there: str) -> list[str]:
 
 
 def made(body: Any, kind: Any, parts: list[str]) -> str:
-    """The Python object of a value, whose scalars are removed from ``parts``."""
+    """Writes the instructions that make the Python object of a value; removes its scalars from ``parts``."""
     if kind is NONE:
         return str(body.write("call ptr @PyBool_FromLong(i64 0)"))
     if isinstance(kind, TupleKind):

@@ -29,7 +29,7 @@ from jacobian.native.kinds import (
 )  # fmt: skip
 from jacobian.native.operators import BUILTINS, Operators, integer, real
 
-# LLVM's literals of the two truths known at compile time
+# the literals of a condition that is known at compile time: false, true
 KNOWN = ("0", "1")
 
 
@@ -390,7 +390,7 @@ class Expressions(Operators):
         return Value(instance.result, tuple(parts_there))
 
     def expression_of(self, function: Any, arguments: list[Value]) -> ast.expr | None:
-        """The only expression of a function of a field's elements; None for any other function."""
+        """The expression that a function of a field's context returns, if it has no other statement; else None."""
         if not arguments or not hasattr(getattr(arguments[0].kind, "named", None), "dot"):
             return None
         *others, last = self.program.tree(function).body

@@ -48,8 +48,8 @@ def look_for_a_place(*, needed: bool = False) -> None:
 class Object(NamedTuple):
     """Compiled code in the form in which it is stored.
 
-    The fields: the machine code; the ``struct`` letters of each entry's result, in brackets for tuples; the source
-    modules; the module constants that were compiled in, by full name; the LLVM text.
+    The fields: the ``struct`` letters of each entry's result, in brackets for tuples; the source modules; the module
+    constants that were compiled in, by full name; the machine code.
     """
 
     results: dict[str, str]
@@ -59,7 +59,7 @@ class Object(NamedTuple):
 
 
 def find(folder: Path, name: str, made_for: str) -> Object | None:
-    """The stored object of that name if it was built for this machine, else None."""
+    """The stored object of that name if it was built for this machine from unchanged sources, else None."""
     try:
         head, _, code = _file(folder, name).read_bytes().partition(b"\n")
         known = json.loads(head)
@@ -75,7 +75,7 @@ def find(folder: Path, name: str, made_for: str) -> Object | None:
 
 
 def keep(folder: Path, name: str, made_for: str, made: Object) -> None:
-    """Store an object with the machine it was built for and the hashes of this compiler's sources."""
+    """Stores an object with its machine and the hashes of its sources and the compiler's, if the folder is writable."""
     sources = stamps(sorted({*made.modules, *compiler()}))
     known = {
         "made for": made_for, "size": len(made.code), "sources": sources, "numbers": made.numbers,

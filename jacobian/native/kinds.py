@@ -21,7 +21,7 @@ class CompileError(TypeError):
 
 @dataclass(frozen=True)
 class Kind:
-    """The kind of a number: ``leaves`` are the LLVM types of its scalars, one, or two for a double-double."""
+    """The kind of a number: ``leaves``: the LLVM types of its scalars, two for double-doubles and complex numbers."""
 
     name: str
     leaves: tuple[str, ...]
@@ -71,7 +71,7 @@ def single(kind: Any) -> Any:
 @dataclass(frozen=True)
 class ArrayKind:
     """A C-contiguous array. ``item`` is the kind of its items: floats, integers, longs, double-doubles or complex
-    numbers. Each item takes ``parts`` words, or, an integer of a shorter type, is ``stored`` in that NumPy type."""
+    numbers. An item takes ``parts`` words; an integer in fewer bytes has the NumPy type ``stored``."""
 
     item: Kind
     ndim: int = 1
@@ -152,7 +152,7 @@ class TupleKind:
 
 
 def form_of(kind: Any) -> tuple[Any, ...]:
-    """(kind, dtype, axes, forms): what every call inspects of a kind, computed once.
+    """(kind, dtype, axes, forms): all that a call inspects of a kind, computed once.
 
     An array has a dtype and a number of axes, a tuple the forms of its items. What a kind lacks is None, 0 or None.
     """

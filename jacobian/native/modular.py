@@ -14,7 +14,7 @@ from jacobian.numbers import two_words
 from jacobian.numbers.two_words import TwoWords
 
 CONTEXT = record(TwoWords, *[LONG] * 5)
-"""The kind of a two-word context: six longs."""
+"""The kind of a two-word context: five longs."""
 LOW = str((1 << 64) - 1)
 
 

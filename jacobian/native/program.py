@@ -70,7 +70,7 @@ class Program:
         return found
 
     def inlines(self, function: Any) -> bool:
-        """Whether a function is inlined, and its loops are unrolled."""
+        """Whether all loops of a function are unrolled; it is then inlined unless it is in ``inlined_but``."""
         return self._inlined_but is not None and not _has_loop(self.tree(function))
 
     def _attributes(self, function: Any) -> str:
@@ -154,7 +154,7 @@ def _places(leaves: Iterable[str], begin: int) -> list[int]:
 
 
 def _arguments(body: Statements, kinds: tuple[Any, ...]) -> tuple[list[str], int]:
-    """The scalars of arguments in the array of words, as LLVM operands with their types, and their end."""
+    """The scalars of arguments in the array of words, as LLVM operands with their types, and the index after them."""
     leaves, values = [leaf for kind in kinds for leaf in kind.leaves], []
     *places, end = _places(leaves, 0)
     for k, leaf in zip(places, leaves, strict=True):

@@ -37,7 +37,7 @@ def split(x: Any) -> tuple[float, float]:
         return x, 0.0
     if type(x) is int and abs(x) < EXACT:
         return float(x), 0.0
-    # gmpy2's mpfr, which may have _mpf_ too, created at each access
+    # first gmpy2's mpfr: it may have _mpf_ too, but creates it at each access
     if type(x).__name__ == "mpfr":
         return _split_mpfr(x)
     if hasattr(x, "_mpf_"):
@@ -60,7 +60,7 @@ def split(x: Any) -> tuple[float, float]:
 def _split_mpf(x: Any) -> tuple[float, float]:
     sign, mantissa, exponent, bits = x._mpf_
     if 0 < bits < MOST_BITS and abs(exponent) < MOST_BITS:
-        # integers become the nearest float
+        # float() of an int is the nearest float
         whole = -int(mantissa) if sign else int(mantissa)
         high = float(whole)
         low = float(whole - int(high))

@@ -1,4 +1,4 @@
-"""The discrete Fourier transform of real samples on a grid of powers of 2, on bare reals, compiled unchanged."""
+"""The discrete Fourier transform of real samples on a grid whose sides are powers of 2, in loops to be compiled."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def half_spectrum(samples: Row, grid: tuple[int, int], circle: Row, room: Row, o
 
 
 def across(values: Row, grid: tuple[int, int], circle: Row, other: Row, out: Row) -> None:
-    """Writes the coefficients of :func:`half_spectrum` to ``out``: its second half. ``values`` holds the transforms
+    """The second half of :func:`half_spectrum`: writes the coefficients to ``out``. ``values`` holds the transforms
     along the columns, where one complex transform stands for two real columns.
     """
     rows, columns = grid

@@ -17,7 +17,7 @@ class BareReals:
     """Numbers of ``bits`` bits: gmpy2's mpfr.
 
     ``with reals:`` sets this precision for the current thread and restores the old one afterwards; ``with
-    reals.at(bits):`` does so for another precision. Results of operations depend on it; :meth:`number` does not.
+    reals.at(bits):`` does so for another precision. Operations round to the precision in force.
     """
 
     def __init__(self, bits: int) -> None:
@@ -46,8 +46,8 @@ class BareReals:
         return result
 
     def number(self, x: Any) -> Any:
-        """x as a number of this kind. x is an int, a float, an mpf of any context or a number of this kind; if it has
-        more digits, it may be rounded."""
+        """x as a number of this kind. x is an int, a float, an mpf of any context or a number of this kind. An x of
+        more than ``bits`` bits may be rounded."""
         if isinstance(x, self._type):
             return x
         if isinstance(x, int):

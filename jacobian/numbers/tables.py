@@ -87,7 +87,7 @@ def table_context(K: Any) -> TableContext:
         return BinaryTable(powers, logarithms, np.zeros(0, np.int64), size, 0, 1)
     between = np.array(K._zech, np.int64)
     between[between < 0] = zero
-    # x = 0 and y ≠ 0: the sum is y; both ≠ 0: twice the period; x ≠ 0 and y = 0: the sum is x
+    # left: x = 0, y ≠ 0, the sum is y; right: x ≠ 0, y = 0, the sum is x; between them two periods: x, y ≠ 0
     left = np.arange(-zero, -size)
     right = np.zeros(size + 1, np.int64)
     zech = np.concatenate([left, between, between, right])

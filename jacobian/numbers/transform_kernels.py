@@ -1,4 +1,4 @@
-"""Number-theoretic transforms on floats, compiled: modulo primes below 2^49, eight numbers of a vector at once.
+"""Number-theoretic transforms on floats, compiled: modulo primes below 2^49, eight numbers at once in a vector.
 
 A block x of length 2m represents a polynomial modulo X^(2m) − W² and is mapped to its residues modulo X^m − W and X^m +
 W. One factor W serves a whole block, so loops over its numbers are vector instructions (Harvey 2014 on the arithmetic).
@@ -54,7 +54,7 @@ def _quarters(turn: Any, Q: Any, W: Any, x: Any, begin: Any, m: Any, b: Any) -> 
 
 
 def _beside(turn: Any, Q: Any, W: Any, S: Any, m: Any, b: Any) -> None:
-    """As :func:`_quarters`, for SIDE blocks from b on, interleaved: number i of block b + k is S[i·SIDE + k]. For m = 4
+    """Does :func:`_quarters` on SIDE blocks from b on, interleaved: number i of block b + k is S[i·SIDE + k]. For m = 4
     a block has 16 numbers; for m = 1 each of them consists of four blocks of 4, numbered from 4b on."""
     for i in range(4):
         first = (i if m == 4 else 4 * i) * SIDE
@@ -164,8 +164,8 @@ def combined(P: Any, Q: Any, c: Any, residues: Any, begin: Any, scale: Any, out:
     """Sets out = scale·N modulo p, canonical. N is the integer of least size with the residues residues[i]·c[i]
     (Garner 1959).
 
-    ``Q``: the contexts of three primes, of which two or three are used: ``residues`` (2 or 3, size), those from
-    ``begin`` on. ``c``: a factor for each, 1/q₁ modulo q₂, q₁ modulo p, 1/q₁ and 1/q₂ modulo q₃, q₁q₂ modulo p.
+    ``Q``: the contexts of three primes. ``residues`` (2 or 3, size): those modulo the first two or all three; used from
+    column ``begin`` on. ``c``: a factor for each prime; 1/q₁ mod q₂, q₁ mod p, 1/q₁ and 1/q₂ mod q₃, q₁q₂ mod p.
     """
     first, second, third = Q
     for j in range(len(out)):

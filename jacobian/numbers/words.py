@@ -1,9 +1,9 @@
 """Arithmetic modulo an odd prime of word size: Montgomery's representation on signed words, reduced only where needed.
 
-An element a is represented by a·2^w modulo p with w = 32 (p < 2^31) or 64 (p < 2^63), as a signed int that need not be
-the least residue: Montgomery's reduction (1985) with a signed quotient maps a T with |T| < 2^(2w−1) to T/2^w modulo p
-of size at most |T|/2^w + p/2, without a comparison. So sums are not reduced at all, sums of products once, and only
-numbers that are stored or compared are made *canonical*, −p/2 < x < p/2.
+An element a is represented by a·2^w modulo p, w = 32 (p < 2^31) or 64 (p < 2^63), as a signed int that need not be the
+least residue. Montgomery's reduction (1985) with a signed quotient maps a T with |T| < 2^(2w−1) to T/2^w modulo p, of
+size at most |T|/2^w + p/2, without a comparison. So a sum of products is reduced once, and other sums only if words
+have no spare bits. Numbers that are stored or compared are made *canonical*, −p/2 < x < p/2.
 
 A *context* K holds p and its constants. Its class says how many spare bits a word has above p, and compiled code is
 specialised by that class::
@@ -21,8 +21,8 @@ Bounds: a word is at most 4·p on Lazy (p < 2^(w−3)) and p on Wide (p < 2^(w�
 most 2·p² on Wide and 32·p² on Lazy. The result is a word only if they add up to at most p² on Wide and 28·p² on Lazy.
 Running a formula on intervals proves that it keeps these bounds (``tests/jacobian/numbers/word_bounds.py``).
 
-For p < 2^49 a fifth context, :class:`Double`, keeps least residues as floats: the remainder of a product is computed
-exactly from two fused multiplications and a rounded quotient. SIMD instructions do this for eight products at once; for
+For p < 2^49 a fifth context, :class:`Double`, keeps residues as floats: two fused multiplications and a rounded
+quotient give the remainder of a product exactly. SIMD instructions do this for eight products at once; for
 products of 64-bit words there are none. Each product of a dot is reduced on its own. A product must be below 16·p² and
 a sum below 16·p; ``settled`` and ``canonical`` take |x| ≤ 4.5·p.
 
@@ -113,9 +113,9 @@ class LongContext(WordContext):
     bits = 64
 
     def nearer(self, x: int, far: int, step: int) -> int:
-        """x, moved by ``step`` towards 0 if it is negative or beyond ``far``; then again if it is beyond ``far``.
+        """x, plus ``step`` if it is negative; then minus ``step`` if it is beyond ``far``.
 
-        These loops stay scalar. There a selection would become a branch, which is mispredicted half the time.
+        Masks are used because a selection would become a branch in scalar loops, mispredicted half the time.
         """
         x = x + (step & x >> 63)
         return x - (step & sign(far - x))
@@ -187,7 +187,7 @@ class Double(SingleProducts, namedtuple("Double", "p reciprocal one half")):
 
 class OneWord(namedtuple("OneWord", "p one")):
     """The context of p < 2^30 on least residues, with one remainder for a sum of up to four products. Compiled loops
-    over primes make one for each."""
+    over primes make a context for each prime."""
 
     __slots__ = ()
 
