@@ -190,6 +190,6 @@ def word_kernel(C: HyperellipticCurve) -> WordKernel | LineKernel:
 
 
 def is_kept(C: HyperellipticCurve, two_words: bool) -> bool:
-    """Whether the compiled loops for C are on disk: those of :func:`two_word_context` or of :func:`context`."""
+    """Whether the compiled loops for C are on disk; ``two_words`` selects :func:`two_word_context`."""
     K = (two_word_context if two_words else context)(C.field)
     return library_of(K, short_equation(C, K.to_word) or Plain()).is_kept()

@@ -94,7 +94,7 @@ class FlintCantor:
         return u1 * u2, v + u2 * (k % u1), n, d
 
     def reductions(self, u: Any, v: Any, n: int | None) -> Iterator[tuple[Any, Flint]]:
-        """Yields (v, (u', v', n')) for each step of :func:`jacobian.addition.cantor.reduce`: y − v and its result."""
+        """Yields (v, (u', v', n')) for each step of :func:`jacobian.addition.cantor.reduce`, a reflection at y − v."""
         while u.degree() > self.limit:
             line = v
             u, v, n = self._reflect(u, v, n)

@@ -170,7 +170,7 @@ STEPS: dict[str, dict[type, Any]] = {
 
 
 def put(K: Any, g: Any, found: Any, result: Any) -> None:
-    """Writes ``found``, a class with deg u = g and hence n = 0, into an array of :mod:`.cantor_words`."""
+    """Writes ``found``, of deg u = g and hence n = 0, into an array of :mod:`jacobian.addition.cantor_words`."""
     place = g + 2
     for x in found:
         result[place] = x

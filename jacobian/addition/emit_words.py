@@ -20,7 +20,7 @@ from jacobian.addition.straight import Formulas, Tape, parameters
 from jacobian.numbers import words
 
 MOST = 4
-"""The most products of a sum that is reduced once, ``dot4``."""
+"""The largest number of products in a sum that is reduced once (``dot4``)."""
 
 
 class Size(NamedTuple):

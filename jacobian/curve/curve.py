@@ -288,7 +288,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
         """All rational points, those at infinity first. Over QQ: with numerator and denominator of x up to ``bound``,
         at most 10,000, found by a sieve over small primes.
 
-        Takes time proportional to the order of the field, and the logger ``jacobian.progress`` says how long;
+        Over a finite field the time is proportional to its order, and the logger ``jacobian.progress`` says how long.
         ArgumentError over RR, CC and MP.
         """
         return self._points(self._abscissas(bound))

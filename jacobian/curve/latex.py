@@ -36,7 +36,7 @@ def equation(K: Field, f: poly.Poly, h: poly.Poly) -> str:
 
 
 def term_of_y(K: Field, h: poly.Poly, written: str, bracketed: str, times: str) -> str:
-    """The term with y behind y²; h is in brackets where it has terms or signs of its own: y² − 2x·y, y² + (x + 1)·y."""
+    """The term hy as text, after y², with h in brackets if it has terms or signs inside: y² − 2x·y, y² + (x + 1)·y."""
     if not h:
         return ""
     if h == (K.one,):

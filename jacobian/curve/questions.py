@@ -45,8 +45,8 @@ class CurveQuestions(Immutable, Generic[Element]):
     # --- over other fields
 
     def change_ring(self, K: Field[Other]) -> HyperellipticCurve[Other]:
-        """The curve with the same equation over the field K: a reduction of QQ modulo p, a larger finite field or one
-        that holds all coefficients, RR, CC or MP(dps).
+        """The curve with the same equation over the field K: from QQ any (reduction modulo p); from a finite field a
+        larger one, or one that holds all coefficients; from RR, CC and MP(dps) any of these.
 
         ∞₊ goes to ∞₊ where possible. FieldError where the coefficients do not lie in K, SingularCurve at a prime of bad
         reduction of this equation (another equation may be good there: :meth:`bad_primes`).
@@ -115,7 +115,7 @@ class CurveQuestions(Immutable, Generic[Element]):
 
     def hasse_witt_matrices(self, bound: int) -> tuple[np.ndarray, np.ndarray]:
         """(p, W) for a curve over QQ: odd primes of good reduction up to ``bound``, (N,), and W_p modulo p, (N, g, g),
-        with L_p(T) ≡ det(1 − T·W_p). :func:`jacobian.arithmetic.l_polynomials.hasse_witt_matrices` names exceptions.
+        with L_p(T) ≡ det(1 − T·W_p). :func:`jacobian.arithmetic.l_polynomials.hasse_witt_matrices` leaves some out.
         """
         return self.jacobian().hasse_witt_matrices(bound)
 

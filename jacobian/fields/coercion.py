@@ -1,6 +1,6 @@
 """The rule by which every field reads rational numbers exactly.
 
-:func:`rational` reads ints (numpy's, gmpy2's and flint's too, and truth values as 0 and 1), fractions, Decimals and
+:func:`rational` reads ints (numpy's, gmpy2's, flint's, PARI's too; truth values as 0 and 1), fractions, Decimals and
 strings: "3", "-1/3", "0.25", "1e3". Every field accepts these. Only inexact fields accept floats: 0.1 is not
 1/10, and an exact field cannot know which of the two is meant.
 

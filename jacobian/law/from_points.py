@@ -110,7 +110,7 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
 
 
 def _equal_pairs(C: HyperellipticCurve, points: list[AffinePoint]) -> dict[AffinePoint, int]:
-    """Half the multiplicity, rounded down, of each point that occurs more than 8g times: those to be multiplied."""
+    """For each point that occurs more than 8g times, half its multiplicity, rounded down: the factor of its pair."""
     return {point: count // 2 for point, count in Counter(points).items() if count > AT_ONCE * C.genus}
 
 

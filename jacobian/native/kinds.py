@@ -21,7 +21,7 @@ class CompileError(TypeError):
 
 @dataclass(frozen=True)
 class Kind:
-    """The kind of a number: ``leaves``: the LLVM types of its scalars, two for double-doubles and complex numbers."""
+    """The kind of a number. ``leaves``: the LLVM types of its scalars, two for double-doubles and complex numbers."""
 
     name: str
     leaves: tuple[str, ...]
