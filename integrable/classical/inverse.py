@@ -15,7 +15,7 @@ from jacobian.element import Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
 from jacobian.linear import pivoted
 
-# the search ends at a residual of LAST rounding units; MOST iterations; HALVINGS of a step that does not improve
+# residual, in rounding units, at which the search ends; most iterations; most halvings of a step that is no progress
 LAST, MOST, HALVINGS = 64, 60, 8
 # allowed relative distance of a point from the ellipsoid
 OFF = 1e-6
@@ -51,7 +51,7 @@ def joining(ellipsoid: Ellipsoid, first: Iterable[Value], last: Iterable[Value])
         gap = [x - y for x, y in zip(end, target, strict=True)]
         return [K.dot(e, gap) for e in landing]
 
-    # initial length: the arc over the chord of the circle whose tangent at q is the first of the basis
+    # initial length: the arc from q to the target of the circle whose tangent at q is the first basis vector
     along, length = float(K.dot(chord, basis[0])), float(K.sqrt(K.dot(chord, chord)))
     angle = acos(min(1.0, along / length))
     arc = length * angle / sin(angle) if angle else length

@@ -154,7 +154,7 @@ class Wave:
         """u(x, t), an array of the shape to which x and t broadcast; ``at(x, t[:, None])`` is a table over all x and t.
 
         For a g-gap solution the error is below the last digit of floats, or of MP(digits), times the span of the edges,
-        at any x and t. In floats many x at one t are fast: at least 24 for two gaps, at least 200 for three to six.
+        at any x and t. In floats 24 or more x at one t are read from one torus, which makes many of them fast.
         A double edge needs bits in proportion to x and t: PrecisionLoss about 500 widths of a soliton away.
         """
         import numpy as np

@@ -1,6 +1,6 @@
 """Neumann's system: a point on the sphere S^n in a quadratic potential (C. Neumann 1859; Moser 1980).
 
-q, p ∈ R^(n+1), |q| = 1, (q, p) = 0, q' = p, p' = −a_i q_i + m q_i, m = Σa_i q_i² − |p|². With f₁ = Π(x − a_i):
+q, p ∈ R^(n+1), |q| = 1, (q, p) = 0, q' = p, p_i' = (m − a_i)q_i, m = Σa_i q_i² − |p|². With f₁ = Π(x − a_i):
 
     U = f₁Σ q_i²/(x − a_i),   V = f₁Σ q_i p_i/(x − a_i),   W = −f₁(1 + Σ p_i²/(x − a_i)),   f = V² + UW = −f₁f₂
 

@@ -85,7 +85,7 @@ class TodaLattice(MumfordSystem):
 
     @property
     def _ordinary_size(self) -> float:  # type: ignore[override]
-        # f contains exponentials of sums over the ring
+        # f has exponentials of sums over the ring, which must stay in the range of floats
         return 100 / self.size
 
     def _genus(self) -> int:

@@ -28,12 +28,11 @@ MOST_PASSED = 4096
 
 
 class Setup:
-    """One motion as a :class:`Problem` in three kinds of numbers, and its translations. ``floats`` are floats, those of
-    ``problem`` numbers of the MP field ``wide``, and those of ``bare`` numbers of ``reals``, for long loops.
+    """One motion as a :class:`Problem` in three kinds of numbers, and its translations.
 
-    The argument ``digits`` sets the number of
-    digits independently of the body's field, whose numbers are taken as exact. The attribute ``digits`` includes guard
-    digits.
+    ``floats`` has floats, ``problem`` numbers of the MP field ``wide``, and ``bare`` numbers of ``reals``, for long
+    loops. The argument ``digits`` sets the number of digits independently of the body's field, whose numbers are taken
+    as exact. The attribute ``digits`` includes guard digits.
     """
 
     def __init__(self, body: Body, gamma: Vector, M: Vector, tilted: bool = False, digits: int | None = None) -> None:

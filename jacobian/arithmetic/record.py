@@ -104,7 +104,7 @@ class LPolynomials:
         return _needed("pandas").DataFrame(self.columns())
 
     def to_csv(self, path: File) -> None:
-        """Writes p,a1,…,ag, one line for each prime, behind a line of names."""
+        """Writes a line of names, then p,a1,…,ag, one line for each prime."""
         columns = self.columns()
         with path_of(path).open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
@@ -112,7 +112,7 @@ class LPolynomials:
             writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
 
     def to_parquet(self, path: File) -> None:
-        """Writes the same columns as Parquet, equation and bad primes in the metadata; needs pyarrow (the extra io)."""
+        """Writes these columns as Parquet; curve, bound and bad primes are metadata; needs pyarrow (the extra io)."""
         parquet, arrow = _needed("pyarrow.parquet"), _needed("pyarrow")
         said = {"curve": repr(self.curve), "bound": str(self.bound), "bad": " ".join(map(str, self.bad))}
         parquet.write_table(arrow.table(self.columns()).replace_schema_metadata(said), str(path_of(path)))

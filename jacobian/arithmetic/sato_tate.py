@@ -176,9 +176,9 @@ def groups(genus: int) -> dict[str, list[Part]]:
 def over_the_rationals(genus: int) -> list[str]:
     """The names of the groups that are possible over QQ, where complex conjugation acts on complex multiplication.
 
-    So groups with identity component U(1) contain J, and groups with U(1)² an element that turns both angles. The
-    latter have four components: two factors with one field of complex multiplication would be isogenous, and a field of
-    degree 4 lies in that of the endomorphisms. U(1) × SU(2) has two. Not all of these groups occur.
+    So groups with identity component U(1) contain J, and those with U(1)² contain an element that turns both angles.
+    The latter have four components: two factors with one field of complex multiplication would be isogenous, and a
+    field of degree 4 lies in that of the endomorphisms. U(1) × SU(2) has two. Not all of these groups occur.
     """
     never = {
         "U(1)",

@@ -128,8 +128,8 @@ class FiniteGroup(GroupLaw[Element]):
         return torsion(self, m)
 
     def rational_torsion(self, height: int = 100) -> RationalTorsion:
-        """The classes of finite order over QQ: in genus 2 all, proven; else what points of up to this height generate,
-        with a bound from reductions and whether that is all
+        """The classes of finite order over QQ: in genus 2 all, proven; else those that points of up to this height
+        generate, with a bound from reductions and whether these are all
         (:func:`jacobian.relatives.rational_torsion.rational_torsion`).
         """
         from jacobian.relatives.rational_torsion import rational_torsion

@@ -35,8 +35,8 @@ PLAIN_TO = 10**7
 def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
     """The coefficients a_1 … a_g modulo p of χ(T) = T^2g + a_1 T^(2g−1) + …, or None where the method does not apply.
 
-    χ(T) ≡ T^g · det(T − A·A^(p)·…·A^(q/p)) for the Cartier–Manin matrix A. It needs odd characteristic and g elements
-    of the field that are not roots of F.
+    χ(T) ≡ T^g · det(T − A·A^(p)·…·A^(q/p)) for the Cartier–Manin matrix A. It needs odd characteristic and,
+    over GF(p) beyond COMPILED_FROM, g elements of the field that are not roots of F.
     """
     K: Any = C.field
     if K.characteristic == 2:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def doubled(K: Any, cubic: Any, T: Any, x: Any, y: Any) -> Any:
-    """(2T, numerator, denominator): at (x, y) the tangent in T over the vertical line in 2T is the fraction of both.
+    """(2T, numerator, denominator). Their quotient is the tangent in T over the vertical line in 2T, at (x, y).
 
     T must not be 0; ``cubic`` is (a, b) of y² = x³ + ax² + bx + c.
     """
@@ -48,7 +48,7 @@ def doubled(K: Any, cubic: Any, T: Any, x: Any, y: Any) -> Any:
 
 
 def added(K: Any, cubic: Any, T: Any, P: Any, x: Any, y: Any) -> Any:
-    """T + P in the form of :func:`doubled`. T = P, which takes a doubling, is shown by the numerator 0."""
+    """T + P in the form of :func:`doubled`. For T = P, which takes a doubling, the numerator is 0."""
     (X, Y, Z), (px, py) = T, P
     zero, square = sub(K, Z, Z), mul(K, Z, Z)
     H, r = sub(K, mul(K, px, square), X), sub(K, mul(K, py, mul(K, square, Z)), Y)

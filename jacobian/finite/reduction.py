@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def bad_primes(C: HyperellipticCurve) -> list[int]:
-    """See :meth:`jacobian.curve.questions.CurveQuestions.bad_primes`; Infeasible for what cannot be factored."""
+    """See :meth:`jacobian.curve.questions.CurveQuestions.bad_primes`; Infeasible where factoring fails."""
     if C.field != QQ:
         raise FieldError(f"field = {C.field.name}: a curve over QQ has reductions modulo primes")
     return [p for p in factorization(suspects(C)) if not is_good(C, p)]

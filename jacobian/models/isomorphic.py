@@ -31,7 +31,7 @@ from jacobian.linear import echelon, solution
 from jacobian.models.isomorphism import Isomorphism, substituted
 
 Matrix = tuple[Any, Any, Any, Any]
-# a point of the projective line over GF(q^k): (X, Y), and the map from GF(q) to that field
+# a closed point of the projective line: its degree, and its monic irreducible polynomial, () for infinity
 Place = tuple[int, poly.Poly]
 # the search for a prime of good reduction starts here
 FIRST = 1009
@@ -118,7 +118,7 @@ def _places(K: Field, form: poly.Poly, genus: int) -> list[Place]:
 
 
 def _three(places: list[Place]) -> list[Place]:
-    """A few places with three points or more together: a single one, where there is one of degree three."""
+    """A few places with three points or more together: a single one, where one has degree three or more."""
     for place in sorted(places):
         if place[0] >= 3:
             return [place]

@@ -81,7 +81,7 @@ class RichelotIsogeny(Immutable):
 
 
 class DualIsogeny(Immutable):
-    """The map from the target of a Richelot isogeny back to its source: that of D·H₁, H₂, H₃, and y → −y/(4D⁴)."""
+    """The map back from the target of a Richelot isogeny: the isogeny of D·H₁, H₂, H₃, then y → −y/(4D⁴)."""
 
     def __init__(self, forward: RichelotIsogeny) -> None:
         K, D = forward.source.field, forward.determinant

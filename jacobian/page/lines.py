@@ -44,9 +44,9 @@ class Limits(NamedTuple):
 def summary(C: HyperellipticCurve, bound: int = 2**12, height: int = 1000, digits: int = 20) -> Page:
     """What is known of a curve over QQ, in any genus, as far as this package computes it.
 
-    ``bound``: the largest prime of the L-polynomials; ``height``: the largest height of x of rational points, 1 …
-    10,000; ``digits``: the digits of periods and regulators, 5 … 200. A line whose computation was refused says so.
-    FieldError over other fields.
+    ``bound``: the bound of the primes of L-polynomials, from 64 on; ``height``: the largest height of x of rational
+    points, 1 … 10,000; ``digits``: the digits of periods and regulators, 5 … 200. A line whose computation was refused
+    says so. FieldError over other fields.
     """
     if check_curve(C).field != QQ:
         raise FieldError(f"field = {C.field.name}: the page of a curve is that of a curve over QQ")
