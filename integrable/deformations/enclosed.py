@@ -46,7 +46,7 @@ MOST_ATTEMPTS = 8
 MOST_AHEAD = 16.0
 """Largest factor by which the next attempt is planned to reach farther."""
 SMALLEST_DISC = 1e-15
-"""Smallest disc relative to the largest: at a repelling pole the ratio is b/M², at an attracting one it tends to 0."""
+"""Smallest disc relative to the largest: a repelling pole b/γ_i² takes b/M², an attracting one ever smaller discs."""
 
 
 class EnclosedMotion(Motion):

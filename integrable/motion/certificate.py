@@ -70,7 +70,7 @@ def _vectors(flow: Motion, times: list[Real], K: MultiprecisionField) -> Pairs:
     if body.rolls and state.tilted and symmetry_axis(flow.system.inertia) is not None:
         if len(set(flow.system.inertia)) == 1:
             return [_turned(flow, t, K) for t in times]
-        # in multiprecision the clock has no torus there and would count steps
+        # for two equal moments the multiprecision clock has no torus and would count steps
         body = _beside(flow, max(map(abs, times), default=K.zero), K)
     finer = PreciseFlow(body, state, K.dps)
     return finer.vectors(finer.at(times)[1])
@@ -108,7 +108,7 @@ def _beside(flow: Motion, time: Real, K: MultiprecisionField) -> Body:
     """The body with its equal moments changed so slightly that the states agree until a time, in numbers that resolve
     the change.
 
-    It uses the general additions, which share nothing with the closed form for equal moments.
+    Its motion takes the general additions, which share nothing with the closed form for equal moments.
     """
     apart = K.dps + _turns(flow, time, K)
     wide = MP(K.dps + apart)

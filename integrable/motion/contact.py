@@ -48,7 +48,7 @@ FAR_GAUSS, MOST_GAUSS = 4, 40
 GUARD = 2
 # γ × M loses digits where it is this much smaller than M
 PARALLEL = 30
-# the size of rounding errors of the rates, of which the bounded part consists near rotations about a principal axis
+# rounding errors of ẋ relative to their bound; near rotations about a principal axis ẋ consists of them
 LEAST = 1 / 16
 # the accuracy of states near the start, computed in floats
 TOLERANCE = 1e-13
@@ -119,8 +119,8 @@ class Rolling:
     def rates(self, rows: np.ndarray) -> np.ndarray:
         """The derivatives of the bounded part by τ, dt = dτ/g, at states γ and M side by side: shape (N, 2).
 
-        A is replaced by A minus its middle a_i: that part drops out because (M, γ×M) = (γ, γ×M) = 0, and the a_i of
-        heavy bodies hardly differ. n minus its mean is ñ·g/(p·g̃), ñ = g̃²(γ̃, AM̃), by Chaplygin's transformation.
+        The middle a_i is subtracted from A, because the a_i of heavy bodies hardly differ; as (M, γ×M) = (γ, γ×M) = 0,
+        this changes nothing. n minus its mean is ñ·g/(p·g̃), ñ = g̃²(γ̃, AM̃), by Chaplygin's transformation.
         """
         gamma, M = rows[:, :3], rows[:, 3:]
         w = np.cross(gamma, M)

@@ -2,10 +2,10 @@
 bounded.
 
 At a given τ a state is one addition of T(τ), the 2^k-fold of a translation near the identity. Physical time is a sum of
-Gauss–Legendre rules on panels. A bound of 1/g on a disc of complex τ bounds their error (Trefethen 2008, theorem 4.5).
-The disc comes from Picard's theorem for the differential equations of the moving point, which are polynomial. For a
-given t, τ is found from the monotonic t(τ), dt/dτ = 1/g > 0. The body's constants, γ, M and the times count as exact; γ
-is divided by |γ|, and M (of an upright state) loses its part along γ.
+Gauss–Legendre rules on panels. A bound of 1/g on a disc of complex τ bounds the error of a rule (Trefethen 2008,
+theorem 4.5). The disc comes from Picard's theorem for the differential equations of the moving point, which are
+polynomial. For a given t, τ is found from the monotonic t(τ), dt/dτ = 1/g > 0. The body's constants, γ, M and the times
+count as exact; γ is divided by |γ|, and M (of an upright state) loses its part along γ.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def _lost(body: Body, state: State, tau: Real) -> int:
 
 
 def _row(motions: Precisions[BallMotion], place: Callable[[BallMotion], arb], lost: int) -> Row:
-    """One row, at the τ of ``place`` in the flow's units."""
+    """(τ, γ, M, radius) at the τ, in the flow's units, that ``place`` returns for a motion."""
 
     def read(motion: BallMotion) -> tuple[tuple[arb, tuple[arb, ...], tuple[arb, ...]], arb]:
         tau, problem = place(motion), motion.problem
@@ -110,8 +110,8 @@ class BallMotion:
             # points
             tiny = self._flint.arb(0, K.one / 2**bits)
             self._start = tuple(x + tiny for x in problem.start)
-        # for physical time: half the length of a panel, the sums over whole panels in either direction, the nodes of a
-        # panel
+        # for physical time: half a panel's length, the last disc's radius, sums over whole panels by direction, a
+        # panel's nodes
         self._half, self._reach = 0.0, 1.0
         self._sums: dict[int, list[arb]] = {}
         self._kept_nodes: tuple[float, list[tuple[tuple[arb, ...], arb]]] | None = None
@@ -229,7 +229,7 @@ class BallMotion:
         return 0.0, None
 
     def _velocity(self, point: Sequence[arb | acb]) -> list[arb | acb]:
-        """The derivative of a moving point by τ.
+        """The derivative of a moving point with respect to τ.
 
         U' = v1·U − (x + u1)V, 2V' = (x + u1)W − s·U with W = (f − V²)/U and s the quotient of (x + u1)W by U; at the
         branch point α, 2σ' = v1σ − (α + u1)ν and 2ν' = −s(α)σ − v1ν.

@@ -57,7 +57,7 @@ FEW = 16
 # values of 1/g on the way to a time
 MOST_INTERPRETED = 4096
 MOST_RATES = 16_000
-# digits of t that states in floats need, at the farthest times that so many values of 1/g reach
+# digits of t that states in floats need at the farthest times that MOST_RATES values of 1/g reach
 CLOCK_DIGITS = 24
 
 

@@ -45,8 +45,8 @@ SPARE = 2
 MOST_LOST = 400
 # from this many basic steps per digit on, the torus costs less than stepping
 TORUS_FROM = 20
-# multiplications of the torus's tables that cost as much as a step per digit, and the largest number that fits into
-# memory
+# multiplications for the torus's tables that cost as much as one digit of one basic step; the most whose tables fit
+# into memory
 WORK_A_STEP, WORK_WITH_ROOM = 20, 1 << 28
 # from ALONE_FROM digits on, the first time is computed without a series of the clock; digits of its start value
 ALONE_FROM, ROUGH_DIGITS = 250, 30
@@ -108,7 +108,7 @@ class Carrier:
         raise NotImplementedError
 
     def drift(self, points: list[Any]) -> int:
-        """The decimal exponent of the largest relative change of the integrals since the start."""
+        """The decimal exponent of the largest relative change of the integrals between the start and the points."""
         raise NotImplementedError
 
     def gap(self, point: Any, truth: Self, tau: Real) -> int:
@@ -180,7 +180,7 @@ class ManyDigits:
             raise
 
     def add_digits(self, more: int) -> None:
-        """Replaces the carrier by one with ``more`` more digits."""
+        """Replaces the carrier by one with at least ``more`` more digits; PrecisionLoss if too many were lost."""
         digits = self.carrier.digits + more
         if digits > 2 * self.digits + MOST_LOST:
             lost = digits - self.digits
@@ -241,7 +241,7 @@ class ManyDigits:
         far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)
         if far is None or missing > 0 or abs(tau[far]) <= carrier.witnessed:
             return missing
-        # two computations that have both lost every digit may meet in the same rotation
+        # two computations may lose every digit and end in the same rotation: the second carries what it may lose
         wider = carrier.digits + WIDER + carrier.lost(abs(tau[far]))
         if carrier.witness is None or carrier.witness.digits < wider:
             carrier.witness = self.carrier_of(wider)
@@ -290,9 +290,9 @@ def rounded(K: Field, values: Sequence[Real] | Sequence[Sequence[Real]]) -> np.n
 class BodyCarrier(Carrier):
     """The motion of a body at one internal precision, in bare reals and in the units of ``setup``.
 
-    ``problem`` holds the arguments of :class:`~integrable.moving_point.setup.Setup` for one with more digits.
-    ``limits`` bound the cost of the clock: if they are finite, the torus has been tried. ``scouts`` are those of the
-    motion's clocks at any precision.
+    A :class:`~integrable.moving_point.setup.Setup` with more digits is made from ``problem``. ``limits`` bound the cost
+    of the clock: if they are finite, the torus has been tried. ``scouts`` are shared by the motion's clocks at all
+    precisions.
     """
 
     def __init__(
@@ -369,7 +369,7 @@ class BodyCarrier(Carrier):
 
     def tau_alone(self, time: Real, digits: int) -> Real:
         near = 0 < abs(float(self.unscaled(time))) <= NEAR_CELLS * self.setup.step_time
-        # a series of the clock pays off from the second time on
+        # the clock's series pays off from the second time on only
         if near and self.digits >= ALONE_FROM and not self._alone and not self._clocks and self._limits == NONE:
             self._alone = True
             found = self._one_time(time)
@@ -421,7 +421,7 @@ class BodyCarrier(Carrier):
             return None
         work = min(WORK_A_STEP * setup.digits * steps, WORK_WITH_ROOM)
         if self._torus is None and work >= self._least_work:
-            # at such a τ the phases have no digits left after the decimal point
+            # each digit of τ before the decimal point takes one of the phases' digits after it
             whole = setup.wide.exponent(max(map(abs, tau))) * 3 // 10
             self._torus = self._made_torus(work, setup.digits + SPARE - whole)
         return self._torus
@@ -434,7 +434,7 @@ class BodyCarrier(Carrier):
         from integrable.torus.oval_modes import TooManyModes
 
         setup, self._least_work = self.setup, inf
-        # branch points that are close together lose digits, which then look like modes of 1/g
+        # close branch points lose digits, and errors then look like modes of 1/g: a set-up of twice the digits is tried
         for make in (lambda: setup, lambda: Setup(*self._problem, digits=2 * setup.digits)):
             try:
                 return MultiprecisionTorusClock(make(), setup.digits, most_work=work, after=digits)

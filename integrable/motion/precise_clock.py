@@ -1,8 +1,8 @@
 """Physical time to many digits: t = ∫dτ/g by Gauss–Legendre quadrature on panels of the flow's own time.
 
-A *cell* is an interval of one basic step, centred at a multiple of the step; on it 1/g is kept as a Legendre series,
-from which t and its inverse are read. Far from the start cells are taken nine at a time, by a rule for their integral
-only: the number of nodes of a panel grows more slowly with its length than that of its cells.
+A *cell* is an interval of one basic step, centred at a multiple of the step. On it 1/g is kept as a Legendre series,
+which gives t and its inverse. Far from the start one rule integrates nine cells at once, without a series: it needs
+fewer nodes than nine rules.
 """
 
 from __future__ import annotations
@@ -36,16 +36,16 @@ SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
 # least 1 − dα at the axes for which 1/g is computed from U(1/d): it costs three guard digits
 LIGHT = 1e-3
-# for one time, the final panel spans the way to it times 10^−END_DIGITS: τ must be known more accurately than that; and
-# most Newton steps there
+# OneTime: the final panel has the length τ·10^−END_DIGITS, so a start value needs more correct digits; most Newton
+# steps on it
 END_DIGITS, END_STEPS = 12, 12
-# where Newton's steps in floats end, the accuracy a place must then have, and its correct bits; otherwise this many
+# Newton's steps in floats end below NEAR; if the last is below ROUGH, NEAR_BITS bits are right, otherwise ROUGH_BITS
 NEAR, ROUGH, NEAR_BITS, ROUGH_BITS = 1e-14, 1e-10, 40, 16
 
 
 class ClockLimits(NamedTuple):
-    """Limits on a clock: the number of values of 1/g on the way to a time, its digits, and whether double-double
-    numbers may be used if they suffice.
+    """Limits on a clock: the number of values of 1/g on the way to a time, its digits, and whether it may use
+    double-double numbers where they suffice.
     """
 
     most: float = inf
@@ -57,8 +57,8 @@ NONE = ClockLimits()
 
 
 class Nodes(NamedTuple):
-    """Translations from the centre of a panel to its nodes, for :class:`PanelRates`, and their data for
-    :func:`integrable.moving_point.addition.upright_rates`, None if that would lose digits.
+    """Translations from the centre of a panel to its nodes, the same for :class:`PanelRates`, and the ``roots`` of
+    :func:`integrable.moving_point.addition.upright_rates`, None where that loses digits.
     """
 
     steps: list[Row]
@@ -71,7 +71,7 @@ class Unresolved(ArithmeticError):
 
 
 class RatePanels:
-    """1/g on panels of the flow's own time in one direction, in the units and bare reals of a setup. ``scouts`` are
+    """1/g on panels of the flow's own time in one direction, in the units and bare reals of a setup. ``scouts`` may be
     those of another clock of the motion.
     """
 
@@ -148,7 +148,7 @@ class PanelClock(RatePanels):
                 self._use(2 * (len(self._nodes.steps) * 5 // 8) + 8)
 
     def _use(self, count: int) -> None:
-        """Start again with ``count`` nodes a cell."""
+        """Starts again with ``count`` nodes a cell; PrecisionLoss if these are too many."""
         setup = self._setup
         if count > max(64, 6 * self._digits):
             raise PrecisionLoss(

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 class PrincipalRotation:
     """γ and M at any times from a state with a :func:`rotation_axis`, in the arithmetic N of
-    :mod:`integrable.moving_point.arithmetic`. PrecisionLoss where N has no fractions of so many turns.
+    :mod:`integrable.moving_point.arithmetic`. PrecisionLoss for so many turns that N holds no fraction of one.
     """
 
     way = "closed form"

@@ -1,24 +1,24 @@
 """The motion of a body with two or three equal moments in closed form, rolling or not, at any time.
 
-Let axis 3 be the one of the other moment, a its two equal a_i, r_i = 1 − d·a_i, δ = d(a₃ − a) = r − r₃ and (γ, M) = 0.
-gM₃ = K is constant, and γ₃ oscillates harmonically in *physical* time:
+Axis 3 is that of the other moment, a = a₁ = a₂, r_i = 1 − d·a_i, r = r₁ = r₂, δ = d(a₃ − a) = r − r₃ and (γ, M) = 0.
+Then gM₃ is constant, and γ₃ oscillates harmonically in *physical* time:
 
     γ₃ = A sin θ,  θ̇ = Ω = a|M|√(r₃/μ),  μ = r − δA²,  g⁻² = r − δγ₃².
 
-With κ = ±√(1 − A²) of the sign of K, K = |M|κ/√μ. The other two components trace an ellipse, turned by an angle φ(t):
+gM₃ = |M|κ/√μ, where κ = ±√(1 − A²) has its sign. The other two components trace an ellipse turned by an angle φ(t):
 
     γ₁ + iγ₂ = e^{iφ}(cos θ − iκ sin θ),  M₁ + iM₂ = e^{iφ}(A|M|/√μ)(i√r₃ + κδ sin θ(−cos θ + iκ sin θ)/(1/g + √r₃)),
 
     φ = φ₀ + arctan(κ tan θ) − κ√(r₃/r)·Π(A²; θ | m) − κ(a₃ − a)/(a√(r·r₃))·F(θ | m),  m = δA²/r,
 
-with elliptic integrals Π of the third and F of the first kind; τ is proportional to F. F is its mean (2K/π)θ plus an
-oscillation P(θ) of the size of m. Where the moments differ by many orders of magnitude, φ turns faster than θ by as
-many, so the mean is computed from the time since the start.
+with elliptic integrals Π of the third and F of the first kind; τ is proportional to F. F is its mean (2K(m)/π)θ plus an
+oscillation of the size of m. Where the moments are of very different sizes, φ turns much faster than θ, so the mean is
+computed from the time since the start.
 
 Chaplygin (1903) integrates the ball with theta functions; with equal moments his curve has a double point, and the
 formulas above are the limit. They are derived from γ̇ = γ×ω with the integral gM₃. At d = 0 both integrals are
-elementary: the free symmetric top. Chaplygin's transformation brings a tilted body to (γ, M) = 0; its time is t up to a
-function of θ, an equation like Kepler's.
+elementary: the free symmetric top. Chaplygin's transformation brings a tilted body to (γ, M) = 0; its time is t plus a
+function of θ, so θ(t) solves an equation like Kepler's.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class SymmetricFlow:
     """γ and M at any times from a state of a body that has a :func:`symmetry_axis`, in the arithmetic N of
     :mod:`integrable.moving_point.arithmetic`: long doubles, rounded to floats, or bare reals.
 
-    Constants are computed in wide numbers. PrecisionLoss where N has no fractions of so many turns.
+    Constants are computed in wide numbers. PrecisionLoss for so many turns that N holds no fraction of one.
     """
 
     way = "closed form"
@@ -68,7 +68,7 @@ class SymmetricFlow:
         self._flat = bool(delta == 0)
         self._kappa, self._size, self._root3 = map(number, (kappa, size, sqrt(r3)))
         self._delta, self._bulge, self._root_mu = map(number, (delta, swing.spread / mu, sqrt(mu)))
-        # g⁻² at γ₃ = A plus the contribution of γ₃ = 0, or the reverse: a sum of two numbers ≥ 0
+        # g⁻² = μ + |δ|A²cos²θ for δ > 0, otherwise r + |δ|A²sin²θ: no difference of numbers
         self._least, self._more = number(mu if delta > 0 else r), number(abs(swing.spread))
         self._spin, self._across = number(swing.spin), number(momentum * size / sqrt(mu))
         # r₃/r, and the factors of F and Π in φ
@@ -77,7 +77,7 @@ class SymmetricFlow:
         self._factors = number(first), number(third)
 
     def _phases(self, swing: Swing, rate: Real, kepler: Real) -> None:
-        """Sets the rates of θ and φ in turns per unit of t and of τ, and the turns of φ per half turn of θ."""
+        """Sets the rates of θ and φ in turns per unit of t and of τ, of φ by Π per half turn of θ, and the start."""
         N, K = self.numbers, self.numbers.field
         pi, number = K.context.pi, N.number
         self._kepler, self._rate = number(kepler / (2 * pi)), rate / (2 * pi)
@@ -87,7 +87,7 @@ class SymmetricFlow:
         quarter = complete_over(K, modulus, K.one)
         self._first_kind = FirstKind(N, number(modulus), number(missing), number(quarter))
         self._flow_rate = swing.rate * K.sqrt(swing.r) / (4 * quarter)
-        # φ in turns of θ, and with τ, without the contribution of the third kind to each half turn
+        # turns of φ by F alone: per turn of θ, then per unit of t and of τ
         first, third = swing.factors
         self._advance = -first * 2 * quarter / pi
         self._turning = self._advance * self._rate, self._advance * self._flow_rate
@@ -184,7 +184,7 @@ class SymmetricFlow:
         k2 = self._first_kind.k**2
         root0, root = N.sqrt(c0 * c0 + k2 * s0 * s0), N.sqrt(c * c + k2 * s * s)
         left, right = s * c0 * root0, s0 * c * root
-        # sin ψ·(1 − m sin²θ sin²θ₀) is left − right, and its conjugate the difference of squares
+        # sin ψ·(1 − m sin²θ sin²θ₀) = left − right; if both have one sign, sin ψ = (sin²θ − sin²θ₀)/(left + right)
         alike = left * right > 0
         sine = np.where(alike, -self._change_of_square(gap) / np.where(alike, left + right, 1), left - right)
         sine = np.where(alike, sine, sine / (c0 * c0 + s0 * s0 * (c * c + k2 * s * s)))
@@ -253,7 +253,7 @@ class SymmetricFlow:
         """φ(x) − φ(0) as a function of θ, without the contribution of F."""
         if self._flat or self._kappa == 0:
             return 0 * x
-        # near θ = π/2 the arctangent and Π each change by half a turn within κ: both are taken on the same side of π/2
+        # at θ = π/2 the arctangent and Π each change by half a turn within about κ: cos ≥ 0 keeps both on one side
         N = self.numbers
         s, c = N.sin(x), np.maximum(N.cos(x), 0)
         k2, n, square = self._first_kind.k**2, self._size**2, self._kappa**2

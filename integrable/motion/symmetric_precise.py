@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
 
 # digits beyond those of the field and of the turns; extra digits of the second computation of the farthest time; digits
-# kept in a result
+# that both must share beyond the field's
 GUARD = 15
 WIDER = 15
 SPARE = 2
@@ -85,7 +85,7 @@ class PreciseClosedForm:
         return tuple(np.frompyfunc(partial(reals.element, field), 1, 1)(values) for values in found)
 
     def _digits(self, times: np.ndarray, of_flow: bool) -> int:
-        """The working digits with which the state at the farthest time agrees with a computation in more digits."""
+        """The working digits at which the state at the farthest time agrees with a computation in WIDER more digits."""
         own = int(self._field.dps)
         rough, context = self._form(own + GUARD)[0], MP(own + GUARD).context
         farthest = np.array([max(times, key=abs)] if len(times) else [], dtype=object)

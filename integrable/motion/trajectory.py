@@ -174,9 +174,9 @@ class Trajectory(Exported):
     """States of a motion at given times; every quantity is computed on first use.
 
     ``times`` has shape (N,), vectors (N, 3); floats give float64 arrays, multiprecision object arrays of mpf. ``tau``
-    is the time of the flow, dτ = g dt. ``way`` names what computed the rows, a word of :data:`WAYS`. ``reasons``: see
-    :attr:`status`. ``report`` is the report of a scene's run, or None; ``error`` and ``digits`` are set by
-    :meth:`integrable.motion.flow.Flow.certify`, else None. Arrays are read-only; a ``.copy()`` is not.
+    is the time of the flow, dτ = g dt. ``way`` names the method that computed the rows, by a word of :data:`WAYS`.
+    ``reasons``: see :attr:`status`. ``report`` is the report of a scene's run, or None; ``error`` and ``digits`` are
+    set by :meth:`integrable.motion.flow.Flow.certify`, else None. Arrays are read-only; a ``.copy()`` is not.
     """
 
     flow: Any
@@ -328,7 +328,7 @@ class Trajectory(Exported):
 
     @property
     def M(self) -> Vectors:
-        """The angular momentum M about the contact point in the body frame, shape (N, 3)."""
+        """The angular momentum M in the body frame, about the contact point (top: centre of mass), shape (N, 3)."""
         return self._rows[:, 3:]
 
     @cached_property

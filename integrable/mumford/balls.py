@@ -74,7 +74,7 @@ class Balls(BallField):
 
 
 def ball_around(x: arb | acb, radius: Real) -> arb | acb:
-    """A real or complex ball that contains all numbers within an upper bound of ``radius`` of a number in x."""
+    """A ball, real or complex like x, that contains x widened by an upper bound of ``radius``."""
     from flint import acb
 
     return acb(around(x.real, radius), around(x.imag, radius)) if isinstance(x, acb) else around(x, radius)

@@ -18,7 +18,7 @@ from jacobian.periods.roots import conjugated, simple_roots
 # largest number of Newton steps to a root; roots nearer to each other than CLOSE, relative to the largest, are not
 # reached by Newton's method from floats
 NEWTON_STEPS, CLOSE = 20, 1e-9
-# length of an oval that is a point, relative to the largest branch point: points on it are within √OPENED of it
+# length to which an oval that is a point is opened, relative to the largest branch point: its points move by ≤ √OPENED
 OPENED = 2.0**-130
 # size of U at a branch point, relative to x², below which σ is not computed from it
 SMALL = 1e-20
@@ -54,9 +54,9 @@ def coincident(N: LongField, points: Sequence[Complex]) -> list[int]:
 
 
 def opened(N: LongField, model: PairModel, known: Collection[Complex]) -> PairModel:
-    """The model of degree 5 with a bounded oval that is a point opened, by so little that no float changes.
+    """The model of degree 5 in which bounded ovals that are points are opened, by so little that no float changes.
 
-    The branch point that is not ``known`` is moved. PrecisionLoss if others coincide.
+    Of the two ends of such an oval one that is not ``known`` is moved. PrecisionLoss if others coincide.
     """
     roots, first = list(model.roots), 0 if model.lead > 0 else 1
     size = max(map(abs, roots))

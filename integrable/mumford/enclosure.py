@@ -1,7 +1,7 @@
 """States of motions of any genus with proven bounds, by additions in balls (:mod:`integrable.mumford.balls`).
 
 The constants of a system, a start and the times count as exact; a start is projected onto its constraints. A state at
-any time takes a few additions, so a far time costs little more than bits. If the motion carries its clock, as a
+any time takes a few additions, so a far time costs little besides more bits. If the motion carries its clock, as a
 geodesic carries its length, the interval Newton method finds τ at a time.
 """
 
@@ -71,7 +71,7 @@ class EnclosedPlace(Placed):
 
 
 def places(place: Callable[[Any], Start], digits: int, complex: bool = False) -> Precisions[EnclosedPlace]:
-    """A motion in balls; ``place`` is that of :class:`integrable.mumford.motion.Placed`."""
+    """A motion in balls at any precision; ``place`` is that of :class:`integrable.mumford.motion.Placed`."""
     return Precisions(lambda bits: EnclosedPlace(Balls(bits, complex), place), digits)
 
 
@@ -109,7 +109,7 @@ def _state(flow: Any, time: Real, guess: Real | None, place: EnclosedPlace) -> t
 
 
 def _size(before: Sequence[arb], now: Sequence[arb]) -> Real:
-    """A lower bound of the largest entry of a vector at the start and now; 1 if all entries are exactly 0."""
+    """A lower bound of the largest entry of a vector at the start and now; 1 if none is proven different from 0."""
     size = max(abs(x).abs_lower() for x in (*before, *now))
     return size if size > 0 else 1
 

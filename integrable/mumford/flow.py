@@ -41,8 +41,8 @@ RIGHT = 1e-12
 # near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(2000, 3), 3: Cost(60_000, 100)}
-# number of times whose additions take at least as long as a torus that is confirmed by additions: 34 and 19 ms where
-# branch points of genus 2 are not real, 72 and 72 ms in genus 3 (python -m benchmarks real_torus)
+# for so many times additions take at least as long as a torus that additions confirm: 34 ms against 19 where branch
+# points of genus 2 are not real, 72 against 72 in genus 3 (python -m benchmarks real_torus)
 TIMES_TO_THETA = 6
 # rounding error of correctly rounded floats
 ROUNDED = 2.0**-53
@@ -121,9 +121,9 @@ class MumfordFlow:
 
         Floats are accurate to their last bits, numbers of MP(digits) to their digits; see
         :meth:`integrable.mumford.motion.MumfordMotion.row`. In floats, states near the start are computed by Taylor
-        series (:mod:`integrable.series.near`). Farther ones are computed on the real torus, several in genus 3 and
-        more. Repeated calls return the same bits, whatever was requested before.
-        ArgumentError for times that are not numbers.
+        series (:mod:`integrable.series.near`). Farther ones are computed on the real torus; if the set-up is long
+        (genus 3 and more, some branch points not real), from six times on. Repeated calls return the same bits,
+        whatever was requested before. ArgumentError for times that are not numbers.
         """
         given = times_in(self.system.field, times, "times")
         long = given.dtype == object
@@ -183,7 +183,7 @@ class MumfordFlow:
 
         The radius is relative to the largest component of q, or of p, at the start or at that time. The inputs count as
         exact, except that q and p are projected onto their constraints. ``digits`` defaults to those of the field, 15
-        for RR. A far time only costs bits. PrecisionLoss if no such balls are found.
+        for RR. A far time costs only more bits. PrecisionLoss if no such balls are found.
         (:mod:`integrable.mumford.enclosure`)
         """
         from integrable.mumford.enclosure import enclosed_path
@@ -294,7 +294,7 @@ class MumfordFlow:
     def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[FormulaField, Angles, Angles], Extended]:
         """``pairs(K, halves, turned)``: the pair at given angles in the numbers of K, as in :meth:`_states_on`.
 
-        Its data are those of the start, where a clock has the datum 0, and ``turned``.
+        Its data are the lifts with the signs of the start, 0 for a clock, and ``turned``.
         """
         start, ends = self._place(N), self._ends(N)
         here = iter(torus.pair_at(N, torus.halves, ends)[2])
@@ -343,7 +343,7 @@ class MumfordFlow:
 
     @cached_property
     def _takes_theta(self) -> bool:
-        """Whether branch points of genus 2 are not real; to confirm the torus then takes several additions."""
+        """Whether the genus is 2 and not all branch points are real: several additions then confirm the torus."""
         if self._genus != 2 or not self._may_have_torus:
             return False
         from integrable.mumford.branch_points import all_real, long_roots
@@ -357,7 +357,7 @@ class MumfordFlow:
 
     @cached_property
     def _torus(self) -> EllipticTorus | PhaseTorus | ThetaTorus | None:
-        """The compiled torus of a motion of genus 1 or 2 in floats; None if there is none or it is not confirmed."""
+        """The torus of a motion, which returns states in floats; None if there is none or it is not confirmed."""
         if not self._may_have_torus:
             return None
         try:

@@ -20,7 +20,7 @@ from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, ExtendedGroup, Kind, Lift, PointLift
 
-# number of bits between the two precisions; initial allowances for lost bits: per genus, per doubling, at the start
+# number of bits between the two precisions; initial allowances for lost bits: per genus, per doubling, and besides
 APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
 MOST_BITS = 4000
 # largest rates that rounding may leave for a pair at rest, in units of the last bit
@@ -79,7 +79,7 @@ class Placed:
 
     @cached_property
     def _ends(self) -> list[Real]:
-        """The branch points of lifts that are double points of the curve at which a point of the pair stays."""
+        """The branch points of lifts at which the pair has a point; at a double point of the curve this point stays."""
         K, (u, v, _) = self.field, self.start
         lifts = (kind.e for kind in self.group.kinds if isinstance(kind, Lift))
         return [e for e in lifts if max(part_at(K, u, e), part_at(K, v, e)) <= STILL * K.eps**0.5]
@@ -250,8 +250,8 @@ def _agree(rough: Vectors, fine: Vectors, wanted: int) -> bool:
 def _at_clock(placed: Placed, target: Real, clock: Clock, near: Real | None) -> tuple[Real, Extended]:
     """(τ, D) at which the clock shows ``target``.
 
-    The search starts at the guess ``near``, or at 0 with the mean rate. It continues by Newton's method, and once the
-    target is bracketed, on the cubic through the nearest points on either side.
+    The search starts at the guess ``near``, or at 0 with the rate there. It continues by Newton's method. Once the
+    target is bracketed, it takes the cubic through the nearest points on either side.
     """
     K, unit, D = placed.field, placed.translations().unit, placed.start
     start, rate = clock(K, D)

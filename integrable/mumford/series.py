@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 WITHIN = 2.5
 # largest number of Newton steps at all bits
 MOST_STEPS = 60
-# Newton's method starts with so many steps at so many bits
+# Newton's method starts at this many bits, with this many steps
 ROUGH_BITS, ROUGH_STEPS = 64, 4
 # bits of the balls beyond those of long numbers: the solution of the equations loses some
 GUARD_BITS = 32
@@ -63,7 +63,7 @@ class PointIntegrals:
         self._order = order
 
     def _disc(self, f: Poly, apart: Sequence[Ball]) -> arb:
-        """A radius within which |f/f(x) − 1| ≤ Σ WITHIN^(−k) = 2/3, at most half the distance to any other point."""
+        """A radius within which |f/f(x) − 1| ≤ Σ WITHIN^(−k) = 2/3, at most half of each |x − e| in ``apart``."""
         sizes = [abs(c).abs_upper() for c in f[1:]]
         reaches = [x ** (-self._one.real / k) / WITHIN for k, x in enumerate(sizes, 1) if x > 0]
         radius = min((x.abs_lower() for x in (*reaches, *(abs(e) / 2 for e in apart))), key=float)
@@ -146,7 +146,7 @@ class PointMotion:
         """The distances x − x(0) of the points of D(τ) from those of D(0)."""
         K = self._balls
         middle = [(rate * time).mid() for rate in self._rates]
-        # Newton's steps double the number of correct bits, about PART in the first guess
+        # Newton's steps double the number of correct bits; the first guess has about 6 (translations.PART)
         for bits in (*[ROUGH_BITS] * ROUGH_STEPS, *doubling_precisions(K.bits, ROUGH_BITS)[:-1]):
             with K.reals.at(bits):
                 step = self._solved(self._missing(time, middle), middle)
@@ -182,7 +182,7 @@ class PointMotion:
 
 
 def through(K: Arithmetic[Element], xs: Sequence[Element], ys: Sequence[Element]) -> tuple[Poly, Poly]:
-    """The pair (U, V) of points with different x, by Lagrange interpolation; V has all its coefficients."""
+    """The pair (U, V) of points with different x, by Lagrange interpolation; V keeps leading zeros."""
     total = [K.zero] * len(xs)
     for j, (x, y) in enumerate(zip(xs, ys, strict=True)):
         others = poly.from_roots(K, [*xs[:j], *xs[j + 1 :]])

@@ -295,7 +295,7 @@ class MumfordSystem(Made):
 
     @property
     def _standing(self) -> tuple[bool, ...]:
-        """Tells for each parameter whether it differs from 0."""
+        """For each parameter, whether it differs from 0."""
         return tuple(x != self.field.zero for x in self.parameters)
 
     @quick_property

@@ -1,9 +1,9 @@
 """The translations T(τ) of a motion with constant direction on a Jacobian of any genus, and their addition.
 
 D(τ + δ) = D(τ) + E(δ) − E for every divisor E of the curve. E is chosen where the curve is real and away from its
-branch points, and E(h) is computed from series (:mod:`integrable.mumford.series`). While T(2^k h) is small, it has
-points near infinity and is stored as E_k − E, E_{k+1} = 2E_k − E; later T(2^k h) itself is stored. The remainder r of τ
-beyond a multiple of h contributes E(r) − E.
+branch points. For a short time h, E(h) is computed from series (:mod:`integrable.mumford.series`). While T(2^k h) is
+small, it has points near infinity and is stored as E_k − E, where E_{k+1} = 2E_k − E; later T(2^k h) itself is stored.
+The remainder r of τ beyond a multiple of h contributes E(r) − E.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ class GroupTranslations:
 
     The :class:`LongField` of ``group`` must be entered. On a model of even degree and odd genus, the sum of two
     divisors of degree g reduces to one of degree g + 1, which its class does not determine. There a point P₀ is added
-    with one divisor, and subtracted with the other. ``ends`` are the branch points of lifts that are double points of
-    the curve at which the moved pairs have a point.
+    with one divisor, and subtracted with the other. ``ends`` are the branch points of lifts at which the moved pairs
+    have a point; at double points of the curve it has to stay.
     """
 
     def __init__(self, group: ExtendedGroup, direction: Sequence[Real], ends: Sequence[Real] = ()) -> None:
@@ -98,7 +98,7 @@ class GroupTranslations:
         """Raises PrecisionLoss if T(2^k h) may move a pair away from a double point e at which it has to stay.
 
         Sums keep the pair there to √eps, at every precision. Along a motion that leaves the neighbourhood this
-        deviation grows as 1/U(e) of T, in total at most as its power 4/3.
+        deviation grows like 1/U(e), U of T, and in total at most like (1/U(e))^(4/3).
         """
         K = self.field
         for j in range(self._unseen, k + 1):
@@ -122,7 +122,7 @@ class GroupTranslations:
         return self._settled(total if self.group.odd else self._on_curve(total))
 
     def _settled(self, D: Extended) -> Extended:
-        """The divisor D with the original κ of its lifts, since two sums in odd genus divide κ by ℓ²."""
+        """The divisor D with the original κ of its lifts, since two sums in odd genus divide κ by ℓ², ℓ = lead(f)."""
         group = self.group
         if not (group.odd and group.genus % 2):
             return D

@@ -89,7 +89,7 @@ Found = TypeVar("Found")
 
 
 class Precisions(Generic[Enclosed]):
-    """A motion in balls, ``made`` with a number of bits, with as many bits as results need."""
+    """A motion in balls at as many bits as its results need; ``made(bits)`` returns it at one precision."""
 
     def __init__(self, made: Callable[[int], Enclosed], digits: int) -> None:
         self._made, self._digits, self._needed = made, digits, ceil(3.33 * (digits + 2))

@@ -6,8 +6,8 @@ with mean 0, a = a' − σb, da'/dτ = (w₁ + σw₂)/g, db/dτ = w₂/g, so th
 
     S(t) = t·[ẋ ⊗ α + (Y − σẋ) ⊗ β] + bounded,
 
-with α and β the means of these two, the changes of the frequencies. The secular part has rank two; the third
-independent integral changes only shapes.
+with α and β the mean rates of a' and b by t, which the changes of the frequencies determine. The secular part has rank
+two; the third independent integral changes only shapes.
 """
 
 from __future__ import annotations

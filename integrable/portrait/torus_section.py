@@ -52,8 +52,8 @@ class TorusSection(Record):
 
 
 class Turning(NamedTuple):
-    """The numbers that crossings depend on: ``frequencies`` and ``phases`` of the points at the start, long, in turns.
-    In floats, their angles at the start, and sums of forms over the points, which grow at the ``rates``.
+    """The data of crossings: ``frequencies`` and ``phases`` of the points at the start, as long numbers, in turns. In
+    floats, their angles at the ``start``, and the ``sums`` of forms over the points, which grow at the ``rates``.
     """
 
     frequencies: Sequence[Real]
@@ -63,8 +63,8 @@ class Turning(NamedTuple):
     rates: np.ndarray
 
     def crossings(self, count: int, oval: int, end: float) -> tuple[list[Real], np.ndarray, np.ndarray]:
-        """The next ``count`` times at which the point of an oval has made ``end`` turns, 0 or ½, and any number of
-        whole ones; there the phases (N, g − 1) of the other points, and how far these turn from one to the next.
+        """The next ``count`` crossings: the times at which the point of an oval has made n + ``end`` turns (``end`` 0
+        or ½), the phases (N, g − 1) of the other points there, and their change per crossing.
         """
         count = whole(
             count, "count", f"the number of crossings is an int from 1 to {MOST_CROSSINGS}", 1, MOST_CROSSINGS

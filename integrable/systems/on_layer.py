@@ -72,7 +72,7 @@ class BodyOnLayer(BodySystem):
             check_domain(self.body, self.body.state(*state))
         return super().flow(state)
 
-    # the layer adds no compiled kind of its own: the body's own flow is faster near its start too
+    # no compiled walk of a system of any genus: the body's own flow is faster near its start too
     _kind = None
 
     def _constants_in(self, N: FormulaField) -> tuple[Real, ...]:
@@ -87,9 +87,7 @@ class BodyOnLayer(BodySystem):
 
 
 class BodyPath(Immutable):
-    """A body's flow with q and p for γ and M, and the methods of every flow of the layer
-    (:class:`integrable.mumford.flow.MumfordFlow`).
-    """
+    """A body's flow with q and p for γ and M, and the methods of :class:`integrable.mumford.flow.MumfordFlow`."""
 
     def __init__(self, system: BodyOnLayer, state: Point) -> None:
         self.digits, self.system, self.start = long_digits(system.field), system, state
