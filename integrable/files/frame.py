@@ -42,8 +42,8 @@ class Column:
 class Frame:
     """A set of arrays along common dimensions, the content of one file.
 
-    ``dims`` are the dimensions, ("time",) or ("member", "time"), of ``coordinates`` and ``variables``. ``attributes``
-    describe the whole by numbers, strings and lists of numbers.
+    ``dims`` are the dimensions of ``coordinates`` and ``variables``, such as ("time",) or ("member", "time").
+    ``attributes`` describe the whole by numbers, strings and lists of numbers.
     """
 
     dims: tuple[str, ...]
@@ -86,7 +86,7 @@ def dataset(frame: Frame) -> Any:
 
 
 def dataframe(frame: Frame) -> Any:
-    """A frame as a ``pandas.DataFrame`` with one row per state, indexed by the dimensions of the frame.
+    """A frame as a ``pandas.DataFrame`` with one row per state, indexed by the coordinates of the frame.
 
     Each component of a vector is a column, such as ``gamma_1``. ``attrs`` has the attributes and the columns'
     ``units``.

@@ -108,7 +108,7 @@ def reasons_text(reasons: Sequence[str]) -> str:
 
 
 def trajectory_frame(run: Any, quantities: Iterable[str] | None) -> Frame:
-    """The frame of a run along "time", or of an orbit along "step"."""
+    """The frame of a run along "time"; for an orbit this coordinate holds the numbers of the steps."""
     names, dims = checked(quantities), ("time",)
     orbit = run.way == "steps"
     if run.system.field.exact:

@@ -102,7 +102,7 @@ def _sphere(ax: Any) -> None:
 
 
 def _vertical(ax: Any, run: Any) -> Any:
-    """γ, the vertical, on the sphere of directions in the axes of the tensor: its path so far, the near half bold."""
+    """Draws γ and its path in the axes of the tensor, the near half bold. Returns a function that updates them."""
     _sphere(ax)
     for axis, color in zip(VIEW.T, COLORS, strict=True):
         ax.plot([0, axis[0]], [0, axis[1]], color=color, linewidth=1)

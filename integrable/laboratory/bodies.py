@@ -56,7 +56,7 @@ class RigidBody(Made):
         say_unphysical([float(x) for x in self._principal.moments], RR)
         self.moments = tuple(field.coerce(x) for x in self._principal.moments)
         self._d = self._wide.zero
-        # the moments of the free body whose flow gives a motion: other moments for a ball with vertical momentum
+        # the moments of the free body whose flow gives a motion; those of a ball with vertical momentum are I + d
         self._free_moments = self._principal.moments
 
     @property

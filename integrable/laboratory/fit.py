@@ -30,9 +30,9 @@ NAMES = ("turn1", "turn2", "turn3", "omega1", "omega2", "omega3", "log ratio1", 
 class OrientationFit(Record):
     """The result of :meth:`integrable.laboratory.motion.LaboratoryMotion.fitted`.
 
-    ``motion`` is the motion; ``ratios`` (2,) the moments of the first two principal axes over the third, ``omega`` (3,)
-    the angular velocity of the start in the laboratory, rad/s; ``rms`` the root mean square of the residual angles,
-    rad. ``covariance`` (8, 8), estimated from these angles, is that of :data:`NAMES`: a turn of the start in the
+    ``motion`` is the fitted motion. ``ratios`` (2,) are the moments of the first two principal axes over the third.
+    ``omega`` (3,) is ω of the start in the laboratory, in rad/s, ``rms`` the root mean square of the residual angles,
+    in rad. ``covariance`` (8, 8), estimated from these angles, is that of :data:`NAMES`: a turn of the start in the
     laboratory, ω of the start along the principal axes, and the logarithms of the ratios.
     """
 
@@ -103,8 +103,8 @@ def _rotations(orientations: Any, count: int) -> np.ndarray:
 
 
 class _Problem:
-    """Residuals and their derivatives by eight numbers, all 0 at the guess: a turn of the start in the laboratory,
-    changes of ω along the principal axes, and of the logarithms of the first two moments.
+    """Residuals and their derivatives with respect to eight parameters, all 0 at the guess: a turn of the start in the
+    laboratory, changes of ω along the principal axes, and changes of the logarithms of the first two moments.
     """
 
     def __init__(self, guess: Any, times: np.ndarray, orientations: np.ndarray) -> None:
@@ -160,7 +160,7 @@ class _Problem:
         flow, matrices = motion.flow, motion.at(self._times).matrices
         run, moments, omega = flow.at(self._times), self.moments(x), self._omega + x[3:6]
         S = flow.sensitivity(self._times).matrix
-        # derivatives of the start's M = Iω by ω and by log I
+        # derivatives of the start's M = Iω with respect to ω and log I
         by_start = np.hstack([np.diag(moments), np.diag(moments * omega)[:, :2]])
         change = S[:, :, 3:6] @ by_start
         change[:, :, 3:] += S[:, :, 6:8] * moments[:2]

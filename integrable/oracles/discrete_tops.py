@@ -90,7 +90,7 @@ def kahan_rotation(moments: Sequence[Any], x: Sequence[Any], M: Sequence[Any], n
     """
     w, after = ([step * m / (2 * moment) for m, moment in zip(v, moments, strict=True)] for v in (M, new))
     right = [a + b for a, b in zip(x, _cross(list(x), after), strict=True)]
-    # γ̃ − γ̃ × w
+    # the matrix of γ̃ ↦ γ̃ − γ̃ × w
     return _solve([[1, -w[2], w[1]], [w[2], 1, -w[0]], [-w[1], w[0], 1]], right)
 
 

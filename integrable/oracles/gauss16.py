@@ -31,7 +31,7 @@ FAILED = -1
 
 
 class Rule(NamedTuple):
-    """Gauss's rule of eight stages in floats: nodes c_i …"""
+    """Gauss's rule of eight stages in floats; ``nodes`` are the c_i, shape (8,)."""
 
     nodes: np.ndarray
     weights: np.ndarray
@@ -40,7 +40,7 @@ class Rule(NamedTuple):
     ratios: np.ndarray
     """μ_ij, shape (8, 8)."""
     last: np.ndarray
-    """The functional from the stages to their coefficient of the shifted Legendre polynomial P_7."""
+    """Weights that give, from the slopes of the stages, their coefficient of the shifted Legendre polynomial P_7."""
     inverse: np.ndarray
     """1/Π_{k≠j}(c_j − c_k), for Lagrange's formula."""
 

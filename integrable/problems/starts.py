@@ -15,7 +15,7 @@ __all__ = ["another"]
 SPREAD = 0.02
 """The relative change of a start without constraints: so small that bounded motions stay bounded."""
 LARGEST = 64
-"""Starts with constraints are integers of at most about this size, divided by a power of two."""
+"""With constraints the components of q are integers below this, times a power of two."""
 
 
 def another(motion: UnitMotion, rng: np.random.Generator) -> list[float]:

@@ -1,8 +1,8 @@
 """Steps computed with more digits than their field has, for maps whose intermediate results lose digits.
 
-A translation near the identity has coefficients 1/η. A translation near a branch point has an ordinate y = √f(x') of
-the size of f's rounding. A multiple loses digits at every doubling. The map itself is well conditioned: its image,
-computed with guard digits and rounded once, has an error of one rounding times the map's own condition.
+A translation near the identity has large coefficients. For a point near a branch point, f(x') in the ordinate
+y = √f(x') is lost in rounding. A multiple loses digits at every doubling. The map itself is well conditioned: its
+image, computed with guard digits and rounded once, has an error of one rounding times the map's own condition.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def with_enough_digits(step: Step, state: State) -> State:
 
 
 def body_condition(system: PhaseSpace) -> float:
-    """The loss of digits where the a_i nearly agree (heavy bodies): max a_i over their spread, at most 1/eps."""
+    """The amplification of errors where the a_i nearly agree (heavy bodies): max a_i over their spread, ≤ 1/eps."""
     K: Any = system.field
     body = system.body
     low, _, high = sorted(range(3), key=lambda i: body.inertia[i])

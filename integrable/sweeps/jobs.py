@@ -18,7 +18,7 @@ __all__ = ["BodyJob", "Part", "SceneJob", "done"]
 
 
 class BodyJob(NamedTuple):
-    """Members of an ensemble: balls or tops."""
+    """Members of an ensemble, or of a scene with a ball or top."""
 
     system: Any
     members: np.ndarray
@@ -27,7 +27,7 @@ class BodyJob(NamedTuple):
 
 
 class SceneJob(NamedTuple):
-    """Members of any system: a scene, and for each member the numbers that replace the scene's
+    """Members of a scene with a deformation, and for each member the numbers that replace the scene's
     (:meth:`integrable.sweeps.grid.Grid.rows`).
     """
 

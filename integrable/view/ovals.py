@@ -13,9 +13,9 @@ from jacobian.errors import NotRepresentable, PrecisionLoss
 __all__ = ["Ovals", "ovals"]
 
 SAMPLES = 4096
-"""The number of points of an oval for integrals along it: ample, since the functions are smooth and periodic."""
+"""The number of points of an oval for integrals along it: enough, as the functions are smooth and periodic."""
 SHORT = 1e-7
-"""Lengths below this part of the curve's lie in the rounding of floats."""
+"""Ovals and gaps shorter than this part of the interval of all branch points are lost in the rounding of floats."""
 
 
 class Ovals(NamedTuple):
@@ -90,7 +90,7 @@ def ovals(system: Any, states: list[State]) -> Ovals:
 
     The angles are continuous if between two states no point goes half round its oval. Otherwise they are right up to
     whole turns. Raises NotRepresentable where an oval has shrunk to a point (equal moments, a rotation about an axis)
-    or the two ovals have met.
+    or the two ovals have met, and PrecisionLoss if the points meet within rounding.
     """
     if states[0].tilted:
         system, _, change = system.upright(states[0])

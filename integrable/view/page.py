@@ -27,7 +27,7 @@ def view(scene: Scene | str | Path, out: str | Path, *, until: float | None = No
     """Write the page of a scene (or of the scene of that name or file) to ``out``, an .html file, and return its path.
 
     ``until`` and ``frames``: see :func:`integrable.view.shown.shown`. The file is complete or absent, and opens without
-    a network. ArgumentError where plotly is not installed, where ``out`` cannot be written, over finite fields.
+    a network. ArgumentError without plotly, if ``out`` cannot be written, over finite fields, and without a body.
     """
     if not isinstance(out, (str, os.PathLike)) or not Path(out).name:
         raise ArgumentError(f"out = {text_of(out)}: give the path of an .html file")

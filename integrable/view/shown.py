@@ -34,8 +34,8 @@ def shown(given: Scene | str | Path, until: float | None = None, frames: int = F
     ``angles`` and ``ovals``.
 
     ``turning`` has the body's axes in space, nine numbers a frame; ``missing`` gives the reasons for absent data.
-    ``until`` is the last time, by default that of the scene or some ten turns, whichever is less. There are ``frames``
-    equally spaced times, or for an orbit that many first states. ArgumentError over a finite field.
+    ``until`` is the last time, by default that of the scene or of TURNS turns, whichever is less. There are ``frames``
+    equally spaced times, or for an orbit that many first states. ArgumentError over finite fields and without a body.
     """
     scene = given if isinstance(given, Scene) else load_scene(given)
     frames = whole(frames, "frames", "give an int from 2 to 20000", 2, 20000)
