@@ -241,7 +241,7 @@ class LaboratoryRuns(Runs, Exported):
 
     @property
     def orientation(self) -> Rotation:
-        """The ``matrices`` as one Rotation of SciPy (the extra ``app``) of K·N, member after member."""
+        """The ``matrices`` as one Rotation of SciPy (extra ``app``) of K·N; NotRepresentable if one was refused."""
         from integrable.extras import needed
 
         needed("scipy", "orientation, a Rotation,")
@@ -281,7 +281,7 @@ class LaboratoryRuns(Runs, Exported):
         return read_only(np.concatenate([flat, np.where(np.isnan(flat[..., :1]), np.nan, height)], axis=-1))
 
     def concatenated(self, *others: LaboratoryRuns) -> LaboratoryRuns:
-        """These members and those of the ``others``: of the same body, at the same times, or as many of their own."""
+        """These members, then those of the ``others``, which have the same body and the same number of times."""
         for other in others:
             same = isinstance(other, LaboratoryRuns) and other.ensemble.body == self.ensemble.body
             if not same or other._times.shape[1] != self._times.shape[1]:

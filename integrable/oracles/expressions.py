@@ -263,7 +263,7 @@ class Symbol:
 
 
 class Numbers:
-    """The field in which a formula is recorded: constants become symbols, except 0 and ints."""
+    """The field in which a formula is recorded. Constants become inputs "c" of the program, except 0 and ints."""
 
     name, exact, characteristic, order, eps = "symbols", False, 0, None, 2.0**-52
 

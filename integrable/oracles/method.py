@@ -206,7 +206,7 @@ def _kept(method: Method, kind: Kind, setting: Any) -> tuple[Built, float]:
 def timed_run(method: Method, problem: Problem, times: Iterable[Any], setting: Any) -> tuple[Spent, Solution]:
     """Runs a method on a problem; returns the seconds of the run's parts, and the solution.
 
-    The part spent once per machine is the value first measured in this process.
+    The part spent once per machine is the longest time that building the method for this kind took in this process.
     """
     kind, system, start = problem
     built, machine = _kept(method, kind, setting)
