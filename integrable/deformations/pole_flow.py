@@ -7,7 +7,7 @@ So Z = λ_kũ_k + const moves on Y² = 4Z³ − g2Z − g3 (:mod:`integrable.def
 
 γ_i = 0 would imply V(a_i)² = −4b_ic_i² < 0, so no γ_i changes sign. ũ_k are the roots of ΣE_i²(x − a_j)(x − a_k), E_i²
 = (b_i/γ_i² + w_i²)/h2 > 0, w = γ × M. They lie on opposite sides of the middle a_i, so the ovals never meet, and the
-motion continues for all time. (This is the tilde pair's 2-torsion map on the curve with poles;
+motion continues for all time. (The map to the ũ_k is the tilde pair's 2-torsion map, on the curve with poles;
 tests/integrable/deformations/test_separations.py has the exact identities.)
 """
 

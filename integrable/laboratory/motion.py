@@ -64,8 +64,8 @@ class LaboratoryMotion(Immutable):
         return portrait
 
     def fitted(self, times: Numbers, orientations: Iterable[object]) -> OrientationFit:
-        """The motion of a free body nearest to orientations measured at ``times``, with this one as the guess: its
-        start and the ratios of its moments, about the same principal axes (SciPy; :mod:`integrable.laboratory.fit`).
+        """The motion of a free body nearest to orientations measured at ``times``, found from this one as the guess.
+        Its start and the ratios of its moments are fitted, not its axes (SciPy; :mod:`integrable.laboratory.fit`).
 
         ``orientations`` are matrices, shape (N, 3, 3), or SciPy's Rotation of N. The guess must be less than half a
         turn off at every time.

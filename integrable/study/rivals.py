@@ -161,8 +161,8 @@ def standing(task: Task, truth: Truth, floor: float, tick: Tick) -> Data:
 def near_enough(task: Task, truth: Truth, error: float, fastest: float) -> tuple[tuple[float, float] | None, Data]:
     """A method's cheapest setting with at most the given error, with the seconds of a run, and a record of the search.
 
-    The first is None if no setting is accurate enough, or if even the cheapest takes longer than the study allows, or
-    MARGIN times as long as the fastest method so far. Settings are tried once each, the most accurate first. Rounding
+    The first is None if no setting is accurate enough, or if even the cheapest takes too long: longer than the study
+    allows, or MARGIN times the fastest method so far. Settings are tried once each, the most accurate first. Rounding
     accumulates over very small steps, so a near miss does not end the search: a cheaper setting may be more accurate.
     """
     method = METHODS[task.method]
