@@ -3,10 +3,10 @@
 Let E ⊂ End⁰(J) over QQ be a field of degree 2, or QQ × QQ in genus 2. The Tate module is free over E, so L_p is a norm
 from E[T]. Moreover End⁰(J) embeds into that of a reduction, which the roots of L_p determine (Tate 1966).
 
-A curve of genus 2 has End(J) = ℤ over the algebraic closure if two ordinary primes have these fields QQ(π): each has
-degree 4, is the same for all powers of π, and has one quadratic subfield; and these two subfields differ. Indeed
-End⁰(J) lies in both fields, and if it were larger than QQ it would contain both subfields (the idea of Lombardo 2019;
-Costa, Mascot, Sijsling & Voight 2019). In genus 1 two different fields QQ(π) suffice.
+A curve of genus 2 has End(J) = ℤ over the algebraic closure if two ordinary primes have fields QQ(π) of degree 4, the
+same for all powers of π, each with one quadratic subfield, and these two subfields differ. Indeed End⁰(J) lies in both
+fields, and if it were larger than QQ it would contain both subfields (the idea of Lombardo 2019; Costa, Mascot,
+Sijsling & Voight 2019). In genus 1 two different fields QQ(π) suffice.
 """
 
 from __future__ import annotations

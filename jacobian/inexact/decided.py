@@ -41,7 +41,7 @@ Law = Callable[[Any, Coefficients, Sequence[Pair]], tuple[Total, Any]]
 
 
 class Question(NamedTuple):
-    """A number of which a pass asked whether it is zero.
+    """A number that a pass compared with zero.
 
     ``of_degree``: whether the answer decides a degree; otherwise it decides if points are opposite.
     """

@@ -43,7 +43,7 @@ from jacobian.inexact.dense import (
 
 Pair = tuple[Coefficients, Coefficients]
 
-# p may be smaller than u by this factor before the lost digits exceed those of a remainder of one unit
+# p may be this many times smaller than u before its lost digits count as more than a remainder of one unit
 FEWER = 16
 
 UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
@@ -65,9 +65,9 @@ class Total(NamedTuple):
 def compose(
     field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair, plus: complex | None = None
 ) -> tuple[Total, Number]:
-    """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² = f(x), and the largest remainder.
+    """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² = f(x), and a remainder.
 
-    It is the largest of the exact divisions, relative to the size of its terms. ``plus`` as in
+    The remainder is the largest of the exact divisions, relative to the size of its terms. ``plus`` as in
     :class:`jacobian.inexact.at_infinity.Infinity`; without it NotRepresentable where a point goes to infinity.
     """
     (u1, v1), (u2, v2) = first, second

@@ -4,7 +4,7 @@ All programs have g rows of 2g, (∮ along a_1 … a_g, b_1 … b_g), with a_i·
 
 * here x^k dx/(y + h/2);
 * Magma, ``BigPeriodMatrix(AnalyticJacobian(f))``: x^k dx/y on y² = f; of a curve with h it takes y² = 4f + h²;
-* Sage, ``RiemannSurface(y^2 + h*y - f).period_matrix()``: x^k dx/(2y + h), the derivative by y below; so the LMFDB.
+* Sage, ``RiemannSurface(y^2 + h*y - f).period_matrix()``: x^k dx/(2y + h), the derivative by y below; also the LMFDB.
 
 Each program chooses its own cycles: its matrix is (A, B)·M with M in Sp(2g, ℤ).
 """

@@ -1,7 +1,7 @@
 """Integrals of dx/y and x dx/y along straight paths between branch points of y² = f(x), deg f = 5, and to other points.
 
 An integrand is summed over the nodes of a rule in double-doubles, compiled: a Gauss rule, or, where real branch points
-nearly meet, the trapezoidal rule in the logarithm of how the path is divided.
+nearly meet, the trapezoidal rule in log(v/(1 − v)), v the part of the path to a node.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ DIGITS = 33
 # largest number of nodes of a Gauss rule; beyond it, branch points nearly meet; the number of nodes beyond which the
 # trapezoidal rule is shorter, if all branch points are real
 MOST_NODES, MOST_NODES_IF_REAL = 2400, 400
-# nodes on either side of the middle of a path, SPACING apart in the logarithm of how it is divided: the rule leaves
-# e^(−2π²/SPACING) = 5e-35, truncation at the ends e^(−NODES·SPACING/2) = 5e-55, 1e-33 beside a gap of 1e-42
+# nodes on either side of the middle of a path, SPACING apart in log(v/(1 − v)). The error of the rule is
+# e^(−2π²/SPACING) = 5e-35; that of the ends is e^(−NODES·SPACING/2) = 5e-55, or 1e-33 beside a gap of 1e-42
 NODES, SPACING = 1000, 0.25
 # distance from a branch point, relative to its size, below which rounding may put a point beyond it
 NEAR = 2.0**-140

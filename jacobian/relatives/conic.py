@@ -11,7 +11,7 @@ through (0, 0)). Since y − P has the value y − y₀ over x₀, the step adds
 with modulus π*(x₀), and leaves the class in the Jacobian unchanged. Hence steps at one x₀ compose by the group law of
 :class:`jacobian.relatives.fibre.FibreGroup`,
 
-    y₀ ∘ y₁ = (f(x₀) + y₀y₁)/(y₀ + y₁ + h(x₀)),
+    y₀ ∘ y₁ = (f(x₀) + y₀y₁)/(y₀ + y₁ + h(x₀)).
 
 The identity is y₀ = ∞, the inverse of y₀ is −y₀ − h(x₀), and for h = 0 the element of order two is y₀ = 0.
 """

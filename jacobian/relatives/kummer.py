@@ -38,7 +38,7 @@ MONOMIALS = list(FACTORS)
 # bits: residues that are not coefficients are then too large, and recognised
 SPARE_BITS = 80
 MOST_PRIMES = 200
-# classes whose doubles determine δ
+# number of classes whose doubles determine δ
 CLASSES = 60
 
 Coordinates = tuple[Any, ...]
