@@ -212,7 +212,7 @@ def torus_cost(least: float, most: float, d: float) -> TorusCost:
 
 
 def panels_within(torus: TorusCost, count: int, worth: float = WORTH) -> int:
-    """The largest number of panels that cost less than a torus and ``count`` states from it."""
+    """The number of panels, at most MOST_PANELS, that cost 1/``worth`` of a torus and ``count`` states from it."""
     cost = torus.set_up + count * (torus.each if count < DENSE_FROM else torus.dense)
     return min(MOST_PANELS, int((cost / worth - START_COST) / PANEL_COST))
 

@@ -100,9 +100,9 @@ def at_start(given: Row, tilted: bool, times: Row, out: Row, other: Row) -> None
 
 
 def fastest(wide: Row, rate: float) -> float:
-    """An upper bound of 1/g, whose value at the start is ``rate``. For an upright body 1/g is
-    proportional to √((1 − du₁)(1 − du₂)), which is largest at the lower ends of both ovals. For a tilted body, or if
-    that bound exceeds twice ``rate``, twice ``rate`` is returned; larger values show during the run.
+    """An estimate of the largest 1/g, whose value at the start is ``rate``. For an upright body: ``rate`` times the
+    root of the largest (1 − du₁)(1 − du₂), at the lower ends of both ovals, over that of the start. Twice ``rate`` for
+    a tilted body, or if the estimate exceeds it. Larger values show during the run.
     """
     dX, ratio, first, second, third = (
         float(wide[HEAVINESS]), float(wide[RATIO]), float(wide[6]), float(wide[7]), float(wide[8]),

@@ -144,7 +144,7 @@ def _quaternions(matrices: Sequence[Any]) -> str:
 
 
 def hilbert(a: int, b: int, p: int) -> int:
-    """Hilbert's symbol (a, b) at a prime, for squarefree a and b: whether ax² + by² = 1 has solutions in QQ_p."""
+    """Hilbert's symbol (a, b) at a prime, a and b squarefree: 1 if ax² + by² = 1 has solutions in QQ_p, else −1."""
     alpha, beta = (int(c % p == 0) for c in (a, b))
     u, v = a // p**alpha, b // p**beta
     if p == 2:

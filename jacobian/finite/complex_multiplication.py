@@ -90,7 +90,7 @@ def _conjugate(a: Element, t: int) -> Element:
 
 
 def _integer(a: Element) -> int:
-    """The int that equals a, an element whose coefficients are all equal but the first."""
+    """The int that equals a, an element whose coefficients after the first are all equal."""
     return a[0] - a[1]
 
 
