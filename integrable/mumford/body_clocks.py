@@ -8,13 +8,15 @@ mean is a determinant of elliptic integrals, and t is the mean times τ plus a F
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from integrable.moving_point.addition import integrate_series
 from integrable.moving_point.legendre import LegendreSeries
+from integrable.torus.lattice import RateCurve
 from integrable.torus.long_clock import MultiprecisionTorusClock
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.numbers.long_reals import BareReals
 
 # guard digits of the field in which a clock is computed
@@ -32,26 +34,16 @@ class Unit(NamedTuple):
     """
 
     alphas: tuple[Real, ...]
-    zeta: Any
-    start: tuple[Any, ...]
-    direction: tuple[Any, Any]
-
-
-class RateCurve(NamedTuple):
-    """The attributes of a :class:`integrable.moving_point.problem.Problem` that the series uses."""
-
-    axes: tuple[Any, ...]
-    ratio: Any
-    d: Any
-    start: tuple[Any, ...]
-    half_step: Any
+    zeta: Real
+    start: tuple[Real, ...]
+    direction: tuple[Real, Real]
 
 
 class RateSource(NamedTuple):
     """The data from which the modes of dt/dτ are made: a :class:`integrable.torus.oval_modes.ModesSource`."""
 
     problem: RateCurve
-    wide: Any
+    wide: MultiprecisionField
     reals: BareReals
     digits: int
 
@@ -66,7 +58,7 @@ class SeriesClock:
     PrecisionLoss if the torus is not compact because the ovals meet.
     """
 
-    def __init__(self, wide: Any, unit: Unit, digits: int) -> None:
+    def __init__(self, wide: MultiprecisionField, unit: Unit, digits: int) -> None:
         one, zero = wide.one, wide.zero
         axes = (*unit.alphas, one, one, one, one, zero)
         problem = RateCurve(axes, unit.zeta, one, unit.start, zero)
@@ -77,7 +69,7 @@ class SeriesClock:
         direction = first * self._unit, second * self._unit
         self._clock = MultiprecisionTorusClock(source, direction=direction)
 
-    def tau(self, times: list[Real]) -> list[Any]:
+    def tau(self, times: list[Real]) -> list[Real]:
         """τ at each of the times, in the clock's field."""
         coerce = self._clock.wide.coerce
         return [tau * self._unit for tau in self._clock.tau([coerce(t) / self._unit for t in times])]
@@ -91,20 +83,20 @@ class WalkedClock:
     """
 
     def __init__(
-        self, rate: Callable[[Any], Any], reals: BareReals, digits: int, length: float, fastest: float
+        self, rate: Callable[[Real], Real], reals: BareReals, digits: int, length: float, fastest: float
     ) -> None:
         self._longest = length * fastest
         self._rate, self._reals, self._digits = rate, reals, digits
         self._half = reals.number(length / 2)
         self._rule = LegendreSeries(reals, NODES_A_DIGIT * digits)
-        self._panels: dict[int, tuple[list[Any], Any]] = {}
+        self._panels: dict[int, tuple[list[Real], Real]] = {}
 
-    def tau(self, times: list[Real]) -> list[Any]:
+    def tau(self, times: list[Real]) -> list[Real]:
         """τ at each of the times."""
         with self._reals:
             return [self._at(self._reals.number(t)) for t in times]
 
-    def _at(self, t: Any) -> Any:
+    def _at(self, t: Real) -> Real:
         step = 1 if t >= 0 else -1
         if abs(t) > MOST_PANELS * self._longest:
             raise self._too_far(t)
@@ -126,13 +118,13 @@ class WalkedClock:
                 return self._half * (2 * panel + 1 + x)
         raise PrecisionLoss("the clock was not inverted: use more digits")
 
-    def _too_far(self, t: Any) -> PrecisionLoss:
+    def _too_far(self, t: Real) -> PrecisionLoss:
         return PrecisionLoss(
             f"time {float(t)}: this motion is on a separatrix or too near one, where the way to a time is walked "
             f"over; that is more than {MOST_PANELS} steps of {2 * float(self._half):.3g} in τ"
         )
 
-    def _panel(self, n: int) -> tuple[list[Any], Any]:
+    def _panel(self, n: int) -> tuple[list[Real], Real]:
         """The series of dt/dτ on panel n, τ from n to n + 1 lengths, and the time t that the panel takes."""
         if n not in self._panels:
             values = [self._rate(self._half * (2 * n + 1 + x)) for x in self._rule.nodes]

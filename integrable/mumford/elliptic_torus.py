@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cache
 from math import atan2, factorial, floor, pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from jacobian.numbers.abreast import abreast
 from jacobian.numbers.double_double import split
 from jacobian.relatives.extended import Extended, Lift
 
-Row = Any
+Row = np.ndarray
 
 # bits in which a torus is set up
 BITS = 200
@@ -56,7 +56,7 @@ def elliptic_points(numbers: Row, table: Row, inverse: Row, times: Row, out: Row
         out[3 * i + 2] = numbers[4] * dn
 
 
-def theta_quotients(table: Row, cv: Real, sv: Real) -> tuple[Real, Real, Real]:
+def theta_quotients(table: Row | Sequence[Real], cv: Real, sv: Real) -> tuple[Real, Real, Real]:
     """θ₁/θ₄, θ₂/θ₄ and θ₃/θ₄ at v, which are multiples of sn, cn and dn, from cos v and sin v.
 
     ``table`` is that of :func:`elliptic_points`.
@@ -102,15 +102,15 @@ class CubicModel(NamedTuple):
     infinity.
     """
 
-    lead: Any
-    first: Any
-    swing: Any
-    above: Any
-    place: Any
-    height: Any
-    pace: Any
+    lead: Real
+    first: Real
+    swing: Real
+    above: Real
+    place: Real
+    height: Real
+    pace: Real
     side: int
-    pole: Any = None
+    pole: Real | None = None
 
 
 class EllipticTorus:
@@ -120,7 +120,7 @@ class EllipticTorus:
     point is on an unbounded branch or at rest, and for data other than lifts on a model of odd degree.
     """
 
-    def __init__(self, place: Callable[[Any], Start]) -> None:
+    def __init__(self, place: Callable[[LongField], Start]) -> None:
         with long_numbers(BITS) as N:
             start = place(N)
             ends = [kind.e for kind in start.kinds if isinstance(kind, Lift)]
@@ -183,7 +183,7 @@ class EllipticTorus:
         return sn, cn, dn
 
 
-def _model(N: LongField, start: Start, roots: Sequence[Any]) -> CubicModel:
+def _model(N: LongField, start: Start, roots: Sequence[Real]) -> CubicModel:
     """The cubic model of a start; ``roots`` are the roots of f in ascending order."""
     lead, x, y, pace, pole = start.f[-1], -start.u[0], start.v[0], start.direction[0], None
     if len(roots) == 4:
@@ -201,7 +201,9 @@ def _model(N: LongField, start: Start, roots: Sequence[Any]) -> CubicModel:
     return CubicModel(lead, first, second - first, third - second, x, y, pace, side, pole)
 
 
-def _lift(N: LongField, model: CubicModel, slope: Any, at_start: Sequence[Column], given: Any) -> tuple[Any, ...]:
+def _lift(
+    N: LongField, model: CubicModel, slope: Real, at_start: Sequence[Column], given: tuple[Real, Sequence[Real]]
+) -> tuple[Column, Column, Column, int]:
     """(κ, the factor of σ, the factor of ν, the index of σ among sn, cn, dn) for a lift given as (e, datum)."""
     e, (kappa, sigma, nu) = given
     x, swing = model.side * e, model.swing
@@ -218,7 +220,7 @@ def _lift(N: LongField, model: CubicModel, slope: Any, at_start: Sequence[Column
     return Column.of(kappa), Column.of(size), Column.of(slope / (kappa * size)), which
 
 
-def means(N: LongField, b: Any) -> list[tuple[Any, Any]]:
+def means(N: LongField, b: Real) -> list[tuple[Real, Real]]:
     """The steps (a, b) of the arithmetic-geometric mean of 1 and b; the last pair is the mean."""
     a, found = N.one, []
     while True:
@@ -228,7 +230,7 @@ def means(N: LongField, b: Any) -> list[tuple[Any, Any]]:
         a, b = (a + b) / 2, N.sqrt(a * b)
 
 
-def part_of_round(N: LongField, levels: list[tuple[Any, Any]], sine: Any, cosine: Any) -> Any:
+def part_of_round(N: LongField, levels: list[tuple[Real, Real]], sine: Real, cosine: Real) -> Real:
     """F(φ)·π/2K for the angle φ, |φ| ≤ π/2, whose sine and cosine are proportional to the given ones (Landen)."""
     import gmpy2
 
@@ -247,7 +249,7 @@ def part_of_round(N: LongField, levels: list[tuple[Any, Any]], sine: Any, cosine
     return (rest + 2 * rounds * half_turn()) / 2 ** (len(levels) - 1)
 
 
-def first_kind(N: LongField, levels: list[tuple[Any, Any]], sine: Any, cosine: Any) -> Any:
+def first_kind(N: LongField, levels: list[tuple[Real, Real]], sine: Real, cosine: Real) -> Real:
     """F(φ), the elliptic integral of the first kind; arguments as for :func:`part_of_round`."""
     return part_of_round(N, levels, sine, cosine) / levels[-1][0]
 
@@ -258,21 +260,21 @@ def long_numbers(bits: int) -> LongField:
     return LongField(bits)
 
 
-def half_turn() -> Any:
+def half_turn() -> Real:
     """π at the precision of the field currently entered."""
     import gmpy2
 
     return gmpy2.const_pi()
 
 
-def nome_of(N: LongField, levels: list[tuple[Any, Any]], others: list[tuple[Any, Any]]) -> Any:
+def nome_of(N: LongField, levels: list[tuple[Real, Real]], others: list[tuple[Real, Real]]) -> Real:
     """The nome e^(−πK'/K), from the means of 1 and k', and those of 1 and k."""
     import gmpy2
 
     return gmpy2.exp(-half_turn() * levels[-1][0] / others[-1][0])
 
 
-def terms_of(nome: Any) -> int:
+def terms_of(nome: Real) -> int:
     """The number of terms of the theta series; PrecisionLoss near a separatrix."""
     count = next((n for n in range(2, MOST_TERMS) if nome ** (n * n) < LAST), 0)
     if not count:
@@ -280,7 +282,7 @@ def terms_of(nome: Any) -> int:
     return count
 
 
-def thetas(N: Any, nome: Any, count: int) -> tuple[list[Any], list[Any], tuple[Any, Any, Any]]:
+def thetas(N: LongField, nome: Real, count: int) -> tuple[list[Real], list[Real], tuple[Real, Real, Real]]:
     """Coefficients of harmonics 2n + 1 of θ₂, of harmonics 2n of θ₃, and the values of θ₂, θ₃ and θ₄ at 0.
 
     Coefficients and value of θ₂ are divided by its first coefficient.
@@ -297,19 +299,19 @@ class ThetaTable(NamedTuple):
     θ₄ at 0.
     """
 
-    levels: list[tuple[Any, Any]]
-    table: list[Any]
-    at_zero: tuple[Any, Any, Any]
+    levels: list[tuple[Real, Real]]
+    table: list[Real]
+    at_zero: tuple[Real, Real, Real]
 
 
-def theta_table(N: LongField, k: Any, k1: Any) -> ThetaTable:
+def theta_table(N: LongField, k: Real, k1: Real) -> ThetaTable:
     """The ThetaTable of the modulus k, k² + k₁² = 1; PrecisionLoss near a separatrix."""
     levels = means(N, k1)
     nome = nome_of(N, levels, means(N, k))
     return ThetaTable(levels, *theta_rows(N, nome, terms_of(nome)))
 
 
-def theta_rows(N: Any, nome: Any, count: int) -> tuple[list[Any], tuple[Any, Any, Any]]:
+def theta_rows(N: LongField, nome: Real, count: int) -> tuple[list[Real], tuple[Real, Real, Real]]:
     """The table of :func:`theta_quotients` with ``count`` terms, and the values of θ₂, θ₃ and θ₄ at 0."""
     odd, even, at_zero = thetas(N, nome, count)
     table = []
@@ -326,6 +328,6 @@ def inverse_factorials() -> np.ndarray:
         return double_double_row((2 * half_turn(), *(N.one / factorial(n) for n in range(2 * PAIRS))))
 
 
-def double_double_row(values: Sequence[Any]) -> np.ndarray:
+def double_double_row(values: Sequence[Real]) -> np.ndarray:
     """Converts long numbers to an array of double-doubles."""
     return np.array([split(x) for x in values])

@@ -12,20 +12,24 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from math import isfinite
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from integrable.moving_point.addition import Row
 from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.moving_point.problem import HEAVINESS, TIME_SCALE
 from integrable.torus.clock_loops import Clock, ClockSeries
 from integrable.torus.clock_modes import MOST_LOUD, Cutoffs, Tables
-from integrable.torus.corners import Corners
-from integrable.torus.loops import BEYOND, NotClosed
+from integrable.torus.corners import Corners, Transform
+from integrable.torus.loops import BEYOND, Loops, NotClosed
 from integrable.torus.panels import NODES, Panels, States, panel_length
 from integrable.torus.series import in_resonance
+from integrable.torus.states import Torus
 from integrable.torus.witness import ALIKE, confirmed, witnesses
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.native.library import Packed
 
 if TYPE_CHECKING:
     from integrable.torus.lattice import TimedSource
@@ -56,7 +60,7 @@ class TorusFlow(Corners):
 
     way = "torus"
 
-    def __init__(self, setup: TimedSource, loops: Any, most: int = MOST_SAMPLES) -> None:
+    def __init__(self, setup: TimedSource, loops: Loops, most: int = MOST_SAMPLES) -> None:
         super().__init__(setup, loops, most)
         self._step = float(setup.step_length / setup.time_scale)
         self.clock: TorusClock | None = None
@@ -107,6 +111,7 @@ class TorusFlow(Corners):
         """The phases at physical times, or at values of τ unless ``physical``: for each direction, as a fraction of its
         number of ``periods``. They keep the digits that a rounded τ has lost.
         """
+        rates: Sequence[Real]
         rates, rest = self.frequencies, np.zeros(len(times))
         if physical and self.clock:
             rates, rest = self.loops.wide(self.rates[4:6], self.setup.wide), self._rows_of_clock(times)[2]
@@ -190,15 +195,16 @@ class RateSpectrum(NamedTuple):
     the grid that resolves them.
     """
 
-    values: Any
+    values: Row
     grid: tuple[int, int]
 
 
-Transform = Callable[[np.ndarray], tuple[RateSpectrum, tuple[int, int]]]
-
-
 def resolved_spectrum(
-    loops: Any, resolved: Callable[[Transform], Any], turns: Sequence[float], scale: float, noise: float
+    loops: Loops,
+    resolved: Callable[[Transform[RateSpectrum]], RateSpectrum],
+    turns: Sequence[float],
+    scale: float,
+    noise: float,
 ) -> RateSpectrum:
     """The spectrum of dt/dτ to ``noise`` of its largest mode, with more digits in slow directions, where it is divided
     by a small frequency.
@@ -212,8 +218,7 @@ def resolved_spectrum(
         values, wanted = loops.spectrum(samples, (first, second))
         return RateSpectrum(values, samples.shape[:2]), wanted
 
-    found: RateSpectrum = resolved(transformed)
-    return found
+    return resolved(transformed)
 
 
 class TorusClock:
@@ -226,9 +231,9 @@ class TorusClock:
 
     def __init__(
         self,
-        loops: Any,
+        loops: Loops,
         spectrum: RateSpectrum,
-        rates: Any,
+        rates: Row,
         scale: float,
         noise: float,
         doubled: tuple[int, int] = (1, 1),
@@ -240,7 +245,7 @@ class TorusClock:
         self._clock = loops.packed(Clock(doubled, *series, rates[:6]))
         self._room = 2 * max(part.width for part in series[:2])
 
-    def at(self, torus: Any, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def at(self, torus: Torus | Packed, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(γ and M, τ, τ − t·mean dτ/dt) at physical times, shapes (N, 6), (N,) and (N,); ``torus`` is packed."""
         out, tau, delays = np.empty(6 * len(times)), np.empty(len(times)), np.empty(len(times))
         room = np.empty(self._room), self._loops.room(2 * len(times)), np.empty(2 * len(times), dtype=np.int64)
@@ -261,8 +266,8 @@ class TorusClock:
 
 
 def series_between(
-    loops: Any, values: Any, grid: tuple[int, int], rates: Any, limits: Cutoffs
-) -> tuple[ClockSeries, ClockSeries, ClockSeries, np.ndarray, Any]:
+    loops: Loops, values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs
+) -> tuple[ClockSeries, ClockSeries, ClockSeries, np.ndarray, Row]:
     """The fields of a :class:`Clock` from ``rough`` to ``loud``, from a spectrum of 1/g (:func:`clock_series`).
 
     PrecisionLoss where a mode is in resonance.

@@ -6,8 +6,6 @@ Arrays of numbers are float arrays with a last axis (hi, lo).
 
 from __future__ import annotations
 
-from typing import Any
-
 from integrable.moving_point.compiled import SPECIAL
 from integrable.torus import clock_loops, clock_modes, lattice, states, survey, tables, walks, witness
 from integrable.torus.clock_loops import Clock, ClockSeries
@@ -25,7 +23,7 @@ _SIGNS = TupleKind((FLOAT,) * 6)
 _CURVE = record(Curve, WIDES, WIDES, WIDES)
 _SMALL = record(SmallSteps, WIDES, _FLOATS, WIDES, INT, WIDES)
 _SERIES = record(ClockSeries, INTS, FLOATS, INT, INT, _FLOATS, FLOAT, FLOAT, FLOAT)
-KINDS: dict[Any, TupleKind] = {
+KINDS: dict[type[tuple[object, ...]], TupleKind] = {
     kind.named: kind
     for kind in (
         _CURVE,

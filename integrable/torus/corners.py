@@ -5,22 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache, cached_property
 from math import asinh, ceil, copysign, cos, inf, log2, pi, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from integrable.moving_point.addition import Row
 from integrable.torus.lattice import TorusLattice, beginning
-from integrable.torus.loops import CompiledLoops, NotClosed
+from integrable.torus.loops import CompiledLoops, Loops, NotClosed
 from integrable.torus.states import Torus
 from integrable.torus.survey import RATES, REACH
 from integrable.torus.tables import SmallSteps, TableRoom
 from integrable.torus.walks import Fine, Walk
 from integrable.torus.witness import BORDERS, LEAST, SEAM, TERMS, Line
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.double_double import EPS
 
 if TYPE_CHECKING:
-    from integrable.torus.lattice import Source
+    from integrable.moving_point.addition import Row
+from integrable.torus.lattice import Source
 
 # a walk over the corners is accepted if its periods close to within ROUND, a two-sided walk if to within CLOSED
 ROUND = 1e-17
@@ -40,8 +43,11 @@ FIRST_SIZE = 16
 PASSING = 2.0**-7
 PASSAGES = 3.1
 
-Samples = Callable[[tuple[int, int], "np.ndarray | None"], Any]
+Samples = Callable[[tuple[int, int], "np.ndarray | None"], np.ndarray]
 """A function that gives values on a grid of given sizes; values on a coarser grid may be known."""
+Found = TypeVar("Found")
+Transform = Callable[[np.ndarray], tuple[Found, tuple[int, int]]]
+"""What is made of samples, and the sizes of a grid that is fine enough."""
 
 
 @cache
@@ -59,7 +65,7 @@ class Corners:
     walks do not lead back, or compiled loops lose digits beside the corners.
     """
 
-    def __init__(self, setup: Source, loops: Any, most: int) -> None:
+    def __init__(self, setup: Source, loops: Loops, most: int) -> None:
         self.setup, self.loops, self._most = setup, loops, most
         # numbers of the motion, in units of length and time of its own
         self.units, motion, self.curve, self._start, self._problem = beginning(setup, loops)
@@ -81,7 +87,7 @@ class Corners:
         self._walk_over(motion)
         self._check_walk()
 
-    def _made_rates(self, motion: Any) -> Any:
+    def _made_rates(self, motion: Row) -> Row:
         """The result of :func:`integrable.torus.survey.surveyed_rates`."""
         rates, units = self.loops.room(RATES), (self.units.length, self.units.lift)
         self.loops.rates(self._problem, self.lattice.found, motion, units, self.doubled, rates)
@@ -101,13 +107,13 @@ class Corners:
         return isinstance(self.loops, CompiledLoops)
 
     @cached_property
-    def frequencies(self) -> tuple[Any, Any]:
+    def frequencies(self) -> tuple[Real, Real]:
         """Turns of each phase per unit of τ, wide."""
         nu1, nu2 = self.loops.wide(self.rates[6:8], self.setup.wide)
         return nu1, nu2
 
     @cached_property
-    def mean(self) -> Any:
+    def mean(self) -> Real:
         """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, independent of samples.
 
         A tilt does not change it: around an oval with one axis an odd number of γ_i are turned.
@@ -126,7 +132,7 @@ class Corners:
         self.loops.reached(*self._line(tau), out)
         return out.reshape(-1, 6)
 
-    def _line(self, tau: np.ndarray) -> tuple[Line, np.ndarray, TableRoom, Any]:
+    def _line(self, tau: np.ndarray) -> tuple[Line, np.ndarray, TableRoom, Row]:
         """The arguments, with working memory, for the loops that reach these times by additions to the start."""
         room = self.loops.room
         # if the branch points cluster, the flow's centre is far from all of them
@@ -140,7 +146,7 @@ class Corners:
         self.loops.states_at_phases(self.torus, np.ascontiguousarray(phases, dtype=np.float64).ravel(), out)
         return out.reshape(-1, 6)
 
-    def resolved(self, transformed: Callable[[Any], tuple[Any, tuple[int, int]]]) -> Any:
+    def resolved(self, transformed: Transform[Found]) -> Found:
         """The spectrum of 1/g on a grid of its periods that resolves it: ``transformed(samples)`` are the spectrum and
         the shape of a grid that is fine enough.
         """
@@ -155,7 +161,7 @@ class Corners:
         extent = REACH * float(np.abs(loops.floats(self.lattice.parts)[1::2]).sum())
         return max(2 * FIRST_SIZE, rows), max(columns, 2 ** ceil(log2(PASSAGES * extent)))
 
-    def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Any:
+    def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> np.ndarray:
         """1/g on a grid of its periods, with ``sizes`` points for those of the divisor. Compiled loops give
         double-doubles with a last axis; interpreted ones give long doubles, or their own numbers where these have more
         digits. ``known`` are the samples of a coarser grid.
@@ -178,7 +184,7 @@ class Corners:
             samples[:: samples.shape[0] // known.shape[0], :: samples.shape[1] // known.shape[1]] = known
         return samples
 
-    def fine(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Any:
+    def fine(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Fine:
         """The :class:`~integrable.torus.walks.Fine` of a grid, with room for its translations; without the points of a
         coarser one, of which ``known`` are the samples.
         """
@@ -200,14 +206,14 @@ class Corners:
     def _packed_small(self) -> Any:
         return self.loops.packed(self.small)
 
-    def _translations(self, motion: Any) -> tuple[Any, Any]:
+    def _translations(self, motion: Row) -> tuple[Row, Row]:
         """The tables of both directions, one after the other, and the translations by half a cell."""
         loops = self.loops
         tables, halves = loops.room(8 * loops.terms), loops.room(40)
         loops.directions(motion, self.lattice.chart, self.lattice.parts, nodes(loops.terms), tables, halves)
         return tables, halves
 
-    def _walk_over(self, motion: Any) -> None:
+    def _walk_over(self, motion: Row) -> None:
         """Walk over the corners of the cells; NotClosed where the walks do not lead back."""
         # near the separatrix a walk towards the unstable rotation damps its errors, one away from it amplifies them:
         # two walks meet where the motion comes nearest to it
@@ -229,11 +235,9 @@ class Corners:
         self.closure = loops.corners(self._packed_curve, self._start, loops.packed(walk), self.states, ends, known)
 
 
-def resolved(
-    samples: Samples, transformed: Callable[[Any], tuple[Any, tuple[int, int]]], sizes: tuple[int, int], most: int
-) -> Any:
+def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, int], most: int) -> Found:
     """:meth:`Corners.resolved`, from a grid of ``sizes`` on to one of ``most`` samples."""
-    known = None
+    known: np.ndarray | None = None
     while sizes[0] * sizes[1] <= most:
         known = samples(sizes, known)
         found, wanted = transformed(known)
@@ -244,7 +248,7 @@ def resolved(
     raise PrecisionLoss(f"a rate needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
 
 
-def rest_of(motion: Any, loops: Any) -> Any:
+def rest_of(motion: Row, loops: Loops) -> Row:
     """(d, r) of the factor r − dx of f, in the loops' numbers; 0 if it is so small at an axis, relative to its parts,
     that values lose digits that a grid of 1/g needs.
     """

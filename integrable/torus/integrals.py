@@ -5,7 +5,7 @@ floats, and in multiprecision like that of 1/g in :mod:`integrable.torus.long_cl
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from integrable.torus.long_clock import phases
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.series import LongSeries, TorusSeries, long_spectrum, needed_sizes, spectrum, together
 from integrable.torus.states import point_at, turned, whole_turns
-from jacobian.element import Real
+from jacobian.element import Complex, Real
 from jacobian.numbers.long_reals import BallReals
 
 if TYPE_CHECKING:
@@ -172,7 +172,7 @@ class LongIntegral:
         rows, most = (grid.shape[0] + 1) // 2, grid.shape[1] // 2 - 1
         element, wide, balls = self._reals.element, self._wide, BallReals(self._reals.bits)
 
-        def number(c: Any) -> acb:
+        def number(c: Complex) -> acb:
             return acb(*(balls.number(element(wide, x)) for x in (c.real, c.imag)))
 
         with balls:

@@ -8,7 +8,7 @@ The basis is reduced and the centres are chosen so that the cells, in which the 
 from __future__ import annotations
 
 from math import floor, log2
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
@@ -18,9 +18,11 @@ from integrable.torus import survey as torus_survey
 from integrable.torus.walks import Curve
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.fields.multiprecision import MultiprecisionField
 
 if TYPE_CHECKING:
     from integrable.moving_point.problem import Problem
+    from integrable.torus.loops import Loops
     from jacobian.numbers.long_reals import BareReals
 
 
@@ -33,6 +35,16 @@ APART = 2.0**-6
 FAR = 1e30
 
 
+class RateCurve(NamedTuple):
+    """The attributes of a :class:`~integrable.moving_point.problem.Problem` from which the modes of a rate are made."""
+
+    axes: tuple[Real, ...]
+    ratio: Real
+    d: Real
+    start: tuple[Real, ...]
+    half_step: Real
+
+
 class Source(Protocol):
     """The data of a torus: the motion in bare reals, wide numbers for results, and the given floats, from which
     compiled loops may start (:class:`integrable.moving_point.setup.Setup`).
@@ -41,7 +53,7 @@ class Source(Protocol):
     @property
     def bare(self) -> Problem: ...
     @property
-    def wide(self) -> Any: ...
+    def wide(self) -> MultiprecisionField: ...
     @property
     def reals(self) -> BareReals: ...
     @property
@@ -52,9 +64,9 @@ class TimedSource(Source, Protocol):
     """A source with a clock: units of the flow's own time in one of τ, and a basic step in that."""
 
     @property
-    def time_scale(self) -> Any: ...
+    def time_scale(self) -> Real: ...
     @property
-    def step_length(self) -> Any: ...
+    def step_length(self) -> Real: ...
 
 
 class Chart(NamedTuple):
@@ -77,7 +89,7 @@ class TorusLattice:
     cells are needed.
     """
 
-    def __init__(self, loops: Any, motion: Any) -> None:
+    def __init__(self, loops: Loops, motion: Row) -> None:
         found, points = loops.room(11), np.zeros(4 + int(loops.floats(motion[8:9])[0] != 0))
         c1, c2, reach1, reach2, m1, n1, m2, n2, rows, columns = loops.survey(motion, loops.short, points, found)
         if not 0 < rows * columns <= torus_survey.MOST_CELLS:
@@ -96,7 +108,7 @@ class TorusLattice:
         return self.chart.cells
 
 
-def signs_of_periods(points: Any, basis: tuple[tuple[int, int], tuple[int, int]]) -> np.ndarray:
+def signs_of_periods(points: Row, basis: tuple[tuple[int, int], tuple[int, int]]) -> np.ndarray:
     """The sign changes of γ1, γ2, γ3 in either period of a basis, shape (2, 3); ``points`` are α1, α2, α3 and ζ.
 
     γ_i vanishes and changes sign where u₁ or u₂ passes α_i, once per round of the oval that ends there. That of
@@ -114,7 +126,7 @@ class Units(NamedTuple):
     factor (r − dξ), (r, d) = (1 − d·origin, d·length)/lift². Powers of two: nothing is rounded.
     """
 
-    origin: Any = 0
+    origin: Real = 0
     length: float = 1.0
     lift: float = 1.0
 
@@ -178,7 +190,7 @@ def best_origin(setup: Source) -> Real:
     return max((setup.reals.number(0), *setup.bare.axes[:3]), key=digits)
 
 
-def oval_ends(problem: Problem, near: Real) -> tuple[tuple[Real, Real], tuple[Real, Real]]:
+def oval_ends(problem: Problem | RateCurve, near: Real) -> tuple[tuple[Real, Real], tuple[Real, Real]]:
     """The ovals [α_min, min(ζ, α_mid)] and [max(ζ, α_mid), α_max] on which u1 and u2 move, ζ = h1/(h2·max a).
 
     PrecisionLoss if they come ``near`` each other (the separatrix) or shrink to points: the motion is then not a line
@@ -198,13 +210,13 @@ class Beginning(NamedTuple):
     """
 
     units: Units
-    motion: Any
+    motion: Row
     curve: Curve
-    start: Any
-    problem: Any
+    start: Row
+    problem: Row
 
 
-def beginning(setup: Source, loops: Any) -> Beginning:
+def beginning(setup: Source, loops: Loops) -> Beginning:
     """The rows of a motion. The loops compute them if branch points are well separated; otherwise numbers with more
     digits are used.
     """

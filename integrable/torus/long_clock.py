@@ -9,7 +9,7 @@ as theta functions.)
 from __future__ import annotations
 
 from math import inf, log10
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,10 +17,14 @@ from integrable.moving_point.newton import step_inside
 from integrable.torus.oval_modes import MOST_WORK, modes_of_rate
 from integrable.torus.series import LongSeries
 from jacobian import RR
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.numbers.long_reals import BallReals
 
 if TYPE_CHECKING:
+    from flint import acb
+
     from integrable.torus.oval_modes import Modes, ModesSource
 
 # a Newton step with a slope in floats reduces the error to this fraction; the first step, in floats, gives this many
@@ -39,23 +43,23 @@ class LongClock:
     Modes in resonance with the motion, or nearly, are integrated one by one: they would need small divisors.
     """
 
-    def __init__(self, modes: Modes, digits: int, wide: Any) -> None:
+    def __init__(self, modes: Modes, digits: int, wide: MultiprecisionField) -> None:
         self.wide, self.digits, self._eps = wide, digits, wide.coerce(10) ** -digits
         self.frequencies, self.mean = modes.frequencies, modes.mean
         rows, self._slow = without_slow(modes, digits, wide)
         self._series = LongSeries(rows, self.frequencies, wide, 10.0**-digits)
 
-    def times(self, tau: list[Any]) -> list[Any]:
+    def times(self, tau: list[Real]) -> list[Real]:
         """t at every τ, all wide."""
         swings = self._series.at([phases(t, self.frequencies, self.wide) for t in tau])
         return [t * self.mean + self._slowly(t) + swing for t, swing in zip(tau, swings, strict=True)]
 
-    def tau(self, times: list[Any]) -> list[Any]:
+    def tau(self, times: list[Real]) -> list[Real]:
         """τ at every t, all wide."""
         starts = [self._start(t) for t in times]
         return [start + shift for start, shift in zip(starts, self._shifts(starts), strict=True)]
 
-    def _slowly(self, tau: Any) -> Any:
+    def _slowly(self, tau: Real) -> Real:
         """The contribution of the slow modes to t at τ."""
         context, total = self.wide.context, self.wide.zero
         for real, imaginary, nu in self._slow:
@@ -63,14 +67,14 @@ class LongClock:
             total += (real * c - imaginary * s) * (s / (context.pi * nu) if nu else tau)
         return total
 
-    def _slow_rate(self, tau: Any) -> Any:
+    def _slow_rate(self, tau: Real) -> Real:
         """The contribution of the slow modes to dt/dτ at τ."""
         context, total = self.wide.context, self.wide.zero
         for real, imaginary, nu in self._slow:
             total += real * context.cospi(2 * nu * tau) - imaginary * context.sinpi(2 * nu * tau)
         return total
 
-    def _start(self, t: Any) -> Any:
+    def _start(self, t: Real) -> Real:
         """τ at t without the modes that are not slow; without these t increases with τ."""
         x = t / self.mean
         if not self._slow or not t:
@@ -88,7 +92,7 @@ class LongClock:
                 return x
         raise PrecisionLoss("the clock was not inverted: use more digits")
 
-    def _shifts(self, starts: list[Any]) -> list[Any]:
+    def _shifts(self, starts: list[Real]) -> list[Real]:
         """s with mean·s + S(θ + νs) = 0, by Newton's method, in floats first: the oscillation of τ about its mean
         value.
         """
@@ -111,8 +115,8 @@ class LongClock:
         return self._refined(starts, angles, list(map(self.wide.coerce, found.tolist())), rates.tolist())
 
     def _refined(
-        self, starts: list[Any], angles: list[tuple[Any, Any]], shifts: list[Any], rates: list[float]
-    ) -> list[Any]:
+        self, starts: list[Real], angles: list[tuple[Real, Real]], shifts: list[Real], rates: list[float]
+    ) -> list[Real]:
         """The shifts after Newton's method in multiprecision. Each step but the last uses only the digits it can
         gain.
         """
@@ -150,7 +154,7 @@ class MultiprecisionTorusClock(LongClock):
         self,
         setup: ModesSource,
         digits: int | None = None,
-        direction: tuple[Any, Any] = (1, 0),
+        direction: tuple[Real, Real] = (1, 0),
         most_work: float = MOST_WORK,
         after: int | None = None,
     ) -> None:
@@ -159,7 +163,9 @@ class MultiprecisionTorusClock(LongClock):
         super().__init__(modes_of_rate(setup, digits, direction, most_work, whole), digits, setup.wide)
 
 
-def without_slow(modes: Modes, digits: int, wide: Any) -> tuple[list[list[Any]], list[tuple[Any, Any, Any]]]:
+def without_slow(
+    modes: Modes, digits: int, wide: MultiprecisionField
+) -> tuple[list[list[acb]], list[tuple[Real, Real, Real]]]:
     """The rows of the modes without those that are nearly in resonance, and these: (real, imaginary, turns per τ)."""
     rows, most = [*modes.rows], len(modes.rows[0]) // 2
     nu = [float(x) for x in modes.frequencies]
@@ -176,7 +182,7 @@ def without_slow(modes: Modes, digits: int, wide: Any) -> tuple[list[list[Any]],
     return rows, slow
 
 
-def phases(tau: Any, frequencies: tuple[Any, Any], field: Any) -> tuple[Any, Any]:
+def phases(tau: Real, frequencies: tuple[Real, Real], field: MultiprecisionField) -> tuple[Real, Real]:
     """The phases at τ in turns, reduced modulo 1."""
     first, second = (tau * nu for nu in frequencies)
     floor = field.context.floor

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from math import ceil, log2, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import CONTACT, ROW, START, TIME_SCALE
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.torus import clock_modes, walks, witness
@@ -18,12 +19,15 @@ from integrable.torus.series import half_spectrum
 from integrable.torus.states import states_at_phases, states_at_tau
 from integrable.torus.tables import TableRoom, directions
 from integrable.torus.walks import Curve
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.numbers.double_double import EPS, split
 from jacobian.numbers.fourier import circle_of
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
+    from integrable.torus.lattice import Chart, Source
 
 
 # Newton steps from a float to a double-double number
@@ -43,7 +47,7 @@ _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0), (1, 0), (1, 0), (1,
 
 
 # interpreted loops, and which of their arguments are arrays of floats that they read
-PLAIN: dict[str, tuple[Callable[..., Any], tuple[int, ...]]] = {
+PLAIN: dict[str, tuple[Callable[..., object], tuple[int, ...]]] = {
     "about_centre": (torus_survey.about_centre, ()),
     "clock_series": (clock_modes.clock_series, ()),
     "corners": (walks.corners, ()),
@@ -88,11 +92,11 @@ class ReadableLoops:
             return type(value)(*map(self.packed, value))
         return value.tolist() if isinstance(value, np.ndarray) else value
 
-    def row(self, values: Any) -> Any:
+    def row(self, values: Iterable[Real]) -> Row:
         """A row of working numbers from numbers of any kind."""
         return list(self.reals.row(values))
 
-    def spectrum(self, samples: Any, noise: tuple[float, float]) -> tuple[Any, tuple[int, int]]:
+    def spectrum(self, samples: np.ndarray, noise: tuple[float, float]) -> tuple[Row, tuple[int, int]]:
         """:func:`integrable.torus.series.half_spectrum` of long doubles as a row of working numbers, and its
         :func:`integrable.torus.clock_modes.sizes_needed`.
         """
@@ -103,19 +107,19 @@ class ReadableLoops:
             room = [0.0] * (rows // 2 + columns // 2 + 2)
             return found, clock_modes.sizes_needed(found, (rows, columns), noise, room)
 
-    def room(self, count: int) -> Any:
+    def room(self, count: int) -> Row:
         """Memory for ``count`` numbers."""
         return [self.reals.number(0)] * count
 
-    def wide(self, values: Any, field: Any) -> tuple[Any, ...]:
+    def wide(self, values: Row, field: MultiprecisionField) -> tuple[Real, ...]:
         """Working numbers converted to a wide field."""
         return self.reals.elements(field, values)
 
-    def floats(self, values: Any) -> np.ndarray:
+    def floats(self, values: Row) -> np.ndarray:
         """Working numbers rounded to floats, shape (N,)."""
         return np.array([float(x) for x in values])
 
-    def samples(self, values: Any, sizes: tuple[int, int]) -> np.ndarray:
+    def samples(self, values: Row, sizes: tuple[int, int]) -> np.ndarray:
         """Working numbers on a grid unchanged, or as the long doubles of this machine if those suffice."""
         if self._digits > FLOAT_DIGITS:
             return np.array(values, dtype=object).reshape(sizes)
@@ -130,22 +134,24 @@ class ReadableLoops:
             raise AttributeError(f"torus loops have no {name}; they have {', '.join(PLAIN)}")
         loop, read = PLAIN[name]
 
-        def inside(*args: Any) -> Any:
+        def inside(*args: Row) -> object:
             with self.reals:
                 return loop(*(x.tolist() if i in read else x for i, x in enumerate(args)))
 
         return inside
 
-    def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
+    def directions(
+        self, motion: Row, chart: Chart, parts: Row, nodes: Sequence[float], tables: Row, halves: Row
+    ) -> None:
         """:func:`integrable.torus.tables.directions`."""
         room = TableRoom(*map(self.room, (self._series, self._series, 9, 10 * (len(nodes) + 2))))
         with self.reals:
             directions(motion, chart, parts, nodes, self._passes, room, tables, halves)
 
-    def begun(self, setup: Any) -> None:
+    def begun(self, setup: Source) -> None:
         """None: the set-up already has all digits."""
 
-    def joined(self, *rows: Any) -> Any:
+    def joined(self, *rows: Row) -> Row:
         """Rows of numbers, concatenated."""
         return [x for row in rows for x in row]
 
@@ -172,10 +178,10 @@ class CompiledLoops:
     def packed(self, value: Any) -> Any:
         return self._packed(value, self._kinds[type(value)])
 
-    def row(self, values: Any) -> Any:
+    def row(self, values: Iterable[Real]) -> Row:
         return np.array([split(x) for x in values])
 
-    def begun(self, setup: Any) -> Beginning | None:
+    def begun(self, setup: Source) -> Beginning | None:
         if setup.floats_given is None:
             return None
         given, tilted = setup.floats_given
@@ -189,10 +195,10 @@ class CompiledLoops:
             Units(), motion, Curve(problem[:6], problem[6:14], unit_axes), problem[START:TIME_SCALE], problem[:CONTACT]
         )
 
-    def joined(self, *rows: Any) -> Any:
+    def joined(self, *rows: Row) -> Row:
         return np.concatenate(rows)
 
-    def spectrum(self, samples: Any, noise: tuple[float, float]) -> tuple[Any, tuple[int, int]]:
+    def spectrum(self, samples: np.ndarray, noise: tuple[float, float]) -> tuple[Row, tuple[int, int]]:
         if samples.dtype == np.longdouble:
             high = samples.astype(np.float64)
             samples = np.stack([high, (samples - high).astype(np.float64)], axis=-1)
@@ -202,21 +208,26 @@ class CompiledLoops:
         wanted = self._entries.spectrum(samples.reshape(size, 2), (rows, columns), noise, circle, (*rooms,), room)
         return rooms[2], wanted
 
-    def room(self, count: int) -> Any:
+    def room(self, count: int) -> Row:
         return np.zeros((count, 2))
 
-    def wide(self, values: Any, field: Any) -> tuple[Any, ...]:
+    def wide(self, values: Row, field: MultiprecisionField) -> tuple[Real, ...]:
         if not np.isfinite(values).all():
             raise NotClosed(BEYOND)
         return tuple(field.coerce(high) + field.coerce(low) for high, low in values.tolist())
 
-    def floats(self, values: Any) -> np.ndarray:
+    def floats(self, values: Row) -> np.ndarray:
         return np.ascontiguousarray(values[:, 0])
 
-    def samples(self, values: Any, sizes: tuple[int, int]) -> np.ndarray:
+    def samples(self, values: Row, sizes: tuple[int, int]) -> np.ndarray:
         found: np.ndarray = values.reshape(*sizes, 2)
         return found
 
-    def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
+    def directions(
+        self, motion: Row, chart: Chart, parts: Row, nodes: Sequence[float], tables: Row, halves: Row
+    ) -> None:
         room = TableRoom(*map(self.room, (SERIES, SERIES, 9, 10 * (len(nodes) + 2))))
         self._entries.directions(motion, chart, parts, np.array(nodes), NEWTON_PASSES, room, tables, halves)
+
+
+Loops = ReadableLoops | CompiledLoops

@@ -18,14 +18,20 @@ Numbers are python-flint's balls, whose radii show the loss from close branch po
 from __future__ import annotations
 
 from math import ceil, inf
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from integrable.torus.lattice import oval_ends
-from integrable.torus.ovals import Oval, exponent
+from integrable.torus.lattice import RateCurve, oval_ends
+from integrable.torus.ovals import Matrix, Oval, exponent
 from integrable.torus.series import powers
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.numbers.long_reals import BallReals, BareReals
+
+if TYPE_CHECKING:
+    from flint import acb, arb
+
+    from integrable.moving_point.problem import Problem
 
 # largest number of multiplications of the tables: half a minute at 50 digits
 MOST_WORK = 1 << 26
@@ -43,10 +49,10 @@ class Modes(NamedTuple):
     set-up's τ, wide, as is ``mean``.
     """
 
-    rows: list[list[Any]]
+    rows: list[list[acb]]
     doubled: tuple[int, int]
-    frequencies: tuple[Any, Any]
-    mean: Any
+    frequencies: tuple[Real, Real]
+    mean: Real
 
 
 class TooManyModes(PrecisionLoss):
@@ -62,7 +68,7 @@ class TooManyModes(PrecisionLoss):
 def modes_of_rate(
     setup: ModesSource,
     digits: int,
-    direction: tuple[Any, Any] = (1, 0),
+    direction: tuple[Real, Real] = (1, 0),
     most_work: float = MOST_WORK,
     mean_digits: int = 0,
 ) -> Modes:
@@ -97,8 +103,8 @@ class Found(NamedTuple):
     """Tables with this many modes."""
 
     size: tuple[int, int]
-    upright: list[list[Any]]
-    leaning: list[list[Any]] | None
+    upright: list[list[acb]]
+    leaning: list[list[acb]] | None
 
     def wanted(self, digits: int, held: int) -> tuple[int, int]:
         """The number of modes in either direction after which the tables are below 10^(−digits) of their first:
@@ -109,10 +115,10 @@ class Found(NamedTuple):
         tables = [self.upright] if self.leaning is None else [self.upright, self.leaning]
         lead = exponent(self.upright[0][columns])
 
-        def row(k: int) -> Any:
+        def row(k: int) -> acb:
             return max((c for table in tables for c in table[k]), key=exponent)
 
-        def column(m: int) -> Any:
+        def column(m: int) -> acb:
             ends = columns - m, m - columns - 1
             return max((row[j] for table in tables for row in table for j in ends), key=exponent)
 
@@ -153,9 +159,9 @@ class ModesSource(Protocol):
     """
 
     @property
-    def problem(self) -> Any: ...
+    def problem(self) -> Problem | RateCurve: ...
     @property
-    def wide(self) -> Any: ...
+    def wide(self) -> MultiprecisionField: ...
     @property
     def reals(self) -> BareReals: ...
     @property
@@ -166,7 +172,7 @@ class ModesSource(Protocol):
 class OvalTorus:
     """Both ovals of a motion, and tables of e^(2πiθ) at their nodes."""
 
-    def __init__(self, setup: ModesSource, balls: BallReals, digits: int, direction: tuple[Any, Any]) -> None:
+    def __init__(self, setup: ModesSource, balls: BallReals, digits: int, direction: tuple[Real, Real]) -> None:
         import flint
 
         self.flint, self._setup, self._balls, self.digits = flint, setup, balls, digits
@@ -184,12 +190,12 @@ class OvalTorus:
             raise PrecisionLoss("branch points are too close together for these digits; use more digits")
         self._place()
 
-    def ball(self, x: Any) -> Any:
+    def ball(self, x: Real) -> arb:
         """A number of the set-up's wide field as a ball; the radius accounts for the digits it has."""
         middle = self._balls.number(x)
         return middle + self.flint.arb(0, abs(middle) * self.flint.arb(2) ** -self._setup.wide.context.prec)
 
-    def phases(self, first: Any, second: Any) -> tuple[Any, Any]:
+    def phases(self, first: arb, second: arb) -> tuple[arb, arb]:
         """(θ₁, θ₂) of (∫dx/y, ∫x dx/y)."""
         (a0, a1), (b0, b1) = (oval.period for oval in self.ovals)
         return (first * b1 - second * b0) / self.area, (second * a0 - first * a1) / self.area
@@ -247,7 +253,7 @@ class OvalTorus:
             oval.turn(self, size)
         self._size = size
 
-    def upright(self) -> list[list[Any]]:
+    def upright(self) -> list[list[acb]]:
         """The coefficients c, up to the phase factor of the start, of α/g̃."""
         first, second = ([oval.integrals(part, 0, 0) for part in oval.moments()] for oval in self.ovals)
         factor = self.constant * self.axes[6]
@@ -262,7 +268,7 @@ class OvalTorus:
         )
         return modes._replace(frequencies=(nu[0], nu[1]), mean=mean)
 
-    def leaning(self) -> list[list[Any]] | None:
+    def leaning(self) -> list[list[acb]] | None:
         """The same for the tilt term, at k + ½ or m + ½; None for an upright body."""
         if self.axes[7].mid() == 0:
             return None
@@ -273,7 +279,7 @@ class OvalTorus:
         factor /= abs(k1 * k2 * k3).sqrt()
         return _combined(factor, (first[0], second[1]), (first[1], second[0]), 1)
 
-    def modes(self, upright: list[list[Any]], leaning: list[list[Any]] | None, size: tuple[int, int]) -> Modes:
+    def modes(self, upright: list[list[acb]], leaning: list[list[acb]] | None, size: tuple[int, int]) -> Modes:
         """The modes of 1/g, with phases from the start and in turns of the periods of 1/g."""
         acb, wide, balls = self.flint.acb, self._setup.wide, self._balls
         doubled = (1, 1) if leaning is None else ((2, 1) if self.low else (1, 2))
@@ -293,7 +299,7 @@ class OvalTorus:
         return Modes(rows, doubled, (nu[0], nu[1]), balls.element(wide, upright[0][size[1]].real))
 
 
-def _combined(factor: Any, first: Any, second: Any, sign: int) -> list[list[Any]]:
+def _combined(factor: arb, first: tuple[Matrix, Matrix], second: tuple[Matrix, Matrix], sign: int) -> list[list[acb]]:
     """factor·(first·first ± second·second), elements of pairs of matrices that may be times −i each."""
     import flint
 

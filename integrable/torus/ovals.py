@@ -7,16 +7,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import ceil, log
-from typing import Any, NamedTuple, Protocol
+from types import ModuleType
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias
 
 from integrable.torus.series import powers
-from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+
+if TYPE_CHECKING:
+    from flint import acb, arb
 
 # the decimal exponent of 0
 NOTHING = 1e9
 # decay beyond which integrands need few nodes
 LARGEST_DECAY = 40.0
+
+Matrix: TypeAlias = "tuple[list[list[arb]], bool]"
+"""A real matrix, and whether not to multiply it by −i."""
 
 
 class Pair(Protocol):
@@ -24,32 +30,32 @@ class Pair(Protocol):
     phases.
     """
 
-    flint: Any
-    pi: Any
-    d: Any
+    flint: ModuleType
+    pi: arb
+    d: arb
     low: bool
     digits: int
 
-    def phases(self, first: Any, second: Any) -> tuple[Real, Real]:
+    def phases(self, first: arb, second: arb) -> tuple[arb, arb]:
         """(θ₁, θ₂) of (∫dx/y, ∫x dx/y)."""
 
 
 class Part(NamedTuple):
     """A function over an oval at the nodes of half a round, as weighted for their sum, and whether it is even in φ."""
 
-    values: list[Any]
+    values: list[arb]
     even: bool
 
 
 class Node(NamedTuple):
     """A point of an oval: u, how far it is from a and b, 1/√(1 − du), 1/Y with du/y = dφ/Y, (∫dx/y, ∫x dx/y)."""
 
-    u: Any
-    below: Any
-    above: Any
-    light: Any
-    slow: Any
-    sums: tuple[Real, Real]
+    u: arb
+    below: arb
+    above: arb
+    light: arb
+    slow: arb
+    sums: tuple[arb, arb]
 
 
 class Oval:
@@ -59,7 +65,7 @@ class Oval:
     in a strip that narrows with the logarithm of the gaps only. The first oval has c = ∞, the second e = 1/d.
     """
 
-    def __init__(self, pair: Pair, ends: Sequence[Real], others: Sequence[Real], first: bool) -> None:
+    def __init__(self, pair: Pair, ends: Sequence[arb], others: Sequence[arb], first: bool) -> None:
         self.flint, self.pi, self._d, self._first = pair.flint, pair.pi, pair.d, first
         self._others, self._low, self._ends = others, pair.low, (ends[0], ends[1])
         arb, acb, (a, b), d = self.flint.arb, self.flint.acb, ends, pair.d
@@ -107,17 +113,17 @@ class Oval:
         rests = (mat(table) * self._waves).table()
         return [self._node(arb(i) / half, rest) for i, rest in zip(numbers, rests, strict=True)]
 
-    def node(self, x: Any) -> Node:
+    def node(self, x: arb) -> Node:
         """The node at φ = πx."""
         wave = self.flint.acb(x.cos_pi(), x.sin_pi())
         waves = powers(wave, wave, self.harmonics)
         return self._node(x, (self.flint.arb_mat([[z.imag for z in waves]]) * self._waves).table()[0])
 
-    def _node(self, x: Any, rest: list[Any]) -> Node:
+    def _node(self, x: arb, rest: list[arb]) -> Node:
         angle = self.pi * x
         return Node(*self._placed(x), (self._mean[0] * angle + rest[0], self._mean[1] * angle + rest[1]))
 
-    def _placed(self, x: Any) -> tuple[Any, Any, Any, Any, Any]:
+    def _placed(self, x: arb) -> tuple[arb, arb, arb, arb, arb]:
         """A node without its integrals."""
         (a, b), others = self._ends, self._others
         below, above = self._squares(x)
@@ -133,7 +139,7 @@ class Oval:
         slow = self._scale / abs(rest - u).sqrt()
         return u, below, above, light, slow * light if self._first else slow
 
-    def _squares(self, x: Any) -> tuple[Any, Any]:
+    def _squares(self, x: arb) -> tuple[arb, arb]:
         """sn² and cn² at z = Kx, 0 ≤ x ≤ 1."""
         arb, acb, place = self.flint.arb, self.flint.acb, x / 2
         if x == 0 or x == 1:
@@ -144,7 +150,7 @@ class Oval:
         one, two, _, four = (t.real for t in acb.modular_theta(acb(place), self._nome))
         return (t3 * one / (t2 * four)) ** 2, (t4 * two / (t2 * four)) ** 2
 
-    def angle(self, u: Real, y: Real) -> tuple[Real, Real]:
+    def angle(self, u: arb, y: arb) -> tuple[arb, float]:
         """φ/π of a point, in (−1, 1], and an estimate of its error: that of a whole round where the oval is a point."""
         (a, b), others, arb = self._ends, self._others, self.flint.arb
         length = b - a
@@ -207,7 +213,7 @@ class Oval:
         """Whether R vanishes at b only, else it does at a, or at both: the second oval above ζ begins at ζ."""
         return not (self._first or self._low)
 
-    def sign(self, angle: Any) -> int:
+    def sign(self, angle: arb) -> int:
         """The sign of R at an angle."""
         return 1 if self._at_end or angle.mid() > 0 else -1
 
@@ -226,9 +232,9 @@ class Oval:
             second.append(square.sqrt() * slow * light)
         return [Part(first, not self._at_end), Part(second, self._at_end)]
 
-    def integrals(self, part: Part, half_row: int, half_column: int) -> tuple[Any, bool]:
+    def integrals(self, part: Part, half_row: int, half_column: int) -> Matrix:
         """∮ of a part times e^(−2πi(kθ₁ + mθ₂)), k = 0, …, rows and m = −columns, …, columns; or k + ½ or m + ½, with
-        one m more below. A real matrix, and whether not to multiply it by −i.
+        one m more below.
         """
         mat = self.flint.arb_mat
         weights = [x * w for x, w in zip(part.values, self._weights, strict=True)]
@@ -249,7 +255,7 @@ class Oval:
         ], part.even
 
 
-def exponent(c: Any) -> float:
+def exponent(c: acb) -> float:
     """log10 |c|; PrecisionLoss if c is not a number."""
     size = abs(c).mid()
     if not size.is_finite():

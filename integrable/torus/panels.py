@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -75,7 +74,7 @@ class Panels:
         self.middles, self.halves = (np.concatenate(rows)[order] for rows in (middles, halves))
         self.coefficients = np.ascontiguousarray(np.concatenate(series)[order])
 
-    def at(self, times: np.ndarray, evaluate: Any) -> np.ndarray:
+    def at(self, times: np.ndarray, evaluate: Callable[..., object]) -> np.ndarray:
         """The rows at times in the interval, by :func:`integrable.torus.clock_loops.panel_values` or its compiled
         version.
         """
@@ -112,7 +111,7 @@ def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.nd
     return result
 
 
-def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: Any = 0.0) -> np.ndarray:
+def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: Real | np.ndarray = 0.0) -> np.ndarray:
     """Whether the series of every panel has ended: its last terms are below ``tolerance``, or level and below NOISE."""
     sizes = np.abs(coefficients).max(axis=(0, 1))
     tails = np.abs(coefficients[:, -3:]).max(axis=1)

@@ -7,13 +7,18 @@ series of F divided by the rates of its phases.
 from __future__ import annotations
 
 from math import ceil, log2, pi
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, SupportsInt
 
 import numpy as np
 
 from integrable.torus.clock_modes import size_wanted
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.numbers.long_reals import BallReals, BareReals
+
+if TYPE_CHECKING:
+    from flint import acb, acb_mat
 
 # number of phases at which a long series is summed together
 TOGETHER = 256
@@ -40,8 +45,8 @@ class TorusSeries:
     def __init__(
         self,
         grid: np.ndarray,
-        frequencies: tuple[Any, Any],
-        scale: Any = 1.0,
+        frequencies: tuple[Real, Real],
+        scale: Real = 1.0,
         noise: float = 2.0**-54,
         rounding: float | None = None,
     ) -> None:
@@ -138,7 +143,7 @@ class SeriesLevel(NamedTuple):
     """
 
     first: int
-    modes: Any
+    modes: acb_mat
     tail: np.ndarray
     bits: int
 
@@ -150,7 +155,9 @@ class LongSeries:
     ``noise`` times its mean are left out; ``field`` is the MP field of the frequencies.
     """
 
-    def __init__(self, rows: list[list[Any]], frequencies: tuple[Any, Any], field: Any, noise: float) -> None:
+    def __init__(
+        self, rows: list[list[acb]], frequencies: tuple[Real, Real], field: MultiprecisionField, noise: float
+    ) -> None:
         import flint
 
         self._flint, self._field = flint, field
@@ -181,7 +188,7 @@ class LongSeries:
             # S + origin has mean 0
             self.origin = balls.element(field, self._origin)
 
-    def at(self, angles: list[tuple[Any, Any]], digits: int | None = None) -> list[Any]:
+    def at(self, angles: list[tuple[Real, Real]], digits: int | None = None) -> list[Real]:
         """S at pairs of phases in turns: numbers of the field, as are those returned. With ``digits`` only to that many
         digits, relative to the size of F.
         """
@@ -199,7 +206,7 @@ class LongSeries:
                     found.append(self._balls.element(self._field, total.real - self._origin + tail))
         return found
 
-    def _tails(self, angles: list[tuple[Any, Any]], level: SeriesLevel) -> list[float]:
+    def _tails(self, angles: list[tuple[Real, Real]], level: SeriesLevel) -> list[float]:
         """The sums of the small modes."""
         if not level.tail.size:
             return [0.0] * len(angles)
@@ -233,7 +240,7 @@ class LongSeries:
             bits = min(bits, ceil(-log2(noise)) + SPARE_BITS)
         return SeriesLevel(least - middle, self._flint.acb_mat(modes), tail if tail.any() else np.zeros((0, 0)), bits)
 
-    def _circle(self, angle: Any) -> Any:
+    def _circle(self, angle: Real) -> acb:
         x = 2 * self._balls.number(angle)
         return self._flint.acb(x.cos_pi(), x.sin_pi())
 
@@ -246,7 +253,7 @@ def _adding_up(sizes: np.ndarray, most: float) -> np.ndarray:
     return small.reshape(sizes.shape)
 
 
-def powers(first: Any, base: Any, count: int) -> list[Any]:
+def powers(first: acb, base: acb, count: int) -> list[acb]:
     """first, first·base, first·base², …; radii of balls grow with the logarithm of the exponent only."""
     out = [first]
     while len(out) < count:
@@ -301,7 +308,7 @@ def long_spectrum(samples: np.ndarray, reals: BareReals) -> np.ndarray:
         return grid
 
 
-def in_units(mantissa: Any, exponent: Any, bits: int) -> int:
+def in_units(mantissa: SupportsInt, exponent: SupportsInt, bits: int) -> int:
     """mantissa·2^exponent in units of 2^−bits."""
     shift = int(exponent) + bits
     return int(mantissa) << shift if shift >= 0 else int(mantissa) >> -shift

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import floor
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from integrable.moving_point.addition import Real, Row, carried, moving_point
 from integrable.phase.coordinates import directions_of
@@ -113,7 +113,7 @@ def states_at_phases(torus: Torus, phases: Row, out: Row) -> None:
         state_at(near, first, second, turn1, turn2, out, 6 * i)
 
 
-def states_at_tau(torus: Torus, frequencies: Any, tau: Row, out: Row) -> None:
+def states_at_tau(torus: Torus, frequencies: Row, tau: Row, out: Row) -> None:
     """Writes γ and M, six floats each, at values of τ; ``frequencies`` are the turns of both phases per unit of τ."""
     near = torus_in_tuples(torus)
     for i in abreast(0, len(tau)):

@@ -8,7 +8,6 @@ in floats.
 from __future__ import annotations
 
 from math import floor, sqrt
-from typing import Any
 
 from integrable.moving_point.addition import Real, Row
 from integrable.moving_point.elliptic_integrals import mean_slowness, oval_periods
@@ -122,7 +121,7 @@ def reach_of(points: Row, lead: float, centre: float) -> float:
     return 2 * REACH * near / sqrt(value) if value > 0 else 0.0
 
 
-def split_by(c1: Any, c2: Any, a: Any, b: Any) -> tuple[Any, Any]:
+def split_by(c1: Real, c2: Real, a: Real, b: Real) -> tuple[Real, Real]:
     """(s₁, s₂) with (a, b) = s₁(1, c₁) + s₂(1, c₂)."""
     second = (b - c1 * a) / (c2 - c1)
     return a - second, second

@@ -52,17 +52,17 @@ def small_in_tuples(small: SmallSteps) -> SmallSteps:
     return SmallSteps(eight(small.axes), small.centres, small.tables, small.terms, four(small.parts))
 
 
-def four(row: Row) -> Any:
+def four(row: Row) -> tuple[Real, ...]:
     """The first four numbers of a row."""
     return row[0], row[1], row[2], row[3]
 
 
-def six(row: Row) -> Any:
+def six(row: Row) -> tuple[Real, ...]:
     """The first six numbers of a row."""
     return row[0], row[1], row[2], row[3], row[4], row[5]
 
 
-def eight(row: Row) -> Any:
+def eight(row: Row) -> tuple[Real, ...]:
     """The first eight numbers of a row."""
     return row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]
 
