@@ -10,7 +10,6 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 
 # number of nodes of a panel: with more nodes panels are longer and their evaluation slower
@@ -45,7 +44,7 @@ class Panels:
         end: float,
         length: float,
         tolerance: float = TOLERANCE,
-        least: Real = 0.0,
+        least: float | np.ndarray = 0.0,
     ) -> None:
         count = max(1, int(np.ceil((end - start) / length)))
         left = np.linspace(start, end, count + 1)[:-1]
@@ -111,7 +110,7 @@ def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.nd
     return result
 
 
-def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: Real | np.ndarray = 0.0) -> np.ndarray:
+def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: float | np.ndarray = 0.0) -> np.ndarray:
     """Whether the series of every panel has ended: its last terms are below ``tolerance``, or level and below NOISE."""
     sizes = np.abs(coefficients).max(axis=(0, 1))
     tails = np.abs(coefficients[:, -3:]).max(axis=1)
