@@ -79,7 +79,7 @@ class SeparatedOval:
         time = r[self.low] / context.sqrt(self.swing) * context.elliprf(cosine, delta, 1)
         return time / context.sqrt(self.breadth)
 
-    def imaginary_half(self, z: Real) -> Real:
+    def imaginary_half(self, z: Real | None) -> Real:
         """The imaginary time from Z = e_low down to Z = z; if z is None, down to −∞: half the imaginary period."""
         integral = self.field.context.elliprf
         half = integral(0, self.swing, self.breadth)
