@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property, wraps
 from math import ceil
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from integrable.deformations.enclosed import EnclosedMotion
 from integrable.deformations.equations import BY_THETA, NearWalk
@@ -40,15 +40,16 @@ ROUNDING = 6
 # λ_k above this fraction of their terms lose no essential digits in floats
 ORDINARY = 1e-6
 
+Result = TypeVar("Result")
 GammaM = tuple[Vector, Vector]
 """γ and M in wide numbers."""
 
 
-def at_its_precision(method: Callable[..., Any]) -> Any:
+def at_its_precision(method: Callable[..., Result]) -> Callable[..., Result]:
     """Decorator of a carrier's method: it runs inside the context ``precision`` of the carrier."""
 
     @wraps(method)
-    def inside(self: Any, *arguments: Any) -> Any:
+    def inside(self: CurvesCarrier, *arguments: object) -> Result:
         with self.precision:
             return method(self, *arguments)
 
@@ -128,19 +129,19 @@ class CurvesCarrier(Carrier):
     def lost(self, tau: Real) -> int:
         return ceil(float(self.field.context.log10(1 + self.turns(tau))))
 
-    def vectors(self, point: Any) -> GammaM:
+    def vectors(self, point: GammaM) -> GammaM:
         gamma, M = point
         return gamma, M
 
     @at_its_precision
-    def drift(self, points: list[Any]) -> int:
+    def drift(self, points: list[GammaM]) -> int:
         before, worst = self.system.integrals(self.start)[2:], -NOTHING
         for gamma, M in points:
             rows = zip(self.system.integrals(State(tuple(gamma), tuple(M)))[2:], before, self.sizes, strict=True)
             worst = max(worst, *(digits_of(abs(x - y) / size) for x, y, size in rows))
         return worst
 
-    def gap(self, point: Any, truth: CurvesCarrier, tau: Real) -> int:
+    def gap(self, point: GammaM, truth: CurvesCarrier, tau: Real) -> int:
         return truth.difference(point, truth.point(truth.field.coerce(tau)))
 
     @at_its_precision

@@ -136,7 +136,7 @@ class Hamiltonian(Made):
         """The derivatives (γ̇, Ṁ), as a State."""
         return self._rates(self._checked(state))
 
-    def rates_in(self, numbers: Any, y: Sequence[Real]) -> list[Real]:
+    def rates_in(self, numbers: Field, y: Sequence[Real]) -> list[Real]:
         """(γ̇, Ṁ) at y = (γ, M), over a field whose elements overload the operators, such as symbolic expressions."""
         rate = self.over(numbers)._rates(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
         return [*rate.row]
@@ -177,7 +177,7 @@ class Hamiltonian(Made):
         """The isometry of a check or hat pair to a tilde pair; None if there is none, or the system is a tilde pair."""
         return None
 
-    def _checked(self, state: Any) -> State:
+    def _checked(self, state: State) -> State:
         return check_state(self, state)
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
@@ -240,7 +240,7 @@ def _finite() -> Iterator[None]:
         ) from None
 
 
-def _potential(field: Any, values: Sequence[Any]) -> Potential:
+def _potential(field: Field, values: Sequence[Value]) -> Potential:
     given = list(values) if isinstance(values, (list, tuple)) else []
     if len(given) != 5:
         raise ArgumentError(f"potential = {shown(values)}: give five numbers (a, b, b_1, b_2, b_3)")

@@ -15,14 +15,15 @@ from typing import Any
 import numpy as np
 
 from integrable.moving_point.addition import Real, Row
+from integrable.moving_point.arithmetic import LongDoubles, Multiprecision
 from jacobian.numbers.roots import root
 
-Array = Any
+Array = np.ndarray
 # below this e, arctan(√e)/√e is summed as a series
 SMALL = 1e-3
 
 
-def first_kind_swing(N: Any, x: Array, k: Any, missing: Any) -> Array:
+def first_kind_swing(N: LongDoubles | Multiprecision, x: Array, k: Any, missing: Real) -> Array:
     """F(x | m) − (2K/π)x for k = √(1 − m) > 0, |x| ≤ π/2. The relative error is of rounding size, although the value
     itself is only of the order of m.
 
@@ -42,7 +43,7 @@ def first_kind_swing(N: Any, x: Array, k: Any, missing: Any) -> Array:
             return total / a
 
 
-def carlson_j(N: Any, x: Array, y: Array, z: Array, p: Array, product: Array) -> Array:
+def carlson_j(N: LongDoubles | Multiprecision, x: Array, y: Array, z: Array, p: Array, product: Array) -> Array:
     """R_J(x, y, z, p) = (3/2)∫dt/((t+p)√((t+x)(t+y)(t+z))), p > 0; ``product`` = (p − x)(p − y)(p − z) ≥ 0."""
     mean = start = (x + y + z + 2 * p) / 5
     farthest = np.maximum(np.maximum(abs(start - x), abs(start - y)), np.maximum(abs(start - z), abs(start - p)))
@@ -65,7 +66,7 @@ def carlson_j(N: Any, x: Array, y: Array, z: Array, p: Array, product: Array) ->
     return scale * series / (mean * N.sqrt(mean)) + 6 * total
 
 
-def arctan_over(N: Any, e: Array) -> Array:
+def arctan_over(N: LongDoubles | Multiprecision, e: Array) -> Array:
     """arctan(√e)/√e for e ≥ 0."""
     # a NaN leaves the other entries unaffected
     most, series = float(np.fmax.reduce(e, axis=None, initial=0)), 0 * e
@@ -80,7 +81,7 @@ def arctan_over(N: Any, e: Array) -> Array:
     return np.where(e < SMALL, series, N.arctan(far) / far)
 
 
-def amplitude(N: Any, v: Array, k: Any) -> Array:
+def amplitude(N: LongDoubles | Multiprecision, v: Array, k: Real) -> Array:
     """x with ∫_0^x dy/√(cos²y + k²sin²y) = v, |x| ≤ π/2, for 0 < k ≤ 1."""
     a, b, levels = 1 + 0 * k, k, []
     while True:
@@ -101,7 +102,7 @@ class FirstKind:
     ``missing`` = 1 − k and ``quarter`` = K are numbers of the same kind as x.
     """
 
-    def __init__(self, N: Any, k: Any, missing: Any, quarter: Any) -> None:
+    def __init__(self, N: LongDoubles | Multiprecision, k: Real, missing: Real, quarter: Real) -> None:
         self.k, self.missing, self.quarter, self._numbers = k, missing, quarter, N
 
     def swing(self, x: Array) -> Array:
@@ -193,7 +194,7 @@ def richelot(points: Row, rest: Row, values: Row) -> tuple[Row, Row, Row, Real]:
     return ends, (y2 * z2, -y2 - z2, one), at_ends, 2 * root(abs(determinant / (w2 * u2 * v2)))
 
 
-def complete(k: Real, p: Real, a: Real, b: Real, pi: Real, near: float) -> Real:
+def complete(k: Array, p: Real, a: Real, b: Real, pi: Real, near: float) -> Real:
     """The general complete elliptic integral ∫ (a cos²φ + b sin²φ)/((cos²φ + p sin²φ)√(cos²φ + k² sin²φ)) dφ from 0 to
     π/2, for positive k and p, to a relative error of ``near``² (Bulirsch 1969, algorithm cel).
     """

@@ -27,7 +27,7 @@ class Column:
         self.hi, self.lo = hi, lo
 
     @staticmethod
-    def of(x: Any) -> Column:
+    def of(x: Column | Real) -> Column:
         """Converts a number of any kind to a column; a column is returned unchanged."""
         return x if isinstance(x, Column) else Column(*split(x))
 
@@ -47,14 +47,14 @@ class Column:
     def __rsub__(self, other: Real) -> Column:
         return Column.of(other) + -self
 
-    def __mul__(self, other: Any) -> Column:
+    def __mul__(self, other: Column | Real) -> Column:
         other = Column.of(other)
         high, low = exact_product(self.hi, other.hi)
         return _settled(high, low + (self.hi * other.lo + self.lo * other.hi))
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Column:
+    def __truediv__(self, other: Column | Real) -> Column:
         other = Column.of(other)
         first = self.hi / other.hi
         rest = self - other * Column(first)

@@ -56,7 +56,7 @@ class Placed:
 
     _kind: type[GroupTranslations] = GroupTranslations
 
-    def __init__(self, field: Any, place: Callable[[Any], Start]) -> None:
+    def __init__(self, field: Any, place: Callable[[LongField], Start]) -> None:
         self.field, self._place = field, place
         start = place(field)
         self.start = Extended(start.u, start.v, start.data)

@@ -17,6 +17,7 @@ from integrable.mumford.columns import Column, Columns
 from integrable.mumford.elliptic_torus import half_turn, long_numbers
 from integrable.portrait.separated import SeparatedTorus
 from integrable.torus.witness import witnesses
+from jacobian.element import Real
 from jacobian.numbers.double_double import split
 
 # parts of a half turn in the table of a circle; order of the power series between its points
@@ -116,13 +117,13 @@ class PhaseTorus:
         return found
 
 
-def _columns(values: Sequence[Any]) -> Column:
+def _columns(values: Sequence[Real]) -> Column:
     """Long numbers as one column, (n, 1)."""
     high, low = np.array([split(x) for x in values]).T
     return Column(high[:, None], low[:, None])
 
 
-def _waves(rows: Sequence[Sequence[Any]]) -> list[Column]:
+def _waves(rows: Sequence[Sequence[Real]]) -> list[Column]:
     """The Fourier modes of all forms on one oval in descending order, without the negligible high ones."""
     sizes = np.abs(np.array([[float(x) for x in row] for row in rows]))
     kept = np.flatnonzero((sizes > NEGLIGIBLE * sizes.max(initial=0)).any(axis=0))

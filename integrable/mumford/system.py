@@ -426,7 +426,7 @@ class MumfordSystem(Made):
             raise ArgumentError(f"state = {shown(state)}: give one that state(q, p) of {self!r} returns")
         return Point(tuple(map(N.coerce, state.q)), tuple(map(N.coerce, state.p)))
 
-    def _bare(self, x: Any) -> Any:
+    def _bare(self, x: Real) -> Real:
         return x.value if self.numbers is not self.field and isinstance(x, Jet) else x
 
     def _outside(self, state: Point) -> Point:

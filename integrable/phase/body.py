@@ -121,7 +121,7 @@ class Body(Generic[Element]):
         K = self.field
         return Integrals(K.dot(gamma, gamma), K.dot(gamma, M), K.dot(self.omega(gamma, M), M), K.dot(M, M))
 
-    def energies(self, gamma: Iterable[Real], M: Iterable[Real]) -> tuple[Any, Any]:
+    def energies(self, gamma: Iterable[Real], M: Iterable[Real]) -> tuple[Real, Real]:
         """(H1, H2), computed with operators: γ and M are three real numbers each or three arrays each."""
         (r1, r2, r3), (x1, x2, x3), (m1, m2, m3) = self.contact, gamma, M
         weight = self.d / (r1 * x1 * x1 + r2 * x2 * x2 + r3 * x3 * x3)

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 from integrable.phase import coordinates
 from integrable.phase.body import Body, Vector, cross
@@ -29,10 +29,11 @@ from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
 
+Space = TypeVar("Space", bound=PhaseSpace)
 Variables = tuple[Any, ...]
 """A point, in numbers of a field or in jets over it."""
 Matrix = tuple[Variables, ...]
-OfVariables = Callable[[Any, Variables], Sequence[Any]]
+OfVariables = Callable[[Any, Variables], Sequence[Real]]
 # weights of a central difference quotient of sixth order
 STENCIL = ((1, 45), (2, -9), (3, 1))
 STENCIL_SCALE = 60
@@ -109,7 +110,7 @@ def _difference(function: Callable[[Variables], Sequence[Real]], point: Variable
     return [x / scale for x in total]
 
 
-def over(system: PhaseSpace, field: Any) -> Any:
+def over(system: Space, field: Any) -> Space:
     """A copy of the system with its body over another field, such as jets over its own field."""
     if hasattr(system, "over"):
         return system.over(field)
@@ -136,7 +137,7 @@ def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
     return State(gamma, (m1, m2, m3), K.sqrt(K.inv(system.body.conformal(gamma)), like.g), like.tilted)
 
 
-def differential(system: PhaseSpace, function: Callable[[Any, State], Sequence[Real]], state: State) -> Matrix:
+def differential(system: Space, function: Callable[[Space, State], Sequence[Real]], state: State) -> Matrix:
     """The matrix ∂f_i/∂(γ, M) of f(system, state) at ``state``, along the symplectic leaf of the state."""
 
     def of_point(field: Arithmetic, point: Variables) -> Sequence[Real]:
@@ -147,7 +148,7 @@ def differential(system: PhaseSpace, function: Callable[[Any, State], Sequence[R
     return jacobian_matrix(system.field, of_point, state.row)
 
 
-def bracket(system: PhaseSpace, F: Callable[[Any, State], Real], G: Callable[[Any, State], Real], state: State) -> Real:
+def bracket(system: Space, F: Callable[[Space, State], Real], G: Callable[[Space, State], Real], state: State) -> Real:
     """The value of {F, G} at ``state``, for the bracket of :meth:`System.poisson`."""
     rows = differential(system, lambda s, x: (F(s, x), G(s, x)), state)
     return pushed(system.field, rows, system.poisson(state))[0][1]
@@ -170,7 +171,7 @@ def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State)
     if not (hasattr(step, "over") or callable(step)):
         raise ArgumentError(f"step = {shown(step)}: give a Step or a function of (system, state)")
 
-    def image(moved: Any, x: State) -> Sequence[Real]:
+    def image(moved: PhaseSpace, x: State) -> Sequence[Real]:
         y = step.over(moved)(x) if hasattr(step, "over") else step(moved, x)
         return y.row
 

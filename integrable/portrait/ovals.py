@@ -13,13 +13,14 @@ shrunk to a point gives residues.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from integrable.moving_point.elliptic_integrals import oval_periods, slowed
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.fields.multiprecision import Mpf
 from jacobian.numbers.roots import root
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ class Level(NamedTuple):
 
     a: tuple[Real, Real, Real]
     axes: tuple[int, int, int]
-    zeta: Any
+    zeta: Mpf
     d: Real
     momentum: Real
     s: Real
@@ -53,7 +54,7 @@ class Level(NamedTuple):
         return Level((a1, a2, a3), (axes[0], axes[1], axes[2]), zeta, problem.d / top, problem.momentum, s)
 
     @staticmethod
-    def at(body: Body, X: Real, zeta: Real) -> Level:
+    def at(body: Body, X: Real, zeta: Mpf) -> Level:
         """The level of all motions with H2 = 1, (γ, M)² = X < 1 and ζ between the least and the largest a_i.
 
         All of Chaplygin's transformation is rational in X and ζ.

@@ -135,7 +135,7 @@ def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Real] = ()) -> 
     return real, [(N.coerce(x.real), N.coerce(x.imag)) for x in found if x.imag > least]
 
 
-def least_part(N: LongField, roots: Sequence[Any]) -> float:
+def least_part(N: LongField, roots: Sequence[Real]) -> float:
     """The size up to which an imaginary part of a root, or a distance of two roots, may be rounding."""
     return max(abs(complex(x)) for x in roots) * 2.0 ** -(N.bits // REAL)
 

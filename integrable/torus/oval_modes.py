@@ -21,7 +21,7 @@ from math import ceil, inf
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from integrable.torus.lattice import RateCurve, oval_ends
-from integrable.torus.ovals import Matrix, Oval, exponent
+from integrable.torus.ovals import IntegralTable, Oval, exponent
 from integrable.torus.series import powers
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
@@ -299,7 +299,9 @@ class OvalTorus:
         return Modes(rows, doubled, (nu[0], nu[1]), balls.element(wide, upright[0][size[1]].real))
 
 
-def _combined(factor: arb, first: tuple[Matrix, Matrix], second: tuple[Matrix, Matrix], sign: int) -> list[list[acb]]:
+def _combined(
+    factor: arb, first: tuple[IntegralTable, IntegralTable], second: tuple[IntegralTable, IntegralTable], sign: int
+) -> list[list[acb]]:
     """factor·(first·first ± second·second), elements of pairs of matrices that may be times −i each."""
     import flint
 

@@ -21,7 +21,7 @@ NOTHING = 1e9
 # decay beyond which integrands need few nodes
 LARGEST_DECAY = 40.0
 
-Matrix: TypeAlias = "tuple[list[list[arb]], bool]"
+IntegralTable: TypeAlias = "tuple[list[list[arb]], bool]"
 """A real matrix, and whether not to multiply it by −i."""
 
 
@@ -232,7 +232,7 @@ class Oval:
             second.append(square.sqrt() * slow * light)
         return [Part(first, not self._at_end), Part(second, self._at_end)]
 
-    def integrals(self, part: Part, half_row: int, half_column: int) -> Matrix:
+    def integrals(self, part: Part, half_row: int, half_column: int) -> IntegralTable:
         """∮ of a part times e^(−2πi(kθ₁ + mθ₂)), k = 0, …, rows and m = −columns, …, columns; or k + ½ or m + ½, with
         one m more below.
         """
