@@ -7,7 +7,7 @@ since_k)/T_k. So 1/g = Σ c_mn cos mθ1 cos nθ2.
 from __future__ import annotations
 
 from math import isqrt, log, pi
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -17,11 +17,7 @@ from integrable.torus.series import circle_of, fourier, powers
 from jacobian import MP
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
-from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.numbers.long_reals import BallReals
-
-if TYPE_CHECKING:
-    from integrable.deformations.separated_flow import OvalCarrier
 
 # largest number of modes at USUAL_DIGITS digits, about a second of set-up; at more digits fewer
 MOST_MODES, USUAL_DIGITS = 1 << 16, 60
@@ -35,7 +31,7 @@ class OvalsClock(LongClock):
     the longer period of its curves. PrecisionLoss if 1/g needs too many modes.
     """
 
-    def __init__(self, motion: OvalCarrier, digits: int) -> None:
+    def __init__(self, motion: Any, digits: int) -> None:
         field = MP(motion.field.dps)
         self._modes, self._unit = modes_of_pace(motion, digits, field), field.coerce(motion.period)
         super().__init__(self._modes, digits, field)
@@ -66,7 +62,7 @@ class OvalsClock(LongClock):
         return abs(found / self.wide.coerce(rate) - 1)
 
 
-def modes_of_pace(motion: OvalCarrier, digits: int, field: MultiprecisionField) -> Modes:
+def modes_of_pace(motion: Any, digits: int, field: Any) -> Modes:
     """The modes of 1/g down to 10^(−digits) of its mean, in turns of the two curves since the start.
 
     The unit of τ is the shorter period.
@@ -89,7 +85,7 @@ def modes_of_pace(motion: OvalCarrier, digits: int, field: MultiprecisionField) 
         sizes = rows, columns
 
 
-def series_sizes(motion: OvalCarrier, digits: int) -> tuple[int, int]:
+def series_sizes(motion: Any, digits: int) -> tuple[int, int]:
     """The number of modes in either phase: c_mn decay as e^(−m·strip) if 1/g has no singularity in the strip.
 
     z has a pole at the imaginary half-period of either curve. g² vanishes where Σ|λ_k|(1 + dz_k) does. On the second
@@ -111,7 +107,7 @@ def smooth(count: int) -> int:
     return -(-count // power) * power
 
 
-def cosines(motion: OvalCarrier, sizes: tuple[int, int], bits: int) -> np.ndarray:
+def cosines(motion: Any, sizes: tuple[int, int], bits: int) -> np.ndarray:
     """The c_mn with m and n up to ``sizes``, as integers in units of 2^−bits."""
     parts = []
     for k, (curve, weight, n) in enumerate(zip(motion.curves, motion.weights, sizes, strict=True)):
@@ -140,7 +136,7 @@ def _transformed(values: np.ndarray, count: int, bits: int) -> np.ndarray:
     return result
 
 
-def _from_start(motion: OvalCarrier, table: np.ndarray, field: MultiprecisionField, bits: int) -> Modes:
+def _from_start(motion: Any, table: np.ndarray, field: Any, bits: int) -> Modes:
     """The Fourier modes, in phases from the start, of the cosine series with the coefficients ``table``."""
     import flint
 

@@ -32,8 +32,6 @@ from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.fields.multiprecision import Mpf
 
 if TYPE_CHECKING:
-    from integrable.deformations.deformed_flow import CurvesCarrier
-    from integrable.deformations.separated_flow import OvalCarrier
     from integrable.motion.precise import ManyDigits
 
 # number of periods after which double-doubles may lack digits
@@ -68,8 +66,8 @@ class QuickStates:
 
     def __init__(self, many: ManyDigits) -> None:
         self._many = many
-        self._packed: tuple[CurvesCarrier | None, Packed | None] = (None, None)
-        self._clock: tuple[CurvesCarrier | None, QuickClock | None] = (None, None)
+        self._packed: tuple[Any, Packed | None] = (None, None)
+        self._clock: tuple[Any, QuickClock | None] = (None, None)
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
@@ -97,7 +95,7 @@ class QuickStates:
         """None: physical times at values of τ are left to the carriers."""
         return None
 
-    def _timed(self, carrier: OvalCarrier, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    def _timed(self, carrier: Any, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """The result of :meth:`at`, computed by the clock in floats; None if this clock is not accurate enough."""
         far = int(np.argmax(np.abs(times)))
         if not carrier.turns(abs(carrier.most_tau(carrier.field.coerce(float(times[far]))))) < MOST_TURNS:
@@ -123,7 +121,7 @@ class QuickStates:
         rows = self._quick(carrier, packed, phases, far, carrier.moved(moved))
         return None if rows is None else (rows, tau)
 
-    def _compiled(self, carrier: CurvesCarrier) -> Packed | None:
+    def _compiled(self, carrier: Any) -> Packed | None:
         """The arguments of the compiled loops for a carrier, cached."""
         if self._packed[0] is not carrier:
             try:
@@ -134,12 +132,7 @@ class QuickStates:
         return self._packed[1]
 
     def _quick(
-        self,
-        carrier: CurvesCarrier,
-        packed: Packed,
-        phases: np.ndarray,
-        far: int,
-        truth: tuple[Sequence[Real], Sequence[Real]],
+        self, carrier: Any, packed: Packed, phases: np.ndarray, far: int, truth: tuple[Sequence[Real], Sequence[Real]]
     ) -> np.ndarray | None:
         """γ and M at phases since the start; None if H or K drifts, or if row ``far`` differs from ``truth``."""
         count = len(phases) // 2
@@ -165,7 +158,7 @@ class QuickClock:
     PrecisionLoss if 1/g needs too many samples, or if a mode is resonant.
     """
 
-    def __init__(self, carrier: OvalCarrier, packed: Packed) -> None:
+    def __init__(self, carrier: Any, packed: Packed) -> None:
         loops, self._rates = CompiledLoops(), packed.rates
         turns = [float(rate.hi) for rate in packed.rates]
         scale = SWIFT * 2 * np.pi * max(turns)
@@ -184,7 +177,7 @@ class QuickClock:
         phases, delays = self._clock.phases(times)
         return phases, (Column(times) * self._pace + Column(delays)).hi
 
-    def holds(self, carrier: OvalCarrier, moved: list[Real], turns: list[Mpf], tau: np.ndarray, time: float) -> bool:
+    def holds(self, carrier: Any, moved: list[Real], turns: list[Mpf], tau: np.ndarray, time: float) -> bool:
         """Whether the clock is accurate at ``time``: t(τ) returns this time, and dt/dτ agrees with that of the carrier.
 
         The phases there are ``turns``; on the carrier's curves they are the times ``moved``.
@@ -214,7 +207,7 @@ def check_no_resonance(spectrum: RateSpectrum, turns: list[float]) -> None:
         raise in_resonance(k, m)
 
 
-def samples(carrier: OvalCarrier, packed: Packed, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
+def samples(carrier: Any, packed: Packed, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
     """1/g at the phases (i/rows, j/columns) since the start, as double-doubles; ``known`` samples are recomputed."""
     rows, columns = sizes
     table, room = np.empty((rows * columns, 2)), np.empty((6 * (rows + columns), 2))
@@ -224,7 +217,7 @@ def samples(carrier: OvalCarrier, packed: Packed, sizes: tuple[int, int], known:
     return table.reshape(rows, columns, 2)
 
 
-def packed(carrier: CurvesCarrier) -> Packed:
+def packed(carrier: Any) -> Packed:
     """The data of a carrier in double-doubles.
 
     ArgumentError for numbers beyond the range of floats, PrecisionLoss near a separatrix.

@@ -8,7 +8,7 @@ The basis is reduced and the centres are chosen so that the cells, in which the 
 from __future__ import annotations
 
 from math import floor, log2
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from jacobian.fields.multiprecision import MultiprecisionField
 
 if TYPE_CHECKING:
     from integrable.moving_point.problem import Problem
-    from integrable.torus.loops import Loops
     from jacobian.numbers.long_reals import BareReals
 
 
@@ -89,7 +88,7 @@ class TorusLattice:
     cells are needed.
     """
 
-    def __init__(self, loops: Loops, motion: Row) -> None:
+    def __init__(self, loops: Any, motion: Row) -> None:
         found, points = loops.room(11), np.zeros(4 + int(loops.floats(motion[8:9])[0] != 0))
         c1, c2, reach1, reach2, m1, n1, m2, n2, rows, columns = loops.survey(motion, loops.short, points, found)
         if not 0 < rows * columns <= torus_survey.MOST_CELLS:
@@ -216,7 +215,7 @@ class Beginning(NamedTuple):
     problem: Row
 
 
-def beginning(setup: Source, loops: Loops) -> Beginning:
+def beginning(setup: Source, loops: Any) -> Beginning:
     """The rows of a motion. The loops compute them if branch points are well separated; otherwise numbers with more
     digits are used.
     """
