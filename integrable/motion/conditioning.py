@@ -29,7 +29,7 @@ FLOAT_CHANGE = 1e-7
 LINEAR = 1e-3
 """Differences larger than this are recomputed with a smaller change."""
 
-Motion = Callable[[Any, State, Any], tuple[np.ndarray, np.ndarray]]
+Motion = Callable[[Any, State, Sequence[Real]], tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def conditioning(system: Any, state: State, times: Sequence[Real], motion: Motio
     return Conditioning(float(gamma.max()), float(M.max()), parts)
 
 
-def _sizes(system: Any, state: State, rows: tuple[np.ndarray, np.ndarray]) -> list[Any]:
+def _sizes(system: Any, state: State, rows: tuple[np.ndarray, np.ndarray]) -> list[float | np.ndarray]:
     """The sizes of γ and of M, at each time, to which their changes are relative."""
     gamma, M = state.vectors
     size = float(system.field.sqrt(system.field.dot(M, M))) or 1.0
@@ -104,7 +104,7 @@ def flow_motion(system: Any, state: State, times: Sequence[Real]) -> tuple[np.nd
     return trajectory.gamma, trajectory.M
 
 
-def _inputs(system: Any, state: State) -> tuple[list[str], list[Any]]:
+def _inputs(system: Any, state: State) -> tuple[list[str], list[Real]]:
     """Names and values of all inputs of a motion."""
     if hasattr(system, "inputs"):
         found = system.inputs(state)
@@ -119,7 +119,7 @@ def _inputs(system: Any, state: State) -> tuple[list[str], list[Any]]:
     return [name for name, _ in named], [value for _, value in named]
 
 
-def _problem(system: Any, state: State, names: list[str], values: list[Any]) -> tuple[Any, State]:
+def _problem(system: Any, state: State, names: list[str], values: list[Real]) -> tuple[Any, State]:
     """The system and the state with the given values of the inputs. γ is normalized and, unless the state is tilted, M
     is made orthogonal.
     """
@@ -127,7 +127,7 @@ def _problem(system: Any, state: State, names: list[str], values: list[Any]) -> 
     if hasattr(system, "inputs"):
         changed, moved = system.problem(given)
         return changed, moved
-    options: dict[str, Any] = {name: given[name] for name in ("d", "c") if name in given}
+    options: dict[str, object] = {name: given[name] for name in ("d", "c") if name in given}
     if "potential 1" in given:
         options["potential"] = tuple(given[f"potential {i}"] for i in range(1, 6))
     # a change of a last digit may make a flat body's moments unphysical

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from integrable.torus.panels import Panels, distinct, zeros
 from jacobian import RR
 from jacobian.element import Number
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, one_of, shown
+from jacobian.fields.multiprecision import Mpf
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
@@ -106,8 +107,8 @@ def _polished(
     times: np.ndarray,
     slopes: np.ndarray,
     halves: np.ndarray,
-    first: Any,
-    last: Any,
+    first: float | Mpf,
+    last: float | Mpf,
 ) -> np.ndarray:
     """Refines zeros to the precision of the flow, by Newton's method with the slopes of the panels, and keeps those
     between ``first`` and ``last``.
