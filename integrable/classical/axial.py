@@ -1,7 +1,7 @@
 """Common formulas of Lagrange's top and the spherical pendulum, on a curve y² = f(z) of genus 1.
 
-z is the height of the axis, and g its horizontal part, carried as lifts at z = ±1. f is cubic with leading
-coefficient 2, f(1) = −m₁², f(−1) = −m₂². With U = x − z and V = z'
+z is the height of the axis, and g its horizontal part, carried as lifts at z = ±1. U is x − z and V is z'. f is
+cubic with leading coefficient 2, f(1) = −m₁² and f(−1) = −m₂². Then
 
     g = Ce^{iwt}σ₁σ₂,   σ_k the lift at the point (±1, −im_k),   σ_k'/σ_k = (z' − im_k)/(2(z ∓ 1))
 

@@ -86,7 +86,7 @@ class Problem(NamedTuple):
 
 
 def problem_row(given: Row, tilted: bool, out: Row) -> None:
-    """Writes the row of a :class:`Problem` to ``out``, from the moments, d, γ and M in ``given``, then r_i =
+    """Writes the row of a :class:`Problem` to ``out``, from the moments, d, γ and M in ``given``. Then follow r_i =
     I_i/(I_i + d) of the upright body, and H1 and H2 of the given motion. An upright state has the identity as its
     matrix.
     """

@@ -216,7 +216,7 @@ def led_on(room: ShortRoom, origin: int, place: int, sign: int, target: int, off
     ``target``. ``off`` is that of :func:`levelled`.
 
     U and V are recomputed from the pairs. Where a point of the divisor passes a branch point e, x − e is of the order
-    of σ² and is lost to rounding, while an addition keeps the digits of a small pair. Long translations also amplify
+    of σ² and is lost to rounding; an addition keeps the digits of a small pair. Long translations also amplify
     deviations from the level set.
     """
     wide, r = room.wide, contact_of(room.wide)

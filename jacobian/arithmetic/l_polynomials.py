@@ -93,8 +93,8 @@ def hasse_witt_matrices(C: HyperellipticCurve, bound: int) -> tuple[np.ndarray, 
 
     Entry i, j of W_p is the coefficient of x^(ip−j) in F^((p−1)/2) modulo p, F = h² + 4f times a square. Any genus with
     deg F ≤ 120. W_p is the transpose of :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`, up to the square
-    class of 4 and of the denominators. With a the g integers of least size where F(a) ≠ 0, primes p ≤ 2g and those that
-    divide an F(a) or a difference of two a are left out.
+    class of 4 and of the denominators. Let a run over the g integers of least size with F(a) ≠ 0. Primes p ≤ 2g are
+    left out, and those that divide an F(a) or a difference of two a.
     """
     bound = _checked(C, bound)
     F, g = residues.integral_equation(C), C.genus

@@ -1,7 +1,7 @@
 """(2,2)-isogenies of Jacobians of curves of genus 2 (Richelot 1837; Bost & Mestre 1988; Smith 2005, chapter 8).
 
-For y² = G₁G₂G₃ with quadratic (or linear) G_i, D the determinant of their coefficients, ascending, and H_i = G_j'G_k −
-G_jG_k' (i, j, k cyclic), the kernel is {0, div(G₁), div(G₂), div(G₃)} and the target Y² = D·H₁H₂H₃. The curve
+Let y² = G₁G₂G₃ with quadratic (or linear) G_i, D the determinant of their coefficients, ascending, and H_i = G_j'G_k −
+G_jG_k' (i, j, k cyclic). The kernel is {0, div(G₁), div(G₂), div(G₃)} and the target Y² = D·H₁H₂H₃. The curve
 
     G₁(x)H₁(X) + G₂(x)H₂(X) = 0,    yY = D·G₁(x)H₁(X)(x − X)
 
