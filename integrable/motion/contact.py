@@ -73,8 +73,8 @@ def positions(run: Trajectory) -> np.ndarray:
 
 
 class Rolling:
-    """The constants of a motion: ``drift`` is minus the mean of ẏ in radii, ``loss`` the number of digits that γ × M
-    has lost.
+    """The constants of a motion: ``drift`` is minus the mean of ẏ in radii, ``loss`` the factor |M|/|γ × M| by which
+    rounding in γ × M grows.
     """
 
     def __init__(self, flow: BodyMotion, number: Callable[[Real], Real] | None = None) -> None:

@@ -111,7 +111,7 @@ class PhaseTorus:
             x = oval.middle - oval.radius * Column(np.cos(phi))
             slope = form.coefficient(K, x) * oval.weight(K, x)
             for pole in self._torus.poles[k][j]:
-                # the swing of a pole is less φ
+                # _of_poles adds mean·swing of the pole, with the derivative residue/(x − place) − mean
                 slope = slope - Column.of(pole.residue) / (x - Column.of(pole.place)) + Column.of(pole.mean)
             found += move * slope.hi
         return found

@@ -23,7 +23,7 @@ Motion = Callable[[Body, State], np.ndarray]
 # guard digits beyond those lost to the step and the derivatives, and the largest number of attempts when derivatives
 # are larger than expected
 GUARD, ATTEMPTS = 8, 6
-# number of motions: two for each of nine directions
+# number of motions: two for each of nine directions (for a top three for that of d)
 MOTIONS = 18
 # weights of the three values of a one-sided quotient of second order
 ONE_SIDED = (-3, 4, -1)

@@ -62,9 +62,8 @@ class Portrait(Immutable):
 
     ``drift`` is the mean velocity of the point of contact along −y of :attr:`Trajectory.attitude`, in the unit of the
     radius or in radii; None for a body that does not roll. ``mean_spin`` is the mean of (γ, ω) and ``mean_g`` the mean
-    of g = dτ/dt, both over t. ``wide_frequencies`` are (f1, f2), and
-    ``wide_tau_frequencies`` (ν1, ν2), to the digits of the set-up. ``ovals`` holds the
-    periods, None where the ovals have met; ``level`` describes the curve.
+    of g = dτ/dt, both over t. ``wide_frequencies`` are (f1, f2), and ``wide_tau_frequencies`` (ν1, ν2), to the digits
+    of the set-up. ``ovals`` holds the periods, None where the ovals have met; ``level`` describes the curve.
     """
 
     def __init__(self, system: PhaseSpace, state: State, setup: Setup) -> None:
@@ -117,7 +116,7 @@ class Portrait(Immutable):
 
     @cached_property
     def periods(self) -> tuple[Real, Real]:
-        """The periods 1/|f1| and 1/|f2|, in which γ̃ in the body and the axis in space make half a turn."""
+        """1/|f1|, 1/|f2|: the axis makes half a turn in space, γ̃ in the body; for ζ > a₂ in the other order."""
         one, two = (abs(1 / f) for f in self.frequencies)
         return one, two
 
@@ -140,7 +139,7 @@ class Portrait(Immutable):
         """The frequencies (ν1, ν2) and the mean of g over t, in wide numbers."""
         level, ovals = self.level, self.ovals
         if ovals is None:
-            # all except the rotation about one axis, at the rate a₂√h̃2 of Chaplygin's time
+            # the limit is the rotation about the middle axis, at the rate a₂√h̃2 of Chaplygin's time
             (r1, _, r3), pi = level.contact, level.pi
             one = r1 / r1
             mean = 2 * complete(root(r3 / r1), one, one, one, pi, float(level.eps) ** 0.5 / 16) / (pi * root(r1))
