@@ -1,7 +1,7 @@
 """The inner steps of the exact flow, on bare reals; the compiler takes them unchanged.
 
-A *moving point* is (u0, u1, v0, v1, σ1, σ2, σ3, ν1, ν2, ν3): the divisor U = x² + u1·x + u0, V = v1·x + v0 and a lift
-(σ_i, ν_i) for every axis. It carries the sign of γ_i = σ_i/|σ|, and κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
+A *moving point* is (u0, u1, v0, v1, σ1, σ2, σ3, ν1, ν2, ν3): the divisor U = x² + u1·x + u0, V = v1·x + v0, and for
+every axis the pair (σ_i, ν_i), a lift. It carries the sign of γ_i = σ_i/|σ|; κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
 *translation* is the same with κ_i = 1. All numbers are in the flow's units (:mod:`integrable.moving_point.setup`).
 They are ``float`` or ``mpf``, in lists, tuples or numpy rows. ``axes`` is (α1, α2, α3, κ1, κ2, κ3, α, β). For a tilted
 body α and β give its clock (α + βñ)/g̃ (:meth:`integrable.phase.upright.ChaplyginTransformation.rate`); for an upright

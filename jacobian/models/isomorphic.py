@@ -5,9 +5,9 @@ determined by the images of three. So factors of F with three roots or more toge
 same degrees and all conjugates. Each try is a linear system over the field for (a : b : c : d).
 
 Over QQ the same is done modulo a prime p of good reduction. The result is lifted to F'(ax + b, cx + d) = λF modulo
-powers of p, digit by digit, until the residues determine rational numbers. With integral F and F' the height of (a : b
-: c : d) is at most 6(‖F‖‖F'‖)³. Its entries are minors of rows (α, 1, −αβ, −β). The heights of α and β are at most the
-Mahler measures of F and F', and these are at most the norms (Landau 1905).
+powers of p, digit by digit, until the residues determine rational numbers. With integral F and F' the height of
+(a : b : c : d) is at most 6(‖F‖‖F'‖)³. Its entries are minors of rows (α, 1, −αβ, −β). The heights of α and β are at
+most the Mahler measures of F and F', and these are at most the norms (Landau 1905).
 """
 
 from __future__ import annotations
