@@ -188,7 +188,7 @@ class Hamiltonian(Made):
         """(Ω, Ṁ) without the potential; γ̇ = γ × Ω, Ω = ½∂H/∂M."""
         raise NotImplementedError
 
-    def potential_energy(self, q: Scalars, potential: Potential) -> Any:
+    def potential_energy(self, q: Scalars, potential: Potential) -> Real:
         """The potential V(γ): H with the potential minus H without."""
         raise ArgumentError(f"potential = {shown(potential)}: {type(self).__name__} has none")
 

@@ -54,11 +54,12 @@ class Check(IsometricDeformation):
             second = second + q.s * q.s * terms
         return energy, first * second
 
-    def potential_energy(self, q: Scalars, potential: Potential) -> Any:
+    def potential_energy(self, q: Scalars, potential: Potential) -> Real:
         a, b, _ = potential
         inverse = 1 / q.s
         terms = poles(q, potential, lambda a1, a2, a3: (1 / a2 + 1 / a3 - 2 * inverse) * q.s / a1)
-        return a * inverse + b * (inverse - q.e2 / q.e3) * inverse * inverse + terms
+        energy: Real = a * inverse + b * (inverse - q.e2 / q.e3) * inverse * inverse + terms
+        return energy
 
     def motion(self, q: Scalars) -> tuple[list[Real], list[Real]]:
         """(Ω, Ṁ): Ω = sAM − s²M − 2ξAγ, Ṁ = M × Ω + γ × [(m1 − 2s·m2)Aγ − 2ξAM]."""
@@ -100,10 +101,11 @@ class Hat(IsometricDeformation):
             second = second - q.e3 * q.sigma * q.sigma * terms
         return energy, first * second
 
-    def potential_energy(self, q: Scalars, potential: Potential) -> Any:
+    def potential_energy(self, q: Scalars, potential: Potential) -> Real:
         (a, b, _), S = potential, _slope(q)
         terms = poles(q, potential, lambda _, a2, a3: (1 / a2 + 1 / a3 - 2 * S) * q.sigma / (a2 * a3))
-        return a * S + b * (S - q.e2 / q.e3) * S * S + terms
+        energy: Real = a * S + b * (S - q.e2 / q.e3) * S * S + terms
+        return energy
 
     def motion(self, q: Scalars) -> tuple[list[Real], list[Real]]:
         """(Ω, Ṁ): Ω = αAM − (σ + ατ)M, Ṁ = M × Ω + γ × {[tr A⁻¹·A^∨γ + 2Aγ](m1 − τm2) + αm2·Aγ − m2·A^∨γ}."""

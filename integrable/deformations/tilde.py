@@ -43,14 +43,17 @@ class Tilde(Deformation):
         second = _rolling(q, potential) if self.body.rolls else _free(q, potential)
         return energy, second
 
-    def potential_energy(self, q: Scalars, potential: Potential) -> Any:
+    def potential_energy(self, q: Scalars, potential: Potential) -> Real:
+        energy: Real
         a, b, _ = potential
         if not self.body.rolls:
             terms = poles(q, potential, lambda _, a2, a3: a2 + a3 - 2 * q.s)
-            return a * q.s + b * (q.s - q.e1) * q.s * q.s + terms
+            energy = a * q.s + b * (q.s - q.e1) * q.s * q.s + terms
+            return energy
         trace = sum(1 / (1 - q.d * x) for x in q.a)
         terms = poles(q, potential, lambda _, a2, a3: (a2 + a3 - 2 * q.kappa) / q.G)
-        return a * q.G + b * (q.G - trace) * q.G * q.G + terms
+        energy = a * q.G + b * (q.G - trace) * q.G * q.G + terms
+        return energy
 
     def motion(self, q: Scalars) -> tuple[list[Real], list[Real]]:
         """(Ω, Ṁ): Ω = AM − sM + 2dGξAγ, Ṁ = M × Ω + γ × [dGξ(AM + sM) − m2·Aγ]."""
