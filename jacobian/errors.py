@@ -53,11 +53,11 @@ class NotOnCurve(ArgumentError):
 
 
 class NotRepresentable(JacobianError):
-    """The class exists, but not in the requested representation."""
+    """The class or quantity exists, but not in the requested representation."""
 
 
 class PrecisionLoss(JacobianError, ArithmeticError):
-    """An inexact field cannot decide whether a quantity is zero; more digits may decide it."""
+    """The digits do not suffice for a result, or to decide whether a quantity is zero; more digits may suffice."""
 
 
 class Infeasible(JacobianError):

@@ -1,8 +1,8 @@
 """Sums that a field's own digits do not decide: computed with more digits, several times, and compared.
 
 The summands are moved onto the curve, within their last bits, and count as exact from there on. The sum is computed in
-three passes: from these summands, from summands moved by a few units of the last working bit, and from summands moved
-by a few units of the last bit *of the field*. The second and third pass take the decisions of the first: which
+three passes: from these summands, from summands moved by some hundred units of the last working bit, and from summands
+moved by a few units of the last bit *of the field*. The second and third pass take the decisions of the first: which
 quantities are zero, and which column is the largest. The second pass shows the error of the working precision, the
 third the effect of the field's own rounding of the summands, for any algorithm.
 
@@ -159,7 +159,7 @@ class Passes:
 class Compared(NamedTuple):
     """Three passes with the same answers, from different summands.
 
-    ``first``: the summands themselves; ``near``: the summands moved in the last working bit; ``rounded``: the summands
+    ``first``: the summands themselves; ``near``: the summands moved in the last working bits; ``rounded``: the summands
     moved as far as the field's rounding moves a sum.
     """
 
