@@ -1,8 +1,8 @@
 """Sums that a field's own digits do not decide: computed with more digits, several times, and compared.
 
-The summands are moved onto the curve, within their last bits, and count as exact from there on. The sum is computed in
-three passes: from these summands, from summands moved by some hundred units of the last working bit, and from summands
-moved by a few units of the last bit *of the field*. The second and third pass take the decisions of the first: which
+The summands are moved onto the curve, within their last bits, and count as exact from there on. Three passes compute
+the sum. The first takes these summands, the second moves them by some hundred units of the last working bit, the third
+by a few units of the last bit *of the field*. The second and third pass take the decisions of the first: which
 quantities are zero, and which column is the largest. The second pass shows the error of the working precision, the
 third the effect of the field's own rounding of the summands, for any algorithm.
 
