@@ -122,7 +122,7 @@ def panel_half(reach: float) -> float:
 
 
 def too_far(room: ShortRoom, request: Request, h: float, most: int) -> bool:
-    """Whether the first or the last time is beyond the reach of ``most`` panels, by the estimate of the largest 1/g."""
+    """Whether the first or the last time is beyond the reach of ``most`` panels, by the bound of 1/g."""
     count = len(request.order)
     if count == 0:
         return False

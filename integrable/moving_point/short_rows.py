@@ -89,7 +89,7 @@ class FloatMotion(NamedTuple):
     radian: float
     """A lower bound of the time in which the body turns by a radian."""
     fastest: float
-    """An estimate of the largest 1/g (:func:`integrable.moving_point.short_start.fastest`)."""
+    """A bound of 1/g, by :func:`integrable.moving_point.short_start.fastest`."""
 
 
 class ShortRoom(NamedTuple):

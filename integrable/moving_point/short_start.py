@@ -100,15 +100,15 @@ def at_start(given: Row, tilted: bool, times: Row, out: Row, other: Row) -> None
 
 
 def fastest(wide: Row, rate: float) -> float:
-    """An estimate of the largest 1/g, whose value at the start is ``rate``. For an upright body: ``rate`` times the
-    root of the largest (1 − du₁)(1 − du₂), at the lower ends of both ovals, over that of the start. Twice ``rate`` for
-    a tilted body, or if the estimate exceeds it. Larger values show during the run.
+    """A bound of 1/g, whose value at the start is ``rate``. For an upright body: ``rate`` times the root of
+    (1 − du₁)(1 − du₂) at the start over its least value, at the upper ends of both ovals. Twice ``rate`` for a tilted
+    body, or if the bound exceeds it; larger values then show during the run.
     """
     dX, ratio, first, second, third = (
         float(wide[HEAVINESS]), float(wide[RATIO]), float(wide[6]), float(wide[7]), float(wide[8]),
     )  # fmt: skip
     low, high = min(first, second, third), max(first, second, third)
     middle = first + second + third - low - high
-    most, here = (1 - dX * low) * (1 - dX * max(middle, ratio)), 1 + dX * (float(wide[15]) + dX * float(wide[14]))
-    upright = wide[13] == 0 and most < 4 * here
-    return rate * (sqrt(most / here) if upright else 2.0)
+    least, here = (1 - dX * min(middle, ratio)) * (1 - dX * high), 1 + dX * (float(wide[15]) + dX * float(wide[14]))
+    upright = wide[13] == 0 and here < 4 * least
+    return rate * (sqrt(here / least) if upright else 2.0)

@@ -7,9 +7,11 @@ import pytest
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion.short import ShortRuns, lagrange, rule
+from integrable.moving_point.addition import moving_point, rate_at
 from integrable.moving_point.compiled import SPECIAL
+from integrable.moving_point.problem import START
 from integrable.moving_point.short import LENGTH, first_half, panel_half
-from integrable.moving_point.short_rows import FINEST, FLOATS, GIVEN, HALF, LOT, MADE, SUMS, WIDES, new_room
+from integrable.moving_point.short_rows import FINEST, FLOATS, GIVEN, HALF, LOT, MADE, SUMS, WIDES, axes_of, new_room
 from integrable.moving_point.short_start import set_up
 from integrable.moving_point.short_steps import contact_of, framed, levelled, on_pairs, panel_steps
 from integrable.moving_point.translations import Translations
@@ -153,6 +155,24 @@ def test_a_point_off_its_level_is_put_back_on_it(name) -> None:
                 assert abs(kappa * sigma * nu - (v1 * a + v0)) < 1e-50
                 left[-1] += abs(float(remainder(wide[:6], (u0, u1, v0, v1), a) + kappa * nu * nu))
         assert left[1] < 0.01 * left[0]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_fastest_clock_is_bounded_from_the_start(seed) -> None:
+    """1/g is proportional to the root of 1/((1 − du₁)(1 − du₂)); the bound was the largest root itself."""
+    rng = np.random.default_rng(seed)
+    system = ChaplyginBall(tuple(rng.uniform(1, 2, 3)), rng.uniform(0.1, 1))
+    gamma = rng.normal(size=3)
+    state = system.state(gamma / np.linalg.norm(gamma), np.cross(gamma, rng.normal(size=3)))
+    reals = BareReals(200)
+    with reals:
+        wide = [reals.number(0)] * WIDES
+        start = [*system.inertia, system.d, *state.vectors[0], *state.vectors[1]]
+        bound = set_up(reals.row(start), False, wide, [0.0] * FLOATS).fastest
+        rate = abs(float(rate_at(axes_of(wide), moving_point(wide, START))))
+    run = system.flow(state).at(np.linspace(0, 300, 3000))
+    slowness = np.sqrt(1 - system.d * (run.gamma**2 @ (1 / (np.array(system.inertia) + system.d))))
+    assert max(slowness) / slowness[0] <= bound / rate * (1 + 1e-12)
 
 
 def remainder(f, point, a):
