@@ -123,7 +123,7 @@ class TorusFlow(Corners):
         return found[0], found[1]
 
     def _panels(self, states: States, times: np.ndarray) -> Panels | None:
-        """Panels for these times, if they are faster."""
+        """Panels over these times; None where evaluation time by time is faster or panels do not converge."""
         if len(times) < DENSE_FROM or not (np.diff(times) >= 0).all():
             return None
         start, end = float(times[0]), float(times[-1])
@@ -224,9 +224,9 @@ def resolved_spectrum(
 class TorusClock:
     """t(τ) and τ(t) of a motion on a torus whose dt/dτ has a ``spectrum``, in the user's units.
 
-    ``rates`` are those of :func:`integrable.torus.survey.surveyed_rates` without the matrix; in the unit 1/``scale`` of
-    τ the motion moves by some part of a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the
-    periods of dt/dτ in turns. PrecisionLoss where a mode is in resonance.
+    ``rates`` are those of :func:`integrable.torus.survey.surveyed_rates` without the matrix. In a time τ of 1/``scale``
+    the body turns by about a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the periods of
+    dt/dτ in turns. PrecisionLoss where a mode is in resonance.
     """
 
     def __init__(
@@ -246,14 +246,14 @@ class TorusClock:
         self._room = 2 * max(part.width for part in series[:2])
 
     def at(self, torus: Torus | Packed, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(γ and M, τ, τ − t·mean dτ/dt) at physical times, shapes (N, 6), (N,) and (N,); ``torus`` is packed."""
+        """(γ and M, τ, τ − t·mean dτ/dt) at physical times, of shapes (N, 6), (N,) and (N,). ``torus`` is packed."""
         out, tau, delays = np.empty(6 * len(times)), np.empty(len(times)), np.empty(len(times))
         room = np.empty(self._room), self._loops.room(2 * len(times)), np.empty(2 * len(times), dtype=np.int64)
         self._loops.states_at_times(torus, self._clock, times, (tau, delays, out), room)
         return out.reshape(-1, 6), tau, delays
 
     def phases(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(the phases in turns, as the loops' numbers one pair after the other, τ − t·mean dτ/dt) at physical times."""
+        """(phases in turns, τ − t·mean dτ/dt) at physical times; both phases of a time stand together."""
         phases, delays = self._loops.room(2 * len(times)), np.empty(len(times))
         self._loops.phases_at_times(self._clock, times, phases, delays, np.empty(self._room))
         return phases, delays
@@ -268,7 +268,7 @@ class TorusClock:
 def series_between(
     loops: Loops, values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs
 ) -> tuple[ClockSeries, ClockSeries, ClockSeries, np.ndarray, Row]:
-    """The fields of a :class:`Clock` from ``rough`` to ``loud``, from a spectrum of 1/g (:func:`clock_series`).
+    """The fields ``rough``, ``series``, ``quiet``, ``modes`` and ``loud`` of a :class:`Clock`, from a spectrum of 1/g.
 
     PrecisionLoss where a mode is in resonance.
     """

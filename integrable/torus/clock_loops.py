@@ -12,17 +12,17 @@ from integrable.torus.states import Torus, state_at, torus_in_tuples, whole_turn
 from integrable.torus.tables import six
 from jacobian.numbers.abreast import abreast
 
-# a Newton step of this part of a turn leaves an error below 1e-17 of one
+# after a Newton step of at most this fraction of a turn the error is below 1e-17 of a turn
 LAST_STEP = 1e-9
 
 
 class ClockSeries(NamedTuple):
-    """A real Fourier series S on the torus that vanishes at the start, and dS/dτ.
+    """A real Fourier series S on the torus that vanishes at the start, and dS/dτ. Its modes are pairs (k, m).
 
-    For every first mode k = 0, 1, … ``lines`` has three numbers: the place of its first second mode, and where its
-    coefficients begin and end. For k > 0 coefficients are doubled, to account for −k. ``parts`` are the real parts of
-    all coefficients of S, the imaginary ones, and the same of its slope; ``least`` is the least second mode, ``width``
-    their number, ``bound`` a bound of |S|, ``origin`` minus the sum of the modes at the start, ``mean`` the mean rate.
+    ``lines`` has three numbers for each k = 0, 1, …: its first m, counted from ``least``, and where its coefficients
+    begin and end. For k > 0 coefficients are doubled, to account for −k. ``parts`` are the real parts of all
+    coefficients of S, then the imaginary parts, then both for dS/dτ. ``least`` is the least m, ``width`` the number of
+    m, ``bound`` a bound of |S|, ``origin`` minus the sum of the modes at the start, ``mean`` the mean rate.
     """
 
     lines: Row
@@ -38,9 +38,9 @@ class ClockSeries(NamedTuple):
 class Clock(NamedTuple):
     """t(τ): ``doubled`` are the periods of 1/g in turns.
 
-    ``rough`` is the series of its larger modes, ``series`` of all, ``quiet`` of all except the largest, which are in
-    ``modes`` and ``loud`` (:func:`loud_swing`). ``pace`` has mean rates: the turns of each phase per unit of t and of
-    τ, dτ/dt and dt/dτ.
+    The series ``rough`` has the larger modes, ``series`` all, and ``quiet`` all but the largest; these are in ``modes``
+    and ``loud`` (:func:`loud_swing`). ``pace`` has mean rates: the turns of each phase per unit of t, the same per unit
+    of τ, then dτ/dt and dt/dτ.
     """
 
     doubled: tuple[int, int]
@@ -100,7 +100,7 @@ def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, int
     start, rate = delay(clock.rough, clock.series, a, b, room)
     x = 0 * nu1 + start
     if len(modes) > 0:
-        # floats have x to the rounding of the largest modes, which next to a resonance is much of a turn
+        # next to a resonance the rounding of the largest modes in floats makes x wrong by much of a turn
         for _ in range(3):
             p, q = (first + turn1 % double1 + nu1 * x) / double1, (second + turn2 % double2 + nu2 * x) / double2
             rest, _ = swing_and_rate(clock.quiet, float(p), float(q), room)
@@ -159,13 +159,13 @@ def delay(rough: ClockSeries, series: ClockSeries, a: float, b: float, room: Row
 
 
 def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room: Row) -> tuple[float, float]:
-    """:func:`delay` of one series, starting from x, to the square of ``near`` times its bound.
+    """:func:`delay` of one series, starting from x. Its error is about the bound of S times the square of ``near``.
 
-    x + S increases with x. Newton steps are kept inside the bracket given by the signs, which they would leave where
-    1/g is small.
+    x + S increases with x. Where 1/g is small a Newton step may leave the bracket of the zero; then the bracket is
+    halved.
     """
     (nu1, nu2), bound = series.frequencies, series.bound
-    # near a resonance the bound of S is many turns, though x + S is still as curved as over one
+    # near a resonance S may be as large as many turns, but x + S varies on the scale of one turn
     turn = 1 / (abs(nu1) + abs(nu2))
     low, high, rate = -bound, bound, 1.0
     for _ in range(100):

@@ -12,19 +12,19 @@ from typing import NamedTuple
 from integrable.moving_point.addition import Real, Row
 from jacobian.numbers.fourier import half_spectrum
 
-# modes below this fraction of the largest that do not fall further are rounding errors
+# modes below this fraction of the largest count as rounding errors where they no longer decrease
 LEVEL = 1e-8
 # the largest number of modes that are summed in numbers longer than floats
 MOST_LOUD = 8
-# a mode by which τ oscillates by more turns is in resonance: floats would invert the clock to 1e-4 of a turn
+# a mode by which τ oscillates by more turns is in resonance: floats would invert the clock only to 1e-4 of a turn
 MOST_SWING = 1e12
 
 
 class Cutoffs(NamedTuple):
     """Thresholds of a clock's modes.
 
-    Modes above ``noise`` times the largest (itself compared with ``rounding``) are kept, and those by which τ
-    oscillates by more than ``least``. The rough series has those above ``rough`` times the mean rate. Those by which τ
+    Modes above ``noise`` times the largest are kept, and those by which τ oscillates by more than ``least``; none below
+    ``rounding`` times the largest. The rough series has those above ``rough`` times the mean rate. Those by which τ
     oscillates by ``loud`` or more are summed separately.
     """
 
@@ -36,10 +36,10 @@ class Cutoffs(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """Working memory: four numbers for each mode in ``modes``; lines and parts of
-    :class:`~integrable.torus.clock_loops.ClockSeries`, of all modes and of the largest, and the parts without the loud
-    ones, of which ``pairs`` are (k, m). ``counts``: the least second mode, how many there are, rows and modes of all,
-    the same of the largest, and how many are loud, or −1 − n where the n-th place of ``modes`` is in resonance.
+    """Working memory. ``modes`` has four numbers for each mode, ``pairs`` the (k, m) of the loud ones. Lines and parts
+    are those of :class:`~integrable.torus.clock_loops.ClockSeries`: of all modes, of the larger (rough) and of all but
+    the loud (quiet). ``counts``: least m, number of m, rows and modes in all; the same of the rough series; the number
+    of loud modes, or −1 − n where place n of ``modes`` is in resonance.
     """
 
     modes: Row
@@ -65,7 +65,7 @@ def spectrum_of_samples(
 def sizes_needed(values: Row, grid: tuple[int, int], noise: tuple[float, float], room: Row) -> tuple[int, int]:
     """:func:`integrable.torus.series.needed_sizes` of the spectrum ``values``.
 
-    ``room`` is for half of rows and columns, and 2.
+    ``room`` holds rows/2 + columns/2 + 2 numbers.
     """
     rows, columns = grid
     height, width = rows // 2 + 1, columns // 2 + 1
@@ -122,11 +122,11 @@ def size_wanted(modes: Row, size: int, noise: float) -> int:
 def clock_series(
     values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tables: Tables, loud: Row
 ) -> tuple[float, float, float, float]:
-    """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``. Returns a bound of S, −S at the
-    start, the same of the quiet modes, and the mean of the samples over that of 1/g.
+    """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``. Returns a bound of S, minus the
+    sum of its modes at the start, the same for the quiet modes, and the mean of the samples over that of 1/g.
 
-    ``rates`` are the frequencies of both phases of 1/g, its mean, and 2π; ``loud`` is what
-    :func:`integrable.torus.clock_loops.loud_swing` takes.
+    ``rates`` are the frequencies of both phases of 1/g, its mean, and 2π; ``loud`` is filled for
+    :func:`integrable.torus.clock_loops.loud_swing`.
     """
     columns = grid[1]
     resonant, bound, swing = swings(values, grid, rates, limits, tables)
@@ -161,16 +161,16 @@ def clock_series(
 
 
 def swing_of(values: Row, columns: int, k: int, m: int, rates: Row) -> tuple[Real, Real]:
-    """The coefficient of S with the mode (k, m), conjugate modes counted with it: that of 1/g over its rate."""
+    """The coefficient of S for the modes ±(k, m): that of 1/g over the rate of the mode and the mean."""
     n = 2 * (k * columns + (m if m >= 0 else m + columns))
     factor = 2 / (rates[3] * (k * rates[0] + m * rates[1]) * rates[2])
     return values[n + 1] * factor, -values[n] * factor
 
 
 def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tables: Tables) -> tuple[int, float, float]:
-    """(−1 or the place of a mode in resonance, the sum of all |S|, S at the start). Writes the coefficients of S and of
-    its slope to ``tables.modes``, four numbers for each k ≥ 0 and m ≥ −columns/2, zeros for dropped modes; and where
-    the kept modes of each k begin and end to ``tables.lines``, three numbers.
+    """Returns (−1 or the place of a mode in resonance, Σ|coefficients of S|, the sum of the modes at the start).
+    ``tables.modes`` receives the coefficients of S and dS/dτ, four numbers for each mode, zeros for those dropped;
+    ``tables.lines`` receives where the kept modes of each k ≥ 0 begin and end.
     """
     (rows, columns), modes, lines = grid, tables.modes, tables.lines
     half, bound, total, largest = columns // 2, 0.0, 0.0, 0.0
@@ -212,8 +212,8 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tabl
 def packed_modes(
     tables: Tables, grid: tuple[int, int], least: float, lines: Row, parts: Row
 ) -> tuple[int, int, int, int]:
-    """The modes that :func:`swings` left whose slope is above ``least`` as a
-    :class:`~integrable.torus.clock_loops.ClockSeries` has them: (least second mode, their number, rows, modes in all).
+    """Packs the modes that :func:`swings` left and whose slope is above ``least`` as in
+    :class:`~integrable.torus.clock_loops.ClockSeries`. Returns (least m, the number of m, rows, modes in all).
     """
     (height, columns), modes = (grid[0] // 2, grid[1]), tables.modes
     low, high, used, total = columns, 0, 1, 0

@@ -28,17 +28,17 @@ from integrable.torus.lattice import Source
 # a walk over the corners is accepted if its periods close to within ROUND, a two-sided walk if to within CLOSED
 ROUND = 1e-17
 CLOSED = 1e-13
-# a step of a walk over the corners spans fewer cells than this
+# a step of a walk over the corners spans at most this number of cells
 MOST_AT_ONCE = 7
 # ovals with a relative gap below this are walked over from both sides
 NEAR = 2.0**-23
 # number of quadrature nodes on the path from the start to the walk's turning column
 QUADRATURE = 32
-# the smallest allowed values of a factor of f, relative to its parts: U there has the square of the loss, the sum its
-# cube
+# least values of the factor r − dx of f at an axis, relative to its terms, with which 1/g is computed from it: U at its
+# root loses twice as many digits, and the sum for 1/g three times as many
 LEAST_REST = 2.0**-14
-# the first grid of 1/g: for ovals with a relative gap below this, the number of columns for s₁ + s₂ of their period, in
-# units in which the next branch point is at 1
+# the first grid of 1/g has at least FIRST_SIZE points in each direction. For ovals with a relative gap below PASSING
+# its columns are PASSAGES times the s₁ + s₂ of their period, with the next branch point at s = 1
 FIRST_SIZE = 16
 PASSING = 2.0**-7
 PASSAGES = 3.1
@@ -47,7 +47,7 @@ Samples = Callable[[tuple[int, int], "np.ndarray | None"], np.ndarray]
 """A function that gives values on a grid of given sizes; values on a coarser grid may be known."""
 Found = TypeVar("Found")
 Transform = Callable[[np.ndarray], tuple[Found, tuple[int, int]]]
-"""What is made of samples, and the sizes of a grid that is fine enough."""
+"""A function of samples that returns a result of them and the shape of a grid that is fine enough."""
 
 
 @cache
@@ -59,10 +59,10 @@ def nodes(count: int) -> tuple[float, ...]:
 class Corners:
     """The moving points at the corners of a torus's cells, by loops of :mod:`integrable.torus.loops`.
 
-    ``units`` are those of the abscissa, ``lattice`` has the periods and cells, ``turns`` the signs of the periods;
-    ``closure`` is the error with which periods lead back to the start, ``doubled`` their number in one period of 1/g.
-    PrecisionLoss where the torus is not compact, or needs more than ``most`` cells or samples of 1/g; NotClosed where
-    walks do not lead back, or compiled loops lose digits beside the corners.
+    ``units`` are those of the abscissa, ``lattice`` has the periods and cells, ``turns`` the signs of the periods.
+    ``closure`` is the error with which periods lead back to the start; ``doubled`` are the periods of 1/g in those of
+    the divisor. PrecisionLoss where the torus is not compact, or needs more than ``most`` cells or samples of 1/g.
+    NotClosed where walks do not lead back, or cells of compiled loops do not fit at their borders.
     """
 
     def __init__(self, setup: Source, loops: Loops, most: int) -> None:
@@ -75,7 +75,7 @@ class Corners:
         self.signs = tuple(self.turns.ravel().tolist())
         odd = [signs.count(-1.0) % 2 == 1 for signs in self.turns.tolist()]
         self.odd = odd[0], odd[1]
-        # an odd number of turned γ_i shows in 1/g of a tilted body, whose period is then twice that of the divisor
+        # for a tilted body, a sign change of an odd number of γ_i changes 1/g, whose period is then twice the divisor's
         leans = loops.floats(self.curve.axes[7:])[0] != 0
         self.doubled = (1 + odd[0], 1 + odd[1]) if leans else (1, 1)
         self.rates = self._made_rates(motion)
@@ -153,7 +153,7 @@ class Corners:
         return resolved(self.samples, transformed, self.first_grid(), self._most)
 
     def first_grid(self) -> tuple[int, int]:
-        """The first grid: where ovals nearly meet, the number of columns that resolves a passage is known."""
+        """The first grid. Where ovals nearly meet, its columns are as many as a passage near the separatrix needs."""
         (rows, columns), loops = self.sizes, self.loops
         first, low, high, last = loops.floats(self._motion[:4]).tolist()
         if high - low > PASSING * (last - first):
@@ -215,8 +215,8 @@ class Corners:
 
     def _walk_over(self, motion: Row) -> None:
         """Walk over the corners of the cells; NotClosed where the walks do not lead back."""
-        # near the separatrix a walk towards the unstable rotation damps its errors, one away from it amplifies them:
-        # two walks meet where the motion comes nearest to it
+        # near the separatrix errors decrease in a walk towards the unstable rotation and grow in one away from it: so
+        # two walks go towards it and meet where the motion is nearest to it
         motion, start, periods = map(self.loops.floats, (motion, self._start, self.lattice.found[:4]))
         first, low, high, last = motion[:4].tolist()
         self._near = bool(high - low < NEAR * (last - first))
@@ -236,7 +236,7 @@ class Corners:
 
 
 def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, int], most: int) -> Found:
-    """:meth:`Corners.resolved`, from a grid of ``sizes`` on to one of ``most`` samples."""
+    """:meth:`Corners.resolved`, from a first grid of ``sizes``; PrecisionLoss beyond ``most`` samples."""
     known: np.ndarray | None = None
     while sizes[0] * sizes[1] <= most:
         known = samples(sizes, known)
@@ -249,8 +249,8 @@ def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, 
 
 
 def rest_of(motion: Row, loops: Loops) -> Row:
-    """(d, r) of the factor r − dx of f, in the loops' numbers; 0 if it is so small at an axis, relative to its parts,
-    that values lose digits that a grid of 1/g needs.
+    """(d, r) of the factor r − dx of f, in the loops' numbers. (0, 0) if at an axis it is so small, relative to its
+    terms, that it loses digits which a grid of 1/g needs.
     """
     floats = loops.floats(motion)
     axes, d, r = floats[4:7], floats[8], floats[10]
@@ -262,9 +262,9 @@ def rest_of(motion: Row, loops: Loops) -> Row:
 def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, columns: int) -> int:
     """The column of corners at which a motion is nearest to the unstable rotation, but not near the start's.
 
-    ``motion`` is a :func:`~integrable.torus.lattice.motion_row`, ``periods`` are (a₁, b₁, a₂, b₂). There one point of
-    the divisor is at one of the ends that nearly meet, and the other at the far end of its oval. That is half a period
-    of the columns from where both are at the near ends. On the path there x is end ± gap·sinh²(t), dx/y then smooth.
+    ``motion`` is a :func:`~integrable.torus.lattice.motion_row`, ``periods`` are (a₁, b₁, a₂, b₂). At that column one
+    point of the divisor is at one of the ends that nearly meet, the other at the far end of its oval: half a period of
+    the columns from where both are at the near ends. With x = end ± gap·sinh²(t) on the path, dx/y is smooth.
     """
     first, low, high, last = motion[:4].tolist()
     # ends that floats cannot separate are taken to be this close, so that rounding passes no end
@@ -275,7 +275,7 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
     for sign, end in ((-1, low), (1, high)):
         x = sign * half - 0.5 * u1
         t = asinh(sqrt(abs(x - end) / gap))
-        # fewer near its end, possibly at the far end of the oval, a branch point
+        # nodes become sparse towards the far end of the path, which may be a branch point: the far end of the oval
         xs = end + sign * gap * np.sinh(t * z * (2 - z)) ** 2
         others = np.maximum(xs - first, gap) * np.maximum(last - xs, gap) * np.maximum(r - d * xs, d * gap)
         rates = weights * (1 - z) / np.sqrt(others)
@@ -285,7 +285,7 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
     if not 0 < abs(area) < inf:
         return columns // 2
     turns = 0.5 + float(a1 * passed[1] - b1 * passed[0]) / area
-    # from a start near there, the walk back would end where errors are largest
+    # if the start is near that column, the walk back would end where errors are largest
     least = columns // 8
     return max(1, least, min(round(columns * turns) % columns, columns - least))
 

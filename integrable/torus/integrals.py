@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from integrable.torus.access import TorusFlow
 
 FIRST_SIZE = 32
-# largest number of samples in floats, if states are compiled, and if interpreted; states computed together
+# largest number of samples in floats, with compiled and with interpreted states; number of states computed together
 MOST_COMPILED, MOST_INTERPRETED, CHUNK = 1 << 18, 1 << 12, 1 << 13
 # modes in floats below this fraction of the largest are rounding
 NOISE = 1e-15
 TINY = 1e-300
-# number of samples in multiprecision that takes some seconds; beyond it, the number per squared digit
+# the largest number of samples in multiprecision, some seconds; or this number per squared digit if that is more
 MOST_SAMPLES, SAMPLES_A_DIGIT = 1 << 15, 32
 
 Function = Callable[[np.ndarray], np.ndarray]

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 
 # branch points closer than this, relative to the largest, get their own origin and unit
 CLOSE = 2.0**-6
-# branch points farther apart than this, in either unit, and so M and γ, lose almost no digits without a change of
-# origin
+# branch points farther apart than this, in either unit, need no change of origin: M and γ lose almost no digits
 APART = 2.0**-6
 # sizes whose powers stay within the range of floats
 FAR = 1e30
@@ -80,12 +79,11 @@ class Chart(NamedTuple):
 
 
 class TorusLattice:
-    """The periods, frequencies and cells of a motion's torus, in the units of ``motion``.
+    """The periods, frequencies and cells of a motion's torus, in the units of ``motion``, a :func:`motion_row`.
 
-    ``periods`` are Λ₁ and Λ₂, ``frequencies`` ν with (τ, 0) = τ(ν₁Λ₁ + ν₂Λ₂), ``parts`` s₁ of Λ₁ and Λ₂ and s₂ of both
-    over their reaches, ``found`` what :func:`integrable.torus.survey.survey` gives: rows of numbers of ``loops``, as
-    are those of ``motion``, a :func:`motion_row`. ``turns`` are :func:`signs_of_periods`. PrecisionLoss where too many
-    cells are needed.
+    ``periods`` are Λ₁ and Λ₂, ``frequencies`` ν with (τ, 0) = τ(ν₁Λ₁ + ν₂Λ₂). ``parts`` are s₁ of Λ₁ and Λ₂ over its
+    reach, then s₂ of both. ``found`` is filled by :func:`integrable.torus.survey.survey`. All are rows of numbers of
+    ``loops``. ``turns`` are :func:`signs_of_periods`. PrecisionLoss where too many cells are needed.
     """
 
     def __init__(self, loops: Any, motion: Row) -> None:
@@ -136,8 +134,8 @@ class Units(NamedTuple):
 
     @staticmethod
     def of(setup: Source) -> Units:
-        """Units for branch points that are all close together, of nearly equal moments or a heavy ball; others keep
-        theirs.
+        """Units for branch points that are all close together, as for nearly equal moments or a heavy ball. For other
+        motions length and lift are 1.
         """
         problem = setup.bare
         with setup.reals:
@@ -147,7 +145,7 @@ class Units(NamedTuple):
         return Units(origin, length, _near_power(rest**0.5))
 
     def of_point(self, point: tuple[Real, ...]) -> tuple[Real, ...]:
-        """A moving point in these units; operations take ``with reals``."""
+        """A moving point in these units, to be called within ``with setup.reals``."""
         u0, u1, v0, v1, *pairs = point
         x, length, lift = self.origin, self.length, self.lift
         u0, u1, v0 = u0 + (u1 + x) * x, u1 + 2 * x, v0 + v1 * x
@@ -203,9 +201,9 @@ def oval_ends(problem: Problem | RateCurve, near: Real) -> tuple[tuple[Real, Rea
 
 
 class Beginning(NamedTuple):
-    """The data from which a torus is made, in rows of numbers of its loops: a :func:`motion_row` and its ``units``, the
-    curve and the start in these, and the :func:`~integrable.moving_point.problem.problem_row`, in units of its own and
-    only from TIME_SCALE on.
+    """The data from which a torus is made, in rows of numbers of its loops. They are a :func:`motion_row` and its
+    ``units``, the curve and the start in these units, and a :func:`~integrable.moving_point.problem.problem_row` in its
+    own. Only its entries from TIME_SCALE on are needed.
     """
 
     units: Units
@@ -235,8 +233,8 @@ def beginning(setup: Source, loops: Any) -> Beginning:
 
 
 def begun_rows(given: Row, tilted: bool, constants: Row, problem: Row, motion: Row) -> bool:
-    """A ``problem`` row and a ``motion`` row about 0 from moments, d, γ and M; returns whether the numbers have enough
-    digits for that: sizes near 1 and well-separated branch points. ``constants`` are π and 1.
+    """Fills a ``problem`` row and a ``motion`` row about 0 from moments, d, γ and M (``given``). Returns whether the
+    numbers have enough digits: sizes near 1 and well-separated branch points. ``constants`` are π and 1.
     """
     x, y, z, a, b, c = (float(given[4]), float(given[5]), float(given[6]),
                         float(given[7]), float(given[8]), float(given[9]))  # fmt: skip

@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 
     from integrable.torus.oval_modes import Modes, ModesSource
 
-# a Newton step with a slope in floats reduces the error to this fraction; the first step, in floats, gives this many
-# digits
+# a Newton step with a slope in floats reduces the error to the fraction GAIN; after the first step, in floats, sums are
+# evaluated to FIRST_GOAL digits
 GAIN, FIRST_GOAL = 1e-13, 28
-# a mode is slow if k·ν₁ + m·ν₂ is below this fraction of its terms; a slope that takes slow modes as constant for some
-# periods has this relative error
+# a mode is slow if k·ν₁ + m·ν₂ is below this fraction of its terms; a slope for which slow modes count as constant over
+# some periods has the relative error SLOW_GAIN
 RESONANT, SLOW_GAIN = 2.0**-20, 2.0**-16
-# steps in floats that no longer shrink are rounding where they are below this part of the oscillation of τ
+# if steps in floats no longer shrink and are below this part of the oscillation of τ, they are rounding
 SETTLED = 1e-9
 
 
@@ -75,7 +75,7 @@ class LongClock:
         return total
 
     def _start(self, t: Real) -> Real:
-        """τ at t without the modes that are not slow; without these t increases with τ."""
+        """τ at t for the mean rate and the slow modes alone, with which t increases with τ."""
         x = t / self.mean
         if not self._slow or not t:
             return x
@@ -93,8 +93,8 @@ class LongClock:
         raise PrecisionLoss("the clock was not inverted: use more digits")
 
     def _shifts(self, starts: list[Real]) -> list[Real]:
-        """s with mean·s + S(θ + νs) = 0, by Newton's method, in floats first: the oscillation of τ about its mean
-        value.
+        """The oscillations s of τ about ``starts``: the solutions of mean·s + S(θ + νs) = 0 by Newton's method, in
+        floats first.
         """
         angles = [phases(start, self.frequencies, self.wide) for start in starts]
         rough = np.array(angles, dtype=float).reshape(-1, 2)

@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 NEWTON_PASSES = 1
 # number of terms of a power series for 32 digits
 SERIES = 95
-# terms of the polynomials of a direction for 25 digits, terms for each further digit, and the bits lost per term where
-# values become coefficients
+# the polynomials of a direction take TERMS terms for 25 digits, and more for each further digit; where values become
+# coefficients, bits are lost in each further term
 TERMS = 19
 TERMS_A_DIGIT = 1.6
 BITS_A_TERM = 1.3
@@ -79,7 +79,7 @@ class ReadableLoops:
         more = max(0, int(TERMS_A_DIGIT * (digits - 25)) + 1)
         self.terms, bits = TERMS + more, setup.reals.bits + int(BITS_A_TERM * more)
         self.reals = type(setup.reals)(bits)
-        # doublings from a float of 46 correct bits or more
+        # each Newton pass doubles the correct bits, of which a float gives at least 46
         self._passes, self._series = max(1, ceil(log2(bits / 46))), setup.terms
         # the arithmetic-geometric mean stops at ovals of this length
         self.short = float(setup.wide.eps) ** 0.5 / 16

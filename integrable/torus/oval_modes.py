@@ -35,18 +35,19 @@ if TYPE_CHECKING:
 
 # largest number of multiplications of the tables: half a minute at 50 digits
 MOST_WORK = 1 << 26
-# digits of the first tables, with this many modes per digit in either direction; the next have this many times the
-# number suggested by their decay; their nodes hold some more, so that aliasing is not mistaken for decay
+# the first tables have SCOUT_DIGITS digits, and MODES_A_DIGIT modes per digit in either direction; the next have BEYOND
+# times the number that their decay suggests. Nodes give HELD more digits, or aliasing would be mistaken for decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# number of steps from the start, at least one of which has no small σ
+# number of points from the start on, a step apart, at least one of which has no small σ
 STEPS = 4
 
 
 class Modes(NamedTuple):
-    """Σ c·e^(2πi(kθ₁ + mθ₂)), real: ``rows[k]`` has c for m = −most, …, most, only for k ≥ 0, in balls.
+    """The modes of the real sum Σ c·e^(2πi(kθ₁ + mθ₂)): ``rows[k]`` has c for m = −most, …, most, in balls, for k ≥ 0
+    only.
 
-    Phases count from the start, in turns of ``doubled`` periods; ``frequencies`` are turns of these in a unit of the
-    set-up's τ, wide, as is ``mean``.
+    Phases count from the start, in turns of ``doubled`` periods; ``frequencies`` are the turns of these per unit of the
+    set-up's τ. They and ``mean`` are wide.
     """
 
     rows: list[list[acb]]
@@ -72,11 +73,10 @@ def modes_of_rate(
     most_work: float = MOST_WORK,
     mean_digits: int = 0,
 ) -> Modes:
-    """The modes of 1/g down to 10^(−digits) of its mean, τ being the time of ``direction``, (Σdx/y, Σx dx/y);
-    frequencies and mean to ``mean_digits`` where these are more.
+    """The modes of 1/g down to 10^(−digits) of its mean; frequencies and mean to ``mean_digits`` where these are more.
 
-    TooManyModes where tables take more than ``most_work`` multiplications; PrecisionLoss where the torus is not
-    compact, or so nearly that digits are lost.
+    τ is the time in which (Σdx/y, Σx dx/y) increases at the rate ``direction``. TooManyModes where tables take more
+    than ``most_work`` multiplications; PrecisionLoss where the torus is not compact, or so nearly that digits are lost.
     """
     balls = BallReals(setup.reals.bits + 32)
     with balls:
@@ -89,7 +89,7 @@ def modes_of_rate(
         scout = OvalTorus(setup, balls, min(few + HELD, digits), direction)
         begin = ceil(MODES_A_DIGIT * few)
         size = _resolved(scout, (begin, begin), few, most_work).wanted(digits, few)
-        # checked first, so that the excess is relative to tables of few digits
+        # outside of ``try``: TooManyModes here means that there are too many, but below that digits are lost
         torus.use(size, most_work)
         try:
             found = _resolved(torus, size, digits, most_work)
@@ -221,7 +221,7 @@ class OvalTorus:
             ),
             strict=True,
         )
-        # integrals around a small oval are as small, except for the tilt between two axes
+        # an angle lost on a tiny oval hardly changes the integrals, except the tilt term of an oval between two axes
         if count > 1 and not blurs[self.low] < 10.0**-self.digits:
             raise PrecisionLoss("two moments of this body are equal, or all but equal, to these digits; use more")
         sums = [oval.node(angle).sums for oval, angle in zip(self.ovals, angles, strict=True)]

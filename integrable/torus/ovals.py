@@ -22,7 +22,7 @@ NOTHING = 1e9
 LARGEST_DECAY = 40.0
 
 IntegralTable: TypeAlias = "tuple[list[list[arb]], bool]"
-"""A real matrix, and whether not to multiply it by −i."""
+"""A real matrix X, and whether X itself is meant; otherwise it is −iX."""
 
 
 class Pair(Protocol):
@@ -41,7 +41,7 @@ class Pair(Protocol):
 
 
 class Part(NamedTuple):
-    """A function over an oval at the nodes of half a round, as weighted for their sum, and whether it is even in φ."""
+    """A function at the nodes of half a round, times the weights of their sum, and whether it is even in φ."""
 
     values: list[arb]
     even: bool
@@ -210,7 +210,7 @@ class Oval:
 
     @property
     def _at_end(self) -> bool:
-        """Whether R vanishes at b only, else it does at a, or at both: the second oval above ζ begins at ζ."""
+        """Whether R vanishes at b only: so it does on the second oval if that begins at ζ, not at an axis."""
         return not (self._first or self._low)
 
     def sign(self, angle: arb) -> int:

@@ -25,7 +25,7 @@ ONE_IN = 25
 # the least coefficient that counts for this
 SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
 SCOUT_BITS = 240
-# a relative variation of 1/g below the first is measured in multiprecision, or down to the second in double-doubles
+# a relative variation of 1/g below FLAT is measured in multiprecision, or in double-doubles down to FLATTEST
 FLAT, FLATTEST = 1e-6, 1e-16
 SAMPLES = range(0, 512, 61)
 
@@ -153,7 +153,7 @@ class Scouts:
 
             def wide_sizes(point: Row) -> list[float]:
                 high, low = rates.values(point, packed).T
-                # so that the coefficients of a nearly constant function keep their digits
+                # the first value is subtracted so that coefficients of a nearly constant function keep their digits
                 series = transform @ (high - high[0] + (low - low[0]))
                 series[0] += high[0]
                 return [abs(c) for c in series.tolist()]

@@ -14,15 +14,15 @@ from jacobian.errors import PrecisionLoss
 
 # number of nodes of a panel: with more nodes panels are longer and their evaluation slower
 NODES = 28
-# largest last coefficients of a panel of states from the torus, relative to the largest value of their column
+# a panel of states from the torus has converged if its last coefficients, relative to their column, are at most this
 TOLERANCE = 2e-15
 # bound of the rounding errors of the states themselves, on motions with fast passages
 NOISE = 1e-13
 # number of panels that are tried to find a length for the whole stretch, and the largest number of halvings
 PROBES = 8
 MOST_HALVINGS = 12
-# last coefficients that do not decrease, and are below this fraction of a column, are rounding, which halving does not
-# reduce; number of halvings in a row without progress after which this is certain
+# last coefficients below this fraction of a column that do not decrease are rounding, which halving does not reduce;
+# number of halvings in a row without progress after which this is certain
 ROUGH, MOST_IN_VAIN = 1e-8, 4
 # coefficients of a panel below this part of its largest count as zero in the search for zeros
 LEVEL = 1e-14
@@ -121,7 +121,7 @@ def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: fl
 
 
 def _rounded(coefficients: np.ndarray) -> np.ndarray:
-    """Whether in every panel the last terms are small and do not fall further, or are tiny."""
+    """Whether in every panel the last terms are below ROUGH and do not fall further, or are below NOISE."""
     sizes = np.abs(coefficients).max(axis=(0, 1))
     tails = np.abs(coefficients[:, -3:]).max(axis=1)
     before = np.abs(coefficients[:, -10:-3]).max(axis=1)

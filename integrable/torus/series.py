@@ -37,9 +37,9 @@ class TorusSeries:
     """S for F of a given :func:`spectrum`; ``frequencies`` are turns in a unit of τ, wide numbers. S = 0 at the phases
     (0, 0).
 
-    ``scale`` divides S (the mean rate of a clock); coefficients below ``noise`` times the largest are left out. A
-    spectrum in long doubles has coefficients that are right to the last digit: that of a slow mode is divided by its
-    rate. PrecisionLoss where a mode of F is in resonance: k·ν = 0.
+    ``scale`` divides S (the mean rate of a clock); coefficients below ``noise`` times the largest are left out. Slow
+    modes are divided by their small rates: a spectrum in long doubles has the digits for that. PrecisionLoss where a
+    mode of F is in resonance: k·ν = 0.
     """
 
     def __init__(
@@ -138,8 +138,8 @@ def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -
 
 
 class SeriesLevel(NamedTuple):
-    """The modes of a :class:`LongSeries` needed for a number of digits: the large ones in balls of ``bits``, from the
-    row 0 and the column ``first`` on, and ``tail``, those for which floats suffice.
+    """The modes of a :class:`LongSeries` needed for a number of digits. ``modes`` are the large ones in balls of
+    ``bits``, from the row 0 and the column ``first`` on; ``tail`` are those for which floats suffice.
     """
 
     first: int
@@ -149,10 +149,10 @@ class SeriesLevel(NamedTuple):
 
 
 class LongSeries:
-    """S in many digits, at many points at once; ``rough`` is the same for floats.
+    """S in many digits, at many points at once; ``rough`` is the same in floats.
 
-    ``rows[k]`` are the modes of F for k ≥ 0 and m = −most, …, most, in python-flint's complex balls. Modes below
-    ``noise`` times its mean are left out; ``field`` is the MP field of the frequencies.
+    ``rows[k]`` are the modes of F for k ≥ 0 and m = −most, …, most, in python-flint's complex balls. Those below
+    ``noise`` times the largest are left out. ``field`` is the MP field of the frequencies.
     """
 
     def __init__(

@@ -22,15 +22,15 @@ MOST_CELLS = 1 << 16
 CENTRES = 12
 FARTHEST = 2.0
 REMOTE = 1e4
-# beyond this many cells branch points are close together and far from all centres (a heavy ball with one large moment):
-# then centres between branch points are tried too, this many from either end of a gap, the first at half the least
-# distance of two branch points
+# if there are more than FEW_CELLS cells, branch points are close together and far from all centres (a heavy ball with
+# one large moment). Then INNER centres from either end of a gap are tried too, the first at half the least distance of
+# two branch points
 FEW_CELLS = 1 << 11
 INNER = 8
-# or at this fraction of the distances of branch points, and in no narrower gap: translations about a centre lose twice
-# the digits of its distance from a branch point, as many as double-doubles can spare
+# no centre is nearer to the end of a gap than this fraction of the length of the ovals: translations about a centre
+# lose twice the digits of its distance from a branch point, as many as double-doubles can spare
 NEAREST = 2.0**-30
-# but only at this one where cells are no more than this, which costs almost no digits
+# up to MANY_CELLS cells this larger fraction is used, which costs almost no digits
 FAIR = 2.0**-12
 MANY_CELLS = 1 << 12
 # below this d·max a one period is nearly the residue at infinity
@@ -45,10 +45,10 @@ def best_chart(
     """(c₁, c₂, reach₁, reach₂, m₁, n₁, m₂, n₂, rows, columns): the centres with the fewest cells, the largest s for
     either, the integer rows (m, n) of a reduced basis in the given periods (a₁, b₁, a₂, b₂), and the cells.
 
-    ``points`` are the branch points, ``ends`` those of the ovals, ``origin`` is how far all have been moved, ``lead``
-    the leading coefficient of f.
+    ``points`` are the branch points and ``ends`` those of the ovals, all less by ``origin``; ``lead`` is the leading
+    coefficient of f.
     """
-    # with d = 0 one period is the residue of x dx/y, translations by its parts are at infinity: it comes second
+    # with d = 0 one period is the residue of x dx/y; its parts are translations at infinity: it comes second
     flat = len(points) == 4 or lead < FLAT
     fewest = 1 << 60
     best = (0.0, 0.0, 0.0, 0.0, 1, 0, 0, 1, 0, 0)
@@ -84,7 +84,7 @@ def centre_of(i: int, points: Row, ends: Row, origin: float, nearest: float) -> 
     """The i-th candidate for a centre.
 
     Candidates are below all branch points, then in the gap between the ovals, from its lower end to its middle and from
-    near its upper end, then in the gap behind the second oval. ``nearest`` is relative to the distances.
+    near its upper end, then in the gap behind the second oval. Distances from ends of gaps are ≥ ``nearest``·spread.
     """
     least, low, high = points[0], float(ends[0]), float(ends[3])
     near = spread = high - low

@@ -35,9 +35,9 @@ class NearIdentity(NamedTuple):
 
 
 class SmallSteps(NamedTuple):
-    """Translations inside a cell: ``axes`` those of κ = 1, ``tables`` those of :func:`directions`, 4·``terms`` numbers
-    for either centre, ``parts`` (p, q, r, s): the translation by (a, b) in periods takes the parts pa + qb and
-    ra + sb of both reaches.
+    """Translations inside a cell: ``axes`` are those of κ = 1, ``tables`` those of :func:`directions`, 4·``terms``
+    numbers for either centre. ``parts`` is (p, q, r, s): the translation by (a, b) in periods is that by pa + qb and ra
+    + sb in units of the reaches of the two centres.
     """
 
     axes: Row
@@ -70,12 +70,12 @@ def eight(row: Row) -> tuple[Real, ...]:
 def directions(
     motion: Row, chart: Any, parts: Row, nodes: Row, passes: int, room: TableRoom, tables: Row, halves: Row
 ) -> None:
-    """Writes polynomials of T(s) about either centre, |s| ≤ reach, one after the other to ``tables``, and to ``halves``
-    the translations by half a cell in either direction, both parts of the first, then of the second.
+    """Writes polynomials of T(s) about either centre, |s| ≤ reach, one after the other to ``tables``. ``halves``
+    receives the translations by half a cell in either direction, both parts of the first, then of the second.
 
     With x = s/reach and z = x² the points of T are c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z)
-    about the centre c: those of p, q, t, v one after the other, from their values at ``nodes`` of z. ``motion`` is as
-    for :func:`integrable.torus.survey.survey`, ``chart`` a :class:`~integrable.torus.lattice.Chart`; ``passes`` are
+    about the centre c. The polynomials are p, q, t, v in this order, from their values at ``nodes`` of z. ``motion`` is
+    as for :func:`integrable.torus.survey.survey`, ``chart`` a :class:`~integrable.torus.lattice.Chart`; ``passes`` are
     those of Newton.
     """
     size, points = len(nodes), room.points

@@ -73,10 +73,10 @@ class Stride(NamedTuple):
 
 
 class Fine(NamedTuple):
-    """A grid of ``finer[0]`` × ``finer[1]`` points to a cell: ``odd`` is whether a period turns an odd number of γ_i,
-    ``steps`` and ``counts`` are what :func:`offsets` makes, 20 numbers and one for each point; those of a coarser grid,
-    with points ``coarser`` apart, are KNOWN (0: there is none). ``rest`` are (d, r) of the factor r − dx of f where its
-    values determine 1/g, for an upright body, else 0 (:func:`integrable.torus.corners.rest_of`).
+    """A grid of ``finer[0]`` × ``finer[1]`` points to a cell. ``odd``: whether a period turns an odd number of γ_i.
+    :func:`offsets` writes 20 numbers for each point to ``steps`` and one to ``counts``, KNOWN for points of a coarser
+    grid, which are ``coarser`` apart (0: there is none). ``rest`` is (d, r) of the factor r − dx of f if its values
+    determine 1/g, for an upright body, else (0, 0) (:func:`integrable.torus.corners.rest_of`).
     """
 
     cells: tuple[int, int]
@@ -92,10 +92,10 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
     """Writes the moving points at the corners of the cells to ``states``, row by row of ten numbers; returns
     :func:`closure`.
 
-    The first direction is walked in steps of an odd number of cells, up to ``most``, round and round, the second in
-    such steps that may lead down by one cell as well; columns backward take ``most`` = 1. ``ends`` receives the end of
-    every walk and ``known`` its goal, signs included: that of the first direction, then those of the second from all
-    rows.
+    Steps in the first direction are an odd number of cells, at most ``most``, and reach all rows in as many rounds.
+    Those in the second may lead down by one cell as well. If columns are walked backward, ``most`` is 1. ``ends``
+    receives the end of every walk and ``known`` its goal, signs included: that of the first direction, then those of
+    the second from all rows.
     """
     (rows, columns), near = walk.cells, in_tuples(curve)
     down, _, parts0 = step_over(near, walk, 0)
@@ -165,7 +165,7 @@ def with_signs(walk: Walk, stride: Stride, states: Row, ends: Row, known: Row) -
             if (stride.down * i + stride.lower * j) // rows % 2 != 0:
                 turn(states, place_at(walk, stride, i, j), walk.turns, 0)
     for i in range(rows):
-        # a whole period away, times an odd number of cells: the walk that started, or turned back, there
+        # the goal, an odd number of periods away: a corner where this walk started, or where a backward one ended
         place = 10 * (i + 1)
         if (stride.down * i + stride.lower * walk.forward) // rows % 2 != 0:
             turn(ends, place, walk.turns, 0)
@@ -185,20 +185,20 @@ def turn(points: Row, place: int, turns: Row, first: int) -> None:
 
 
 def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
-    """The number of cells, 1 or 0 for one more cell in the first direction, and the number of translations of the best
-    conditioned step.
+    """Returns the numbers (cells, cells in the first direction besides, translations) of the best conditioned step in a
+    direction.
 
-    The step is over an odd number of cells, up to ``most``, in a direction; it is written into steps[20·direction …].
-    The extra cell is for the second direction, on request. The step is one translation, or both parts of one cell where
-    every sum is badly conditioned. That happens in a direction in which an oval is a point, as for two equal moments:
-    both points of its translations are there.
+    The step is over an odd number of cells, up to ``most``; it is written into steps[20·direction …]. Only a step in
+    the second direction may lead over a cell of the first as well, 1 or 0. The step is one translation, or both parts
+    of one cell where every sum is badly conditioned. That happens in a direction in which an oval is a point, as for
+    two equal moments: both points of its translations are there.
     """
     f, axes, out = curve.f, curve.unit_axes, walk.steps
     first, second = moving_point(walk.halves, 20 * direction), moving_point(walk.halves, 20 * direction + 10)
     down1, down2 = moving_point(walk.halves), moving_point(walk.halves, 10)
     down1, down2 = carried(f, axes, down1, down1), carried(f, axes, down2, down2)
-    # multiples of either part, and one sum of both: sums lie anywhere, and at d = 0 those by one of the periods, the
-    # residue of x dx/y, at infinity
+    # multiples of either part and only one sum of both are formed: sums lie anywhere, and at d = 0 those by the residue
+    # of x dx/y, a period, lie at infinity
     first, second = carried(f, axes, first, first), carried(f, axes, second, second)
     put(first, out, 20 * direction)
     put(second, out, 20 * direction + 10)
