@@ -15,8 +15,8 @@ from jacobian.inexact.long_field import LongField
 from jacobian.periods.quadrature import working_numbers
 from jacobian.periods.roots import conjugated, simple_roots
 
-# largest number of Newton steps to a root; roots nearer to each other than CLOSE, relative to the largest, are not
-# reached by Newton's method from floats
+# largest number of Newton steps to a root; roots nearer to each other than CLOSE, relative to the largest, count as not
+# separated by floats
 NEWTON_STEPS, CLOSE = 20, 1e-9
 # length to which an oval that is a point is opened, relative to the largest branch point: its points move by ≤ √OPENED
 OPENED = 2.0**-130
@@ -125,7 +125,7 @@ def without_root(even: PairModel) -> PairModel:
     v = (-m * s * p + v1 * p, m * (s * s - p) - v1 * s)
     c0, c1 = even.direction
     moved = [1 / (pole - e) for e in roots]
-    # elsewhere a point of the pair may pass the largest root
+    # if the points are not one in each bounded oval, one may pass the largest root
     ends = [(x - s) * x + p for x in moved[1:]]
     if lead > 0 or any(sign * height < -SMALL * p for sign, height in zip((1, -1, -1, 1), ends, strict=True)):
         raise PrecisionLoss(APART)

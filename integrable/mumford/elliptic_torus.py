@@ -117,7 +117,7 @@ class EllipticTorus:
     """D of a :class:`Start` of genus 1 in double-doubles, at any times.
 
     ``place(K)`` returns the start in the numbers of K. PrecisionLoss if branch points are not real or too close, if the
-    point is on an unbounded branch or at rest, and for data other than lifts on a model of odd degree.
+    point is on an unbounded branch or at rest, for data but lifts, and for lifts on a model of degree 4.
     """
 
     def __init__(self, place: Callable[[LongField], Start]) -> None:
@@ -283,7 +283,7 @@ def terms_of(nome: Real) -> int:
 
 
 def thetas(N: LongField, nome: Real, count: int) -> tuple[list[Real], list[Real], tuple[Real, Real, Real]]:
-    """Coefficients of harmonics 2n + 1 of θ₂, of harmonics 2n of θ₃, and the values of θ₂, θ₃ and θ₄ at 0.
+    """Coefficients of harmonics 2n + 1 of θ₂ and of harmonics 2n of θ₃, and the values of θ₂, θ₃ and θ₄ at 0.
 
     Coefficients and value of θ₂ are divided by its first coefficient.
     """

@@ -78,7 +78,7 @@ class PhaseTorus:
         return self._read([(sign * s, sign * c) for sign, (s, c) in zip(signs, moved, strict=False)], turned)
 
     def _sums(self, angles: np.ndarray, halves: Halves, rest: Sequence[Column]) -> Column:
-        """For each form the sum of its integrals to these angles, less what grows with the phases: (forms, N)."""
+        """For each form the sum of its integrals to these angles, less the part linear in the phases: (forms, N)."""
         total, round_ = Column(0.0), 2 * circle_table()[2]
         for phi, (s, c), x, mean, waves in zip(angles.T, halves, rest, self._means, self._waves, strict=False):
             twice, sine = 2 * (c * c - s * s), 2 * s * c

@@ -33,10 +33,10 @@ LEAST = exp(-pi * DEPTH)
 class ThetaSums(NamedTuple):
     """The weights of the theta series of all classes (characteristics).
 
-    ``table`` has the shape ``sizes`` = (classes, rows, columns). An entry is four numbers: w₊ + w₋, w₊ − w₋ and the
-    same for the derivative along a direction. Rows are a = e₁, e₁ + 2, …, columns b = e₂, e₂ + 2, …; the rest is
-    negligible after ``lengths`` columns of a row. ``chars`` are e₁, e₂, δ₁, δ₂ of each class. ``inverse`` is that of
-    :func:`integrable.mumford.elliptic_torus.circle`.
+    ``table`` has the shape ``sizes`` = (classes, rows, columns). Rows are a = e₁, e₁ + 2, …, columns b = e₂, e₂ + 2, ….
+    An entry is w₊ + w₋, w₊ − w₋ for the weights w± of (a, ±b), and the same for the derivative along a direction.
+    Entries after ``lengths`` columns of a row are negligible. ``chars`` are e₁, e₂, δ₁, δ₂ of each class. ``inverse``
+    is that of :func:`integrable.mumford.elliptic_torus.circle`.
     """
 
     table: Row

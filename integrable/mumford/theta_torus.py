@@ -84,9 +84,9 @@ class ThetaTorus:
     """D of a :class:`Start` of genus 2 in double-doubles, at any times.
 
     ``place(K)`` returns the start in the numbers of K, ``rate(K)`` the :class:`Rate` of a motion whose time is not
-    linear in τ. A datum of the second kind must be this time, with dt/dτ = |U(0)|. PrecisionLoss if branch points
-    nearly meet, if fewer than two are real, for other data than lifts, and on a model of even degree for lifts or if
-    the points of the pair are not one in each oval.
+    linear in τ. The only datum of the second kind that is allowed is the time t with dt/dτ = |U(0)|. PrecisionLoss for
+    other data than this and lifts, if branch points nearly meet, or if fewer than two are real. On a model of even
+    degree also for lifts, and if the points of the pair are not one in each oval.
     """
 
     def __init__(self, place: Callable[[LongField], Start], rate: Callable[[LongField], Rate] | None = None) -> None:

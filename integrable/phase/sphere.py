@@ -44,8 +44,8 @@ def sphere_integrals(K: Field, a: tuple[Real, Real, Real], point: Separated) -> 
 def conic_sum(K: Field, f: poly.Poly, divisor: Divisor, x0: Real | None, y0: Real) -> Divisor:
     """The divisor (Ũ, Ṽ) = ((P² − f)/U made monic, −P mod Ũ), P = V + cU through (x0, y0). For x0 = None c = y0.
 
-    For Mumford data of N points on y² = f(x), deg f = 2N (:meth:`jacobian.relatives.conic.Representative.step`). It
-    preserves {u_i, p_j} = (u_i − x0)δ_ij, y = φp, for constant y0. NotRepresentable where U(x0) = 0.
+    (U, V) are N points on y² = f(x), deg f = 2N (:meth:`jacobian.relatives.conic.Representative.step`). For constant y0
+    the map preserves {u_i, p_j} = (u_i − x0)δ_ij, y = φp. NotRepresentable where U(x0) = 0.
     """
     image = Representative(HyperellipticCurve(K, f), *divisor).step(x0, y0)
     return image.u, image.v

@@ -19,8 +19,8 @@ MOST_BITS = 14_000
 
 
 class _Part:
-    """γ or M as the user sees it: a read-only array over RR and MP, as in a trajectory, and a tuple over exact fields,
-    whose sums and products numpy would not reduce.
+    """γ or M as the user sees it: a read-only array over RR and MP, as in a trajectory. Over exact fields it is a
+    tuple, because sums and products by numpy would not be reduced to the field.
     """
 
     def __init__(self, place: int) -> None:
@@ -46,7 +46,7 @@ class _Part:
         return array
 
 
-# the constructor, repr, comparison and hash are written out; dataclasses.replace takes a state
+# a dataclass only so that dataclasses.replace takes a state; constructor, repr, comparison and hash are written out
 @dataclass(init=False, repr=False, eq=False)
 class State(Immutable, Generic[Element]):
     """A state (γ, M): the unit vertical γ and the angular momentum M about the contact point, both in the body frame.
@@ -92,7 +92,7 @@ class State(Immutable, Generic[Element]):
 
 
 def _numbers(vector: Any) -> Any:
-    """A vector as a tuple, which has a hash; an array such as ``state.gamma`` as one of Python's own numbers."""
+    """A vector as a hashable tuple; the elements of an array such as ``state.gamma`` become Python's own numbers."""
     return tuple(vector.tolist() if hasattr(vector, "tolist") else vector)
 
 

@@ -57,7 +57,7 @@ class InOrder:
         self._ways = ways
 
     def first(self, asked: Callable[[Way], Answer | None]) -> Answer:
-        """What the first way answers that reaches all times."""
+        """The answer of the first way that reaches all times; PrecisionLoss if none does."""
         for way in self._ways():
             self.way = way.way
             found = asked(way)
@@ -67,7 +67,7 @@ class InOrder:
 
 
 class StatesReached(NamedTuple):
-    """States of a motion: ``way`` is the name of what computed them, ``states`` have the shape (N, 2, n) of q and p.
+    """States of a motion, as q and p of shape (N, 2, n), and the name of the ``way`` that computed them.
 
     ``places`` are the indices of their times, None for all times in order. ``error`` is an estimate relative to the
     largest component of q, or of p.

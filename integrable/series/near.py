@@ -46,7 +46,7 @@ class Near(NamedTuple):
 def walked(system: Walked, state: State, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
     """The states at those times that are reached within about ``most`` microseconds.
 
-    Times at which coarser steps miss the tolerance are computed by steps accurate to the last bits of floats.
+    Where coarse steps miss the tolerance, times are computed again by steps accurate to the last bits of floats.
     """
     kind, given = system._kind, (*state.q, *state.p)
     found = None

@@ -16,8 +16,8 @@ from jacobian.numbers.double_double_steps import fast_two_sum
 
 # number of orders in a round of the loop: a factor is loaded once for all of them
 AT_ONCE = 4
-# with this many orders in double-doubles, sums are renormalized at once, which takes a tenth of the time of a step.
-# So many orders are used only where other steps lose too many digits (a body of Veselova's with a moment of 5e-10)
+# with at least this many orders in double-doubles, sums are renormalized at once, for a tenth of the time of a step. So
+# many are used only where other steps lose too many digits (a body of Veselova's with a moment of 5e-10)
 CAREFUL = 10
 Term = tuple[int, int, int]
 """(factor, j, k − j), for the term factor·p_j q_{k−j}."""
@@ -71,8 +71,8 @@ class Sums:
         return self._hi(n, k), self._lo(n, k) if k <= self.wide else ""
 
     def _put(self, n: int, k: int, x: Wide) -> None:
-        # where sums cancel, the parts overlap, and products would be rounded to floats; later operations use other
-        # values before they are renormalized, and so do not wait
+        # where sums cancel, their parts overlap, and products of them would have only float accuracy. Later operations
+        # that use values from before the renormalization need not wait for it
         cancels = self.wide >= CAREFUL and self.tape.kinds[n] in (SUM, DIFFERENCE)
         if x[1] and (k == 0 or cancels):
             x = fast_two_sum(self.text, *x)
@@ -193,8 +193,8 @@ class Sums:
         text, (sides, width) = self._vector(nodes), (self.room.sides[nodes], self.room.packs[nodes])
         left, right, square = sides[0].place, sides[-1].place, len(sides) == 1
         at_once, last = (AT_ONCE // 2, (self._loop - 1) // 2) if square else (AT_ONCE, self._loop - 1)
-        # terms with j up to this come after the loop, because the newest are among them, and so that the number of
-        # the others is a multiple of ``at_once``
+        # terms with j up to this are added after the loop: they include the newest, and leave a multiple of ``at_once``
+        # terms to the loop
         first = AT_ONCE - 1 + (last - AT_ONCE + 1) % at_once
         sums = [text.real(0.0)] * AT_ONCE
         if square:

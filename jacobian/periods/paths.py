@@ -1,7 +1,7 @@
 """Integrals of dx/y and x dx/y along straight paths between branch points of y² = f(x), deg f = 5, and to other points.
 
-An integrand is summed over the nodes of a rule in double-doubles, compiled: a Gauss rule, or, where real branch points
-nearly meet, the trapezoidal rule in log(v/(1 − v)), v the part of the path to a node.
+A compiled loop sums an integrand over the nodes of a rule in double-doubles. It is a Gauss rule or, where real branch
+points nearly meet, the trapezoidal rule in log(v/(1 − v)), v the fraction of the path from its start.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ Vector = tuple[Complex, Complex]
 
 # digits of integrals
 DIGITS = 33
-# largest number of nodes of a Gauss rule; beyond it, branch points nearly meet; the number of nodes beyond which the
-# trapezoidal rule is shorter, if all branch points are real
+# largest number of nodes of a Gauss rule: if more are needed, branch points nearly meet. If all branch points are real,
+# the trapezoidal rule is shorter than a Gauss rule of more than MOST_NODES_IF_REAL nodes
 MOST_NODES, MOST_NODES_IF_REAL = 2400, 400
-# nodes on either side of the middle of a path, SPACING apart in log(v/(1 − v)). The error of the rule is
-# e^(−2π²/SPACING) = 5e-35; that of the ends is e^(−NODES·SPACING/2) = 5e-55, or 1e-33 beside a gap of 1e-42
+# number of nodes on either side of the middle of a path, SPACING apart in log(v/(1 − v)). The rule's error is
+# e^(−2π²/SPACING) = 5e-35. Omitting the ends adds e^(−NODES·SPACING/2) = 5e-55, or 1e-33 beside a gap of 1e-42
 NODES, SPACING = 1000, 0.25
 # distance from a branch point, relative to its size, below which rounding may put a point beyond it
 NEAR = 2.0**-140
@@ -89,7 +89,7 @@ def image(
 def to_point(Z: LongField, roots: list[Complex], lead: Complex, halves: list[Vector], point: Vector) -> Vector:
     """The integrals from the first root to a point (x₁, y₁), modulo periods.
 
-    The path is straight from the root r that takes fewest nodes, with nodes in √(x − r).
+    The path goes straight from the root r from which it takes fewest nodes; a Gauss rule has its nodes in √(x − r).
     """
     (x1, y1), rules = point, []
     for k, r in enumerate(roots):
@@ -110,7 +110,7 @@ def to_point(Z: LongField, roots: list[Complex], lead: Complex, halves: list[Vec
 
 
 class StraightPath(NamedTuple):
-    """x from a to b and the other branch points e, each with the nearer end of the path.
+    """A straight path from a to b: for each other branch point e, the end nearer to e and whether that is b.
 
     ``factor`` is Π√(end − e), ``poles`` are (other end − end)/(end − e).
     """
@@ -121,7 +121,7 @@ class StraightPath(NamedTuple):
     factor: Complex
 
     def graded(self, count: int) -> bool:
-        """Whether nodes that crowd at both ends are better than ``count`` nodes of a Gauss rule."""
+        """Whether the trapezoidal rule is better than ``count`` nodes of a Gauss rule."""
         if count > MOST_NODES_IF_REAL and not any(q.imag for q in self.poles):
             return True
         if count > MOST_NODES:

@@ -21,7 +21,7 @@ from jacobian.periods.paths import Vector, along
 Matrix = tuple[Vector, Vector]
 Whole = tuple[int, int, int, int]
 
-# allowed distance from a whole number, due to rounding, and the same in floats
+# relative asymmetry up to which τ counts as symmetric: in long numbers, and in floats
 NEARLY, NEARLY_IN_FLOATS = 1e-22, 1e-6
 
 
@@ -35,13 +35,13 @@ class Periods(NamedTuple):
 
 
 def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods:
-    """The half-periods of five roots in the order of a simple polygon. Sheets are chosen so that τ is symmetric with Im
-    τ positive.
+    """Cycles, and half-periods of five roots in the order of a simple polygon. Sheets are chosen so that τ is symmetric
+    with Im τ positive.
     """
     sides = [along(Z, roots, lead, k) for k in range(4)]
     for signs in product((1, -1), repeat=3):
         cycles = cycles_of(sides, signs)
-        # most choices are refused in floats
+        # a test in floats rules out most choices at less cost
         if not symmetric(ratio(rough(cycles)), NEARLY_IN_FLOATS):
             continue
         tau = ratio(cycles)
