@@ -2,8 +2,8 @@
 
 A pair with the ``lean`` s represents the class of div(u, v) − (deg u/2)(∞₊ + ∞₋) + (s/2)(∞₊ − ∞₋). Composition adds
 leans, and its reduction steps preserve them except where y − v vanishes at infinity. On models of odd genus no sum of
-classes in general position is balanced. Let P be the polynomial part of √f at infinity: one step with y ∓ P takes g + 1
-points with lean ∓2 to g points with lean ∓1 (Galbraith, Harrison and Mireles Morales 2008).
+classes in general position has the lean 0. Let P be the polynomial part of √f at infinity. A step with y ∓ P takes
+g + 1 points with lean ∓2 to g points with lean ∓1 (Galbraith, Harrison and Mireles Morales 2008).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Infinity(NamedTuple):
 
 
 def lean_of(genus: int, degree: int, n: int) -> int:
-    """The lean of a triple with deg u = ``degree`` and the weight n at ∞₊."""
+    """The lean of a pair with deg u = ``degree`` and the weight n at ∞₊."""
     return 2 * n + degree - 2 * ((genus + 1) // 2)
 
 

@@ -5,8 +5,8 @@ x → 2x and y → 2y to the bit. In these units :mod:`jacobian.inexact.stacked`
 
 More digits (:mod:`jacobian.inexact.decided`) are used in two cases: if the points, or the coefficients of the curve,
 are of very different sizes, or if a remainder that must vanish exceeds rounding. The summands are then moved onto the
-curve, within their last bits, and the effect of these bits decides degrees. PrecisionLoss where they do not determine
-the sum.
+curve, within their last bits. A quantity that these bits can make zero counts as zero where a degree depends on it.
+PrecisionLoss where the last bits leave the sum undetermined.
 """
 
 from __future__ import annotations

@@ -25,8 +25,8 @@ from jacobian.inexact.stacked import Pair, Total
 
 # a quantity counts as zero up to this multiple of the effect of a unit in the last place of the summands
 ZERO = 16
-# error of summands that are sums themselves, in units of the last place. A quantity is nonzero if it exceeds the effect
-# of such errors by the factor NONZERO where it decides a degree, by DISTINCT where it decides if points are opposite
+# ROUNDED: error, in units of the last place, of summands that are sums themselves. A quantity is nonzero if it exceeds
+# the effect of such errors by the factor NONZERO (it decides a degree) or DISTINCT (it decides if points are opposite)
 ROUNDED, NONZERO, DISTINCT = 4, 4096, 64
 # largest relative change of a sum by rounding: CLEAR where only exact zeros were zero, UNKNOWN in any case
 CLEAR, UNKNOWN = 2.0**-12, 2.0**-4

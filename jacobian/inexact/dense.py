@@ -82,7 +82,7 @@ def absolute(a: Sequence[Number]) -> Coefficients:
 def bound(monic: Sequence[Number]) -> Coefficients:
     """The modulus x^m − Σ |u_i|x^i for a monic u of degree m.
 
-    Remainders modulo it of polynomials of absolute values bound the remainders modulo u, because nothing cancels.
+    For a polynomial a, the remainder of Σ |a_i|x^i modulo it bounds that of a modulo u, because nothing cancels.
     """
     return [-abs(c) for c in monic[:-1]] + [abs(monic[-1])]
 
@@ -125,7 +125,7 @@ def pivoted_qr(
 
 
 def null_vector(order: list[int], triangle: list[Coefficients]) -> Coefficients:
-    """The null vector of R = ``triangle``, whose last column depends on the others, in the original column order."""
+    """The null vector, in the original column order, of R = ``triangle``, whose last column depends on the others."""
     n = len(order)
     solution = _back_substitute(triangle[:-1], [-x for x in triangle[-1][: n - 1]])
     result = [*solution, 1 + 0 * triangle[-1][0]]

@@ -1,6 +1,6 @@
 """One addition in genus 2 on bare reals, in Python that is compiled unchanged.
 
-The same formulas as :mod:`jacobian.inexact.composition` for two divisors of weight two on y² = f(x), deg f ≤ 5,
+These are the formulas of :mod:`jacobian.inexact.composition` for two divisors of weight two on y² = f(x), deg f ≤ 5,
 unrolled; a quartic f gives the generalized Jacobian with modulus ∞₊ + ∞₋. Coordinates must be in units that make the
 coefficients of f and of the moving divisor of moderate size. The result must be of weight two: the real motions that
 use this never leave the compact component. Numbers are ``float`` or ``mpf``; :mod:`jacobian.native` compiles
@@ -78,7 +78,7 @@ def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
 def chord_apart(first: Four, second: Four) -> tuple[Real, Real, Real, bool]:
     """(q, l1, l0) of any size with L·U ≡ q(V' − V) modulo U', and whether this congruence is well conditioned.
 
-    It is, if no abscissa of one divisor is near an abscissa of the other. This takes a seventh of the operations of
+    It is if no abscissa of one divisor is near an abscissa of the other. This takes a seventh of the operations of
     :func:`chord`.
     """
     u0, u1, v0, v1 = first
@@ -132,7 +132,7 @@ def second_polynomial(
 ) -> tuple[Real, Real]:
     """V'' = c0 + c1·x from q·V'' ≡ −p and L·(V'' − V) ≡ −q·W for both summands, modulo U'' = x² + b1·x + b0.
 
-    Averaged like :func:`chord`. Where all three are ill-conditioned, reflections and the equation of the curve give it.
+    The three solutions are averaged as in :func:`chord`. Where all are ill-conditioned, see :func:`tangent_polynomial`.
     """
     f2, f3, f4, f5 = f[2], f[3], f[4], f[5]
     u0, u1, v0, v1 = first

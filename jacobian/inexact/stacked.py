@@ -43,7 +43,7 @@ from jacobian.inexact.dense import (
 
 Pair = tuple[Coefficients, Coefficients]
 
-# p may be this many times smaller than u before its lost digits count as more than a remainder of one unit
+# p may be this many times smaller than u before the digits it loses count as a remainder above one unit
 FEWER = 16
 
 UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
@@ -67,7 +67,7 @@ def compose(
 ) -> tuple[Total, Number]:
     """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² = f(x), and a remainder.
 
-    The remainder is the largest of the exact divisions, relative to the size of its terms. ``plus`` as in
+    It is the largest remainder of the divisions that are exact but for rounding, relative to its terms. ``plus`` as in
     :class:`jacobian.inexact.at_infinity.Infinity`; without it NotRepresentable where a point goes to infinity.
     """
     (u1, v1), (u2, v2) = first, second
@@ -161,7 +161,7 @@ def _monic_quotient(
 def _vanishing(field: Any, psi: Coefficients, lead: Number, plus: complex | None, scale: Number) -> int:
     """The lean of a function y − w that vanishes at infinity; ``lead`` is the leading coefficient of w.
 
-    The leading coefficients of ``psi`` ∝ w² − f, which then are zero, are removed.
+    ``psi`` is proportional to w² − f; its leading coefficients, which are then zero, are removed.
     """
     if plus is None:
         raise NotRepresentable(_AT_INFINITY)
@@ -198,12 +198,12 @@ def _second_polynomial(
     for slope, v, w in summands:
         noise = added(product(absolute(slope), absolute(v)), [abs(q * c) for c in w])
         stack(slope, added(product(slope, v), [-q * c for c in w]), noise)
-    # rows below the noise of the others: of the solutions that opposite points allow they select a small one
+    # these rows are below the noise of the others. Of the solutions that opposite points allow, they select a small one
     small = field.eps / (unit or 1)
     rows.extend([small if i == j else field.zero for j in range(m)] for i in range(m))
     right.extend([field.zero] * m)
     solution = least_squares(rows, right)
-    # only the curve determines the tangent at a multiple point of D + D' if opposite points cancelled; every round
+    # if opposite points cancelled, only the curve determines the tangent at a multiple point of D + D'. Every round
     # doubles the order to which the tangent is known
     for _ in range(max(2, m.bit_length())):
         del rows[3 * m :], right[3 * m :]

@@ -1,8 +1,8 @@
 """The Abel–Jacobi map of a curve over RR, CC or MP(dps), from divisor classes to ℂ^g modulo periods, and its inverse.
 
-The integrals are those of :mod:`jacobian.periods.image`, by Fejér's rule. The inverse follows Newton's method along a
-segment from the image of a divisor of random points to z, in doubles; then it refines at the field's own precision. A
-class of weight g contains one divisor of g points, so any solution is the right one.
+The integrals are those of :mod:`jacobian.periods.image`, by Fejér's rule. By Newton's method the inverse follows
+a segment from the image of a divisor of random points to z, in doubles; then it refines the divisor at the field's own
+precision. A class of weight g contains one divisor of g points, so any solution is the right one.
 """
 
 from __future__ import annotations
@@ -89,8 +89,8 @@ class AbelMap(AbelImage):
         return self._checked(result, target)
 
     def _checked(self, D: Divisor, target: Vector) -> Divisor:
-        """D, if its image agrees with the target to all but some digits. The coefficients of D may not determine its
-        points, hence the check."""
+        """D, if its image agrees with the target to all but some digits; else PrecisionLoss. The check is needed
+        because the coefficients of D may not determine its points."""
         image = self._image_of(self._points_of(D), self._weight_of(D))
         size = max(abs(c - nearest(c)) for c in self.periods.coordinates(plus(target, image, -1)))
         if not size < 10**8 * self.field.eps:

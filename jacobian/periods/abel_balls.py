@@ -76,8 +76,8 @@ class AbelBalls(Immutable):
     def inverse(self, z: Sequence[Any]) -> BallDivisor:
         """The divisor of weight g with the image z, in balls that provably contain one for every z in the given balls.
 
-        ``z``: g balls or numbers, which are exact, modulo periods. PrecisionLoss where the class has less weight or may
-        have it, where points nearly coincide with each other, with a branch point or with infinity, or where z is not
+        ``z``: g balls, or numbers taken as exact, modulo periods. PrecisionLoss where the class has, or may have, less
+        weight, where points nearly coincide with each other, with a branch point or with infinity, or where z is not
         known well enough; NotRepresentable on an inert model of odd genus.
         """
         first = self._images[0]

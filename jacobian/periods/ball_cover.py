@@ -85,7 +85,7 @@ class BallCover(BranchedCover):
         return edges
 
     def _aside(self, first: tuple[int, int], second: tuple[int, int]) -> bool:
-        """Whether the second edge lies on one side of the line of the first, or of the end of the first."""
+        """Whether the second edge lies on one side of the line through the first, or beyond an end of the first."""
         a, b = (self.roots[k] for k in first)
         u, v = ((2 * self.roots[k] - a - b) / (b - a) for k in second)
         pairs = (u.imag, v.imag), (-u.imag, -v.imag), (u.real - 1, v.real - 1), (-1 - u.real, -1 - v.real)

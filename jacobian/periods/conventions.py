@@ -3,8 +3,8 @@
 All programs have g rows of 2g, (∮ along a_1 … a_g, b_1 … b_g), with a_i·b_j = δ_ij. Their differentials differ:
 
 * here x^k dx/(y + h/2);
-* Magma, ``BigPeriodMatrix(AnalyticJacobian(f))``: x^k dx/y on y² = f; of a curve with h it takes y² = 4f + h²;
-* Sage, ``RiemannSurface(y^2 + h*y - f).period_matrix()``: x^k dx/(2y + h), the derivative by y below; also the LMFDB.
+* Magma, ``BigPeriodMatrix(AnalyticJacobian(f))``: x^k dx/y on y² = f; for a curve with h, on y² = 4f + h²;
+* Sage, ``RiemannSurface(y^2 + h*y - f).period_matrix()``: x^k dx/(2y + h), over the derivative by y; also the LMFDB.
 
 Each program chooses its own cycles: its matrix is (A, B)·M with M in Sp(2g, ℤ).
 """
@@ -57,7 +57,7 @@ def whole_coordinates(P: PeriodMatrix, z: Sequence[Any]) -> list[int] | None:
 
 
 def _size(P: PeriodMatrix, program: str | None) -> Any:
-    """The factor between a differential of the program and ours."""
+    """The quotient of the program's differentials and this package's."""
     if program is None:
         return 1
     one_of(program, "program", PROGRAMS, '"magma" or "sage" is needed')

@@ -3,7 +3,7 @@
 An endomorphism is an integral R of 2g × 2g with A·Π = Π·R for some A of g × g, where Π = (Π_1, Π_2) are the periods.
 With τ = Π_1⁻¹Π_2 and R = (a, b; c, d) this is b + τd − aτ − τcτ = 0. It is linear in R, so its integral solutions are
 the small vectors of a lattice (Lenstra, Lenstra & Lovász 1982; as van Wamelen 1999 does). An endomorphism is defined
-over QQ if A is rational, as x^k dx/Y is a basis over QQ. These too are small vectors of a lattice.
+over QQ if A is rational, as x^k dx/Y is a basis over QQ. The rational ones too are small vectors of a lattice.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from jacobian.periods.proven import period_balls
 Integers = tuple[tuple[int, ...], ...]
 
 LEAST_DIGITS = 40
-"""Small vectors that are no relations have entries of about 10^(digits/2)."""
+"""The fewest digits accepted. Small vectors that are no relations have entries of about 10^(digits/2)."""
 MOST_GENUS = 4
 """LLL takes some 5 s in genus 4, cannot be interrupted, and grows like g^8 or more."""
 SMALL = 4
@@ -123,7 +123,7 @@ def _tangent(P: PeriodMatrix, R: Integers) -> list[list[Any]]:
 
 
 def _holds(P: PeriodMatrix, A: list[list[Any]], R: Integers, digits: int) -> bool:
-    """Whether A·Π = Π·R to nine tenths of this many digits."""
+    """Whether A·Π = Π·R to nine tenths of this many digits, relative to the largest entries that R may have."""
     from flint import acb_mat, fmpz_mat
 
     big = acb_mat(P.big)

@@ -35,10 +35,10 @@ class Wp(NamedTuple):
 
 
 class KleinianFunctions(Immutable):
-    """The functions ℘_ij and ζ_i of a curve of genus 2, by its AbelMap or AbelBalls, in whose kind of numbers.
+    """The functions ℘_ij and ζ_i of a curve of genus 2, in the numbers of its AbelMap or AbelBalls.
 
-    Their poles are the classes [P − e], e being infinity on a ramified model, where ℘_22 = F_5 (x_1 + x_2)/4, and on
-    others the branch point of number ``branch_point`` in ``abel.periods.cover.roots``. ArgumentError for another genus.
+    Their poles are the classes [P − e]. On a ramified model e is infinity, and ℘_22 = F_5 (x_1 + x_2)/4. On others e is
+    the branch point of number ``branch_point`` in ``abel.periods.cover.roots``. ArgumentError for another genus.
     """
 
     def __init__(self, abel: AbelMap | AbelBalls, branch_point: int | None = None) -> None:

@@ -31,7 +31,7 @@ class PeriodMatrix(Immutable):
     """Periods of x^k dx/(y + h/2), k < g, as numbers of the complex field beside the curve's, or as balls.
 
     ``A`` and ``B``: g×g tuples of rows, A[k][j] = ∮ of differential k along a_j, with a_i·b_j = δ_ij and no other
-    crossings. ``cover``, ``edges``: the branch points and the half-periods behind them, in working numbers.
+    crossings. ``cover``, ``edges``, ``working``: branch points, half-periods and (A, B) in working numbers.
     ``cycles``: a_1 … a_g, b_1 … b_g as sums of the lifts of the edges. ``recipe``: the call that makes this again.
     """
 

@@ -10,7 +10,7 @@ from jacobian.periods.ball_cover import BallCover
 from jacobian.periods.matrix import PeriodMatrix, period_matrix
 
 MOST_DIGITS = 10_000
-# how many precisions are tried, each twice the last, until the radii are small enough
+# the number of precisions that are tried, each twice the last, until the radii are small enough
 TRIALS = 6
 
 

@@ -140,7 +140,7 @@ def ellipse(u: complex) -> float:
 def from_branch_point(
     numbers: Numbers, roots: Vector, lead: Any, point: tuple[Any, Any], forms: Forms
 ) -> tuple[int, Vector]:
-    """(i, ∫ forms(x) dx/Y from branch point i to the point) on Y² = lead·Π(x − e); from i convergence is fastest."""
+    """(i, ∫ forms(x) dx/Y from branch point i to the point) on Y² = lead·Π(x − e), for the i of fastest convergence."""
     rough, target = [complex(e) for e in roots], complex(point[0])
     scale = max(abs(e - target) for e in rough)
     rates = [_rate([e for j, e in enumerate(rough) if j != i], start, target, scale) for i, start in enumerate(rough)]

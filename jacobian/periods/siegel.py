@@ -29,8 +29,8 @@ class SiegelReduced(NamedTuple):
 def siegel_reduced(found: PeriodMatrix) -> SiegelReduced:
     """The reduced τ of a period matrix in balls: Im τ reduced by LLL, |Re τ_ij| ≤ ½ and |τ_11| ≥ 1, up to the radii.
 
-    The matrix is exact, so that the ball of the result contains the reduced τ of the curve. ArgumentError for a period
-    matrix in floats, whose errors are not known.
+    The matrix in Sp(2g, ℤ) is exact, so each ball of ``tau`` contains the entry of the curve's own (aτ + b)(cτ + d)⁻¹.
+    ArgumentError for a period matrix in floats, whose errors are not known.
     """
     from flint import acb_mat, fmpz_mat
 

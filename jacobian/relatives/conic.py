@@ -3,7 +3,7 @@
 A semi-reduced pair (U, V) of degree N = g+1 has one parameter more than a class of the Jacobian: each class contains a
 pencil of them. With P = V + cU, the function y − P has N zeros in addition to those of (U, V). Their opposites
 
-    Ũ = (P² + hP − f)/(lead · U),    Ṽ = −P − h mod Ũ
+    Ũ = (P² + hP − f)/U, made monic,    Ṽ = −P − h mod Ũ
 
 are another member, and every c gives one. The *step* through a plane point (x₀, y₀) takes c = (y₀ − V(x₀))/U(x₀),
 so that the curve y = P(x) passes through that point, or c = y₀ for x₀ = ∞ (Tsiganov's addition in Pic Y is the one
@@ -102,7 +102,7 @@ class Representative(Immutable):
         return result
 
     def members(self) -> Iterator[Representative]:
-        """Yields the members of the pencil without points at infinity, first the pair itself, over a finite field."""
+        """Yields the members of the pencil without points at infinity; FieldError over an infinite field."""
         K: Any = self.curve.field
         if K.order is None:
             raise FieldError(f"field = {K.name} is infinite: the pencil cannot be listed, use member(c)")

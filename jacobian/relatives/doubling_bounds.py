@@ -1,8 +1,8 @@
 """Bounds of the doubling on a Kummer surface: how much the height of 2D can differ from four times that of D.
 
-Over the reals after Stoll (1999, section 7). For each of the ten factorizations f = G·H into cubics (∞ is a root if deg
-f = 5) there is a linear form ℓ with ℓ(δ(x)) = y(x)² on the surface, y a quadratic form. The ten y span the quadratic
-forms, so √|δ| bounds the ξ_i². Everything is computed in balls.
+The bound over the reals follows Stoll (1999, section 7). For each of the ten factorizations f = G·H into cubics (∞ is a
+root if deg f = 5) there is a linear form ℓ with ℓ(δ(x)) = y(x)² on the surface, y a quadratic form, δ the doubling. The
+ten y span the quadratic forms, so √|δ| bounds the ξ_i². Everything is computed in balls.
 """
 
 from __future__ import annotations

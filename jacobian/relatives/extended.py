@@ -67,7 +67,7 @@ class Reduction(NamedTuple):
 
 
 class Kind(Protocol):
-    """The rules by which one datum changes in zero, −D, a sum and a step; ``group`` has the field and the curve."""
+    """The rules for one datum: its value at zero, and how −D, a composition and a reduction step change it."""
 
     def zero(self, group: ExtendedGroup) -> Any: ...
 
@@ -93,7 +93,7 @@ class ExtendedGroup(Immutable):
         self.genus = (len(self.f) - 2) // 2
         self.odd = len(self.f) % 2 == 0
         self.limit = self.genus if self.odd else self.genus + 1
-        """The degree of a reduced pair at most."""
+        """The largest degree of a reduced pair."""
         self.kinds = tuple(kinds)
         self.curve = HyperellipticCurve(field, self.f) if field.exact else None
 
@@ -146,7 +146,7 @@ class ExtendedGroup(Immutable):
     def _general_composition(self, D: Extended, E: Extended) -> Composition:
         """The composition of pairs in general position: v = v₁ + u₁k with k·u₁ ≡ v₂ − v₁ mod u₂.
 
-        Of a double k·2v ≡ (f − v²)/u mod u.
+        For a double, k·2v ≡ (f − v²)/u mod u.
         """
         K = self.field
         if len(D.u) == 1 or len(E.u) == 1:
@@ -184,13 +184,13 @@ class ExtendedGroup(Immutable):
     def retracted(self, D: Extended) -> Extended:
         """A pair of degree g moved onto the curve over a :class:`LongField`, by one Newton step of least length.
 
-        (δU, δV) of least norm with WδU + 2VδV ≡ f − V² mod U. The distance from the curve grows with every addition,
-        for models of even degree by tens of bits. On the curve an error only doubles when a divisor is doubled.
+        The step is the least (δU, δV) with WδU + 2VδV ≡ f − V² mod U. The distance from the curve grows with every
+        addition, on models of even degree by tens of bits. On the curve an error only doubles when a divisor does.
         """
         K, g = self.field, len(D.u) - 1
         w, rest = poly.divide(K, poly.sub(K, self.f, poly.mul(K, D.v, D.v)), D.u)
-        # x is of size 2^size and f of size 4^height at the points: columns are scaled by their coefficients of U and V,
-        # rows by f
+        # at the points x is of size 2^size and f of size 4^height. A column is scaled by the size of the coefficient of
+        # V or U that it moves, a row by that of f
         exponents = list(map(K.exponent, D.u[:-1]))
         size = max((-(-e // (g - i)) for i, e in enumerate(exponents) if e is not None), default=1)
         height = max(e + size * i for i, e in enumerate(map(K.exponent, self.f)) if e is not None) // 2

@@ -174,7 +174,7 @@ class FibreGroup(Immutable):
     def value(self, function: Function) -> Unit:
         """The value (a : b) of the function a(x) + b(x)·y at the points over x₀. It need not be a unit.
 
-        A common power of x − x₀ in a(x) and b(x), at infinity of 1/x, is divided out first.
+        A common power of x − x₀ in a(x) and b(x) is divided out first; at infinity, one of 1/x.
         """
         K, (a, b) = self.field, function
         if self.x0 is None:
@@ -189,9 +189,9 @@ class FibreGroup(Immutable):
             a, b = poly.quotient(K, a, linear), poly.quotient(K, b, linear)
 
     def class_of(self, functions: list[Function]) -> Unit:
-        """The class of a product of functions that is a unit over x₀ up to a power of x − x₀.
+        """The class of the product of ``functions``, which must be a unit over x₀ up to a power of x − x₀.
 
-        Its factors need not be units.
+        The factors need not be units.
         """
         total, rest = self.identity, None
         for function in functions:

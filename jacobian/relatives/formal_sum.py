@@ -215,12 +215,12 @@ class FormalSum(Immutable):
 
 
 class Intersection(NamedTuple):
-    """A curve Y: y = P(x) that passes through two divisors, and its intersection with X.
+    """A curve Y: y = P(x) through two divisors D and E of the given curve X, and its intersection with X.
 
     ``P`` passes through each point as often as both divisors together contain it, except opposite points, whose
     abscissas are the roots of ``fibres``. ``abel`` is Abel's polynomial P² + hP − f, whose roots are the abscissas of
-    X·Y; ``points`` is the affine part of X·Y. ``rest`` is the remaining divisor of fibres·(y − P) without D and E, so D
-    + E = −rest as classes.
+    X·Y; ``points`` is the affine part of X·Y. ``rest`` is the divisor of fibres·(y − P) minus D and E, so that D + E =
+    −rest as classes.
     """
 
     P: poly.Poly
@@ -233,8 +233,8 @@ class Intersection(NamedTuple):
 def principal_divisor(curve: HyperellipticCurve, a: Any, b: Any = ()) -> FormalSum:
     """div(a(x) + b(x)·y) on an exact curve, of degree 0, for polynomials (ascending) that are not both 0.
 
-    With c = gcd(a, b), a = ca₀, b = cb₀ it is π*(c) + div(N, −a₀/b₀ mod N) and points at infinity, N the norm a₀² −
-    ha₀b₀ − fb₀²: a₀ + b₀y vanishes at no two opposite points.
+    Let c = gcd(a, b), a = ca₀, b = cb₀ and N = a₀² − ha₀b₀ − fb₀². The divisor is π*(c) + div(N, −a₀/b₀ mod N) and
+    points at infinity, because a₀ + b₀y does not vanish at both points of a fibre.
     """
     zero, K = FormalSum.zero(curve), curve.field
     first, second = poly.coerce(K, a, "a"), poly.coerce(K, b, "b")
@@ -253,9 +253,9 @@ def principal_divisor(curve: HyperellipticCurve, a: Any, b: Any = ()) -> FormalS
 def intersection(D: Divisor, E: Divisor) -> Intersection:
     """The curve y = P(x) of lowest degree through two divisors of one group over an exact field, and the divisor y − P.
 
-    Where D and E are in general position, of weight two on a curve of genus two, P is a cubic, and X·Y consists of the
-    points of D, E and −(D + E): the addition of divisors (Abel 1841). Common points are tangencies,
-    opposite ones are ``fibres``; the curve through no point is y = 0. FieldError over an inexact field.
+    In genus two let D and E have weight two and be in general position. Then P is a cubic, and X·Y consists of the
+    points of D, E and −(D + E) (Abel 1841). At a common point the curves are tangent; opposite points go into
+    ``fibres``. The curve through no point is y = 0. FieldError over an inexact field.
     """
     first, second = (FormalSum.from_divisor(check_divisor(X, name)) for X, name in ((D, "D"), (E, "E")))
     C, K = D._compatible(E).jacobian.curve, first.curve.field

@@ -4,8 +4,8 @@ The canonical height is ĥ(D) = lim 4⁻ⁿ h(2ⁿD), where h is the logarithmic
 the divisor 2Θ, and its pairing ⟨D, E⟩ = (ĥ(D+E) − ĥ(D) − ĥ(E))/2 is that of Birch and Swinnerton-Dyer's conjecture.
 
 With the doubling forms δ it is ĥ(D) = h(D) + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g), where x is the primitive
-vector of 2ⁿD on the surface and g the common divisor of the δ_i(x) (Flynn & Smart 1997). Each x is kept as real balls,
-and modulo a power of 16·disc(f), which g divides: no factorization is needed (after Müller & Stoll 2016).
+vector of 2ⁿD on the surface and g the common divisor of the δ_i(x) (Flynn & Smart 1997). Each x is kept as real balls
+and modulo a power of 16·disc(f). Since g divides 16·disc(f), no factorization is needed (after Müller & Stoll 2016).
 :mod:`jacobian.relatives.doubling_bounds` bounds the terms that are left out.
 """
 
@@ -136,9 +136,9 @@ def regulator(classes: Sequence[Divisor], digits: int = 20) -> Real:
 def relation(classes: Sequence[Divisor], digits: int = 20) -> list[int] | None:
     """A relation of the classes: integers m, not all 0, with Σ m_i D_i of finite order; None if there is provably none.
 
-    Independence is proven by a determinant of pairings, a ball without 0. To prove dependence, ratios of pairings are
-    rounded to integers m_i, and Σ m_i D_i is shown to be of finite order exactly. PrecisionLoss where neither succeeds
-    with this many digits.
+    Independence is proven by a determinant of pairings, a ball without 0. To prove dependence, ratios of pairings
+    are rounded to fractions, whose common denominator gives integers m_i. Then Σ m_i D_i is shown to be of finite order
+    exactly. PrecisionLoss where neither succeeds with this many digits.
     """
     classes = _of_one_group(classes)
     matrix = pairings(classes, digits)
@@ -152,7 +152,7 @@ def relation(classes: Sequence[Divisor], digits: int = 20) -> list[int] | None:
 
 def dependence(matrix: Any, classes: Sequence[Divisor], digits: int) -> tuple[list[int], int] | None:
     """(m, n), n > 0, with n·D − Σ m_i·D_i of finite order, where D is the last class and the D_i, the others, are
-    independent; None if D is provably independent of them. ``matrix``: the pairings of the classes; more may follow.
+    independent; None if D is provably independent of them. ``matrix``: the pairings, those of later classes unused.
     """
     from flint import arb_mat
 

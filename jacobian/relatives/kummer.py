@@ -1,9 +1,9 @@
 """The Kummer surface of a curve of genus 2 over QQ or GF(p), and doubling on it (Flynn 1993; Cassels & Flynn 1996,
 chapter 3). :mod:`jacobian.relatives.pseudo_group` has the sums on it.
 
-For y² = f(x) with integral f the class of (x₁, y₁) + (x₂, y₂) − K∞ goes to (1 : x₁+x₂ : x₁x₂ : (F₀(x₁, x₂) − 2y₁y₂)/
-(x₁−x₂)²), the same for D and −D. Doubling is given by four quartic forms δ with integral coefficients. They are found
-from doubled classes over finite fields, by linear algebra modulo primes and the Chinese remainder theorem.
+For y² = f(x) with integral f the class of (x₁, y₁) + (x₂, y₂) − (∞₊ + ∞₋) goes to (1 : x₁+x₂ : x₁x₂ : (F₀(x₁, x₂) −
+2y₁y₂)/(x₁−x₂)²), F₀ as in chapter 3, the same for D and −D. Doubling is given by four quartic forms δ with integral
+coefficients, found from doubled classes over finite fields, by linear algebra and the Chinese remainder theorem.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ FACTORS = {
 }
 MONOMIALS = list(FACTORS)
 # coefficients of δ are polynomials of degree 4 in those of f. The modulus exceeds their expected size by twice these
-# bits: residues that are not coefficients are then too large, and recognised
+# bits. Integers that exceed that size by more than these bits are no coefficients
 SPARE_BITS = 80
 MOST_PRIMES = 200
 # number of classes whose doubles determine δ

@@ -35,13 +35,13 @@ from jacobian.relatives.kummer import KummerSurface, coordinates, kummer_surface
 from jacobian.relatives.pseudo_sums import COMPILED, FORMS, SCRATCH, Forms
 
 INDICES = list(combinations_with_replacement(range(4), 2))
-"""(i, j) of the forms and of the quadratic monomials of a point."""
+"""The indices (i, j), i ≤ j, of the forms b_ij and of the quadratic monomials of a point."""
 TERMS = list(combinations_with_replacement(range(len(INDICES)), 2))
 LEADING = TERMS.index((INDICES.index((0, 0)), INDICES.index((3, 3))))
-"""b₁₁ has (ξ₁²η₄² + ξ₄²η₁²) once."""
+"""The index of the term ξ₁²η₄² + ξ₄²η₁², which has the coefficient 1 in b₁₁."""
 CLASSES = 2 * len(TERMS) + 6
 STEP = 1 << 8
-"""Points that one call adds."""
+"""The number of points in one call of a loop over points."""
 
 WANTED = "a point, four residues, or an array (N, 4) of them,"
 
@@ -134,7 +134,7 @@ class PseudoGroup(Immutable):
         return self._run("add_point", {name: self._residues(points, name) for name, points in given.items()})
 
     def multiple(self, m: Any, x: Any) -> Any:
-        """κ(mD) for x = κ(D), by Montgomery's ladder; m is an int, or a sequence of one for each point."""
+        """κ(mD) for x = κ(D), by Montgomery's ladder; m is an int, or a sequence with one for each point."""
         points = self._residues(x, "x")
         residues, single = points
         m = check_scalar(m, "m") if single else check_scalars(m, len(residues) // 4, "m")

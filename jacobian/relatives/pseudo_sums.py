@@ -18,12 +18,12 @@ from jacobian.native.modular import CONTEXT
 from jacobian.numbers.words import add, decode, dot2, dot4, encode, inverse, mul, sub
 
 Forms = namedtuple("Forms", "first second ends place begin coefficient")
-Forms.__doc__ = """Tables of four forms: table i < 4 has b_i1 … b_i4, table 4 the doubling b_41 … b_44 at one point
-twice, table 5 the equation of the surface, likewise, as its first.
+Forms.__doc__ = """Forms in tables: i < 4 has b_i1 … b_i4, 4 has b_41 … b_44 at (a, a), 5 the surface's equation.
 
-The terms of table i are the pairs (first, second) from ``ends``[i] to ``ends``[i + 1]: the products of the quadratic
-monomials with these numbers, of a's and of b's, made symmetric. Its form j has the terms ``place``, counted from the
-first of the table, with ``coefficient``, from ``begin``[4i + j] on: a multiple of four of them.
+Term n is q_k(a)q_l(b) + q_l(a)q_k(b) with k = ``first``[n] and l = ``second``[n]. The second product is left out for
+k = l, and in tables 4 and 5. Table i has the terms from ``ends``[i] to ``ends``[i + 1]. The summands m of its form j
+run from ``begin``[4i + j] to ``begin``[4i + j + 1], a multiple of four of them. Summand m is ``coefficient``[m] times
+the term ``place``[m] of the table, counted from 0.
 """
 
 QUADRATIC = 10

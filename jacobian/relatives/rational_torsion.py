@@ -57,7 +57,7 @@ class RationalTorsion(NamedTuple):
 
 
 def rational_torsion(J: GroupLaw, height: int = 100) -> RationalTorsion:
-    """The torsion subgroup over QQ: in genus 2 all of it, else the part that points of up to this height generate.
+    """The torsion subgroup over QQ: in genus 2 all of it, else the subgroup that the search from below finds.
 
     ``height``: the largest numerator and denominator of x of the points used, 1 … 1000. FieldError over other fields.
     """
