@@ -121,7 +121,7 @@ class ThetaTorus:
     def witnesses(self) -> np.ndarray:
         """Times more than one period of each phase from the start, in both directions, for a comparison.
 
-        A phase that is much slower is left out: theta functions need no check of what a period changes.
+        A phase that is much slower is left out: what a period changes is right in theta functions without a check.
         """
         fastest = max(map(abs, self._paces))
         return witnesses([nu for nu in self._paces if SLOW * abs(nu) >= fastest])

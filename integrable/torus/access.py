@@ -2,9 +2,9 @@
 
 The moving points at the corners are computed once. A time of the flow gives two phases. Their whole turns change signs
 only; the remainder inside a cell is T(s₁, c₁s₁) + T(s₂, c₂s₂) with T a power series. Compiled loops use double-doubles
-and round once, so no error grows with the time; interpreted ones use more digits. Physical time t = ∫dτ/g is a mean
-rate plus a Fourier series on the torus, inverted by Newton's method (Fedorov 2009 gives the same functions as theta
-functions).
+and round once, so no error grows with the time; interpreted loops use more digits. Physical time t = ∫dτ/g is a mean
+rate times τ plus a Fourier series on the torus, inverted by Newton's method. (Fedorov 2009 writes it in theta
+functions.)
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ ROUGH = 1e-4
 # modes with at least this amplitude of τ, in units in which the body turns by about a radian, are summed in
 # double-doubles
 LOUD = 0.05
-# a direction of the torus is resolved to this fraction of its frequency, as far as this machine's long doubles allow
+# a spectrum is resolved to this times the frequency of a direction, but at most to EXTENDED, for long doubles
 SLOW = 1e-13
 EXTENDED = 32 * float(np.finfo(np.longdouble).eps)
 ROUNDING = EXTENDED / 4
@@ -54,8 +54,8 @@ DENSE = 3
 class TorusFlow(Corners):
     """γ and M at any times of a motion, in the user's units, from a :class:`~integrable.moving_point.setup.Setup`.
 
-    Raises PrecisionLoss where the torus is not compact, or needs too many cells or samples of 1/g (more than ``most``),
-    NotClosed where the loops lose too many digits or a sign (:mod:`integrable.torus.witness`).
+    PrecisionLoss where the torus is not compact, or needs more than ``most`` cells or samples of 1/g. NotClosed where
+    the loops lose too many digits or a sign (:mod:`integrable.torus.witness`).
     """
 
     way = "torus"
@@ -108,8 +108,8 @@ class TorusFlow(Corners):
         return self._rows_at_tau(tau) if panels is None else panels.at(tau, self.loops.panel_values)
 
     def phases(self, times: np.ndarray, physical: bool, periods: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-        """The phases at physical times, or at values of τ unless ``physical``: for each direction, as a fraction of its
-        number of ``periods``. They keep the digits that a rounded τ has lost.
+        """Both phases at physical times, or at values of τ unless ``physical``, each as a fraction of its number of
+        ``periods``. They keep the digits that a rounded τ has lost.
         """
         rates: Sequence[Real]
         rates, rest = self.frequencies, np.zeros(len(times))

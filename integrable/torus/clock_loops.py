@@ -185,7 +185,7 @@ def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room:
 
 
 def swing_and_rate(series: ClockSeries, a: float, b: float, room: Row) -> tuple[float, float]:
-    """(S, mean rate + dS/dτ) at the phases (a, b) in turns. ``room`` holds two floats per second mode."""
+    """(S, mean rate + dS/dτ) at the phases (a, b) in turns. ``room`` holds two floats for each m."""
     lines, count, least, swing, rate = series.lines, series.width, series.least, series.origin, series.mean
     total = len(series.parts) // 4
     real, imaginary = series.parts[:total], series.parts[total : 2 * total]

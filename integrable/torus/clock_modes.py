@@ -1,7 +1,7 @@
 """The series of a clock from the spectrum of 1/g, on bare reals, compiled unchanged.
 
-A spectrum is flat: for k = 0, …, rows/2 all second modes in the order of a discrete transform, real and imaginary parts
-one after the other (:func:`integrable.torus.series.half_spectrum`); ``grid`` is the shape of the samples, powers of 2.
+A spectrum is flat: for k = 0, …, rows/2 all (k, m) in the order of a discrete transform, real and imaginary parts in
+turn (:func:`integrable.torus.series.half_spectrum`). ``grid`` is the shape of the samples, powers of 2.
 """
 
 from __future__ import annotations
@@ -243,8 +243,8 @@ def packed_modes(
 
 
 def loudest(lines: Row, series: tuple[int, int, int, int], parts: Row, least: float) -> tuple[int, int, int]:
-    """(place, k, m − least second mode) of the mode with the largest oscillation of τ, if that is at least ``least``;
-    else (−1, 0, 0).
+    """(place, k, m counted from its least value) of the mode with the largest oscillation of τ; (−1, 0, 0) if that
+    oscillation is below ``least``.
     """
     total, most, found, first, second = series[3], least, -1, 0, 0
     for k in range(series[2]):

@@ -116,7 +116,7 @@ class Corners:
     def mean(self) -> Real:
         """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, independent of samples.
 
-        A tilt does not change it: around an oval with one axis an odd number of γ_i are turned.
+        A tilt does not change it: its term changes sign around an oval with one axis, as an odd number of γ_i do.
         """
         return self.loops.wide(self.rates[9:10], self.setup.wide)[0]
 

@@ -1,5 +1,5 @@
-"""Integrals along a motion of functions of its state with mean 0, at any time: Fourier series on the real torus, in
-floats, and in multiprecision like that of 1/g in :mod:`integrable.torus.long_clock`.
+"""Integrals along a motion, to any time, of functions of its state with mean 0. They are Fourier series on the real
+torus, in floats, or in multiprecision like that of 1/g in :mod:`integrable.torus.long_clock`.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 on a real torus.
 
 Its modes (:mod:`integrable.torus.oval_modes`) give t = ∫dτ/g as a mean rate times τ plus a bounded oscillation.
-Newton's method inverts it, starting from the mean, without steps of the motion. (Fedorov 2009 gives the same functions
-as theta functions.)
+Newton's method inverts it, starting from the mean, without steps of the motion. (Fedorov 2009 writes t in theta
+functions.)
 """
 
 from __future__ import annotations
@@ -143,8 +143,8 @@ class LongClock:
 
 
 class MultiprecisionTorusClock(LongClock):
-    """The clock of a motion, in the units of a :class:`~integrable.moving_point.setup.Setup`, to ``digits``, by
-    default those of the set-up. ``after`` limits the digits after the point, as far times have no more.
+    """The clock of a motion, in the units of a :class:`~integrable.moving_point.setup.Setup`, to ``digits``, by default
+    those of the set-up. ``after`` limits the digits after the point: far times have no more.
 
     Raises the errors of :func:`~integrable.torus.oval_modes.modes_of_rate` if the torus is degenerate or nearly so.
     Such motions are left to the clock that counts steps.

@@ -102,7 +102,7 @@ class Scouts:
         self._rules: dict[int, tuple[list[Row], list[list[Real]]]] = {}
 
     def digits_a_node(self, sign: int, length: int) -> float:
-        """Digits gained per Legendre coefficient of 1/g over ``length`` cells in a direction, at worst."""
+        """The least number of digits gained per Legendre coefficient of 1/g over ``length`` cells in a direction."""
         if (sign, length) not in self._found:
             self._found[sign, length] = self._fall(sign, length)
         return self._found[sign, length]

@@ -234,7 +234,7 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
     zero, n, least = 0 * parts[0], 0, LEAST_CONDITION
     if fine.rest[1] != 0:
-        # the divisor alone loses no digits at a branch point
+        # 1/g is then computed from the divisor alone, which loses no digits at a branch point
         least *= LEAST_CONDITION
     for i in range(-above, finer[0] - above):
         for j in range(-left, finer[1] - left):
