@@ -1,5 +1,5 @@
-"""``python -m jacobian compile`` compiles the kernels now, so that no later run waits; ``sato-tate`` computes the
-L-polynomials of a curve over QQ.
+"""``python -m jacobian compile`` compiles the kernels now, so that no later run waits. ``sato-tate`` computes the
+L-polynomials of a curve over QQ, and ``page`` reports its points, torsion, periods, L-polynomials and endomorphisms.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from jacobian.terminal import write_anything
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command line of the engine; returns the exit status."""
+    """Runs the command line and returns the exit status."""
     parser = argparse.ArgumentParser(prog="python -m jacobian", description="Arithmetic in hyperelliptic Jacobians.")
     write_anything()
     commands = parser.add_subparsers(dest="command", required=True)

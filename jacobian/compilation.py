@@ -27,11 +27,11 @@ from jacobian.relatives import pseudo_sums
 
 BINARY: tuple[Any, ...] = (BinaryTable, BinaryWord, BinaryTwoWords)
 ON_ROWS: tuple[Any, ...] = (Wide32, Wide64, OddTable, TwoWords, *BINARY)
-"""The contexts of everything on rows but explicit formulas."""
+"""The contexts of all loops on rows; explicit formulas have more."""
 
 
 def equations(context: Any) -> tuple[Any, ...]:
-    """The short equations over the fields of a context."""
+    """The equations of :mod:`jacobian.addition.short` over the fields of a context."""
     if context in BINARY:
         return BinaryQuintic, BinarySextic
     return (Quintic, Sextic) if context in (OddTable, Double) else (Quintic, Sextic, Septic)
@@ -58,7 +58,7 @@ def libraries() -> Iterator[Library]:
 
 
 def compile_all() -> Iterator[tuple[str, float]]:
-    """Compiles the libraries one after the other; yields (name, seconds) of each. One on disk takes hundredths."""
+    """Compiles the libraries one after the other; yields (name, seconds) of each. One on disk takes some 10 ms."""
     for library in libraries():
         begun = perf_counter()
         library.load()

@@ -1,7 +1,7 @@
 """Types of arguments and results: the elements of a field, polynomials over it, and what a field reads as a number.
 
-``HyperellipticCurve[Fraction]``, ``Jacobian[int]``, ``Divisor[float]`` name the type of the elements. Without it they
-are of any type.
+``HyperellipticCurve[Fraction]``, ``Jacobian[int]``, ``Divisor[float]`` name the type of the elements. Without the
+bracket they are of any type.
 """
 
 from __future__ import annotations
@@ -94,8 +94,8 @@ class Arithmetic(Protocol[Element]):
         Decimals, and strings such as "3", "-1/3", "0.25" and "1e3". GF(p) takes those whose denominator p does not
         divide. GF(p^k) writes its elements as ints, so it takes whole numbers only, and lists of coefficients. RR, CC
         and MP round them once, and read floats too; CC and MP(dps, complex=True) also read complex numbers; exact
-        fields refuse floats, because 0.1 is not 1/10. Arrays without dimensions count as their number. NaN, infinities,
-        bytes, and arrays and sequences are refused.
+        fields refuse floats, because 0.1 is not 1/10. An array without dimensions counts as its number. NaN,
+        infinities, bytes, sequences and other arrays are refused.
         """
         ...
 

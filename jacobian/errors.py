@@ -1,7 +1,7 @@
 """Named errors of both packages.
 
-Misuse (a wrong argument) is a :class:`ValueError`. What does not exist mathematically has its own error below, so that
-a caller can tell a mistyped argument from a divisor that does not exist.
+A wrong argument is an :class:`ArgumentError`. A result that does not exist or cannot be computed has an error of its
+own, so that a caller can tell a mistyped argument from a root that does not exist. All are ValueErrors.
 """
 
 from __future__ import annotations
@@ -157,7 +157,7 @@ def several(which: Any) -> bool:
 
 
 def chosen(which: Any, count: int) -> Any:
-    """A selection from ``count`` items: a slice, or an array of numbers or truth values."""
+    """``which`` as a selection from ``count`` items, a slice or an array of ints or truth values; or ArgumentError."""
     if isinstance(which, slice):
         return which
     import numpy as np

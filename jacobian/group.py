@@ -43,8 +43,8 @@ class Jacobian(FiniteGroup[Element]):
     """The group of divisor classes of degree 0 of a hyperelliptic curve; get it from ``HyperellipticCurve.jacobian()``.
 
     Exact fields add by the kernel of :mod:`jacobian.addition.choice`, inexact ones by
-    :mod:`jacobian.inexact.composition`. A ramified model whose equation has formal degree 2g+2 is added on its
-    ``arithmetic_model``; divisors show the curve's own coordinates throughout. On an inert model of odd genus divisors
+    :mod:`jacobian.inexact.composition`. Divisors of a ramified model whose equation has formal degree 2g+2 are added on
+    its ``arithmetic_model``, but always show the curve's own coordinates. On an inert model of odd genus divisors
     have no representation (NotRepresentable), but the order is known.
     """
 
@@ -111,7 +111,7 @@ class Jacobian(FiniteGroup[Element]):
     ) -> Divisor[Element]:
         """The class of the Mumford pair (u, v): ascending coefficients or galois.Poly, u monic, u | v² + hv − f.
 
-        deg u ≤ g is kept as it is (v is taken modulo u); a semi-reduced pair with deg u > g is reduced. ``n``, the
+        A pair with deg u ≤ g is kept, v being taken modulo u; a semi-reduced pair with deg u > g is reduced. ``n``, the
         weight at ∞₊ on a split model, lies in 0 … g − deg u, and may be any int where deg u > g; the default ⌈(g − deg
         u)/2⌉ shares the weight evenly. On other models it must be None. Raises ArgumentError, FieldError, NotOnCurve
         with the remainder, PrecisionLoss where its terms exceed the range of floats.
@@ -146,8 +146,8 @@ class Jacobian(FiniteGroup[Element]):
         with ``multiplicities``. ``extension``: a larger finite field that contains x and y; each point must then come
         with all its conjugates.
 
-        The class of r points is reduced by r·∞ on a ramified model, and by ⌊r/2⌋(∞₊+∞₋) on a split one. If r is odd
-        there, also by the ∞₋ or ∞₊ that leaves the weight ⌈(g−r)/2⌉ at ∞₊. An inert model needs an even r (else
+        From r points r·∞ is subtracted on a ramified model, and ⌊r/2⌋(∞₊+∞₋) on a split one. If r is odd there, the ∞₋
+        or ∞₊ that leaves the weight ⌈(g−r)/2⌉ at ∞₊ is subtracted too. An inert model needs an even r (else
         NotRepresentable).
         """
         self._check_representable()
@@ -327,7 +327,7 @@ class Jacobian(FiniteGroup[Element]):
         if not D or not E:
             return D if D else E
         if self._opposite_to_the_bit(D, E):
-            # as in D − D, at any precision
+            # D − D is the identity at any precision
             return self.zero()
         from jacobian.inexact import composition
 

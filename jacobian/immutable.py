@@ -88,7 +88,7 @@ def _opened(initialize: Callable[..., None]) -> Any:
 
 
 def at_once(initialize: Made) -> Made:
-    """An ``__init__`` that updates ``vars(self)``: opening and closing would double the time of setting attributes."""
+    """Marks an ``__init__`` that updates ``vars(self)``: opening and closing would double the time that this takes."""
     initialize._at_once = True  # type: ignore[attr-defined]
     return initialize
 

@@ -1,10 +1,10 @@
 """Ctrl-C in a command: one line and exit code 130, from the call of :func:`stand` on.
 
-A command calls it before it imports anything but this file and the two packages, some 12 ms after the process begins,
-9 of which Python takes; an earlier interrupt is Python's. The command ends with :func:`leave`.
+A command calls it before it imports anything but this file and the two packages: some 12 ms after the process begins,
+of which Python takes 9. Python handles an earlier interrupt. The command ends with :func:`leave`.
 
 The interrupt is an exception in the main thread, which cleans up. But an exception is lost in a callback, becomes
-another one in an import, and waits for threads and for compiled code. So a thread of its own receives the signal too:
+another one in an import, and waits for threads and for compiled code. So a separate thread receives the signal too:
 it prints the line, silences later output, and ends the process when the main thread takes too long.
 """
 
@@ -24,11 +24,11 @@ __all__ = ["leave", "shielded", "stand"]
 
 CODE = 130
 SAYING, MOMENT = 0.1, 0.7
-"""Seconds allowed for printing the line, and for the main thread's clean-up: a sweep ends within one."""
+"""The seconds allowed for printing the line, and for the main thread's clean-up: even a sweep ends within a second."""
 
 
 class _Standing:
-    """The state for interrupts: the name of the command, whether its work is ``over``, and the locks of the line."""
+    """The state for interrupts: the name of the command, whether its work is ``over``, and the locks for printing."""
 
     name = ""
     over = False
@@ -51,7 +51,7 @@ def stand(name: str) -> None:
 
 
 def leave(code: int) -> NoReturn:
-    """End the command. After an interrupt at once: threads that still compute are not awaited."""
+    """Ends the command; after an interrupt at once, without waiting for threads that still compute."""
     _Standing.over = True
     if code == CODE or _Standing.said.locked():
         _say()
@@ -95,10 +95,10 @@ def _say() -> None:
     if not _Standing.name:
         return
     if not _Standing.said.acquire(blocking=False):
-        # until the other thread has written it
+        # wait until the other thread has written it
         _Standing.silent.acquire(timeout=SAYING)
         return
-    # over a progress bar
+    # the line replaces a progress bar
     clear = "\r\x1b[K" if os.isatty(2) else ""
     try:
         os.write(2, f"{clear}{_Standing.name}: interrupted\n".encode())
@@ -118,7 +118,7 @@ def _hook(*error: Any) -> None:
 
 
 class shielded:
-    """A block in which processes are started that never see an interrupt: it ends their parent, which ends them."""
+    """A block that starts processes which never see an interrupt: it ends their parent, and the parent ends them."""
 
     def __enter__(self) -> None:
         import signal

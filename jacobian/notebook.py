@@ -10,7 +10,7 @@ from jacobian.errors import written
 
 __all__ = ["named", "table"]
 
-# characters of a number or a polynomial in a cell
+# the most characters of a number or a polynomial in a cell
 MOST = 120
 # rows shown at the beginning and at the end of a long table
 ENDS = 5

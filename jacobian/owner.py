@@ -1,6 +1,6 @@
-"""Which distribution owns the package ``jacobian``: the index has another one with a package of this name.
+"""Which distribution owns the package ``jacobian``: PyPI has another one with a package of this name.
 
-Installed into one folder, the files of the later one overwrite those of the other.
+If both are installed into one folder, the files of the later one overwrite those of the other.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def say() -> None:
 
 
 def beside(folder: str) -> Iterator[str]:
-    """Name and version of a distribution ``jacobian`` that is installed in a folder, from the file names alone."""
+    """Yields name and version of each distribution ``jacobian`` installed in a folder, from the file names alone."""
     try:
         names = os.listdir(folder)
     except OSError:

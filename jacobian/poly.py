@@ -20,8 +20,8 @@ Poly = tuple[Element, ...]
 def coerce(
     K: Arithmetic[Element], values: object, argument: str = "polynomial", *, constant: bool = False
 ) -> Poly[Element]:
-    """The polynomial of ascending coefficients, or of a polynomial of galois, python-flint or PARI; FieldError names
-    ``argument``.
+    """The polynomial with the ascending coefficients ``values``, or equal to a polynomial of galois, python-flint or
+    PARI; else FieldError, which names ``argument``.
 
     With ``constant`` a single number is accepted too. Exact zeros at the top are cut off over an exact field only.
     """

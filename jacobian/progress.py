@@ -11,14 +11,14 @@ from typing import TypeVar
 Thing = TypeVar("Thing")
 
 LOG = logging.getLogger(__name__)
-# seconds until the remaining time is estimated, from which on it counts as long, and between two messages
+# seconds: before the first message, those that count as long, and those between two messages
 FIRST, LONG, SAID_AGAIN = 0.5, 5.0, 5.0
 
 
 class Progress:
     """Reports the completed part of ``work`` and the remaining time every few seconds, at level INFO. One message is a
-    warning, which Python shows by itself: when the rest is long, or the computation has been. ``part``: the number of
-    parts before this one, and of all.
+    warning, which Python shows by default: the first at which the remaining or the elapsed time is long. ``part``: the
+    number of parts before this one, and the number of all parts.
     """
 
     def __init__(self, name: str, work: float, part: tuple[int, int] = (0, 1)) -> None:
@@ -27,7 +27,7 @@ class Progress:
         self._next, self._warned = self._begun + FIRST, False
 
     def add(self, work: float) -> None:
-        """Adds to the completed work."""
+        """Adds to the completed work, and logs a message where one is due."""
         with self._lock:
             self._done += work
             now, (before, parts) = perf_counter(), self.part

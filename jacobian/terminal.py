@@ -13,7 +13,7 @@ from typing import Any
 
 __all__ = ["write_anything"]
 
-# one character for one where tables are aligned by their number
+# characters of tables have one character each: columns are aligned by counting them
 _PLAIN = {
     **dict(zip("αγδηκλνστφωΓΔΣ", "agdeklnstfwGDS", strict=True)),
     **dict(zip("–—−·×∙“”„’‘│─", '---*x*"""\'\'|-', strict=True)),
