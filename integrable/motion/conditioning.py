@@ -29,7 +29,7 @@ FLOAT_CHANGE = 1e-7
 LINEAR = 1e-3
 """Differences larger than this are recomputed with a smaller change."""
 
-Motion = Callable[[Any, State, Sequence[Real]], tuple[np.ndarray, np.ndarray]]
+StatesAt = Callable[[Any, State, Sequence[Real]], tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Conditioning:
         return eps * self.gamma, eps * self.M
 
 
-def conditioning(system: Any, state: State, times: Sequence[Real], motion: Motion | None = None) -> Conditioning:
+def conditioning(system: Any, state: State, times: Sequence[Real], motion: StatesAt | None = None) -> Conditioning:
     """The conditioning of the states at ``times`` of a motion over RR or MP(digits).
 
     ``motion(system, state, times)`` returns γ and M, shapes (N, 3); by default the system's own motion. In floats an

@@ -17,7 +17,7 @@ from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.progress import Progress
 
-Motion = Callable[[Body, State], np.ndarray]
+FlowMap = Callable[[Body, State], np.ndarray]
 """A function of a body and a state that returns γ and M at the times, shape (N, 6)."""
 
 # guard digits beyond those lost to the step and the derivatives, and the largest number of attempts when derivatives
@@ -29,7 +29,7 @@ MOTIONS = 18
 ONE_SIDED = (-3, 4, -1)
 
 
-def differences(motion: Motion, body: Body, state: State, digits: int, size: float) -> np.ndarray:
+def differences(motion: FlowMap, body: Body, state: State, digits: int, size: float) -> np.ndarray:
     """The derivatives ∂(γ, M)/∂(γ(0), M(0), I, d), (N, 6, 10), in mpf to ``digits``; ``size`` estimates the largest.
 
     Central differences with a step that ends at that many digits. PrecisionLoss where the derivatives are much larger
@@ -47,7 +47,7 @@ def differences(motion: Motion, body: Body, state: State, digits: int, size: flo
     raise PrecisionLoss(f"sensitivity: derivatives of {size:.0e} and more next to a separatrix; ask for earlier times")
 
 
-def _quotients(motion: Motion, body: Body, state: State, K: MultiprecisionField, step: Real) -> np.ndarray:
+def _quotients(motion: FlowMap, body: Body, state: State, K: MultiprecisionField, step: Real) -> np.ndarray:
     numbers = _numbers(body, state, K)
     gamma, M = numbers[:3], numbers[3:6]
     progress = Progress(f"sensitivity, by differences of motions in {K.dps} digits", MOTIONS)

@@ -10,7 +10,7 @@ from integrable.series.kinds import Kind
 from integrable.series.steps import FINEST, SPARE, Reached, Steps, steps_for
 
 
-class State(Protocol):
+class PhasePoint(Protocol):
     """A state (q, p)."""
 
     @property
@@ -43,7 +43,7 @@ class Near(NamedTuple):
     whole: bool = False
 
 
-def walked(system: Walked, state: State, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
+def walked(system: Walked, state: PhasePoint, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
     """The states at those times that are reached within about ``most`` microseconds.
 
     Where coarse steps miss the tolerance, times are computed again by steps accurate to the last bits of floats.
@@ -65,12 +65,12 @@ def walked(system: Walked, state: State, times: np.ndarray, most: float, toleran
     return found or _nothing(system)
 
 
-def finished(system: Walked, state: State, times: np.ndarray, near: Near, most: float) -> Near:
+def finished(system: Walked, state: PhasePoint, times: np.ndarray, near: Near, most: float) -> Near:
     """Adds the remaining times to ``near``, computed by finer steps with more guard digits."""
     return _completed(near, system, state, times, FINEST, most)
 
 
-def _completed(near: Near, system: Walked, state: State, times: np.ndarray, steps: Steps, most: float) -> Near:
+def _completed(near: Near, system: Walked, state: PhasePoint, times: np.ndarray, steps: Steps, most: float) -> Near:
     """Adds to ``near`` those remaining times that ``steps`` reach; times have either sign and any order."""
     left = np.setdiff1d(np.arange(len(times)), near.places)
     kind = system._kind
