@@ -65,7 +65,7 @@ MOVING = [
     "portrait",
 ]
 CALLED_BY_NUMBA = {"unify"}
-WALKS = {"State", "walked"}
+WALKS = {"Array", "Row", "walked"}
 # imports that lint-imports permits; pyproject.toml gives the reasons
 CONTRACTS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"]
 FACADES = {tuple(edge.split(" -> ")) for contract in CONTRACTS for edge in contract.get("ignore_imports", [])}
@@ -181,8 +181,8 @@ def test_what_is_public_in_a_room_has_one_home(name):
 
 
 def test_a_class_or_function_of_motions_has_a_name_of_its_own():
-    """No two modules of the rooms for motions define a class or function of the same name, except those listed: a walk
-    and its loop, and the state that a walk needs.
+    """No two modules of the rooms for motions define a class, function or alias of the same name, except those listed:
+    a walk and its loop, and rows of numbers in compiled loops.
     """
     found = defaultdict(list)
     for module in modules():
@@ -190,6 +190,13 @@ def test_a_class_or_function_of_motions_has_a_name_of_its_own():
             for node in tree(module).body:
                 if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
                     found[node.name].append(module)
+                elif isinstance(node, ast.Assign | ast.AnnAssign) and "TypeVar" not in ast.unparse(node):
+                    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                    names = [target.id for target in targets if isinstance(target, ast.Name)]
+                    for name in names:
+                        # constants of a module are in capitals
+                        if name[0].isupper() and not name.isupper():
+                            found[name].append(module)
     assert {name for name, homes in found.items() if len(homes) > 1} == WALKS
 
 

@@ -48,7 +48,7 @@ SWIFT = 100
 MOST_SAMPLES = 1 << 14
 
 
-class Packed(NamedTuple):
+class PackedCurves(NamedTuple):
     """The arguments of :func:`integrable.deformations.oval_loops.states` for a motion, in double-doubles.
 
     ``rates`` are the turns of either phase per unit of τ.
@@ -66,7 +66,7 @@ class QuickStates:
 
     def __init__(self, many: ManyDigits) -> None:
         self._many = many
-        self._packed: tuple[Any, Packed | None] = (None, None)
+        self._packed: tuple[Any, PackedCurves | None] = (None, None)
         self._clock: tuple[Any, QuickClock | None] = (None, None)
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -121,7 +121,7 @@ class QuickStates:
         rows = self._quick(carrier, packed, phases, far, carrier.moved(moved))
         return None if rows is None else (rows, tau)
 
-    def _compiled(self, carrier: Any) -> Packed | None:
+    def _compiled(self, carrier: Any) -> PackedCurves | None:
         """The arguments of the compiled loops for a carrier, cached."""
         if self._packed[0] is not carrier:
             try:
@@ -132,7 +132,12 @@ class QuickStates:
         return self._packed[1]
 
     def _quick(
-        self, carrier: Any, packed: Packed, phases: np.ndarray, far: int, truth: tuple[Sequence[Real], Sequence[Real]]
+        self,
+        carrier: Any,
+        packed: PackedCurves,
+        phases: np.ndarray,
+        far: int,
+        truth: tuple[Sequence[Real], Sequence[Real]],
     ) -> np.ndarray | None:
         """γ and M at phases since the start; None if H or K drifts, or if row ``far`` differs from ``truth``."""
         count = len(phases) // 2
@@ -158,7 +163,7 @@ class QuickClock:
     PrecisionLoss if 1/g needs too many samples, or if a mode is resonant.
     """
 
-    def __init__(self, carrier: Any, packed: Packed) -> None:
+    def __init__(self, carrier: Any, packed: PackedCurves) -> None:
         loops, self._rates = CompiledLoops(), packed.rates
         turns = [float(rate.hi) for rate in packed.rates]
         scale = SWIFT * 2 * np.pi * max(turns)
@@ -207,7 +212,7 @@ def check_no_resonance(spectrum: RateSpectrum, turns: list[float]) -> None:
         raise in_resonance(k, m)
 
 
-def samples(carrier: Any, packed: Packed, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
+def samples(carrier: Any, packed: PackedCurves, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
     """1/g at the phases (i/rows, j/columns) since the start, as double-doubles; ``known`` samples are recomputed."""
     rows, columns = sizes
     table, room = np.empty((rows * columns, 2)), np.empty((6 * (rows + columns), 2))
@@ -217,7 +222,7 @@ def samples(carrier: Any, packed: Packed, sizes: tuple[int, int], known: np.ndar
     return table.reshape(rows, columns, 2)
 
 
-def packed(carrier: Any) -> Packed:
+def packed(carrier: Any) -> PackedCurves:
     """The data of a carrier in double-doubles.
 
     ArgumentError for numbers beyond the range of floats, PrecisionLoss near a separatrix.
@@ -230,7 +235,7 @@ def packed(carrier: Any) -> Packed:
         # rows of four coefficients
         table = track.table[: 4 * terms_of(curve.nome)]
         tracks.append(Track(double_double_row(track.numbers), double_double_row(table), inverse_factorials()))
-    return Packed(
+    return PackedCurves(
         (tracks[0], tracks[1]), frame._replace(numbers=numbers, back=back, sizes=(energy, second)), (rates[0], rates[1])
     )
 

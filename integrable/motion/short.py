@@ -72,7 +72,7 @@ KEPT_TIMES = 512
 # bits of the wide numbers where nothing is compiled
 BITS = 160
 
-Found = tuple[np.ndarray, np.ndarray]
+RowsAndTimes = tuple[np.ndarray, np.ndarray]
 
 
 class ShortRuns:
@@ -92,7 +92,7 @@ class ShortRuns:
         # the number of panels of the last run, read by measurements only
         self.panels = 0
 
-    def at(self, times: np.ndarray) -> Found | None:
+    def at(self, times: np.ndarray) -> RowsAndTimes | None:
         """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
         return self._run(times, self._rolls, False)
 
@@ -106,7 +106,7 @@ class ShortRuns:
         found = self._run(tau, False, True)
         return None if found is None else found[1]
 
-    def _run(self, times: np.ndarray, physical: bool, clock: bool) -> Found | None:
+    def _run(self, times: np.ndarray, physical: bool, clock: bool) -> RowsAndTimes | None:
         """(γ and M, other times). With ``physical`` the ``times`` are physical, the others τ. Otherwise ``times`` are
         τ, and with ``clock`` the others are physical.
         """

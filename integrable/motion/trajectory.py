@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 Times = np.ndarray[tuple[int], np.dtype[Any]]
 """Shape (N,)."""
-Vectors = np.ndarray[tuple[int, int], np.dtype[Any]]
+VectorArray = np.ndarray[tuple[int, int], np.dtype[Any]]
 """Shape (N, 3), unless stated otherwise."""
 Matrices = np.ndarray[tuple[int, int, int], np.dtype[Any]]
 """Shape (N, 3, 3)."""
@@ -322,17 +322,17 @@ class Trajectory(Exported):
         return self._times is None
 
     @property
-    def gamma(self) -> Vectors:
+    def gamma(self) -> VectorArray:
         """The vertical γ in the body frame, shape (N, 3)."""
         return self._rows[:, :3]
 
     @property
-    def M(self) -> Vectors:
+    def M(self) -> VectorArray:
         """The angular momentum M in the body frame, about the contact point (top: centre of mass), shape (N, 3)."""
         return self._rows[:, 3:]
 
     @cached_property
-    def omega(self) -> Vectors:
+    def omega(self) -> VectorArray:
         """The angular velocity ω in the body frame, γ̇ = γ × ω, shape (N, 3); ½∂H/∂M for a deformation."""
         self._check_kept("omega")
         return read_only(self.system._omega_along(self.gamma, self.M))
@@ -347,14 +347,14 @@ class Trajectory(Exported):
         return read_only(self.system._attitude_along(self.gamma, self.M))
 
     @cached_property
-    def quaternion(self) -> Vectors:
+    def quaternion(self) -> VectorArray:
         """The rotations of :attr:`attitude` as unit quaternions (w, x, y, z) with w ≥ 0, shape (N, 4)."""
         from integrable.phase import attitude
 
         return read_only(attitude.quaternions(self.attitude))
 
     @cached_property
-    def contact(self) -> Vectors:
+    def contact(self) -> VectorArray:
         """(x, y) of the point where the ball touches the plane, in the axes of :attr:`attitude`, shape (N, 2).
 
         (0, 0) at t = 0; in the unit of the ball's radius, or in radii if d alone was given. NotRepresentable for a body

@@ -16,11 +16,11 @@ from jacobian.numbers.long_reals import BallReals, BareReals
 # a function that needs more nodes per digit than this is taken as not smooth on the interval
 MOST_NODES = 20
 
-Rule = tuple[list[Real], list[list[Real]], list[Real]]
+QuadratureRule = tuple[list[Real], list[list[Real]], list[Real]]
 
 
 @lru_cache(maxsize=32)
-def legendre_rule(K: MultiprecisionField, count: int) -> Rule:
+def legendre_rule(K: MultiprecisionField, count: int) -> QuadratureRule:
     """(nodes, matrix, weights) on [−1, 1], in K = MP(digits). The n × n matrix maps values at the nodes to the
     coefficients of a Legendre series; the weights give the integral from 0 to 1. The nodes ascend.
     """

@@ -47,7 +47,7 @@ class Start(NamedTuple):
 
 Vectors = Sequence[Sequence[Real]]
 Read = Callable[[LongField, Extended], Vectors]
-Clock = Callable[[LongField, Extended], tuple[Real, Real]]
+TimeAt = Callable[[LongField, Extended], tuple[Real, Real]]
 """(t, dt/dτ) at a divisor."""
 
 
@@ -161,7 +161,7 @@ class MumfordMotion:
         time: Real,
         read: Read,
         digits: int,
-        clock: Clock | None = None,
+        clock: TimeAt | None = None,
         further: tuple[Real, ...] = (),
         lost: int = 0,
     ) -> Vectors:
@@ -189,11 +189,11 @@ class MumfordMotion:
             "the motion passes a special position"
         )
 
-    def tau_at(self, time: Any, digits: int, clock: Clock | None) -> Any:
+    def tau_at(self, time: Any, digits: int, clock: TimeAt | None) -> Any:
         """The τ at which the clock shows ``time``, found as in :meth:`row`."""
         return self.row(time, lambda K, D: ((self._reached[1],),), digits, clock)[0][0]
 
-    def _read(self, bits: int, times: tuple[Real, ...], read: Read, clock: Clock | None) -> Vectors:
+    def _read(self, bits: int, times: tuple[Real, ...], read: Read, clock: TimeAt | None) -> Vectors:
         # precisions are multiples of APART, so that few are set up
         bits = -(-bits // APART) * APART
         with LongField(bits, self._complex) as K:
@@ -247,7 +247,7 @@ def _agree(rough: Vectors, fine: Vectors, wanted: int) -> bool:
     return True
 
 
-def _at_clock(placed: Placed, target: Real, clock: Clock, near: Real | None) -> tuple[Real, Extended]:
+def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) -> tuple[Real, Extended]:
     """(τ, D) at which the clock shows ``target``.
 
     The search starts at the guess ``near``, or at 0 with the rate there. It continues by Newton's method. Once the

@@ -26,7 +26,7 @@ PARTS, ORDER = 32, 17
 BITS, NEGLIGIBLE = 160, 1e-34
 
 
-Halves = list[tuple[Column, Column]]
+HalfAngles = list[tuple[Column, Column]]
 
 
 class PhaseTorus:
@@ -36,7 +36,7 @@ class PhaseTorus:
     (sin ½φ, cos ½φ) of each point and (cos, sin) of each angle about an axis since the start, as columns.
     """
 
-    def __init__(self, torus: SeparatedTorus, read: Callable[[Halves, Halves], Any]) -> None:
+    def __init__(self, torus: SeparatedTorus, read: Callable[[HalfAngles, HalfAngles], Any]) -> None:
         self._torus, self._read, self._floats = torus, read, torus.in_floats
         self._genus = len(torus.ovals)
         self._frequencies = [Column.of(x) for x in torus.frequencies]
@@ -77,7 +77,7 @@ class PhaseTorus:
         signs = [Column(1 - 2 * (n % 2)) for n in whole]
         return self._read([(sign * s, sign * c) for sign, (s, c) in zip(signs, moved, strict=False)], turned)
 
-    def _sums(self, angles: np.ndarray, halves: Halves, rest: Sequence[Column]) -> Column:
+    def _sums(self, angles: np.ndarray, halves: HalfAngles, rest: Sequence[Column]) -> Column:
         """For each form the sum of its integrals to these angles, less the part linear in the phases: (forms, N)."""
         total, round_ = Column(0.0), 2 * circle_table()[2]
         for phi, (s, c), x, mean, waves in zip(angles.T, halves, rest, self._means, self._waves, strict=False):
@@ -89,7 +89,7 @@ class PhaseTorus:
             total = total + mean * (Column(phi) - round_ * x) + sine * now
         return total
 
-    def _of_poles(self, j: int, halves: Halves) -> Column:
+    def _of_poles(self, j: int, halves: HalfAngles) -> Column:
         """The terms of the sum of form j that come from poles of the form."""
         total = Column(0.0)
         for k, (s, c) in enumerate(halves):

@@ -25,8 +25,6 @@ PART, FRACTION = 6, 8
 # T is in general position if its points are at most this many times as far out as those of E
 NEAR = 4
 
-Pair = tuple[poly.Poly, poly.Poly]
-
 
 class GroupTranslations:
     """The translations T(τ) along ``direction`` on the curve of ``group``.

@@ -39,7 +39,7 @@ PASSES, SOLVED = 60, 1e-13
 # number of samples of a turn about an axis: a state has only the harmonics 0 and ±1 of it
 ROUND = 4
 
-Pair = tuple[Sequence[np.ndarray], Sequence[np.ndarray]]
+Coordinates = tuple[Sequence[np.ndarray], Sequence[np.ndarray]]
 """q and p by their components, each an array."""
 
 
@@ -199,7 +199,7 @@ def _phases_in_tau(torus: TorusFlow, body: Body) -> Callable[[np.ndarray], np.nd
 
 
 def torus_states(
-    torus: SeparatedTorus, ends: Sequence[Real], read: Callable[..., Pair], frequencies: Sequence[Real]
+    torus: SeparatedTorus, ends: Sequence[Real], read: Callable[..., Coordinates], frequencies: Sequence[Real]
 ) -> Sampled:
     """q and p at phases that are linear in t.
 

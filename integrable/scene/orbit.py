@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from integrable.motion.trajectory import Times, Trajectory, Vectors
+from integrable.motion.trajectory import Times, Trajectory, VectorArray
 from integrable.phase.state import State
 from integrable.scene.data import MOST_STEPS
 from integrable.steps.guard_digits import MOST_CONDITION, in_wider_numbers
@@ -53,7 +53,7 @@ class Orbit(Trajectory):
         raise NotRepresentable(f"tau: {self.flow!r} is a map, whose steps have no time")
 
     @property
-    def contact(self) -> Vectors:
+    def contact(self) -> VectorArray:
         """Raises NotRepresentable: the body does not roll between the states of a map."""
         raise NotRepresentable(f"contact: {self.flow!r} is a map, between whose states nothing rolls")
 

@@ -99,7 +99,7 @@ def modes_of_rate(
         return modes if torus is whole else whole.rates_of(modes)
 
 
-class Found(NamedTuple):
+class FoundModes(NamedTuple):
     """Tables with this many modes."""
 
     size: tuple[int, int]
@@ -142,11 +142,11 @@ class Found(NamedTuple):
         return found[0], found[1]
 
 
-def _resolved(torus: OvalTorus, size: tuple[int, int], digits: int, most_work: float) -> Found:
+def _resolved(torus: OvalTorus, size: tuple[int, int], digits: int, most_work: float) -> FoundModes:
     """The tables of a torus to this many digits, starting from a first size."""
     while True:
         torus.use(size, most_work)
-        found = Found(size, torus.upright(), torus.leaning())
+        found = FoundModes(size, torus.upright(), torus.leaning())
         wanted = found.wanted(digits, digits)
         if wanted == size:
             return found

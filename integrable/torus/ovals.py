@@ -25,7 +25,7 @@ IntegralTable: TypeAlias = "tuple[list[list[arb]], bool]"
 """A real matrix X, and whether X itself is meant; otherwise it is −iX."""
 
 
-class Pair(Protocol):
+class OvalPair(Protocol):
     """The data of both ovals that each one needs: d, whether ζ is below the middle axis, and how integrals become
     phases.
     """
@@ -65,7 +65,7 @@ class Oval:
     in a strip that narrows with the logarithm of the gaps only. The first oval has c = ∞, the second e = 1/d.
     """
 
-    def __init__(self, pair: Pair, ends: Sequence[arb], others: Sequence[arb], first: bool) -> None:
+    def __init__(self, pair: OvalPair, ends: Sequence[arb], others: Sequence[arb], first: bool) -> None:
         self.flint, self.pi, self._d, self._first = pair.flint, pair.pi, pair.d, first
         self._others, self._low, self._ends = others, pair.low, (ends[0], ends[1])
         arb, acb, (a, b), d = self.flint.arb, self.flint.acb, ends, pair.d
@@ -170,7 +170,7 @@ class Oval:
         found = self.flint.acb.elliptic_f(self.flint.acb(amplitude), self.flint.acb(self._part.mid())).real
         return found / self._quarter, float(max(sine.rad(), cosine.rad()))
 
-    def turn(self, pair: Pair, size: tuple[int, int]) -> None:
+    def turn(self, pair: OvalPair, size: tuple[int, int]) -> None:
         """Make tables of e^(2πikθ₁), k ≤ rows, and e^(2πimθ₂), m ≤ columns, at the nodes."""
         acb, mat = self.flint.acb, self.flint.arb_mat
         self._size, angles = size, [pair.phases(*node.sums) for node in self.nodes]
@@ -185,7 +185,7 @@ class Oval:
             for table in (across, halved)
         ]
 
-    def alias(self, pair: Pair, size: tuple[int, int]) -> float:
+    def alias(self, pair: OvalPair, size: tuple[int, int]) -> float:
         """The decimal exponent of the aliasing error of the highest modes at the nodes: half of the change by
         intermediate nodes.
         """

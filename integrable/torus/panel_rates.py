@@ -30,7 +30,9 @@ FLAT, FLATTEST = 1e-6, 1e-16
 SAMPLES = range(0, 512, 61)
 
 
-Packed = tuple[tuple[int, int], tuple[int, int], tuple[bool, bool], np.ndarray, np.ndarray, tuple[int, int], np.ndarray]
+PackedRates = tuple[
+    tuple[int, int], tuple[int, int], tuple[bool, bool], np.ndarray, np.ndarray, tuple[int, int], np.ndarray
+]
 """Translations as :meth:`PanelRates.around` takes them: those of a grid of one row (:mod:`integrable.torus.walks`)."""
 
 
@@ -45,14 +47,14 @@ class PanelRates:
         self._curve = self._packed([setup.bare.f])[0], axes, axes
         self._checked = 0
 
-    def steps(self, steps: Sequence[Row]) -> Packed:
+    def steps(self, steps: Sequence[Row]) -> PackedRates:
         """Translations as :meth:`around` takes them."""
         rows = np.zeros((len(steps), 20, 2))
         rows[:, :10] = self._packed(steps)
         counts, rest = np.ones(len(steps), dtype=np.int64), np.zeros((2, 2))
         return (1, 1), (1, len(steps)), (False, False), rows.reshape(-1, 2), counts, (0, 0), rest
 
-    def values(self, point: Row, packed: Packed) -> np.ndarray:
+    def values(self, point: Row, packed: PackedRates) -> np.ndarray:
         """1/g after each translation in ``packed``, which :meth:`steps` made, as double-doubles, shape (N, 2)."""
         count = packed[1][1]
         rates, other = np.empty((count, 2)), np.empty((count, 2))
@@ -60,7 +62,7 @@ class PanelRates:
         # a grid around a corner begins at the corner itself
         return np.roll(rates, (count - 1) // 2, axis=0)
 
-    def around(self, point: Row, steps: Sequence[Row], packed: Packed) -> np.ndarray | None:
+    def around(self, point: Row, steps: Sequence[Row], packed: PackedRates) -> np.ndarray | None:
         """The same for ``steps`` and their packed form; None if double-doubles have too few digits."""
         rates = self.values(point, packed)
         return rates if self._right(point, steps, rates) else None
