@@ -71,7 +71,7 @@ class BallNumbers(Numbers):
         return (-x).sqrt() * self.flint.acb(0, 1)
 
     def root(self, square: Any, approximation: Any) -> Any:
-        """The square root of ``square`` on the side of a rough value or ball of it; PrecisionLoss if it has none."""
+        """The square root of ``square`` on the side of a rough value or ball of it; PrecisionLoss if undecided."""
         if square.contains(0):
             return self.widened(self.convert(0), square.abs_upper().sqrt())
         root = self.sqrt(square)

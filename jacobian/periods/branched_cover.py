@@ -98,10 +98,10 @@ class BranchedCover:
         return edges
 
     def edge(self, i: int, j: int, count: int | None = None) -> Edge:
-        """The integrals from branch point i to j, on one of the two sheets, by Gauss–Chebyshev quadrature: of x^k dx/Y
-        for all k below ``count``, by default g.
+        """The edge from branch point i to j with its integrals of x^k dx/Y, k < ``count`` (by default g), on one sheet.
 
-        With x = m + dt: Y = c·√(1−t²)·Π√(±(t − u_k)), each factor being holomorphic near [−1, 1].
+        They are computed by Gauss–Chebyshev quadrature. With x = m + dt it is Y = c·√(1−t²)·Π√(±(t − u_k)), each factor
+        being holomorphic near [−1, 1].
         """
         numbers = self.numbers
         a, b = self.roots[i], self.roots[j]

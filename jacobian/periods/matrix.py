@@ -19,7 +19,7 @@ Matrix = list[list[Any]]
 
 
 class Oval(NamedTuple):
-    """A bounded oval over ``start`` ≤ x ≤ ``end`` and its ``periods`` 2∫ x^k dx/|y|, k = 0 … g−1."""
+    """A bounded oval over ``start`` ≤ x ≤ ``end`` and its ``periods`` 2∫ x^k dx/|y + h/2|, k = 0 … g−1."""
 
     start: Any
     end: Any

@@ -291,7 +291,7 @@ class Lift(NamedTuple):
         return kappa, sigma, K.div(top, bottom)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
-        """(κ/c, ν, −cσ + k(e)ν), where −c is the leading coefficient of (f − V²)/U."""
+        """(κ/c, ν, −cσ + k(e)ν), −cx^m leading (f − V²)/U; with −σ, −ν if deg f is odd, deg U even and deg V ≤ g."""
         K, (kappa, sigma, nu) = group.field, datum
         k = poly.evaluate(K, step.k, self.e)
         if step.high:

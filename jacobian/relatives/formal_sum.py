@@ -70,7 +70,7 @@ class FormalSum(Immutable):
     ) -> FormalSum:
         """The sum Σ m_i P_i of ``points``, pairs (x, y) and points at infinity.
 
-        ``multiplicities``: the ints m_i, of any sign, 1 by default.
+        ``multiplicities``: the ints m_i, of any sign, 1 by default. Infeasible for more than 2000 points.
         """
         total = FormalSum.zero(curve)
         given, numbers = counted(points, multiplicities)

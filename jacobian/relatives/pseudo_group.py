@@ -49,7 +49,7 @@ Point = tuple[int, int, int, int]
 
 
 class Residues(namedtuple("Residues", "p one")):
-    """Arithmetic modulo a prime of any length in Python, with the interface of the compiled contexts.
+    """Arithmetic modulo a prime power of any length in Python, with the interface of the compiled contexts.
 
     The compiled contexts encode a residue in words; here the residue is its own code.
     """
