@@ -56,7 +56,7 @@ THINNER = 20.0
 DENSE_FROM = 5000
 # states from panels are less accurate than states from a torus by some roundings: a single run must therefore be WORTH
 # times cheaper than the torus. Many runs need to be only as cheap
-WORTH, WORTH_OF_MANY = 1.5, 1.0
+WORTH, WORTH_OF_MANY = 2.0, 1.0
 # largest number of panels: errors grow with the number, as the effect of input rounding does
 MOST_PANELS = 3000
 # largest number of times
