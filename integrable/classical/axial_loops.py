@@ -29,7 +29,8 @@ class AxialThetas(NamedTuple):
     """The constants of a motion that its states are computed from.
 
     ``numbers`` are half turns of v and turns of Rt per unit time, v at the start in half turns, C (two numbers),
-    dv/dt, R, and x₁. Then follow the factors of (θ₁/θ₄)² in z − x₁ and of θ₁θ₂θ₃/θ₄³ in z', and jc, L and c of a top.
+    dv/dt, R, and x₁. Then follow the factors of (θ₁/θ₄)² in z − x₁ and of θ₁θ₂θ₃/θ₄³ in z', and (jc, L, c)
+    of a top, j² = −1.
     A row of ``table`` has the coefficients of harmonic 2n + 1 of θ₂(v − iα) and θ₁(v − iβ), two each, and of θ₁ and θ₂,
     then those of harmonic 2n of θ₃ and θ₄. ``inverse`` holds 2π and 1/n!. ``top`` tells whether p is M or the velocity.
     """

@@ -1,7 +1,7 @@
-"""States of the tilde pair, and of the pairs isometric to it, from a point on either curve.
+"""States of :class:`~integrable.deformations.tilde.Tilde`, and of systems isometric to it, from a point on each curve.
 
 The functions run on long numbers, and compiled on double-doubles (:mod:`integrable.deformations.quick_states`). On
-either curve R_low, R_middle and R_high are multiples of sn, cn and dn, which are computed by theta functions
+each curve R_low, R_middle and R_high are multiples of sn, cn and dn, which are computed by theta functions
 (:mod:`integrable.mumford.elliptic_torus`). Roots R_i are triples in the order of e_i: low, middle, high. Phases are in
 turns, one per real period of a curve.
 """

@@ -121,9 +121,9 @@ class MumfordFlow:
 
         Floats are accurate to their last bits, numbers of MP(digits) to their digits; see
         :meth:`integrable.mumford.motion.MumfordMotion.row`. In floats, states near the start are computed by Taylor
-        series (:mod:`integrable.series.near`). Farther ones are computed on the real torus; if the set-up is long
-        (genus 3 and more, some branch points not real), from six times on. Repeated calls return the same bits,
-        whatever was requested before. ArgumentError for times that are not numbers.
+        series (:mod:`integrable.series.near`). Farther ones are computed on the real torus. If its set-up is long
+        (genus ≥ 3, or branch points that are not all real), fewer than six times are computed by additions. Repeated
+        calls return the same bits, whatever was requested before. ArgumentError for times that are not numbers.
         """
         given = times_in(self.system.field, times, "times")
         long = given.dtype == object

@@ -144,7 +144,7 @@ class LongClock:
 
 class MultiprecisionTorusClock(LongClock):
     """The clock of a motion, in the units of a :class:`~integrable.moving_point.setup.Setup`, to ``digits``, by default
-    those of the set-up. ``after`` limits the digits after the point: far times have no more.
+    those of the set-up. ``after`` limits the number of decimal places of far times.
 
     Raises the errors of :func:`~integrable.torus.oval_modes.modes_of_rate` if the torus is degenerate or nearly so.
     Such motions are left to the clock that counts steps.

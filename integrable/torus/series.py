@@ -336,7 +336,7 @@ def fourier(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The transform Σ x_j e^(−2πijk/n) along the first axis of arrays of integers (Cooley & Tukey 1965).
 
-    ``circle`` is a :func:`circle_of` a multiple of n parts.
+    ``circle`` is :func:`circle_of` m, for a multiple m of n.
     """
     cosines, sines = circle
     n, stride = len(real), len(cosines) // len(real)

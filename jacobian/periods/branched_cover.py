@@ -100,7 +100,7 @@ class BranchedCover:
     def edge(self, i: int, j: int, count: int | None = None) -> Edge:
         """The edge from branch point i to j with its integrals of x^k dx/Y, k < ``count`` (by default g), on one sheet.
 
-        They are computed by Gauss–Chebyshev quadrature. With x = m + dt it is Y = c·√(1−t²)·Π√(±(t − u_k)), each factor
+        They are computed by Gauss–Chebyshev quadrature. With x = m + dt, Y = c·√(1−t²)·Π√(±(t − u_k)), each factor
         being holomorphic near [−1, 1].
         """
         numbers = self.numbers
