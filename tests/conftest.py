@@ -1,5 +1,7 @@
 """Fixtures of all tests."""
 
+from collections import Counter
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,19 @@ def pytest_xdist_make_scheduler(config, log):
     from xdist.scheduler import WorkStealingScheduling
 
     return WorkStealingScheduling(config, log)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Of the variants of a test with the mark ``thinned(n)`` each n-th runs every day, the others are slow."""
+    seen = Counter()
+    for item in items:
+        mark = item.get_closest_marker("thinned")
+        if mark and not item.get_closest_marker("slow"):
+            test = item.nodeid.split("[")[0]
+            if seen[test] % mark.args[0]:
+                item.add_marker("slow")
+            seen[test] += 1
 
 
 @pytest.fixture

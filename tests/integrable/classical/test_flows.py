@@ -44,6 +44,7 @@ def test_thirty_digits_at_ten_periods(name, n) -> None:
     assert error_in_many_digits(name, n, 60, 320, 18) < 1e-30
 
 
+@pytest.mark.thinned(2)
 @over_cases
 @pytest.mark.parametrize("time", [1e6, *(pytest.param(t, marks=pytest.mark.slow) for t in (1e-9, -12.5, -1e9, 1e15))])
 def test_floats_against_forty_digits(name, n, time) -> None:

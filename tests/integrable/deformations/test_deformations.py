@@ -441,6 +441,7 @@ def _separated(system, state):
     return [(h1 - u * h2, u, (d_total * u - d_product) / (2 * u - total)) for u in (total / 2 - gap, total / 2 + gap)]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("inertia", [(1, 2, 4), (4, 1, 2), (2, 4, 1)], ids=str)
 @pytest.mark.parametrize("name", GEODESIC)
 def test_floats_against_multiprecision_far_out(name, inertia) -> None:

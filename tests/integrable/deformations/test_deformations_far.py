@@ -158,6 +158,7 @@ def test_far_states_are_multiples_in_the_group_of_the_curves(kind) -> None:
             assert abs(x - y) < 1e-30 * (1 + abs(y))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_motion_far_out_is_that_of_the_equations(kind) -> None:
     """From at(10⁶) to at(10⁶ + 1/2) by an integration at 30 digits: signs, direction and, at d ≠ 0, the clock."""
@@ -266,6 +267,7 @@ def _resonant(system):
     return state(K.context.findroot(lambda x: ratio(x) - wanted, (angles[k], angles[k + 1]), solver="anderson"))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("inertia", "d", "gamma", "M", "times"),
     [

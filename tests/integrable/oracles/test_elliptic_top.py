@@ -44,6 +44,7 @@ def test_the_shipped_trajectory_to_its_digits():
                 assert max(abs(x - mpmath.mpf(y)) for x, y in zip(got, wanted, strict=True)) < 1e-34
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("inertia", list(permutations((1.0, 2.0, 3.5))))
 @pytest.mark.parametrize("seed", [0, 1, pytest.param(2, marks=pytest.mark.slow)])
 def test_every_order_of_the_axes(inertia, seed):
@@ -89,6 +90,7 @@ def test_special_motions(name):
         assert largest(EllipticTop(system, state, 25).at(times), exact) < 1e-22
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("off", [0.0, 1e-15, -1e-15, 1e-12, 1e-6])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_on_and_near_the_separatrix(off, sign):

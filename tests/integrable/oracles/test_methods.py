@@ -170,6 +170,7 @@ def test_times_in_any_order_and_of_either_sign(name) -> None:
     assert found.evaluations > 0
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", named(n for n, m in METHODS.items() if not m.kinds))
 @pytest.mark.parametrize(
     "system",

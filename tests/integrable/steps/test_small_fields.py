@@ -36,6 +36,7 @@ ADDED = {
 }
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", ADDED)
 def test_images_of_bodies_are_sums_of_the_textbook(name) -> None:
     # the two 2-torsion maps need three more roots in the field

@@ -45,6 +45,7 @@ def plain_multiple(C, m, a):
     )
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("name", "genus", "model", "with_h"), SMALL_ROWS)
 def test_every_pair_of_a_small_group(name, genus, model, with_h):
     C = random_curve(SMALL[name], genus, "pairs", model=model, with_h=with_h).arithmetic_model
@@ -57,6 +58,7 @@ def test_every_pair_of_a_small_group(name, genus, model, with_h):
         assert kernel.sum_of(a, b) == cantor.sum_of(C, a, b), (a, b)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("row", [pytest.param(row, id=str(row)) for row in ROWS if row.K != QQ])
 def test_pairs_and_multiples_of_every_row(row):
     C, J = row.curve.arithmetic_model, row.curve.jacobian()

@@ -27,6 +27,7 @@ def of(C):
     return TwoWordKernel(C, python_kernel(C))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", SMALL)
 def test_every_pair_and_ladder_of_a_small_group(name, model):

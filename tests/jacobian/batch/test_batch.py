@@ -39,11 +39,13 @@ def assert_every_pair(K, genus, model, with_h):
     assert_equal_to_cantor(J, classes[:: max(1, len(classes) // 250)])
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("name", "model", "with_h"), genus_two_rows(SMALL))
 def test_every_pair_of_a_small_group(name, model, with_h):
     assert_every_pair(SMALL[name], 2, model, with_h)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("context", CONTEXTS, indirect=True)
 @pytest.mark.parametrize("model", MODELS)
 def test_every_pair_on_every_context(context, model):
@@ -53,6 +55,7 @@ def test_every_pair_on_every_context(context, model):
         assert_equal_to_cantor(J, list(J.points()))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["GF(3)", "GF(4)"])
 @pytest.mark.parametrize("model", ["ramified", "split"])
 @pytest.mark.parametrize("genus", [1, 3])

@@ -104,6 +104,7 @@ def test_tate_is_the_weil_pairing_with_frobenius_minus_one(p, m):
         assert J.tate_pairing(D, F, m) == J.weil_pairing(D, E, m)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("q", "genus", "model"),
     [
@@ -201,6 +202,7 @@ ELLIPTIC = [
 ]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("compiled", [False, True], ids=["in Python", "compiled"])
 @pytest.mark.parametrize("curve", ELLIPTIC)
 def test_genus_one_without_shifts_is_what_shifts_over_an_extension_give(curve, compiled, monkeypatch):

@@ -27,6 +27,7 @@ MORE = {
 }
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("label", most_are_slow(ROWS))
 def test_the_whole_page_of_a_published_curve(label):
     row, C = ROWS[label], curve(ROWS[label])
