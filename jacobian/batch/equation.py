@@ -46,7 +46,7 @@ class Equation:
         g = C.genus
         if g not in (2, 3) or C.model != "ramified" or len(C.f) != 2 * g + 2 or C.f[-1] == K.one:
             return C
-        # times c^(2g), c = lead f, the equation reads (c^g·y)² + c^g·h·(c^g·y) = (cx)^(2g + 1) + …
+        # multiplied by c^(2g), c = lead f, the equation reads (c^g·y)² + c^g·h·(c^g·y) = (cx)^(2g + 1) + …
         c = self.scale = C.f[-1]
         powers = [K.power(c, 2 * g - i) for i in range(2 * g + 1)]
         f, h = ([K.mul(*pair) for pair in zip(powers[start:], a, strict=False)] for start, a in ((0, C.f), (g, C.h)))

@@ -22,7 +22,7 @@ FINE = 2.0**-46
 NOISE = 2.0**-40
 # the largest allowed remainder of given divisors
 GIVEN_NOISE = 2.0**-32
-# summands opposite up to this fraction of their size are not added here: almost no digits of their sum are known
+# summands that are opposite to within this fraction of their size are not added here: their sum keeps few digits
 OPPOSITE = 2.0**-30
 # a sum has a point far out or at infinity if the chord's slope is below this fraction of its size (deg f = 5, floats),
 # or the leading coefficient of p² − q²f in genus2_complex below the second fraction of the other coefficients
@@ -93,7 +93,7 @@ def even(f: Any, first: Any, second: Any) -> Any:
     a1, b1 = max(a1, sqrt(a0)), max(b1, sqrt(b0))
     large, small = max(a1, b1), min(a0 / max(a1, TINY), b0 / max(b1, TINY))
     high = low = extent(f[len(f) - 1])
-    # the seventh coefficient of a complex quintic is 0
+    # a complex quintic is stored with the seventh coefficient 0, so the term of x⁵ counts too
     top = high * large + extent(f[5]) if len(f) == 7 else high
     for k in range(len(f) - 2, -1, -1):
         size = extent(f[k])

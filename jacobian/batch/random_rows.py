@@ -56,7 +56,7 @@ class RandomRows:
             self.roots = _root_constants(K, run.words.to_word)
             self.f = run.numbers_in_words(self.curve.f)
         bias = ((2 * g - 2) * K.order**0.5 + len(self.curve.points_at_infinity())) / max(count, 1)
-        # log₂(½·√#J·2^DISTANCE), by #J ≤ (1 + √q)^2g
+        # an upper bound of log₂(½·√#J·2^DISTANCE), from #J ≤ (1 + √q)^2g
         needed = g * log2(1 + K.order**0.5) - 1 + DISTANCE
         self.sets = int(-(-needed // (-g * log2(bias)))) if bias < 1 else MOST_SETS + 1
         self.possible = self.sets <= MOST_SETS and (self.listed is not None or K.characteristic > 2)

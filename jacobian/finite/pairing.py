@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from jacobian.law.divisor import Divisor
 
 ATTEMPTS = 200
-# over fields of 3·g²·log₂ m elements one random shift in ten succeeds; smaller ones are extended
+# over a field of ROOM·g²·log₂ m elements one random shift in ten succeeds; smaller fields are extended
 ROOM = 3
 
 
@@ -88,7 +88,7 @@ def tate_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | No
     value = _shifted(lambda random: _tate(move(D), move(E), m, random()), move, rng)
     L: Any = move.curve.field
     value = L.power(value, (L.order - 1) // m)
-    # (Q − 1)/(q − 1) ≡ degree modulo m
+    # with Q the order of L, (Q − 1)/(q − 1) ≡ degree modulo m
     return move.back(L.power(value, pow(move.degree, -1, m) if m > 1 else 1))
 
 

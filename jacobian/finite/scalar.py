@@ -183,7 +183,7 @@ def frobenius(D: Divisor, power: int = 1) -> Divisor:
         raise FieldError(f"field = {K.name}: Frobenius is an endomorphism over finite fields")
     if power < 0:
         raise ArgumentError(f"power = {shown(power)}: a number ≥ 0 of p-th powers is needed")
-    # x^q = x: the exponent is taken modulo the degree of K
+    # x^q = x on K of order q, so the exponent is taken modulo the degree of K
     exponent = K.characteristic ** (power % K.degree)
 
     def image(a: poly.Poly) -> poly.Poly:

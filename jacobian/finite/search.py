@@ -89,7 +89,7 @@ class Candidates:
         while len(r) <= self.genus:
             low, high = self.interval(r)
             total *= (high - low) // self.modulus + 1
-            # the interval of the next one is widest for the least r_2
+            # the interval of r_3 is widest for the least r_2
             r = (*r, low if len(r) == 2 else 0)
         return total
 
@@ -241,7 +241,7 @@ def _candidates(C: HyperellipticCurve) -> Candidates:
     g = C.genus
     prime = q == C.field.characteristic != 2
     if g == 1:
-        # the search finds one of 4√q orders in O(q^(1/4)) steps: no matrix, no count
+        # the search finds the order among 4√q in O(q^(1/4)) steps, so no matrix and no count is needed
         found = Candidates(q, 1, (1,), (0,), 1)
         _check_size(C, found, f"{C.field.name} in genus 1")
         return found
@@ -253,7 +253,7 @@ def _candidates(C: HyperellipticCurve) -> Candidates:
             "if #J is known, give it to the functions that need it"
         )
     if q > limit:
-        # known without counting, for any residues
+        # the size does not depend on the residues, so it is checked before they are computed
         _check_size(C, Candidates(q, g, (1, 0), (0,) * (g - 1), q), f"{C.field.name} in genus {g}")
     residues = frobenius_modulo_p(C)
     excess = [_excess(C, residues)]
@@ -295,7 +295,7 @@ def _with_counts(C: HyperellipticCurve, excess: list[int], residues: list[int] |
     q: Any = C.field.order
     g = C.genus
     known = weil.real_part(weil.leading(excess), q, g)
-    # r_i ≡ a_i modulo p, since the other terms have the factor q
+    # r_i ≡ a_i (a coefficient of χ) modulo p: their difference is a multiple of q
     rest, p = ([0] * g, 1) if residues is None else (residues, C.field.characteristic)
     return Candidates(q, g, tuple(known), tuple(rest[len(excess) :]), p)
 

@@ -30,7 +30,7 @@ __all__ = ["Sum", "add", "compose"]
 SPREAD = 24
 # the largest remainder of a division that counts as rounding, in units of the last digit
 REMAINDER = 64
-# multiples of the field's bits that are tried, one after the other, where its own do not suffice
+# precisions, in multiples of the field's bits, that are tried in turn where the field's own does not suffice
 FACTORS = (4, 12)
 
 

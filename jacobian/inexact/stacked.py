@@ -43,7 +43,7 @@ from jacobian.inexact.dense import (
 
 Pair = tuple[Coefficients, Coefficients]
 
-# p may be this many times smaller than u before the digits it loses count as a remainder above one unit
+# if p is more than this many times smaller than u, the digits it loses count as a remainder above one unit
 FEWER = 16
 
 UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
@@ -198,7 +198,7 @@ def _second_polynomial(
     for slope, v, w in summands:
         noise = added(product(absolute(slope), absolute(v)), [abs(q * c) for c in w])
         stack(slope, added(product(slope, v), [-q * c for c in w]), noise)
-    # these rows are below the noise of the others. Of the solutions that opposite points allow, they select a small one
+    # these rows are below the noise of the others. If opposite points leave many solutions, they select a small one
     small = field.eps / (unit or 1)
     rows.extend([small if i == j else field.zero for j in range(m)] for i in range(m))
     right.extend([field.zero] * m)

@@ -71,7 +71,7 @@ def _by_places(J: GroupLaw, rng: Rng) -> Divisor:
         above, below = (2 * g - 2) * (root + 1) + own, q**k - 1 - 2 * g * (root + 1) - own
         if 8 * above < below:
             break
-    # bits of √#J ≤ (1 + √q)^g, and of the distance; the number of places is even on inert models
+    # the bits of √#J ≤ (1 + √q)^g and of the distance, by those that one place brings; inert models need an even number
     places = ceil((g * log2(1 + q**0.5) + DISTANCE) / log2(below / above) / 2) * 2
     degree = k * round(log(q, K.characteristic))
     L = GF(K.characteristic, degree, first_irreducible(prime_field(K.characteristic), degree))
@@ -97,7 +97,7 @@ def _random_points(C: HyperellipticCurve, rng: Rng) -> list[Any]:
     points: list[Any] = []
     while len(points) < count:
         point = C.random_point(rng)
-        # two points with one x would be P + P or P + ιP
+        # two points with equal x would be P + P or P + ιP
         if all(point.x != other.x for other in points):
             points.append(point)
     return points

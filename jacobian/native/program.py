@@ -143,7 +143,7 @@ class Program:
             raise CompileError(f"{function!r} is not compiled")
         self.modules |= {function.__module__, *getattr(function, "sources", ())}
         if hasattr(function, "text"):
-            # a program wrote this text, from the sources recorded above
+            # the text of this function was generated from the sources recorded above
             return _written(function.text)
         return _functions(function.__module__)[function.__qualname__]
 

@@ -26,7 +26,7 @@ def half_spectrum(samples: Row, grid: tuple[int, int], circle: Row, room: Row, o
     rows, columns = grid
     for n in range(rows * columns):
         room[n] = samples[n]
-    # two neighbouring columns form the parts of complex numbers, whose transforms are separated afterwards
+    # two neighbouring columns are transformed as real and imaginary parts; their transforms are separated afterwards
     if transformed(room, rows, columns // 2, circle, other):
         across(other, grid, circle, room, out)
     else:

@@ -38,7 +38,7 @@ class BallCover(BranchedCover):
             if len(self.roots) != len(self.coefficients) - 1:
                 raise ArgumentError(f"curve = {curve!r}: f + h²/4 has a double root")
             for e, other in combinations(self.roots, 2):
-                # with this distance decisions from doubles are right
+                # at this distance decisions made in doubles are right
                 if not 2**30 * (e.rad() + other.rad()) < abs(e - other):
                     raise PrecisionLoss(f"the branch points {e} and {other} are not separated; use more digits")
         self._rough = [complex(e) for e in self.roots]

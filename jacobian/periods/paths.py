@@ -32,7 +32,7 @@ MOST_NODES, MOST_NODES_IF_REAL = 2400, 400
 # number of nodes on either side of the middle of a path, SPACING apart in log(v/(1 − v)). The rule's error is
 # e^(−2π²/SPACING) = 5e-35. Omitting the ends adds e^(−NODES·SPACING/2) = 5e-55, or 1e-33 beside a gap of 1e-42
 NODES, SPACING = 1000, 0.25
-# distance from a branch point, relative to its size, below which rounding may put a point beyond it
+# distance of a point x from a branch point, relative to |x|, below which rounding may put x on its other side
 NEAR = 2.0**-140
 # bits of the nodes of quadrature rules
 BITS = 180
@@ -56,7 +56,7 @@ def moments(
     path = straight(Z, a, b, others)
     count = nodes_needed([(r - middle) / half for r in others])
     zeroth, first, second = path_integrals(path, logistic_rule(False) if path.graded(count) else chebyshev_rule(count))
-    # (x − a)(x − b) is negative
+    # (x − a)(x − b) is negative on the path, hence the factor i
     factor = Z.sqrt(Z.coerce(lead)) * Z.coerce(1j) * path.factor
     length = b - a
     return (
@@ -104,7 +104,7 @@ def to_point(Z: LongField, roots: list[Complex], lead: Complex, halves: list[Vec
     end = factor
     for near, e in zip(path.ends, others, strict=True):
         end *= Z.sqrt((x1 - e) / (near - e))
-    # y at the end of the path, on this sheet or the opposite one
+    # the sign tells whether continuing y along the path leads to y1 or to −y1
     scale = (1 if abs(end - y1) < abs(end + y1) else -1) * (x1 - r) / factor
     return halves[k][0] + first * scale, halves[k][1] + (r * first + (x1 - r) * second) * scale
 

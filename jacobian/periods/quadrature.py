@@ -160,7 +160,7 @@ def path_from(
         if j != i:
             rest = rest * (e - other)
     total = numbers.along_path(ratios, lambda square: forms(e + span * square), rate)
-    # Y = rest · root · s · Π√(1 − s²·ratio) with root² = span/rest; the sign of the root is such that s = 1 gives Y
+    # the ordinate at e + span·s² is rest·root·s·Π√(1 − s²·ratio), root² = span/rest; the sign of root gives Y at s = 1
     root = numbers.root(span / rest, Y / (rest * _root_of_product(numbers, ratios, [complex(r) for r in ratios], 1)))
     return [2 * root * x for x in total]
 

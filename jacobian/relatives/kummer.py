@@ -34,8 +34,8 @@ FACTORS = {
     if chosen != (1, 1, 3, 3)
 }
 MONOMIALS = list(FACTORS)
-# coefficients of δ are polynomials of degree 4 in those of f. The modulus exceeds their expected size by twice these
-# bits. Integers that exceed that size by more than these bits are no coefficients
+# the coefficients of δ are polynomials of degree 4 in those of f. The modulus exceeds their expected size by
+# 2·SPARE_BITS bits. An integer that exceeds that size by more than SPARE_BITS bits is rejected as a coefficient
 SPARE_BITS = 80
 MOST_PRIMES = 200
 # number of classes whose doubles determine δ
@@ -94,7 +94,7 @@ class KummerSurface(Immutable):
         if len(D.u) == 3:
             return coordinates(f, D.u, v)
         h3 = self.curve.h[3] if len(self.curve.h) > 3 else 0
-        # y/x³ at ∞₊ of y² = f(x)
+        # the value of y/x³ at ∞₊ on y² = f(x)
         slope = 0 if D.n is None else self.scale * (2 * self.curve.infinity_plus + h3)
         if len(D.u) == 2:
             x = -D.u[0]

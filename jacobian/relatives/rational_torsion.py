@@ -188,7 +188,7 @@ def _small_pairs(J: GroupLaw) -> Iterator[Divisor]:
         u = (QQ.coerce(c), QQ.coerce(b), QQ.one)
         w = _root(u, poly.mod(QQ, F, u)) if not _is_square(b * b - 4 * c) else None
         if w is not None:
-            # (2y + h)² = F
+            # w = 2v + h modulo u, since (2y + h)² = F
             v = poly.scale(QQ, QQ.coerce("1/2"), poly.sub(QQ, w, poly.mod(QQ, C.h, u)))
             yield J.from_mumford(u, v)
 

@@ -172,7 +172,7 @@ def _of_weight_two(surface: KummerSurface, J: Jacobian, x: Any) -> Iterator[Divi
     s, p, last = (K.div(K.coerce(c), K.coerce(x[0])) for c in x[1:])
     u = (p, -s, K.one)
     t = s * s - p
-    # the square of v₁ of v² = f mod u
+    # v₁² for v = v₁x + v₀ with v² ≡ f modulo u
     square = last + f[2] + s * f[3] + s * s * f[4] + s * t * f[5] + t * t * f[6]
     first, second = (*poly.mod(K, tuple(map(K.coerce, f)), u), K.zero, K.zero)[:2]
     if square:
