@@ -70,7 +70,7 @@ if getattr(jacobian, "__distribution__", "") != "jacobian-integrable":
     )
 
 if not TYPE_CHECKING:
-    # type checkers do not see this, or they would accept any misspelt name
+    # hidden from type checkers, which would otherwise accept any misspelt name
 
     def __getattr__(name: str) -> Any:
         # names are imported on first use: one step of a ball needs neither numpy nor scene files

@@ -105,7 +105,7 @@ class AxialSystem(SurfaceSystem):
             else:
                 g, g_rate = (a + i * b for a, b in (axis.g, axis.g_rate))
                 other, y = ends[1 - k]
-                # g' = (iw + σ'/σ of the other end)g − ½ν
+                # g' = (iw + l)g − ½ν, where l is σ'/σ at the other end
                 nu = -2 * (g_rate - g * (i * axis.w + (axis.rate + y) / (2 * (axis.z - other))))
                 kinds.append(Lift(e))
                 data.append((self._unit(N, f, e, axis, g, nu), g, nu))

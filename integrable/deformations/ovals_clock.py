@@ -50,7 +50,7 @@ class OvalsClock(LongClock):
         import flint
 
         with BallReals(self.wide.context.prec) as balls:
-            # rows beyond the first count with their conjugates
+            # each row beyond the first also stands for its conjugate, so the first is halved
             rows = [[c / 2 for c in self._modes.rows[0]], *self._modes.rows[1:]]
             turns = phases(self.wide.coerce(tau) / self._unit, self.frequencies, self.wide)
             angles = (2 * balls.number(x) for x in turns)
@@ -149,7 +149,7 @@ def _from_start(motion: Any, table: np.ndarray, field: Any, bits: int) -> Modes:
         across, found = powers(flint.acb(1), two, columns), []
         for k, (x, row) in enumerate(zip(powers(flint.acb(1), one, rows), table.tolist(), strict=True)):
             c = x * unit / (2 if k else 1)
-            # cos mθ1 cos nθ2 has four modes, two of them here
+            # of the four modes of cos mθ1 cos nθ2 the two with +m are stored; the others are their conjugates
             first, *rest = (c * y for y in row)
             ahead = [c * y / 2 for c, y in zip(rest, across[1:], strict=True)]
             back = [c * y.conjugate() / 2 for c, y in zip(rest, across[1:], strict=True)]

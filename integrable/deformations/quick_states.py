@@ -216,7 +216,7 @@ def samples(carrier: Any, packed: PackedCurves, sizes: tuple[int, int], known: n
     """1/g at the phases (i/rows, j/columns) since the start, as double-doubles; ``known`` samples are recomputed."""
     rows, columns = sizes
     table, room = np.empty((rows * columns, 2)), np.empty((6 * (rows + columns), 2))
-    # powers of 2, so that fractions are exact
+    # the sizes are powers of 2, so that the fractions are exact
     places = tuple(_pairs(x, x) for x in (Column(np.arange(n) / n, np.zeros(n)) for n in sizes))
     LIBRARY.paces(*packed.tracks, double_double_row((carrier.system.d, *carrier.weights)), places, table, room)
     return table.reshape(rows, columns, 2)
@@ -232,7 +232,7 @@ def packed(carrier: Any) -> PackedCurves:
     energy, second = map(float, frame.sizes)
     tracks = []
     for track, curve in zip(carrier.tracks, carrier.curves, strict=True):
-        # rows of four coefficients
+        # a row of the table has four coefficients
         table = track.table[: 4 * terms_of(curve.nome)]
         tracks.append(Track(double_double_row(track.numbers), double_double_row(table), inverse_factorials()))
     return PackedCurves(

@@ -69,7 +69,7 @@ class OvalCarrier(CurvesCarrier):
         )
         found = self._state(*(curve.start for curve in self.curves))[0]
         if sum(x * y for x, y in zip(found, self.start.vectors[0], strict=True)) < 0:
-            # the sign of γ and M
+            # the last number is the sign of γ and M
             self.frame.numbers[-1] = -K.one
 
     def _on_curves(self, e: Sequence[Real], slope: Sequence[Real]) -> None:

@@ -323,7 +323,7 @@ def integrals_drift(flow: Flow, rows: np.ndarray) -> np.ndarray:
     (h1, h2), energies = flow._level, flow.system.body.energies
     if len(rows) <= FEW:
         found = [energies(row[:3], row[3:]) for row in rows.tolist()]
-        # H1 is NaN whenever its row is, and max keeps a NaN that comes first
+        # H1 is NaN if any entry of its row is, and max keeps a NaN that comes first
         return np.array([max(abs(k1 / h1 - 1), abs(k2 / h2 - 1)) for k1, k2 in found])
     if len(rows) > CHUNK:
         return np.concatenate([integrals_drift(flow, rows[i : i + CHUNK]) for i in range(0, len(rows), CHUNK)])

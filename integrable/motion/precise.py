@@ -128,7 +128,7 @@ class ManyDigits:
 
     def __init__(self, digits: int, carrier: Carrier) -> None:
         self.digits = digits
-        # the carrier in use, the one with the first digits and the one with most
+        # the carrier in use, the one with the fewest digits (the first) and the one with the most
         self.carrier = self._first = self._finest = carrier
         # the nearest time, in units of the user, at which a computation showed that the first digits do not suffice
         self._too_far: Real = inf
