@@ -18,7 +18,7 @@ KNOWN_FROM = 4
 UNEVEN = 4
 # reasons why a march ends before its last time: its steps shrink to 0; there are too many steps
 ENDS, FAR = 1, 2
-# indices in a march's report: number of steps, length of the first step, length of the current step, number of times reached
+# indices in a march's report: number of steps, lengths of the first and of the current step, number of times reached
 STEPS, LONGEST, STEP, REACHED = range(4)
 
 
