@@ -135,7 +135,7 @@ def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) ->
     """
     one = 1 + 0 * ends[0]
     points, scale = (ends[0], ends[1], ends[2], ends[3]), 2 * one
-    # R, ascending, and its values at the ends
+    # the coefficients of R, ascending, and its values at the ends
     rest = r * one, -d * one, 0 * one
     values = r - d * ends[0], r - d * ends[1], r - d * ends[2], r - d * ends[3]
     while apart(points, values, near):

@@ -151,7 +151,7 @@ def one_way(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bo
     farthest = abs(request.high[request.order[len(request.order) - 1 if sign > 0 else 0]])
     level, n = 0, 0
     while 0 <= i < len(request.order):
-        # a halved panel costs more than one panel
+        # ``n`` counts a halved panel once; made[3] counts its actual cost
         if n >= most + most // SPARE or room.made[3] > 2 * request.most:
             return FAR
         status = centre_after(room, n, sign)

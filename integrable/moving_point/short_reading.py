@@ -78,7 +78,7 @@ def antiderivative(room: ShortRoom, rule: Rule, half: float) -> tuple[float, flo
         value = room.rates[j] - base
         for k in range(count):
             series[k] += rule.coefficients[j * count + k] * value
-    # all of the integral over the panel is small except the part from this value
+    # the rest of the integral over the panel is small; the part from ``base`` is added last
     part = series[0]
     series[0] += base
     integral[count], integral[count - 1] = series[count - 1] / (2 * count), series[count - 2] / (2 * (count - 1))

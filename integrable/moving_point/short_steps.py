@@ -97,7 +97,7 @@ def small_steps(room: ShortRoom, eps: float, first: int, last: int) -> None:
     """
     rows, axes = room.series, unit_axes(room.wide)
     for level in range(first, last + 1):
-        # a row that is still unused
+        # ``rates`` is still unused, so it holds the times meanwhile
         room.rates[level], eps = eps, eps / 2
     for level in abreast(first, last + 1):
         put(expanded(rows, axes, room.rates[level]), room.steps, 10 * (HALF - level))

@@ -73,7 +73,7 @@ class Translations:
                 found = self._orders(size)
                 square = (half / 2**rest) ** 2
                 least = square ** (size - 1) * 2**self.reals.bits
-                # compared with the first coefficients that are not 0, of order 0 or 1
+                # the last coefficients are compared with the first that are not 0, of order 0 or 1
                 if all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in found[:4]):
                     return found, radius
             radius = 1 + 0.8 * (radius - 1)

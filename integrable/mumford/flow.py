@@ -396,7 +396,7 @@ class MumfordFlow:
         times = torus.witnesses
         true = filled((self._walked, self._by_additions), times).states
         with np.errstate(invalid="ignore"):
-            # a wrong pair may be none of the system's: NaN
+            # a wrong pair may belong to no state of the system, which gives NaN
             gaps = np.abs(self._read(torus, times) - true).max(axis=2)
         return bool((gaps <= RIGHT * np.abs(true).max(axis=2)).all())
 

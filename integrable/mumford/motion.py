@@ -20,7 +20,7 @@ from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, ExtendedGroup, Kind, Lift, PointLift
 
-# number of bits between the two precisions; initial allowances for lost bits: per genus, per doubling, and besides
+# number of bits between the two precisions; initial allowances for lost bits: per genus, per doubling, and a constant
 APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
 MOST_BITS = 4000
 # largest rates that rounding may leave for a pair at rest, in units of the last bit
@@ -63,7 +63,7 @@ class Placed:
         self.group = ExtendedGroup(field, start.f, start.kinds)
         self._directions = (start.direction, *start.further)
         self._translations: dict[int, GroupTranslations] = {}
-        # the pair at the last further times, since many τ often share them
+        # (times, pair) along the further directions as last requested: many τ often share them
         self._carried: tuple[tuple[Real, ...], Extended] = ((), self.start)
 
     @property

@@ -36,7 +36,7 @@ FIRST_SIZE, FIRST_OF_MANY, MOST_SAMPLES, CHUNK = 32, 16, 1 << 18, 1 << 12
 # lines below this fraction of the strongest line of their quantity are rounding
 NOISE = 3e-14
 PASSES, SOLVED = 60, 1e-13
-# number of samples of a turn about an axis: a state has only the harmonics 0 and ±1 of it
+# number of samples of a turn about an axis: a state has only the harmonics 0 and ±1 of this turn
 ROUND = 4
 
 Coordinates = tuple[Sequence[np.ndarray], Sequence[np.ndarray]]
