@@ -42,7 +42,7 @@ from jacobian.inexact.long_field import LongField
 BITS, FEWER_BITS = 400, 180
 # largest number of Newton steps from a root in floats
 NEWTON_STEPS = 8
-# a gap below LOST times the spread of the roots has no digits; a swing below NOTHING times the other gaps no effect
+# a gap below LOST times the spread of the roots has no digits; a swing below NOTHING times the other gaps has no effect
 LOST, NOTHING = 2.0**-130, 2.0**-90
 
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 # length of a panel in basic steps
 PANEL_STEPS = 5
-# number of panels from which on the torus costs less than integrating along the motion
+# with this many panels or more the torus costs less than integrating along the motion
 FAR = 50
 # numbers of panels that take about a second: with states from the torus, and with single states
 MOST_PANELS, MOST_PRECISE = 4000, 60

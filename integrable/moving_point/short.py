@@ -53,7 +53,7 @@ from integrable.moving_point.short_steps import (
 LENGTH = 5.0
 # on half a panel of several basic lengths the body turns by at most this, in radians
 TURN = 1.7
-# panels are doubled at least so often, or not at all. Doubled ones have wide nodes: floats lose digits on such bodies
+# least number of doublings of a panel that is doubled at all. Doubled ones have wide nodes: floats lose digits on them
 WORTHWHILE = 3
 # upper bounds on a panel. TAIL: its last coefficients of γ, w and 1/g. STEP: the jump from the panel before, for nodes
 # in floats. WIDE_STEP: the same for nodes in wide numbers, where those of the panel before may be in floats

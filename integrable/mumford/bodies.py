@@ -44,7 +44,7 @@ GUARD, DIGITS_APART = 6, 4
 FARTHEST = 1e100
 # number of digits that periods lose per leading digit shared by two branch points
 DIGITS_A_GAP = 3
-# largest number of shared digits
+# largest number of leading digits that two branch points may share
 MOST_SHARED = 100
 # approximate length of a panel of the clock on a separatrix, in radians
 STEP = 0.5

@@ -41,8 +41,8 @@ RIGHT = 1e-12
 # near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(2000, 3), 3: Cost(60_000, 100)}
-# for so many times additions take at least as long as a torus that additions confirm: 34 ms against 19 where branch
-# points of genus 2 are not real, 72 against 72 in genus 3 (python -m benchmarks real_torus)
+# from this many times on, additions take at least as long as a torus that additions confirm: 34 ms against 19 where
+# branch points of genus 2 are not real, 72 against 72 in genus 3 (python -m benchmarks real_torus)
 TIMES_TO_THETA = 6
 # rounding error of correctly rounded floats
 ROUNDED = 2.0**-53

@@ -62,7 +62,7 @@ from jacobian.relatives.extended import Extended, Lift, SecondKind
 BITS = 160
 # largest number of samples of a rate; beyond it, branch points nearly meet
 MOST_SAMPLES = 1 << 16
-# the largest ratio of the phases' rates for which equations of motion are followed to a turn of the slower one
+# if one phase is slower than the other by more than this factor, the equations of motion do not check a turn of it
 SLOW = 8
 
 # (κ, σ, ν) by branch point

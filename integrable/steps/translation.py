@@ -140,8 +140,8 @@ class Translation(Step):
             for value in (poly.evaluate(K, u, e),)
         )
         worst = max(worst, near * float(radius**2 / _size_at(f, radius) ** 0.5))
-        # three causes: cancellation in U'(a_i), a distant branch point, and cancellation where the a_i are close
-        # together
+        # three more causes of loss: cancellation in U'(a_i), a distant branch point, and cancellation where the a_i are
+        # close together
         values = [(_size_at(u, e), abs(poly.evaluate(K, u, e))) for e in self.system.a]
         worst = max([worst, *(float(size / value) for size, value in values if value)])
         worst = max([worst, *(float(abs(y) / radius) for y in x if self._is_branch(y, h1, h2))])

@@ -72,7 +72,7 @@ class BodyOnLayer(BodySystem):
             check_domain(self.body, self.body.state(*state))
         return super().flow(state)
 
-    # no compiled walk of a system of any genus: the body's own flow is faster near its start too
+    # this system has no compiled walk: the body's own flow is faster near its start too
     _kind = None
 
     def _constants_in(self, N: FormulaField) -> tuple[Real, ...]:

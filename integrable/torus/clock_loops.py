@@ -100,7 +100,7 @@ def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, int
     start, rate = delay(clock.rough, clock.series, a, b, room)
     x = 0 * nu1 + start
     if len(modes) > 0:
-        # next to a resonance the rounding of the largest modes in floats makes x wrong by much of a turn
+        # next to a resonance the rounding of the largest modes in floats makes x wrong by a large part of a turn
         for _ in range(3):
             p, q = (first + turn1 % double1 + nu1 * x) / double1, (second + turn2 % double2 + nu2 * x) / double2
             rest, _ = swing_and_rate(clock.quiet, float(p), float(q), room)

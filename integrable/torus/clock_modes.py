@@ -16,7 +16,7 @@ from jacobian.numbers.fourier import half_spectrum
 LEVEL = 1e-8
 # the largest number of modes that are summed in numbers longer than floats
 MOST_LOUD = 8
-# a mode by which τ oscillates by more turns is in resonance: floats would invert the clock only to 1e-4 of a turn
+# modes that move τ by more turns than this are in resonance: floats would invert the clock only to 1e-4 of a turn
 MOST_SWING = 1e12
 
 

@@ -30,12 +30,12 @@ ROUND = 1e-17
 CLOSED = 1e-13
 # a step of a walk over the corners spans at most this number of cells
 MOST_AT_ONCE = 7
-# ovals with a relative gap below this are walked over from both sides
+# if the relative gap of the ovals is below this, the corners are walked over from both sides
 NEAR = 2.0**-23
 # number of quadrature nodes on the path from the start to the walk's turning column
 QUADRATURE = 32
-# least values of the factor r − dx of f at an axis, relative to its terms, with which 1/g is computed from it: U at its
-# root loses twice as many digits, and the sum for 1/g three times as many
+# 1/g is computed from the factor r − dx of f if it is at least this at every axis, relative to its terms: U at its root
+# loses twice as many digits as the factor, and the sum for 1/g three times as many
 LEAST_REST = 2.0**-14
 # the first grid of 1/g has at least FIRST_SIZE points in each direction. For ovals with a relative gap below PASSING
 # its columns are PASSAGES times the s₁ + s₂ of their period, with the next branch point at s = 1

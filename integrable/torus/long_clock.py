@@ -174,7 +174,7 @@ def without_slow(
     slow, least = [], wide.coerce(10) ** -digits * abs(modes.mean)
     for k, m in np.argwhere(close).tolist():
         c = modes.rows[k][m]
-        # counted with its conjugate
+        # the factor 2: each mode counts with its conjugate
         real, imaginary = (2 * x for x in BallReals(wide.context.prec).elements(wide, (c.real, c.imag)))
         if abs(real) + abs(imaginary) > least:
             slow.append((real, imaginary, k * modes.frequencies[0] + (m - most) * modes.frequencies[1]))

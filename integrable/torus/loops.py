@@ -42,7 +42,7 @@ BITS_A_TERM = 1.3
 
 
 BEYOND = "periods beyond the range of floats; use more digits"
-# π, then the κ and the rate of a translation's axes
+# π, then for a translation the three κ, all 1, and the rate (1, 0)
 _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0), (1, 0), (1, 0), (1, 0), (0, 0)])
 
 

@@ -112,7 +112,7 @@ class Scouts:
     def _fall(self, sign: int, length: int) -> float:
         sizes = self._sizes(sign, length, float)
         if max(sizes[1:]) < (FLATTEST if self._rates else FLAT):
-            # variations that floats, or double-double numbers, cannot separate from rounding
+            # floats, or double-double numbers, cannot separate such variations from rounding
             sizes = self._sizes(sign, length, self._setup.reals.plain)
         most = max(sizes[1:])
         if 0 < most < FLAT:

@@ -175,7 +175,7 @@ class LongSeries:
         self._levels: dict[int | None, SeriesLevel] = {}
         with self._balls as balls:
             nu1, nu2 = map(balls.number, frequencies)
-            # the conjugate half counted with this one, over 2πi
+            # 2/(2πi): each mode counts with its conjugate
             factor = flint.acb(0, -1 / flint.arb.pi())
             self._modes = [
                 [

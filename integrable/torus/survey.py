@@ -27,8 +27,8 @@ REMOTE = 1e4
 # two branch points
 FEW_CELLS = 1 << 11
 INNER = 8
-# no centre is nearer to the end of a gap than this fraction of the length of the ovals: translations about a centre
-# lose twice the digits of its distance from a branch point, as many as double-doubles can spare
+# no centre is nearer to the end of a gap than this fraction of the length of the ovals: at distance 2^−k from a
+# branch point translations lose 2k bits, and double-doubles can spare 60
 NEAREST = 2.0**-30
 # up to MANY_CELLS cells this larger fraction is used, which costs almost no digits
 FAIR = 2.0**-12

@@ -19,7 +19,7 @@ from jacobian.errors import NotOnCurve, NotRepresentable, PrecisionLoss
 from jacobian.group import Jacobian
 from jacobian.law.divisor import Divisor
 
-# kinds of rows: two points; one point (+ weight 0 or 1 at ∞₊); no point (+ weight 0, 1 or 2); no known class
+# kinds of rows: two points; one (+ weight 0 or 1 at ∞₊); none (+ weight 0, 1 or 2); unknown class; point at infinity
 PAIR, POINT, NONE, LOST, AT_INFINITY = 0, 1, 3, 6, 7
 DEGREES = np.array([2, 1, 1, 0, 0, 0, 0, 0])
 WEIGHTS = np.array([0, 0, 1, 0, 1, 2, 0, 0])

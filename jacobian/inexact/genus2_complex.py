@@ -126,7 +126,7 @@ def slope(a: Four, b: Four, r: Four) -> tuple[Number, Number, Number]:
     # the unknowns are overlap/rest and (r0 − b0·overlap/rest)/(−norm). They are returned times q = rest·norm, so that
     # nothing is divided by q, which is 0 for opposite points
     if size + sqrt(rest) / 16 == size:
-        # opposite points, to rounding: the null vector of the triangle
+        # opposite points, up to rounding: the null vector of the triangular system
         rest, overlap = 0 * rest, 1 + 0 * overlap
     second, first, q = overlap * norm, b0 * overlap - r0 * rest, rest * norm
     if swap:
