@@ -21,7 +21,7 @@ class Exported(Record):
 
     ``quantities`` are names of :data:`integrable.files.quantities.QUANTITIES`: "gamma", "M", "omega", "quaternion",
     "contact". In the laboratory they are those of :data:`integrable.laboratory.in_files.QUANTITIES`. By default the
-    usual quantities are written. The libraries are in the extra ``io``; ArgumentError names a missing library.
+    usual quantities are written. The libraries needed are in the extra ``io``; ArgumentError names a missing one.
     """
 
     @property

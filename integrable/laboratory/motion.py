@@ -170,7 +170,7 @@ class LaboratoryRun(Exported):
         matrices, omega = self.motion._way.at(self.times)
         body = self.motion.body
         axes, field = body._principal.axes, body.field
-        # Q is wide, and usually the identity
+        # wide, and usually the identity matrix
         if (axes == np.eye(3)).all():
             return numbers(field, matrices), numbers(field, omega)
         axes = numbers(field, axes)

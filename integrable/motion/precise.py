@@ -291,8 +291,8 @@ class BodyCarrier(Carrier):
     """The motion of a body at one internal precision, in bare reals and in the units of ``setup``.
 
     A :class:`~integrable.moving_point.setup.Setup` with more digits is made from ``problem``. ``limits`` bound the cost
-    of the clock: if they are finite, the torus has been tried. ``scouts`` are shared by the motion's clocks at all
-    precisions.
+    of the clock: if they are finite, the torus has been tried. ``scouts``, shared by all clocks, measure the decay
+    of 1/g's series.
     """
 
     def __init__(

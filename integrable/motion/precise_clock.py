@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 Found = TypeVar("Found")
 
-# cells of a long panel (odd, so that its centre is that of a cell), and cells before the first of them
+# cells of a long panel (odd, so that its centre is that of a cell), and cells before any long panel
 LONG = 9
 NEAR_CELLS = 27
 # the first cells may run this many times faster or slower than later ones
@@ -199,7 +199,7 @@ class PanelClock(RatePanels):
         while self._end(len(self._ends) - 2) <= t and len(self._ends) <= NEAR_CELLS + 1:
             self._end(len(self._ends) - 1)
         if self._ends[-1] <= t:
-            # estimated with the mean rate of the known cells
+            # number of cells, by the mean rate of known ones
             self._afford(float(t / self._ends[-1]) * len(self._ends))
         if self._ends[-1] > t or not self._far_reaches(t):
             while self._ends[-1] <= t:

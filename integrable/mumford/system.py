@@ -144,7 +144,7 @@ class MumfordSystem(Made):
         return None
 
     def _separation(self, N: FormulaField, state: Point) -> Separation:
-        """Table, if t is not linear in τ or there are angles about an axis: the forms that are known along a motion."""
+        """Table, if t is not linear in τ or there are angles about an axis: forms whose sums over a pair are known."""
         genus = self._genus() or len(self._spectral(N, state).v)
         forms = [Form((*[N.zero] * j, N.one)) for j in range(genus)]
         return Separation(forms, self._direction(N, len(forms)), self._action(N, state), known=self._branches(N))

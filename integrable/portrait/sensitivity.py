@@ -179,7 +179,7 @@ class TorusVariations:
         return TorusSeries(spectrum(samples), self._nu, noise=max(NOISE / 64, self._torus.closure))
 
     def _integrands(self, rows: np.ndarray) -> np.ndarray:
-        """Y(1/g), and of a and of b the seven rates by τ for changes of C2, H1, H2, I1, I2, I3 and d, (N, 15)."""
+        """Y(1/g), and the seven rates by τ of a and of b for changes of C2, H1, H2, I1, I2, I3 and d, (N, 15)."""
         here = Variation.at(self._body, self._scaled(rows))
         turning, forced = here.rates()
         rates = np.concatenate([turning[:, :, 1:], forced], axis=2) * here.slowness[:, None, None]

@@ -20,7 +20,7 @@ __all__ = ["Table", "exact_number", "suggestion"]
 
 _MISSING: Any = object()
 LARGEST_INTEGER = 10**300
-# exponents of more than three digits are refused, since the exact fraction would have that many digits
+# exponents of more than three digits are refused, since the exact fraction would have over 1000 digits
 _NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?)")
 
 

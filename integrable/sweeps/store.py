@@ -316,7 +316,7 @@ class _Hdf5:
     def finish(self, path: Path, attributes: dict[str, Any], made: dict[str, Column]) -> None:
         import h5py
 
-        # the temporary file is in the folder, so that remains of a killed process are removed with it
+        # the temporary file is in the folder, so what a killed process leaves is removed with it
         with replacing(path, self._folder) as temporary:
             with Patient(temporary) as target:
                 try:

@@ -162,7 +162,7 @@ class Corners:
         return max(2 * FIRST_SIZE, rows), max(columns, 2 ** ceil(log2(PASSAGES * extent)))
 
     def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> np.ndarray:
-        """1/g on a grid of its periods, with ``sizes`` points for those of the divisor. Compiled loops give
+        """1/g on a grid of its periods, with ``sizes`` points per period of the divisor. Compiled loops give
         double-doubles with a last axis; interpreted ones give long doubles, or their own numbers where these have more
         digits. ``known`` are the samples of a coarser grid.
         """

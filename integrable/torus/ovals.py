@@ -210,7 +210,7 @@ class Oval:
 
     @property
     def _at_end(self) -> bool:
-        """Whether R vanishes at b only: so it does on the second oval if that begins at ζ, not at an axis."""
+        """Whether R vanishes at b only, as on a second oval that begins at ζ and not at an axis."""
         return not (self._first or self._low)
 
     def sign(self, angle: arb) -> int:

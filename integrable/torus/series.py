@@ -282,7 +282,7 @@ def half_spectrum(samples: np.ndarray) -> np.ndarray:
 
 
 def spectrum(samples: np.ndarray) -> np.ndarray:
-    """The Fourier coefficients of samples at the phases (i/rows, j/columns), of their shape."""
+    """The Fourier coefficients of samples at the phases (i/rows, j/columns); same shape."""
     half = half_spectrum(samples)
     rows = len(samples)
     other = half[1 : rows - rows // 2][::-1].conj()

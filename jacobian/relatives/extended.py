@@ -280,7 +280,7 @@ class Lift(NamedTuple):
             swapped = first[1] != K.zero
         else:
             swapped = bool(abs(first[1]) > abs(second[1]))
-        # ν = (ν₁ + σ₁k(e))/(κ₂σ₂): there is no division by a σ that may vanish
+        # ν = (ν₁ + σ₁k(e))/(κ₂σ₂): no division by the sum's σ, which may be 0
         near, far, k = (second, first, step.quotients[1]) if swapped else (first, second, step.quotients[0])
         top = K.add(near[2], K.mul(near[1], poly.evaluate(K, k, self.e)))
         bottom = K.mul(far[0], far[1])

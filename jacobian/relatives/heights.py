@@ -137,8 +137,8 @@ def relation(classes: Sequence[Divisor], digits: int = 20) -> list[int] | None:
     """A relation of the classes: integers m, not all 0, with Σ m_i D_i of finite order; None if there is provably none.
 
     Independence is proven by a determinant of pairings, a ball without 0. To prove dependence, ratios of pairings
-    are rounded to fractions, whose common denominator gives integers m_i. Then Σ m_i D_i is shown to be of finite order
-    exactly. PrecisionLoss where neither succeeds with this many digits.
+    are rounded to fractions, whose common denominator gives integers m_i. Then it is proven exactly
+    that Σ m_i D_i has finite order. PrecisionLoss where neither succeeds with this many digits.
     """
     classes = _of_one_group(classes)
     matrix = pairings(classes, digits)
