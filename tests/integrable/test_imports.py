@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -31,3 +32,11 @@ def test_only_what_is_needed_is_loaded(code, allowed) -> None:
     check = f"{code}\nimport sys\nprint(sorted(name for name in {HEAVY!r} if name in sys.modules))"
     done = subprocess.run([sys.executable, "-c", check], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == str(sorted(allowed))
+
+
+def test_the_list_of_benchmarks_prints_no_warning():
+    """Two benchmarks made bodies that no distribution of mass has when they were imported, and stderr had warnings."""
+    clone, words = Path(__file__).parents[2], [sys.executable, "-m", "benchmarks", "--list"]
+    done = subprocess.run(words, cwd=clone, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "flow: The exact flow" in done.stdout
