@@ -21,7 +21,6 @@ from integrable.classical.axial_loops import LIBRARY, AxialThetas, axis_at
 from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.columns import Column, Columns
 from integrable.mumford.elliptic_torus import (
-    double_double_row,
     first_kind,
     half_turn,
     inverse_factorials,
@@ -37,6 +36,7 @@ from jacobian import RR, poly
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
+from jacobian.numbers.double_double import double_double_row
 
 # bits of the roots, half of which are lost if two roots nearly coincide; bits of later quantities
 BITS, FEWER_BITS = 400, 180

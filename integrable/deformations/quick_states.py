@@ -17,7 +17,6 @@ import numpy as np
 from integrable.deformations.oval_loops import LIBRARY, Frame, Track
 from integrable.mumford.columns import Column
 from integrable.mumford.elliptic_torus import (
-    double_double_row,
     half_turn,
     inverse_factorials,
     terms_of,
@@ -30,6 +29,7 @@ from integrable.torus.series import in_resonance
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.fields.multiprecision import Mpf
+from jacobian.numbers.double_double import double_double_row
 
 if TYPE_CHECKING:
     from integrable.motion.precise import ManyDigits

@@ -19,7 +19,7 @@ from jacobian.element import Real
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss
 from jacobian.fields.protocol import Field
 from jacobian.numbers.compiler import interpreted
-from jacobian.numbers.double_double import split
+from jacobian.numbers.double_double import double_double_row
 from jacobian.numbers.long_reals import BareReals
 
 __all__ = ["integrate"]
@@ -67,7 +67,7 @@ class _Compiled:
         return tuple(np.array(x, dtype=np.int64) for x in arrays)
 
     def row(self, values: Sequence[Real]) -> Row:
-        return np.array([split(x) for x in values])
+        return double_double_row(values)
 
     def room(self, count: int) -> Row:
         return np.zeros((count, 2))

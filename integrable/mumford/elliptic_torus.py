@@ -26,7 +26,7 @@ from jacobian.native.kinds import FLOATS, WIDES
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 from jacobian.numbers.abreast import abreast
-from jacobian.numbers.double_double import split
+from jacobian.numbers.double_double import double_double_row
 from jacobian.relatives.extended import Extended, Lift
 
 Row = np.ndarray
@@ -326,8 +326,3 @@ def inverse_factorials() -> np.ndarray:
     """2π, then 1/n! for n = 0, 1, …: the ``inverse`` of :func:`circle`."""
     with long_numbers(BITS) as N:
         return double_double_row((2 * half_turn(), *(N.one / factorial(n) for n in range(2 * PAIRS))))
-
-
-def double_double_row(values: Sequence[Real]) -> np.ndarray:
-    """Converts long numbers to an array of double-doubles."""
-    return np.array([split(x) for x in values])

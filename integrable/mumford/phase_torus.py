@@ -18,7 +18,7 @@ from integrable.mumford.elliptic_torus import half_turn, long_numbers
 from integrable.portrait.separated import SeparatedTorus
 from integrable.torus.witness import witnesses
 from jacobian.element import Real
-from jacobian.numbers.double_double import split
+from jacobian.numbers.double_double import double_double_row
 
 # parts of a half turn in the table of a circle; order of the power series between its points
 PARTS, ORDER = 32, 17
@@ -119,7 +119,7 @@ class PhaseTorus:
 
 def _columns(values: Sequence[Real]) -> Column:
     """Long numbers as one column, (n, 1)."""
-    high, low = np.array([split(x) for x in values]).T
+    high, low = double_double_row(values).T
     return Column(high[:, None], low[:, None])
 
 
@@ -137,7 +137,7 @@ def circle_table() -> tuple[Column, Column, Column]:
 
     with long_numbers(BITS):
         turns = [half_turn() * k / PARTS for k in range(2 * PARTS)]
-        cosines, sines = (np.array([split(f(x)) for x in turns]).T for f in (gmpy2.cos, gmpy2.sin))
+        cosines, sines = (double_double_row(map(f, turns)).T for f in (gmpy2.cos, gmpy2.sin))
         return Column(*cosines), Column(*sines), Column.of(half_turn())
 
 

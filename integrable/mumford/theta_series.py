@@ -12,13 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from integrable.mumford.elliptic_torus import circle, double_double_row, half_turn, inverse_factorials
+from integrable.mumford.elliptic_torus import circle, half_turn, inverse_factorials
 from jacobian.element import Complex, Real
 from jacobian.errors import PrecisionLoss
 from jacobian.native.kinds import INT, INTS, WIDES, TupleKind, record
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 from jacobian.numbers.abreast import abreast
+from jacobian.numbers.double_double import double_double_row
 from jacobian.periods.real_basis import Whole
 
 Row = np.ndarray

@@ -34,7 +34,7 @@ from integrable.mumford.branch_points import (
     without_root,
 )
 from integrable.mumford.columns import Column
-from integrable.mumford.elliptic_torus import double_double_row, half_turn, long_numbers
+from integrable.mumford.elliptic_torus import half_turn, long_numbers
 from integrable.mumford.motion import Start
 from integrable.mumford.theta_series import LIBRARY, ThetaSums, theta_sums
 from integrable.torus.access import TorusClock, resolved_spectrum
@@ -44,6 +44,7 @@ from integrable.torus.witness import witnesses
 from jacobian.element import Complex, Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
+from jacobian.numbers.double_double import double_double_row
 from jacobian.periods.paths import image, moments
 from jacobian.periods.real_basis import (
     NEARLY,

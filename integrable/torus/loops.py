@@ -22,7 +22,7 @@ from integrable.torus.walks import Curve
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
-from jacobian.numbers.double_double import EPS, split
+from jacobian.numbers.double_double import EPS, double_double_row
 from jacobian.numbers.fourier import circle_of
 
 if TYPE_CHECKING:
@@ -179,7 +179,7 @@ class CompiledLoops:
         return self._packed(value, self._kinds[type(value)])
 
     def row(self, values: Iterable[Real]) -> Row:
-        return np.array([split(x) for x in values])
+        return double_double_row(values)
 
     def begun(self, setup: Source) -> Beginning | None:
         if setup.floats_given is None:

@@ -203,9 +203,11 @@ def survey(
 def surveyed_rates(
     problem: Row, found: Row, motion: Row, units: tuple[float, float], doubled: tuple[int, int], out: Row
 ) -> None:
-    """Writes numbers of a :func:`survey` in the user's units: the matrix of a :class:`~integrable.torus.states.Torus`
-    (four), the turns of both phases in a unit of t and of τ, dτ/dt and dt/dτ in the mean, then the turns of the
-    ``doubled`` periods in a unit of τ, dt/dτ again, 2π, Σ∫dξ/η and Σ∫ξ dξ/η in a unit of τ.
+    """Writes numbers of a :func:`survey` in the user's units.
+
+    In order: the matrix of a :class:`~integrable.torus.states.Torus` (four numbers). The turns of both phases per unit
+    of t, and per unit of τ. The means of dτ/dt and of dt/dτ. The turns of both ``doubled`` periods per unit of τ, dt/dτ
+    again, 2π. Then Σ∫dξ/η and Σ∫ξ dξ/η per unit of τ.
 
     ``problem`` is a :func:`~integrable.moving_point.problem.problem_row`, ``motion`` as for :func:`survey`, ``units``
     the length and the lift of those of the survey.

@@ -8,9 +8,10 @@ by a coefficient 0 or 1 are left out. On models of degree 6, split or inert, nei
 sum carry weight at infinity, so the same cubic serves. There an addition takes 1I + 29M + 3S for any h, and a doubling
 1I + 36M + 3S (f₆ = 1, h = 0).
 
-The product that is inverted is 0 in the special cases, which are left to Cantor's algorithm: common points (resultant r
-= 0), a cubic of lower degree on a ramified model (s₁ = 0), a cubic that meets infinity on one of degree 6 (s₁² + h₃s₁ =
-f₆). A line is (a₁, a₀, b₁, b₀), a quotient (r, r·s₁, r·s₀). :mod:`jacobian.addition.straight` makes code of the steps.
+The product that is inverted is 0 in the special cases, which are left to Cantor's algorithm. These are common points
+(resultant r = 0); on a ramified model a cubic of lower degree (s₁ = 0); on a model of degree 6 a cubic that meets
+infinity (s₁² + h₃s₁ = f₆). A line is (a₁, a₀, b₁, b₀), a quotient (r, r·s₁, r·s₀). :mod:`jacobian.addition.straight`
+makes code of the steps.
 """
 
 from __future__ import annotations

@@ -6,6 +6,7 @@ The arithmetic is compiled: :mod:`jacobian.native`.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 from functools import lru_cache
 from math import isfinite, ldexp
@@ -55,6 +56,11 @@ def split(x: Any) -> tuple[float, float]:
     low = float(x - Fraction(high)) if isinstance(x, Fraction) else float(x - high)
     total = high + low
     return total, low - (total - high)
+
+
+def double_double_row(values: Iterable[Any]) -> np.ndarray:
+    """Numbers that :func:`split` takes as an array of double-doubles, shape (n, 2)."""
+    return np.array([split(x) for x in values])
 
 
 def _split_mpf(x: Any) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from jacobian.numbers.abreast import abreast
-from jacobian.numbers.double_double import split
+from jacobian.numbers.double_double import double_double_row
 
 Row = Any
 
@@ -107,6 +107,6 @@ def circle_of(size: int) -> np.ndarray:
     context = MPContext()
     context.prec = BITS
     points = [context.expjpi(-context.mpf(2 * k) / size) for k in range(size // 2)]
-    circle = np.array([split(x) for point in points for x in (point.real, point.imag)])
+    circle = double_double_row(x for point in points for x in (point.real, point.imag))
     circle.flags.writeable = False
     return circle

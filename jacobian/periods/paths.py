@@ -18,7 +18,8 @@ from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.native.kinds import INTS, WIDES
 from jacobian.native.library import Library
-from jacobian.numbers.double_double import split
+from jacobian.numbers.double_double import double_double_row
+from jacobian.numbers.long_reals import BallReals
 from jacobian.numbers.roots import root
 
 Row = np.ndarray
@@ -144,7 +145,7 @@ def path_integrals(path: StraightPath, rule: Row) -> tuple[Complex, Complex, Com
     """∫dμ/w, ∫v dμ/w and ∫v² dμ/w for the measure dμ of a rule, with x = a + (b − a)v and w = Π√((x − e)/(end − e))."""
     import gmpy2
 
-    poles = np.array([split(x) for q in path.poles for x in (q.real, q.imag)])
+    poles = double_double_row(x for q in path.poles for x in (q.real, q.imag))
     out = np.empty((6, 2))
     LIBRARY.path_sums(rule, poles, np.array(path.sides), out)
     zeroth, first, second = (
@@ -156,9 +157,8 @@ def path_integrals(path: StraightPath, rule: Row) -> tuple[Complex, Complex, Com
 def path_sums(rule: Row, poles: Row, sides: Row, out: Row) -> None:
     """Writes the sums of weight/w, v·weight/w and v²·weight/w, w = Π√(1 + sq), over the nodes of a rule.
 
-    ``rule`` has v, 1 − v and the weight of each node.
-
-    ``poles`` are the q, real and imaginary parts; s is v where the item of ``sides`` is 0, and 1 − v where it is 1.
+    ``rule`` has v, 1 − v and the weight of each node. ``poles`` are the q, real and imaginary parts; s is v where the
+    item of ``sides`` is 0, and 1 − v where it is 1.
     """
     zero = 0 * rule[0]
     a, b, c, d, g, h = zero, zero, zero, zero, zero, zero
@@ -205,7 +205,7 @@ def nodes_needed(poles: Sequence[Complex]) -> int:
 
 def rule_of(nodes: Iterable[tuple[Complex, Complex, Complex]]) -> Row:
     """The rows (v, 1 − v, weight) of a rule in double-doubles."""
-    return np.array([split(x) for row in nodes for x in row])
+    return double_double_row(x for row in nodes for x in row)
 
 
 @cache
@@ -222,14 +222,10 @@ def chebyshev_rule(count: int) -> Row:
 @cache
 def legendre_rule(count: int) -> Row:
     """Gauss's rule for dt = dv/(2√v), v = t², t from −1 to 1, for an even count, as one for dv/√v on [0, 1]."""
-    from flint import arb, ctx
+    from flint import arb
 
-    before = ctx.prec
-    try:
-        ctx.prec = BITS + 20
+    with BallReals(BITS + 20):
         found = [arb.legendre_p_root(count, k, weight=True) for k in range(count // 2)]
-    finally:
-        ctx.prec = before
     with LongField(BITS) as N:
         pairs = [(N.from_ball(x) ** 2, 2 * N.from_ball(w)) for x, w in found]
         return rule_of((v, 1 - v, w) for v, w in pairs)
