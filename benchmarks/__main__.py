@@ -16,7 +16,6 @@ from jacobian.interrupts import leave, stand
 if __name__ == "__main__":
     stand("benchmarks")
 
-import argparse
 import importlib
 import json
 import pkgutil
@@ -28,7 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from integrable.scene.tables import aligned
-from jacobian.terminal import write_anything
+from jacobian.terminal import CommandParser, write_anything
 
 
 def names() -> list[str]:
@@ -52,9 +51,7 @@ def table(rows: list[dict[str, Any]]) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs the chosen benchmarks; returns 0 if all succeeded, 1 if one failed, 2 for a wrong argument."""
     write_anything()
-    parser = argparse.ArgumentParser(
-        prog="python -m benchmarks", description="Run the benchmarks and print their tables."
-    )
+    parser = CommandParser(prog="python -m benchmarks", description="Run the benchmarks and print their tables.")
     parser.add_argument("names", nargs="*", metavar="NAME", help="which (default: all)")
     parser.add_argument("--smoke", action="store_true", help="the least work of each: only to see that it runs")
     parser.add_argument("--list", action="store_true", help="list the benchmarks")

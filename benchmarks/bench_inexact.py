@@ -6,12 +6,12 @@ error in units of the effect of the summands' last bits on the sum.
 
 from __future__ import annotations
 
-import argparse
 from random import Random
 from time import perf_counter
 from typing import Any
 
 from jacobian import RR, HyperellipticCurve, PrecisionLoss
+from jacobian.terminal import CommandParser
 from tests.jacobian.inexact import inexact_oracle as oracle
 
 # every size: |x| over several powers of ten; one size: |x| within a factor; cluster: points within 1e-8 … 1e-1 of each
@@ -87,7 +87,7 @@ def run(smoke: bool, sums: int = 200, seed: int = 0) -> list[dict[str, object]]:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = CommandParser(description=__doc__)
     parser.add_argument("--sums", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from benchmarks.__main__ import table
+from jacobian.terminal import CommandParser
 
 Rows = list[dict[str, Any]]
 
@@ -21,7 +21,7 @@ def save(figure: Any, stem: Path) -> None:
 
 def command(description: str | None, run: Callable[[bool], Rows], draw: Callable[[Rows, Path], None]) -> None:
     """Run one benchmark, print its table and draw it where ``--figure`` says."""
-    parser = argparse.ArgumentParser(description=description)
+    parser = CommandParser(description=description)
     parser.add_argument("--figure", type=Path, help="draw to FIGURE.png and FIGURE.svg")
     parser.add_argument("--smoke", action="store_true")
     arguments = parser.parse_args()

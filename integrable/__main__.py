@@ -21,7 +21,7 @@ from typing import Any, NoReturn, TypeVar
 
 from integrable.scene.file import load_scene, scene_names
 from jacobian.errors import ArgumentError, JacobianError, shortened
-from jacobian.terminal import write_anything
+from jacobian.terminal import CommandParser, write_anything
 
 __all__ = ["main"]
 
@@ -56,16 +56,16 @@ A scene of your own is a file of ten lines: docs/scenes.md. In Python: import in
 
 
 def _folded(text: str) -> str:
-    """The text with lines folded that are longer than the terminal; continuations start below the explanation."""
+    """The text with lines folded that are longer than the terminal; continuations of an explanation start below it."""
     lines, width = [], get_terminal_size((120, 24)).columns
     for line in text.splitlines():
-        hang = len(match[0]) if (match := re.match(r" *\S+(?: \S+)* {2,}", line)) else 4
+        hang = len(match[0]) if (match := re.match(r" *\S+(?: \S+)* {2,}", line)) else 4 * line.startswith(" ")
         below = " " * (hang if 2 * hang < width else 4)
         lines += wrap(line, width, subsequent_indent=below, break_on_hyphens=False) or [""]
     return "\n".join(lines)
 
 
-class _Parser(argparse.ArgumentParser):
+class _Parser(CommandParser):
     """An argument parser whose errors are one line."""
 
     def error(self, message: str) -> NoReturn:

@@ -9,21 +9,20 @@ from jacobian.interrupts import leave, stand
 if __name__ == "__main__":
     stand("jacobian")
 
-import argparse
 import sys
 from collections.abc import Sequence
 
 from jacobian.arithmetic import command
 from jacobian.errors import ArgumentError, JacobianError
 from jacobian.page import command as page_command
-from jacobian.terminal import write_anything
+from jacobian.terminal import CommandParser, write_anything
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command line and returns the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m jacobian", description="Arithmetic in hyperelliptic Jacobians.")
+    parser = CommandParser(prog="python -m jacobian", description="Arithmetic in hyperelliptic Jacobians.")
     write_anything()
-    commands = parser.add_subparsers(dest="command", required=True)
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     commands.add_parser("compile", help="compile all loops, keep them on disk, and say how long each library took")
     sato_tate = "L-polynomials at all primes up to a bound, their moments and the Sato–Tate groups that fit"
     command.add_arguments(commands.add_parser("sato-tate", help=sato_tate, description=sato_tate))

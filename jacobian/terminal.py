@@ -1,4 +1,4 @@
-"""Output to a terminal, with replacements for characters that its encoding lacks.
+"""Output to a terminal: replacements for characters that its encoding lacks, and usage lines that fit its width.
 
 Greek letters and mathematical signs are part of the output, but a terminal or a redirected file may know ASCII or
 cp1252 only (Windows, LC_ALL=C). Files that the commands write themselves are always UTF-8.
@@ -6,12 +6,15 @@ cp1252 only (Windows, LC_ALL=C). Files that the commands write themselves are al
 
 from __future__ import annotations
 
+import argparse
 import codecs
+import re
 import sys
 import unicodedata
+from shutil import get_terminal_size
 from typing import Any
 
-__all__ = ["write_anything"]
+__all__ = ["CommandParser", "write_anything"]
 
 # characters of tables have one character each: columns are aligned by counting them
 _PLAIN = {
@@ -64,3 +67,20 @@ def _letter(letter: str) -> str:
     if letter in _PLAIN:
         return _PLAIN[letter]
     return unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode() or "?"
+
+
+class CommandParser(argparse.ArgumentParser):
+    """An argument parser whose help fits a terminal of 40 columns."""
+
+    def format_usage(self) -> str:
+        return _shallow(super().format_usage())
+
+    def format_help(self) -> str:
+        usage, blank, rest = super().format_help().partition("\n\n")
+        return _shallow(usage) + blank + rest
+
+
+def _shallow(usage: str) -> str:
+    """The usage. If it is wider than the terminal, further lines are indented by four, not as far as the program's name."""
+    wide = max(map(len, usage.splitlines())) > get_terminal_size().columns
+    return re.sub(r"\n +", "\n    ", usage) if wide else usage

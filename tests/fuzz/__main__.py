@@ -19,6 +19,7 @@ from typing import Any
 
 from integrable.phase.body import UnphysicalMoments
 from integrable.sweeps.orphans import processes
+from jacobian.terminal import CommandParser
 from tests.fuzz.case import FAILURES, run
 from tests.fuzz.run import Plan, Suite, Tally, follow
 
@@ -31,12 +32,12 @@ def suite_of(name: str) -> Suite:
     return suite
 
 
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(
+def parser() -> CommandParser:
+    made = CommandParser(
         prog="python -m tests.fuzz",
         description="Random cases against independent oracles; exit code 1 and a reproducer where one fails.",
     )
-    made.add_argument("suite", choices=[*SUITES, "all"])
+    made.add_argument("suite", choices=[*SUITES, "all"], metavar="SUITE", help=", ".join(SUITES) + " or all")
     made.add_argument("--seed", default="1", help="any word or number (default 1); the same seed gives the same cases")
     made.add_argument("--seconds", type=float, help="how long, all suites together; 60 unless --cases is given")
     made.add_argument("--cases", type=int, help="how many cases of each suite")

@@ -321,16 +321,6 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_help_fits_the_terminal():
-    for width in (64, 80, 120):
-        for words in ([], ["--help"], ["run", "--help"], ["sweep", "--help"], ["report", "--help"], ["view", "--help"]):
-            done = subprocess.run(
-                [sys.executable, "-m", "integrable", *words], capture_output=True, text=True, timeout=60, check=True,
-                env={**os.environ, "COLUMNS": str(width)},
-            )  # fmt: skip
-            assert max(map(len, done.stdout.splitlines())) <= width, (words, width)
-
-
 def test_no_bar_in_a_file(here):
     """A bar used to be drawn even if stderr was redirected."""
     line = [sys.executable, "-m", "integrable", "report", "ball.toml", "--quick", "--no-plots"]
