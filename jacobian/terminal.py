@@ -81,6 +81,6 @@ class CommandParser(argparse.ArgumentParser):
 
 
 def _shallow(usage: str) -> str:
-    """The usage. If it is wider than the terminal, further lines are indented by four, not as far as the program's name."""
+    """The usage; if it is wider than the terminal, its further lines are indented by four."""
     wide = max(map(len, usage.splitlines())) > get_terminal_size().columns
     return re.sub(r"\n +", "\n    ", usage) if wide else usage
