@@ -1,4 +1,6 @@
-"""The ``integrable`` command: list the scenes, run one, report error against run time on many."""
+"""The ``integrable`` command, which lists scenes, runs them and reports error against run time; its other commands are
+``sweep``, ``view``, ``race`` and ``doctor``.
+"""
 
 from __future__ import annotations
 

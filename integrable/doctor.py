@@ -63,7 +63,7 @@ def _libraries() -> list[tuple[str, str]]:
 
 
 def _kept() -> tuple[str, list[str]]:
-    """The place and size of the cache of compiled code, and any problem with it."""
+    """The folder and size of the cache of compiled code, and any problem with it."""
     from jacobian.native.kept import place
     from jacobian.numbers.compiler import NO_PLACE, REMEDY, interpreted
 

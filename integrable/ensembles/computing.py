@@ -79,7 +79,9 @@ def computed(
 
 
 def computed_singly(motion: Callable[[int], Motion], times: np.ndarray, out: np.ndarray) -> Outcome:
-    """:func:`computed` on one thread, for motions made one by one: ``motion(k)`` returns or refuses member k."""
+    """:func:`computed` on one thread, for motions made one by one: ``motion(k)`` returns that of member k, or raises a
+    JacobianError.
+    """
     none = np.zeros(len(out), dtype=bool)
     return _Work(np.empty((len(out), 10)), False, none, motion, times, out).outcome(1)
 
@@ -148,7 +150,7 @@ def gathered(count: int, length: int, part: Callable[[int, int], list[Said]], mo
     """The outcome of ``count`` members at ``length`` times, from ``part(begin, end)`` for ranges of them, on all
     threads or on ``most``.
 
-    A member of which ``part`` says nothing has all its states, from a short run.
+    Members that ``part`` does not report have all their states, from short runs.
     """
     size = max(1, min(MEMBERS, STATES // max(1, length)))
     return _outcome(count, [said for found in in_ranges(count, size, part, most) for said in found])

@@ -33,8 +33,9 @@ def ensemble(
 ) -> Ensemble:
     """Many motions of ``system`` over RR, with γ and M of shape (K, 3). If the bodies of members differ, give the
     moments ``inertia``, shape (K, 3), or ``d``, shape (K,); all members of a deformation have one body. Each argument
-    may also be one value for all. A refused member does not affect the others: :meth:`Ensemble.at` has the reasons.
-    ArgumentError for another field, shapes that do not broadcast, and ``inertia`` or ``d`` for a deformation.
+    may also be one value for all members. A refused member does not affect the others; the results of
+    :meth:`Ensemble.at` have the reasons. ArgumentError for another field, shapes that do not broadcast, and ``inertia``
+    or ``d`` for a deformation.
     """
     return Ensemble(system, broadcast(system, gamma, M, inertia, d), flag(tilted, "tilted"))
 

@@ -255,7 +255,7 @@ class LaboratoryRuns(Runs, Exported):
     def quaternion(self) -> np.ndarray:
         """The ``matrices`` as unit quaternions (w, x, y, z), shape (K, N, 4).
 
-        A member's first quaternion has w ≥ 0; of the two signs, each later one has that closer to the previous one.
+        A member's first quaternion has w ≥ 0; each later one has the sign that brings it closer to the previous one.
         """
         found = attitude.quaternions(self.matrices.reshape(-1, 3, 3)).reshape(*self.matrices.shape[:2], 4)
         return read_only(going_on(found))
@@ -267,7 +267,7 @@ class LaboratoryRuns(Runs, Exported):
 
     @cached_property
     def contact(self) -> np.ndarray:
-        """(x, y) of the points of contact, (K, N, 2), in m; by the motion of each member."""
+        """(x, y) of the points of contact, (K, N, 2), in m, computed by the motion of each member."""
         found = np.full((*self.matrices.shape[:2], 2), np.nan)
         for k in np.flatnonzero(self.status == 0).tolist():
             found[k] = self[k].contact

@@ -1,7 +1,7 @@
-"""The members of an ensemble: their numbers, broadcast to one another, and which of them are plain.
+"""The members of an ensemble as rows of numbers, and a mask of the *plain* ones.
 
-A body, a state or a flow checks one member at a time. This module only has bounds for all members together. Members
-within them are never refused, and short runs of compiled code may be tried.
+A body, a state or a flow checks one member at a time. The bounds of this module are checked for all members at once. A
+member within them is never refused, and a short run of compiled code may be tried for it.
 """
 
 from __future__ import annotations

@@ -198,7 +198,7 @@ class RollingBall(RigidBody):
         return Along(self._flow(system, gamma, M, True), frame)
 
     def _vertical(self, start: np.ndarray, gamma: np.ndarray, rate: Real) -> Vertical:
-        """M ∥ γ: the free body of moments I + d with the momentum λγ, λ = ``rate``."""
+        """The method for M ∥ γ, by the free body with the moments I + d and the momentum λγ, λ = ``rate``."""
         K = self._wide
         M = rate * gamma
         inner = _inner(self.field, 0)

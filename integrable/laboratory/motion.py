@@ -49,7 +49,7 @@ class LaboratoryMotion(Immutable):
     def at(self, times: Numbers) -> LaboratoryRun:
         """The motion at times in s, in any order, of any sign and size, shape (N,).
 
-        PrecisionLoss where floats do not suffice for that time.
+        PrecisionLoss where floats do not suffice for one of them.
         """
         field = self.body.field
         items = [field.coerce(t, f"times[{i}]") for i, t in enumerate(one_or_more(times, "times"))]
@@ -195,7 +195,7 @@ class LaboratoryRun(Exported):
     def quaternion(self) -> np.ndarray:
         """The ``matrices`` as unit quaternions (w, x, y, z), shape (N, 4).
 
-        The first has w ≥ 0; of the two signs, each later one has that closer to the previous quaternion.
+        The first has w ≥ 0; each later one has the sign that brings it closer to the previous one.
         """
         return read_only(going_on(attitude.quaternions(self.matrices)))
 

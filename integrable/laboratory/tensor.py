@@ -1,4 +1,4 @@
-"""Inertia tensors: their checks, principal moments and axes; and rotation matrices. All in wide numbers."""
+"""Inertia tensors, with their checks, principal moments and axes; and rotation matrices. All numbers are wide."""
 
 from __future__ import annotations
 

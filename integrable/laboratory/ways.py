@@ -55,7 +55,7 @@ class WideFlow(Flow):
 
 
 class Uniform:
-    """ω constant: a body that turns about a principal axis, any homogeneous one, and one at rest."""
+    """A motion with constant ω: about a principal axis, of a homogeneous body, or of a body at rest."""
 
     flow = None
 
@@ -95,7 +95,7 @@ class Uniform:
 
 
 class Along:
-    """A motion along a flow: γ and M of its state are fixed in space, and their place in the laboratory is known."""
+    """A motion along a flow: γ and M of its state are fixed in space, and their directions in the laboratory known."""
 
     def __init__(self, flow: WideFlow, frame: np.ndarray) -> None:
         """``frame`` is the wide matrix from the axes of :attr:`Trajectory.attitude` to the laboratory."""

@@ -28,7 +28,9 @@ def shift(f: Row, axes: Row, point: Row, step: Row) -> Row:
 
 
 def noise(step: Row) -> Real:
-    """The ``trust`` for :func:`settle` after a translation. The divisor's noise grows with the coefficients' size."""
+    """The argument ``trust`` of :func:`settle` after a translation. It grows with the translation's coefficients, as
+    the rounding errors of the sum do.
+    """
     return 0.003 * max(1, step[0] * step[0], step[1] * step[1])
 
 
@@ -77,8 +79,8 @@ def settled_pair(
 def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust: Real) -> tuple[Real, Real]:
     """One Gauss–Newton step of :func:`settled` for one pair.
 
-    ``trust`` is the squared ratio of the noise of U, V, W to that of the pair before. Where κ is small (nearly equal
-    moments) the pair hardly changes.
+    ``trust`` is the squared ratio of the noise of U, V, W to that of the uncorrected pair. Where κ is small (nearly
+    equal moments) the pair hardly changes.
     """
     x, y = kappa * sigma, kappa * nu
     e1, e2, e3 = leading(u - x * sigma), leading(v - x * nu), leading(-w - y * nu)
@@ -122,7 +124,7 @@ def rate_at(axes: Row, point: Row) -> Real:
 
 
 def rate_after(f: Row, axes: Row, point: Row, step: Row) -> Real:
-    """1/g after the addition of a translation. For an upright body the chord suffices, without the sum."""
+    """1/g after the addition of a translation. For an upright body only the chord is computed, not the sum."""
     if axes[7] != 0:
         return rate_at(axes, carried(f, axes, point, step))
     q, l1, l0 = chord(
@@ -146,8 +148,8 @@ def upright_rates(f: Row, axes: Row, d: Real, point: Row, steps: Row, roots: Row
     """:func:`rate_after` of an upright body for many translations, fast in interpreted code. ``roots`` holds
     √(1 + d(u1 + du0)) of each translation.
 
-    g² is proportional to U(1/d). As f(1/d) = 0, the sum's U'' there is P²/(l1²·U·U'), U' the translation's, P = qV + LU
-    with q and L = l1·x + l0 of the chord. P loses digits where 1 − dα is small at an axis.
+    g² is proportional to U(1/d). As f(1/d) = 0, the sum has U''(1/d) = P²/(l1²·U·U'), where U' belongs to the
+    translation and P = qV + LU with q and L = l1·x + l0 of the chord. P loses digits where 1 − dα is small at an axis.
     """
     curve, first = (f[0], f[1], f[2], f[3], f[4], f[5]), (point[0], point[1], point[2], point[3])
     height = 1 + d * (point[1] + d * point[0])
@@ -171,7 +173,8 @@ def near_identity(series: Row, roots: Row, f0: Real, axes: Row, eps: Real, passe
 
 
 def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
-    """The start value of Newton's method for (m, r) of T(eps): its leading order in eps; for mpf, accurate to a float.
+    """The start value of Newton's method for (m, r) of T(eps): its leading order in eps, or for mpf a value with the
+    digits of a float.
 
     Compiled code uses the shorter versions in :mod:`integrable.moving_point.compiled`.
     """
@@ -296,8 +299,8 @@ def opposite(step: Row) -> Row:
 
 
 def trust_of(step: Row) -> float:
-    """A measure of how accurately a translation adds; larger is better. It is large if the translation's points are
-    away from the branch points and not far out.
+    """A measure of the accuracy of additions of a translation; larger is better. It is large if the translation's
+    points are far from the branch points and from infinity.
     """
     near = min(abs(float(step[4])), abs(float(step[5])), abs(float(step[6])))
     far = max(abs(float(step[0])), abs(float(step[1])), abs(float(step[2])), abs(float(step[3])))

@@ -73,7 +73,7 @@ class LongDoubles:
 
 class Multiprecision:
     """Bare reals for results in an MP ``field``, in object arrays; the attributes are those of :class:`LongDoubles`.
-    Compute with them inside a ``with numbers`` block.
+    Compute with them inside a ``with numbers.reals`` block.
     """
 
     def __init__(self, field: MultiprecisionField) -> None:

@@ -92,7 +92,7 @@ def time_after(tau: arb, rest: arb, rate: Callable[[arb], arb]) -> arb:
 
 
 class BallTranslations:
-    """T(eps) of a motion, enclosed."""
+    """Enclosures of the translations T(eps) of a motion."""
 
     def __init__(self, problem: Problem, plain: Translations) -> None:
         self._plain = plain

@@ -1,5 +1,6 @@
-"""Elliptic integrals. Incomplete ones take arrays of the numbers of an :mod:`integrable.moving_point.arithmetic`, their
-argument N. Complete ones, and periods of two ovals, take bare reals and are compiled unchanged.
+"""Elliptic integrals. Functions for incomplete ones take arrays of the numbers that their argument N defines
+(:mod:`integrable.moving_point.arithmetic`). Those for complete ones, and for periods of two ovals, take bare reals and
+are compiled unchanged.
 
 The incomplete integral of the third kind uses duplication (Carlson 1995, *Numerical computation of real or complex
 elliptic integrals*). That of the first kind and the amplitude use descending Landen transformations (Abramowitz &
@@ -27,8 +28,8 @@ def first_kind_swing(N: LongDoubles | Multiprecision, x: Array, k: Any, missing:
     """F(x | m) − (2K/π)x for k = √(1 − m) > 0, |x| ≤ π/2. The relative error is of rounding size, although the value
     itself is only of the order of m.
 
-    ``missing`` = 1 − k. Descending Landen transformations (Abramowitz & Stegun 17.6) give it; only the changes that
-    they make are summed.
+    ``missing`` = 1 − k. The value is the sum of the changes of x by descending Landen transformations (Abramowitz &
+    Stegun 17.6).
     """
     a, b, difference, total, weight = 1 + 0 * k, k, missing, 0 * x, 1 + 0 * k
     while True:
@@ -129,9 +130,9 @@ def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) ->
     Q are monic with the roots ends[0] ≤ ends[1] and ends[2] ≤ ends[3]. R = r − dx; its root lies beyond these.
 
     The method is the arithmetic-geometric mean of genus 2 (Richelot 1837; Bost & Mestre 1988). With U = Q'R − QR' and
-    so on, ∫dx/√|PQR| = 2√Δ∫dx/√|UVW|, between a root of V and one of W, or of W and U; these are closer together. It
-    converges quadratically, however close the branch points are. It ends when each oval is shorter than ``near``, of
-    the order of √eps, times the distance to the other branch points.
+    V, W by cyclic permutation, ∫dx/√|PQR| = 2√Δ∫dx/√|UVW|. The new limits are a root of V and one of W, or one of W and
+    one of U; they are closer together. The method converges quadratically, however close the branch points are. It ends
+    when each oval is shorter than ``near``, of the order of √eps, times the distance to the other branch points.
     """
     one = 1 + 0 * ends[0]
     points, scale = (ends[0], ends[1], ends[2], ends[3]), 2 * one

@@ -55,7 +55,7 @@ class Problem(NamedTuple):
 
     @property
     def row(self) -> Row:
-        """The same numbers as in a :func:`problem_row`, up to the last one that :class:`Problem` has."""
+        """The numbers of a :func:`problem_row` up to ``slowness``, the last that a :class:`Problem` has."""
         matrix = self.matrix or (1, 0, 0, 1)
         numbers = self.time_scale, self.ratio, self.d, self.momentum, self.half_step
         return (*self.f, *self.axes, *self.start, *numbers, *matrix, self.slowness)
@@ -86,9 +86,8 @@ class Problem(NamedTuple):
 
 
 def problem_row(given: Row, tilted: bool, out: Row) -> None:
-    """Writes the row of a :class:`Problem` to ``out``, from the moments, d, γ and M in ``given``. Then follow r_i =
-    I_i/(I_i + d) of the upright body, and H1 and H2 of the given motion. An upright state has the identity as its
-    matrix.
+    """Writes the row of a :class:`Problem` to ``out``, from the moments, d, γ and M in ``given``; then r_i = I_i/(I_i +
+    d) of the upright body, and H1 and H2 of the given motion. An upright state has the identity as its matrix.
     """
     d = given[3]
     a = (1 / (given[0] + d), 1 / (given[1] + d), 1 / (given[2] + d))
@@ -114,7 +113,7 @@ def problem_row(given: Row, tilted: bool, out: Row) -> None:
 
 
 def check(gamma: Row, M: Row, tilted: bool, bits: int) -> None:
-    """Raises the errors of a motion without a curve; M ∥ γ is decided with this many bits."""
+    """Raises ArgumentError for M = 0, and NotRepresentable for a tilted state with M ∥ γ to about this many bits."""
     (x, y, z), (a, b, c) = gamma, M
     square = a * a + b * b + c * c
     if square == 0:

@@ -145,7 +145,7 @@ TERMS_A_DIGIT = log(10) / -log(1.4 * REACH)
 
 
 def digits_of_closeness(body: Body) -> int:
-    """The number of extra digits for a divisor where all moments are nearly equal, or tiny compared with d. There U
+    """The number of extra digits for a divisor if all moments are nearly equal, or tiny compared with d. U then
     vanishes like the square of their differences, V like the third power.
     """
     most, least = max(body.inertia), min(body.inertia)

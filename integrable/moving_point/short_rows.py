@@ -47,8 +47,8 @@ LOT = 8
 
 
 class Rule(NamedTuple):
-    """Nodes on [−1, 1] or a little beyond, and data derived from them. The nodes are those of :data:`SUMS` with a minus
-    sign, then the positive ones in reverse order.
+    """Nodes on [−1, 1] or a little beyond, and data derived from them. The nodes are the negatives of those in
+    :data:`SUMS`, then those in :data:`SUMS` in reverse order.
     """
 
     nodes: Row

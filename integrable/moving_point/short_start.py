@@ -100,9 +100,9 @@ def at_start(given: Row, tilted: bool, times: Row, out: Row, other: Row) -> None
 
 
 def fastest(wide: Row, rate: float) -> float:
-    """A bound of 1/g, whose value at the start is ``rate``. For an upright body: ``rate`` times the root of
-    (1 − du₁)(1 − du₂) at the start over its least value, at the upper ends of both ovals. Twice ``rate`` for a tilted
-    body, or if the bound exceeds it; larger values then show during the run.
+    """A bound of 1/g from its value ``rate`` at the start. For an upright body 1/g is largest where (1 − du₁)(1 − du₂)
+    is least, at the upper ends of both ovals. The result is 2·``rate`` if the bound exceeds that, or for a tilted body;
+    the run then detects larger values.
     """
     dX, ratio, first, second, third = (
         float(wide[HEAVINESS]), float(wide[RATIO]), float(wide[6]), float(wide[7]), float(wide[8]),

@@ -230,8 +230,9 @@ def led_on(room: ShortRoom, origin: int, place: int, sign: int, target: int, off
 
 
 def framed(wide: Row, r: Vector[Real], point: Row) -> tuple[Vector[Real], Vector[Real], Real]:
-    """(σ, ν, deviation): the pairs of a point, corrected to Σrσ² = 1, Σrσν = 0 and the Σrν² that follows. Here
-    r_iΠ(α_i − α_j) = κ_i. The deviation is the relative correction of the first sum plus that of the last.
+    """(σ, ν, deviation): the pairs of a point, corrected so that Σrσ² = 1, Σrσν = 0, and Σrν² makes the coefficient of
+    x⁴ in f − V² − UW vanish. Here r_iΠ(α_i − α_j) = κ_i. The deviation is the relative correction of Σrσ² plus that of
+    Σrν².
     """
     x, y = (point[4], point[5], point[6]), (point[7], point[8], point[9])
     total = wide[6] + wide[7] + wide[8]
@@ -298,8 +299,8 @@ def less(x: Vector[Real], k: Real, y: Vector[Real]) -> Vector[Real]:
 
 
 def seen(room: ShortRoom, j: int) -> None:
-    """Writes the data of the j-th precomputed centre and the distance of its shadow: that of σ relative to |σ|, plus
-    that of ν, where |w| = 1.
+    """Writes the data of the j-th precomputed centre and the distance of its shadow: the distance in σ relative to |σ|,
+    plus the distance in ν, where |w| = 1.
     """
     looked_at(room.wide, room.ahead, j, room.seen, POINT * j)
     here, there, square, apart, lean = 10 * j, 10 * (j + AHEAD), 0.0, 0.0, 0.0

@@ -45,7 +45,7 @@ Run = Callable[[Iterable[Any]], Solution]
 
 
 class Given(NamedTuple):
-    """A system as an integrator sees it: its constants, and a conversion to its number type."""
+    """The data of a system for an integrator: its constants, and a conversion to its number type."""
 
     constants: tuple[Any, ...]
     number: Callable[[Any], Any]
@@ -67,7 +67,7 @@ class Problem(NamedTuple):
 
 
 class Spent(NamedTuple):
-    """Seconds of one run, split by what they are spent on: the machine, a system, a start, or evaluation."""
+    """Seconds of one run, in parts: work done once per machine, once per system and once per start, and evaluation."""
 
     machine: float
     """Once a machine: work that depends on no body and no start, mainly compilation."""

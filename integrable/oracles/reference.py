@@ -50,7 +50,7 @@ def dop853(body: Any, state: Any, times: Iterable[float], *, rtol: float, atol: 
     """The motion in double precision by SciPy's DOP853 (Hairer, Nørsett & Wanner 1993), started at time 0.
 
     Times may be in any order and of either sign. ``rtol`` and ``atol`` are passed to SciPy unchanged. Raises
-    RuntimeError with SciPy's message when the integrator gives up.
+    RuntimeError with SciPy's message if the integrator fails.
     """
     kind, given, start = problem_of(body, state)
     rates = kind.right_hand_side(kind.coefficients_of(given.constants))

@@ -43,7 +43,7 @@ class Diagram(Record):
         self.lines = np.stack([np.stack([0 * a, a], axis=1), np.stack([1 + 0 * a, 1 / inertia], axis=1)], axis=1)
 
     def place(self, state: State) -> tuple[float, float]:
-        """The place (X, Z) of a state in the diagram."""
+        """The point (X, Z) of a state in the diagram."""
         _, c, h1, h2 = self.system.integrals(state)
         if not h2:
             raise ArgumentError("M = (0, 0, 0): the body is at rest, which has no place in its diagram")
@@ -98,7 +98,7 @@ class Diagram(Record):
         return X, self.height(X, zeta), np.array(numbers).reshape(X.shape)
 
     def figure(self, *states: State) -> Figure:
-        """A picture: contours of the rotation number, the lines of rotations, and the places of some states."""
+        """A picture: contours of the rotation number, the lines of rotations, and the points of some states."""
         from integrable.portrait.pictures import diagram
 
         return diagram(self, states)

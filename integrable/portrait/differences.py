@@ -32,8 +32,8 @@ ONE_SIDED = (-3, 4, -1)
 def differences(motion: FlowMap, body: Body, state: State, digits: int, size: float) -> np.ndarray:
     """The derivatives ∂(γ, M)/∂(γ(0), M(0), I, d), (N, 6, 10), in mpf to ``digits``; ``size`` estimates the largest.
 
-    Central differences with a step that ends at that many digits. PrecisionLoss where the derivatives are much larger
-    than expected.
+    They are central differences with a step small enough for that many digits. PrecisionLoss where the derivatives are
+    much larger than expected.
     """
     for _ in range(ATTEMPTS):
         large = max(0, ceil(log10(size)))

@@ -1,8 +1,8 @@
 """The secular part of the derivatives of a motion, to many digits: t·[ẋ ⊗ α + (Y − σẋ) ⊗ β].
 
-In phases that are linear in t the field Y of H2/2 minus σẋ moves at the constant rates η = (B0, −A0)/(2D). So ∂f_k =
-f_kα + η_kβ of both frequencies determine α and β. σ is the integral of Y(1/g) over τ with mean 0: for a mode
-F·e^(2πik·θ) of 1/g it has F·(k·η)/(k·ν).
+In phases that are linear in t the field Y of H2/2 minus σẋ moves at the constant rates η = (B0, −A0)/(2D). So the
+derivatives ∂f_k = f_kα + η_kβ of both frequencies determine α and β. σ is the integral of Y(1/g) over τ with mean 0:
+for a mode F·e^(2πik·θ) of 1/g it has F·(k·η)/(k·ν).
 """
 
 from __future__ import annotations

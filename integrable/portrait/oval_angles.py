@@ -35,10 +35,10 @@ class OvalAngles(NamedTuple):
         return self._in_parts(self._at, phases)
 
     def delays(self, phases: Array, oval: int, rates: Array) -> Array:
-        """The times (N,) from these phases until the point of an oval is at the end to which its own phase belongs.
+        """The times (N,) from these phases until the point of an oval is at the angle 2π times its own phase.
 
-        The sums grow at the ``rates``. Combinations that do not grow determine the angles of the other points; a sum
-        that grows then gives the time.
+        The sums grow at the ``rates``. Combinations of them that do not grow determine the angles of the other points;
+        a sum that grows then gives the time.
         """
         grows, others = int(np.argmax(np.abs(rates))), [k for k in range(len(self.means)) if k != oval]
 

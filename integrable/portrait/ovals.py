@@ -31,7 +31,7 @@ FLOAT_EPS = 2.0**-52
 
 
 class Level(NamedTuple):
-    """The place of a motion among all motions of its body: the sorted a_i and their axes, ζ between the least and the
+    """The data of a motion on which its periods depend: the sorted a_i and their axes, ζ between the least and the
     largest a_i, d̃, √H̃2, and s of Chaplygin's transformation. The numbers are all floats or all mpf.
     """
 
@@ -57,7 +57,7 @@ class Level(NamedTuple):
     def at(body: Body, X: Real, zeta: Mpf) -> Level:
         """The level of all motions with H2 = 1, (γ, M)² = X < 1 and ζ between the least and the largest a_i.
 
-        All of Chaplygin's transformation is rational in X and ζ.
+        Chaplygin's transformation depends on X and ζ only.
         """
         axes = sorted(range(3), key=lambda i: body.a[i])
         a1, a2, a3 = (body.a[i] for i in axes)
@@ -102,8 +102,9 @@ class Level(NamedTuple):
 
 
 def zeta_through(level: Level, phi: np.ndarray, momentum: np.ndarray) -> np.ndarray:
-    """ζ of the motion, of the upright body of a level, through a point (φ, M̃_i/|M̃|) of its section γ̃_i = 0, i the
-    axis of the largest moment (:mod:`integrable.portrait.section`): q − (q − a₁)M̃_i²/|M̃|². Arrays of floats.
+    """ζ = q − (q − a₁)M̃_i²/|M̃|² of the motion through a point (φ, M̃_i/|M̃|) of the section γ̃_i = 0 of a level's
+    upright body, where i is the axis of the largest moment (:mod:`integrable.portrait.section`). Arguments and result
+    are arrays of floats.
     """
     a1, a2, a3 = map(float, level.a)
     d, c, s = float(level.d), np.cos(phi) ** 2, np.sin(phi) ** 2

@@ -43,12 +43,12 @@ class Form(NamedTuple):
 
 
 class Separation(NamedTuple):
-    """The forms whose sums over a pair are known, in numbers of one field.
+    """The differential forms whose sums over the points of a pair are known, in numbers of one field.
 
-    The sums of the g ``forms`` grow at the ``rates``. The sum of ``action`` is p dq without the further angles. A
-    further angle grows by its form in ``turns`` and at the constant rate next to it; its action is in ``momenta``.
-    ``known`` are branch points that are known exactly. Where time is not such a sum, the rates are per unit of τ, and
-    dt/dτ is the product of ``factor(x)`` over two points.
+    The sums of the g ``forms`` grow at the ``rates``. The sum of ``action`` is p dq without the further angles.
+    ``turns`` has for each further angle the form by which it grows and a constant rate that is added; ``momenta`` are
+    the actions of these angles. ``known`` are branch points that are known exactly. Where time is not such a sum, the
+    rates are per unit of τ, and dt/dτ is the product of ``factor(x)`` over two points.
     """
 
     forms: Sequence[Form]

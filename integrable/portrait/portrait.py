@@ -92,7 +92,9 @@ class Portrait(Immutable):
 
     @cached_property
     def actions(self) -> tuple[Real, Real] | None:
-        """(J1, J2), of the unit of M. Those of the torus in (γ, M), whose periods are doubled, are twice as large."""
+        """(J1, J2), in the unit of M. The actions of the torus in (γ, M), whose periods are doubled, are twice as
+        large.
+        """
         ovals, level = self._compact("actions"), self.level
         h2, pi = level.momentum**2, level.pi
         h1 = level.zeta * h2
@@ -110,18 +112,24 @@ class Portrait(Immutable):
         return self._field.coerce(first), self._field.coerce(second)
 
     def wide_angles(self, name: str) -> tuple[Real, Real]:
-        """:attr:`angles` to the digits of the set-up; NotRepresentable names the requested quantity."""
+        """:attr:`angles` to the digits of the set-up. ``name`` is the requested quantity, for the message of
+        NotRepresentable.
+        """
         self.moving(name)
         return start_angles(*self._given)
 
     @cached_property
     def periods(self) -> tuple[Real, Real]:
-        """1/|f1|, 1/|f2|: the axis makes half a turn in space, γ̃ in the body; for ζ > a₂ in the other order."""
+        """1/|f1| and 1/|f2|. For ζ < a₂ the axis makes half a turn in space in the first, and γ̃ half a turn in the
+        body in the second; for ζ > a₂ in the other order.
+        """
         one, two = (abs(1 / f) for f in self.frequencies)
         return one, two
 
     def moving(self, name: str) -> Ovals:
-        """:attr:`ovals` where both points of the divisor move; NotRepresentable names the requested quantity."""
+        """:attr:`ovals` where both points of the divisor move. ``name`` is the requested quantity, for the message of
+        NotRepresentable.
+        """
         if self.region in ("symmetric", "rotation"):
             raise NotRepresentable(
                 f"{name}: in this motion ({self.region}) a point of the divisor rests, which does not know its angle"

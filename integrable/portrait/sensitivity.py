@@ -1,4 +1,5 @@
-"""Derivatives of the states of a motion by its start and by its body, at any time: secular and periodic parts.
+"""Derivatives of the states of a motion with respect to its start and its body, at any time: secular and periodic
+parts.
 
 On a compact torus :mod:`integrable.portrait.variations` reduces the derivatives to integrals of functions of the state.
 Each is a mean rate times τ plus a Fourier series (:mod:`integrable.torus.series`). With σ the integral of Y(1/g) over τ
@@ -66,8 +67,8 @@ class Sensitivity(Record):
     def secular(self) -> np.ndarray:
         """The part of ``matrix`` that grows with t, shape (N, 6, 10).
 
-        By differences it takes another motion, and for a ball the modes of 1/g. NotRepresentable where the motion is on
-        no torus of dimension two, PrecisionLoss where the modes are too many.
+        If ``way`` is "differences", it needs another motion, and for a ball the modes of 1/g. NotRepresentable where
+        the motion is on no torus of dimension two, PrecisionLoss where the modes are too many.
         """
         if self._secular is not None:
             return self._secular
@@ -179,7 +180,7 @@ class TorusVariations:
         return TorusSeries(spectrum(samples), self._nu, noise=max(NOISE / 64, self._torus.closure))
 
     def _integrands(self, rows: np.ndarray) -> np.ndarray:
-        """Y(1/g), and the seven rates by τ of a and of b for changes of C2, H1, H2, I1, I2, I3 and d, (N, 15)."""
+        """Y(1/g), and the rates in τ of a and of b for changes of C2, H1, H2, I1, I2, I3 and d, seven each, (N, 15)."""
         here = Variation.at(self._body, self._scaled(rows))
         turning, forced = here.rates()
         rates = np.concatenate([turning[:, :, 1:], forced], axis=2) * here.slowness[:, None, None]
@@ -226,10 +227,10 @@ def _noise(most: np.ndarray) -> np.ndarray:
 
 
 def _lost(flow: Any, run: Any, matrix: np.ndarray) -> float:
-    """The digits lost in floats, relative to the largest element at every time.
+    """The largest relative error of the derivatives in floats, estimated from two exact symmetries.
 
-    The scale comes from two exact symmetries: scaling moments, d and M together leaves γ(t) unchanged, and scaling M
-    rescales time. Near a separatrix the integrals are large and nearly cancel.
+    Scaling moments, d and M together leaves γ(t) unchanged, and scaling M rescales time. Errors are relative to the
+    largest element at a time. Near a separatrix the integrals are large and nearly cancel.
     """
     system, M = flow.system, np.array(flow.state.M)
     heavier = np.concatenate([np.zeros(3), M, system.inertia, [system.d]])

@@ -46,9 +46,9 @@ SPARE_NODES, DIGITS_BEYOND, SPARE_BITS = 8, 5, 20
 
 
 class SeparatedTorus:
-    """The ovals of a motion and integrals over them, in the numbers of a LongField that is entered.
+    """The ovals of a motion and integrals over them, in the numbers of a LongField, inside its ``with`` block.
 
-    ``spectral`` is the curve f and the pair u, v of the start. NotRepresentable if its points are not one in each
+    ``spectral`` is the curve f and the pair u, v of the start. NotRepresentable unless the pair has one point in each
     of g bounded real ovals, PrecisionLoss if branch points nearly meet.
     """
 
@@ -234,7 +234,7 @@ class SeparatedTorus:
         return [gmpy2.sin_cos(phi / 2) for phi in self.start]
 
     def moves(self, oval: PointOval) -> bool:
-        """Whether the distances of the point from a pole at the end of its oval are more than rounding."""
+        """Whether the point of an oval moves: the radius of the oval is more than rounding."""
         return bool(oval.radius > self._field.doubled(self._field.eps, SPARE_BITS) * max(map(abs, self._known)))
 
     def may_rest(self, oval: PointOval) -> bool:
@@ -305,7 +305,7 @@ class SeparatedTorus:
         return OvalAngles(means, tuple(w[:n] for w, n in zip(waves, sizes, strict=True)))
 
     def _slopes(self, oval: PointOval, phi: Real) -> list[Real]:
-        """The coefficients of dφ of the g forms."""
+        """The coefficients of dφ of the g forms at an angle."""
         import gmpy2
 
         x = oval.middle - oval.radius * gmpy2.cos(phi)
@@ -313,7 +313,9 @@ class SeparatedTorus:
 
     @cached_property
     def frequencies(self) -> list[Real]:
-        """The frequencies in turns per unit of time: of each point, upwards where y > 0, then of further angles."""
+        """The frequencies in turns per unit of time: first of each point, positive if it moves upwards where y > 0,
+        then of the further angles.
+        """
         found = self.phase_of(self.separation.rates)
         if self.separation.factor is not None:
             found = [nu / self._slowness(self.separation.factor) for nu in found]

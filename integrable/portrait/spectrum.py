@@ -46,9 +46,10 @@ Coordinates = tuple[Sequence[np.ndarray], Sequence[np.ndarray]]
 class Sampled(NamedTuple):
     """Quantities on a torus whose phases are linear in t.
 
-    ``read`` gives the values of each quantity, (N, components), at phases (N, n) in turns from the start; they return
-    after ``doubled`` turns of each phase. A turn of the k-th phase has the modes ``turns[k]`` of the ``frequencies``.
-    In its last directions a grid has the sizes ``given``, in the others those that resolve the quantities.
+    ``read`` gives the values of each quantity, (N, components), at phases (N, n) in turns from the start. The values
+    return after ``doubled`` turns of each phase. One turn of the k-th phase has the mode ``turns[k]``, integers that
+    multiply the ``frequencies``. The last directions of a grid have the sizes ``given``; the other sizes are those that
+    resolve the quantities.
     """
 
     read: Callable[[np.ndarray], dict[str, np.ndarray]]
@@ -74,10 +75,10 @@ class Sampled(NamedTuple):
 class Spectrum(Record):
     """The lines of a motion, the strongest first. Get one from ``flow.spectrum()``.
 
-    ``modes`` (L, n) are m_k, ``frequencies`` (L,) ½Σm_k f_k ≥ 0 in turns per unit time, f of ``flow.portrait``. Every
-    other attribute is a quantity named in ``quantities``: ``gamma``, ``M`` and ``omega`` of a body, ``q`` and ``p`` of
-    other systems. It has complex amplitudes a, (L, components): the quantity at time t is the real part of
-    Σ a·e^(2πift). The line 0 is the mean.
+    ``modes`` (L, n) are m_k, ``frequencies`` (L,) ½Σm_k f_k ≥ 0 in turns per unit time, with the f of
+    ``flow.portrait``. Every other attribute is a quantity named in ``quantities``: ``gamma``, ``M`` and ``omega`` of a
+    body, ``q`` and ``p`` of other systems. It has complex amplitudes a, (L, components): the quantity at time t is the
+    real part of Σ a·e^(2πift). The line 0 is the mean.
     """
 
     gamma: np.ndarray

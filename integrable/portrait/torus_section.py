@@ -52,8 +52,9 @@ class TorusSection(Record):
 
 
 class Turning(NamedTuple):
-    """The data of crossings: ``frequencies`` and ``phases`` of the points at the start, as long numbers, in turns. In
-    floats, their angles at the ``start``, and the ``sums`` of forms over the points, which grow at the ``rates``.
+    """The data of crossings. ``frequencies`` and ``phases`` of the points at the start are long numbers, in turns.
+    ``start`` are the angles of the points there and ``sums`` the sums of forms over the points, which grow at the
+    ``rates``; these three are in floats.
     """
 
     frequencies: Sequence[Real]

@@ -49,7 +49,8 @@ class Problem:
     """The initial value problem y' = f(y), y(0) = ``y0``. ``problem(name)`` makes one.
 
     ``y0`` and the constants of f are doubles, which are exact by definition. The first half of y is γ or q, the second
-    half M or p (``letters``). ``times`` are those of the scene; ``reference`` cites a description of the motion.
+    half M or p; ``letters`` names them. ``times`` are those of the scene; ``reference`` cites a description of the
+    motion.
     """
 
     def __init__(self, scene: Scene) -> None:

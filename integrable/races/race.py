@@ -1,8 +1,8 @@
 """A race measures error against run time, for several methods at several settings each, on a set of problems.
 
-The settings of a method form a ladder, and one of them is a rung. Each is first tried over 1 % and 4 % of the time
-span. If these trials predict a run beyond the limit, the method stops there. Then all methods run in turn at one rung,
-so a slow second of the machine affects all alike. The time of a run is that of a start and its evaluation
+The settings of a method form a ladder, and one of them is a rung. Each setting is first tried over 1 % and 4 % of the
+time span. If these trials predict a run beyond the limit, the method does not go on. Then all methods run in turn at
+one rung, so a slow second of the machine affects all alike. The time of a run is that of a start and its evaluation
 (:class:`integrable.oracles.method.Spent`). Results include the uncertainty of the truth.
 """
 

@@ -22,7 +22,7 @@ MOST_STEPS = 10_000_000
 
 
 class Kind(NamedTuple):
-    """The place of a scene's system: the folder and class that define it, and the keys of its ``[body]``.
+    """Where a scene's system is defined: the folder and the class, and the keys of its ``[body]``.
 
     The name of the module is included if it differs from the name of the system.
     """

@@ -75,7 +75,7 @@ class Multiplication(Move):
 
     For odd ℓ the image lies over the same field. An even ℓ needs the roots of κ_i = (1 − d·a_i)(a_i − a_j)(a_i − a_k).
     Their product is −1 times a square if the 1 − d·a_i are squares, so over the reals there is no image (NotASquare);
-    multiply :meth:`System.divisor` there.
+    instead multiply :meth:`System.divisor`.
     """
 
     def __init__(self, system: PhaseSpace, factor: int) -> None:

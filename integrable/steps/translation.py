@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class Translation(Step):
-    """The map that adds [multiple](Σ (x_k, y_k) − ∞'s): call it on a state.
+    """The map that adds the divisor [multiple](Σ (x_k, y_k) − points at infinity) to that of a state.
 
     ``points`` are one or two abscissas, real or a complex-conjugate pair, or functions x'(h1, h2) of the integrals,
     written with operators. ``sheets`` are the signs of y_k = ±√f(x_k); ``signs`` are those of the roots √U'(a_i), which
@@ -105,7 +105,7 @@ class Translation(Step):
 
     def condition(self, state: State) -> float:
         """The amplification of rounding errors. Its causes are D' at a small distance δ from zero (1/δ), cancellation
-        in f(x') and between two points, and the multiple. inf beyond the range of floats.
+        in f(x') and between two points, and the multiple. The value is inf beyond the range of floats.
         """
         state = self.system._checked(state)
         if state.tilted:

@@ -40,7 +40,7 @@ COARSE = 0.1
 
 @dataclass(frozen=True)
 class Behind:
-    """A comparator's row whose error is smaller than that of every row of the flow that takes at most its time."""
+    """A comparator's row whose error is smaller than that of every row of the flow that takes at most as long."""
 
     scene: str
     row: dict[str, Any]
@@ -144,7 +144,9 @@ class SceneFindings:
 
     @property
     def over_floor(self) -> float | None:
-        """The larger of error/floor for γ and for M, of the flow or orbit in floats. At most 10 is promised."""
+        """The larger of error/floor for γ and for M, of the flow or orbit in floats. The study claims that it is at
+        most 10.
+        """
         if self.floor is None or self.judged is None:
             return None
         row, floor = self.judged, self.floor
@@ -275,10 +277,10 @@ class Study:
 
     @property
     def behind(self) -> list[Behind]:
-        """Rows of comparators that the flow does not beat; those of scenes with T ≥ 1000 come first.
+        """The rows of comparators that the flow does not beat.
 
-        Then rows that are more accurate than the flow in the same time precede rows that are only faster. Among these
-        run times descend.
+        Those of scenes with T ≥ 1000 come first. Within both groups, rows that are more accurate than the flow in the
+        same time precede rows that are only faster; then run times descend.
         """
         found = [(f, b) for f in self.findings for b in f.behind()]
         order = sorted(

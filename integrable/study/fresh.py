@@ -59,8 +59,8 @@ def _python(code: str, source: str, **environment: str) -> tuple[float, dict[str
 def first_answer(source: str, method: str) -> dict[str, Any]:
     """The seconds to a first answer, everything included. The answer is the state one time scale after the start.
 
-    "cold" is a process for which nothing has been compiled. For "disk" compiled code is on disk. "process" is a second
-    call in the same process.
+    "cold" is measured in a process for which nothing has been compiled, "disk" in one that finds compiled code on disk,
+    and "process" at a second call in the same process.
     """
     code = _START + _ONE_TIME + (_METHOD % method if method in METHODS else _COMPILED) + _TWICE
     with tempfile.TemporaryDirectory() as cache:

@@ -1,4 +1,4 @@
-"""Runs a scene. Results for which the scene does not ask are not computed, and their code is not imported."""
+"""Runs a scene. Results that the scene does not request are not computed, and their code is not imported."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ def run(
 ) -> Trajectory:
     """Runs a scene (a Scene, name or file); returns a Trajectory at its times, or an Orbit of its steps.
 
-    The result has a ``.report`` if the scene asks for one; an Orbit always has one. ``digits`` overrides the
-    scene's own: up to 15 means floats, above that multiprecision. ``out`` is a folder for ``result.json``,
+    The result has a ``.report`` if the scene has a ``[report]`` table; an Orbit always has one. ``digits`` overrides
+    the scene's own: up to 15 means floats, above that multiprecision. ``out`` is a folder for ``result.json``,
     ``report.txt`` and the pictures. Each file is written completely or not at all, and the folder is tested before
     anything is computed. Pictures of the motion alone are written before any comparison.
 

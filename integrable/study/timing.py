@@ -103,7 +103,8 @@ def interleaved(
     """The times of functions run in rounds. Each runs once per round, so a slow second affects all alike.
 
     There are ``repeat`` rounds, and more until no time scatters by more than a tenth of its median: up to ``again``
-    times as many. After ``patience`` seconds no further round starts. ``tick`` is called between the first ``repeat``.
+    times as many. After ``patience`` seconds no further round starts. ``tick`` is called between the first ``repeat``
+    rounds.
     """
     spent: dict[str, list[Spent]] = {name: [] for name in every}
     found: dict[str, Any] = {}

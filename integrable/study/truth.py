@@ -59,9 +59,9 @@ def compute(
 
     With ``digits`` given, the truth has that many, and is checked at one ``time`` to as many digits. Otherwise its
     digits are the first of :data:`DIGITS` that resolve the motion, and the check goes as far in time as the integrator
-    gets in ``patience`` seconds (0: no check). If none do, the error is raised, except for a body: its truth is then
-    the Taylor series alone, with "check" None and the message as "refusal". ``tick(label)`` is called between the
-    pieces of work.
+    gets in ``patience`` seconds (0: no check). If none of them resolves the motion, the error is raised, except for a
+    body: its truth is then the Taylor series alone, with "check" None and the message as "refusal". ``tick(label)`` is
+    called between the pieces of work.
     """
     begun = perf_counter()
     if digits is not None:
@@ -160,7 +160,9 @@ def moved_by(system: Any) -> str:
 
 
 def _independent(by: str, scene: Scene, flow: Any, time: Any, digits: int) -> tuple[Any, Any]:
-    """γ and M at one time, shapes (1, 3), by the integrator ``by``, with more digits if it is also the truth's."""
+    """γ and M at one time, shapes (1, 3), by the integrator ``by``; all integrators except the Taylor series carry ten
+    more digits.
+    """
     from integrable.deformations.equations import right_hand_sides
     from integrable.deformations.integrated import IntegratedMotion
 

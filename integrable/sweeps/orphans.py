@@ -1,7 +1,7 @@
 """Worker processes that end with the process that started them.
 
-A process killed by a signal does not notify its workers. Workers of a pool would wait for work for ever, and others
-would first finish their task.
+A process killed by a signal does not notify its workers. Workers of a pool would wait for work for ever, and other
+worker processes would first finish their task.
 """
 
 from __future__ import annotations

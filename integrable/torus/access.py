@@ -209,8 +209,8 @@ def resolved_spectrum(
     """The spectrum of dt/dτ to ``noise`` of its largest mode, with more digits in slow directions, where it is divided
     by a small frequency.
 
-    ``resolved(transformed)`` returns its transform on a grid that is fine enough. ``turns`` are those of both phases
-    per unit of τ, ``scale`` is as for :class:`TorusClock`.
+    ``resolved(transformed)`` returns the result of ``transformed`` on a grid that is fine enough. ``turns`` are those
+    of both phases per unit of τ, ``scale`` is as for :class:`TorusClock`.
     """
     first, second = (min(noise, max(EXTENDED, SLOW * abs(nu) / scale)) for nu in turns)
 
@@ -253,7 +253,7 @@ class TorusClock:
         return out.reshape(-1, 6), tau, delays
 
     def phases(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(phases in turns, τ − t·mean dτ/dt) at physical times; both phases of a time stand together."""
+        """(phases in turns, τ − t·mean dτ/dt) at physical times; the two phases of a time are adjacent."""
         phases, delays = self._loops.room(2 * len(times)), np.empty(len(times))
         self._loops.phases_at_times(self._clock, times, phases, delays, np.empty(self._room))
         return phases, delays

@@ -78,8 +78,8 @@ def states_at_times(
 
 
 def phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Row) -> None:
-    """The phases at physical times in turns, whole ones included, one pair after the other; ``delays`` receives the
-    distances of the times of the flow from their mean.
+    """Writes the phases at physical times in turns, including whole turns, to ``phases``, one pair after the other; and
+    the distances of the times of the flow from their mean to ``delays``.
     """
     own = clock_in_tuples(clock)
     for i in range(len(times)):

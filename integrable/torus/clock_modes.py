@@ -1,7 +1,8 @@
 """The series of a clock from the spectrum of 1/g, on bare reals, compiled unchanged.
 
-A spectrum is flat: for k = 0, …, rows/2 all (k, m) in the order of a discrete transform, real and imaginary parts in
-turn (:func:`integrable.torus.series.half_spectrum`). ``grid`` is the shape of the samples, powers of 2.
+A spectrum is a flat array: for k = 0, …, rows/2 the coefficients of all (k, m) in the order of a discrete transform,
+with real and imaginary parts alternating (:func:`integrable.torus.series.half_spectrum`). ``grid`` is the shape of the
+samples, powers of 2.
 """
 
 from __future__ import annotations
@@ -23,9 +24,9 @@ MOST_SWING = 1e12
 class Cutoffs(NamedTuple):
     """Thresholds of a clock's modes.
 
-    Modes above ``noise`` times the largest are kept, and those by which τ oscillates by more than ``least``; none below
-    ``rounding`` times the largest. The rough series has those above ``rough`` times the mean rate. Those by which τ
-    oscillates by ``loud`` or more are summed separately.
+    A mode is kept if it exceeds ``noise`` times the largest or makes τ oscillate by more than ``least``, but never
+    below ``rounding`` times the largest. The rough series has the modes above ``rough`` times the mean rate. Modes by
+    which τ oscillates by ``loud`` or more are summed separately.
     """
 
     rounding: float
@@ -39,7 +40,7 @@ class Tables(NamedTuple):
     """Working memory. ``modes`` has four numbers for each mode, ``pairs`` the (k, m) of the loud ones. Lines and parts
     are those of :class:`~integrable.torus.clock_loops.ClockSeries`: of all modes, of the larger (rough) and of all but
     the loud (quiet). ``counts``: least m, number of m, rows and modes in all; the same of the rough series; the number
-    of loud modes, or −1 − n where place n of ``modes`` is in resonance.
+    of loud modes, or −1 − n if the n-th of ``modes`` is in resonance.
     """
 
     modes: Row
@@ -93,8 +94,8 @@ def size_of(x: float, y: float) -> float:
 
 
 def size_wanted(modes: Row, size: int, noise: float) -> int:
-    """The number of samples that resolve the modes to ``noise``. ``modes`` are the largest of ±k, k ≤ size/2, relative
-    to the largest of all; each is replaced by the largest from there on.
+    """The number of samples that resolve the modes to ``noise``. ``modes`` holds, for each k ≤ size/2, the largest mode
+    of ±k relative to the largest of all; each entry is replaced by the maximum of it and the later ones.
     """
     half = size // 2
     for k in range(half - 1, -1, -1):

@@ -1,5 +1,5 @@
-"""The loops of random access on the torus compiled from :mod:`integrable.torus.walks` and its neighbours: moving points
-in double-double numbers, Fourier series in floats.
+"""The loops of random access on the torus compiled from :mod:`integrable.torus.walks` and other modules of this room:
+moving points in double-double numbers, Fourier series in floats.
 
 Arrays of numbers are float arrays with a last axis (hi, lo).
 """

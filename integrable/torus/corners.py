@@ -1,4 +1,6 @@
-"""The corners of a torus, computed once: any state, and 1/g on grids of its periods, come from them."""
+"""The moving points at the corners of a torus, computed once. Any state, and 1/g on grids of its periods, is computed
+from them.
+"""
 
 from __future__ import annotations
 
@@ -59,10 +61,10 @@ def nodes(count: int) -> tuple[float, ...]:
 class Corners:
     """The moving points at the corners of a torus's cells, by loops of :mod:`integrable.torus.loops`.
 
-    ``units`` are those of the abscissa, ``lattice`` has the periods and cells, ``turns`` the signs of the periods.
-    ``closure`` is the error with which periods lead back to the start; ``doubled`` are the periods of 1/g in those of
-    the divisor. PrecisionLoss where the torus is not compact, or needs more than ``most`` cells or samples of 1/g.
-    NotClosed where walks do not lead back, or cells of compiled loops do not fit at their borders.
+    ``units`` are those of the abscissa, ``lattice`` has the periods and cells, ``turns`` the sign changes over a
+    period. ``closure`` is the error with which periods lead back to the start; ``doubled`` are the periods of 1/g in
+    units of those of the divisor. PrecisionLoss where the torus is not compact, or needs more than ``most`` cells or
+    samples of 1/g. NotClosed where walks do not lead back, or cells of compiled loops do not fit at their borders.
     """
 
     def __init__(self, setup: Source, loops: Loops, most: int) -> None:
@@ -116,7 +118,8 @@ class Corners:
     def mean(self) -> Real:
         """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, independent of samples.
 
-        A tilt does not change it: its term changes sign around an oval with one axis, as an odd number of γ_i do.
+        A tilt does not change it: the tilt term changes sign around an oval that ends at one axis only, so its mean is
+        0.
         """
         return self.loops.wide(self.rates[9:10], self.setup.wide)[0]
 
@@ -147,8 +150,8 @@ class Corners:
         return out.reshape(-1, 6)
 
     def resolved(self, transformed: Transform[Found]) -> Found:
-        """The spectrum of 1/g on a grid of its periods that resolves it: ``transformed(samples)`` are the spectrum and
-        the shape of a grid that is fine enough.
+        """The spectrum of 1/g on a grid of its periods that resolves it: ``transformed(samples)`` returns the spectrum
+        and the shape of a grid that is fine enough.
         """
         return resolved(self.samples, transformed, self.first_grid(), self._most)
 
@@ -185,8 +188,8 @@ class Corners:
         return samples
 
     def fine(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Fine:
-        """The :class:`~integrable.torus.walks.Fine` of a grid, with room for its translations; without the points of a
-        coarser one, of which ``known`` are the samples.
+        """The :class:`~integrable.torus.walks.Fine` of a grid, with memory for its translations. It omits the points of
+        a coarser grid, whose samples are ``known``.
         """
         cells = self.sizes
         finer = sizes[0] // cells[0], sizes[1] // cells[1]
@@ -260,7 +263,8 @@ def rest_of(motion: Row, loops: Loops) -> Row:
 
 
 def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, columns: int) -> int:
-    """The column of corners at which a motion is nearest to the unstable rotation, but not near the start's.
+    """The column of corners at which a motion is nearest to the unstable rotation, kept away from the column of the
+    start.
 
     ``motion`` is a :func:`~integrable.torus.lattice.motion_row`, ``periods`` are (a₁, b₁, a₂, b₂). At that column one
     point of the divisor is at one of the ends that nearly meet, the other at the far end of its oval: half a period of

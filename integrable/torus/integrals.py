@@ -47,8 +47,8 @@ class TimedRun(Protocol):
 class TorusIntegral:
     """∫_0^τ F dτ for F with mean 0.
 
-    F may change sign with an odd number of the γ_i: its periods are then twice those of the divisor. ``least`` (m) is
-    the size of rounding errors in F. PrecisionLoss where no grid of at most MOST_COMPILED points resolves F.
+    F may change sign with an odd number of the γ_i: its periods are then twice those of the divisor. ``least``, shape
+    (m,), is the size of rounding errors in F. PrecisionLoss where no grid of at most MOST_COMPILED points resolves F.
     """
 
     def __init__(self, flow: TorusFlow, function: Function, least: np.ndarray) -> None:
@@ -100,8 +100,8 @@ def resolved_samples(
     most: int,
     transform: Callable[[np.ndarray], np.ndarray] = spectrum,
 ) -> ResolvedSamples:
-    """The samples of F. ``noise`` gives the noises from the largest coefficients of each part, (m,); PrecisionLoss
-    where more than ``most`` samples are needed.
+    """The samples of F. ``noise`` maps the largest Fourier coefficients of the parts, shape (m,), to the fractions of
+    them that count as rounding. PrecisionLoss where more than ``most`` samples are needed.
     """
     doubled = periods_of(flow)
 

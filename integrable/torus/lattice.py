@@ -59,7 +59,7 @@ class Source(Protocol):
 
 
 class TimedSource(Source, Protocol):
-    """A source with a clock: units of the flow's own time in one of τ, and a basic step in that."""
+    """A source with a clock: the length of a unit of τ, and that of a basic step, in the flow's own time."""
 
     @property
     def time_scale(self) -> Real: ...
@@ -81,9 +81,9 @@ class Chart(NamedTuple):
 class TorusLattice:
     """The periods, frequencies and cells of a motion's torus, in the units of ``motion``, a :func:`motion_row`.
 
-    ``periods`` are Λ₁ and Λ₂, ``frequencies`` ν with (τ, 0) = τ(ν₁Λ₁ + ν₂Λ₂). ``parts`` are s₁ of Λ₁ and Λ₂ over its
-    reach, then s₂ of both. ``found`` is filled by :func:`integrable.torus.survey.survey`. All are rows of numbers of
-    ``loops``. ``turns`` are :func:`signs_of_periods`. PrecisionLoss where too many cells are needed.
+    ``periods`` are Λ₁ and Λ₂, ``frequencies`` ν with (τ, 0) = τ(ν₁Λ₁ + ν₂Λ₂). ``parts`` are s₁ of Λ₁ and Λ₂ over the
+    reach of s₁, then s₂ of both over its reach. ``found`` is filled by :func:`integrable.torus.survey.survey`. All are
+    rows of numbers of ``loops``. ``turns`` are :func:`signs_of_periods`. PrecisionLoss where too many cells are needed.
     """
 
     def __init__(self, loops: Any, motion: Row) -> None:
@@ -108,8 +108,9 @@ class TorusLattice:
 def signs_of_periods(points: Row, basis: tuple[tuple[int, int], tuple[int, int]]) -> np.ndarray:
     """The sign changes of γ1, γ2, γ3 in either period of a basis, shape (2, 3); ``points`` are α1, α2, α3 and ζ.
 
-    γ_i vanishes and changes sign where u₁ or u₂ passes α_i, once per round of the oval that ends there. That of
-    α_min changes on the first round, that of α_max on the second, that of α_mid with the oval that does not end at ζ.
+    γ_i vanishes and changes sign where u₁ or u₂ passes α_i, once per round of the oval that ends there. The γ_i of
+    α_min changes sign on the first oval, that of α_max on the second, and that of α_mid on the oval that does not end
+    at ζ.
     """
     # axes that are equal in floats are distinguished by their index
     *axes, zeta = points.tolist() if isinstance(points, np.ndarray) else points
@@ -119,7 +120,7 @@ def signs_of_periods(points: Row, basis: tuple[tuple[int, int], tuple[int, int]]
 
 
 class Units(NamedTuple):
-    """An abscissa ξ of its own for a torus: x = origin + length·ξ, y = length²·lift·η, so that η² is f(ξ) with the last
+    """A torus's own abscissa ξ: x = origin + length·ξ, y = length²·lift·η, so that η² is f(ξ) with the last
     factor (r − dξ), (r, d) = (1 − d·origin, d·length)/lift². Powers of two: nothing is rounded.
     """
 
@@ -129,7 +130,7 @@ class Units(NamedTuple):
 
     @property
     def time(self) -> float:
-        """Σ∫dξ/η in Σ∫dx/y = 1."""
+        """The value of Σ∫dξ/η over a path with Σ∫dx/y = 1."""
         return self.length * self.lift
 
     @staticmethod
@@ -155,7 +156,7 @@ class Units(NamedTuple):
 
 
 def _near_power(x: float) -> float:
-    """The power of two below x, but 1 unless x is small."""
+    """The largest power of two up to x if x is small, else 1."""
     return 1.0 if x > CLOSE else 2.0 ** floor(log2(x))
 
 
@@ -202,8 +203,8 @@ def oval_ends(problem: Problem | RateCurve, near: Real) -> tuple[tuple[Real, Rea
 
 class Beginning(NamedTuple):
     """The data from which a torus is made, in rows of numbers of its loops. They are a :func:`motion_row` and its
-    ``units``, the curve and the start in these units, and a :func:`~integrable.moving_point.problem.problem_row` in its
-    own. Only its entries from TIME_SCALE on are needed.
+    ``units``, the curve and the start in these units, and a :func:`~integrable.moving_point.problem.problem_row` in the
+    set-up's units, of which only the entries from TIME_SCALE on are needed.
     """
 
     units: Units

@@ -75,7 +75,7 @@ class LongClock:
         return total
 
     def _start(self, t: Real) -> Real:
-        """τ at t for the mean rate and the slow modes alone, with which t increases with τ."""
+        """The τ at which the mean rate and the slow modes alone give t. Their sum increases with τ."""
         x = t / self.mean
         if not self._slow or not t:
             return x
@@ -166,7 +166,7 @@ class MultiprecisionTorusClock(LongClock):
 def without_slow(
     modes: Modes, digits: int, wide: MultiprecisionField
 ) -> tuple[list[list[acb]], list[tuple[Real, Real, Real]]]:
-    """The rows of the modes without those that are nearly in resonance, and these: (real, imaginary, turns per τ)."""
+    """The rows of the modes without those that are nearly in resonance, and those as (real, imaginary, turns per τ)."""
     rows, most = [*modes.rows], len(modes.rows[0]) // 2
     nu = [float(x) for x in modes.frequencies]
     first, second = np.arange(len(rows))[:, None] * nu[0], np.arange(-most, most + 1)[None, :] * nu[1]

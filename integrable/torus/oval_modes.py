@@ -1,8 +1,8 @@
 """The Fourier coefficients of 1/g on a torus, from integrals over each oval, without a grid of states.
 
-The phases of a divisor are those of its two points added, the invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂), and 1/g is a
-constant over √((1 − du₁)(1 − du₂)). So a coefficient, the mean of (1/g)·e^(−2πi(kθ₁ + mθ₂)), is a determinant of
-integrals over one oval each,
+The phases of a divisor are the sums of those of its two points, the invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂), and
+1/g is a constant over √((1 − du₁)(1 − du₂)). So a coefficient, the mean of (1/g)·e^(−2πi(kθ₁ + mθ₂)), is a determinant
+of integrals over one oval each,
 
     constant·(P₀Q₁ − P₁Q₀)/(area of the lattice),  P_j, Q_j = ∮ u^j e^(−2πi(kθ₁ + mθ₂)) du/(y√(1 − du)),
 
@@ -100,7 +100,7 @@ def modes_of_rate(
 
 
 class FoundModes(NamedTuple):
-    """Tables with this many modes."""
+    """Tables of modes of 1/g, of this ``size``; ``leaning`` is the table of the tilt term."""
 
     size: tuple[int, int]
     upright: list[list[acb]]
@@ -155,7 +155,7 @@ def _resolved(torus: OvalTorus, size: tuple[int, int], digits: int, most_work: f
 
 class ModesSource(Protocol):
     """The data from which modes are made (:class:`integrable.moving_point.setup.Setup`): the motion over the ``wide``
-    field, accurate to ``digits``, and of a tilted body the moving points ``reached`` in bare reals.
+    field, accurate to ``digits``, and for a tilted body the moving points ``reached`` after some steps, in bare reals.
     """
 
     @property
@@ -254,13 +254,13 @@ class OvalTorus:
         self._size = size
 
     def upright(self) -> list[list[acb]]:
-        """The coefficients c, up to the phase factor of the start, of α/g̃."""
+        """The coefficients c of α/g̃, without the phase factor of the start."""
         first, second = ([oval.integrals(part, 0, 0) for part in oval.moments()] for oval in self.ovals)
         factor = self.constant * self.axes[6]
         return _combined(factor, (first[0], second[1]), (first[1], second[0]), -1)
 
     def rates_of(self, modes: Modes) -> Modes:
-        """The same with frequencies and mean to the digits of this torus."""
+        """The given modes, with frequencies and mean to the digits of this torus."""
         self.use((1, 1), inf)
         *nu, mean = self._balls.elements(
             self._setup.wide,
@@ -269,7 +269,7 @@ class OvalTorus:
         return modes._replace(frequencies=(nu[0], nu[1]), mean=mean)
 
     def leaning(self) -> list[list[acb]] | None:
-        """The same for the tilt term, at k + ½ or m + ½; None for an upright body."""
+        """The coefficients of the tilt term, at k + ½ or m + ½, without the phase factor; None for an upright body."""
         if self.axes[7].mid() == 0:
             return None
         half = (1, 0) if self.low else (0, 1)
@@ -302,7 +302,9 @@ class OvalTorus:
 def _combined(
     factor: arb, first: tuple[IntegralTable, IntegralTable], second: tuple[IntegralTable, IntegralTable], sign: int
 ) -> list[list[acb]]:
-    """factor·(first·first ± second·second), elements of pairs of matrices that may be times −i each."""
+    """factor·(w·x ± y·z), elementwise, for real matrices (w, x) = ``first`` and (y, z) = ``second``; each may stand for
+    −i times itself.
+    """
     import flint
 
     (a, b), (c, d) = first, second

@@ -1,6 +1,6 @@
 """One oval of a motion's curve as a circle of nodes: its periods, and integrals over it with the phases of a torus.
 
-For :mod:`integrable.torus.oval_modes`; numbers are python-flint's balls.
+Used by :mod:`integrable.torus.oval_modes`. Numbers are python-flint's balls.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ class OvalPair(Protocol):
 
 
 class Part(NamedTuple):
-    """A function at the nodes of half a round, times the weights of their sum, and whether it is even in φ."""
+    """The values of an integrand at the nodes of half a round, and whether it is even in φ."""
 
     values: list[arb]
     even: bool
 
 
 class Node(NamedTuple):
-    """A point of an oval: u, how far it is from a and b, 1/√(1 − du), 1/Y with du/y = dφ/Y, (∫dx/y, ∫x dx/y)."""
+    """A point of an oval: u, u − a, b − u, 1/√(1 − du), 1/Y with du/y = dφ/Y, and (∫dx/y, ∫x dx/y)."""
 
     u: arb
     below: arb
@@ -151,7 +151,7 @@ class Oval:
         return (t3 * one / (t2 * four)) ** 2, (t4 * two / (t2 * four)) ** 2
 
     def angle(self, u: arb, y: arb) -> tuple[arb, float]:
-        """φ/π of a point, in (−1, 1], and an estimate of its error: that of a whole round where the oval is a point."""
+        """φ/π of a point, in (−1, 1], and an estimate of its error, which is 1 if the oval has shrunk to a point."""
         (a, b), others, arb = self._ends, self._others, self.flint.arb
         length = b - a
         if self._nome is None:
@@ -186,8 +186,8 @@ class Oval:
         ]
 
     def alias(self, pair: OvalPair, size: tuple[int, int]) -> float:
-        """The decimal exponent of the aliasing error of the highest modes at the nodes: half of the change by
-        intermediate nodes.
+        """The decimal exponent of the aliasing error of the highest modes at the nodes: half of the change when
+        intermediate nodes are added.
         """
         half, acb = len(self.nodes) - 1, self.flint.acb
         between = self._round(range(1, 2 * half, 2), 2 * half)
@@ -233,8 +233,8 @@ class Oval:
         return [Part(first, not self._at_end), Part(second, self._at_end)]
 
     def integrals(self, part: Part, half_row: int, half_column: int) -> IntegralTable:
-        """∮ of a part times e^(−2πi(kθ₁ + mθ₂)), k = 0, …, rows and m = −columns, …, columns; or k + ½ or m + ½, with
-        one m more below.
+        """∮ of a part times e^(−2πi(kθ₁ + mθ₂)), k = 0, …, rows and m = −columns, …, columns. With ``half_row`` k + ½
+        replaces k; with ``half_column`` m + ½ replaces m, and m begins at −columns − 1.
         """
         mat = self.flint.arb_mat
         weights = [x * w for x, w in zip(part.values, self._weights, strict=True)]

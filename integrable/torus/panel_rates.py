@@ -63,7 +63,7 @@ class PanelRates:
         return np.roll(rates, (count - 1) // 2, axis=0)
 
     def around(self, point: Row, steps: Sequence[Row], packed: PackedRates) -> np.ndarray | None:
-        """The same for ``steps`` and their packed form; None if double-doubles have too few digits."""
+        """The :meth:`values` for ``steps``, given also in packed form; None if double-doubles have too few digits."""
         rates = self.values(point, packed)
         return rates if self._right(point, steps, rates) else None
 
@@ -94,7 +94,7 @@ class PanelRates:
 class Scouts:
     """How fast the Legendre coefficients of 1/g decrease along a motion: measured once, for clocks of any precision.
 
-    ``compiled``: in double-double numbers; else in floats, or in many bits where 1/g is nearly constant.
+    They are computed in double-doubles if ``compiled``, else in floats; or in many bits where 1/g is nearly constant.
     """
 
     def __init__(self, setup: Setup, compiled: bool) -> None:

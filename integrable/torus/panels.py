@@ -1,5 +1,5 @@
-"""Many states on one interval of time: Chebyshev series on panels, from exact states at their nodes, their integrals
-and their zeros (Trefethen 2013, chapters 18 and 19).
+"""Chebyshev series on panels for many states in one interval of time, from states at their nodes; the integrals and the
+zeros of such series (Trefethen 2013, chapters 18 and 19).
 """
 
 from __future__ import annotations
@@ -33,8 +33,9 @@ States = Callable[[np.ndarray], np.ndarray]
 class Panels:
     """Values of ``states`` (times of shape (N,) to rows of shape (N, width)) between two times.
 
-    ``length`` is the length of a panel to begin with; panels whose series has not converged are halved. ``tolerance``
-    is for their last coefficients, in units of the largest value of their column; below ``least`` they are rounding.
+    ``length`` is the first length of a panel; panels whose series has not converged are halved. A series has converged
+    if its last coefficients are below ``tolerance`` times the largest of their column, or below ``least``, where they
+    are rounding.
     """
 
     def __init__(
@@ -84,7 +85,9 @@ class Panels:
 
 
 def panel_length(states: States, start: float, end: float, least: float) -> float:
-    """A length of panels between two times that converge: halved from that of the stretch or 1024·``least``."""
+    """A length at which most panels between two times converge, found by halving that of the interval or
+    1024·``least``.
+    """
     length = min(end - start, 1024 * least)
     places = start + (end - start) * (np.arange(PROBES) + 0.5) / PROBES
     while length > least:
@@ -111,7 +114,9 @@ def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.nd
 
 
 def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: float | np.ndarray = 0.0) -> np.ndarray:
-    """Whether the series of every panel has ended: its last terms are below ``tolerance``, or level and below NOISE."""
+    """Whether the series of every panel has ended: its last terms are below ``tolerance``, or below NOISE and no longer
+    decrease.
+    """
     sizes = np.abs(coefficients).max(axis=(0, 1))
     tails = np.abs(coefficients[:, -3:]).max(axis=1)
     before = np.abs(coefficients[:, -10:-3]).max(axis=1)
@@ -121,7 +126,7 @@ def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: fl
 
 
 def _rounded(coefficients: np.ndarray) -> np.ndarray:
-    """Whether in every panel the last terms are below ROUGH and do not fall further, or are below NOISE."""
+    """Whether in every panel the last terms are below ROUGH and no longer decrease, or are below NOISE."""
     sizes = np.abs(coefficients).max(axis=(0, 1))
     tails = np.abs(coefficients[:, -3:]).max(axis=1)
     before = np.abs(coefficients[:, -10:-3]).max(axis=1)
@@ -145,7 +150,7 @@ def _rule() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def panel_integrals(panels: Panels, times: np.ndarray) -> np.ndarray:
-    """∫ of every column from the start of the panels to each of ``times`` inside, shape (N, width)."""
+    """The integral of every column from the start of the panels to each of ``times``, shape (N, width)."""
     series = chebyshev.chebint(panels.coefficients, lbnd=-1, axis=1) * panels.halves[:, None, None]
     # the value at the end of a panel is the sum of the coefficients
     ends = np.cumsum(series.sum(axis=1), axis=0)
@@ -180,7 +185,8 @@ def zeros(panels: Panels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def distinct(times: np.ndarray, slopes: np.ndarray, halves: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The zeros without duplicates: a zero at an edge is found in both panels, with slopes of equal sign.
 
-    On the scale of the panels, and of the floats at that time: zeros of a fast motion may be close together.
+    Two zeros count as one only if they differ by rounding, of the panel or of the time: zeros of a fast motion may be
+    close together.
     """
     near = 2e-8 * halves + 4 * np.spacing(np.abs(times))
     kept = (np.diff(times, prepend=-np.inf) > near) | (slopes * np.roll(slopes, 1) < 0)

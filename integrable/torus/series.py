@@ -1,7 +1,7 @@
 """The integral of a function on the torus along the flow: a mean rate and a Fourier series.
 
-For F on the torus with samples on a grid, ∫F dτ = mean·τ + S, dS/dτ = F − mean, S a function on the torus again: the
-series of F divided by the rates of its phases.
+For F on the torus with samples on a grid, ∫F dτ = mean·τ + S, dS/dτ = F − mean, where S is again a function on the
+torus. Its modes are those of F divided by the rates of their phases.
 """
 
 from __future__ import annotations
@@ -189,8 +189,8 @@ class LongSeries:
             self.origin = balls.element(field, self._origin)
 
     def at(self, angles: list[tuple[Real, Real]], digits: int | None = None) -> list[Real]:
-        """S at pairs of phases in turns: numbers of the field, as are those returned. With ``digits`` only to that many
-        digits, relative to the size of F.
+        """S at pairs of phases in turns; phases and results are numbers of the field. With ``digits``, S has only that
+        many digits relative to the size of F.
         """
         if digits not in self._levels:
             self._levels[digits] = self._level(digits)
@@ -263,7 +263,7 @@ def powers(first: acb, base: acb, count: int) -> list[acb]:
 
 
 def half_plane(grid: np.ndarray) -> np.ndarray:
-    """The modes k ≥ 0, the others are conjugate and counted with them, m from −columns/2 to columns/2."""
+    """The modes with k ≥ 0, doubled to account for their conjugates, and m from −columns/2 to columns/2."""
     rows, columns = grid.shape
     half = np.roll(grid[: (rows + 1) // 2], columns // 2, axis=1)
     half[1:] *= 2
@@ -272,12 +272,12 @@ def half_plane(grid: np.ndarray) -> np.ndarray:
 
 
 def in_resonance(k: int, m: int) -> PrecisionLoss:
-    """The message about a mode with k·ν₁ + m·ν₂ = 0."""
+    """The error for a mode with k·ν₁ + m·ν₂ = 0."""
     return PrecisionLoss(f"the mode ({k}, {m}) of a function on the torus is in resonance with the motion")
 
 
 def half_spectrum(samples: np.ndarray) -> np.ndarray:
-    """The rows of :func:`spectrum` up to half of them, that one included: the others are conjugate."""
+    """The rows 0 … rows/2 of :func:`spectrum`; the other rows are conjugate to them."""
     return np.fft.fft(np.fft.rfft(samples, axis=0, norm="forward"), axis=1, norm="forward")
 
 
@@ -352,8 +352,9 @@ def fourier(
 
 
 def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int]:
-    """Powers of 2: the shape of a :func:`spectrum` whose last modes are below ``noise`` (relative) in either direction.
-    Otherwise a larger shape, extrapolated from the decay, or the number of samples that averages their rounding.
+    """The shape, powers of 2, of a grid that resolves a function: that of its :func:`spectrum` if the last modes are
+    below ``noise`` times the largest in each direction. Otherwise a larger shape, extrapolated from the decay of the
+    modes, or one with so many samples that the mean of their rounding errors is small enough.
     """
     grid = np.abs(grid.astype(complex))
     grid /= grid.max()

@@ -110,8 +110,8 @@ def centre_of(i: int, points: Row, ends: Row, origin: float, nearest: float) -> 
 
 
 def reach_of(points: Row, lead: float, centre: float) -> float:
-    """The largest s of T(s, centre·s), from the roots, near which the coefficients of f cancel; 0 where f is not
-    negative.
+    """The largest s of T(s, centre·s); 0 where f is not negative. f is computed from its roots, because near them the
+    terms of the polynomial cancel.
     """
     value, near = lead, abs(points[0] - centre)
     for e in points:
@@ -147,7 +147,7 @@ def reduced(s1: float, t1: float, s2: float, t2: float) -> tuple[int, int, int, 
 
 
 def cells(s1: float, t1: float, s2: float, t2: float) -> tuple[int, int]:
-    """The fewest cells, powers of 2 in either direction, whose corners are within reach of their centres."""
+    """The least numbers of cells, powers of 2 in either direction, for which half a cell is within both reaches."""
     s1, t1, s2, t2 = abs(s1) / 2, abs(t1) / 2, abs(s2) / 2, abs(t2) / 2
     best1, best2, first = 1 << 29, 1 << 29, 2
     while first <= MOST_CELLS:
@@ -171,9 +171,9 @@ def survey(
     ``out`` gets the basis Λ₁, Λ₂ (four numbers) and its frequencies ν₁, ν₂. Then follow s₁ of Λ₁ and Λ₂ over the first
     reach, s₂ of Λ₁ and Λ₂ over the second, and :func:`mean_slowness`.
 
-    ``motion`` holds the ends of both ovals, α1, α2, α3, ζ, d, π, r and the origin x₀: all abscissae are less by x₀, the
-    last factor of f is r − dx with r = 1 − dx₀. ``points`` is room for floats, as many as there are branch points (four
-    where d = 0); ``near`` as for :func:`oval_periods`.
+    ``motion`` holds the ends of both ovals, α1, α2, α3, ζ, d, π, r and the origin x₀. x₀ is subtracted from all
+    abscissae, so the last factor of f is r − dx with r = 1 − dx₀. ``points`` is memory for floats, as many as there are
+    branch points (four where d = 0); ``near`` as for :func:`oval_periods`.
     """
     ends, d, pi, r = (motion[0], motion[1], motion[2], motion[3]), motion[8], motion[9], motion[10]
     oval_periods(ends, d, r, pi, near, out)
@@ -203,11 +203,13 @@ def survey(
 def surveyed_rates(
     problem: Row, found: Row, motion: Row, units: tuple[float, float], doubled: tuple[int, int], out: Row
 ) -> None:
-    """Writes numbers of a :func:`survey` in the user's units.
+    """Writes numbers of a :func:`survey` in the user's units, in this order:
 
-    In order: the matrix of a :class:`~integrable.torus.states.Torus` (four numbers). The turns of both phases per unit
-    of t, and per unit of τ. The means of dτ/dt and of dt/dτ. The turns of both ``doubled`` periods per unit of τ, dt/dτ
-    again, 2π. Then Σ∫dξ/η and Σ∫ξ dξ/η per unit of τ.
+    - the matrix of a :class:`~integrable.torus.states.Torus` (four numbers)
+    - the turns of both phases per unit of t, then per unit of τ
+    - the means of dτ/dt and of dt/dτ
+    - the turns of both ``doubled`` periods per unit of τ, dt/dτ again, 2π
+    - Σ∫dξ/η and Σ∫ξ dξ/η per unit of τ
 
     ``problem`` is a :func:`~integrable.moving_point.problem.problem_row`, ``motion`` as for :func:`survey`, ``units``
     the length and the lift of those of the survey.
@@ -224,8 +226,9 @@ def surveyed_rates(
 
 
 def about_centre(motion: Row, centre: Real, unit: float, out: Row) -> None:
-    """f = (x − ζ)·Π(α_i − x)·(r − dx) in powers of (x − centre)/unit into out[0 … 5], and (α_i − centre)/unit into
-    out[6 … 8]: from the roots, near which the coefficients of f about 0 would cancel. ``motion`` as for :func:`survey`.
+    """Writes f = (x − ζ)·Π(α_i − x)·(r − dx) in powers of (x − centre)/unit to out[0 … 5], and (α_i − centre)/unit to
+    out[6 … 8]. f is expanded from its roots, near which its coefficients about 0 would cancel. ``motion`` is as for
+    :func:`survey`.
     """
     d = motion[8]
     out[0], out[1] = centre - motion[7], unit + 0 * d

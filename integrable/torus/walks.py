@@ -92,10 +92,10 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
     """Writes the moving points at the corners of the cells to ``states``, row by row of ten numbers; returns
     :func:`closure`.
 
-    Steps in the first direction are an odd number of cells, at most ``most``, and reach all rows in as many rounds.
-    Those in the second may lead down by one cell as well. If columns are walked backward, ``most`` is 1. ``ends``
-    receives the end of every walk and ``known`` its goal, signs included: that of the first direction, then those of
-    the second from all rows.
+    A step in the first direction spans an odd number of cells, at most ``most``; such steps reach all rows in as many
+    rounds. A step in the second direction may also lead down by one cell. If columns are walked backward, ``most`` is
+    1. ``ends`` receives the end of every walk and ``known`` its goal, signs included: that of the first direction, then
+    those of the second from all rows.
     """
     (rows, columns), near = walk.cells, in_tuples(curve)
     down, _, parts0 = step_over(near, walk, 0)
@@ -185,13 +185,13 @@ def turn(points: Row, place: int, turns: Row, first: int) -> None:
 
 
 def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
-    """Returns the numbers (cells, cells in the first direction besides, translations) of the best conditioned step in a
-    direction.
+    """Returns the numbers (cells, additional cells in the first direction, translations) of the best conditioned step
+    in a direction.
 
     The step is over an odd number of cells, up to ``most``; it is written into steps[20·direction …]. Only a step in
     the second direction may lead over a cell of the first as well, 1 or 0. The step is one translation, or both parts
     of one cell where every sum is badly conditioned. That happens in a direction in which an oval is a point, as for
-    two equal moments: both points of its translations are there.
+    two equal moments: both points of its translations then lie there.
     """
     f, axes, out = curve.f, curve.unit_axes, walk.steps
     first, second = moving_point(walk.halves, 20 * direction), moving_point(walk.halves, 20 * direction + 10)
@@ -314,7 +314,7 @@ def rate_by_height(f: Row, scale: tuple[Real, Real, Real], point: Row, step: Row
     """:func:`integrable.moving_point.addition.rate_after` of an upright body, from the root r/d of f: ``scale`` is d, r
     and 1/g times :func:`height_of` at the point.
 
-    g² is a multiple of U(r/d), and f vanishes there: U'' is P²/(l1²·U·U') with P = qV + LU.
+    g² is a multiple of U(r/d), and f vanishes there, so the sum's U'' is P²/(l1²·U·U') with P = qV + LU.
     """
     d, r, size = scale
     first, second = (point[0], point[1], point[2], point[3]), (step[0], step[1], step[2], step[3])
@@ -326,7 +326,9 @@ def rate_by_height(f: Row, scale: tuple[Real, Real, Real], point: Row, step: Row
 
 
 def rates_beside(curve: Curve, corner: Row, steps: Row, place: int, count: int) -> tuple[Real, Real]:
-    """1/g after ``count`` translations, those in ``steps`` from ``place`` on; and with an odd number of γ_i turned."""
+    """1/g after ``count`` translations, those in ``steps`` from ``place`` on; and the same with an odd number of γ_i
+    reversed.
+    """
     f, axes, point, last = curve.f, curve.axes, corner, count - 1
     for k in range(last):
         point = carried(f, axes, point, moving_point(steps, place + 10 * k))

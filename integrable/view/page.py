@@ -26,8 +26,9 @@ TURNING = "The body as it turns about its centre of mass."
 def view(scene: Scene | str | Path, out: str | Path, *, until: float | None = None, frames: int = FRAMES) -> Path:
     """Write the page of a scene (or of the scene of that name or file) to ``out``, an .html file, and return its path.
 
-    ``until`` and ``frames``: see :func:`integrable.view.shown.shown`. The file is complete or absent, and opens without
-    a network. ArgumentError without plotly, if ``out`` cannot be written, over finite fields, and without a body.
+    ``until`` and ``frames`` are those of :func:`integrable.view.shown.shown`. The file is complete or absent, and opens
+    without a network. ArgumentError without plotly, if ``out`` cannot be written, over finite fields, and without a
+    body.
     """
     if not isinstance(out, (str, os.PathLike)) or not Path(out).name:
         raise ArgumentError(f"out = {text_of(out)}: give the path of an .html file")
