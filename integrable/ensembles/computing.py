@@ -49,8 +49,8 @@ class Outcome(NamedTuple):
 
 
 class Said(NamedTuple):
-    """The outcome for one member: the index of its way, and ``why``: the reason of a member refused as a whole, else
-    one reason per row, "" where it is not refused.
+    """The outcome for one member: the index of its way, and ``why``. If the member is refused as a whole, ``why`` is
+    the reason; otherwise it has a reason for each row, "" where the row is not refused.
     """
 
     member: int

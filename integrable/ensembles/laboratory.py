@@ -48,10 +48,10 @@ def laboratory_ensemble(
 ) -> LaboratoryEnsemble:
     """Many motions of a RollingBall or a RigidBody over RR.
 
-    ``orientation`` has shape (K, 3, 3), or is SciPy's Rotation of K; ``omega`` is in the laboratory, shape (K, 3), in
-    rad/s; ``contact``, shape (K, 2), in m, is by default (0, 0). Each may also be one value for all. A refused member
-    does not affect the others: :attr:`LaboratoryRuns.status`. ArgumentError for shapes that do not broadcast and
-    another field.
+    ``orientation`` has shape (K, 3, 3), or is a Rotation of SciPy with K entries; ``omega`` is in the laboratory, shape
+    (K, 3), in rad/s; ``contact``, shape (K, 2), in m, is by default (0, 0). Each may also be one value for all members.
+    A refused member does not affect the others: see :attr:`LaboratoryRuns.status`. ArgumentError for shapes that do not
+    broadcast and another field.
     """
     if not isinstance(body, RigidBody) or body.field != RR:
         raise ArgumentError(f"body = {shown(body)}: give a RollingBall or a RigidBody of floats")
@@ -122,8 +122,9 @@ class LaboratoryEnsemble(Record):
         """Orientations and ω of all members at times in s, in any order, of any sign and size: shape (N,), the same for
         all, or (K, N).
 
-        A few turns are short runs of compiled code, as those of :meth:`integrable.ensembles.ensemble.Ensemble.at`; the
-        rest comes from :meth:`motion`. A refused member does not affect the others.
+        Motions over a few turns are short runs of compiled code, as in
+        :meth:`integrable.ensembles.ensemble.Ensemble.at`; others come from :meth:`motion`. A refused member does not
+        affect the others.
         """
         given = time_rows(times, len(self))
         held(len(self), given.shape[1], COLUMNS, "take parts of the members, such as [:1000]")
@@ -220,8 +221,8 @@ class LaboratoryRuns(Runs, Exported):
 
     ``matrices`` (K, N, 3, 3) take vectors from the axes of the tensor to the laboratory. ``omega_body`` (K, N, 3) is ω
     in the axes of the tensor. ``status`` (K,) is 0, or for a refused member the index of its reason in ``reasons``; its
-    orientations and ω are NaN. A member is ``[k]``, a :class:`integrable.laboratory.motion.LaboratoryRun`; :attr:`kept`
-    are those of status 0.
+    orientations and ω are NaN. ``runs[k]`` is one member, a :class:`integrable.laboratory.motion.LaboratoryRun`;
+    :attr:`kept` are the members with status 0.
     """
 
     def __init__(
@@ -241,7 +242,9 @@ class LaboratoryRuns(Runs, Exported):
 
     @property
     def orientation(self) -> Rotation:
-        """The ``matrices`` as one Rotation of SciPy (extra ``app``) of K·N; NotRepresentable if one was refused."""
+        """The ``matrices`` as one Rotation of SciPy (extra ``app``) with K·N entries; NotRepresentable if a member was
+        refused.
+        """
         from integrable.extras import needed
 
         needed("scipy", "orientation, a Rotation,")

@@ -169,7 +169,9 @@ def system_of(system: Any, row: np.ndarray) -> Any:
 
 
 def motion_of(system: Any, row: np.ndarray, tilted: bool, kernel: str = "auto") -> Motion:
-    """The motion of a member; an error if it is refused. ``kernel`` is that of :class:`integrable.motion.flow.Flow`."""
+    """The motion of one member; raises an error if the member is refused. ``kernel`` is that of
+    :class:`integrable.motion.flow.Flow`.
+    """
     own = system_of(system, row)
     state = own.state(tuple(row[4:7].tolist()), tuple(row[7:].tolist()), **({"tilted": True} if tilted else {}))
     motion: Motion = own.flow(state, kernel) if isinstance(own, System) else own.motion_through(state)

@@ -27,9 +27,9 @@ class Trajectories(Runs, Exported):
     """States of K motions at N times each. ``times`` has shape (N,), or (K, N) where every member has its own.
 
     ``status``, shape (K,), is 0 for a member all of whose states were computed, otherwise n > 0 with the reason
-    ``reasons[n]``. γ, M and τ of refused rows are NaN, and :meth:`row_status` tells which rows these are. A member is
-    ``[k]``, a :class:`integrable.motion.trajectory.Trajectory`; a slice or an array gives the Trajectories of some,
-    :attr:`kept` those of status 0.
+    ``reasons[n]``. γ, M and τ of refused rows are NaN, and :meth:`row_status` tells which rows these are. ``runs[k]``
+    is one member, a :class:`integrable.motion.trajectory.Trajectory`; a slice or an array gives the Trajectories of
+    several, :attr:`kept` those of all members with status 0.
     """
 
     def __init__(self, ensemble: Members, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> None:

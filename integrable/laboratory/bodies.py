@@ -123,7 +123,7 @@ class RollingBall(RigidBody):
     """A ball that rolls on a horizontal plane without slipping, its centre of mass in its centre.
 
     ``inertia`` is the tensor about the centre in any axes, or three moments in its principal axes, in kg·m²; ``mass``
-    in kg and ``radius`` in m; ``field`` RR or MP(digits). ``moments`` and ``axes`` as of a :class:`RigidBody`.
+    in kg and ``radius`` in m; ``field`` RR or MP(digits). ``moments`` and ``axes`` are those of a :class:`RigidBody`.
     """
 
     def __init__(self, inertia: Table, mass: Value, radius: Value, *, field: Field = RR) -> None:

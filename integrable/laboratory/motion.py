@@ -67,8 +67,8 @@ class LaboratoryMotion(Immutable):
         """The motion of a free body nearest to orientations measured at ``times``, found from this one as the guess.
         Its start and the ratios of its moments are fitted, not its axes (SciPy; :mod:`integrable.laboratory.fit`).
 
-        ``orientations`` are matrices, shape (N, 3, 3), or SciPy's Rotation of N. The guess must be less than half a
-        turn off at every time.
+        ``orientations`` are matrices, shape (N, 3, 3), or a Rotation of SciPy with N entries. The guess must be less
+        than half a turn off at every time.
         """
         from integrable.laboratory.fit import fitted
 
@@ -92,7 +92,7 @@ class Instant(NamedTuple):
 class LaboratoryRun(Exported):
     """Orientations, angular velocities and points of contact at ``times``, shape (N,), in s; computed on first use.
 
-    Floats are float64 arrays, MP(digits) object arrays of mpf; none can be written to. ``run[k]`` is an
+    Floats are float64 arrays, numbers of MP(digits) object arrays of mpf; all are read-only. ``run[k]`` is an
     :class:`Instant`; a slice or an array of numbers or truth values gives the run at some of the times.
     """
 

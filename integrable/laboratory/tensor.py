@@ -96,8 +96,8 @@ def diagonalised(K: Any, table: Matrix) -> tuple[np.ndarray, np.ndarray]:
 
 
 def rotation(K: Any, orientation: Orientation) -> Matrix:
-    """The rotation nearest to an orientation, a matrix from the axes of the body to those of the laboratory, or
-    SciPy's.
+    """The rotation nearest to an orientation, a matrix from the axes of the body to those of the laboratory, or a
+    Rotation of SciPy.
 
     ArgumentError where it differs from a rotation by more than rounding, or is a reflection.
     """

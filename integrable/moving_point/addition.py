@@ -1,11 +1,11 @@
 """The inner steps of the exact flow, on bare reals; the compiler takes them unchanged.
 
 A *moving point* is (u0, u1, v0, v1, σ1, σ2, σ3, ν1, ν2, ν3): the divisor U = x² + u1·x + u0, V = v1·x + v0, and for
-every axis the pair (σ_i, ν_i), a lift. It carries the sign of γ_i = σ_i/|σ|; κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
-*translation* is the same with κ_i = 1. All numbers are in the flow's units (:mod:`integrable.moving_point.setup`).
-They are ``float`` or ``mpf``, in lists, tuples or numpy rows. ``axes`` is (α1, α2, α3, κ1, κ2, κ3, α, β). For a tilted
-body α and β give its clock (α + βñ)/g̃ (:meth:`integrable.phase.upright.ChaplyginTransformation.rate`); for an upright
-one they are (1, 0).
+every axis the pair (σ_i, ν_i), a lift. σ_i carries the sign of γ_i = σ_i/|σ|; κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
+*translation* is the same with κ_i = 1. All numbers are in the flow's units (:mod:`integrable.moving_point.setup`). They
+are ``float`` or ``mpf``, in lists, tuples or numpy rows. ``axes`` is (α1, α2, α3, κ1, κ2, κ3, α, β). For a tilted body
+α and β give the rate of its clock, (α + βñ)/g̃ (:meth:`integrable.phase.upright.ChaplyginTransformation.rate`); for an
+upright one they are (1, 0).
 """
 
 from __future__ import annotations
@@ -50,7 +50,9 @@ def carried(f: Row, axes: Row, point: Row, step: Row) -> Row:
 
 
 def settled(f: Row, axes: Row, point: Row, trust: Real) -> Row:
-    """The point with every pair corrected towards κσ² = U, κσν = V, κν² = −W, W = (f − V²)/U, at its branch point."""
+    """The point with every pair corrected towards κσ² = U, κσν = V and κν² = −W at its branch point,
+    where W = (f − V²)/U.
+    """
     divisor = point[0], point[1], point[2], point[3]
     rest = cofactor_at(f, divisor)
     x1, y1 = settled_pair(divisor, rest, axes[0], axes[3], point[4], point[7], trust)

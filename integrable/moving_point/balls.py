@@ -138,7 +138,7 @@ class BallTranslations:
         raise PrecisionLoss("a translation could not be enclosed at this precision: use more digits")
 
     def _system(self, m: arb, r: arb, target: arb, size: int, tail: arb, reach: arb) -> tuple[arb, ...]:
-        """r·phi² − target, psi, the derivatives by m and r of the first, then of the second, and phi.
+        """(r·phi² − target, psi, the derivatives of the first and of the second with respect to m and r, phi).
 
         Let |m| + √|r| ≤ R and |c_k| ≤ (k+1)(k+2)/2·nearest^(−k). The sums of the terms omitted from phi, psi, ∂phi/∂m,
         ∂phi/∂r, ∂psi/∂m and ∂psi/∂r are then at most ``tail`` times 1, R, 1/R, 1/R², 1 and 1/R.

@@ -216,8 +216,8 @@ def mean_slowness(ends: Row, d: Real, r: Real, pi: Real, near: float, area: Real
     of their periods.
 
     The invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂). The mean is therefore a determinant of complete elliptic integrals
-    ∫x^k dx/((r − dx)√((x − e₁)(x − e₂)(x − e₃)(x − e₄))), where e_i are the ends. They are computed with x − e instead
-    of x, e midway between the ovals, so that nothing cancels.
+    ∫x^k dx/((r − dx)√((x − e₁)(x − e₂)(x − e₃)(x − e₄))), where e_i are the ends. They are computed with powers
+    of x − e instead of x, where e is midway between the ovals, so that nothing cancels.
     """
     middle = (ends[1] + ends[2]) / 2
     low0, low1 = slowed((ends[0], ends[1], ends[2], ends[3]), middle, d, r, pi, near)

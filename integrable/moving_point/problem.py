@@ -86,8 +86,9 @@ class Problem(NamedTuple):
 
 
 def problem_row(given: Row, tilted: bool, out: Row) -> None:
-    """Writes the row of a :class:`Problem` to ``out``, from the moments, d, γ and M in ``given``; then r_i = I_i/(I_i +
-    d) of the upright body, and H1 and H2 of the given motion. An upright state has the identity as its matrix.
+    """Writes the row of a :class:`Problem` to ``out``, from the moments, d, γ and M in ``given``; then
+    r_i = I_i/(I_i + d) of the upright body, and H1 and H2 of the given motion. An upright state has the identity as its
+    matrix.
     """
     d = given[3]
     a = (1 / (given[0] + d), 1 / (given[1] + d), 1 / (given[2] + d))

@@ -103,7 +103,7 @@ class Setup:
         """The moving point after sign·``steps`` basic steps, in bare reals. The number of additions is about log2 of
         ``steps``.
 
-        Intermediate points are cached, as neighbours share all additions but the last.
+        Intermediate points are cached, because points one step apart share all additions but the last.
         """
         translations, point, done, level = self.translations, self.bare.start, 0, 0
         if len(self._passed) > MOST_PASSED:

@@ -186,8 +186,8 @@ def centre_after(room: ShortRoom, n: int, sign: int) -> int:
 def panel(
     room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool, n: int, hint: int, i: int, sign: int
 ) -> tuple[int, int, int]:
-    """(status, least level, next time) after the n-th panel, halved where necessary. ``hint`` is the level of halving
-    that earlier panels needed.
+    """Computes the n-th panel, halved where necessary; returns (status, least level of halving, index of the next
+    time). ``hint`` is the level of halving that earlier panels needed.
     """
     level, place, least, status = 0, 0, LEVELS, 0
     while True:
@@ -245,8 +245,8 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
 
 
 def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
-    """The largest of the last coefficients of γ, w and, for physical times, of 1/g over four times its mean; then the
-    largest of earlier coefficients. Both are multiplied by the amplification of errors.
+    """The largest of the last coefficients of γ, w and, for physical times, of 1/g divided by four times its mean; then
+    the largest of earlier coefficients. Both are multiplied by the amplification of errors.
     """
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):

@@ -319,7 +319,7 @@ def contact_of(wide: Row) -> Vector[Real]:
 
 
 def contact_in_floats(wide: Row) -> tuple[Real, ...]:
-    """r_i in floats, then their rounding errors. Without these all nodes would have a common error."""
+    """r_i in floats, then their rounding errors. Without the rounding errors all nodes would have a common error."""
     r0, r1, r2 = wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2]
     x, y, z = float(r0), float(r1), float(r2)
     return x, y, z, float(r0 - x), float(r1 - y), float(r2 - z)

@@ -1,1 +1,1 @@
-"""Integrators that share no code with the flow, to check it and compare it with."""
+"""Integrators that share no code with the flow, to check the flow and to compare it with."""

@@ -33,7 +33,8 @@ Vector = list[Any]
 def moser_veselov(moments: Sequence[Any], order: int = 2) -> Advance:
     """A function that makes one step of the discrete Euler top. Order 4 uses modified moments of inertia.
 
-    A step is found by fixed-point iteration. Raises PrecisionLoss where that does not converge; a smaller step helps.
+    A step is found by fixed-point iteration. Raises PrecisionLoss where the iteration does not converge; a smaller step
+    helps.
     """
     if order not in (2, 4):
         raise ArgumentError(f"order = {order}: the discrete top is of order 2 or 4")
@@ -63,7 +64,7 @@ def modified_moments(moments: Sequence[Any], M: Sequence[Any], h: Any) -> Vector
 
 
 def hirota_kimura(moments: Sequence[Any]) -> Advance:
-    """A function that makes one step of the Hirota–Kimura top, and of γ by :func:`kahan_rotation`."""
+    """A function that makes one step of the Hirota–Kimura top, and turns γ by :func:`kahan_rotation`."""
 
     def advance(y: Vector, h: Any, _memory: Any) -> tuple[Vector, Any, int]:
         x, M = y[:3], y[3:]

@@ -82,7 +82,7 @@ def _weigh(weights, weights_low, h, high, low):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _predict(nodes, inverse, ratio, k, guess):  # type: ignore[no-untyped-def]
-    """Guesses of the slopes at the stages of a step ``ratio`` times as long as the previous one.
+    """Writes guesses of the slopes at the stages of a step ``ratio`` times as long as the previous one.
 
     They extrapolate the polynomial through the previous slopes ``k``. Ratio 0 means no previous step, and gives ``k``.
     """

@@ -23,7 +23,7 @@ __all__ = ["Heyoka", "equations"]
 
 @dataclass(frozen=True)
 class Heyoka(Method):
-    """heyoka in doubles, or in long doubles if ``extended``.
+    """heyoka in doubles, or in long doubles if ``guard`` is not 0.
 
     Results are float64. Inputs of more than 15 digits are rounded to long doubles. A run raises RuntimeError where
     heyoka stops; ``evaluations`` counts steps.

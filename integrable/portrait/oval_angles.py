@@ -92,7 +92,7 @@ class OvalAngles(NamedTuple):
         return sums
 
     def slopes(self, angles: Array) -> Array:
-        """The derivatives of the sums by the angles, shape (N, forms, ovals)."""
+        """The derivatives of the sums with respect to the angles, shape (N, forms, ovals)."""
         columns = [np.zeros((len(angles), len(self.means), 0))]
         for phi, mean, waves in zip(angles.T, self.means, self.waves, strict=True):
             n = np.arange(1, len(waves) + 1)

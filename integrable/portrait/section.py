@@ -38,8 +38,8 @@ class Section(Record):
     """The crossings of a motion with a surface γ̃_i = 0. Get one from ``flow.section(count)``.
 
     ``axis`` (0, 1 or 2) is i; ``tau`` (N,) are the values of τ at the crossings, ``run`` is the Trajectory there;
-    ``phi`` and ``momentum`` (N,) the coordinates on the section, the angle of γ̃ from the next axis (of sorted a) and
-    M̃_i/|M̃|; ``theta`` (N,) the angle in turns in which the map is a rotation by ``rotation``.
+    ``phi`` and ``momentum`` (N,) are the coordinates on the section: the angle of γ̃ from the next of the sorted axes,
+    and M̃_i/|M̃|. ``theta`` (N,) is the angle, in turns, in which the map is a rotation by ``rotation``.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class Section(Record):
 
 
 def section(flow: Any, count: int, axis: str) -> Section:
-    """The next ``count`` crossings of the section of the axis of the "largest" or the "least" moment.
+    """The next ``count`` crossings of the section for the axis of the "largest" or the "least" moment.
 
     NotRepresentable for a motion on no torus of dimension two.
     """

@@ -3,12 +3,12 @@ parts.
 
 On a compact torus :mod:`integrable.portrait.variations` reduces the derivatives to integrals of functions of the state.
 Each is a mean rate times τ plus a Fourier series (:mod:`integrable.torus.series`). With σ the integral of Y(1/g) over τ
-with mean 0, a = a' − σb, da'/dτ = (w₁ + σw₂)/g, db/dτ = w₂/g, so that
+with mean 0, a = a' − σb, da'/dτ = (w₁ + σw₂)/g, db/dτ = w₂/g, the derivatives are
 
     S(t) = t·[ẋ ⊗ α + (Y − σẋ) ⊗ β] + bounded,
 
-with α and β the mean rates of a' and b by t, which the changes of the frequencies determine. The secular part has rank
-two; the third independent integral changes only shapes.
+with α and β the mean rates of a' and b per unit of t, which the changes of the frequencies determine. The secular part
+has rank two; the third independent integral changes only shapes.
 """
 
 from __future__ import annotations

@@ -78,7 +78,7 @@ class SeparatedTorus:
 
     @cached_property
     def _values(self) -> list[list[list[Real]]]:
-        """The coefficients of dφ of all forms at the nodes of each oval, without those of :attr:`poles`."""
+        """The coefficients of dφ of all forms at the nodes of each oval, minus the parts in :attr:`poles`."""
         return [self._sampled(oval, self.forms) for oval in self.ovals]
 
     @cached_property
@@ -103,7 +103,7 @@ class SeparatedTorus:
     def _sampled(
         self, oval: PointOval, forms: Sequence[Form], factor: Callable[[Real], Real] | None = None
     ) -> list[list[Real]]:
-        """The coefficients of dφ, times ``factor``, at φ = π(k + ½)/n, without those of their poles."""
+        """The coefficients of dφ, times ``factor``, at φ = π(k + ½)/n, minus the parts of their poles."""
         import gmpy2
 
         N = self._field

@@ -1,13 +1,14 @@
 """The equations of variation of a body, as functions of its states.
 
-x = (γ, M), ẋ = (γ × ω, M × ω), ω = A(M + dnγ), n = (γ, AM)/q, q = g⁻² = ΣI_i a_i γ_i². The derivatives S of a state by
-(x(0), I, d) obey Ṡ = JS + P, J = ∂ẋ/∂x and P = (0, ∂ẋ/∂(I, d)). Besides ẋ there is the field Y of H2/2, γ' = γ × Ω, M'
-= M × Ω, Ω = M/g + dg(γ, AM)γ, which commutes with g⁻¹ẋ, the motion in τ. With the gradients of (C1, C2, H1, H2) as rows
-of F, N their right inverse across E = (ẋ, Y), and G = F·S, known from the start and the parameters,
+x = (γ, M), ẋ = (γ × ω, M × ω), ω = A(M + dnγ), n = (γ, AM)/q, q = g⁻² = ΣI_i a_i γ_i². The derivatives S of a state
+with respect to (x(0), I, d) obey Ṡ = JS + P, J = ∂ẋ/∂x and P = (0, ∂ẋ/∂(I, d)). Besides ẋ there is the field Y of H2/2,
+γ' = γ × Ω, M' = M × Ω, Ω = M/g + dg(γ, AM)γ, which commutes with g⁻¹ẋ, the motion in τ. With the gradients of (C1, C2,
+H1, H2) as rows of F, N their right inverse orthogonal to E = (ẋ, Y), and G = F·S, known from the start and the
+parameters,
 
     S = N·G + ẋ ⊗ a + Y ⊗ b,   (ȧ + ρb, ḃ) = (EᵀE)⁻¹Eᵀ[(J + Jᵀ)NG + P],   ρ = g·Y(1/g):
 
-only integrals of functions of the state remain. Numbers are floats; arrays have the states first.
+only integrals of functions of the state remain. Numbers are floats; the first axis of arrays is that of the states.
 """
 
 from __future__ import annotations

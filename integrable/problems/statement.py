@@ -212,7 +212,7 @@ class Problem:
     # --- other starts
 
     def starting(self, y0: Iterable[Value]) -> Problem:
-        """The same equations with another start. Its doubles must satisfy the constraints exactly, or ArgumentError."""
+        """The same equations with another start. ArgumentError unless its doubles satisfy the constraints exactly."""
         given = np.asarray(y0, dtype=float)
         if given.shape != self.y0.shape or not np.isfinite(given).all():
             raise ArgumentError(f"y0 = {shown(y0)}: {len(self.y0)} finite numbers are needed")

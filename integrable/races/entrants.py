@@ -42,7 +42,7 @@ class Entrant(NamedTuple):
 
 
 def entrants(problem: Problem, own: dict[str, Solve], rivals: Sequence[str]) -> list[Entrant]:
-    """The entrants on a problem. Methods that are not installed, or that refuse its system, are left out."""
+    """The entrants on a problem. Methods that are not installed, or that refuse the problem's system, are left out."""
     system, _ = _given(problem)
     known = [METHODS[name] for name in rivals if METHODS[name].takes(system)]
     found = [Entrant(name, TOLERANCES, _own(solve)) for name, solve in own.items()]

@@ -54,7 +54,7 @@ class Axis(NamedTuple):
         return self.start + min(max(part, 0.0), 1.0) * (self.end - self.start)
 
     def ticks(self, most: int) -> list[int]:
-        """The decades of the axis that get a label, about ``most`` at most."""
+        """The decades of the axis that get a label, at most ``most`` + 1."""
         stride = next(n for n in (1, 2, 3, 5, 10, 20) if (self.high - self.low) / n <= most)
         return list(range(self.low, self.high + 1, stride))
 

@@ -62,9 +62,9 @@ def race(
 ) -> Race:
     """The results of a race between the functions ``own`` and the methods ``rivals`` on the problems.
 
-    ``own`` maps names to functions solve(problem, times, tolerance). Their ``times`` are an ascending array of times
-    ≥ 0, and they return the states there, of shape (len(times), n). A run may take ``limit`` seconds. ``tick(label)``
-    is called before each piece of work. Raises ArgumentError for an unknown problem or rival.
+    ``own`` maps names to functions solve(problem, times, tolerance). ``times`` is an ascending array of times ≥ 0; the
+    functions return the states there, of shape (len(times), n). A run may take ``limit`` seconds. ``tick(label)`` is
+    called before each piece of work. Raises ArgumentError for an unknown problem or rival.
     """
     for name in rivals:
         one_of(name, "rivals", tuple(METHODS), f"give some of {', '.join(METHODS)}")

@@ -1,6 +1,6 @@
 """Steps computed with more digits than their field has, for maps whose intermediate results lose digits.
 
-A translation near the identity has large coefficients. At a point x' near a branch point f(x'), the square of the
+A translation near the identity has large coefficients. At a point x' near a branch point, f(x'), the square of the
 ordinate, is lost in rounding. A multiple loses digits at every doubling. The map itself is well conditioned: its image,
 computed with guard digits and rounded once, has an error of one rounding times the map's own condition.
 """

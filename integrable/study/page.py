@@ -101,7 +101,7 @@ def _summary(study: Study) -> list[tuple[str, ...]]:
 
 
 def _exceptions(study: Study) -> str:
-    """Where others are faster, where no other method is as accurate, and where the flow refused."""
+    """A text that says where others are faster, where no other method is as accurate, and where the flow refused."""
     far = [s for f in study.motions for s in f.standings if s.outcome == "met" and s.ratio < 1]
     faster = sorted({T for T in (s.T for s in far) if T is not None})
     said = (

@@ -108,8 +108,8 @@ class TorusFlow(Corners):
         return self._rows_at_tau(tau) if panels is None else panels.at(tau, self.loops.panel_values)
 
     def phases(self, times: np.ndarray, physical: bool, periods: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-        """Both phases at physical times, or at values of τ unless ``physical``, each as a fraction of its number of
-        ``periods``. They keep the digits that a rounded τ has lost.
+        """Both phases at physical times, or at values of τ unless ``physical``, each divided by its number of
+        ``periods``, modulo 1. They keep the digits that a rounded τ has lost.
         """
         rates: Sequence[Real]
         rates, rest = self.frequencies, np.zeros(len(times))

@@ -24,9 +24,9 @@ MOST_SWING = 1e12
 class Cutoffs(NamedTuple):
     """Thresholds of a clock's modes.
 
-    A mode is kept if it exceeds ``noise`` times the largest or makes τ oscillate by more than ``least``, but never
-    below ``rounding`` times the largest. The rough series has the modes above ``rough`` times the mean rate. Modes by
-    which τ oscillates by ``loud`` or more are summed separately.
+    A mode is kept if it exceeds ``noise`` times the largest or makes τ oscillate by more than ``least``, but never if
+    it is below ``rounding`` times the largest. The rough series has the modes above ``rough`` times the mean rate.
+    Modes by which τ oscillates by ``loud`` or more are summed separately.
     """
 
     rounding: float
@@ -124,7 +124,7 @@ def clock_series(
     values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tables: Tables, loud: Row
 ) -> tuple[float, float, float, float]:
     """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``. Returns a bound of S, minus the
-    sum of its modes at the start, the same for the quiet modes, and the mean of the samples over that of 1/g.
+    sum of its modes at the start, the same for the quiet modes, and the mean of the samples divided by that of 1/g.
 
     ``rates`` are the frequencies of both phases of 1/g, its mean, and 2π; ``loud`` is filled for
     :func:`integrable.torus.clock_loops.loud_swing`.

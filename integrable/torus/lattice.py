@@ -121,7 +121,7 @@ def signs_of_periods(points: Row, basis: tuple[tuple[int, int], tuple[int, int]]
 
 class Units(NamedTuple):
     """A torus's own abscissa ξ: x = origin + length·ξ, y = length²·lift·η, so that η² is f(ξ) with the last
-    factor (r − dξ), (r, d) = (1 − d·origin, d·length)/lift². Powers of two: nothing is rounded.
+    factor (r − dξ), (r, d) = (1 − d·origin, d·length)/lift². Length and lift are powers of two, so nothing is rounded.
     """
 
     origin: Real = 0
@@ -162,7 +162,7 @@ def _near_power(x: float) -> float:
 
 def motion_row(setup: Source, units: Units) -> tuple[Real, ...]:
     """The motion as :mod:`integrable.torus.survey` takes it, in bare reals: the ends of both ovals, α1, α2, α3, ζ, d,
-    π, r and x/ξ at the origin, in the given units.
+    π, r and the origin, in the given units.
 
     PrecisionLoss where the torus is not compact.
     """

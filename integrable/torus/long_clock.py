@@ -40,7 +40,7 @@ SETTLED = 1e-9
 class LongClock:
     """t(τ) and τ(t) for any τ, to ``digits``, from the modes of dt/dτ; numbers are those of ``wide``, an MP field.
 
-    Modes in resonance with the motion, or nearly, are integrated one by one: they would need small divisors.
+    Modes in or near resonance with the motion are integrated one by one; in the series they would have small divisors.
     """
 
     def __init__(self, modes: Modes, digits: int, wide: MultiprecisionField) -> None:

@@ -73,7 +73,7 @@ def modes_of_rate(
     most_work: float = MOST_WORK,
     mean_digits: int = 0,
 ) -> Modes:
-    """The modes of 1/g down to 10^(−digits) of its mean; frequencies and mean to ``mean_digits`` where these are more.
+    """The modes of 1/g down to 10^(−digits) of its mean; frequencies and mean to ``mean_digits`` if that is more.
 
     τ is the time in which (Σdx/y, Σx dx/y) increases at the rate ``direction``. TooManyModes where tables take more
     than ``most_work`` multiplications; PrecisionLoss where the torus is not compact, or so nearly that digits are lost.
@@ -191,7 +191,7 @@ class OvalTorus:
         self._place()
 
     def ball(self, x: Real) -> arb:
-        """A number of the set-up's wide field as a ball; the radius accounts for the digits it has."""
+        """A number of the set-up's wide field as a ball; the radius accounts for its finite number of digits."""
         middle = self._balls.number(x)
         return middle + self.flint.arb(0, abs(middle) * self.flint.arb(2) ** -self._setup.wide.context.prec)
 

@@ -95,7 +95,7 @@ class TorusSeries:
         return self._sums(first, second, self._swing)[0] - self.origin
 
     def on_grid(self, sizes: tuple[int, int]) -> np.ndarray:
-        """S at the phases (i/rows, j/columns), of that shape."""
+        """S at the phases (i/rows, j/columns), an array of that shape."""
         rows, columns = self._swing.shape
         left = np.exp(2j * pi / sizes[0] * (np.outer(np.arange(sizes[0]), np.arange(rows)) % sizes[0]))
         right = np.exp(

@@ -75,8 +75,8 @@ def directions(
 
     With x = s/reach and z = x² the points of T are c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z)
     about the centre c. The polynomials are p, q, t, v in this order, from their values at ``nodes`` of z. ``motion`` is
-    as for :func:`integrable.torus.survey.survey`, ``chart`` a :class:`~integrable.torus.lattice.Chart`; ``passes`` are
-    those of Newton.
+    as for :func:`integrable.torus.survey.survey`, ``chart`` a :class:`~integrable.torus.lattice.Chart`; ``passes`` is
+    the number of Newton steps.
     """
     size, points = len(nodes), room.points
     for k in range(2):
@@ -129,7 +129,7 @@ def near_centre(about: NearIdentity, eps: Real) -> Row:
 def recentred(step: Row, axes: Row, centre: Real, unit: float) -> Row:
     """A translation in x from one in (x − centre)/unit, in which the axes are ``axes``.
 
-    Near the identity σ_i is α_i − c, whatever the centre c: continued around α_i it has no branch.
+    Near the identity σ_i is α_i − c for any centre c, a function of c without a branch at α_i.
     """
     unit1, unit2, unit3 = signed_like(axes[0], unit), signed_like(axes[1], unit), signed_like(axes[2], unit)
     u0, u1, v0, v1 = step[0] * unit * unit, step[1] * unit, step[2], step[3] / unit
