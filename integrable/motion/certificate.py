@@ -29,9 +29,9 @@ Pairs = Sequence[tuple[Sequence[Real], Sequence[Real]]]
 # extra digits of the second run, and the least number of its digits
 WIDER = 15
 LEAST = 30
-# spare digits beyond those that the turns until a time take
+# spare digits in the estimate of :func:`_turns`
 BESIDE = 3
-# by default this many of the field's digits need not agree
+# by default this many of the field's digits need not agree, and FLOAT_SLACK of those of floats
 SLACK = 1
 FLOAT_SLACK = 3
 
@@ -45,7 +45,7 @@ def certified(flow: Motion, times: Numbers, digits: int | None) -> Trajectory:
     run = flow.at(times)
     more = max(own + WIDER, LEAST)
     K = MP(more)
-    # use the times of the run, so that both runs use identical times
+    # the run has rounded the given times, and both runs must use the same ones
     finer = _vectors(flow, [K.coerce(t) for t in run.times], K)
     errors = []
     for gamma, M, (true_gamma, true_M) in zip(run.gamma, run.M, finer, strict=True):
@@ -70,7 +70,7 @@ def _vectors(flow: Motion, times: list[Real], K: MultiprecisionField) -> Pairs:
     if body.rolls and state.tilted and symmetry_axis(flow.system.inertia) is not None:
         if len(set(flow.system.inertia)) == 1:
             return [_turned(flow, t, K) for t in times]
-        # for two equal moments the multiprecision clock has no torus and would count steps
+        # with two equal moments the clock has no torus, and its cost grows with the time
         body = _beside(flow, max(map(abs, times), default=K.zero), K)
     finer = PreciseFlow(body, state, K.dps)
     return finer.vectors(finer.at(times)[1])

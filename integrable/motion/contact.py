@@ -46,9 +46,9 @@ MOST_PANELS, MOST_PRECISE = 4000, 60
 FAR_GAUSS, MOST_GAUSS = 4, 40
 # digits of the bounded part beyond those of the field
 GUARD = 2
-# γ × M loses digits where it is this much smaller than M
+# γ × M loses digits if it is this many times smaller than M
 PARALLEL = 30
-# rounding errors of ẋ relative to their bound; near rotations about a principal axis ẋ consists of them
+# the rounding errors of ẋ as a part of their bound; near a rotation about a principal axis nothing else is left of ẋ
 LEAST = 1 / 16
 # the accuracy of states near the start, computed in floats
 TOLERANCE = 1e-13

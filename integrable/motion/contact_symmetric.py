@@ -76,7 +76,7 @@ class SymmetricPath:
         else:
             context = self._field.context
             asinh, atan2 = np.frompyfunc(context.asinh, 1, 1), np.frompyfunc(context.atan2, 2, 1)
-        # the cosine of the arc is known too, so no digit is lost near a right angle
+        # atan2 takes the cosine of the arc too, ``root``, and so loses no digit near a right angle
         arc = asinh(x * (scale / constant**0.5)) if slope > 0 else atan2(x * scale, root)
         result: np.ndarray = factor / scale * arc
         return result

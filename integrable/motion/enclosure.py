@@ -36,11 +36,11 @@ if TYPE_CHECKING:
     from integrable.phase.enclosure import Row
     from integrable.phase.state import State
 
-# sum of the semi-axes of a panel's ellipse, in half panels
+# the sum of the semi-axes of a panel's Bernstein ellipse, in half panels: if it is larger, panels are shorter
 ELLIPSE = 3
 # approximate number of bits that balls lose in one addition
 LOST = 14
-# bits for the complex discs, whose bounds need few
+# bits of bounds on complex discs, which need few
 BOUND_BITS = 64
 MOST_PANELS = 100_000
 # largest number of doublings: with more, the number of steps exceeds the range of floats
@@ -53,7 +53,7 @@ def enclosure(body: Body, state: State, times: Sequence[Real], digits: int) -> E
     motions = Precisions(partial(BallMotion, body, state, digits), digits)
     # all times use the precision of the farthest, so that they share the panels of one motion
     lost, rows = max((_lost(body, state, tau) for tau in starts), default=0), {}
-    # farthest first: its panels serve the others, and it determines the common precision
+    # the farthest time comes first: it determines the common precision, and the others use its panels
     for i in sorted(range(len(times)), key=lambda i: -abs(times[i])):
         rows[i] = _row(motions, partial(BallMotion.tau_at, t=times[i], guess=starts[i]), lost)
     return Enclosure(exact_times(times), [rows[i] for i in range(len(times))])
@@ -110,8 +110,8 @@ class BallMotion:
             # points
             tiny = self._flint.arb(0, K.one / 2**bits)
             self._start = tuple(x + tiny for x in problem.start)
-        # for physical time: half a panel's length, the last disc's radius, sums over whole panels by direction, a
-        # panel's nodes
+        # for physical time: half the length of a panel, the radius of the last disc, the sums over whole panels in
+        # either direction, and the nodes of a panel
         self._half, self._reach = 0.0, 1.0
         self._sums: dict[int, list[arb]] = {}
         self._kept_nodes: tuple[float, list[tuple[tuple[arb, ...], arb]]] | None = None

@@ -24,18 +24,18 @@ if TYPE_CHECKING:
 Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
 # number of panels that are searched together
 PANELS = 512
-# largest number of panels of one search: each takes some ten microseconds
+# the largest number of panels of one search, each of which takes some ten microseconds
 MOST_PANELS = 10_000_000
-# the accuracy of states near the start, computed in floats; the zeros are refined on the flow
+# the tolerance of panels: their zeros only start Newton's method on the flow
 TOLERANCE = 1e-12
-# basic steps per panel: the nodes of a panel resolve γ and M on that many
+# basic steps per panel, so few that its nodes resolve γ and M
 PANEL_STEPS = 6
 # if neighbouring floats are farther apart than this fraction of a panel, the states at rounded times form no smooth
 # series
 COARSEST = 1e-7
-# a zero within this many roundings beyond an end of a panel counts as at the end
+# a zero outside the interval by at most this many roundings of a half panel counts as at its end
 ROUNDING = 1e3
-# Newton's method with a slope in floats gains twelve digits a step
+# a step of Newton's method, with a slope in floats, gains twelve digits
 MOST_STEPS = 100
 
 

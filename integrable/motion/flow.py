@@ -47,14 +47,14 @@ if TYPE_CHECKING:
 
 KERNELS = ("auto", "python", "compiled")
 CHOOSE = f"choose one of {', '.join(map(repr, KERNELS))}"
-# states whose integrals differ from the integrals of the start by more than the fraction DRIFT are refused; the second
-# number is how many states are compared at a time
+# states whose integrals differ from the integrals of the start by more than the fraction DRIFT are refused; CHUNK
+# states are compared at a time
 DRIFT = 1e-9
 CHUNK = 8192
 # up to this many states Python is faster than arrays
 FEW = 16
-# limits where compiled loops fail, about half a second each: corners and samples of the torus in interpreted loops;
-# values of 1/g on the way to a time
+# limits where compiled loops fail, about half a second each: MOST_INTERPRETED corners or samples of a torus in
+# interpreted loops, and MOST_RATES values of 1/g on the way to a time
 MOST_INTERPRETED = 4096
 MOST_RATES = 16_000
 # digits of t that states in floats need at the farthest times that MOST_RATES values of 1/g reach
@@ -81,7 +81,7 @@ class Flow(BodyMotion):
         if kernel == "compiled" and field != RR:
             raise ArgumentError(f"kernel = 'compiled' with field = {field.name}: compiled loops exist for RR only")
         vars(self).update(system=system, state=state, kernel=kernel)
-        # refusals of the set-up are raised at once
+        # refused bodies and states are reported here, before any time is given
         if field == RR:
             check_domain(system, state)
         else:
@@ -192,8 +192,6 @@ class Flow(BodyMotion):
 
         return residual_growth(self.setup, counts, self.kernel)
 
-    # --- inside
-    # -----------------------------------------------------------------------------------------------------------------
 
     def _through(self, body: Body, state: State) -> Flow:
         """The motion of another body of the same kind."""
@@ -307,7 +305,7 @@ class Flow(BodyMotion):
             # these methods have compared the integrals already, the precise flow with more digits
             return super()._off(rows, way)
         drift = integrals_drift(self, rows)
-        # the maximum is NaN if any row is
+        # a NaN in any row makes the maximum NaN and the comparison false
         if drift.max(initial=0) <= DRIFT:
             return super()._off(rows, way)
         with np.errstate(invalid="ignore"):

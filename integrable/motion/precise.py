@@ -45,10 +45,10 @@ SPARE = 2
 MOST_LOST = 400
 # from this many basic steps per digit on, the torus costs less than stepping
 TORUS_FROM = 20
-# multiplications for the torus's tables that cost as much as one digit of one basic step; the most whose tables fit
-# into memory
+# the number of multiplications, for the tables of a torus, that cost as much as one digit of one basic step; the
+# largest number whose tables fit into memory
 WORK_A_STEP, WORK_WITH_ROOM = 20, 1 << 28
-# from ALONE_FROM digits on, the first time is computed without a series of the clock; digits of its start value
+# from ALONE_FROM digits on, the first time is computed without a series of the clock, starting from ROUGH_DIGITS digits
 ALONE_FROM, ROUGH_DIGITS = 250, 30
 
 
@@ -241,7 +241,7 @@ class ManyDigits:
         far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)
         if far is None or missing > 0 or abs(tau[far]) <= carrier.witnessed:
             return missing
-        # two computations may lose every digit and end in the same rotation: the second carries what it may lose
+        # two computations may lose every digit and end in the same rotation: so the second has extra digits
         wider = carrier.digits + WIDER + carrier.lost(abs(tau[far]))
         if carrier.witness is None or carrier.witness.digits < wider:
             carrier.witness = self.carrier_of(wider)
@@ -352,7 +352,7 @@ class BodyCarrier(Carrier):
     def tau(self, times: list[Real], digits: int = 0) -> list[Real]:
         """The values of τ at physical times, to the digits of the set-up."""
         setup = self.setup
-        # estimated with the initial rate, since a heavy ball's τ runs a thousand times faster than t
+        # a heavy ball's τ may run a thousand times faster than t, so the initial rate is used to estimate it
         rate = abs(addition.rate_at(setup.problem.axes, setup.problem.start))
         torus = self._far([t / rate for t in times])
         if torus:
@@ -369,7 +369,7 @@ class BodyCarrier(Carrier):
 
     def tau_alone(self, time: Real, digits: int) -> Real:
         near = 0 < abs(float(self.unscaled(time))) <= NEAR_CELLS * self.setup.step_time
-        # the clock's series pays off from the second time on only
+        # a series of the clock costs less only from the second time on
         if near and self.digits >= ALONE_FROM and not self._alone and not self._clocks and self._limits == NONE:
             self._alone = True
             found = self._one_time(time)

@@ -26,18 +26,18 @@ if TYPE_CHECKING:
 
 Found = TypeVar("Found")
 
-# cells of a long panel (odd, so that its centre is that of a cell), and cells before any long panel
+# the number of cells of a long panel (odd, so that its centre is that of a cell), and of cells before any long panel
 LONG = 9
 NEAR_CELLS = 27
-# the first cells may run this many times faster or slower than later ones
+# on the first cells the clock may run this many times faster or slower than on later ones
 UNEVEN = 4
 # long panels are used only if each coefficient gains this many decimal digits
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
-# least 1 − dα at the axes for which 1/g is computed from U(1/d): it costs three guard digits
+# 1/g is computed from U(1/d) if 1 − dα is at least this at every axis, which costs three guard digits
 LIGHT = 1e-3
-# OneTime: the final panel has the length τ·10^−END_DIGITS, so a start value needs more correct digits; most Newton
-# steps on it
+# the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so that a start value needs more correct digits;
+# Newton's method takes at most END_STEPS steps on it
 END_DIGITS, END_STEPS = 12, 12
 # Newton's steps in floats end below NEAR; if the last is below ROUGH, NEAR_BITS bits are right, otherwise ROUGH_BITS
 NEAR, ROUGH, NEAR_BITS, ROUGH_BITS = 1e-14, 1e-10, 40, 16
@@ -199,7 +199,7 @@ class PanelClock(RatePanels):
         while self._end(len(self._ends) - 2) <= t and len(self._ends) <= NEAR_CELLS + 1:
             self._end(len(self._ends) - 1)
         if self._ends[-1] <= t:
-            # number of cells, by the mean rate of known ones
+            # the number of cells is estimated by the mean rate on the known ones
             self._afford(float(t / self._ends[-1]) * len(self._ends))
         if self._ends[-1] > t or not self._far_reaches(t):
             while self._ends[-1] <= t:
@@ -326,7 +326,8 @@ class OneTime(RatePanels):
         nodes, weights = gauss_legendre(self._setup.reals, self._node_count(2 * self._digits_a_node(1)))
         n, panel = len(nodes), tau / (2 * count)
         steps, total = self._at_nodes(nodes, panel / self._half), 0 * tau
-        # w_i·P_(n − 1)(x_i), P_(n − 1)² = 2(1 − x²)/(n²w) at the nodes, and n·P_n = 0 gives P_(n − 2)
+        # ``last`` is w_i·P_(n − 1)(x_i), from P_(n − 1)² = 2(1 − x²)/(n²w) at the nodes; ``other`` is w_i·P_(n −
+        # 2)(x_i), from P_n(x_i) = 0 and the recurrence
         pairs = list(zip(nodes, weights, strict=True))
         last = [(1 - 2 * (k % 2)) * root(2 * (1 - x * x) * w) / n for k, (x, w) in enumerate(pairs)]
         other = [(2 * n - 1) * x * y / (n - 1) for x, y in zip(nodes, last, strict=True)]

@@ -14,9 +14,9 @@ from jacobian.numbers.compiler import interpreted
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
-# from this many additions on it pays to load or compile the loop
+# from this many additions on, the compiled loop is faster even if it must be compiled first
 COMPILE_FROM = 100_000
-# largest number of additions: a minute of compiled ones
+# the largest number of additions: compiled ones take a minute
 MOST_COUNT = 100_000_000
 
 

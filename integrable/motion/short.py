@@ -49,13 +49,13 @@ class TorusCost(NamedTuple):
     dense: float
 
 
-# costs for d = 0, where t = τ; for d ≠ 0; and for moments whose I/(I + d) differ by the factor THINNER: 1/g then has
-# far more Fourier modes
+# costs in microseconds for d = 0, where t = τ, for d ≠ 0, and for moments whose I/(I + d) differ by more than the
+# factor THINNER, since 1/g then has far more Fourier modes
 FREE, ROLLING, THIN = TorusCost(600.0, 0.7, 0.3), TorusCost(1100.0, 3.0, 1.0), TorusCost(2600.0, 6.0, 5.5)
 THINNER = 20.0
 DENSE_FROM = 5000
 # states from panels are less accurate than states from a torus by some roundings: a single run must therefore be WORTH
-# times cheaper than the torus. Many runs need to be only as cheap
+# times cheaper than the torus. For many runs it is enough that they are as cheap
 WORTH, WORTH_OF_MANY = 2.0, 1.0
 # largest number of panels: errors grow with the number, as the effect of input rounding does
 MOST_PANELS = 3000
@@ -226,7 +226,7 @@ def rule() -> Rule:
         places.append(begin + (0.5**second if second > 0 else -(0.5**-second)))
     nodes = np.array([-x for x in places] + places[::-1])
     count, wide = len(nodes), nodes.astype(np.longdouble)
-    # Lagrange's polynomials at Chebyshev's nodes, and from there their coefficients
+    # the values of Lagrange's polynomials at Chebyshev's nodes give their Chebyshev coefficients
     k = np.arange(count)
     angles = np.arctan(np.longdouble(1)) * 2 * (2 * k + 1) / count
     matrix = np.cos(np.outer(k, angles)) * 2 / count

@@ -68,7 +68,7 @@ class SymmetricFlow:
         self._flat = bool(delta == 0)
         self._kappa, self._size, self._root3 = map(number, (kappa, size, sqrt(r3)))
         self._delta, self._bulge, self._root_mu = map(number, (delta, swing.spread / mu, sqrt(mu)))
-        # g⁻² = μ + |δ|A²cos²θ for δ > 0, otherwise r + |δ|A²sin²θ: no difference of numbers
+        # g⁻² = μ + |δ|A²cos²θ for δ > 0, otherwise r + |δ|A²sin²θ: a sum of positive numbers
         self._least, self._more = number(mu if delta > 0 else r), number(abs(swing.spread))
         self._spin, self._across = number(swing.spin), number(momentum * size / sqrt(mu))
         # r₃/r, and the factors of F and Π in φ
@@ -95,7 +95,6 @@ class SymmetricFlow:
         if swing.kappa and not self._flat:
             pole = complete_over(K, modulus, swing.kappa * swing.kappa)
             self._third_advance = ((pi if swing.kappa > 0 else -pi) - 2 * third * pole) / (2 * pi)
-        # the phases at time 0
         count = int(K.context.nint(swing.theta / pi))
         x: Any = number(swing.theta - count * pi)
         self._start_count, self._start_x = count, x

@@ -116,7 +116,6 @@ class Motion(Immutable):
         """The rows that ``way`` computes; rows that it refuses are set to ``nan``."""
         return kept_rows(lambda times: _computed(way, times, physical), given, nan)
 
-    # --- inside
 
     def _run(self, given: np.ndarray, strict: bool, physical: bool) -> Trajectory:
         way = InOrder(self._ways)
@@ -204,7 +203,7 @@ class Trajectory(Exported):
     ) -> None:
         if status is not None and not status.any():
             status = None
-        # arrays made here, which can be set read-only
+        # these arrays are never the user's own, so that they can be set read-only
         for array in (times, tau, rows, status):
             if array is not None:
                 array.setflags(write=False)

@@ -102,7 +102,7 @@ def pair(a: Real, kappa: Real, sigma: Real, nu: Real, sigma2: Real, nu2: Real, t
     only if both points are at the same branch point.
     """
     q, l1, l0, k0, m0, n1, n0, j0 = transfer
-    # the rounding noise of the second row grows with ν', which is large near the identity
+    # rounding errors of the formula that divides by κσ grow with ν', which is large near the identity
     weight = 1 / max(1, leading(nu2) * leading(nu2))
     x, y = sigma2, kappa * sigma
     scale = 1 / (l1 * (x * x + weight * y * y))
@@ -231,7 +231,7 @@ def abel_slopes(series: Row, m: Real, r: Real) -> tuple[Real, Real, Real, Real]:
     """The derivatives of :func:`abel_sums`: of phi with respect to m and r, then of psi."""
     phi_m, phi_r, psi_m, psi_r = 0 * r, 0 * r, 0 * r, 0 * r
     c = m * m - r
-    # S_j and its derivatives
+    # S_j of :func:`abel_sums`, and its derivatives with respect to m and r
     s0, s1, d0, d1, e0, e1 = 0 * r, 1 + 0 * r, 0 * r, 0 * r, 0 * r, 0 * r
     for k in range(len(series)):
         s2 = 2 * m * s1 - c * s0
@@ -249,7 +249,7 @@ def abel_slopes(series: Row, m: Real, r: Real) -> tuple[Real, Real, Real, Real]:
 
 def conjugate_points(roots: Row, f0: Real, axes: Row, eps: Real, m: Real, r: Real) -> Row:
     """The translation whose divisor has points at m ± √r, as a moving point with κ = 1."""
-    # ±√(f/f0) at the two points: half their sum over √r, and half their difference
+    # ``even`` is the sum of √(f/f0) at the two points, ``odd`` their difference over 2√r
     c = m * m - r
     s0, s1, c0, c1 = 0 * r, 1 + 0 * r, 2 + 0 * r, 2 * m
     even, odd = 0 * r, 0 * r

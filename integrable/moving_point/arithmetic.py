@@ -53,7 +53,7 @@ class LongDoubles:
         """(whole turns, the rest in [−½, ½]) of values·rate + start; rate and start are wide. PrecisionLoss beyond
         2^50 turns.
         """
-        # the unit makes the rate about 1, so that its parts and those of the products are in the range of floats
+        # a unit of time in which the rate is about 1 keeps its parts, and those of the products, in the range of floats
         exponent = int(rate.context.frexp(rate)[1])
         high, low = split(rate * rate.context.mpf(2) ** -exponent)
         with np.errstate(over="ignore"):

@@ -84,7 +84,7 @@ def time_after(tau: arb, rest: arb, rate: Callable[[arb], arb]) -> arb:
     for _ in range(MOST_TRIALS):
         slope = rate(tau + arb(0, width))
         step = rest / slope
-        # t(τ) increases, and by more than the rest over this ball
+        # over this ball t(τ) increases by more than the rest, so that the ball contains the time
         if slope > 0 and abs(step).abs_upper() < width:
             return tau + step
         width = 4 * abs(step).abs_upper() if step.is_finite() else width / 4
@@ -112,7 +112,7 @@ class BallTranslations:
         size = plain.terms(plain.reals.bits, term_bits)
         m, r, tail, reach = self._zero(*plain.centre(small.mid(), term_bits), small, size)
         roots = list(self._roots[:size])
-        # truncation errors: of (m+√r)^k + (m−√r)^k in the even sum and of S_k in the odd one
+        # the truncation errors of both sums of :func:`conjugate_points`
         roots[0] = around(roots[0], tail)
         roots[1] = around(roots[1], tail / reach)
         step = conjugate_points(roots, self.f[0], self.axes, small, m, r)

@@ -69,7 +69,7 @@ def carlson_j(N: LongDoubles | Multiprecision, x: Array, y: Array, z: Array, p: 
 
 def arctan_over(N: LongDoubles | Multiprecision, e: Array) -> Array:
     """arctan(√e)/√e for e ≥ 0."""
-    # a NaN leaves the other entries unaffected
+    # fmax ignores a NaN, which therefore does not affect the other entries
     most, series = float(np.fmax.reduce(e, axis=None, initial=0)), 0 * e
     if np.fmin.reduce(e, axis=None, initial=SMALL) < SMALL:
         # number of terms that the largest of these arguments needs
@@ -176,7 +176,7 @@ def richelot(points: Row, rest: Row, values: Row) -> tuple[Row, Row, Row, Real]:
     w0, w1, w2 = bracket_of_quadratics(a0, a1, one, b0, b1, one)
     # Δ is the determinant of the coefficients of P, Q and R, expanded by those of R
     determinant = r0 * w2 - r1 * w1 / 2 + r2 * w0
-    # the discriminants are resultants: the only differences of close numbers are those of the ends
+    # the discriminants are resultants, products of differences of the ends: no other close numbers are subtracted
     x1, x2 = roots_between(w0, w1, w2, root((p1 - q1) * (p1 - q2) * (p2 - q1) * (p2 - q2)))
     if u2 == 0:
         # R is constant, and ∞ is a root of U and V
@@ -230,7 +230,7 @@ def slowed(ends: Row, middle: Real, d: Real, r: Real, pi: Real, near: float) -> 
     ``ends``. c and e lie on the same side of a and b.
     """
     a, b, c, e = ends
-    # x = (a cos²φ + b·ratio·sin²φ)/(cos²φ + ratio·sin²φ)
+    # the substitution is x = (a cos²φ + b·ratio·sin²φ)/(cos²φ + ratio·sin²φ)
     ratio = (c - a) / (c - b)
     k = root(ratio * (e - b) / (e - a))
     p = ratio * (r - d * b) / (r - d * a)

@@ -63,13 +63,13 @@ class LegendreSeries:
         with reals:
             half, one = count // 2 + count % 2, reals.number(1)
             columns = [legendre_polynomials(one, node, count) for node in self.nodes[:half]]
-            # P_k at the lower half of the nodes
+            # ``_rows[k]`` has the values of P_k at the lower half of the nodes
             self._rows = list(zip(*columns, strict=True))
 
     def coefficients(self, values: list[Real]) -> list[Real]:
         """The coefficients of the series that has these values at the nodes."""
         count, weighted = len(values), list(map(mul, self.weights, values))
-        # P_k(−x) = (−1)^k·P_k(x)
+        # the lower half suffices, since P_k(−x) = (−1)^k·P_k(x)
         low, high = weighted[: len(self._rows[0])], weighted[::-1][: count // 2]
         pairs = [[x + y for x, y in zip(low, high, strict=False)], [x - y for x, y in zip(low, high, strict=False)]]
         if count % 2:

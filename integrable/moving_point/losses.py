@@ -33,7 +33,7 @@ def lost_digits(setup: Setup, tau: Real) -> int:
             square *= x
         grown = K.sqrt(square) * tau
         near = min(others)
-        # a smaller gap is only rounding
+        # a smaller gap is a double root with rounding errors
         if gap > K.eps * 10**8 * near:
             grown = min(grown, K.context.log(1 + 16 * near / gap))
         # twice, as the translations grow too: an addition loses the digits of both

@@ -169,7 +169,7 @@ def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[
     rolling, double = d * h1, 2 * c
     rest = h2 - rolling
     whole = root(rest * rest + double * double * rolling)
-    # (whole + rest)(whole − rest) = 4c²dH1, likewise below: sums without cancellation
+    # by (whole + rest)(whole − rest) = 4c²dH1, and likewise below, only sums without cancellation are formed
     total = rest + whole if rest > 0 else double * double * rolling / (whole - rest)
     k = -(double / total)
     below = rest - double * c

@@ -51,23 +51,24 @@ from integrable.moving_point.short_steps import (
 
 # half the length of a panel, in basic half steps
 LENGTH = 5.0
-# on half a panel of several basic lengths the body turns by at most this, in radians
+# a panel is doubled only as far as the body turns by at most this on half of it, in radians
 TURN = 1.7
-# least number of doublings of a panel that is doubled at all. Doubled ones have wide nodes: floats lose digits on them
+# a panel is doubled at least this many times or not at all, since its nodes must be wide: floats lose digits on it
 WORTHWHILE = 3
-# upper bounds on a panel. TAIL: its last coefficients of γ, w and 1/g. STEP: the jump from the panel before, for nodes
-# in floats. WIDE_STEP: the same for nodes in wide numbers, where those of the panel before may be in floats
+# upper bounds on a panel: TAIL of its last coefficients of γ, w and 1/g, STEP of the jump from the panel before.
+# WIDE_STEP replaces STEP for nodes in wide numbers, since those of the panel before may be in floats
 TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
 # cost of a panel with nodes in wide numbers, in units of one with nodes in floats
 CAREFUL = 10
-# relative tolerances: of the integrals of returned states, and of H2 at centres. The second is needed as double-doubles
-# lose most digits near a cluster of branch points, and panels that share a centre show no jump
+# INTEGRALS is the relative tolerance of the integrals of returned states, CENTRE that of H2 at centres. Near a cluster
+# of branch points double-doubles lose most digits, and panels that share a centre show no jump
 INTEGRALS, CENTRE = 1e-9, 1e-19
-# short runs leave two kinds of motion to the torus: moments that differ by less than 1/CLOSEST of I + d, and errors of
-# the upright motion that grow by more than STEEPEST in γ or M
+# short runs leave a motion to the torus if its moments differ by less than 1/CLOSEST of I + d, or if errors of the
+# upright motion grow by a factor of more than 4·STEEPEST in γ or M
 CLOSEST, STEEPEST = 4e4, 25.0
-# largest allowed distance of the shadow from the motion; initially it is at least 2^7 roundings
+# the shadow is the same motion from a slightly different start (OFF_BY); its distance, at most this, shows how errors
+# have grown
 APART = 2.0**-45
 # after PACED panels the time per panel is known up to a factor of UNSTEADY; a run that cannot reach its end at that
 # pace is abandoned
@@ -164,7 +165,7 @@ def one_way(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bo
         gone = room.sums[0] if request.physical else 2 * h * n
         if n == PACED and UNSTEADY * gone * most < n * farthest:
             return FAR
-    # allow for the constant relative error of the rate in floats
+    # ``pace`` allows for the constant relative error of the rate in floats
     allowed = (request.drift + request.pace * abs(room.sums[0])) * abs(room.point[RATE])
     return 0 if abs(room.sums[2]) <= allowed else ROUNDING
 
@@ -240,7 +241,7 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
         return UNRESOLVED
     if stepless(room, rule) <= WIDE_STEP:
         return 0
-    # the jump is either due to a series whose coefficients still fall, or was left by the panel before
+    # the jump is due to a series whose coefficients still decrease, which halving mends, or to the panel before
     return UNRESOLVED if tail < before / 4 and level < LEVELS else ROUNDING
 
 
@@ -251,7 +252,7 @@ def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):
         last, earlier = two_ends(rule, room.values, e * count)
-        # written so that a NaN fails the comparison
+        # a comparison with NaN is false, so that a NaN is kept
         tail = last if not last <= tail else tail
         before = max(before, earlier)
     if request.physical or request.clock:

@@ -68,7 +68,7 @@ def gone_by(room: ShortRoom, request: Request, left: float, half: float, at: int
 def antiderivative(room: ShortRoom, rule: Rule, half: float) -> tuple[float, float]:
     """Writes the coefficients of 1/g and of its integral from −1. Returns the integral over the panel in two floats."""
     count, series, integral = len(rule.nodes), room.slowness, room.elapsed
-    # expand the difference of 1/g from one of its values: for 1/g itself, rounding errors of the matrix would cause the
+    # 1/g is expanded after one of its values is subtracted: otherwise rounding errors of the matrix would cause the
     # same relative error in every panel
     base = room.rates[0]
     for k in range(count):
@@ -78,7 +78,7 @@ def antiderivative(room: ShortRoom, rule: Rule, half: float) -> tuple[float, flo
         value = room.rates[j] - base
         for k in range(count):
             series[k] += rule.coefficients[j * count + k] * value
-    # the rest of the integral over the panel is small; the part from ``base`` is added last
+    # ``base`` is added last, since the rest of the integral is small
     part = series[0]
     series[0] += base
     integral[count], integral[count - 1] = series[count - 1] / (2 * count), series[count - 2] / (2 * (count - 1))
@@ -93,7 +93,7 @@ def antiderivative(room: ShortRoom, rule: Rule, half: float) -> tuple[float, flo
             odd += integral[k]
     odd += part - series[2] / 2
     integral[0] = odd + base - even
-    # wide numbers give 1/g at the centre; the difference measures the clock's error
+    # the difference from 1/g at the centre in wide numbers measures the clock's error
     for k in range(2, count, 2):
         middle += -series[k] if k % 4 == 2 else series[k]
     room.sums[2] += (room.point[RATE] - middle) * 2 * half
@@ -105,7 +105,7 @@ def place_of(room: ShortRoom, target: float, full: float) -> float:
     """The x at which the integral of 1/g from −1 equals ``target``, by Newton's method confined to [−1, 1]."""
     low, high, step = -1.0, 1.0, 2.0
     x = min(1.0, max(-1.0, -1 + 2 * target / full))
-    # eight times eight steps: only SIMD lanes that have not converged go on; once all have, few further tests are made
+    # lanes that have converged skip their steps; once all have, the nested loops make only few further tests
     for _ in range(8):
         if abs(step) >= LAST:
             for _ in range(8):

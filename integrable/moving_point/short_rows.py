@@ -9,7 +9,7 @@ from integrable.moving_point.problem import ROW
 from integrable.moving_point.translations import Expansion, expansion_of
 from integrable.phase.body import Vector
 
-# number of values in the moments, d, γ and M
+# the number of given values: the moments, d, γ and M
 GIVEN = 10
 NODES = 28
 # a panel is halved at most LEVELS times; nodes need translations by half a panel over 2^l for l up to FINEST
@@ -23,8 +23,8 @@ TIME_UNIT = ROW
 WIDE = TIME_UNIT + 1
 # positions in ``point`` after the ten numbers of a moving point: 1/g there; γ and w of the start; the deviation of H2
 RATE, BEGIN, OFF = 10, 11, 17
-# positions in ``seen``, the same for precomputed centres: the distance of the shadow, and the relative correction after
-# the addition
+# positions in the rows of ``seen``, which describe precomputed centres: the distance of the shadow, and the relative
+# correction after the addition
 SHADOW, MOVED = 11, 12
 POINT = OFF + 1
 # rows of wide points: a centre, and one for each level of halving

@@ -44,11 +44,11 @@ from jacobian.element import Real
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
-# initial relative distance of the shadow from the motion: more than the error of several additions in double-doubles
+# the initial relative distance of the shadow from the motion, above the error of several additions in double-doubles
 OFF_BY = 2.0**-99
 # relative size of a squared slope at which the damped turn of ν is half as long as required
 LEAST_SLOPE = 2.0**-20
-# sums of quantities divided by Π(α_i − α_j) have too few digits where its size is below this
+# sums of quantities divided by Π(α_i − α_j) have too few digits if this product is smaller
 LEAST_KAPPA = 2.0**-33
 
 
@@ -337,7 +337,7 @@ def looked_at(wide: Row, points: Row, target: int, point: Row, place: int) -> No
     square = x * x + y * y + z * z
     lean = (x * n0 + y * n1 + z * n2) / square
     x, y, z = n0 - lean * x, n1 - lean * y, n2 - lean * z
-    # |w| = 1
+    # the deviation from |w| = 1
     point[place + OFF] = abs(float(x * x + y * y + z * z - 1))
 
 

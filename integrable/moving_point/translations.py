@@ -24,8 +24,8 @@ REACH = 0.3
 # halving of eps gains another bit
 TERM_BITS = -log2(1.4 * REACH)
 FLOAT_BITS = 44
-# SCOUT: number of terms from which the radius of an expansion is estimated. HALVED_FROM: for many translations half a
-# step is halved once per so many bits. FEW: up to this number of translations a long series does not pay
+# the radius of an expansion is estimated from SCOUT terms. For more than FEW translations a longer series is computed,
+# for which half a step is halved only once per HALVED_FROM bits
 SCOUT = 24
 HALVED_FROM = 2500
 FEW = 6
@@ -94,7 +94,7 @@ class Translations:
         """T(eps) as a moving point with κ = 1, for eps ≠ 0 of any size."""
         reals = self.reals
         self._asked += 1
-        # computing a long series pays for many translations
+        # a longer series with fewer halvings costs less for many translations
         rest = reals.bits // HALVED_FROM if self._asked > FEW else self._halvings
         with reals:
             eps = reals.number(eps)

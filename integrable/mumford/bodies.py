@@ -38,7 +38,7 @@ from jacobian.relatives.extended import Extended, Lift
 if TYPE_CHECKING:
     from integrable.phase.enclosure import EnclosedPath
 
-# guard digits of τ; digits are raised for far times in steps of DIGITS_APART, so that few series are computed
+# guard digits of τ; far times get more, in steps of DIGITS_APART, so that few series are computed
 GUARD, DIGITS_APART = 6, 4
 # largest rotation, in radians, for which a clock is set up
 FARTHEST = 1e100
@@ -73,7 +73,7 @@ class BodyFlow(MumfordFlow):
             )
         digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
         clock = self._clocks.get(digits) or self._made(digits)
-        # cache the last clock only; another thread may replace it
+        # only the last clock is cached, and another thread may replace it
         self._clocks = {digits: clock}
         return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
 
@@ -161,7 +161,7 @@ class BodySystem(SurfaceSystem):
         f: poly.Poly = (-4 * h1, 4 * h2)
         for e in self._constants_in(N):
             f = poly.mul(N, f, (e, -N.one))
-        # without the factor l if q = 0: f then has degree 4
+        # if q = 0, l is constant, and f has degree 4
         light = self._light(N)
         f = poly.mul(N, f, light if light[1] != N.zero else light[:1])
         return all_of(N, (f, (*u[:2], N.one), v[:2]), 2)

@@ -138,9 +138,9 @@ def with_root(
     """The pairs in x = E − 1/X, from pairs in X; E is ``pole``."""
     (p, s), (y, slope) = u, v
     for _ in range(3):
-        # divide V by X: 1/X = −(X + s)/p on the pair
+        # V is divided by X: on the pair, 1/X = −(X + s)/p
         y, slope = slope - s * y / p, -y / p
     a, b = -s / p, 1 / p
-    # X = p(x − E) − s there
+    # on the pair, X = p(x − E) − s
     slope, y = slope * p, y - slope * s
     return (pole * pole - a * pole + b, a - 2 * pole), (y - slope * pole, slope)

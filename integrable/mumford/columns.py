@@ -67,7 +67,7 @@ class Column:
         """The square root."""
         first = np.sqrt(self.hi)
         rest = self - Column(first) * Column(first)
-        # √0 is 0
+        # the divisor is 1 instead of 0 where the root is 0
         return _settled(first, rest.hi / (2 * first + (first == 0)))
 
 

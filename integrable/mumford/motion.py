@@ -63,7 +63,7 @@ class Placed:
         self.group = ExtendedGroup(field, start.f, start.kinds)
         self._directions = (start.direction, *start.further)
         self._translations: dict[int, GroupTranslations] = {}
-        # (times, pair) along the further directions as last requested: many τ often share them
+        # (times, pair) along the further directions as last requested, since many τ often share them
         self._carried: tuple[tuple[Real, ...], Extended] = ((), self.start)
 
     @property
@@ -241,7 +241,7 @@ def _agree(rough: Vectors, fine: Vectors, wanted: int) -> bool:
     """Whether each vector of ``rough`` agrees with that of ``fine`` in its first ``wanted`` bits."""
     for a, b in zip(rough, fine, strict=True):
         scale = max([abs(x) for x in b], default=0)
-        # reject infinities, which would agree with anything
+        # infinities are rejected: they would agree with anything
         if not scale < math.inf or not all(abs(x - y) * 2**wanted <= scale for x, y in zip(a, b, strict=True)):
             return False
     return True
@@ -256,7 +256,7 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
     K, unit, D = placed.field, placed.translations().unit, placed.start
     start, rate = clock(K, D)
     tau, now, low, high, flat = K.zero, start, None, None, K.one / 4
-    # the distances |target − t| of earlier points
+    # the distances |target − t| of earlier points, which show whether convergence is slow
     rests = [math.inf, math.inf]
     for n in range(MOST_STEPS):
         rest = target - now

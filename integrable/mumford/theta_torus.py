@@ -141,7 +141,7 @@ class ThetaTorus:
             (kappa, size * Column(*out[2 * k + 1]), size * Column(*out[2 * k + 2]))
             for k, (kappa, size) in enumerate(self._sizes)
         ]
-        # interpolate U and V from their values at two branch points
+        # U and V are interpolated between their values at two branch points
         (e, first), (other, second) = list(zip(self._ends, data, strict=True))[:2]
         u_ends, v_ends = (
             [kappa * sigma * x[n] for kappa, sigma, x in ((d[0], d[1], d) for d in (first, second))] for n in (1, 2)

@@ -37,16 +37,17 @@ if TYPE_CHECKING:
 MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this fraction of its mean are omitted from the series that starts Newton's method
 ROUGH = 1e-4
-# modes with at least this amplitude of τ, in units in which the body turns by about a radian, are summed in
-# double-doubles
+# modes by which τ oscillates by at least this part of the time in which the body turns by about a radian are summed in
+# double-doubles: floats would lose the digits of τ
 LOUD = 0.05
-# a spectrum is resolved to this times the frequency of a direction, but at most to EXTENDED, for long doubles
+# a spectrum is resolved to SLOW times the frequency of either phase, by which slow modes are divided, but at most to
+# EXTENDED, since its samples are long doubles
 SLOW = 1e-13
 EXTENDED = 32 * float(np.finfo(np.longdouble).eps)
 ROUNDING = EXTENDED / 4
-# slow modes are dropped only if their amplitude of τ is below this, in the same units, however small they are in 1/g
+# a slow mode may be small in 1/g and large in τ: it is dropped if τ oscillates by less than this in LOUD's unit
 LEAST_SWING = 1e-17
-# at least this many ascending times, and this many per node, are evaluated by interpolation on panels
+# interpolation on panels is faster from this number of ascending times on, if there are also this many per node
 DENSE_FROM = 5000
 DENSE = 3
 
@@ -73,7 +74,7 @@ class TorusFlow(Corners):
     def _check_walk(self) -> None:
         if not all(map(isfinite, self._of_rates(4 if self._rolls else 6, 8))):
             raise NotClosed(BEYOND)
-        # this check precedes that of the cells' borders, which would report a wrong sign as lost digits
+        # checked before the cells' borders, where a wrong sign would be reported as lost digits
         tau = witnesses(self._turns)
         out = np.empty(12 * len(tau))
         near = self.loops.departure(self.torus, *self._line(tau), out) <= ALIKE
@@ -130,14 +131,14 @@ class TorusFlow(Corners):
         if not start < end:
             return None
         length = self._panel_length(states, start, end)
-        # close enough that a first-order correction accounts for the rounding of a time
+        # panels account for the rounding of a time to first order only, which is enough if it is this small
         near = np.spacing(max(abs(start), abs(end))) < 1e-9 * length
         if not near or len(times) < DENSE * NODES * (end - start) / length:
             return None
         try:
             return Panels(states, start, end, length)
         except PrecisionLoss:
-            # passages are too fast for panels; evaluation time by time does not lose accuracy
+            # motions with fast passages need too many panels; evaluation time by time is as accurate
             return None
 
     def _panel_length(self, states: States, start: float, end: float) -> float:
@@ -287,7 +288,7 @@ def series_between(
     first, second = loops.floats(rates[:2]).tolist()
 
     def packed(sizes: list[int], own: np.ndarray, parts: np.ndarray, origin: float) -> ClockSeries:
-        # copy only the used part of the memory
+        # copies, so that the rest of the working memory is freed
         least, width, used, total = sizes
         kept = own[: 3 * used].copy(), parts[: 4 * total].copy()
         return ClockSeries(*kept, least, width, (first, second), bound, origin, mean)

@@ -12,7 +12,7 @@ from integrable.torus.states import Torus, state_at, torus_in_tuples, whole_turn
 from integrable.torus.tables import six
 from jacobian.numbers.abreast import abreast
 
-# after a Newton step of at most this fraction of a turn the error is below 1e-17 of a turn
+# by quadratic convergence the error is below 1e-17 turns after a Newton step of at most this fraction of a turn
 LAST_STEP = 1e-9
 
 
@@ -100,7 +100,7 @@ def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, int
     start, rate = delay(clock.rough, clock.series, a, b, room)
     x = 0 * nu1 + start
     if len(modes) > 0:
-        # next to a resonance the rounding of the largest modes in floats makes x wrong by a large part of a turn
+        # near a resonance a few modes are so large that their rounding in floats changes x by a large part of a turn
         for _ in range(3):
             p, q = (first + turn1 % double1 + nu1 * x) / double1, (second + turn2 % double2 + nu2 * x) / double2
             rest, _ = swing_and_rate(clock.quiet, float(p), float(q), room)
@@ -165,7 +165,7 @@ def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room:
     halved.
     """
     (nu1, nu2), bound = series.frequencies, series.bound
-    # near a resonance S may be as large as many turns, but x + S varies on the scale of one turn
+    # near a resonance |S| may be many turns, but x + S varies on the scale of one turn
     turn = 1 / (abs(nu1) + abs(nu2))
     low, high, rate = -bound, bound, 1.0
     for _ in range(100):

@@ -13,11 +13,11 @@ from typing import NamedTuple
 from integrable.moving_point.addition import Real, Row
 from jacobian.numbers.fourier import half_spectrum
 
-# modes below this fraction of the largest count as rounding errors where they no longer decrease
+# modes that no longer decrease, and are below this fraction of the largest, are taken as rounding errors
 LEVEL = 1e-8
 # the largest number of modes that are summed in numbers longer than floats
 MOST_LOUD = 8
-# modes that move τ by more turns than this are in resonance: floats would invert the clock only to 1e-4 of a turn
+# a mode that moves τ by more turns than this is in resonance: floats would invert the clock only to 1e-4 of a turn
 MOST_SWING = 1e12
 
 
@@ -76,7 +76,7 @@ def sizes_needed(values: Row, grid: tuple[int, int], noise: tuple[float, float],
         for j in range(columns):
             x, y = float(values[2 * (k * columns + j)]), float(values[2 * (k * columns + j) + 1])
             m = height + min(j, columns - j)
-            # most modes are below both maxima; this test avoids their square roots
+            # most modes are below both maxima; this bound avoids their square roots
             if abs(x) + abs(y) > min(room[k], room[m]):
                 size = size_of(x, y)
                 room[k], room[m] = max(room[k], size), max(room[m], size)
@@ -104,7 +104,7 @@ def size_wanted(modes: Row, size: int, noise: float) -> int:
     if last < noise:
         return size
     if modes[half // 2] < min(LEVEL, 8 * last):
-        # the samples' own rounding decreases with the square root of their number, and is random (hence a quarter)
+        # a mode's rounding errors decrease with the square root of the number of samples; 1/4 allows for their scatter
         ratio = last / noise
         return int(max(2.0 * size, 2.0 ** ceil(log2(size * ratio * ratio / 4))))
     known = 0
@@ -181,12 +181,12 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tabl
     most = abs(float(rates[0])) + abs(float(rates[1]))
     for k in range(rows // 2):
         begin, end = columns, 0
-        # those outside k = 0 count with their conjugates, as does the other half of that row
+        # a mode stands for its conjugate too: hence the factor 2, and only m > 0 in the row k = 0
         for i in range(half + 1 if k == 0 else 0, columns):
             m = i - half
             n = 2 * (k * columns + (m if m >= 0 else m + columns))
             x, y = 2 * float(values[n]), 2 * float(values[n + 1])
-            # most modes are far below; this test avoids their square roots
+            # most modes are far below the threshold; this bound avoids their square roots
             if abs(x) + abs(y) <= small or size_of(x, y) <= small:
                 continue
             turns, size = k * rates[0] + m * rates[1], size_of(x, y)

@@ -27,20 +27,21 @@ if TYPE_CHECKING:
     from integrable.moving_point.addition import Row
 from integrable.torus.lattice import Source
 
-# a walk over the corners is accepted if its periods close to within ROUND, a two-sided walk if to within CLOSED
+# a walk over the corners is accepted if its periods close to within ROUND; two walks that meet, if to within CLOSED
 ROUND = 1e-17
 CLOSED = 1e-13
-# a step of a walk over the corners spans at most this number of cells
+# the largest number of cells that one step of a walk over the corners spans
 MOST_AT_ONCE = 7
-# if the relative gap of the ovals is below this, the corners are walked over from both sides
+# below this relative gap of the ovals two walks over the corners meet, because errors grow behind the unstable rotation
 NEAR = 2.0**-23
-# number of quadrature nodes on the path from the start to the walk's turning column
+# number of quadrature nodes on the path from the start to the column at which the two walks meet
 QUADRATURE = 32
-# 1/g is computed from the factor r − dx of f if it is at least this at every axis, relative to its terms: U at its root
-# loses twice as many digits as the factor, and the sum for 1/g three times as many
+# 1/g is computed from the factor r − dx of f if at every axis this factor is at least this part of the sum of its
+# terms. A smaller factor has lost digits; otherwise it is better, since U loses twice as many digits near its root, and
+# the sum for 1/g three times as many
 LEAST_REST = 2.0**-14
-# the first grid of 1/g has at least FIRST_SIZE points in each direction. For ovals with a relative gap below PASSING
-# its columns are PASSAGES times the s₁ + s₂ of their period, with the next branch point at s = 1
+# the first grid of 1/g has at least FIRST_SIZE points in each direction. For ovals with a relative gap below PASSING it
+# has PASSAGES·(s₁ + s₂) columns, with (s₁, s₂) of their period in units of the distance to the next branch point
 FIRST_SIZE = 16
 PASSING = 2.0**-7
 PASSAGES = 3.1
@@ -69,7 +70,6 @@ class Corners:
 
     def __init__(self, setup: Source, loops: Loops, most: int) -> None:
         self.setup, self.loops, self._most = setup, loops, most
-        # numbers of the motion, in units of length and time of its own
         self.units, motion, self.curve, self._start, self._problem = beginning(setup, loops)
         self._motion = motion
         self.lattice = lattice = TorusLattice(loops, motion)
@@ -138,7 +138,7 @@ class Corners:
     def _line(self, tau: np.ndarray) -> tuple[Line, np.ndarray, TableRoom, Row]:
         """The arguments, with working memory, for the loops that reach these times by additions to the start."""
         room = self.loops.room
-        # if the branch points cluster, the flow's centre is far from all of them
+        # branch points in a cluster are all far from the flow's centre, where translations then lose digits
         far = self.units.length < 1
         line = Line(self._packed_curve, self._start, self._motion, self.rates, self.lattice.chart.centres, far)
         return line, tau, TableRoom(room(TERMS), room(TERMS), room(9), room(0)), room(10 * len(tau))
@@ -199,7 +199,7 @@ class Corners:
             coarser = sizes[0] * self.doubled[0] // known.shape[0], sizes[1] * self.doubled[1] // known.shape[1]
         return Fine(cells, finer, self.odd, steps, counts, coarser, self._rest)
 
-    # --- set-up
+    # --- what a motion needs once
 
     @cached_property
     def _packed_curve(self) -> Any:
@@ -218,8 +218,8 @@ class Corners:
 
     def _walk_over(self, motion: Row) -> None:
         """Walk over the corners of the cells; NotClosed where the walks do not lead back."""
-        # near the separatrix errors decrease in a walk towards the unstable rotation and grow in one away from it: so
-        # two walks go towards it and meet where the motion is nearest to it
+        # near the separatrix errors decrease towards the unstable rotation and grow away from it. So two walks go
+        # towards it, and meet in the column nearest to it
         motion, start, periods = map(self.loops.floats, (motion, self._start, self.lattice.found[:4]))
         first, low, high, last = motion[:4].tolist()
         self._near = bool(high - low < NEAR * (last - first))
@@ -271,7 +271,7 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
     the columns from where both are at the near ends. With x = end ± gap·sinh²(t) on the path, dx/y is smooth.
     """
     first, low, high, last = motion[:4].tolist()
-    # ends that floats cannot separate are taken to be this close, so that rounding passes no end
+    # the gap is a divisor, and floats may make it 0
     gap, d, r = max(high - low, EPS * (last - first)), motion[8], motion[10]
     u0, u1, v0, v1 = start[:4].tolist()
     half, passed = sqrt(max(0.25 * u1 * u1 - u0, 0.0)), np.zeros(2)
@@ -279,7 +279,7 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
     for sign, end in ((-1, low), (1, high)):
         x = sign * half - 0.5 * u1
         t = asinh(sqrt(abs(x - end) / gap))
-        # nodes become sparse towards the far end of the path, which may be a branch point: the far end of the oval
+        # the nodes are sparse at the far end of the path, since that end of the oval may be a branch point
         xs = end + sign * gap * np.sinh(t * z * (2 - z)) ** 2
         others = np.maximum(xs - first, gap) * np.maximum(last - xs, gap) * np.maximum(r - d * xs, d * gap)
         rates = weights * (1 - z) / np.sqrt(others)
@@ -289,7 +289,7 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
     if not 0 < abs(area) < inf:
         return columns // 2
     turns = 0.5 + float(a1 * passed[1] - b1 * passed[0]) / area
-    # if the start is near that column, the walk back would end where errors are largest
+    # if the start is near that column, one of the walks would end where errors are largest
     least = columns // 8
     return max(1, least, min(round(columns * turns) % columns, columns - least))
 

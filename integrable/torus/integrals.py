@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from integrable.torus.access import TorusFlow
 
 FIRST_SIZE = 32
-# largest number of samples in floats, with compiled and with interpreted states; number of states computed together
+# the largest number of samples in floats, for compiled and interpreted states; the number of states computed at once
 MOST_COMPILED, MOST_INTERPRETED, CHUNK = 1 << 18, 1 << 12, 1 << 13
-# modes in floats below this fraction of the largest are rounding
+# a mode in floats below this fraction of the largest is a rounding error
 NOISE = 1e-15
 TINY = 1e-300
-# the largest number of samples in multiprecision, some seconds; or this number per squared digit if that is more
+# the largest number of samples in multiprecision, which take some seconds, or SAMPLES_A_DIGIT·digits² if that is more
 MOST_SAMPLES, SAMPLES_A_DIGIT = 1 << 15, 32
 
 Function = Callable[[np.ndarray], np.ndarray]
@@ -184,7 +184,7 @@ class LongStates(Corners):
 
     def __init__(self, setup: Setup, loops: ReadableLoops, most: int) -> None:
         super().__init__(setup, loops, most)
-        # moving points by their phases; after whole turns only signs differ
+        # a moving point by its phases: whole turns change only its signs
         self._points = dict[tuple[Real, Real], Row]()
 
     def at_phases(self, phases: np.ndarray) -> np.ndarray:

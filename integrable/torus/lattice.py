@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from jacobian.numbers.long_reals import BareReals
 
 
-# branch points closer than this, relative to the largest, get their own origin and unit
+# if α1, α2 and α3 differ by at most this, the abscissa has an origin and a unit of its own
 CLOSE = 2.0**-6
-# branch points farther apart than this, in either unit, need no change of origin: M and γ lose almost no digits
+# if branch points are farther apart than this in either unit, a change of origin saves almost no digits of M and γ
 APART = 2.0**-6
-# sizes whose powers stay within the range of floats
+# sizes up to this, and their reciprocals, have powers within the range of floats
 FAR = 1e30
 
 
@@ -112,7 +112,7 @@ def signs_of_periods(points: Row, basis: tuple[tuple[int, int], tuple[int, int]]
     α_min changes sign on the first oval, that of α_max on the second, and that of α_mid on the oval that does not end
     at ζ.
     """
-    # axes that are equal in floats are distinguished by their index
+    # the sort is stable, so that axes that are equal in floats are ordered by their index
     *axes, zeta = points.tolist() if isinstance(points, np.ndarray) else points
     low, middle, high = sorted(range(3), key=lambda i: axes[i])
     rounds = {low: 0, middle: 1 if zeta < axes[middle] else 0, high: 1}

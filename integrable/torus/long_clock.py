@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 
     from integrable.torus.oval_modes import Modes, ModesSource
 
-# a Newton step with a slope in floats reduces the error to the fraction GAIN; after the first step, in floats, sums are
+# a Newton step whose slope is a float multiplies the error by about GAIN; after the first step, in floats, sums are
 # evaluated to FIRST_GOAL digits
 GAIN, FIRST_GOAL = 1e-13, 28
-# a mode is slow if k·ν₁ + m·ν₂ is below this fraction of its terms; a slope for which slow modes count as constant over
-# some periods has the relative error SLOW_GAIN
+# a mode is slow if k·ν₁ + m·ν₂ is below RESONANT times the sum of its terms; a slope that takes slow modes as constant
+# over some periods has the relative error SLOW_GAIN
 RESONANT, SLOW_GAIN = 2.0**-20, 2.0**-16
-# if steps in floats no longer shrink and are below this part of the oscillation of τ, they are rounding
+# steps in floats that no longer shrink, and are below this part of the oscillation of τ, are due to rounding
 SETTLED = 1e-9
 
 
@@ -174,7 +174,7 @@ def without_slow(
     slow, least = [], wide.coerce(10) ** -digits * abs(modes.mean)
     for k, m in np.argwhere(close).tolist():
         c = modes.rows[k][m]
-        # the factor 2: each mode counts with its conjugate
+        # each mode counts with its conjugate
         real, imaginary = (2 * x for x in BallReals(wide.context.prec).elements(wide, (c.real, c.imag)))
         if abs(real) + abs(imaginary) > least:
             slow.append((real, imaginary, k * modes.frequencies[0] + (m - most) * modes.frequencies[1]))

@@ -30,23 +30,23 @@ if TYPE_CHECKING:
     from integrable.torus.lattice import Chart, Source
 
 
-# Newton steps from a float to a double-double number
+# one Newton step takes a root from a float to double-double precision
 NEWTON_PASSES = 1
-# number of terms of a power series for 32 digits
+# the number of terms of a power series for 32 digits
 SERIES = 95
-# the polynomials of a direction take TERMS terms for 25 digits, and more for each further digit; where values become
-# coefficients, bits are lost in each further term
+# the polynomials of a direction have TERMS terms for 25 digits and TERMS_A_DIGIT more for each further digit; each
+# further term costs BITS_A_TERM bits when values at nodes are turned into coefficients
 TERMS = 19
 TERMS_A_DIGIT = 1.6
 BITS_A_TERM = 1.3
 
 
 BEYOND = "periods beyond the range of floats; use more digits"
-# π, then for a translation the three κ, all 1, and the rate (1, 0)
+# for translations: π, three κ, all 1, and the direction (1, 0)
 _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0), (1, 0), (1, 0), (1, 0), (0, 0)])
 
 
-# interpreted loops, and which of their arguments are arrays of floats that they read
+# the interpreted loops, with the indices of their arguments that are arrays of floats, which they take as lists
 PLAIN: dict[str, tuple[Callable[..., object], tuple[int, ...]]] = {
     "about_centre": (torus_survey.about_centre, ()),
     "clock_series": (clock_modes.clock_series, ()),
@@ -79,11 +79,11 @@ class ReadableLoops:
         more = max(0, int(TERMS_A_DIGIT * (digits - 25)) + 1)
         self.terms, bits = TERMS + more, setup.reals.bits + int(BITS_A_TERM * more)
         self.reals = type(setup.reals)(bits)
-        # each Newton pass doubles the correct bits, of which a float gives at least 46
+        # a pass of Newton's method doubles the correct bits, of which a float gives at least 46
         self._passes, self._series = max(1, ceil(log2(bits / 46))), setup.terms
-        # the arithmetic-geometric mean stops at ovals of this length
+        # the arithmetic-geometric mean converges quadratically: ovals of this length need no further step
         self.short = float(setup.wide.eps) ** 0.5 / 16
-        # size of rounding errors in 1/g, where its Fourier series ends
+        # the size of rounding errors in 1/g, at which its Fourier series ends
         self.noise = 10.0**-digits
 
     def packed(self, value: Any) -> Any:

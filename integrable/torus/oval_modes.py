@@ -33,12 +33,13 @@ if TYPE_CHECKING:
 
     from integrable.moving_point.problem import Problem
 
-# largest number of multiplications of the tables: half a minute at 50 digits
+# the largest number of multiplications for the tables, which take half a minute at 50 digits
 MOST_WORK = 1 << 26
-# the first tables have SCOUT_DIGITS digits, and MODES_A_DIGIT modes per digit in either direction; the next have BEYOND
-# times the number that their decay suggests. Nodes give HELD more digits, or aliasing would be mistaken for decay
+# the first tables have SCOUT_DIGITS digits and MODES_A_DIGIT modes per digit in either direction; the next have BEYOND
+# times the number that the decay of the first suggests. The first nodes give HELD more digits, or aliasing would be
+# mistaken for decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# number of points from the start on, a step apart, at least one of which has no small σ
+# a σ may be small at one point, but not at all of this number of points from the start on, a step apart
 STEPS = 4
 
 
@@ -82,14 +83,13 @@ def modes_of_rate(
     with balls:
         # computed first, because it raises if digits are lost
         whole = OvalTorus(setup, balls, max(digits, mean_digits), direction)
-        # far from 0, t is nearly its mean rate times τ: this rate needs ``mean_digits``. Phases need ``digits`` only,
-        # as the modes do
+        # far from 0, t is nearly τ times its mean rate, which needs ``mean_digits``; phases need only ``digits``
         torus = whole if mean_digits <= digits else OvalTorus(setup, balls, digits, direction)
         few = min(SCOUT_DIGITS, digits)
         scout = OvalTorus(setup, balls, min(few + HELD, digits), direction)
         begin = ceil(MODES_A_DIGIT * few)
         size = _resolved(scout, (begin, begin), few, most_work).wanted(digits, few)
-        # outside of ``try``: TooManyModes here means that there are too many, but below that digits are lost
+        # outside of ``try``, since here TooManyModes means what it says; below it means that digits are lost
         torus.use(size, most_work)
         try:
             found = _resolved(torus, size, digits, most_work)
@@ -128,7 +128,7 @@ class FoundModes(NamedTuple):
             last, before = (exponent(c) - lead for c in (end, largest(middle)))
             if last >= -digits and end.contains(0):
                 raise PrecisionLoss("the modes of 1/g end in lost digits: use more digits")
-            # all modes of a light ball's 1/g except one are as small as d
+            # the decay shows only in modes above 10^(−held); a light ball's modes, except the mean, are as small as d
             while before < -held:
                 middle -= 1
                 before = exponent(largest(middle)) - lead
@@ -212,7 +212,7 @@ class OvalTorus:
         n = max(range(count), key=lambda n: abs(float(points[n][4] * points[n][5] * points[n][6])))
         point = points[n]
         middle, square = -point[1] / 2, point[1] * point[1] / 4 - point[0]
-        # a double root that is negative by rounding counts as zero
+        # a double root may be negative by rounding
         spread = self.flint.arb(max(square.mid(), 0)).sqrt()
         angles, blurs = zip(
             *(
@@ -221,7 +221,8 @@ class OvalTorus:
             ),
             strict=True,
         )
-        # an angle lost on a tiny oval hardly changes the integrals, except the tilt term of an oval between two axes
+        # an angle is lost on a tiny oval. The integrals then hardly depend on it, except in the tilt term of an oval
+        # between two axes
         if count > 1 and not blurs[self.low] < 10.0**-self.digits:
             raise PrecisionLoss("two moments of this body are equal, or all but equal, to these digits; use more")
         sums = [oval.node(angle).sums for oval, angle in zip(self.ovals, angles, strict=True)]
@@ -234,7 +235,6 @@ class OvalTorus:
         signs = [oval.sign(angle) for oval, angle in zip(self.ovals, angles, strict=True)]
         self._sign = signs[0] * signs[1] * (-1 if sigma[0] * sigma[1] * sigma[2] < 0 else 1)
 
-    # --- tables
 
     def use(self, size: tuple[int, int], most_work: float) -> None:
         """Make tables for this many modes, with enough nodes for the highest of them."""

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 # the decimal exponent of 0
 NOTHING = 1e9
-# decay beyond which integrands need few nodes
+# the decay is at most this, since integrands that decay faster need few nodes anyway
 LARGEST_DECAY = 40.0
 
 IntegralTable: TypeAlias = "tuple[list[list[arb]], bool]"
@@ -77,7 +77,7 @@ class Oval:
             self._part, rest = (1 - d * others[1]) * (b - a) / near, (1 - d * b) * (a - others[1]) / near
         self._quarter = self.pi / (2 * arb.agm(arb(1), rest.sqrt()))
         self._scale = 2 * self._quarter / (self.pi * near.sqrt())
-        # an oval that has shrunk to a point: sn is the sine
+        # where the oval is a point, sn is the sine
         self._nome, self.decay = None, LARGEST_DECAY
         if float(self._part.mid()) > 1e-300:
             other = self.pi / (2 * arb.agm(arb(1), self._part.sqrt()))
@@ -157,7 +157,7 @@ class Oval:
         if self._nome is None:
             return arb(0), 1.0
         light = (1 - self._d * u).sqrt()
-        # sin and cos of twice the amplitude; near the ends y has the digits that u lacks
+        # sin and cos of twice the amplitude: near the ends y has the digits that u lacks
         if self._first:
             sine = 2 * y / (light * ((others[0] - u) * (others[1] - u)).sqrt() * length)
             cosine = ((b - u) - (u - a)) / length
@@ -178,7 +178,7 @@ class Oval:
         one = acb(1)
         down, across = ([powers(one, z * z, n + 1) for z in row] for row, n in zip(self._halves, size, strict=True))
         self._down = list(zip(*down, strict=True))
-        # and e^(πi(2m + 1)θ₂)
+        # ``halved`` is e^(πi(2m + 1)θ₂)
         halved = [[z * h for z in row] for row, h in zip(across, self._halves[1], strict=True)]
         self._across = [
             (mat([[z.real for z in row] for row in table]), mat([[z.imag for z in row] for row in table]))
@@ -246,7 +246,7 @@ class Oval:
             real, imaginary = imaginary, real
         right, below = self._across[half_column]
         cosines, sines = real * right, imaginary * below
-        # cos(a + b) = cc − ss and sin(a + b) = sc + cs, at −m with the other sign
+        # the addition theorems of cos and sin; for −m their second term changes sign
         sign = -1 if part.even else 1
         plus, minus = (cosines + sign * sines).table(), (cosines - sign * sines).table()
         first = 0 if half_column else 1

@@ -19,13 +19,14 @@ from integrable.moving_point.translations import Translations
 from jacobian.element import Real
 from jacobian.numbers.long_reals import BareReals
 
-# values computed again with all digits: one in this many, and at least two
+# one value in this many is computed again with all digits, and at least two are
 ONE_IN = 25
-# numbers of nodes, for a cell and for a long panel, of the rule that shows how fast Legendre coefficients decrease; and
-# the least coefficient that counts for this
+# the numbers of nodes, for a cell and for a long panel, of the rule that shows how fast Legendre coefficients decrease;
+# coefficients below LEAST_SEEN are not used for this, since they may be rounding
 SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
 SCOUT_BITS = 240
-# a relative variation of 1/g below FLAT is measured in multiprecision, or in double-doubles down to FLATTEST
+# a relative variation of 1/g is measured with many digits if it is below FLAT in floats or below FLATTEST in
+# double-doubles, because rounding would hide it
 FLAT, FLATTEST = 1e-6, 1e-16
 SAMPLES = range(0, 512, 61)
 
@@ -59,7 +60,7 @@ class PanelRates:
         count = packed[1][1]
         rates, other = np.empty((count, 2)), np.empty((count, 2))
         self._sampled(self._curve, self._packed([point])[0], packed, rates, other)
-        # a grid around a corner begins at the corner itself
+        # the loop begins a grid at its middle, and continues cyclically
         return np.roll(rates, (count - 1) // 2, axis=0)
 
     def around(self, point: Row, steps: Sequence[Row], packed: PackedRates) -> np.ndarray | None:
@@ -112,7 +113,6 @@ class Scouts:
     def _fall(self, sign: int, length: int) -> float:
         sizes = self._sizes(sign, length, float)
         if max(sizes[1:]) < (FLATTEST if self._rates else FLAT):
-            # floats, or double-double numbers, cannot separate such variations from rounding
             sizes = self._sizes(sign, length, self._setup.reals.plain)
         most = max(sizes[1:])
         if 0 < most < FLAT:
@@ -155,7 +155,7 @@ class Scouts:
 
             def wide_sizes(point: Row) -> list[float]:
                 high, low = rates.values(point, packed).T
-                # the first value is subtracted so that coefficients of a nearly constant function keep their digits
+                # without its first value a nearly constant function has coefficients of all digits
                 series = transform @ (high - high[0] + (low - low[0]))
                 series[0] += high[0]
                 return [abs(c) for c in series.tolist()]

@@ -12,19 +12,19 @@ from numpy.polynomial import chebyshev
 
 from jacobian.errors import PrecisionLoss
 
-# number of nodes of a panel: with more nodes panels are longer and their evaluation slower
+# the number of nodes of a panel is a compromise: with more nodes panels are longer, and their evaluation slower
 NODES = 28
-# a panel of states from the torus has converged if its last coefficients, relative to their column, are at most this
+# a panel of states has converged if its last coefficients, relative to their column, are at most this
 TOLERANCE = 2e-15
-# bound of the rounding errors of the states themselves, on motions with fast passages
+# the rounding errors of the states themselves are at most this, relative to their column, on motions with fast passages
 NOISE = 1e-13
-# number of panels that are tried to find a length for the whole stretch, and the largest number of halvings
+# the number of panels on which a length is tried, and the largest number of halvings of a panel
 PROBES = 8
 MOST_HALVINGS = 12
-# last coefficients below this fraction of a column that do not decrease are rounding, which halving does not reduce;
-# number of halvings in a row without progress after which this is certain
+# last coefficients below ROUGH of their column that do not decrease are rounding errors, which halving does not reduce;
+# this is certain after MOST_IN_VAIN halvings without progress
 ROUGH, MOST_IN_VAIN = 1e-8, 4
-# coefficients of a panel below this part of its largest count as zero in the search for zeros
+# coefficients below this part of the largest count as zero in the search for zeros
 LEVEL = 1e-14
 
 States = Callable[[np.ndarray], np.ndarray]
@@ -103,7 +103,7 @@ def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.nd
     nodes, matrix, slopes = _rule()
     offsets = half[:, None] * nodes
     times = middle[:, None] + offsets
-    # the rounding of a time at its node (two-sum), for which the values are corrected to first order
+    # a time at a node is rounded; ``off`` is its error (two-sum), for which the values are corrected to first order
     back = times - middle[:, None]
     off = (offsets - back) + (middle[:, None] - (times - back))
     values = states(times.ravel()).reshape(len(middle), NODES, -1)
@@ -137,7 +137,7 @@ def _rounded(coefficients: np.ndarray) -> np.ndarray:
 @lru_cache(maxsize=1)
 def _rule() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Chebyshev nodes, and the matrices from values there to coefficients and to derivatives."""
-    # whole turns are removed while the angles are integers
+    # the angles are reduced to one turn as integers, hence exactly
     turns = np.outer(np.arange(NODES), 2 * np.arange(NODES) + 1) % (4 * NODES)
     cosines = np.cos(np.pi / (2 * NODES) * np.arange(4 * NODES))
     matrix = 2 / NODES * cosines[turns]
@@ -152,7 +152,7 @@ def _rule() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def panel_integrals(panels: Panels, times: np.ndarray) -> np.ndarray:
     """The integral of every column from the start of the panels to each of ``times``, shape (N, width)."""
     series = chebyshev.chebint(panels.coefficients, lbnd=-1, axis=1) * panels.halves[:, None, None]
-    # the value at the end of a panel is the sum of the coefficients
+    # T_n(1) = 1, so that the value at the end of a panel is the sum of the coefficients
     ends = np.cumsum(series.sum(axis=1), axis=0)
     before = np.concatenate([np.zeros_like(ends[:1]), ends])
     panel = np.clip(np.searchsorted(panels.middles - panels.halves, times, side="right") - 1, 0, len(series) - 1)
@@ -171,7 +171,7 @@ def zeros(panels: Panels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     times, slopes, halves = [np.empty(0)], [np.empty(0)], [np.empty(0)]
     series = panels.coefficients[:, :, 0]
     size = np.abs(series)
-    # a series whose constant term outweighs the rest has no zero
+    # a series has no zero if its constant term exceeds the sum of the sizes of the others
     for k in np.flatnonzero(size[:, 0] <= size[:, 1:].sum(axis=1) * (1 + 1e-12)):
         found = chebyshev.chebroots(chebyshev.chebtrim(series[k], LEVEL * size[k].max()))
         real = np.sort(found[np.abs(found.imag) < 1e-7].real)

@@ -20,16 +20,16 @@ from jacobian.numbers.long_reals import BallReals, BareReals
 if TYPE_CHECKING:
     from flint import acb, acb_mat
 
-# number of phases at which a long series is summed together
+# the number of phases at which a long series is summed at once
 TOGETHER = 256
-# number of multiplications up to which a product of matrices uses one thread: beyond it, threads wait in busy loops;
-# least number of phases at a time: below it, large tables are read too often
+# a product of up to ONE_THREAD multiplications uses one thread; the threads of larger ones wait in busy loops. With
+# fewer than FEWEST phases at a time, large tables are read too often
 ONE_THREAD, FEWEST = 1 << 15, 4
-# modes below this are outside the range of floats
+# floats do not hold smaller modes
 TINY = 1e-290
-# size up to which transforms of integers are direct sums
+# the size up to which transforms of integers are direct sums
 SHORT = 8
-# the error of a mode in floats, per turn, and the guard bits of sums of many digits
+# the error of a mode in floats, per turn of its phase, and the guard bits of sums of many digits
 ROUNDED, SPARE_BITS = 1e-15, 40
 
 
@@ -59,11 +59,11 @@ class TorusSeries:
         half = half_plane(grid)
         self._first = -(columns // 2)
         self._slope = half.astype(complex)
-        # those outside k = 0 count with their conjugates
+        # a mode outside k = 0 stands for its conjugate too
         sizes = np.abs(self._slope)
         largest = max(float(sizes[0, : 1 - self._first].max()), float(sizes[1:].max(initial=0)) / 2)
         kept = sizes > rounding * largest
-        # the conjugate half of the row k = 0 is counted with its other half
+        # in the row k = 0 the modes m > 0 stand for those of m < 0
         kept[0, : columns // 2 + 1] = False
         self._kept = kept
         turns = self._turns(kept)
@@ -168,14 +168,14 @@ class LongSeries:
         self.rough = TorusSeries(grid, frequencies, noise=noise, rounding=noise)
         kept = self.rough._kept
         if noise < TINY:
-            # modes that floats cannot hold
+            # floats do not hold modes below TINY, so no mode can be left out by its size
             kept = np.ones_like(kept)
             kept[0, : most + 1] = False
         self._kept, self._noise, self._size = kept, noise, float(np.abs(grid).max())
         self._levels: dict[int | None, SeriesLevel] = {}
         with self._balls as balls:
             nu1, nu2 = map(balls.number, frequencies)
-            # 2/(2πi): each mode counts with its conjugate
+            # the factor is 2/(2πi), since each mode counts with its conjugate
             factor = flint.acb(0, -1 / flint.arb.pi())
             self._modes = [
                 [

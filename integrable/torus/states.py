@@ -37,7 +37,7 @@ def whole_turns(x: Real) -> tuple[Real, int]:
     """(fraction in [0, 1), whole turns) of x, |x| below 2^52."""
     whole = floor(float(x))
     rest = x - whole
-    # the low part of a double-double may make it negative
+    # x is below ``whole`` if the low part of a double-double is negative
     if rest < 0:
         rest, whole = rest + 1, whole - 1
     return rest, whole
@@ -75,7 +75,7 @@ def point_beside(torus: Torus, corner: tuple[int, int], first: Real, second: Rea
         j, turn2 = 0, turn2 + 1
     point = moving_point(torus.states, (i * columns + j) * 10)
     x, y = parts[0] * a + parts[1] * b, parts[2] * a + parts[3] * b
-    # the translation has a pole at 0, where it is the identity
+    # the series of a translation has a pole at 0, where the translation is the identity
     if abs(x) > IDENTITY:
         point = carried(torus.curve.f, torus.curve.axes, point, small_translation(torus.small, 0, x))
     if abs(y) > IDENTITY:

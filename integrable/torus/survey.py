@@ -13,24 +13,25 @@ from integrable.moving_point.addition import Real, Row
 from integrable.moving_point.elliptic_integrals import mean_slowness, oval_periods
 from integrable.moving_point.problem import MATRIX, MOMENTUM, SLOWNESS, TIME_SCALE
 
-# conjugate points of a translation stay within this fraction of the distance from its centre to the next branch point
+# the two points of a translation, complex conjugates, stay within this fraction of the distance from its centre to the
+# next branch point
 REACH = 0.4
-# a torus with more cells counts as not compact
+# a torus that needs more cells counts as not compact
 MOST_CELLS = 1 << 16
-# number of candidate centres, at distances from the least branch point in geometric progression up to FARTHEST·max a,
-# but not so far that the α coincide from there
+# the number of candidate centres. Their distances from the least branch point are in geometric progression up to
+# FARTHEST·max a, but at most REMOTE times the length of the ovals, from where the α would coincide
 CENTRES = 12
 FARTHEST = 2.0
 REMOTE = 1e4
-# if there are more than FEW_CELLS cells, branch points are close together and far from all centres (a heavy ball with
-# one large moment). Then INNER centres from either end of a gap are tried too, the first at half the least distance of
-# two branch points
+# more than FEW_CELLS cells are needed if branch points are close together and far from all centres, as for a heavy ball
+# with one large moment. Then INNER centres from either end of a gap are tried too, the first at half the least distance
+# of two branch points
 FEW_CELLS = 1 << 11
 INNER = 8
-# no centre is nearer to the end of a gap than this fraction of the length of the ovals: at distance 2^−k from a
+# the least distance of a centre from the end of a gap, relative to the length of the ovals: at distance 2^−k from a
 # branch point translations lose 2k bits, and double-doubles can spare 60
 NEAREST = 2.0**-30
-# up to MANY_CELLS cells this larger fraction is used, which costs almost no digits
+# this larger distance costs almost no digits; it is given up for tori of more than MANY_CELLS cells
 FAIR = 2.0**-12
 MANY_CELLS = 1 << 12
 # below this d·max a one period is nearly the residue at infinity
@@ -48,7 +49,7 @@ def best_chart(
     ``points`` are the branch points and ``ends`` those of the ovals, all less by ``origin``; ``lead`` is the leading
     coefficient of f.
     """
-    # with d = 0 one period is the residue of x dx/y; its parts are translations at infinity: it comes second
+    # with d = 0 one period is the residue of x dx/y. Parts of it are translations to infinity, so it must come second
     flat = len(points) == 4 or lead < FLAT
     fewest = 1 << 60
     best = (0.0, 0.0, 0.0, 0.0, 1, 0, 0, 1, 0, 0)
@@ -117,7 +118,7 @@ def reach_of(points: Row, lead: float, centre: float) -> float:
     for e in points:
         value *= e - centre
         near = min(near, abs(e - centre))
-    # −f: with d = 0 the lead is 1, and f has four roots
+    # ``value`` is −f(centre); with d = 0 f has only four roots, and its ``lead`` is 1
     return 2 * REACH * near / sqrt(value) if value > 0 else 0.0
 
 
@@ -136,7 +137,7 @@ def reduced(s1: float, t1: float, s2: float, t2: float) -> tuple[int, int, int, 
             m1, n1, m2, n2 = m2, n2, m1, n1
         square = s1 * s1 + t1 * t1
         if square == 0:
-            # parallel to the precision of floats: any basis is correct, and this one hides no cells
+            # the periods are parallel in floats: any basis is correct, and the given one shows how many cells it needs
             return 1, 0, 0, 1
         turns = floor((s1 * s2 + t1 * t2) / square + 0.5)
         if turns == 0:
@@ -151,7 +152,7 @@ def cells(s1: float, t1: float, s2: float, t2: float) -> tuple[int, int]:
     s1, t1, s2, t2 = abs(s1) / 2, abs(t1) / 2, abs(s2) / 2, abs(t2) / 2
     best1, best2, first = 1 << 29, 1 << 29, 2
     while first <= MOST_CELLS:
-        # the remaining reach in each direction
+        # what half a step in the first direction leaves of the reach of either centre
         left_s, left_t = 1 - s1 / first, 1 - t1 / first
         if left_s > 0 and left_t > 0:
             second = 2
@@ -191,7 +192,7 @@ def survey(
     out[0], out[1], out[2], out[3] = a1, b1, a2, b2
     # (1, −x₀) is the direction of the flow
     out[4], out[5] = (b2 + motion[11] * a2) / determinant, -(b1 + motion[11] * a1) / determinant
-    # the centres are exact numbers
+    # the centres are exact floats; the term 0·a₁ gives the gap the digits of the periods
     gap = c2 + 0 * a1 - c1
     second1, second2 = (b1 - c1 * a1) / gap, (b2 - c1 * a2) / gap
     out[6], out[7] = (a1 - second1) / reach1, (a2 - second2) / reach1

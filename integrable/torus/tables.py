@@ -155,7 +155,7 @@ def signed_like(x: Real, size: Real) -> Real:
 def to_powers(nodes: Row, table: Row, first: int) -> None:
     """Replaces values at the nodes, in ``table`` from ``first`` on, by their polynomial's coefficients, ascending."""
     size = len(nodes)
-    # divided differences, and Newton's form as powers of z
+    # divided differences give Newton's form, which is then expanded in powers of z
     for k in range(1, size):
         for n in range(size - 1, k - 1, -1):
             table[first + n] = (table[first + n] - table[first + n - 1]) / (nodes[n] - nodes[n - k])
@@ -179,7 +179,7 @@ def small_translation(small: SmallSteps, k: int, x: Real) -> Row:
     m, r, t1, t0 = m * z, r * z, t / x, v * x
     a1, a2, a3 = axes[0] - centre, axes[1] - centre, axes[2] - centre
     x1, x2, x3 = a1 - m, a2 - m, a3 - m
-    # as in recentred
+    # near the identity the root is α_i − c: it has the sign of a_i
     r1, r2, r3 = (
         signed_like(a1, root(x1 * x1 - r)),
         signed_like(a2, root(x2 * x2 - r)),

@@ -26,13 +26,13 @@ from jacobian.inexact.genus2_real import chord, chord_apart
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
-# a translation below this fraction of the reach is treated as the identity
+# a translation below this fraction of the reach is taken as the identity
 IDENTITY = 1e-30
-# translations with a worse condition than this are split into two
+# a translation with a condition below this is split into two
 LEAST_CONDITION = 0.02
-# a translation is accepted if its condition is within this factor of the best possible
+# a step is accepted without a further search if its condition is within this factor of the best possible
 NEARLY = 0.5
-# marks a grid point whose value is known from a coarser grid
+# the count of a grid point whose value is known from a coarser grid
 KNOWN = -1
 
 
@@ -107,7 +107,7 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
         left = moved(near, left, walk.steps, 0, parts0, False)
     put(left, ends, 0)
     for i in abreast(0, rows):
-        # written per lane, so that the compiled sum is the same function as in other loops
+        # ``0 * i`` makes the place a number of each SIMD lane, as in other loops, so that the sum is compiled only once
         step = 20 + 0 * i
         point = moving_point(states, place_at(walk, stride, i, 0))
         for j in range(walk.forward):
@@ -129,7 +129,7 @@ def closure(start: Row, ends: Row, known: Row) -> float:
     NaN.
     """
     worst, rest = 0.0, 0.0
-    # compare the pairs too: the divisor has neither their signs nor, for two equal moments, their angle
+    # the pairs are compared too: the divisor has neither their signs nor, for two equal moments, their angle
     for first, last in ((0, 4), (4, 7), (7, 10)):
         size, gap = 0.0, 0.0
         for c in range(first, last):
@@ -165,7 +165,7 @@ def with_signs(walk: Walk, stride: Stride, states: Row, ends: Row, known: Row) -
             if (stride.down * i + stride.lower * j) // rows % 2 != 0:
                 turn(states, place_at(walk, stride, i, j), walk.turns, 0)
     for i in range(rows):
-        # the goal, an odd number of periods away: a corner where this walk started, or where a backward one ended
+        # the goal is a corner an odd number of periods away: the first of its row, or the last of the walk backward
         place = 10 * (i + 1)
         if (stride.down * i + stride.lower * walk.forward) // rows % 2 != 0:
             turn(ends, place, walk.turns, 0)
@@ -197,8 +197,8 @@ def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
     first, second = moving_point(walk.halves, 20 * direction), moving_point(walk.halves, 20 * direction + 10)
     down1, down2 = moving_point(walk.halves), moving_point(walk.halves, 10)
     down1, down2 = carried(f, axes, down1, down1), carried(f, axes, down2, down2)
-    # multiples of either part and only one sum of both are formed: sums lie anywhere, and at d = 0 those by the residue
-    # of x dx/y, a period, lie at infinity
+    # only multiples of both parts and one sum of them are formed: other sums may lie anywhere. At d = 0 sums that
+    # differ by the residue of x dx/y, a period, lie at infinity
     first, second = carried(f, axes, first, first), carried(f, axes, second, second)
     put(first, out, 20 * direction)
     put(second, out, 20 * direction + 10)
@@ -218,7 +218,7 @@ def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
             if found > best:
                 best, chosen, lower, parts = found, count, 1, 1
                 put(total, out, 20)
-        # no sum is better conditioned than its parts, which cannot be improved
+        # a sum is at most as well conditioned as its parts, so that further search gains little
         if best >= NEARLY * trust:
             break
         first, second = carried(f, axes, first, double1), carried(f, axes, second, double2)
@@ -234,7 +234,7 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
     zero, n, least = 0 * parts[0], 0, LEAST_CONDITION
     if fine.rest[1] != 0:
-        # 1/g is then computed from the divisor alone, which loses no digits at a branch point
+        # a worse condition is allowed, since 1/g is then computed from the divisor alone
         least *= LEAST_CONDITION
     for i in range(-above, finer[0] - above):
         for j in range(-left, finer[1] - left):

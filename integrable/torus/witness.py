@@ -28,17 +28,17 @@ from jacobian.numbers.roots import root
 if TYPE_CHECKING:
     from integrable.torus.lattice import Source
 
-# turns of a phase at the checked times: one period in each direction, plus about a quarter
+# turns of a phase at the checked times: more than one in either direction, after which all signs that the period
+# changes have changed
 TURNS = (1.23, -1.38)
-# the largest number of turns of the faster phase
+# beyond this number of turns the faster phase loses its fraction
 FAR = 2.0**48
-# a larger difference is not due to double-double rounding alone: numbers with more digits then decide
+# double-doubles alone do not explain a larger difference; numbers with more digits then decide
 ALIKE = 1e-6
-# difference allowed for a correct torus. Other checks of states are stricter; this one detects wrong signs and
-# positions
+# the difference allowed for a correct torus: it detects wrong signs and positions; other checks are stricter
 RIGHT = 1e-8
-# the number of borders checked, and the difference allowed between both corners in double-doubles. For close moments,
-# whose κ is small, it is multiplied by 10κ or at least by LEAST: where a γ_i passes 0, an error of V is magnified by
+# the number of borders checked, and the difference in double-doubles allowed between both corners. For close moments,
+# whose κ is small, SEAM is multiplied by 10κ or at least by LEAST: where a γ_i passes 0, an error of V is magnified by
 # 1/κ in M_i (test_a_torus_of_close_moments_is_right_where_a_coordinate_plane_is_passed)
 BORDERS = 16
 SEAM, LEAST = 1e-13, 1e-2
@@ -66,7 +66,7 @@ def witnesses(rates: list[float]) -> np.ndarray:
 
     ``rates`` are turns of the phases per unit of τ.
     """
-    # if a period takes so long that the fraction of the other phase is lost, its sign changes do not matter
+    # if the faster phase loses its fraction before a turn of the slower one, the signs of the latter do not matter
     farthest = FAR / max(map(abs, rates))
     return np.array([min(max(turns / nu, -farthest), farthest) for nu in rates for turns in TURNS])
 
@@ -80,7 +80,7 @@ def confirmed(setup: Source, tau: np.ndarray, found: np.ndarray, by_additions: n
         (t, x.tolist()) for t, x, y in zip(tau.tolist(), found, by_additions, strict=True) if not states_agree(x, y)
     ]
     bare = setup.bare
-    # not the set-up's own translations, which come from numbers of the wide field
+    # made here, since a source need not have translations of its own
     translations = Translations(setup.reals, bare.f, bare.axes, bare.half_step)
     for t, row in rows:
         with setup.reals:
@@ -110,7 +110,7 @@ def seam(torus: Torus, out: Row) -> float:
     on_borders(torus, out)
     largest = 0.0
     for gap in out:
-        # written so that a NaN is taken as large
+        # a comparison with NaN is false, so that NaN counts as large
         largest = gap if not gap <= largest else largest
     return largest
 
@@ -150,7 +150,7 @@ def reached(line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> N
             farthest = max(farthest, abs(float(time * scale)))
         doublings = ceil(log2(farthest / half_step)) + HALVINGS
         for i in abreast(0, len(times)):
-            # doublings are done about its centre, where points near the identity keep their digits
+            # points near the identity keep their digits in coordinates about the translation's centre
             step = near_centre(about, times[i] * scale / 2.0**doublings)
             for _ in range(doublings):
                 step = shift(curve_of(numbers), unit_axes(numbers), step, step)
