@@ -86,7 +86,7 @@ def _narrow(system: Hamiltonian, state: State, times: list[Real], digits: int) -
             rows, left = march.rows(times, digits), march.left(times[-1])
         if len(rows) == len(times):
             return rows
-        # extrapolate the bits lost so far to the whole time, plus 20 %
+        # the bits lost so far are extrapolated to the whole time, plus 20 %
         bits = needed + SPARE_BITS + ceil(1.2 * (bits - needed) * min(left, MOST_AHEAD))
     raise PrecisionLoss(
         f"times: no balls of radius 1e-{written(digits)} were reached at t = {written(times[-1])} with {bits} bits; "

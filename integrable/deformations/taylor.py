@@ -57,7 +57,7 @@ class _Interpreted:
 class _Compiled:
     """The loops on double-doubles."""
 
-    # the same two numbers, with a second for half a minute
+    # number of products of coefficients in a second, and in the time of the overhead of a step
     most, overhead = 6e7, 3e4
 
     def __init__(self, field: Any) -> None:

@@ -104,7 +104,6 @@ class EllipticTop:
             table = np.array([[out.mpf(x) for x in row] for row in rows], dtype=object).reshape(len(rows), 6)
         return Solution(table[:, :3], table[:, 3:], len(rows))
 
-    # --- inside
 
     def _turned(self, time: Any) -> Vector:
         """γ and M of a permanent rotation: γ(t) = R(−|ω|t)γ turns about M."""
@@ -123,7 +122,7 @@ class EllipticTop:
     def _moving(self, times: Vector) -> Any:
         c = self.context
         places = [self._reduced(self.speed * t + self.origin) for t in times]
-        # the only quantity that grows with t is one product, reduced with all digits
+        # only this product grows with t, so it is reduced with all digits
         angles = [c.fmod(self.angle - self.rate * t, 2 * c.pi) for t in times]
         if self.digits <= FLOAT_DIGITS:
             return self._floats(places, angles)
@@ -174,7 +173,7 @@ class EllipticTop:
             third = (v + root * np.arctan(root * sn)) / (1 - n)
         else:
             square, delta = cn * cn, dn * dn
-            # Carlson's forms of the integral
+            # the integral of the third kind in Carlson's forms
             third = sn * elliprf(square, delta, 1.0) + n / 3 * sn**3 * elliprj(square, delta, 1.0, 1 - n * sn * sn)
         beta = np.array([float(x) for x in angles]) - weight * (third - mean * v)
         M = [flip * float(self.first) * cn, flip * float(self.second) * sn, float(self.third) * dn]

@@ -352,7 +352,7 @@ def recorded(
         if needed[k] and op not in ("y", "c", "number"):
             for i in args:
                 needed[i] = True
-    # coefficients are lines without the state that a result or a line with the state uses; short numbers are
+    # a coefficient is a line without the state that is used by a result or by a line with the state; short numbers are
     # written out instead
     outer = set(results)
     for k, (op, args) in enumerate(nodes):

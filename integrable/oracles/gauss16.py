@@ -181,7 +181,7 @@ def slopes(c, y, out):  # type: ignore[no-untyped-def]
     raise NotImplementedError
 
 
-# --- written out beside the slopes of a kind
+# --- copied into the module of each kind, with its slopes
 
 
 @register_jitable(**INLINED)

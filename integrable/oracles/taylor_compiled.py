@@ -91,7 +91,7 @@ def expand(c, order, s):  # type: ignore[no-untyped-def]
     raise NotImplementedError
 
 
-# --- written out beside the slopes of a kind
+# --- copied into the module of each kind, with its slopes
 
 
 @njit(**COMPILED)

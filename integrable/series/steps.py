@@ -35,11 +35,12 @@ class Steps(NamedTuple):
     farthest: float = 1e300
 
 
-# accurate to the last bits of floats: the walks may differ by an eighth of the rounding unit, since terms in floats
-# cause nearly as large an error in the finer walk
+# steps accurate to the last bits of floats: both walks may differ by an eighth of the rounding unit, since terms in
+# floats cause nearly as large an error in the finer walk
 WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE, FINEST = Steps(WIDE, 1e-25, 1e-7, 1e1, 1e1, 2.0**-56), Steps(WIDEST, 1e-29, 1e-11, 1e3, 1e3, 2.0**-56)
-# over few steps errors cannot grow; such a walk takes three quarters of the time of FINE (python -m benchmarks near)
+# for few steps, over which errors cannot grow: a walk takes three quarters of the time of FINE (python -m benchmarks
+# near)
 ROUGH = Steps(Orders(7, 30), 1e-21, 1e-5, 1e1, 1e1, 2.0**-56, 128.0)
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # SHARE and SHARE_OF_MIDDLE are truncation bounds relative to a tolerance: of steps in floats, and of steps whose first

@@ -120,7 +120,7 @@ class Series(Sums):
         if k and self._constant(p):
             return y
         x = self._value(p, k)
-        # operands come before the nodes computed from them
+        # of two nodes the one with the larger index is known later
         return self._plus(x, y) if q >= p else self._plus(y, x)
 
     def _plus(self, x: Wide, y: Wide) -> Wide:
@@ -152,7 +152,7 @@ class Series(Sums):
         room = self.room
         unit = self.text.load(UNITS + k, self._base(k, 1))
         if k + 1 > self.wide:
-            # after cancellation in a sum its high and low parts overlap
+            # the parts of a sum with cancellation overlap, so that the high part alone has too few digits
             return self.text.fmul(self.text.fadd(*rate) if rate[1] else rate[0], unit), ""
         if (k + 1) & k == 0:
             # k + 1 is a power of two, so that unit/(k + 1) has no low part

@@ -16,8 +16,8 @@ from jacobian.numbers.double_double_steps import fast_two_sum
 
 # number of orders in a round of the loop: a factor is loaded once for all of them
 AT_ONCE = 4
-# with at least this many orders in double-doubles, sums are renormalized at once, for a tenth of the time of a step. So
-# many are used only where other steps lose too many digits (a body of Veselova's with a moment of 5e-10)
+# with at least this many orders in double-doubles, sums are renormalized at once, for a tenth of the time of a step.
+# Such steps are used only where others lose too many digits (a body of Veselova's with a moment of 5e-10)
 CAREFUL = 10
 Term = tuple[int, int, int]
 """(factor, j, k − j), for the term factor·p_j q_{k−j}."""
@@ -32,7 +32,7 @@ class Sums:
         self.text = Text(room.lanes)
         # the first order of the loop
         self._loop = (low := max(self.wide + 1, 2 * AT_ONCE)) + (self.order - low) % AT_ONCE
-        # registers: coefficients (node, order, part) and vectors of them (place, order, part)
+        # the registers of coefficients, by (node, order, part), and of vectors of them, by (place, order, part)
         self._recent: dict[tuple[int, int, int], str] = {}
         self._built: dict[tuple[int, int, int], str] = {}
         self._sums: dict[int, Wide] = {}
@@ -100,8 +100,8 @@ class Sums:
         if k > self.wide:
             return high, ""
         low = self._joined(text, [self._lo(n, k) for n in nodes])
-        # float coefficients of higher orders use high parts only; renormalize, or cancellation would leave them
-        # inaccurate
+        # only high parts enter the float coefficients of higher orders: without renormalization they would be
+        # inaccurate after cancellation
         return fast_two_sum(text, high, low) if k else (high, low)
 
     def _put_sides(self, k: int, of_variables: bool) -> None:

@@ -203,7 +203,7 @@ def shortest_time(given: Given, room: Array) -> float:
     shortest = FARTHEST
     for begin in (0, given.half):
         for j in range(FIRST):
-            # compares coefficients two orders apart: near rest every other coefficient is small
+            # near rest every other coefficient is small, so coefficients two orders apart are compared
             before, after = largest(given, room, begin, j), largest(given, room, begin, j + 2)
             if 0 < before < FARTHEST and 0 < after < FARTHEST:
                 shortest = min(shortest, exp((log(before) - log(after)) / 2))

@@ -23,8 +23,8 @@ from jacobian.numbers.double_double_steps import (
 
 # relative change of the start of the second walk, about a rounding unit: of double-doubles, of floats
 MOVED, MOVED_IN_FLOATS = 2.0**-104, 2.0**-52
-# of the double-double terms, one in this many, those of the lowest orders, is summed in double-doubles between steps;
-# the others sum to a hundredth of the value
+# between steps only the share 1/FIRST_TERMS of the double-double terms, those of the lowest orders, is summed in
+# double-doubles; the others sum to a hundredth of the value
 FIRST_TERMS = 2
 # number of times that one vector holds
 TIMES = WIDEST

@@ -92,7 +92,7 @@ def _chosen(scene: Scene, digits: int, most: float) -> tuple[list[Any], Any]:
 
 def _flow(task: Task, kept: Data | None, tick: Tick) -> Data:
     result, found = flow_run(task, tick)
-    del result["first"]  # "machine" and "total" already tell it
+    del result["first"]  # "machine" and "total" contain it
     return result | _truth_of(task, kept).judge(found.gamma, found.M)
 
 

@@ -196,7 +196,7 @@ class _Run:
         """All tasks of the run."""
         return [*self.flows, *self.truths.values(), *self.rivals, *self.others]
 
-    # --- their execution
+    # --- execution of the tasks
 
     def truth(self, given: Scene) -> dict[str, Any]:
         """The truth of a scene, computed at the first call."""
