@@ -158,7 +158,7 @@ class Gaps(NamedTuple):
         square, cube = mean * mean - slope / 3, mean**3 - mean * slope / 2 - f[0] / 4
         if not square > 0:
             raise PrecisionLoss("this motion is on a separatrix")
-        # one of the outer roots is far from both others
+        # the outer root that is far from both others is computed first
         size, side = N.sqrt(square), 1 if cube > 0 else -1
         cosine = min(1.0, abs(float(cube / (size * square))))
         x = mean + side * 2 * size * cos(acos(cosine) / 3)

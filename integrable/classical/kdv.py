@@ -44,7 +44,8 @@ if TYPE_CHECKING:
 
     Profile = EllipticTorus | ThetaTorus | PhaseTorus
 
-# a profile is u at one t, from a torus. Digits of the pair at its start; bits that a narrow band may cost it
+# a profile is u at one t, computed on a torus from a pair of PROFILE_DIGITS digits; a narrow band may cost MOST_LOST
+# bits
 PROFILE_DIGITS, MOST_LOST = 60, 24
 # least number of x at one t for which a profile is computed
 MANY = 24

@@ -68,7 +68,7 @@ class TodaLattice(MumfordSystem):
         for w, p in zip(self._exponentials(N, state), state.p, strict=True):
             (a, b), (c, d) = rows
             factor = (p, N.one)
-            # multiply from the left by [[x + p, w], [−1/w, 0]]
+            # the rows are multiplied from the left by [[x + p, w], [−1/w, 0]]
             rows = (
                 tuple(poly.add(N, poly.mul(N, factor, x), poly.scale(N, w, y)) for x, y in ((a, c), (b, d))),
                 tuple(poly.scale(N, -1 / w, x) for x in (a, b)),
@@ -134,7 +134,7 @@ class TodaLattice(MumfordSystem):
         q = [N.zero]
         for link in links:
             q.append(q[-1] + elementary(N, "log", link))
-        # Σq = Σq(0) + tΣp
+        # the sum of the q is Σq(0) + tΣp
         total = sum(start.q, N.zero) + time * sum(start.p, N.zero)
         shift = (total - sum(q, N.zero)) / self.size
         return Point(tuple(x + shift for x in q), tuple(p))
@@ -154,7 +154,7 @@ class TodaLattice(MumfordSystem):
             p.append(quotient[0])
             if k < size - 1:
                 links.append(-rest[size - 2 - k])
-                # uses operators only, so that columns of numbers work too
+                # written with operators, since u and v may be columns of numbers
                 above, below = below, (*[c / rest[size - 2 - k] for c in rest[: size - 2 - k]], N.one)
         return p, links
 

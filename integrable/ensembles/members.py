@@ -21,7 +21,7 @@ from jacobian.element import Rows
 from jacobian.errors import ArgumentError, chosen, floats, several, shown, whole
 from jacobian.immutable import Record, replaced
 
-# margin of the bounds: members nearer than this to a bound are checked singly
+# margins of the bounds: a member is checked singly beyond HALF of the tolerance of γ and M, or FAR_INSIDE of a bound
 HALF, FAR_INSIDE = 0.5, 1e-3
 # least difference of the extreme moments, relative to the largest plus d; least distance from M ∥ γ and from M along a
 # principal axis

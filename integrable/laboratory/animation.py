@@ -48,7 +48,7 @@ def animate(run: Any, path: File, fps: int) -> None:
     def update(frame: int) -> list[Any]:
         return [artist for each in updates for artist in each(frame)]
 
-    # lay out once: a layout for every frame takes longer than the drawing
+    # the layout is computed once: for every frame it would take longer than the drawing
     update(0)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")

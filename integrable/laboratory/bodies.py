@@ -32,7 +32,8 @@ from jacobian.fields.protocol import Field
 
 # digits that a set-up, and a flow, carry beyond those of MP(digits)
 GUARD, INNER = 15, 5
-# M counts as vertical within this many roundings; floats lose digits if its horizontal part is below the second ratio
+# M counts as vertical if its horizontal part is below VERTICAL roundings of it; floats lose digits below the part
+# NEARLY
 VERTICAL, NEARLY = 64, 1e-2
 
 

@@ -36,7 +36,7 @@ class LaboratoryMotion(Immutable):
     def __init__(self, body: Any, start: np.ndarray, spin: np.ndarray, contact: Any) -> None:
         """``start`` is the wide matrix from principal axes to the laboratory, ``spin`` is ω in principal axes."""
         self.body, self._start, self._spin, self._contact = body, start, spin, contact
-        # make the flow now, so that a refusal is raised here and not at the first use
+        # the flow is made here, so that a refusal is raised at once
         self.flow = self._way.flow
 
     @cached_property
@@ -170,7 +170,7 @@ class LaboratoryRun(Exported):
         matrices, omega = self.motion._way.at(self.times)
         body = self.motion.body
         axes, field = body._principal.axes, body.field
-        # wide, and usually the identity matrix
+        # the axes are wide numbers, usually the identity, for which no product is needed
         if (axes == np.eye(3)).all():
             return numbers(field, matrices), numbers(field, omega)
         axes = numbers(field, axes)

@@ -22,7 +22,7 @@ from jacobian import RR
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 
-# relative size of the last coefficients of a panel's velocities
+# tolerance of the last coefficients of a panel's velocities
 TOLERANCE = 1e-14
 # initial number of panels of a period
 PANELS = 8

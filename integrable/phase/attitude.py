@@ -34,8 +34,8 @@ def matrices(gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
     The rows are the axes x, y, z of space in the body frame: R γ = (0, 0, 1), R M = (√(M² − (γ, M)²), 0, (γ, M)).
     """
     horizontal = M
-    # orthogonalise twice (Parlett 1980): after one pass a rounding error of M along γ remains if the horizontal part is
-    # short
+    # M is made orthogonal twice (Parlett 1980): if its horizontal part is short, one pass leaves a rounding error along
+    # γ
     for _ in range(2):
         horizontal = horizontal - np.sum(gamma * horizontal, axis=1)[:, None] * gamma
     x = horizontal / (np.sum(horizontal * horizontal, axis=1) ** 0.5)[:, None]

@@ -132,7 +132,7 @@ class Ovals(NamedTuple):
             raise PrecisionLoss(
                 f"ζ = {float(level.zeta)} is the middle 1/(I + d) to all digits: on the separatrix periods are infinite"
             )
-        # R = 1 − d̃x is about 1 at 0, and the numbers are of the size of a₃
+        # x is divided by a₃, so that all numbers have about the size 1
         top, size, pi = level.a[2], 2 * level.momentum, level.pi
         one = top / top
         scaled, d = tuple(x / top for x in level.ends), level.d * top

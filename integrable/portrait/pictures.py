@@ -42,7 +42,7 @@ def diagram(of: Any, states: Any) -> Figure:
         levels = np.quantile(numbers, np.linspace(0.02, 0.98, 15))
         ax.contourf(X, Z, numbers, levels=levels, cmap="Greys", alpha=0.5, extend="both")
         lines = ax.contour(X, Z, numbers, levels=levels, colors="0.4", linewidths=0.5, linestyles="solid")
-        # contours crowd near the separatrix: label every third one, but not those in the corner of the lines
+        # contours crowd near the separatrix: only every third one is labelled, and none in the corner of the lines
         ax.clabel(lines, levels[1:-2:3], fontsize=7, fmt="%.2f")
     for axis, line in enumerate(of.lines):
         dashes = "--" if a[0] < of.system.a[axis] < a[2] else "-"
@@ -89,7 +89,7 @@ def spectrum_figure(of: Any) -> Figure:
         apart = APART * np.ptp(of.frequencies)
         for n in np.argsort(-sizes.max(axis=1)):
             place = of.frequencies[n], sizes[n].max()
-            # skip a label that would overlap another
+            # a label that would overlap another is left out
             if len(named) < NAMED and all(abs(place[0] - other) > apart for other in named):
                 named.append(place[0])
                 text = f"({', '.join(map(str, of.modes[n]))})"

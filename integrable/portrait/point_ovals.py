@@ -18,7 +18,6 @@ from jacobian.periods.roots import simple_roots
 
 # a root counts as real if its imaginary part is below 2^(−bits/REAL): a double root is known to half of the digits only
 REAL = 3
-# ratio of digits to bits
 DIGITS_A_BIT = math.log10(2)
 
 

@@ -147,7 +147,7 @@ class TorusVariations:
     """Sensitivities along a motion on a torus, in floats; PrecisionLoss where no grid resolves the integrands."""
 
     def __init__(self, torus: TorusFlow, body: Body) -> None:
-        # choose units in which the largest 1/(I + d) and |M| are 1
+        # in these units the largest 1/(I + d) and |M| are 1
         self._torus, self._unit = torus, 1 / max(body.a)
         self._size = float(torus.setup.bare.momentum)
         self._body = type(body)(tuple(x / self._unit for x in body.inertia), body.d / self._unit, body.field)

@@ -32,7 +32,7 @@ def bar_of_pieces(name: str, total: int) -> Iterator[Callable[[str], None]]:
 
         yield tick
         bar.update(1)
-        # redraw now, even if the bar was drawn a moment ago
+        # tqdm leaves out a redraw shortly after another one
         bar.refresh()
 
 

@@ -227,7 +227,7 @@ class _Zarr:
             group.create_array(
                 name, shape=shape, chunks=(self._layout.chunk, *(max(1, n) for n in shape[1:])), dtype=kind,
                 dimension_names=made[name].dims,
-                # also write chunks of zeros: zarr would read a missing chunk as zeros
+                # chunks of zeros are written too, since a missing chunk counts as not finished
                 config={"write_empty_chunks": True},
             )  # fmt: skip
 

@@ -34,7 +34,7 @@ from jacobian.numbers.threads import threads
 __all__ = ["SweepStopped", "Swept", "sweep"]
 
 CHUNK, CHUNK_STATES = 1024, 1 << 18
-# chunks in progress: per worker, and in total where an executor does not tell its number of workers
+# the number of chunks in progress: per worker, and in total for an executor whose number of workers is not known
 AHEAD, UNKNOWN = 3, 32
 KINDS = ("processes", "threads")
 
