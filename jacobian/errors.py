@@ -152,7 +152,7 @@ def several(which: Any) -> bool:
     try:
         return isinstance(which, slice) or np.ndim(which) > 0
     except ValueError:
-        # lists of different lengths
+        # numpy refuses lists of different lengths, which are several items
         return True
 
 
@@ -235,13 +235,13 @@ def written(number: Any) -> str:
 
 
 def _digits(n: int) -> str:
-    # log₂ 10 = 3.32…
+    # 3.3 is below log₂ 10, so that this test needs no digits
     if n.bit_length() < 3.3 * SHOWN:
         return str(n)
     from gmpy2 import mpz
 
     size = mpz(abs(n))
-    # its number of digits, or one more
+    # num_digits may be one too large
     count = size.num_digits(10)
     head = size // mpz(10) ** (count - ENDS)
     if head < 10 ** (ENDS - 1):

@@ -76,7 +76,7 @@ def _opened(initialize: Callable[..., None]) -> Any:
     @wraps(initialize)
     def __init__(self: Any, *args: Any, **options: Any) -> None:
         if hasattr(self, "_open"):
-            # called by the __init__ of a subclass
+            # the __init__ of a subclass has called this one, and closes the value itself
             return initialize(self, *args, **options)
         _set_open(self, True)
         try:

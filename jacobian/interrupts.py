@@ -95,7 +95,7 @@ def _say() -> None:
     if not _Standing.name:
         return
     if not _Standing.said.acquire(blocking=False):
-        # wait until the other thread has written the line
+        # another thread is writing the line, which must not be cut off
         _Standing.silent.acquire(timeout=SAYING)
         return
     # the line replaces a progress bar

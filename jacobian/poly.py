@@ -44,7 +44,7 @@ def _ascending(values: Any) -> Any:
     system = type(values).__module__.split(".")[0]
     if system in ("galois", "flint") and hasattr(values, "coeffs"):
         return values.coeffs[::-1] if system == "galois" else values.coeffs()
-    # PARI writes a constant polynomial as a number, which claims to be iterable
+    # PARI writes a constant polynomial as a number, which only seems to be iterable
     pari = system.startswith("cypari") and values.type() in ("t_POL", "t_INT", "t_FRAC", "t_INTMOD")
     return list(values.Vecrev()) if pari else values
 

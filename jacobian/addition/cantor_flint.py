@@ -46,7 +46,7 @@ class FlintCantor:
         self.genus, self.split = C.genus, C.model == "split"
         self.limit = C.genus + self.split
         if self.split:
-            # V₊, V₋ and the leading coefficient of V₊
+            # ``parts`` are V₊, V₋ and the leading coefficient of V₊
             self.parts = tuple(map(self._into, C.principal_parts))
             self.lead = self._into((C.infinity_plus,))[0]
 

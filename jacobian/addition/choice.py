@@ -192,8 +192,7 @@ class Counted:
                 raise RuntimeError("NUMBA_DISABLE_JIT is set")
             chosen = compiled_kernel(self._curve) if self._work.additions >= cold or _is_kept(self._curve) else None
         except (ImportError, RuntimeError) as error:
-            # without llvmlite the Python kernel goes on: the user did not ask for compilation,
-            # so the addition must not fail
+            # the user did not ask for compilation, so without llvmlite the Python kernel is kept
             self._work.additions = -math.inf
             log.warning("no compiled kernels in this process: %s", error)
             return
@@ -214,7 +213,7 @@ def costs(C: HyperellipticCurve) -> tuple[int, int]:
     return (BINARY_READY, BINARY_COLD) if not is_word_sized(C) and C.field.characteristic == 2 else (READY, COLD)
 
 
-# --- in words
+# --- the choice in words
 
 WORDS = "GF(p), p < 2^63 odd, and GF(p^k) of at most 2^16 elements"
 

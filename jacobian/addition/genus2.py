@@ -90,7 +90,7 @@ def sum_u_of_degree_5(C: Any, cubic: Line, first: Line, second: Line) -> Pair:
     """(e₁, e₀) of the sum's u = x² + e₁x + e₀."""
     (_, s, w4, w5), (a1, a0, b1, _), (c1, c0, _, _) = cubic, first, second
     turned = s + (a1 - c1) + C.h2 * w4
-    # for a tangent and h₂ = 0, turned = s, and c₁ = a₁, c₀ = a₀
+    # for a tangent with h₂ = 0 the general formula is shorter: turned = s, c₁ = a₁ and c₀ = a₀
     bow = s * s if second is first and not C.h2 else (s - c1) * turned + s * a1 + (a0 - c0)
     return s + turned - C.f5 * w5, bow + (b1 + b1 + C.h1) * w4 + (C.f5 * (a1 + c1) - C.f4) * w5
 
@@ -109,7 +109,7 @@ def sum_v_of_degree_5(C: Any, cubic: Line, u: Pair, first: Line) -> Pair:
 def tangent_of_degree_6(C: Any, first: Line) -> Quotient:
     """(r, r·s₁, r·s₀) for s = ((f − hV − V²)/U)/(2V + h) modulo U."""
     a1, a0, b1, b0 = first
-    # the quotient f₆x⁴ + k₃x³ + … + k₀ of f − hV − V² by U, and its remainder by two more steps of the same division
+    # f₆x⁴ + k₃x³ + … + k₀ is the quotient of f − hV − V² by U; two more steps reduce it modulo U
     k3 = C.f5 - C.f6 * a1
     k2 = C.f4 - C.h3 * b1 - a1 * k3 - C.f6 * a0
     k1 = C.f3 - C.h3 * b0 - C.h2 * b1 - a1 * k2 - a0 * k3

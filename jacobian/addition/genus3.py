@@ -40,7 +40,7 @@ def quotient_by(m: Triple, w: Triple, u: Triple) -> Four:
     p2, p1, p0 = n1 - c2 * n2, n0 - c1 * n2, -(c0 * n2)
     i0, i1, i2 = n1 * p2 - p1 * n2, p1 * m2 - m1 * p2, m1 * n2 - n1 * m2
     r = m0 * i0 + n0 * i1 + p0 * i2
-    # iw modulo u
+    # iw modulo u is r·s
     q4 = i2 * w2
     q3 = i2 * w1 + i1 * w2 - c2 * q4
     s2 = i2 * w0 + i1 * w1 + i0 * w2 - c1 * q4 - c2 * q3
@@ -63,7 +63,7 @@ def tangent(C: Any, first: Row) -> Four:
     k2 = C.f5 - a0 * C.f8 - a1 * k4 - a2 * k3
     k1 = C.f4 - a0 * k4 - b2 * b2 - a1 * k3 - a2 * k2
     k0 = C.f3 - twice_b2 * b1 - a0 * k3 - a1 * k2 - a2 * k1
-    # modulo U
+    # the quotient is reduced modulo U
     k4 = k4 - a2 * C.f8
     k3 = k3 - a1 * C.f8 - a2 * k4
     w2 = k2 - a0 * C.f8 - a1 * k4 - a2 * k3
@@ -108,7 +108,7 @@ def next_v(C: Any, bent: Four, meeting: Four, first: Row, second: Row) -> Four:
     """(k₃, k₂, k₁, k₀), the coefficients of −v' = ℓ modulo u'."""
     (lead, t1, _, _), (e3, e2, e1, e0), (_, _, _, b2, b1, b0) = bent, meeting, first
     l3, l2, l1, l0 = without_v(bent, first)
-    # the leading coefficient of (ℓ − V)/s₂ − x·u'
+    # ``g`` is the leading coefficient of (ℓ − V)/s₂ − x·u'
     g = second[0] - t1
     k3 = lead * (l3 - e2 - g * e3)
     return k3, b2 + lead * (l2 - e1 - g * e2), b1 + lead * (l1 - e0 - g * e1), b0 + lead * (l0 - g * e0)

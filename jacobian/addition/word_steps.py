@@ -99,7 +99,7 @@ def sum_v(K: Any, C: Any, cubic: Any, u: Any, first: Any) -> Any:
     return STEPS["v"][type(C)](K, C, cubic, u, first)
 
 
-# --- in genus 3
+# --- the parts of the second half in genus 3
 
 
 def quintic(K: Any, C: Any, quotient: Any, inverse: Any) -> Any:

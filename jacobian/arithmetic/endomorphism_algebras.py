@@ -157,7 +157,7 @@ def hilbert(a: int, b: int, p: int) -> int:
     return sign
 
 
-# --- beside L-polynomials
+# --- comparison with L-polynomials
 
 
 def _compare(p: int, L: Sequence[int], geometric: int, rational: Sequence[Integers]) -> None:

@@ -63,7 +63,7 @@ def _histogram(ax: Any, values: Any, i: int, bound: int) -> None:
 def _scatter(ax: Any, values: Any, g: int) -> None:
     ax.plot(values[:, 0], values[:, 1], ".", color=BLUE, markersize=2, alpha=0.4, rasterized=True)
     a1 = np.linspace(-2 * g, 2 * g, 400)
-    # the largest and the least a_2/p for a given a_1/√p
+    # the curves are the largest and the least a_2/p for a given a_1/√p
     ax.plot(a1, a1**2 * (g - 1) / (2 * g) + g, color=VERMILION, linewidth=1)
     size = np.abs(a1)
     lower = 2 * size - 2 if g == 2 else np.where(size <= 2, -1.0, 4 * size - 9)

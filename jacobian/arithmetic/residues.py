@@ -31,7 +31,7 @@ def integral_equation(C: HyperellipticCurve) -> list[int]:
     """
     scale = lcm(*(c.denominator for c in (*C.f, *C.h)))
     F = [int(c * scale * scale) for c in C.discriminant]
-    # a square factor 4, as in F = 4f for h = 0
+    # square factors 4 are removed, such as that of F = 4f for h = 0
     while all(c % 4 == 0 for c in F):
         F = [c // 4 for c in F]
     return F

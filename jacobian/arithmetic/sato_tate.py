@@ -143,7 +143,7 @@ def _unitary() -> dict[str, list[Part]]:
         found[f"D{n},1"] = parts(_rotations(f"C{half}") + [pi / 2] * half, odd + [pi / 2] * half)
     for n in (3, 4, 6):
         found[f"D{n},2"] = parts(_rotations(f"C{n}"), [pi / 2] * n)
-    # the rotations of the tetrahedron come without J; the other twelve of the octahedron, by π or π/2, come with J
+    # the rotations of the tetrahedron are taken without J, the other twelve of the octahedron, by π or π/2, with J
     found["O,1"] = parts(_rotations("T"), [pi / 2] * 6 + [pi / 4] * 6)
     return found
 

@@ -29,7 +29,7 @@ def engine(J: Jacobian) -> Any:
     found = J.__dict__.get("_rows")
     if found is None:
         K = J.field
-        J.zero()  # raises where classes have no Mumford form
+        J.zero()  # raises if the classes of J have no Mumford form
         words = is_word_sized(J.curve)
         if words and not interpreted():
             from jacobian.batch.compiled_rows import CompiledRows
@@ -236,7 +236,7 @@ class DivisorArray(Immutable, Generic[Element]):
 
     def __reduce__(self) -> tuple[object, ...]:
         if self.status.any():
-            # rows without a class have no coefficients
+            # rows without a class have no coefficients, so the stored rows are pickled instead
             return DivisorArray, (self.jacobian, self._rows)
         return _rebuilt, (self.jacobian, self.u, self.v, self.n)
 

@@ -220,7 +220,7 @@ class FloatRows:
     def multiply(self, x: Rows, scalars: int | Sequence[int]) -> Rows:
         """The rows m·x_i for one int m, or m_i·x_i for a sequence of ints."""
         nothing = self.zero(len(x))
-        # 0·x is lost if x is lost
+        # 0·x has no class if x has none
         nothing = Rows(nothing.data, np.where(x.kinds < LOST, nothing.kind, x.kinds), len(x))
         if isinstance(scalars, int):
             if scalars == 0:

@@ -74,7 +74,7 @@ def first_off_curve(K: Any, equation: Any, x: Any, degree: Any, R: Any) -> Any:
         modulo_u(K, h, x, j, d, R)
         for k in range(g):
             R[1, k], R[2, k] = canonical(K, add(K, x[g + k, j], R[0, k])), 0
-        # R[2] = v·R[1] modulo u, by Horner's rule
+        # R[2] becomes v·R[1] modulo u, by Horner's rule
         for i in range(d):
             c, lead = x[g + d - 1 - i, j], R[2, d - 1]
             for n in range(d):

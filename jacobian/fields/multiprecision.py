@@ -40,7 +40,7 @@ class MultiprecisionField(InexactField[Mpf]):
         self.name = f"MP({dps}, complex=True)" if complex else f"MP({dps})"
         self.eps: Any = self.context.mpf(2) ** (1 - self.context.prec)
         self._type = self.context.mpc if complex else self.context.mpf
-        # matches an mpf of any context
+        # the base class of the mpf of every context
         self._reals: Any = _mpf
         self._made: Any = from_man_exp
         self._rounded: Any = mpf_pos

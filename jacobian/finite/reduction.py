@@ -25,8 +25,8 @@ def suspects(C: HyperellipticCurve) -> int:
     """A number > 0 that all bad primes of the equation divide."""
     denominator = lcm(*(c.denominator for c in (*C.f, *C.h)))
     F = C.discriminant
-    # the resultant of F and F', times the leading coefficient of F: as F is a form of degree 2g + 2, its roots at
-    # infinity count too
+    # F is a form of degree 2g + 2, whose roots at infinity count too: so the resultant of F and F' is multiplied by the
+    # leading coefficient of F
     size = poly.resultant(QQ, F, poly.derivative(QQ, F)) * F[-1] * denominator
     return abs(size.numerator * size.denominator) * 2
 

@@ -215,7 +215,7 @@ def search(C: HyperellipticCurve) -> list[int]:
             D = side.J.random(rng)
             side.learn(D, candidates)
             if effort:
-                # several orders remain: the order of the known subgroup divides the right one
+                # if several orders remain, the order of the known subgroup divides the right one
                 side.grow(D)
         left = list(islice(candidates.matching(sides), _LONGEST_LIST))
         if len(left) == 1:

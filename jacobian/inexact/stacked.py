@@ -43,7 +43,7 @@ from jacobian.inexact.dense import (
 
 Pair = tuple[Coefficients, Coefficients]
 
-# if p is more than this many times smaller than u, the digits it loses count as a remainder above one unit
+# if p is smaller than u by more than this factor, the digits that it loses count as a remainder above one unit
 FEWER = 16
 
 UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
@@ -115,7 +115,7 @@ def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients) -> tup
     free = sum(field.is_zero(triangle[k][k], 1, of_degree=False) for k in range(m))
     if free == m:
         raise PrecisionLoss(UNDETERMINED)
-    if free:  # free + 1 pairs of opposite points: q = 0, and L vanishes at the other points of U'
+    if free:  # with free + 1 pairs of opposite points q = 0, and L vanishes at the other points of U'
         order, triangle = pivoted_qr(columns[: m - free], field.largest)
         solution = null_vector(order, triangle) + [field.zero] * (free + 1)
     else:

@@ -202,7 +202,7 @@ def substituted(K: Any, form: poly.Poly, degree: int, matrix: Sequence[Any]) -> 
     above, below = poly.trim(K, (b, a)), poly.trim(K, (d, c))
     result: poly.Poly = ()
     power: poly.Poly = (K.one,)
-    # Horner in the numerator, with the powers of the denominator beside it
+    # Horner's rule in the numerator; ``power`` is the power of the denominator that each coefficient lacks
     for i in range(degree, -1, -1):
         result = poly.mul(K, result, above)
         result = poly.add(K, result, poly.scale(K, coefficient(K, form, i), power))

@@ -93,8 +93,8 @@ class Family:
         return [*a, *[self.field.zero] * (2 - len(a))]
 
 
-# takes a field L ⊇ K, the map K → L for coefficients of the correspondence, u and v; returns the Family of the images
-# of the points of (u, v), or None
+# a function of a field L ⊇ K, the map K → L for coefficients of the correspondence, u and v: it returns the Family of
+# the images of the points of (u, v), or None
 Families = Callable[[Any, Callable[[poly.Poly], poly.Poly], poly.Poly, poly.Poly], "Family | None"]
 
 

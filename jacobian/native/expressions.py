@@ -245,13 +245,13 @@ class Expressions(Operators):
             return self.element(row, self.address(row, node.slice))
         index = self.value(node.slice)
         if row.kind is OBJECT:
-            # a dictionary: the key is known at compile time
+            # the key of a dictionary is known at compile time
             return self.outside(row.parts[0][index.known() if index.kind is INT else index.parts[0]])
         if not isinstance(row.kind, TupleKind):
             raise CompileError(f"an item of {row.kind}")
         if index.is_known:
             return row.item(index.known())
-        # index into a tuple whose items are of one kind
+        # the items of such a tuple are of one kind
         found, choose = row.item(0), self.chosen
         if is_abreast(index.kind):
             found, choose = self.cast(found, abreast(found.kind)), self.blended
@@ -346,7 +346,7 @@ class Expressions(Operators):
 
     def of_call(self, node: ast.Call) -> Value:
         if isinstance(node.func, ast.Attribute) and (owner := self.value(node.func.value)).kind is not OBJECT:
-            # a method: of a number, or of a NamedTuple's class
+            # only methods of a number or of a NamedTuple's class are compiled
             if is_number(owner.kind) and node.func.attr in METHODS:
                 return METHODS[node.func.attr](self, owner)
             if not isinstance(owner.kind, TupleKind) or owner.kind.named is None or node.keywords:

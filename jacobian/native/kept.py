@@ -91,7 +91,7 @@ def keep(folder: Path, name: str, made_for: str, made: Object) -> None:
 
 
 def _file(folder: Path, name: str) -> Path:
-    # the mark of this installation in file names, as several installations may share a folder
+    # several installations may share a folder, so file names carry a mark of this one
     mark = sha256(f"{HERE} {sys.implementation.cache_tag}".encode()).hexdigest()[:8]
     return folder / f"{name}-{mark}.native"
 

@@ -124,7 +124,7 @@ class Program:
         if found is self:
             raise CompileError(f"{name} is not known, or not on every way")
         if isinstance(found, int | float):
-            # the value is compiled in, so record it, wherever it is defined and however it is computed
+            # the value becomes part of the code, so it is recorded, wherever it is defined and however it is computed
             self.numbers[f"{module.__name__}.{name}"] = repr(found)
         elif hasattr(found, "_fields"):
             self.modules.add(found.__module__)

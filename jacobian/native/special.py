@@ -18,7 +18,7 @@ from jacobian.numbers.sums import joined, plus_product
 def adds_nothing(b: Operators, small: Value, large: Value) -> Value:
     """Instructions for :func:`jacobian.numbers.roots.negligible`."""
     if single(large.kind) is WIDE:
-        # compare with hi + lo, not with hi: lo may hold digits far below those of hi
+        # the bound refers to hi + lo, not to hi alone: lo may hold digits far below those of hi
         return b.compare("LtE", b.absolute(small), b.binary("Mult", real(EPS), b.absolute(large)))
     return b.compare("Eq", b.binary("Add", large, small), large)
 

@@ -24,7 +24,7 @@ MOST_BITS = 440
 EXACT = 1 << 53
 EPS = 2.0**-104
 """A bound of the relative rounding error of one sum, product or square root (quotients: 2.5 times as much)."""
-# splits a float into two halves of its digits
+# the factor that splits a float into two halves of its digits (Veltkamp)
 HALVER = 2.0**27 + 1
 
 
@@ -38,7 +38,7 @@ def split(x: Any) -> tuple[float, float]:
         return x, 0.0
     if type(x) is int and abs(x) < EXACT:
         return float(x), 0.0
-    # first gmpy2's mpfr: it may have _mpf_ too, but creates it at each access
+    # mpfr comes first: it may have _mpf_ too, but creates it at each access
     if type(x).__name__ == "mpfr":
         return _split_mpfr(x)
     if hasattr(x, "_mpf_"):

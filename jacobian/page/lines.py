@@ -125,7 +125,7 @@ def discriminant(C: HyperellipticCurve) -> Any:
     """
     F, n = C.discriminant, len(C.discriminant) - 1
     found = poly.resultant(QQ, F, poly.derivative(QQ, F)) / F[-1] * (-1) ** (n * (n - 1) // 2)
-    # a root at infinity
+    # a root at infinity contributes this factor
     found *= F[-1] ** 2 if n == 2 * C.genus + 1 else 1
     return found / 16 ** (C.genus + 1)
 

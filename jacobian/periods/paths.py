@@ -199,7 +199,7 @@ def nodes_needed(poles: Sequence[Complex]) -> int:
         beyond = (pole * pole - 1) ** 0.5
         rates.append(log(max(abs(pole + beyond), abs(pole - beyond))))
     count = ceil(DIGITS * log(10) / (2 * max(min(rates), 1e-9))) + 6
-    # a multiple of 8: quadrature rules are cached
+    # multiples of 8 make fewer rules, which are cached
     return count + -count % 8
 
 

@@ -76,7 +76,7 @@ class TorsionLifts:
         self.J, self.p = J, p
         self.surface = kummer_surface(J.curve)
         self.reduced = kummer_surface(J.change_ring(GF(p)).curve)
-        # ĥ(T) = 0 is at least h(T) + low/3 − log(bad part)/3, which bounds h(T)
+        # 0 = ĥ(T) ≥ h(T) + low/3 − log(bad part)/3, which bounds h(T)
         low, _ = real_bounds(self.surface)
         self.bits = ceil((log(bad_part(self.surface)) - low) / 3 / log(2)) + 1
         self.digits = 1
