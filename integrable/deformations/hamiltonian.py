@@ -192,7 +192,6 @@ class Hamiltonian(Made):
         """The potential V(γ): H with the potential minus H without."""
         raise ArgumentError(f"potential = {shown(potential)}: {type(self).__name__} has none")
 
-
     def _constants(self) -> Callable[[Any], Any]:
         """The function that converts elements of the field to numbers with operators."""
         return JetField(self.field, 0).constant if self.field.exact else lambda x: x

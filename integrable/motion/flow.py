@@ -192,7 +192,6 @@ class Flow(BodyMotion):
 
         return residual_growth(self.setup, counts, self.kernel)
 
-
     def _through(self, body: Body, state: State) -> Flow:
         """The motion of another body of the same kind."""
         return Flow(replaced(self.system, body=body), state)

@@ -116,7 +116,6 @@ class Motion(Immutable):
         """The rows that ``way`` computes; rows that it refuses are set to ``nan``."""
         return kept_rows(lambda times: _computed(way, times, physical), given, nan)
 
-
     def _run(self, given: np.ndarray, strict: bool, physical: bool) -> Trajectory:
         way = InOrder(self._ways)
         times = given if physical or not self.system.body.rolls else None

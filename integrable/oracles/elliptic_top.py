@@ -104,7 +104,6 @@ class EllipticTop:
             table = np.array([[out.mpf(x) for x in row] for row in rows], dtype=object).reshape(len(rows), 6)
         return Solution(table[:, :3], table[:, 3:], len(rows))
 
-
     def _turned(self, time: Any) -> Vector:
         """γ and M of a permanent rotation: γ(t) = R(−|ω|t)γ turns about M."""
         c = self.context

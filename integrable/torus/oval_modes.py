@@ -235,7 +235,6 @@ class OvalTorus:
         signs = [oval.sign(angle) for oval, angle in zip(self.ovals, angles, strict=True)]
         self._sign = signs[0] * signs[1] * (-1 if sigma[0] * sigma[1] * sigma[2] < 0 else 1)
 
-
     def use(self, size: tuple[int, int], most_work: float) -> None:
         """Make tables for this many modes, with enough nodes for the highest of them."""
         if size == self._size:
