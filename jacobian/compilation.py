@@ -1,6 +1,6 @@
 """Compiles every library of loops beforehand: ``python -m jacobian compile``.
 
-Compiled code is kept in the folder of :func:`jacobian.native.kept.place`, for this version of the code and for this
+Compiled code is stored in the folder of :func:`jacobian.native.kept.place`, for this version of the code and for this
 processor. A library that is not there is compiled at its first use.
 """
 
@@ -58,7 +58,9 @@ def libraries() -> Iterator[Library]:
 
 
 def compile_all() -> Iterator[tuple[str, float]]:
-    """Compiles the libraries one after the other; yields (name, seconds) of each. One on disk takes some 10 ms."""
+    """Compiles the libraries one after the other; yields (name, seconds) of each. Loading one from disk takes about 10
+    ms.
+    """
     for library in libraries():
         begun = perf_counter()
         library.load()

@@ -93,7 +93,7 @@ def _unmasked(values: Any) -> Any:
 
 
 def one_or_more(values: Any, argument: str) -> list[Any]:
-    """A number, as a list of one, or the entries of a sequence of them."""
+    """``values`` as a list: one number, or the entries of a sequence of numbers."""
     if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__") or getattr(values, "ndim", 1) == 0:
         return [values]
     return entries(values, argument, "a number or a sequence of numbers")
@@ -221,7 +221,7 @@ def _by_parts(value: Any) -> str:
 
 
 def shortened(text: str) -> str:
-    """A user's text, cut where it is long."""
+    """``text``, shortened if it has more than SHOWN characters."""
     return text if len(text) <= SHOWN else f"{text[: SHOWN - 20]}… ({len(text)} characters)"
 
 

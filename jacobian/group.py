@@ -111,7 +111,7 @@ class Jacobian(FiniteGroup[Element]):
     ) -> Divisor[Element]:
         """The class of the Mumford pair (u, v): ascending coefficients or galois.Poly, u monic, u | v² + hv − f.
 
-        A pair with deg u ≤ g is kept, v being taken modulo u; a semi-reduced pair with deg u > g is reduced. ``n``, the
+        A pair with deg u ≤ g is stored with v taken modulo u; a semi-reduced pair with deg u > g is reduced. ``n``, the
         weight at ∞₊ on a split model, lies in 0 … g − deg u, and may be any int where deg u > g; the default ⌈(g − deg
         u)/2⌉ shares the weight evenly. On other models it must be None. Raises ArgumentError, FieldError, NotOnCurve
         with the remainder, PrecisionLoss where its terms exceed the range of floats.
@@ -142,13 +142,13 @@ class Jacobian(FiniteGroup[Element]):
         multiplicities: Iterable[int] | None = None,
         extension: Field[Element] | None = None,
     ) -> Divisor[Element]:
-        """The class of Σ P_i minus as many points at infinity, for pairs (x, y) and points at infinity, repeated, or
-        with ``multiplicities``. ``extension``: a larger finite field that contains x and y; each point must then come
-        with all its conjugates.
+        """The class of Σ P_i minus as many points at infinity. The points are pairs (x, y) and points at infinity,
+        repeated or with ``multiplicities``. ``extension``: a larger finite field that contains x and y; each point must
+        then come with all its conjugates.
 
-        From r points r·∞ is subtracted on a ramified model, and ⌊r/2⌋(∞₊+∞₋) on a split one. If r is odd there, the ∞₋
-        or ∞₊ that leaves the weight ⌈(g−r)/2⌉ at ∞₊ is subtracted too. An inert model needs an even r (else
-        NotRepresentable).
+        For r points, r·∞ is subtracted on a ramified model, and ⌊r/2⌋(∞₊+∞₋) on a split one. If r is odd on a split
+        model, the ∞₋ or ∞₊ that leaves the weight ⌈(g−r)/2⌉ at ∞₊ is subtracted too. An inert model needs an even r
+        (else NotRepresentable).
         """
         self._check_representable()
         from jacobian.law.from_points import divisor_of_points, repeated
@@ -367,8 +367,8 @@ class Jacobian(FiniteGroup[Element]):
         return m
 
     def _check_multiple(self, m: int) -> None:
-        """PrecisionLoss for an m > 0 that would leave less than two fifths of the digits, since m·D has m times the
-        error of D.
+        """Raises PrecisionLoss for an m > 0 that would leave less than two fifths of the digits, because m·D has m
+        times the error of D.
         """
         K: Any = self.field
         if m > K.eps**-0.6:

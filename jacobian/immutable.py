@@ -19,7 +19,8 @@ Made = TypeVar("Made", bound=Callable[..., None])
 
 
 class Immutable:
-    """Attributes are set while ``__init__`` runs (``_open`` is set meanwhile); afterwards AttributeError.
+    """Attributes can be set only while ``__init__`` runs (``_open`` is set meanwhile); afterwards AttributeError is
+    raised.
 
     Cached results go into ``vars(self)``, as those of ``cached_property`` do; a class lists others in ``_caches`` and
     gives them a default. Comparison, hash and pickles leave them out: values are equal when they have the same type and
@@ -88,7 +89,9 @@ def _opened(initialize: Callable[..., None]) -> Any:
 
 
 def at_once(initialize: Made) -> Made:
-    """Marks an ``__init__`` that updates ``vars(self)``: opening and closing would double the time that this takes."""
+    """Marks an ``__init__`` that sets attributes by ``vars(self)`` and so needs no opening and closing, which would
+    double its time.
+    """
     initialize._at_once = True  # type: ignore[attr-defined]
     return initialize
 

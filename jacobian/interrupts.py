@@ -1,7 +1,7 @@
 """Ctrl-C in a command: one line and exit code 130, from the call of :func:`stand` on.
 
-A command calls it before it imports anything but this file and the two packages: some 12 ms after the process begins,
-of which Python takes 9. Python handles an earlier interrupt. The command ends with :func:`leave`.
+A command calls :func:`stand` before it imports anything but this file and the two packages: some 12 ms after the
+process begins, of which Python takes 9. Python handles an earlier interrupt. The command ends with :func:`leave`.
 
 The interrupt is an exception in the main thread, which cleans up. But an exception is lost in a callback, becomes
 another one in an import, and waits for threads and for compiled code. So a separate thread receives the signal too:
@@ -65,7 +65,9 @@ def leave(code: int) -> NoReturn:
 
 
 def _end() -> NoReturn:
-    """Ends without Python's own shutdown, which joins threads, but releases the resources of :mod:`multiprocessing`."""
+    """Ends the process without Python's own shutdown, which joins threads, but releases the resources of
+    :mod:`multiprocessing`.
+    """
     import atexit
 
     try:
@@ -118,7 +120,9 @@ def _hook(*error: Any) -> None:
 
 
 class shielded:
-    """A block that starts processes which never see an interrupt: it ends their parent, and the parent ends them."""
+    """A context in which started processes do not receive interrupts: an interrupt ends their parent, and the parent
+    ends them.
+    """
 
     def __enter__(self) -> None:
         import signal

@@ -28,7 +28,9 @@ def _without(K: Any, row: list[Any], pivot: list[Any], column: int) -> list[Any]
 
 
 def solution(K: Any, rows: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any] | None:
-    """The unique solution of a system with at least as many equations as unknowns; None if there is none or several."""
+    """The unique solution of a system with at least as many equations as unknowns; None if there is no solution or more
+    than one.
+    """
     unknowns = len(rows[0])
     # a pivot on the right side is an equation 0 = 1
     pivots = sorted(echelon(K, [[*row, x] for row, x in zip(rows, right, strict=True)], unknowns + 1))

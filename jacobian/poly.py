@@ -1,4 +1,5 @@
-"""Dense univariate polynomials: tuples of raw field elements, ascending, the field first in every call.
+"""Dense univariate polynomials: tuples of raw field elements, ascending. The field is the first argument of every
+function.
 
 Over an exact field a polynomial is trimmed: its last coefficient is not zero, and the zero polynomial is ``()``. Over
 an inexact field nothing is trimmed, so rounding never changes a degree; gcds exist over exact fields only. A field may
@@ -20,8 +21,8 @@ Poly = tuple[Element, ...]
 def coerce(
     K: Arithmetic[Element], values: object, argument: str = "polynomial", *, constant: bool = False
 ) -> Poly[Element]:
-    """The polynomial with the ascending coefficients ``values``, or equal to a polynomial of galois, python-flint or
-    PARI; else FieldError, which names ``argument``.
+    """The polynomial with the ascending coefficients ``values``, or that is given as ``values`` by galois, python-flint
+    or PARI; else FieldError, which names ``argument``.
 
     With ``constant`` a single number is accepted too. Exact zeros at the top are cut off over an exact field only.
     """

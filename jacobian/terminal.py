@@ -1,6 +1,6 @@
 """Output to a terminal: replacements for characters that its encoding lacks, and usage lines that fit its width.
 
-Greek letters and mathematical signs are part of the output, but a terminal or a redirected file may know ASCII or
+Greek letters and mathematical signs are part of the output, but a terminal or a redirected file may support ASCII or
 cp1252 only (Windows, LC_ALL=C). Files that the commands write themselves are always UTF-8.
 """
 
@@ -43,7 +43,7 @@ _PLAIN = {
 
 
 def write_anything() -> None:
-    """Let this process print every text, whatever the encoding of its output; a command calls it first."""
+    """Lets this process print every text, whatever the encoding of its output; a command calls it first."""
     codecs.register_error("jacobian.plain", _plain)
     for stream in (sys.stdout, sys.stderr):
         # an error handler that the user chose (PYTHONIOENCODING=ascii:replace) stays

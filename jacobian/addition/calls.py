@@ -29,8 +29,9 @@ from jacobian.numbers.words import Wide64, word_context
 
 
 def context(K: Any) -> Any:
-    """The context of a word-size field. All primes share one class of contexts, because each class is compiled
-    separately. A class for small primes would save only a tenth of the time of a multiple.
+    """The context of a word-size field: the constants of its compiled arithmetic. All primes share one class of
+    contexts, because loops are compiled separately for each class. A class for small primes would save only a tenth of
+    the time of a multiple.
     """
     return table_context(K) if isinstance(K, TableField) else Wide64(*word_context(K.p, 64))
 
@@ -121,8 +122,8 @@ def scalar(m: int) -> tuple[bytes, bytearray]:
 
 
 class ExplicitKernel:
-    """Addition and doubling by explicit formulas on a curve with a short equation, in the context K. Special cases go
-    to the kernel ``others``.
+    """Addition and doubling by explicit formulas on a curve with a short equation, in the context K. The kernel
+    ``others`` handles special cases.
     """
 
     def __init__(self, C: HyperellipticCurve, K: Any, equation: Any, others: Any) -> None:
@@ -166,7 +167,9 @@ class LineKernel(ExplicitKernel):
 
 
 class TwoWordKernel(ExplicitKernel):
-    """The kernel of a curve with a short equation on two words; ``others`` is the kernel in Python."""
+    """The kernel of a curve with a short equation over a field whose elements take two words; ``others`` is the kernel
+    in Python.
+    """
 
     def __init__(self, C: HyperellipticCurve, others: Any) -> None:
         K = two_word_context(C.field)

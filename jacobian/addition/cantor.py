@@ -5,8 +5,9 @@ A triple (u, v, n) of a split model stands for the class of
     div(u, v) + n·∞₊ + (g − deg u − n)·∞₋ − D∞,    D∞ = ⌈g/2⌉∞₊ + ⌊g/2⌋∞₋,
 
 where div(u, v) is the divisor of common affine zeros of u(x) and y − v(x). Intermediate n may be any integer; at the
-end 0 ≤ n ≤ g − deg u. On ramified and inert models n is None and the class is div(u, v) minus deg u times ∞, or deg u/2
-times both points. Every function takes and returns n with (u, v), so that it is never recomputed.
+end 0 ≤ n ≤ g − deg u. On ramified and inert models n is None and the class is div(u, v) minus (deg u)·∞, or minus deg
+u/2 times each of the two points at infinity. Every function takes and returns n with (u, v), so that it is never
+recomputed.
 
 Sources: Cantor 1987 and Koblitz 1989 (h ≠ 0, characteristic 2) for composition and reduction; Galbraith, Harrison and
 Mireles Morales 2008 for the balanced divisors and the steps at infinity.
@@ -36,7 +37,7 @@ def sum_of(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
 
 
 def compose(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
-    """A triple of a + b, with deg u up to deg u₁ + deg u₂.
+    """An unreduced triple of a + b, with deg u up to deg u₁ + deg u₂.
 
     With d = gcd(u₁, u₂, v₁+v₂+h) = r·gcd(u₁, u₂) + t(v₁+v₂+h) and gcd(u₁, u₂) = … + s·u₂:
     u = u₁u₂/d², v = v₂ + (u₂/d)k, k = r·s(v₁−v₂) + t·(f−hv₂−v₂²)/u₂ modulo u₁/d.
@@ -121,8 +122,9 @@ def reduce(C: HyperellipticCurve, a: Triple) -> Triple:
 def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
     """The reduced triple equivalent to (u, v, n) on a split model, for deg u ≤ g+1.
 
-    Each step adds a multiple of u to v, so that v has the leading terms of V₋ or V₊, and reflects at y − v. V₋ raises n
-    by g+1−deg u' ≥ 1, V₊ lowers it by g+1−deg u ≥ 0; the weight at the other point at infinity stays non-negative.
+    Each step adds a multiple of u to v, so that v has the leading terms of V₋ or V₊ (``C.principal_parts``), and
+    reflects at y − v. V₋ raises n by g+1−deg u' ≥ 1, V₊ lowers it by g+1−deg u ≥ 0; the weight at the other point at
+    infinity stays non-negative.
     """
     K, g = C.field, C.genus
     while not (0 <= n <= g - (len(u) - 1)):

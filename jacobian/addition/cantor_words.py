@@ -1,8 +1,9 @@
-"""Cantor's composition and reduction for one pair of classes in a context of words: functions to be compiled.
+"""Cantor's composition and reduction on machine words, for one pair of classes: functions to be compiled.
 
 The steps are those of :mod:`jacobian.addition.cantor`, for every genus, model and special case. They are written once
-for all contexts of :mod:`jacobian.numbers.words` and :mod:`jacobian.numbers.tables`. Polynomials are ascending rows of
-one scratch array; each is passed with its length. Coefficients are canonical, so that zero is always the word 0.
+for all contexts of :mod:`jacobian.numbers.words` and :mod:`jacobian.numbers.tables`. A polynomial is a row of one
+scratch array, with ascending coefficients, and is passed with its length. Coefficients are canonical, so that zero is
+always the word 0.
 
 A class is an array of 2g + 4 words: deg u + 1, the length of v, n (0 where there is none), u padded to g + 1, v to g.
 A curve is the array that :func:`packed_curve` returns.

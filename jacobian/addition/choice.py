@@ -2,8 +2,9 @@
 
 The choice follows measurements (``python -m benchmarks single nucomp heights``). Genus 2 takes explicit formulas,
 except where Python's arithmetic is slow; so does genus 3 over GF(p) on y² = x⁷ + … and on split models with h = 0.
-:func:`jacobian.addition.cantor_flint.pays` selects the curves that python-flint adds on. On all other curves Cantor's
-algorithm runs in Python, or NUCOMP from a genus on that depends on the model. All give the same triples.
+:func:`jacobian.addition.cantor_flint.pays` selects the curves for which python-flint is used. On all other curves
+Cantor's algorithm runs in Python, or NUCOMP from a certain genus on, which depends on the model. All methods give the
+same triples.
 
 The compiled kernels of :mod:`jacobian.addition.calls` are faster than all of these. They exist over fields of word size
 (GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements). Where explicit formulas apply, they also exist over GF(p), 2^63
@@ -74,8 +75,8 @@ class Kernel(NamedTuple):
 def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None, work: Work = PROCESS) -> Kernel:
     """The kernel for C, the arithmetic model of a curve over an exact field.
 
-    Additions are counted in ``work``. When there are enough to repay the compiled kernel, ``adopt`` is called with that
-    kernel. Without ``adopt`` no compiled kernel is considered.
+    Additions are counted in ``work``. When they have taken as long as the switch to the compiled kernel, ``adopt`` is
+    called with that kernel. Without ``adopt`` no compiled kernel is considered.
     """
     chosen = python_kernel(C)
     if cantor_flint.pays(C):

@@ -1,8 +1,8 @@
 """Sums, doubles and multiples of single classes: loops to be compiled, for every context and equation.
 
-Explicit formulas add two classes in general position. In a special case Cantor's algorithm takes over: over fields of
-word size in compiled code, :mod:`jacobian.addition.cantor_words`, also within a multiple. In other contexts the loop
-reports the special case to its caller. Without compilation the same functions run in Python.
+Explicit formulas add two classes in general position. In a special case Cantor's algorithm takes over. Over fields of
+word size it is compiled too (:mod:`jacobian.addition.cantor_words`), so that a multiple continues. In other contexts
+the loop reports the special case to its caller. Without compilation the same functions run in Python.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def double_of(K: Any, C: Any, first: Any) -> Any:
 
 
 def from_quotient(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> Any:
-    """Finishes :func:`sum_of` or :func:`double_of` from the quotient, the first half of the sum."""
+    """Finishes :func:`sum_of` or :func:`double_of` from the result of ``chord`` or ``tangent``."""
     multiple = canonical(K, product(K, C, quotient))
     if multiple == 0:
         return False, first
@@ -75,7 +75,7 @@ def double_class(K: Any, C: Any, u: Any, v: Any) -> Any:
 def multiple_of_class(K: Any, C: Any, u: Any, v: Any, scalar: Any, digits: Any, odd: Any) -> Any:
     """Multiplies a class of weight g by a scalar > 0 in little-endian bytes; returns the triple of :func:`returned`.
 
-    Scratch memory: ``digits``, one zero more than the scalar has bits, and ``odd``, a column for each odd digit.
+    Scratch memory: ``digits`` has one zero more than the scalar has bits, ``odd`` has a column for each odd digit.
     """
     position, first = signed_windows(scalar, 5, digits), encoded(K, C, u, v)
     keep(odd, 0, first)
@@ -213,7 +213,7 @@ def sum_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any) -> None:
 
 
 def multiple_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any, scalar: Any, digits: Any) -> None:
-    """Replaces the class in ``data`` by scalar times it; ``scalar``, ``digits`` as in :func:`multiple_of_class`."""
+    """Multiplies the class in ``data`` by ``scalar``. The arguments are those of :func:`multiple_of_class`."""
     g, total, other = curve[0], S[TOTAL], S[OTHER]
     width = 2 if len(scalar) < 2 else 4 if len(scalar) < 24 else 5
     position = signed_windows(scalar, width, digits)

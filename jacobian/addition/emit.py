@@ -34,7 +34,7 @@ class OnInts:
         """The degree of each result in the inputs; a result of degree 1 is about as long as p."""
 
     def operation(self, index: int, name: str, operands: tuple[int, ...], text: Callable[[int, int], str]) -> Written:
-        """The text of an operation, from that of its operands."""
+        """The text of an operation, from the texts of its operands."""
         x, y = operands[0], operands[-1]
         degrees = [self.degrees.get(each, 1) for each in (x, y)]
         self.degrees[index] = sum(degrees) if name == "mul" else max(degrees)
@@ -57,7 +57,7 @@ class OnInts:
         return f"pow({x}, -1, p)"
 
     def reading(self, g: int, x: str, names: tuple[str, str], otherwise: str) -> list[str]:
-        """The lines that read a class, with ``otherwise`` run unless v has g coefficients (then deg u = g)."""
+        """The lines that read a class, and run ``otherwise`` unless v has g coefficients (then deg u = g)."""
         a, b = (_listed(name, g) for name in names)
         return [f"if len(v{x}) != {g}:", f"    {otherwise}", f"({a}, _), ({b}) = u{x}, v{x}"]
 
@@ -70,7 +70,7 @@ class OnElements:
     karatsuba = True
 
     def operation(self, index: int, name: str, operands: tuple[int, ...], text: Callable[[int, int], str]) -> Written:
-        """The text of an operation, from that of its operands."""
+        """The text of an operation, from the texts of its operands."""
         return f"{name}({', '.join(text(x, SUM) for x in operands)})", NAME
 
     def factor(self, index: int, found: Written, result: bool) -> Written:
@@ -82,7 +82,7 @@ class OnElements:
         return f"inv({x})"
 
     def reading(self, g: int, x: str, names: tuple[str, str], otherwise: str) -> list[str]:
-        """The lines that read a class, with ``otherwise`` run unless u has degree g."""
+        """The lines that read a class, and run ``otherwise`` unless u has degree g."""
         a, b = (_listed(name, g) for name in names)
         full = f"v{x} if len(v{x}) == {g} else (*v{x}, {', '.join(['zero'] * g)})[:{g}]"
         return [f"if len(u{x}) != {g + 1}:", f"    {otherwise}", f"({a}, _), ({b}) = u{x}, {full}"]
@@ -93,7 +93,7 @@ def _listed(letter: str, count: int) -> str:
 
 
 def lines_of(tape: Tape, results: dict[int, str], style: OnInts | OnElements, otherwise: str) -> list[str]:
-    """The lines that compute ``results`` (operation: name), with ``otherwise`` run where an inverse does not exist."""
+    """The lines that compute ``results`` (operation: name), and run ``otherwise`` where an inverse does not exist."""
     live = tape.live(results)
     uses, inverted = tape.uses(live, results), {tape.operands(i)[0] for i in live if tape.operations[i][0] == "inv"}
     factors = inverted.union(*(tape.operands(i) for i in live if tape.operations[i][0] == "mul"))
@@ -151,8 +151,8 @@ def _function(
 def text_of(formulas: Formulas, known: tuple[tuple[str, int], ...], style: Any) -> str:
     """The text of a function ``made`` that returns (sum_of, double) for one curve, as methods.
 
-    ``known`` has the coefficients that are 0 or 1, and the characteristic if it is 2. The arguments of ``made`` are
-    those that the style needs, then the other coefficients.
+    ``known`` has the coefficients that are 0 or 1, and the characteristic if it is 2. The arguments of ``made`` are the
+    curve, the weight of the results, what the style needs, and the other coefficients.
     """
     table = {"characteristic": 0, **dict(known)}
     unknown = [name for name in formulas.coefficients if name not in table]

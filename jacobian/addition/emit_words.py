@@ -1,9 +1,9 @@
 """Writes Python code from formulas, in the operations of :mod:`jacobian.numbers.words`, for loops to be compiled.
 
-:func:`texts` returns the code, one function for each step of the formulas; :func:`functions` returns these functions.
-A sum of up to four products is reduced once. The writer follows the sizes of all numbers, in units of p, on contexts
-with spare bits, on contexts without, and on floats. It reduces a number where an operation would exceed its bound.
-Binary fields and tables need no such reductions; tables of odd characteristic run the code for primes.
+:func:`texts` returns the code, one function for each step of the formulas; :func:`functions` returns these functions. A
+sum of up to four products is reduced once. The writer bounds all numbers, in units of p, for contexts with spare bits,
+for contexts without, and for floats. It reduces a number where an operation would exceed its bound. Binary fields and
+tables need no such reductions; tables of odd characteristic run the code for primes.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Writer:
                 self.names[i] = self._written(i)
 
     def _repeated(self, results: Sequence[int]) -> Iterable[int]:
-        """The products to be written out in every sum in which they occur, as each such sum has room for one more."""
+        """The products to be written out in every sum in which they occur, because each has room for one more."""
         parts = {i: self._parts(i) for i in self.live if i in self.named}
         for i in self.named.difference(self.factors, results):
             sums = [products for products, others in parts.values() if i in others]

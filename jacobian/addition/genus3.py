@@ -11,8 +11,8 @@ Composition and reduction are those of Cantor (1987); Wollinger, Pelzl and Paar 
 Wollinger and Gong 2007 order such steps so that one inversion is enough: that of the resultant times the leading
 coefficient of s. The formulas fail exactly where what is inverted is 0; elsewhere all degrees are as stated.
 
-A row is (a₂, a₁, a₀, b₂, b₁, b₀), a quotient (r, r·s₂, r·s₁, r·s₀). :mod:`jacobian.addition.straight` makes code of the
-steps.
+A row is (a₂, a₁, a₀, b₂, b₁, b₀), a quotient (r, r·s₂, r·s₁, r·s₀). :mod:`jacobian.addition.straight` turns the steps
+into code.
 """
 
 from __future__ import annotations
@@ -139,7 +139,7 @@ def quartic(C: Any, meeting: Four, middle: Four) -> Four:
 
 
 def sum_u_of_degree_8(C: Any, meeting: Four, curve: Four) -> Triple:
-    """(u₂, u₁, u₀) of the sum's u, from the quartic ``curve``. The weight is lower if the inverted number is 0."""
+    """(u₂, u₁, u₀) of the sum's u, from the quartic ``curve``. The inverted number is 0 if the sum has lower weight."""
     (e3, e2, e1, _), (w3, w2, w1, w0) = meeting, curve
     twice = w3 + w3
     inverse = 1 / (C.f7 - C.c * twice)

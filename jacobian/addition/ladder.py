@@ -1,4 +1,4 @@
-"""Multiples by doubling and adding, in any group: the non-adjacent form and the ladder over it.
+"""Multiples by doubling and adding, in any group, from the scalar's non-adjacent form.
 
 Over QQ the coefficients of m·D have about m² times as many digits as those of D. If they exceed MOST_BITS bits,
 Infeasible is raised.

@@ -143,14 +143,14 @@ class Term:
 
 
 def cross(x1: Any, x0: Any, y1: Any, y0: Any) -> Any:
-    """x₁y₀ + x₀y₁ where x₁y₁, x₀y₀ are needed too: with ``karatsuba`` by one product more (Karatsuba, Ofman 1962)."""
+    """x₁y₀ + x₀y₁, where the caller also needs x₁y₁ and x₀y₀; ``karatsuba`` saves a product (Karatsuba, Ofman 1962)."""
     if _saves_products(x1, x0, y1, y0):
         return (x1 + x0) * (y1 + y0) - x1 * y1 - x0 * y0
     return x1 * y0 + x0 * y1
 
 
 def square_of_twice(x: Any) -> Any:
-    """(2x)² where x² is needed too: with ``karatsuba`` without another product."""
+    """(2x)², where the caller also needs x²; with ``karatsuba`` it takes no further product."""
     if not _saves_products(x):
         return (x + x) * (x + x)
     twice = x * x + x * x
@@ -165,9 +165,9 @@ def _saves_products(*numbers: Any) -> bool:
 class Formulas(NamedTuple):
     """The explicit formulas of one model: the genus, the coefficients of the curve that they use, and their steps.
 
-    ``chord`` and ``tangent`` take the coefficients C and one or two classes to a quotient, ``opposite`` a class to its
-    negative. ``steps`` are pairs: the name of a result, and its function of C, ``first``, ``second``,
-    ``quotient``, ``inverse`` (of the result "product"), or results of earlier steps. The sum is (*u, *v).
+    ``chord`` and ``tangent`` map the coefficients C and one or two classes to a quotient, ``opposite`` maps a class to
+    its negative. ``steps`` are pairs: the name of a result, and its function of C, ``first``, ``second``, ``quotient``,
+    ``inverse`` (of the result "product"), or results of earlier steps. The sum is (*u, *v).
     """
 
     genus: int
@@ -188,7 +188,7 @@ class Formulas(NamedTuple):
         return self.closed(C, quotient, None, first, second)
 
     def closed(self, C: Any, quotient: Any, inverse: Any, first: Any, second: Any) -> tuple[Any, ...]:
-        """The sum from its quotient and the inverse of the product, which is computed if it is None."""
+        """The sum from its quotient and the inverse of the product; the inverse is computed if it is None."""
         found = {"C": C, "quotient": quotient, "inverse": inverse, "first": first, "second": second}
         for name, step in self.steps:
             if name != "product" or inverse is None:

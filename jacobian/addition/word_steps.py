@@ -1,7 +1,7 @@
 """The steps of the explicit formulas on words, which compiled loops call.
 
 The arithmetic is that of :mod:`jacobian.numbers.words`. A step takes a context K and a short equation C, whose class
-chooses the code: :data:`STEPS` holds the functions that :mod:`jacobian.addition.emit_words` writes for each class.
+selects the code: :data:`STEPS` holds the functions that :mod:`jacobian.addition.emit_words` writes for each class.
 Loops with these steps run in Python and compiled. Tests run all steps on intervals to show that no word overflows.
 
 A class of weight g is a tuple of 2g words, u and v from the highest coefficient down. An array stores it as a
@@ -34,7 +34,7 @@ def keep(x: Any, j: Any, found: Any) -> None:
 
 
 def quotient_at(K: Any, C: Any, S: Any, j: Any) -> Any:
-    """The quotient, the first half of a sum, that column j of the scratch array S stores from its third row on."""
+    """The quotient (the first half of a sum) stored in column j of the scratch array S, from the third row on."""
     return STEPS["quotient_at"][type(C)](K, C, S, j)
 
 
@@ -44,12 +44,12 @@ def class_in(K: Any, C: Any, a: Any) -> Any:
 
 
 def encoded(K: Any, C: Any, u: Any, v: Any) -> Any:
-    """The tuple of words of a class whose u and v are given in residues."""
+    """The tuple of words of a class whose u and v are given as residues."""
     return STEPS["encoded"][type(C)](K, C, u, v)
 
 
 def decoded(K: Any, C: Any, D: Any) -> Any:
-    """The pair (u, v) in residues of a class D of words; u includes its leading 1."""
+    """The pair (u, v), as residues, of a class D given in words; u includes its leading 1."""
     return STEPS["decoded"][type(C)](K, C, D)
 
 

@@ -1,10 +1,10 @@
 """L-polynomials from their coefficients modulo p, prime after prime, by the group law: loops to be compiled.
 
-With a_1 known and a_2 (and a_3) modulo p, the order of J(GF(p)) is c + p·(e + p·s) for small e and s; likewise that of
-its quadratic twist, whose a_1 and a_3 have the other sign. A point x_0 gives a class D without a square root: it is ∞₊
-− ∞₋ on y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0). That curve is isomorphic to the given one if F(x_0) is a square
-modulo p, else to its twist. Baby steps and giant steps along p·D give all (s, e) whose orders annihilate D; further
-points eliminate all but one. The right one is never eliminated, so a single survivor is proven.
+With a_1 known and a_2 (and a_3) modulo p, the order of J(GF(p)) is c + p·(e + p·s) for small e and s. The same holds
+for its quadratic twist, whose a_1 and a_3 have the other sign. A point x_0 gives a class D, and no square root is
+needed: D is ∞₊ − ∞₋ on y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0). That curve is isomorphic to the given one if
+F(x_0) is a square modulo p, else to its twist. Baby steps and giant steps along p·D give all (s, e) whose orders
+annihilate D; further points eliminate all but one. The right one is never eliminated, so a single survivor is proven.
 
 The classes are those of :mod:`jacobian.arithmetic.desk`.
 """
@@ -27,8 +27,8 @@ POINTS = 12
 def decide(equations: Any, residues: Any, desk: Any, out: Any, begin: int, end: int) -> None:
     """Completes the rows (p, a_1, … a_g, the number of remaining candidates) of ``out`` from begin to end.
 
-    p is given there; ``residues`` are a_1 and the other a_i modulo p, ``equations`` the coefficients of F modulo p.
-    The number is 1 where the prime is decided, 0 where every candidate is wrong.
+    ``out`` already contains p; ``residues`` are a_1 and the other a_i modulo p, ``equations`` the coefficients of F
+    modulo p. The number is 1 where the prime is decided, 0 where every candidate is wrong.
     """
     g = residues.shape[1]
     for k in range(begin, end):
@@ -127,10 +127,10 @@ def search(K: Any, sign: int, rows: int, desk: Any) -> int:
 
 
 def baby_steps(K: Any, rows: int, desk: Any) -> Any:
-    """(the number of baby steps, the number of places of their table): the steps are 0, −pD, −2pD, ….
+    """(the number of baby steps, the size of their hash table): the steps are 0, −pD, −2pD, ….
 
-    Class 6 is the step after the last. There are about as many steps as the square root of the number of candidates,
-    and none occurs twice. If the order of pD is smaller, the steps are a cycle, and the giant step is 0.
+    The step after the last is written to class 6. The number of steps is about the square root of the number of
+    candidates. If pD has a smaller order, the steps are a full cycle, and the giant step is 0.
     """
     classes, table, total, baby, size = desk.classes, desk.table, 0, 1, 4
     for s in range(rows):
@@ -157,7 +157,7 @@ def baby_steps(K: Any, rows: int, desk: Any) -> Any:
 
 
 def place_of(a: Any, size: int) -> int:
-    """The first place to look for the class a in a table of ``size`` places."""
+    """The index at which the search for the class a begins, in a hash table of ``size`` entries."""
     h = a[2]
     for i in range(3, len(a)):
         h = (h * 1000003 + a[i]) % 2147483647

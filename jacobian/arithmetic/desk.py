@@ -1,6 +1,7 @@
-"""Divisor classes on curves modulo p, set up for one prime after the other: loops to be compiled.
+"""Divisor classes on curves modulo p, for one prime after another: loops to be compiled.
 
-They are those of :mod:`jacobian.addition.cantor_words`, added in genus 2 by the explicit formulas where they apply.
+Classes are arrays as in :mod:`jacobian.addition.cantor_words`. In genus 2, explicit formulas add them where these
+apply.
 """
 
 from __future__ import annotations
@@ -18,10 +19,11 @@ HEAD = 7
 
 
 class Desk(NamedTuple):
-    """The memory of a search.
+    """The memory of a search by :mod:`jacobian.arithmetic.decision_kernels`.
 
-    It holds the curve; Cantor's scratch; classes, the first three p·D, p²·D and (least order)·D; the polynomial F and
-    its translate; the table of baby steps; the ranges of t in each row; the candidates (s, t).
+    It holds the curve; the scratch memory of Cantor's algorithm; classes, the first three p·D, p²·D and (least
+    order)·D; the polynomial F and its translate; the table of baby steps; the ranges of t in each row; the candidates
+    (s, t).
     """
 
     curve: Any
@@ -36,7 +38,9 @@ class Desk(NamedTuple):
 
 
 def class_at(K: Any, a: Any, x0: int, desk: Any) -> int:
-    """Writes classes 0, 1 and 2 at x_0. Returns 1 if y² = G(t) is the curve, −1 if it is the twist, 0 if F(x_0) = 0."""
+    """Writes classes 0, 1 and 2 for the point x_0. Returns 1 if y² = G(t) is isomorphic to the curve, −1 if to the
+    twist, 0 if F(x_0) = 0.
+    """
     value = model_at(K, x0, desk)
     if value == 0:
         return 0
@@ -95,7 +99,7 @@ def is_square(K: Any, x: int) -> bool:
 
 
 def set_class(K: Any, g: int, n: int, a: Any) -> None:
-    """Writes into a the class of weight n at ∞₊ without affine points: n = ⌈g/2⌉ is 0, one more is ∞₊ − ∞₋."""
+    """Writes into a the class of weight n at ∞₊ without affine points: ⌈g/2⌉ gives 0, ⌈g/2⌉ + 1 gives ∞₊ − ∞₋."""
     for i in range(len(a)):
         a[i] = 0
     a[0], a[2], a[3] = 1, n, 1

@@ -39,7 +39,7 @@ class Algebra(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """The algebras of the endomorphisms that periods show.
+    """The algebras of the endomorphisms found from periods.
 
     ``geometric``, ``rational``: those over ℂ and over QQ; ``primes``: how many L-polynomials agree with them;
     ``proven``: whether End = ℤ is proven.
@@ -52,7 +52,7 @@ class Seen(NamedTuple):
 
 
 def seen(found: Endomorphisms, L: LPolynomials | None = None) -> Seen:
-    """The algebras of the endomorphisms that were found, compared with L-polynomials of the same curve.
+    """The algebras of the endomorphisms ``found``, compared with L-polynomials of the same curve.
 
     PrecisionLoss if an L-polynomial contradicts them: a relation of the periods is then no endomorphism.
     """
@@ -161,7 +161,7 @@ def hilbert(a: int, b: int, p: int) -> int:
 
 
 def _compare(p: int, L: Sequence[int], geometric: int, rational: Sequence[Integers]) -> None:
-    """Raises PrecisionLoss if the reduction modulo p, by its L-polynomial, cannot have these endomorphisms."""
+    """Raises PrecisionLoss if the L-polynomial excludes that the reduction modulo p has these endomorphisms."""
     from flint import fmpz_mat
 
     if geometric > _endomorphisms_of(_power(L, ROOTS_OF_UNITY)) or len(rational) > _endomorphisms_of(_power(L, 1)):
@@ -221,9 +221,9 @@ def _endomorphisms_of(frobenius: Any) -> int:
 
 
 def _centres(polynomials: Sequence[tuple[int, Sequence[int]]]) -> set[int]:
-    """The d of the fields QQ(√d), each contained in every End⁰(J) larger than QQ, in genus 1 and 2.
+    """The d of fields QQ(√d) that End⁰(J) contains if it is larger than QQ, in genus 1 and 2.
 
-    Two different ones prove that End⁰(J) = QQ.
+    Two different d prove that End⁰(J) = QQ.
     """
     found: set[int] = set()
     for p, L in polynomials:

@@ -4,16 +4,16 @@ With f = Σ f_i x^i of degree d, f_0 ≠ 0, and c_k the coefficients of f^((p−
 
     2k·f_0·c_k = Σ_{i=1…d} (i − 2k) f_i c_(k−i),
 
-which is free of p. So the window (c_(k−d+1), …, c_k)·(2f_0)^k·k!/c_0 is a product of k integer matrices applied to
-(0, …, 0, 1) (Harvey and Sutherland 2014, 2016). A block of integers needs the window at its beginning, modulo the
-product of its primes.
+a recurrence that does not depend on p. So the window (c_(k−d+1), …, c_k)·(2f_0)^k·k!/c_0 is a product of k integer
+matrices applied to (0, …, 0, 1) (Harvey and Sutherland 2014, 2016). A block of integers needs the window at its
+beginning, modulo the product of its primes.
 
 The blocks form trees. A tree multiplies its matrices, carries the window down to the beginning of each block, and
-finally to its own end, modulo the primes of all later trees. From the beginning of its block the window is advanced to
-p modulo p (:mod:`jacobian.arithmetic.walk`), which is faster than the lower levels of a tree.
+finally to its own end, modulo the primes of all later trees. For each p the window is then advanced from the beginning
+of the block to p, modulo p (:mod:`jacobian.arithmetic.walk`). This is faster than the lower levels of a tree.
 
-Integers and matrices are those of FLINT (python-flint). Matrices of 5 rows with entries of 640 kbit are multiplied in
-the time of 91 of its products of integers (``python -m benchmarks l_polynomials``).
+Integers and matrices are those of FLINT (python-flint). It multiplies matrices of 5 rows with entries of 640 kbit in
+the time of 91 products of such integers (``python -m benchmarks l_polynomials``).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ polynomials at all such indices of a block.
 
 
 class Block(NamedTuple):
-    """The primes p with begin < p ≤ end, as indices ``first`` … ``last`` − 1 of the list of all."""
+    """The primes p with begin < p ≤ end, as indices ``first`` … ``last`` − 1 of the list of all primes."""
 
     begin: int
     first: int
@@ -71,7 +71,7 @@ def trees(
 ) -> Iterator[Tree]:
     """Yields, tree after tree, the windows (2f_0)^b·b!·(c_(b−d+1), …, c_b)/c_0 for all b at which blocks begin.
 
-    ``blocks`` are of one size, a multiple of STEPS; they begin at 0, or at some tree, with the ``window`` there.
+    ``blocks`` have one size, a multiple of STEPS. They begin at 0, or at a later tree, at which ``window`` is given.
     """
     d = len(f) - 1
     size = blocks[1].begin - blocks[0].begin if len(blocks) > 1 else 0
@@ -92,7 +92,7 @@ def trees(
 
 
 def _first_products(f: Sequence[int]) -> list[list[fmpz_poly]]:
-    """Π_{j=1…STEPS} M(k + j), the last factor on the left, as polynomials in k."""
+    """Π_{j=1…STEPS} M(k + j), the last factor on the left, as polynomials in k; M(k) is step k of the recurrence."""
     d = len(f) - 1
     total = [[fmpz_poly([int(i == j)]) for j in range(d)] for i in range(d)]
     for step in range(1, STEPS + 1):

@@ -67,7 +67,7 @@ def l_polynomials(
 
 
 def with_progress(C: HyperellipticCurve, bound: int, file: File | None = None, progress: bool = False) -> LPolynomials:
-    """:func:`l_polynomials`, with a bar if ``progress``."""
+    """:func:`l_polynomials`, with a progress bar if ``progress``."""
     if not flag(progress, "progress"):
         return l_polynomials(C, bound, file)
     try:
@@ -92,9 +92,9 @@ def hasse_witt_matrices(C: HyperellipticCurve, bound: int) -> tuple[np.ndarray, 
     """(p, W): odd primes of good reduction up to ``bound``, (K,), and W_p, (K, g, g).
 
     Entry i, j of W_p is the coefficient of x^(ip−j) in F^((p−1)/2) modulo p, F = h² + 4f times a square. Any genus with
-    deg F ≤ 120. W_p is the transpose of :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`, up to the square
-    class of 4 and of the denominators. Let a run over the g integers of least size with F(a) ≠ 0. Primes p ≤ 2g are
-    left out, and those that divide an F(a) or a difference of two a.
+    deg F ≤ 120. W_p is the transpose of :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`, as a square
+    factor of F does not change F^((p−1)/2) modulo p. Let a run over the g integers of least size with F(a) ≠ 0. Primes
+    p ≤ 2g are left out, and those that divide an F(a) or a difference of two a.
     """
     bound = _checked(C, bound)
     F, g = residues.integral_equation(C), C.genus
@@ -106,8 +106,8 @@ def hasse_witt_matrices(C: HyperellipticCurve, bound: int) -> tuple[np.ndarray, 
 
 
 def of_curves(curves: Iterable[HyperellipticCurve], bound: int, executor: Executor | None = None) -> Iterator[Any]:
-    """:func:`l_polynomials` of many curves, in order: on an executor of concurrent.futures, a client of dask
-    (``client.get_executor()``), or one after the other.
+    """Yields :func:`l_polynomials` of many curves, in order. They are computed on an ``executor`` of
+    concurrent.futures, such as that of a dask client (``client.get_executor()``), or else one after the other.
     """
     given = [check_curve(C) for C in curves]
     if executor is None:

@@ -22,8 +22,8 @@ MOST_DOTS = 20_000
 
 
 def figure(L: LPolynomials) -> Figure:
-    """Histograms of the normalised coefficients, and in genus 2 and 3 the scatter of the first two, with the region
-    that Weil's bounds leave.
+    """Histograms of the normalised coefficients, and in genus 2 and 3 the scatter of the first two, with the boundary
+    of the region that Weil's bounds allow.
     """
     try:
         from matplotlib.figure import Figure

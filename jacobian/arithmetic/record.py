@@ -55,12 +55,12 @@ class LPolynomials:
         ]
 
     def normalised(self) -> Any:
-        """a_i/p^(i/2), (K, g) floats: those of L_p(T/√p), a_i within ±C(2g, i)."""
+        """a_i/p^(i/2), (K, g) floats: the coefficients of L_p(T/√p), each within ±C(2g, i)."""
         powers = np.arange(1, self.curve.genus + 1) / 2
         return self.coefficients / self.p[:, None].astype(float) ** powers
 
     def moments(self, most: int = 8) -> Any:
-        """The means of (a_i/p^(i/2))^n, n = 0 … ``most``, of each i, (g, most + 1)."""
+        """The means of (a_i/p^(i/2))^n, n = 0 … ``most``, for each i, (g, most + 1)."""
         most = whole(most, "most", "the largest exponent is an int, 1 … 40", 1, 40)
         values = self.normalised()
         return np.stack([np.mean(values**n, axis=0) for n in range(most + 1)], axis=1)
@@ -69,7 +69,7 @@ class LPolynomials:
         """a_0 = 0, a_1, …, a_bound of Π 1/L_p(p^(−s)) = Σ a_n n^(−s), (bound + 1,) int64.
 
         ``euler``: the factors at bad primes, ascending, {2: [1, 1], …}; a bad prime that is not in it has the factor 1,
-        as in the partial L-function: a_n = 0 for all n that it divides.
+        as in the partial L-function, so that a_n = 0 for its multiples n.
         """
         factors = {p: [1, *row] for p, row in zip(self.p.tolist(), self.coefficients.tolist(), strict=True)}
         for p, factor in (euler or {}).items():
@@ -104,7 +104,7 @@ class LPolynomials:
         return _needed("pandas").DataFrame(self.columns())
 
     def to_csv(self, path: File) -> None:
-        """Writes a line of names, then p,a1,…,ag, one line for each prime."""
+        """Writes a CSV file: a line of names, then one line p,a1,…,ag for each prime."""
         columns = self.columns()
         with path_of(path).open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)

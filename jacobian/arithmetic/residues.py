@@ -1,7 +1,7 @@
 """Hasse–Witt matrices of a curve over QQ at all primes of a list, and its L-polynomials modulo p.
 
 W_p has the coefficients c_(ip−j) of x^(ip−j) in F^((p−1)/2), 1 ≤ i, j ≤ g, F = h² + 4f, and L_p(T) ≡ det(1 − T·W_p)
-(Manin 1961; Yui 1978). Its first row, below x^p, is computed for all primes together
+(Manin 1961; Yui 1978). Its first row, the coefficients below x^p, is computed for all primes together
 (:mod:`jacobian.arithmetic.forest`, :mod:`jacobian.arithmetic.walk`). The first rows of the translates F(x + a) give the
 others, as W_p(a) = T(a)·W_p·T(−a) with T(a)_ij = C(j−1, i−1)·a^(j−i) (Harvey and Sutherland 2016).
 """
@@ -79,9 +79,10 @@ class Part(NamedTuple):
 
 
 def hasse_witt(F: Sequence[int], g: int, primes: Any, block: int | None = None) -> Any:
-    """W_p for an ascending int64 array of primes, none of which divides :func:`exceptions`: (N, g, g), 0 … p − 1.
+    """W_p for an ascending int64 array of primes, none of which divides :func:`exceptions`: (N, g, g), entries 0 … p −
+    1.
 
-    ``block``: integers of a block of the forest, by default the number that takes the least time.
+    ``block``: the number of integers in a block of the forest; the default takes the least time.
     """
     found = np.empty((len(primes), g, g), np.int64)
     for part in parts(F, g, primes, Place(), block):

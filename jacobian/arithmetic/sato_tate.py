@@ -55,7 +55,7 @@ class Part(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """A group, and the probability that means at random primes are as far from the group's as the curve's are.
+    """A group, and the probability that chance alone makes means differ from the group's as much as the curve's do.
 
     ``primes``: how many primes would separate the group from the most probable one; 0 for the most probable group.
     """
@@ -176,9 +176,10 @@ def groups(genus: int) -> dict[str, list[Part]]:
 def over_the_rationals(genus: int) -> list[str]:
     """The names of the groups that are possible over QQ, where complex conjugation acts on complex multiplication.
 
-    So groups with identity component U(1) contain J, and those with U(1)² contain an element that turns both angles.
-    The latter have four components: two factors with one field of complex multiplication would be isogenous, and a
-    field of degree 4 lies in that of the endomorphisms. U(1) × SU(2) has two. Not all of these groups occur.
+    So groups with identity component U(1) contain J, and those with U(1)² contain an element that inverts both factors.
+    The latter groups have four components: two factors with one field of complex multiplication would be isogenous, and
+    a CM field of degree 4 is contained in the field of definition of the endomorphisms. Groups with U(1) × SU(2) have
+    two. Not all of these groups occur.
     """
     never = {
         "U(1)",
@@ -196,7 +197,7 @@ def over_the_rationals(genus: int) -> list[str]:
 
 def with_endomorphisms(genus: int, geometric: int, commutative: bool, rational: int) -> list[str]:
     """The names of the groups over QQ of Jacobians whose endomorphisms have the ranks ``geometric`` over ℂ and
-    ``rational`` over QQ; ``commutative``: whether the ring over ℂ is.
+    ``rational`` over QQ; ``commutative``: whether the endomorphism ring over ℂ is commutative.
 
     That ring determines the identity component (Fité, Kedlaya, Rotger and Sutherland 2012). The rank over QQ is the
     mean of a_1² (Costa, Fité and Sutherland 2019).

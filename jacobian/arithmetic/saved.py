@@ -37,7 +37,7 @@ class Saved:
         self._run = json.dumps({"f": [str(c) for c in C.f], "h": [str(c) for c in C.h], "bound": bound})
 
     def load(self) -> tuple[Any, Place]:
-        """The results, (K, g), and the place to resume from; without a file no results, and the beginning."""
+        """The results, (K, g), and the place to resume from; if there is no file, an empty array and the beginning."""
         if not self.path.exists():
             if not self.path.parent.is_dir():
                 raise ArgumentError(f"file = {self.path}: there is no such folder")
@@ -53,7 +53,7 @@ class Saved:
         return found, Place(place["done"], place["block"], windows)
 
     def keep(self, found: list[Any], place: Place) -> None:
-        """Writes the state if the last saved one is some seconds old; the arrays in ``found`` are joined to one."""
+        """Writes the state if the last saved one is EVERY seconds old; the arrays in ``found`` are joined to one."""
         if monotonic() - self._last < EVERY:
             return
         found[:] = [np.concatenate(found)]

@@ -1,4 +1,5 @@
-"""The last coefficients below x^p of f^((p−1)/2), for many primes side by side, from a window before them.
+"""The last coefficients below x^p of f^((p−1)/2), for many primes side by side, from a window of coefficients before
+them.
 
 The recurrence of :mod:`jacobian.arithmetic.forest`, divided by 2k·f_0, is
 
@@ -6,7 +7,7 @@ The recurrence of :mod:`jacobian.arithmetic.forest`, divided by 2k·f_0, is
 
 on balanced residues held as floats: for p < 2^24 and d ≤ 120 every sum is an integer below 2^53. Eight primes share the
 lanes of the processor's vectors. GROUPS such groups run at once, because their operations are independent. The inverses
-of ROUND neighbouring k take one power (Montgomery 1987; Fermat).
+of ROUND neighbouring k take one exponentiation (Montgomery 1987; Fermat).
 """
 
 from __future__ import annotations
@@ -30,8 +31,8 @@ WHOLE = 6755399441055744.0
 class Walks(NamedTuple):
     """The data of N walks, one for each prime, ascending; each has T translates of f, of degree d.
 
-    ``ratios``: f_i/f_0 modulo p, i = d … 1, (N, T, d); the windows before the walk, (N, T, d), and the index ``start``
-    of their last coefficients.
+    ``ratios``: f_i/f_0 modulo p, i = d … 1, (N, T, d); ``window``: the coefficients before the walk, (N, T, d), the
+    last of which have the index ``start``.
     """
 
     primes: Any
@@ -89,7 +90,7 @@ def _lanes(values: Any, groups: int) -> Any:
 
 
 def _room(items: int) -> Any:
-    """An array of rows of LANES floats, aligned so that no row crosses a line of the cache."""
+    """An array of rows of LANES floats, aligned so that no row crosses a cache line."""
     memory = np.zeros((items + 1) * LANES)
     begin = -memory.ctypes.data // 8 % LANES
     return memory[begin : begin + items * LANES].reshape(items, LANES)
@@ -123,8 +124,8 @@ class Room(NamedTuple):
 
 
 def walk(shape: Any, ends: Any, group: Any, room: Any, out: Any, total: Any) -> None:
-    """Walks to k = ends[n], n ascending. There the last coefficients go into rows of ``out``, the product of all k into
-    ``total``: for prime n, all lanes of its group. ``shape`` = (start, d, count, translates).
+    """Walks to k = ends[n] for each n in turn. There it writes the last coefficients to ``out`` and the product of all
+    k to ``total``, for all lanes of the group of prime n. ``shape`` = (start, d, count, translates).
     """
     start, d, count, translates = shape
     states, groups = room.states, len(group.primes)
@@ -205,7 +206,7 @@ def steps(size: int, shape: Any, group: Any, room: Any) -> None:
 
 @cache
 def library() -> Any:
-    """The loops here, compiled."""
+    """The loops of this module, compiled."""
     from jacobian.native.kinds import EIGHTS, INT, INTS, TupleKind, record
     from jacobian.native.library import Library
 

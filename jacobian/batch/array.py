@@ -25,7 +25,7 @@ OK = 0
 
 
 def engine(J: Jacobian) -> Any:
-    """The object that does J's arithmetic on rows, cached on J. J's field decides its class."""
+    """The object that does J's arithmetic on rows, cached on J. Its class depends on J's field."""
     found = J.__dict__.get("_rows")
     if found is None:
         K = J.field
@@ -96,7 +96,7 @@ class DivisorArray(Immutable, Generic[Element]):
     def stack(
         cls, parts: Iterable[Divisor[Element] | DivisorArray[Element]], J: Jacobian[Element] | None = None
     ) -> DivisorArray[Element]:
-        """The rows of Divisors and DivisorArrays, concatenated. ``J`` is needed only for an empty sequence."""
+        """The rows of ``parts``, Divisors and DivisorArrays, concatenated. Only an empty sequence needs ``J``."""
         parts = entries(parts, "parts", "a sequence, [D] for one Divisor,")
         J = None if J is None else check_group(J)
         for i, part in enumerate(parts):

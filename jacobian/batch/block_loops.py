@@ -1,10 +1,10 @@
 """Sums of rows by explicit formulas of genus 2 and 3, one inversion for a block of rows: loops to be compiled.
 
-A row of the group is a column here: ``x[i, j]`` is the i-th coordinate (u₀ … u_{g−1}, v₀ … v_{g−1}) of row j. Thus the
-same coordinate of neighbouring rows lies in neighbouring words, and LLVM can vectorise the loops. A block of BLOCK rows
-goes through short loops: the first halves; Montgomery's simultaneous inversion (1987), in CHAINS independent chains;
-the second halves. Rows that are not general (a weight below g, a product that vanishes) take part with a 1 in the
-inversion and are reported to the caller; equal rows in an addition are doubled on the spot.
+A row of a DivisorArray is a column here: ``x[i, j]`` is the i-th coordinate (u₀ … u_{g−1}, v₀ … v_{g−1}) of row j. Thus
+the same coordinate of neighbouring rows lies in neighbouring words, and LLVM can vectorise the loops. A block of BLOCK
+rows goes through short loops: the first halves of the sums; Montgomery's simultaneous inversion (1987), in CHAINS
+independent chains; the second halves. Rows that are not general (a weight below g, a product that vanishes) take part
+in the inversion with a 1 and are reported to the caller; equal summands are doubled at once.
 
 All arrays of a block are parts of one scratch array at constant offsets, so that the compiler sees that they do not
 overlap. The loops are the same for every kind of words (:mod:`jacobian.batch.libraries`), and run in Python unchanged.
@@ -144,7 +144,9 @@ def keep_tangent(K: Any, C: Any, S: Any, j: Any) -> None:
 
 
 def all_general(S: Any, g: Any, first: Any, second: Any, start: Any, size: Any) -> Any:
-    """Whether every row of a block has weight g in both summands and a product ≠ 0, found without a branch for each."""
+    """Whether every row of a block has weight g in both summands and a product ≠ 0, computed without a branch for each
+    row.
+    """
     special = 0
     for j in range(size):
         special |= (S[PRODUCT + j] == 0) | (first[start + j] != g) | (second[start + j] != g)

@@ -1,7 +1,7 @@
 """Batches over fields of word size, compiled: GF(p) for an odd p < 2^63, GF(p^k) of at most 2^16 elements.
 
 Explicit formulas add the general rows in genus 2, and on ramified models of genus 3 over GF(p); in odd characteristic
-:mod:`jacobian.batch.equation` first makes h = 0. Cantor's algorithm adds the other rows, and all rows elsewhere.
+:mod:`jacobian.batch.equation` first makes h = 0. Cantor's algorithm adds the other rows, and all rows of other curves.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class CompiledRows(StoredRows):
         self._cantor_loops = libraries.cantor(self.kind)
 
     def numbers_in_words(self, elements: Sequence[Any]) -> Any:
-        """The words that represent field elements, in the form that loops take."""
+        """The words that represent field elements, as an int64 array."""
         return np.array([self.words.to_word(c) for c in elements], np.int64)
 
     def encoded(self, elements: Any) -> Any:
@@ -79,11 +79,11 @@ class CompiledRows(StoredRows):
         return words.view(np.int64) if self.floats else words
 
     def of_memory(self, words: Any) -> Any:
-        """An array of words, from the form that loops take."""
+        """An int64 array of words, converted to the type in which rows are stored."""
         return words.astype(self.word_dtype)
 
     def uniform(self, draw: np.random.Generator, count: int) -> Any:
-        """``count`` uniform words of a prime field."""
+        """The words of ``count`` uniform random elements of a prime field."""
         p = self.field.p
         return draw.integers(p, size=count) - p // 2
 

@@ -4,8 +4,8 @@ The composition is that of :mod:`jacobian.inexact.genus2_real` for deg f = 5 ove
 :mod:`jacobian.inexact.genus2_complex` elsewhere.
 
 The columns are those of :mod:`jacobian.batch.sums`. Where deg f = 5 over the floats, ``f`` has six coefficients and
-``half`` = h/2 three, elsewhere seven and four. The compiler knows these lengths and drops the branch that is not taken.
-Sizes are |re| + |im|, which needs no square root.
+``half`` = h/2 three, elsewhere seven and four. These lengths are constants for the compiler, which drops the branch
+that is not taken. Sizes are |re| + |im|, which needs no square root.
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ def decided(f: Any, S: Any, i: Any) -> Any:
 def improved(f: Any, S: Any, i: Any) -> Any:
     """Improves the sum of column i; returns whether it lies on the curve up to rounding.
 
-    a + b and b + a round differently. The one with the smaller remainder is kept and moved by a Newton step.
+    a + b and b + a round differently. The sum with the smaller remainder is kept and moved by a Newton step.
     """
     total, other = row(S, 8, i), added(f, row(S, 4, i), row(S, 0, i))[0]
     if not misfit(f, total) <= misfit(f, other):
@@ -150,10 +150,11 @@ def keep(S: Any, first: Any, i: Any, divisor: Any) -> None:
 
 
 def add_columns(curve: Any, first: Any, second: Any, out: Any, doubtful: Any, span: Any, S: Any) -> None:
-    """Adds the columns of a span (begin, end), in blocks, so that LLVM vectorises the steps that are the same for all.
+    """Adds the columns of a span (begin, end), in blocks, so that LLVM vectorises the steps that are the same for all
+    columns.
 
     ``curve`` is f, h/2, the units of the kernel and their inverses. The scratch array S, of SCRATCH numbers, has rows
-    of BLOCK: the summands, the sum, and the quantity that vanishes if its degree drops. They do not overlap.
+    of BLOCK numbers, which do not overlap: the summands, the sum, and the quantity that vanishes if its degree drops.
     """
     (f, half, units, inverses), (begin, end) = curve, span
     each = second.shape[1] > 1

@@ -31,7 +31,8 @@ FIRST = np.array([NONE, POINT, PAIR])
 @dataclass(frozen=True, slots=True)
 class Rows:
     """N = ``count`` divisors. ``data`` (4, N) holds u₀, u₁, v₀, v₁, with zeros beyond the degree; it is (4, 1) for N
-    equal rows. ``kind`` (N,) holds PAIR, POINT + …, NONE + … or LOST + …; it is None if every row has two points.
+    equal rows. ``kind`` (N,) holds PAIR, POINT + n, NONE + n (n is the weight at ∞₊), LOST or AT_INFINITY; it is None
+    if every row has two points.
     """
 
     data: Any

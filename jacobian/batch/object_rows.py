@@ -86,7 +86,7 @@ class ObjectRows:
         return np.array([D.n for D in x], np.int64) if self.jacobian.curve.model == "split" else None
 
     def first_off_curve(self, x: Rows) -> int:
-        """Always −1, as :meth:`from_arrays` accepts only rows on the curve."""
+        """Always −1, because :meth:`from_arrays` accepts only rows on the curve."""
         return -1
 
     def add(self, x: Rows, y: Rows) -> Rows:

@@ -1,4 +1,4 @@
-"""Loops over rows of any genus, to be compiled: conversions, negation, choice, and Cantor's algorithm.
+"""Loops over rows of any genus, to be compiled: conversions, negation, selection, and Cantor's algorithm.
 
 Rows are stored as in :mod:`jacobian.batch.block_loops`: column i of ``x`` holds u₀ … u_{g−1} (with the leading 1 if deg
 u < g) and v₀ … v_{g−1}; ``degree[i]`` is its degree and, on a split model, ``weight[i]`` its weight at ∞₊. Cantor's

@@ -49,9 +49,10 @@ class Rows:
 class StoredRows:
     """The operations on rows of one Jacobian.
 
-    ``K`` is the context of the explicit formulas, ``words`` the context of all other loops: both store the same numbers
-    unless rows are floats. ``dtype`` is the dtype of rows, ``numbers`` that of arrays of field elements. ``formulas``
-    is the short equation that the explicit formulas use, or None. One call of a loop adds at most ``step`` rows.
+    ``K`` is the context of the explicit formulas, ``words`` the context of all other loops: both store numbers in the
+    same form unless rows are floats. ``dtype`` is the dtype of rows, ``numbers`` that of arrays of field elements.
+    ``formulas`` is the short equation that the explicit formulas use, or None. One call of a loop adds at most ``step``
+    rows.
     """
 
     compiled: bool
@@ -99,11 +100,11 @@ class StoredRows:
         raise NotImplementedError
 
     def of_memory(self, words: Any) -> Any:
-        """An array of words, from the form that loops take."""
+        """An array of words, converted from the form that loops take."""
         raise NotImplementedError
 
     def uniform(self, draw: np.random.Generator, count: int) -> Any:
-        """At most ``count`` uniform words of a prime field, in the form that loops take."""
+        """The words of at most ``count`` uniform random elements of a prime field, in the form that loops take."""
         raise NotImplementedError
 
     def encoded(self, elements: Any) -> Any:
@@ -141,7 +142,7 @@ class StoredRows:
         return Rows(data, degree, np.ascontiguousarray(x.weight[index]) if self.split else x.weight)
 
     def put(self, x: Rows, index: Any, part: Rows) -> None:
-        """Replaces the rows of x that ``index``, an array of ints, names by the rows of ``part``."""
+        """Replaces the rows of x whose indices are in ``index``, an array of ints, by the rows of ``part``."""
         x.data[:, index], x.degree[index] = part.data, part.degree
         if self.split:
             x.weight[index] = part.weight
@@ -302,9 +303,7 @@ class StoredRows:
             out.weight[begin:end] = self.genus - x.degree[begin:end] - x.weight[begin:end]
 
     def selected(self, stacked: Sequence[Any], choice: Any) -> Rows:
-        """The rows of which the i-th is row i of part choice[i]. ``stacked`` is (data, degree, weight), arrays of all
-        parts.
-        """
+        """Row i of part choice[i], for each i. ``stacked`` is (data, degree, weight), each an array over all parts."""
         out = self.empty(len(choice))
         (data, *others), (x, *rest) = stacked, out
         self._run.select_rows((self.bits(data), *others), choice, (self.bits(x), *rest))
@@ -351,7 +350,7 @@ class StoredRows:
         return self.repeat(self.from_divisors([self.jacobian.zero()]), count)
 
     def replaced(self, x: Rows, index: Any, part: Rows) -> Rows:
-        """A copy of x in which the rows named by ``index``, an array of ints, are those of ``part``."""
+        """A copy of x in which the rows whose indices are in ``index``, an array of ints, are those of ``part``."""
         out = Rows(x.data.copy(), x.degree.copy(), x.weight.copy())
         self.put(out, index, part)
         return out

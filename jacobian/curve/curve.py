@@ -1,8 +1,8 @@
 """Hyperelliptic curves y² + h(x)y = f(x): the model at infinity, smoothness, points.
 
-The points at infinity are read off the chart x = 1/t, y = w/t^(g+1): they are the roots z of z² + h_{g+1} z =
-f_{2g+2}, z being the value of y/x^(g+1). One double root: the model is ramified; two roots in the field: split; none:
-inert.
+The points at infinity are read off the chart x = 1/t, y = w/t^(g+1): they are the roots z of z² + h_{g+1} z = f_{2g+2},
+z being the value of y/x^(g+1). The model is ramified if there is a double root, split if there are two roots in the
+field, and inert if there is none.
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ class HyperellipticCurve(CurveQuestions[Element]):
     the smaller int over a finite field and the larger number elsewhere (by real, then imaginary part over CC).
 
     Attributes: ``genus``, ``f``, ``h`` (tuples, trimmed), ``field``; ``model`` is "ramified", "split" or "inert";
-    ``infinity_plus`` and ``infinity_minus`` are the values of y/x^(g+1) there (equal on a ramified model, None on an
-    inert one).
+    ``infinity_plus`` and ``infinity_minus`` are the values of y/x^(g+1) at these points (equal on a ramified model,
+    None on an inert one).
 
     Raises SingularCurve for a singular equation, decided exactly over exact fields. Over RR, CC and MP(dps) affine
     smoothness is not decided: rounding cannot distinguish a curve from a singular one nearby. Only the model at
@@ -110,7 +110,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
         return matches[0], next(z for z in roots if z is not matches[0])
 
     def _check_infinity(self, z: Element) -> None:
-        """SingularCurve if at a double root z the other partial derivative, f_{2g+1} − h_g z, vanishes too."""
+        """Raises SingularCurve if at a double root z the other partial derivative, f_{2g+1} − h_g z, vanishes too."""
         K: Any = self.field
         g = self.genus
         linear, product = coefficient(K, self.f, 2 * g + 1), K.mul(coefficient(K, self.h, g), z)
@@ -149,8 +149,8 @@ class HyperellipticCurve(CurveQuestions[Element]):
     def arithmetic_model(self) -> HyperellipticCurve[Element]:
         """The isomorphic curve on which divisors are added: this one, or its image under y → y + z₀x^(g+1).
 
-        The move is made for a ramified model with deg f = 2g+2 or deg h = g+1, z₀ = ``infinity_plus``. The new equation
-        has deg f = 2g+1 and deg h ≤ g. A Mumford pair (u, v) goes over to (u, v − z₀x^(g+1) mod u).
+        The image is taken for a ramified model with deg f = 2g+2 or deg h = g+1; z₀ is ``infinity_plus``. The new
+        equation has deg f = 2g+1 and deg h ≤ g. A Mumford pair (u, v) is mapped to (u, v − z₀x^(g+1) mod u).
         """
         K, g = self.field, self.genus
         if self.model != "ramified" or (len(self.f) <= 2 * g + 2 and len(self.h) <= g + 1):
@@ -285,11 +285,11 @@ class HyperellipticCurve(CurveQuestions[Element]):
         return points[0]
 
     def points(self, bound: int | None = None) -> Iterator[Point[Element]]:
-        """All rational points, those at infinity first. Over QQ: with numerator and denominator of x up to ``bound``,
-        at most 10,000, found by a sieve over small primes.
+        """All rational points, those at infinity first. Over QQ, a sieve over small primes finds those with numerator
+        and denominator of x up to ``bound``, at most 10,000.
 
-        Over a finite field the time is proportional to its order, and the logger ``jacobian.progress`` says how long.
-        ArgumentError over RR, CC and MP.
+        Over a finite field the time is proportional to its order, and the logger ``jacobian.progress`` reports the
+        remaining time. ArgumentError over RR, CC and MP.
         """
         return self._points(self._abscissas(bound))
 

@@ -1,7 +1,7 @@
 """Curves for other systems: python-flint's polynomials, and texts that PARI and Sage read.
 
-The way back needs nothing here: polynomials and fields (except GF(p^k)) read polynomials and numbers of python-flint
-and PARI (:mod:`jacobian.poly`, :mod:`jacobian.fields.coercion`).
+The opposite direction needs no function: polynomials and fields (except GF(p^k)) accept polynomials and numbers of
+python-flint and PARI (:mod:`jacobian.poly`, :mod:`jacobian.fields.coercion`).
 """
 
 from __future__ import annotations

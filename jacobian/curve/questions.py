@@ -1,7 +1,7 @@
-"""Questions about a curve: its equation over other fields, its twist, its points over finite fields.
+"""Methods of a curve for its equation over other fields, its twist, and its points over finite fields.
 
-The base of :class:`jacobian.curve.curve.HyperellipticCurve`. Questions that need the arithmetic of the Jacobian go to
-:class:`jacobian.finite.group.FiniteGroup`.
+The base of :class:`jacobian.curve.curve.HyperellipticCurve`. Methods that need the arithmetic of the Jacobian call
+those of :class:`jacobian.finite.group.FiniteGroup`.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ class CurveQuestions(Immutable, Generic[Element]):
     # --- over other fields
 
     def change_ring(self, K: Field[Other]) -> HyperellipticCurve[Other]:
-        """The curve with the same equation over the field K: from QQ any (reduction modulo p); from a finite field a
-        larger one, or one that holds all coefficients; from RR, CC and MP(dps) any of these.
+        """The curve with the same equation over the field K. From QQ, K may be any field (reduction modulo p); from a
+        finite field, a larger one or a subfield that contains all coefficients; from RR, CC and MP(dps), any of these.
 
-        ∞₊ goes to ∞₊ where possible. FieldError where the coefficients do not lie in K, SingularCurve at a prime of bad
-        reduction of this equation (another equation may be good there: :meth:`bad_primes`).
+        ∞₊ is mapped to ∞₊ where possible. FieldError where the coefficients do not lie in K, SingularCurve at a prime
+        of bad reduction of this equation (another equation may be good there: :meth:`bad_primes`).
         """
         from jacobian.curve.curve import HyperellipticCurve
 
@@ -78,9 +78,9 @@ class CurveQuestions(Immutable, Generic[Element]):
     def quadratic_twist(self, d: Element | Value | None = None) -> Self:
         """The quadratic twist by d, isomorphic over K(√d), and over K(root of y² + y + d) in characteristic 2.
 
-        Its equation is y² = d·(h² + 4f), in characteristic 2 y² + hy = f + d·h². By default the
-        first element d of a finite field for which K(√d) is larger; over QQ there is no default. ArgumentError for a d
-        whose twist is the curve itself.
+        Its equation is y² = d·(h² + 4f), in characteristic 2 y² + hy = f + d·h². By default d is the first element of a
+        finite field for which K(√d) is larger; over QQ there is no default. ArgumentError for a d whose twist is the
+        curve itself.
         """
         K: Any = self.field
         even = K.characteristic == 2
@@ -108,14 +108,14 @@ class CurveQuestions(Immutable, Generic[Element]):
         """The L-polynomials of a curve over QQ of genus 1, 2 or 3 at all primes p ≤ ``bound`` of good reduction of this
         equation: :class:`jacobian.arithmetic.record.LPolynomials` (Harvey and Sutherland 2014, 2016).
 
-        ``file``: where the state of a long run is kept; the same call goes on from there. ``progress``: show a bar
-        (tqdm, in the extra app). FieldError over other fields, Infeasible in other genera or for bound > 2^24.
+        ``file``: where the state of a long run is saved; the same call resumes from it. ``progress``: show a bar (tqdm,
+        in the extra app). FieldError over other fields, Infeasible in other genera or for bound > 2^24.
         """
         return self.jacobian().l_polynomials(bound, file, progress)
 
     def hasse_witt_matrices(self, bound: int) -> tuple[np.ndarray, np.ndarray]:
         """(p, W) for a curve over QQ: odd primes of good reduction up to ``bound``, (N,), and W_p modulo p, (N, g, g),
-        with L_p(T) ≡ det(1 − T·W_p). :func:`jacobian.arithmetic.l_polynomials.hasse_witt_matrices` leaves some out.
+        with L_p(T) ≡ det(1 − T·W_p). :func:`jacobian.arithmetic.l_polynomials.hasse_witt_matrices` omits some primes.
         """
         return self.jacobian().hasse_witt_matrices(bound)
 
@@ -145,8 +145,8 @@ class CurveQuestions(Immutable, Generic[Element]):
     def count_points(self, n: int = 1) -> list[int]:
         """The numbers of points over GF(q), GF(q²), … GF(qⁿ), those at infinity included.
 
-        Computed from :meth:`jacobian.finite.group.FiniteGroup.frobenius_polynomial`, with its limits (Infeasible
-        beyond).
+        They are computed from :meth:`jacobian.finite.group.FiniteGroup.frobenius_polynomial`, within its limits
+        (Infeasible beyond).
         """
         return self.zeta_function().count_points(n)
 

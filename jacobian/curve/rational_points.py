@@ -1,9 +1,9 @@
 """Rational points of small height on a curve over QQ, by a sieve over small primes.
 
-Let F = h² + 4f. x = a/b is the abscissa of a rational point where b^(2g+2)·F(a/b), times a square that makes it
-integral, is a square. So it is a square modulo every p. For each b and each prime the admissible a are the bits of an
-int, and their common bits are tried (the sieve of Elkies 2000 and of Stoll's ratpoints, with Python's ints as rows of
-bits).
+Let F = h² + 4f. Then x = a/b is the abscissa of a rational point exactly if b^(2g+2)·F(a/b), times a square that makes
+it integral, is a square. If so, it is a square modulo every p. For each b and each prime the admissible a are the bits
+of an int, and the common bits of these ints are tried (the sieve of Elkies 2000 and of Stoll's ratpoints, with Python's
+ints as rows of bits).
 """
 
 from __future__ import annotations
@@ -41,7 +41,9 @@ def abscissas(F: Poly, degree: int, bound: int) -> Iterator[Fraction]:
 
 
 def _rows(form: list[int], p: int, bound: int) -> list[int]:
-    """For each residue of b the a in −bound … bound, as bits, where the form of even degree is a square modulo p."""
+    """For each residue of b, an int whose bits are the a in −bound … bound at which the form of even degree is a square
+    modulo p.
+    """
     squares = {x * x % p for x in range(p)}
     values = [sum(c * pow(x, i, p) for i, c in enumerate(form)) % p in squares for x in range(p)]
     # p divides b: the form is the leading coefficient times an even power of a

@@ -1,4 +1,4 @@
-"""Fields: contexts that compute with bare elements (:class:`jacobian.fields.protocol.Field`)."""
+"""Fields: objects that compute with raw elements (:class:`jacobian.fields.protocol.Field`)."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def _from_galois(field: Any) -> FiniteField:
 
 
 def MP(dps: int, complex: bool = False) -> MultiprecisionField:
-    """The real (or complex) numbers with ``dps`` decimal digits, on an mpmath context that no one else uses.
+    """The real (or complex) numbers with ``dps`` decimal digits, on an mpmath context of its own.
 
     The field has ``.dps``, ``.context`` and ``.eps``; its elements are mpf (or mpc). The same arguments give the same
     object.

@@ -17,7 +17,7 @@ from jacobian.linear import echelon
 class Embedding:
     """The field K = GF(p^k) as a subfield of L = GF(p^(km)); get one from :func:`embedding`.
 
-    The generator of K goes to the smallest root of its modulus in L, so the choice is the same in every run.
+    The generator of K is mapped to the smallest root of its modulus in L, so the choice is the same in every run.
     """
 
     def __init__(self, K: Any, L: Any) -> None:
@@ -62,7 +62,9 @@ class Embedding:
         return self.large.coefficients(y) if self.large.degree > 1 else [y]
 
     def _echelon(self) -> list[tuple[int, list[int], list[int]]]:
-        """(pivot, row, its combination of powers): the coordinates of 1, b, …, b^(k−1), reduced; b: the image of a."""
+        """The reduced echelon form of the coordinates of 1, b, …, b^(k−1), where b is the image of a: (pivot, row, the
+        row as a combination of these powers).
+        """
         k, size = len(self._powers), self.large.degree
         rows = [[*self._digits(power), *(int(i == j) for j in range(k))] for i, power in enumerate(self._powers)]
         return [(pivot, row[:size], row[size:]) for pivot, row in echelon(self._base, rows, size)]
@@ -87,9 +89,9 @@ def _embedding(K: Any, L: Any) -> Embedding:
 def change_of_field(K: Any, L: Any) -> Callable[[Any], Any]:
     """The map from elements of K to elements of L; FieldError where there is none, or for an element without an image.
 
-    QQ goes to every field: modulo p if p does not divide the denominator, or rounded. A finite field goes into those
-    that contain it, by :func:`embedding`, and back for elements that lie in the smaller one. Inexact fields go to
-    inexact ones.
+    QQ maps to every field: by reduction modulo p if p does not divide the denominator, or by rounding. A finite field
+    maps into those that contain it, by :func:`embedding`, and back for elements of the smaller field. Inexact fields
+    map to inexact fields.
     """
     if K == L:
         return lambda x: x

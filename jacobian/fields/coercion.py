@@ -1,8 +1,8 @@
 """The rule by which every field reads rational numbers exactly.
 
 :func:`rational` reads ints (numpy's, gmpy2's, flint's, PARI's too; truth values as 0 and 1), fractions, Decimals and
-strings: "3", "-1/3", "0.25", "1e3". Every field accepts these. Only inexact fields accept floats: 0.1 is not
-1/10, and an exact field cannot know which of the two is meant.
+strings: "3", "-1/3", "0.25", "1e3". Every field accepts these. Only inexact fields accept floats: 0.1 is not 1/10, and
+an exact field cannot tell which of the two is meant.
 
 :func:`residue` reads residues of python-flint and PARI (cypari), recognised by their types: neither library is
 imported for that.
@@ -96,8 +96,8 @@ def _check_exponent(exponent: int, value: Any, argument: str) -> None:
 
 
 def number(value: Any, argument: str) -> Any:
-    """``value`` for the inexact fields: of a string what :func:`rational` reads (or None), of an array without
-    dimensions its entry, everything else as it is. TypeError for bytes and other arrays.
+    """``value`` as inexact fields read it: a string as :func:`rational` reads it (or None), an array without dimensions
+    as its entry, anything else unchanged. TypeError for bytes and other arrays.
     """
     if isinstance(value, str):
         value = rational(value, argument)

@@ -74,7 +74,7 @@ class DigitField(ExtensionField):
 
 
 class QuadraticField(DigitField):
-    """GF(p²) for odd p: elements x₀ + x₁a with a² = −m₀ − m₁a, written out."""
+    """GF(p²) for odd p: elements x₀ + x₁a with a² = −m₀ − m₁a, multiplied by explicit formulas."""
 
     def __init__(self, base: PrimeField, modulus: tuple[int, ...]) -> None:
         super().__init__(base, modulus)

@@ -128,7 +128,7 @@ extension_fields: dict[tuple[int, tuple[int, ...]], ExtensionField] = {}
 
 
 def extension_field(kind: type[ExtensionField], base: PrimeField, modulus: tuple[int, ...]) -> ExtensionField:
-    """The field of that modulus, irreducible over ``base``: the one that was made before, else a new ``kind``."""
+    """The field with this modulus, irreducible over ``base``: the existing object if there is one, else a new one."""
     key = base.p, modulus
     return extension_fields.get(key) or extension_fields.setdefault(key, kind(base, modulus))
 

@@ -13,7 +13,7 @@ from jacobian.immutable import Immutable
 
 
 class InexactField(Immutable, Generic[Element]):
-    """Base of RR, CC and MP: bare arithmetic operators, and a zero test that raises PrecisionLoss when it cannot
+    """Base of RR, CC and MP: Python's arithmetic operators, and a zero test that raises PrecisionLoss when it cannot
     decide.
     """
 
@@ -42,7 +42,7 @@ class InexactField(Immutable, Generic[Element]):
         return 1 / x
 
     def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
-        """Σ x_i y_i; fields that round it once have their own."""
+        """Σ x_i y_i; fields that round it once override this method."""
         return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
 
     def is_zero(self, x: Any, scale: Any = None) -> bool:

@@ -58,7 +58,7 @@ def default_modulus(base: PrimeField, k: int) -> tuple[int, ...]:
 
 
 def first_irreducible(base: PrimeField, k: int) -> tuple[int, ...]:
-    """The first irreducible one of :func:`monic_polynomials`; about one polynomial in k is irreducible."""
+    """The first irreducible polynomial of :func:`monic_polynomials`; about one polynomial in k is irreducible."""
     from jacobian.progress import Progress
 
     progress = Progress(f"an irreducible polynomial of degree {k} over {base.name}", k)
@@ -87,15 +87,15 @@ def monic_polynomials(base: PrimeField, k: int) -> Iterator[tuple[int, ...]]:
 
 @cache
 def prime_ring(p: int) -> Any:
-    """python-flint's polynomials over GF(p)."""
+    """python-flint's ring of polynomials over GF(p)."""
     import flint
 
     return kept(flint.fmpz_mod_poly_ctx(p))
 
 
 def kept(ring: Any) -> Any:
-    """``ring``, kept from being freed. python-flint (0.9) crashes if a polynomial and its ring are collected together,
-    in a cycle or when Python ends, and the ring goes first.
+    """``ring``, which from now on is never freed. python-flint (0.9) crashes if a polynomial and its ring are collected
+    together, in a cycle or when Python ends, and the ring is freed first.
     """
     ctypes.pythonapi.Py_IncRef(ctypes.py_object(ring))
     return ring

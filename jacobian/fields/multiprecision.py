@@ -64,7 +64,7 @@ class MultiprecisionField(InexactField[Mpf]):
         return multiprecision_field, (self.dps, self.complex)
 
     def coerce(self, value: object, argument: str = "value") -> Mpf:
-        """The element of a number, as in :meth:`Field.coerce`, rounded once; mpf and mpc of any context are read."""
+        """The number ``value``, as in :meth:`Field.coerce`, rounded once; mpf and mpc of any context are read."""
         if isinstance(value, self._reals) and not self.complex:
             parts = value._mpf_
             # a number without a mantissa is 0 or not finite

@@ -1,9 +1,9 @@
 """Primality of machine integers and beyond: Miller–Rabin, deterministic below 3.3e24.
 
 Sources: Miller 1976, Rabin 1980; the bases are those of Sorenson and Webster, "Strong pseudoprimes to twelve prime
-bases" (2017): the first 13 primes decide every n < 3317044064679887385961981. Above it the test is that of Baillie and
-Wagstaff, "Lucas pseudoprimes" (1980), strong to the base 2 and strong Lucas: not proven, but no composite is known to
-pass it. GMP runs it.
+bases" (2017): the first 13 primes decide every n < 3317044064679887385961981. Above this bound gmpy2 runs the test of
+Baillie and Wagstaff, "Lucas pseudoprimes" (1980): a strong test to the base 2 and a strong Lucas test. It is not
+proven, but no composite is known to pass it.
 """
 
 from __future__ import annotations

@@ -178,7 +178,7 @@ def prime_field(p: int) -> PrimeField:
 
 
 def check_prime(value: Any) -> int:
-    """The prime as an int, or an ArgumentError that says what is wrong with it."""
+    """The prime ``value`` as an int, or an ArgumentError that says what is wrong with it."""
     p = whole(value, "p", "GF takes a prime, or a galois field class")
     if is_prime(p):
         return p

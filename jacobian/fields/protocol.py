@@ -1,7 +1,7 @@
-"""The interface of a field: a context that computes with bare elements.
+"""The interface of a field: an object that computes with raw elements.
 
 Elements stay ordinary Python objects (``int``, ``Fraction``, ``float``, ``complex``, ``mpf``), and the field supplies
-the operations. Polynomials and divisors ask the field for every operation, so one algorithm serves all fields.
+the operations. Polynomials and divisors leave every operation to the field, so one algorithm serves all fields.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def check_field(K: Field[Element], argument: str) -> Field[Element]:
 
 @runtime_checkable
 class Field(Arithmetic[Element], Protocol[Element]):
-    """A field as a context over raw elements of type ``Element``.
+    """A field: the operations on raw elements of type ``Element``.
 
     ``exact`` fields decide equality; inexact ones decide it against a scale, or raise
     :class:`~jacobian.errors.PrecisionLoss`. Two fields are the same field when they compare equal.

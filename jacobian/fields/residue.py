@@ -9,7 +9,7 @@ from jacobian.fields.finite import FiniteField, FiniteFieldOf
 
 
 class ResidueField(FiniteFieldOf[poly.Poly]):
-    """K[x]/(P): where the points of a place of degree deg P have their coordinates."""
+    """K[x]/(P): the field that contains the coordinates of the points of a place of degree deg P."""
 
     zero: poly.Poly = ()
 
@@ -22,7 +22,7 @@ class ResidueField(FiniteFieldOf[poly.Poly]):
         self.name = f"{K.name}[x]/({poly.text(K, P)})"
 
     def coerce(self, value: object, argument: str = "value") -> poly.Poly:
-        """The constant that ``value`` is in K."""
+        """``value`` as an element of K, a constant polynomial."""
         return poly.trim(self.base, (self.base.coerce(value, argument),))
 
     def add(self, x: poly.Poly, y: poly.Poly) -> poly.Poly:

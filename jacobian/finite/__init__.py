@@ -1,1 +1,1 @@
-"""Questions about a finite Jacobian: its order, structure, logarithms, pairings, and fast multiples."""
+"""A finite Jacobian as a group: its order, structure, logarithms, pairings, and fast multiples."""

@@ -2,11 +2,11 @@
 The primes p ≡ 2 or 4 modulo 7, of order 3, are excluded.
 
 The automorphism x → ζx, ζ an ℓ-th root of unity, makes Z[ζ] act on the Jacobian. For p ≡ 1 modulo ℓ Frobenius is an
-element π of it with ππ̄ = p (Weil 1952). Its ideal is that of α₁·…·α_g, where α generates a prime ideal over p and α_t
-is its conjugate by ζ → ζ^(1/t) (Stickelberger; Shimura and Taniyama 1961). Z[ζ] is principal, and its units of absolute
-value 1 are ±ζ^i. So π is one of 2ℓ known elements; lattice reduction finds α (Buhler and Koblitz 1998). Random classes
-decide which: the right characteristic polynomial's value at 1 annihilates each. So a candidate that remains alone is
-proven.
+element π of Z[ζ] with ππ̄ = p (Weil 1952). The ideal of π is that of α₁·…·α_g, where α generates a prime ideal over p
+and α_t is its conjugate by ζ → ζ^(1/t) (Stickelberger; Shimura and Taniyama 1961). Z[ζ] is principal, and its units of
+absolute value 1 are ±ζ^i. So π is one of 2ℓ known elements; lattice reduction finds α (Buhler and Koblitz 1998). Random
+classes decide which: the value of the right characteristic polynomial at 1 annihilates every class. So a candidate that
+remains alone is proven.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""The number of points of a curve over small fields, and the zeta function from it.
+"""The number of points of a curve over small fields, and the Frobenius polynomial that follows from it.
 
-Up to 2^20 elements of GF(q^i) a table of logarithms tells whether h² + 4f (or the trace of f/h²) is a square. Over
-prime fields of odd characteristic up to 10^7 elements numpy does so, by the norm down to GF(p).
+Over GF(q^i) of up to 2^20 elements, tables of logarithms show whether h² + 4f is a square, or give f/h², whose trace
+decides in characteristic 2. If q is an odd prime, numpy decides by the norm to GF(q), for up to 10^7 elements.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ def _values(L: TableField, a: poly.Poly) -> Any:
 
 
 def _embed(K: Any, L: TableField, a: poly.Poly) -> poly.Poly:
-    """The polynomial a over the larger field L; the generator of K goes to a root of its modulus."""
+    """The polynomial a over the larger field L; the generator of K is mapped to a root of its modulus."""
     if K is L or getattr(K, "degree", 1) == 1:
         return a
     root = int((_values(L, K.modulus) == 0).argmax())

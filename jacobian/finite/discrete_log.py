@@ -103,7 +103,9 @@ def _in_interval(base: Divisor, target: Divisor, low: int, high: int, rng: Rng |
 
 
 def baby_step_giant_step(base: Divisor, target: Divisor, low: int, high: int) -> int | None:
-    """The least m in low … high with m·base = target, or None: 2√(high − low) additions and half as many stored."""
+    """The least m in low … high with m·base = target, or None: about 2√(high − low) additions, with half as many
+    classes stored.
+    """
     step = isqrt(high - low) + 1
     table: dict[Divisor, int] = {}
     baby = base.jacobian.zero()
@@ -122,10 +124,10 @@ def baby_step_giant_step(base: Divisor, target: Divisor, low: int, high: int) ->
 
 
 def kangaroo(base: Divisor, target: Divisor, low: int, high: int, rng: Rng | None = None) -> int | None:
-    """An m in low … high with m·base = target, about 2√(high − low) additions and hardly any memory.
+    """An m in low … high with m·base = target, found by about 2√(high − low) additions with little memory.
 
     None when eight pairs of kangaroos have not met, each after twenty times the expected number of jumps: the target is
-    then outside the interval, except with a chance below 1e-6. Seeded by default.
+    then outside the interval, except with a chance below 1e-6. By default ``rng`` has a fixed seed.
     """
     rng = Random(0) if rng is None else rng
     width = high - low + 1

@@ -73,7 +73,7 @@ def by_pari(C: HyperellipticCurve) -> list[int] | None:
 
 @cache
 def _pari() -> Any:
-    """The PARI of cypari, or None without it. Python keeps its handler of Ctrl-C, which the import replaces."""
+    """cypari's PARI, or None without cypari. Python's handler of Ctrl-C, which the import replaces, is restored."""
     handler = signal.getsignal(signal.SIGINT)
     try:
         from cypari import pari

@@ -53,11 +53,11 @@ class FiniteGroup(GroupLaw[Element]):
     def frobenius_polynomial(self) -> list[int]:
         """The characteristic polynomial of Frobenius, ascending: degree 2g, constant term q^g, value #J at 1.
 
-        By counting, or by a search. The search reaches prime fields up to 2^49 in genus 2 and 3, in time Õ(√p), and any
-        field of up to 10^22 elements in genus 1, in time O(q^(1/4)). Curves y² = bx⁵ + a, and bx⁷ + a where p ≢ 2, 4
-        modulo 7, are covered over GF(p) of any size. Infeasible beyond (:mod:`jacobian.finite.frobenius`). The result
-        is proven. From p = 10^13 on this takes minutes: the logger jacobian.finite.matrix_products reports progress at
-        level INFO.
+        It is computed by counting or by a search. The search reaches prime fields up to 2^49 in genus 2 and 3, in time
+        Õ(√p), and any field of up to 10^22 elements in genus 1, in time O(q^(1/4)). Curves y² = bx⁵ + a, and bx⁷ + a
+        where p ≢ 2, 4 modulo 7, are covered over GF(p) of any size. Infeasible beyond
+        (:mod:`jacobian.finite.frobenius`). The result is proven. From p = 10^13 on this takes minutes: the logger
+        jacobian.finite.matrix_products reports progress at level INFO.
         """
         from jacobian.finite.frobenius import frobenius_polynomial
 
@@ -128,8 +128,8 @@ class FiniteGroup(GroupLaw[Element]):
         return torsion(self, m)
 
     def rational_torsion(self, height: int = 100) -> RationalTorsion:
-        """The classes of finite order over QQ: in genus 2 all, proven; else those that points of up to this height
-        generate, with a bound from reductions and whether these are all
+        """The classes of finite order over QQ. In genus 2 these are proven to be all; in other genera they are those
+        that points of up to this height generate, with a bound from reductions, which may show that these are all
         (:func:`jacobian.relatives.rational_torsion.rational_torsion`).
         """
         from jacobian.relatives.rational_torsion import rational_torsion

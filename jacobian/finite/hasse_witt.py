@@ -2,9 +2,10 @@
 
 For y² = F(x) the matrix has the coefficients of x^(ip−j) in F^((p−1)/2), 1 ≤ i, j ≤ g (Manin 1961; Yui 1978). Over
 extension fields and for small p python-flint raises F to that power. For larger p the coefficients obey a linear
-recurrence in the index (Bostan, Gaudry and Schost 2007), which divides by the index and so stops at p. It gives those
-with i = 1 in O(g·p) operations, or, over GF(p) from 2^20 on, in Õ(√p) by :mod:`jacobian.finite.matrix_products`.
-Those of g translates F(x + a) determine the matrix (Harvey and Sutherland 2016).
+recurrence in the index (Bostan, Gaudry and Schost 2007), which divides by the index and so stops at p. It gives the
+coefficients with i = 1 in O(g·p) operations, or, over GF(p) with p > 2^20, in Õ(√p) by
+:mod:`jacobian.finite.matrix_products`. Those of g translates F(x + a) determine the matrix (Harvey and Sutherland
+2016).
 """
 
 from __future__ import annotations
@@ -154,10 +155,10 @@ def _first_column(K: Any, F: poly.Poly, g: int, index: int = 0) -> list[Any]:
 def recurrence_on_words(ratios: Any, p: int, weights: Any, inverses: Any, window: Any) -> None:
     """Writes the last coefficients below x^p of G = F^n, n = (p−1)/2, the last first, from the ratios f_i/f_0, i ≥ 1.
 
-    F·G' = n·F'·G says k·f_0·G_k = Σ ((n+1)i − k) f_i G_(k−i). Nine products of two residues, p < 2^29, stay below 2^63.
-    ``window`` begins with the start and ends with the coefficients; ``weights`` are ((n+1)i − k)·f_i/f_0, which fall by
-    f_i/f_0 with each k, and begin with k = 0; ``inverses`` has room for a block of 1/k, inverted together (Montgomery
-    1987).
+    F·G' = n·F'·G implies k·f_0·G_k = Σ ((n+1)i − k) f_i G_(k−i). Nine products of two residues, p < 2^29, stay below
+    2^63. ``window`` contains the start values on entry and the coefficients at the end; ``weights`` are ((n+1)i −
+    k)·f_i/f_0, which fall by f_i/f_0 with each k, and begin with k = 0; ``inverses`` has room for a block of 1/k,
+    inverted together (Montgomery 1987).
     """
     start, room = 1, 8 * p * p
     while start < p:
@@ -196,7 +197,7 @@ def invert_range(start: int, size: int, p: int, inverses: Any) -> None:
 
 @cache
 def library() -> Any:
-    """The loops here, compiled."""
+    """The loops of this module, compiled."""
     from jacobian.native.kinds import INT, INTS
     from jacobian.native.library import Library
 

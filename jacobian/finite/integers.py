@@ -1,5 +1,5 @@
 """Factoring integers: trial division, then python-flint (elliptic curves; the quadratic sieve for cofactors that it
-splits within a second). Infeasible names the cofactor that resists, and every function that needs a factorisation
+splits within a second). Infeasible names the cofactor that was not split, and every function that needs a factorisation
 accepts one from the caller.
 """
 

@@ -78,8 +78,9 @@ class Products:
             in_ranges(n // BLOCK, max(64, n // BLOCK // 8), work)
 
     def _shift(self, values: Any, targets: list[tuple[int, Any]]) -> None:
-        """The values at a, a + 1, … (in units of β) from those at 0, 1, … n − 1, into the first n columns, for each
-        (a, array)."""
+        """For each (a, array) of ``targets``, writes into the first n columns of the array the values at a, a + 1, …
+        (in units of β), from those at 0, …, n − 1.
+        """
         n, work = values.shape[1], self.convolutions
         weights = np.empty(n)
         kernels().lagrange(self.P, self.factorials, weights)
@@ -119,8 +120,9 @@ def step(p: int, d: int) -> int:
 
 
 def transforms(p: int, beta: int) -> float:
-    """The work for one entry. A transform of length 2n counts n·log₂ n; each doubling takes four, every β points beyond
-    the first β two."""
+    """The work for one entry. A transform of length 2n counts n·log₂ n; each doubling takes four transforms, and every
+    β points beyond the first β take two.
+    """
     levels = range(FIRST.bit_length() - 1, beta.bit_length() - 1)
     more = ((p - 1) // beta - 1) // beta
     return sum(4 * (1 << m) * m for m in levels) + 2 * more * beta * log2(beta)

@@ -119,7 +119,7 @@ def _is_compiled() -> bool:
 
 @cache
 def is_kept() -> bool:
-    """Whether the compiled loop was on disk when this process first asked."""
+    """Whether the compiled loop was on disk at the first call in this process."""
     return LIBRARY.is_kept()
 
 

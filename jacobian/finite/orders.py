@@ -24,8 +24,8 @@ def order_of(D: Divisor, multiple: int | None = None, primes: Iterable[int] | No
     ``multiple``: a multiple of the order, by default #J over a finite field; ``primes``: its prime factors, by default
     found (:mod:`jacobian.finite.integers`). Over QQ without a multiple the order comes from reductions. Reduction at an
     odd prime of good reduction is injective on torsion. So two different orders prove that D is of infinite order, and
-    a common one is tried. Raises ArgumentError for a multiple that does not annihilate D, FieldError over RR, CC and
-    MP.
+    an order common to three reductions is tested. Raises ArgumentError for a multiple that does not annihilate D,
+    FieldError over RR, CC and MP.
     """
     J = D.jacobian
     if not J.field.exact:
@@ -55,7 +55,7 @@ def reduce_order(D: Divisor, factors: dict[int, int]) -> int:
 
 
 def _rational_order(D: Divisor) -> int | float:
-    """Over QQ: the order that three good reductions agree on and that annihilates D, else infinity."""
+    """The order of D over QQ: the common order of three good reductions if it annihilates D, else infinity."""
     reductions = _reductions(D)
     orders = {order_of(next(reductions)) for _ in range(3)}
     if len(orders) > 1:

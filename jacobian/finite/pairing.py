@@ -47,9 +47,10 @@ class _Collision(Exception):
 def weil_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | None = None) -> Element:
     """e_m(D, E) = f_D(E)/f_E(D), an m-th root of unity in the field, for m·D = m·E = 0; div(f_D) = m·D.
 
-    Bilinear, alternating, and non-degenerate on the full m-torsion (over the field that contains it). ``m``: positive,
-    prime to the characteristic. ArgumentError for other m and for divisors that m does not annihilate, FieldError over
-    infinite fields. ``rng`` chooses the shifts, which do not change the value; seeded by default.
+    It is bilinear, alternating, and non-degenerate on the full m-torsion (over the field that contains it). ``m``:
+    positive, prime to the characteristic. ArgumentError for other m and for divisors that m does not annihilate,
+    FieldError over infinite fields. ``rng`` chooses the shifts, which do not change the value; by default it has a
+    fixed seed.
     """
     m = _check(D, E, m)
     there, back = _at_points(D, E, m, "D"), _at_points(E, D, m, "E")
@@ -69,8 +70,8 @@ def weil_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | No
 def tate_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | None = None) -> Element:
     """The reduced Tate–Lichtenbaum pairing f_D(E)^((q−1)/m), an m-th root of unity, for m·D = 0 and any E over GF(q).
 
-    Bilinear, and non-degenerate on J[m] × J/mJ (Frey and Rück 1994). ``m`` divides q − 1; otherwise ArgumentError:
-    extend the field until it does. Everything else is as for :func:`weil_pairing`.
+    It is bilinear, and non-degenerate on J[m] × J/mJ (Frey and Rück 1994). ``m`` divides q − 1; otherwise
+    ArgumentError: extend the field until it does. Everything else is as for :func:`weil_pairing`.
     """
     m = _check(D, E, m)
     q: Any = D.jacobian.field.order
@@ -118,9 +119,9 @@ def _not_annihilated(D: Divisor, m: int, name: str) -> ArgumentError:
 
 
 def _at_points(D: Divisor, E: Divisor, m: int, name: str) -> Any:
-    """f(E) without shifts, for div f = m·D with leading coefficient 1 at infinity: classes D and E of single points on
-    a curve of genus 1 over a prime field. None on other curves, for D = 0 or E = 0, and where a line of Miller's loop
-    passes through E.
+    """f(E), where div f = m·D and f has the leading coefficient 1 at infinity, for classes D and E of single points on
+    a curve of genus 1 over a prime field; no shift is needed. None on other curves, for D = 0 or E = 0, and where a
+    line of Miller's loop passes through E.
     """
     if not D or not E or not has_functions(D.jacobian.curve):
         return None
@@ -170,8 +171,9 @@ def _quotient_at(J: Any, functions: tuple[Divisor, Divisor], at: tuple[Divisor, 
 
 
 def _values(J: Any, D: Divisor, at: tuple[Divisor, ...], m: int) -> list[Any]:
-    """f_m at the affine divisors ``at``, of one degree, m·D = [mD] + div f_m, up to a common factor (Miller's loop from
-    the first bit of m). Numerators and denominators are kept modulo the u of each divisor: one norm is taken of each.
+    """The values, up to a common factor, of f_m at the affine divisors ``at`` of equal degrees, where m·D = [mD] + div
+    f_m. Miller's loop runs from the first bit of m. It reduces numerators and denominators modulo the u of each
+    divisor; at the end one norm is taken of each.
     """
     law, K = FlintCantor(J._model), J.field
     into, back = conversions(K)

@@ -1,7 +1,8 @@
 """The loops of :mod:`jacobian.finite.matrix_products`, compiled: residues modulo p < 2^49 as floats within ±p/2.
 
-A matrix M(k) has the first row Σ (c_i(n + 1) − k·c_i), i = 1 … d, and k below its diagonal. A product of d × d matrices
-at many points is an array (d², points): its entry (r, c) at point i is ``values[d·r + c, i]``.
+A matrix M(k) has the first row ((n + 1)i·c_i − k·c_i), i = 1 … d, with c_i = f_i/f_0, and k on its subdiagonal. A
+product of d × d matrices at many points is an array (d², points): its entry (r, c) at point i is ``values[d·r + c,
+i]``.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ def room_for(d: int) -> Room:
 
 @cache
 def kernels() -> Any:
-    """The loops here and those of :mod:`jacobian.numbers.transform_kernels`, compiled by :mod:`jacobian.native`."""
+    """The loops of this module and those of :mod:`jacobian.numbers.transform_kernels`, compiled by
+    :mod:`jacobian.native`.
+    """
     from jacobian.native.kinds import FLOAT, FLOATS, INT, ArrayKind, TupleKind, record
     from jacobian.native.library import Library
     from jacobian.native.words import CONTEXTS
@@ -109,7 +112,7 @@ def scaled(P: Any, x: Any, y: Any, out: Any) -> None:
 
 
 def _step(P: Any, c: Any, d: Any, k: Any, S: Any, row: Any) -> None:
-    """S ← M(k_j)·S for the matrices S[:, :, j]; ``c`` (2, d): c_i(n + 1) and c_i; ``row`` is room for d × BLOCK."""
+    """S ← M(k_j)·S for the matrices S[:, :, j]; ``c`` (2, d): (n + 1)i·c_i and c_i; ``row`` is room for d × BLOCK."""
     for column in range(d):
         for j in range(BLOCK):
             row[column, j] = 0.0
@@ -144,7 +147,7 @@ def direct(P: Any, c: Any, beta: Any, steps: Any, values: Any, points: Any, room
 
 
 def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, span: Any, room: Any) -> None:
-    """values ← upper·M(x + middle)·values at x = iβ, begin ≤ i < end of ``span``, multiples of BLOCK."""
+    """values ← upper·M(x + middle)·values at x = iβ, begin ≤ i < end; ``span`` = (begin, end), multiples of BLOCK."""
     k, row, S, U, d = room.k, room.row, room.S, room.U, c.shape[1]
     begin, end = span
     for first in range(begin, end, BLOCK):

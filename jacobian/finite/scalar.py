@@ -24,7 +24,7 @@ class FixedBase(Immutable):
     """A table of multiples of one divisor: ``table(m)``, ``m * table`` and ``table * m`` are m·D.
 
     Row i holds d·2^(wi)·D for 1 ≤ d ≤ 2^(w−1), so that a multiple is one addition per w bits and no doubling (Brickell,
-    Gordon, McCurley and Wilson 1992, with signed digits). Rows are made when a longer scalar comes.
+    Gordon, McCurley and Wilson 1992, with signed digits). Rows are added when a longer scalar needs them.
     """
 
     def __init__(self, D: Divisor, window: int = 5) -> None:

@@ -32,7 +32,7 @@ def _by_definition(C: HyperellipticCurve) -> list[list[Any]]:
 
 
 def p_rank(C: HyperellipticCurve, chi: Any) -> int:
-    """The number of roots of Frobenius that are units modulo p; ``chi`` computes its polynomial."""
+    """The number of roots of Frobenius that are units modulo p; ``chi`` computes the polynomial of Frobenius."""
     K: Any = C.field
     if K.order is None:
         raise FieldError(f"field = {K.name}: the p-rank is that of a curve over a finite field")
@@ -59,7 +59,7 @@ def _two_rank(C: HyperellipticCurve) -> int:
 def is_supersingular(C: HyperellipticCurve, chi: Any) -> bool:
     """Whether the Newton polygon of χ over GF(p^k) is the line of slope k/2: p^⌈ik/2⌉ | a_i. ``chi`` computes χ.
 
-    In characteristic 2, p-rank 0 decides up to genus 2, where no other polygon has it.
+    In characteristic 2 and genus 1 or 2 the p-rank decides, because it is 0 for no other polygon.
     """
     K: Any = C.field
     p, g = K.characteristic, C.genus

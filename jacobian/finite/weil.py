@@ -51,7 +51,7 @@ def leading(excess: list[int]) -> list[int]:
 
 
 def order_bounds(q: int, g: int) -> tuple[int, int]:
-    """The least and the largest int from (√q − 1)^2g = a − b√q to (√q + 1)^2g = a + b√q: #J is one of them."""
+    """The bounds of #J: the least and the largest int from (√q − 1)^2g = a − b√q to (√q + 1)^2g = a + b√q."""
     a, b = (sum(comb(2 * g, 2 * k + odd) * q**k for k in range(g + 1 - odd)) for odd in (0, 1))
     size = isqrt(b * b * q)
     return a - size, a + size

@@ -2,8 +2,8 @@
 
 A pair with the ``lean`` s represents the class of div(u, v) − (deg u/2)(∞₊ + ∞₋) + (s/2)(∞₊ − ∞₋). Composition adds
 leans, and its reduction steps preserve them except where y − v vanishes at infinity. On models of odd genus no sum of
-classes in general position has the lean 0. Let P be the polynomial part of √f at infinity. A step with y ∓ P takes
-g + 1 points with lean ∓2 to g points with lean ∓1 (Galbraith, Harrison and Mireles Morales 2008).
+classes in general position has the lean 0. Let P be the polynomial part of √f at infinity. A step with y ∓ P maps g + 1
+points with lean ∓2 to g points with lean ∓1 (Galbraith, Harrison and Mireles Morales 2008).
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def weight_of(genus: int, degree: int, lean: int) -> int:
 def reduced(field: Any, genus: int, f: Coefficients, total: Total, infinity: Infinity) -> tuple[Total, Number]:
     """The reduced pair of the class of ``total``, deg u ≤ g + 1, after steps at infinity.
 
-    Returned with it is the largest remainder of the divisions, relative to their terms.
+    The largest remainder of the divisions, relative to their terms, is returned with it.
     """
     u, v, lean, rest = total.u, total.v, total.lean + infinity.lean, field.zero
     plus = principal_part(genus, f, infinity.plus)

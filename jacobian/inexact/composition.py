@@ -1,7 +1,7 @@
 """Inexact composition: sums of Mumford pairs over RR, CC and MP.
 
 The numbers are scaled by powers of two so that the points are at |x| ≤ 1 and f is of size 1. Composition commutes with
-x → 2x and y → 2y to the bit. In these units :mod:`jacobian.inexact.stacked` adds.
+x → 2x and y → 2y to the bit. :mod:`jacobian.inexact.stacked` adds in these units.
 
 More digits (:mod:`jacobian.inexact.decided`) are used in two cases: if the points, or the coefficients of the curve,
 are of very different sizes, or if a remainder that must vanish exceeds rounding. The summands are then moved onto the
@@ -56,7 +56,7 @@ def add(curve: Any, first: Triple, second: Triple) -> Triple:
 
 
 def _check_balanced(curve: Any, *summands: Triple) -> None:
-    """On a split model of even genus only classes without points at infinity are added."""
+    """Raises NotRepresentable for a summand with a point at infinity on a split model of even genus."""
     for u, _, n in summands:
         if n is not None and lean_of(curve.genus, len(u) - 1, n):
             raise NotRepresentable(
@@ -207,7 +207,9 @@ def _returned(
 
 
 def _even(f: Coefficients, units: Units) -> bool:
-    """Whether f at the smallest point and its leading coefficient are at least 2^−SPREAD in the units of the points."""
+    """Whether the value of f at the smallest point and the leading coefficient of f are at least 2^−SPREAD in the units
+    of the points.
+    """
     depth, least = units.low - units.x, 2.0**-SPREAD
     at_low = max(abs(c) * 2.0 ** max(depth * i, -1000) for i, c in enumerate(f))
     return bool(min(at_low, abs(f[-1])) >= least and not (units.at_zero and 0 < abs(f[0]) < least))

@@ -2,12 +2,12 @@
 
 The summands are moved onto the curve, within their last bits, and count as exact from there on. Three passes compute
 the sum. The first takes these summands, the second moves them by some hundred units of the last working bit, the third
-by a few units of the last bit *of the field*. The second and third pass take the decisions of the first: which
+by a few units of the last bit *of the field*. The second and third pass repeat the decisions of the first: which
 quantities are zero, and which column is the largest. The second pass shows the error of the working precision, the
 third the effect of the field's own rounding of the summands, for any algorithm.
 
 At first only a quantity that vanishes at every precision counts as zero. If the sum is then known to all but its last
-digits, it is the answer. Otherwise a point of the sum may be at infinity, or points of the summands may be opposite, to
+digits, it is returned. Otherwise a point of the sum may be at infinity, or points of the summands may be opposite, to
 rounding. A quantity then counts as zero if one unit in the last place of the summands moves it as far as it is from
 zero. It counts as not zero if it is far larger than the effect of rounding. In between, PrecisionLoss is raised.
 """
@@ -53,7 +53,8 @@ class Question(NamedTuple):
 class Pass:
     """The ``field`` argument of one pass of :func:`jacobian.inexact.stacked.compose`.
 
-    It records the questions asked, their answers, and the result. ``like``: an earlier pass whose columns are taken.
+    It records the questions asked, their answers, and the result. ``like``: an earlier pass whose choices of columns
+    are repeated.
     """
 
     def __init__(self, digits: Digits, answer: Callable[[int, Any], bool], like: Pass | None = None) -> None:
@@ -72,7 +73,7 @@ class Pass:
         return self.answers[-1]
 
     def largest(self, sizes: Sequence[Any]) -> int:
-        """The index of the largest size, or the index that the earlier pass ``like`` found at this place."""
+        """The index of the largest size, or the index that the earlier pass ``like`` found at this step."""
         largest = self._like.columns[len(self.columns)] if self._like else index_of_largest(sizes)
         self.columns.append(largest)
         return largest

@@ -143,7 +143,8 @@ def least_squares(rows: list[Coefficients], right: Coefficients) -> Coefficients
 def _reflect(columns: list[Coefficients], k: int) -> None:
     """Applies to columns k, k+1, … the Householder reflection that clears column k below its diagonal.
 
-    Then row k is turned so that the diagonal is positive, which makes R a continuous function of the columns.
+    Then row k is multiplied by the phase that makes the diagonal positive, so that R is a continuous function of the
+    columns.
     """
     head = columns[k][k:]
     length = norm(head)

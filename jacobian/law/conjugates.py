@@ -41,7 +41,7 @@ def divisor_of_conjugates(J: GroupLaw, points: Iterable[Given], extension: Field
 
 
 def _orbits(points: list[AffinePoint], inclusion: Embedding) -> list[list[AffinePoint]]:
-    """The points, each as often as its conjugates, grouped by orbits of the Frobenius map."""
+    """The points, grouped into orbits of the Frobenius map; each point occurs as often as its conjugates."""
     left, found = Counter(points), []
     for point in points:
         if left[point]:

@@ -1,7 +1,7 @@
-"""Divisor classes in Mumford form: immutable values that know their group, which does the arithmetic.
+"""Divisor classes in Mumford form: immutable values with a reference to their group, which does the arithmetic.
 
-:class:`GroupLaw` is the interface that a divisor, and every function on divisors, uses. The groups themselves are in
-higher rooms: :class:`jacobian.group.Jacobian`, :class:`jacobian.relatives.glued.GeneralizedJacobian`.
+:class:`GroupLaw` is the interface that a divisor, and every function on divisors, uses. The groups themselves are
+:class:`jacobian.group.Jacobian` and :class:`jacobian.relatives.glued.GeneralizedJacobian`.
 """
 
 from __future__ import annotations

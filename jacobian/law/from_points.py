@@ -23,8 +23,8 @@ AT_ONCE = 8
 class Descent(NamedTuple):
     """Points over an extension field, and the map back to the field of the curve.
 
-    ``curve``: the same equation over the extension; ``back`` takes polynomials over it to the field; ``orbits``
-    groups the points into sets that are closed under conjugation.
+    ``curve``: the same equation over the extension; ``back`` maps polynomials over the extension to polynomials over
+    the curve's field; ``orbits`` groups the points into sets that are closed under conjugation.
     """
 
     curve: HyperellipticCurve
@@ -87,7 +87,8 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
     """The class of Σ P_i minus infinity over an exact field. A few points at a time become a reduced class, and the
     group adds these, because the time for one pair grows like the cube of its number of points.
 
-    On a split model the weight of a class at ∞₊ counts from ⌈g/2⌉; that of the last part makes up for the others.
+    On a split model a part of weight ⌈g/2⌉ at ∞₊ adds nothing to n; the weight of the last part makes up for the excess
+    of the others.
     """
     C = J.curve
     pairs = _equal_pairs(C, points) if descent is None else {}

@@ -26,7 +26,7 @@ def in_order(points: Sequence[AffinePoint]) -> list[AffinePoint]:
 
 
 def opposite(C: HyperellipticCurve, P: AffinePoint, Q: AffinePoint) -> bool:
-    """Whether two points of one x are opposite, to rounding; a branch point is its own opposite."""
+    """Whether two points with the same x are opposite, to rounding; a branch point is its own opposite."""
     h = [C.field.zero, *C.h]
     return bool(P.x == Q.x and abs(P.y + Q.y + value_at(h[1:], P.x)) <= abs(P.y - Q.y))
 
@@ -51,7 +51,7 @@ def pair_of_points(C: HyperellipticCurve, points: Sequence[AffinePoint]) -> tupl
 
 def _through(digits: Any, f: list[Any], half: list[Any], points: Sequence[AffinePoint]) -> tuple[Any, Any]:
     """Newton's interpolation: a new point adds u·k with k(x₀) = (y₀ − v(x₀))/u(x₀), a repeated one with k(x₀) =
-    w(x₀)/2v(x₀), w = (f − v²)/u, for y² = f with y + h/2 for y.
+    w(x₀)/2v(x₀), w = (f − v²)/u, on y² = f, where y stands for the given y + h/2.
     """
     one = digits.number(digits.field.one)
     u: list[Any] = [one]
@@ -73,7 +73,7 @@ def _through(digits: Any, f: list[Any], half: list[Any], points: Sequence[Affine
 
 
 def _on_curve(digits: Any, y: Any, square: Any) -> Any:
-    """The exact y of the curve, y² = ``square``, nearest to the rounded one; near a branch point the given y."""
+    """The exact y of the curve, y² = ``square``, nearest to the rounded y; near a branch point the given y."""
     if abs(square - y * y) > NEAR * digits.own_eps * abs(y * y):
         return y
     for _ in range(digits.bits.bit_length()):

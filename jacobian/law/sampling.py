@@ -104,7 +104,7 @@ def _random_points(C: HyperellipticCurve, rng: Rng) -> list[Any]:
 
 
 def _degrees(C: HyperellipticCurve) -> list[tuple[int, int]]:
-    """(degree of u, number of weights n beside it) for the reduced divisors of C."""
+    """(degree of u, number of weights n for this degree) for the reduced divisors of C."""
     step = 2 if C.model == "inert" else 1
     return [(d, C.genus - d + 1 if C.model == "split" else 1) for d in range(0, C.genus + 1, step)]
 
@@ -137,7 +137,7 @@ def _try_random(J: GroupLaw, rng: Rng) -> Divisor | None:
 
 def all_divisors(J: GroupLaw) -> Iterator[Divisor]:
     """Every class once, over a finite field (NotRepresentable elsewhere); about q^g factorisations, at most 10^9
-    (Infeasible beyond). The logger ``jacobian.progress`` says how long they take.
+    (Infeasible beyond). The logger ``jacobian.progress`` reports the remaining time.
     """
     C, K = J.curve, J.field
     if K.order is None:
@@ -180,7 +180,7 @@ def _local_choices(C: HyperellipticCurve, u: poly.Poly) -> list[tuple[poly.Poly,
 
 
 def _lift(C: HyperellipticCurve, P: poly.Poly, v: poly.Poly, multiplicity: int) -> tuple[poly.Poly, poly.Poly]:
-    """The pair (P^e, v) from v modulo P: e-fold composition, nothing reduced."""
+    """The pair (P^e, v) from v modulo P: e-fold composition without reduction."""
     local = pair = (P, v, None)
     for _ in range(multiplicity - 1):
         pair = cantor.compose(C, pair, local)  # type: ignore[assignment]

@@ -1,1 +1,1 @@
-"""The same curve by other equations, and the invariants of all of them."""
+"""Other equations of a curve: isomorphisms, isogenies, special models, and invariants."""

@@ -1,9 +1,9 @@
 """Invariants of curves of genus 2: Igusa–Clebsch, Igusa, and three that determine a curve over the algebraic closure.
 
-Clebsch's invariants of the sextic F = h² + 4f are transvectants with denominators. Igusa's are polynomials with
-integral coefficients in those of f and h. Over a finite field the coefficients are therefore lifted to characteristic
-0, to numbers or to polynomials modulo the lifted modulus, and Igusa's invariants are reduced back, in every
-characteristic.
+Clebsch's invariants of the sextic F = h² + 4f are transvectants with denominators. Igusa's are polynomials, with
+integral coefficients, in the coefficients of f and h. Over a finite field the coefficients are therefore lifted to
+characteristic 0, to numbers or to polynomials modulo the lifted modulus, and Igusa's invariants are reduced back, in
+every characteristic.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def g2_invariants(C: HyperellipticCurve[Element]) -> tuple[Element, Element, Ele
     """Three numbers that two curves of genus 2 share exactly if they are isomorphic over the algebraic closure
     (Cardona, Quer, Nart and Pujolàs 2005); exact fields of characteristic other than 2.
 
-    (J2⁵, J2³J4, J2²J6)/J10, with J2 = 0 (0, J4⁵/J10², J4J6/J10), with J4 = 0 too (0, 0, J6⁵/J10³).
+    They are (J2⁵, J2³J4, J2²J6)/J10; if J2 = 0, (0, J4⁵/J10², J4J6/J10); if J4 = 0 too, (0, 0, J6⁵/J10³).
     """
     K = _genus_two(C).field
     if K.characteristic == 2 or not K.exact:

@@ -94,7 +94,7 @@ def _with_matrix(C: HyperellipticCurve, E: HyperellipticCurve, matrix: Matrix) -
 
 
 def _matrices(K: Field, F: poly.Poly, G: poly.Poly, genus: int) -> list[Matrix]:
-    """Candidates (a : b : c : d), first number one, that take roots of the form F to roots of G."""
+    """Candidates (a : b : c : d), the first non-zero number being 1, that map roots of the form F to roots of G."""
     from_places, to_places = (_places(K, form, genus) for form in (F, G))
     if sorted(k for k, _ in from_places) != sorted(k for k, _ in to_places):
         return []
@@ -118,7 +118,7 @@ def _places(K: Field, form: poly.Poly, genus: int) -> list[Place]:
 
 
 def _three(places: list[Place]) -> list[Place]:
-    """A few places with three points or more together: a single one, where one has degree three or more."""
+    """A few places with three points or more together: a single place, if there is one of degree three or more."""
     for place in sorted(places):
         if place[0] >= 3:
             return [place]
@@ -131,7 +131,7 @@ def _three(places: list[Place]) -> list[Place]:
 
 
 def _equations(K: Any, P: Place, Q: Place) -> list[list[list[Any]]]:
-    """For each conjugate β of Q's root the linear system over K for aα + b = β(cα + d), α being P's root.
+    """For each conjugate β of Q's root, the linear system over K for aα + b = β(cα + d), where α is P's root.
 
     Its equations are the traces of the products with α^i.
     """
@@ -266,7 +266,7 @@ def _separable(p: int, form: Sequence[int]) -> bool:
 
 def _fractions(residues: Sequence[int], modulus: int) -> Matrix | None:
     """The rational numbers with numerators and denominators below √(modulus/2) that have these residues, by Euclid's
-    algorithm (Wang 1981); None where one of them has none.
+    algorithm (Wang 1981); None if a residue has no such number.
     """
     most, found = isqrt(modulus // 2), []
     for residue in residues:

@@ -26,8 +26,7 @@ class Isomorphism(Immutable):
     (ascending); exact fields.
 
     ``target``: the curve that it maps to. ``iso(P)`` for points, ``iso(D)`` for divisors; ``inverse()``; ``other *
-    iso`` is iso, then other. ArgumentError for ad = bc, e = 0 and a longer t. ``infinity_plus`` as for a curve, for the
-    target.
+    iso`` is iso, then other. ArgumentError for ad = bc, e = 0 and a longer t. ``infinity_plus`` is that of the target.
     """
 
     def __init__(
@@ -151,7 +150,7 @@ class Isomorphism(Immutable):
         return u, y
 
     def _fibre(self, weight: int) -> FormalSum:
-        """A multiple of the image of the place at infinity of an inert model."""
+        """``weight`` times the image of the place at infinity of an inert model."""
         E, K, (a, _, c, _) = self.target, self.source.field, self.matrix
         zero = FormalSum.zero(E)
         if K.is_zero(c):

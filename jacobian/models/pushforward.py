@@ -1,7 +1,7 @@
 """Images of divisor classes under correspondences: the sum of the images of their points, computed without the points.
 
 A class of genus 2 in general position is P + Q minus infinity, (u, v) with deg u = 2. Over K[t]/u the point (t, v(t))
-goes to a pair (U_t, V_t) on the target, and the sum of both conjugates is (U, V) over K: U the norm of U_t, V the
+is mapped to a pair (U_t, V_t) on the target, and the sum of both conjugates is (U, V) over K: U the norm of U_t, V the
 polynomial with V ≡ V_t modulo U_t. A class in special position is the difference of two classes in general position.
 """
 
@@ -77,7 +77,7 @@ class Family:
         return poly.trim(K, poly.add(K, poly.sub(K, first, poly.scale(K, b, mixed)), poly.scale(K, c, last)))
 
     def trace(self) -> poly.Poly | None:
-        """The V with V ≡ V_t modulo U_t; None where conjugates meet."""
+        """The V with V ≡ V_t modulo U_t; None where conjugate points coincide."""
         K, size = self.field, len(self.modulus) - 1
         columns, power = [], [(K.one,), *[()] * (size - 1)]
         for _ in range(2 * size):
@@ -115,7 +115,7 @@ def pushed(C: HyperellipticCurve, E: HyperellipticCurve, D: Divisor, families: F
 
 
 def _fields(K: Any) -> Iterator[Any]:
-    """K, and extensions of odd degree of a finite one: small fields have few points in general position."""
+    """K, and extensions of odd degree of a finite K, because small fields have few points in general position."""
     yield K
     if K.order is not None:
         yield from (GF(K.characteristic, k * K.degree) for k in (3, 5, 7))
@@ -144,7 +144,7 @@ def _pushed(E: HyperellipticCurve, D: Divisor, families: Families, move: Callabl
 
 
 def _others(D: Divisor) -> Iterator[Divisor]:
-    """Classes to add: multiples of D, and random ones."""
+    """Classes R to be added to D: multiples of D, then random classes."""
     multiple, rng = D, Random(f"{D!r}")
     for _ in range(8):
         multiple = multiple + D

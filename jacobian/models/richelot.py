@@ -5,8 +5,8 @@ G_jG_k' (i, j, k cyclic). The kernel is {0, div(G₁), div(G₂), div(G₃)} and
 
     G₁(x)H₁(X) + G₂(x)H₂(X) = 0,    yY = D·G₁(x)H₁(X)(x − X)
 
-of pairs of points takes each point to two. With D = 0 there is no such curve: the target is a product of two elliptic
-curves (:class:`Splitting`).
+of pairs of points maps each point to two points. With D = 0 there is no such curve: the target is a product of two
+elliptic curves (:class:`Splitting`).
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ Mapped = Callable[[poly.Poly], poly.Poly]
 class RichelotIsogeny(Immutable):
     """The isogeny from the Jacobian of y² = G₁G₂G₃ with kernel {0, div(G_i)}; get one from :func:`richelot_isogenies`.
 
-    ``source``, ``target``: the curves; ``quadratics``: the G_i. ``phi(D)`` is the image of a class; :meth:`dual` goes
-    back, so that ``phi.dual()(phi(D)) == 2 * D``. Exact fields of characteristic other than 2.
+    ``source``, ``target``: the curves; ``quadratics``: the G_i. ``phi(D)`` is the image of a class; :meth:`dual` is the
+    isogeny back, so that ``phi.dual()(phi(D)) == 2 * D``. Exact fields of characteristic other than 2.
     """
 
     def __init__(self, source: HyperellipticCurve, quadratics: Quadratics) -> None:
@@ -47,7 +47,7 @@ class RichelotIsogeny(Immutable):
         self.target = HyperellipticCurve(K, poly.scale(K, self.determinant, product))
 
     def kernel(self) -> list[Divisor]:
-        """The three classes of order 2 that go to 0."""
+        """The three classes of order 2 in the kernel."""
         return kernel(self.source, self.quadratics)
 
     def __call__(self, D: Divisor) -> Divisor:
@@ -55,7 +55,7 @@ class RichelotIsogeny(Immutable):
         return pushed(self.source, self.target, D, self._family)
 
     def _family(self, L: Field, move: Mapped, u: poly.Poly, v: poly.Poly) -> Family | None:
-        """(U, V) on the target for the points of (u, v), over L[t]/u, or None for special ones."""
+        """(U, V) on the target for the points of (u, v), over L[t]/u, or None for points in special position."""
         family = Family(L, u)
         (G1, G2), (H1, H2) = (map(move, pair[:2]) for pair in (self.quadratics, self.images))
         g1, g2 = family.reduced(G1), family.reduced(G2)
@@ -71,7 +71,7 @@ class RichelotIsogeny(Immutable):
         return family
 
     def dual(self) -> DualIsogeny:
-        """The isogeny back, with ``dual(phi(D)) == 2 * D``."""
+        """The dual isogeny, from ``target`` to ``source``, with ``dual(phi(D)) == 2 * D``."""
         return DualIsogeny(self)
 
     def __repr__(self) -> str:
@@ -103,7 +103,7 @@ class Splitting(Immutable):
 
     There are s₁, s₂, one of them possibly ∞, with G_i = a_i(x − s₁)² + b_i(x − s₂)². By X = ((x − s₁)/(x − s₂))² the
     curve covers Y² = Π(a_iX + b_i) and Y² = Π(a_i + b_iX). ``source``, ``targets``: the curves; ``split(D)``: the two
-    images of a class. FieldError where s₁ and s₂ are conjugate, with the field that has them.
+    images of a class. FieldError where s₁ and s₂ are conjugate; it names the field that contains them.
     """
 
     def __init__(self, source: HyperellipticCurve, quadratics: Quadratics) -> None:
@@ -117,7 +117,7 @@ class Splitting(Immutable):
         self.targets = HyperellipticCurve(K, product), HyperellipticCurve(K, product[::-1])
 
     def kernel(self) -> list[Divisor]:
-        """The three classes of order 2 that go to 0."""
+        """The three classes of order 2 in the kernel."""
         return kernel(self.source, self.quadratics)
 
     def __call__(self, D: Divisor) -> tuple[Divisor, Divisor]:
@@ -149,8 +149,8 @@ class Splitting(Immutable):
 def richelot_isogenies(C: HyperellipticCurve) -> list[RichelotIsogeny | Splitting]:
     """The (2,2)-isogenies from a curve y² = f of genus 2 whose three quadratics are over the field, up to 15.
 
-    Over QQ and finite fields of odd characteristic. ``without_h(C).target`` has no h. Splittings over a quadratic
-    extension only are left out.
+    The field is QQ or finite of odd characteristic. ``without_h(C).target`` has no h. Splittings that need a quadratic
+    extension are omitted.
     """
     K = check_curve(C).field
     found: list[RichelotIsogeny | Splitting] = []

@@ -1,1 +1,3 @@
-"""A small compiler for numeric Python loops. It knows the few statements and kinds of numbers that they need."""
+"""A small compiler for numeric Python loops. It supports only the statements and kinds of numbers that these loops
+need.
+"""

@@ -47,7 +47,7 @@ class Expressions(Operators):
     # --- blocks
 
     def begin(self, label: str) -> None:
-        """Start a basic block: the next instructions belong to it."""
+        """Starts a basic block, to which the next instructions belong."""
         self.lines.append(f"{label}:")
         self.label = label
 
@@ -78,7 +78,7 @@ class Expressions(Operators):
         return Value(kind, tuple(loads))
 
     def keep(self, value: Value, slots: list[str]) -> None:
-        """Store a value in the slots of its scalars."""
+        """Stores a value in the slots of its scalars."""
         for leaf, part, slot in zip(value.kind.leaves, value.parts, slots, strict=True):
             self.lines.append(f"  store {leaf} {part}, ptr {slot}")
 
@@ -312,7 +312,7 @@ class Expressions(Operators):
         return Value(abreast(lanes[0].kind), tuple(parts))
 
     def put(self, row: Value, address: Value, value: Value) -> None:
-        """Store a value at an address."""
+        """Stores a value at an address."""
         item = row.kind.item
         if is_abreast(address.kind):
             value = self.cast(value, abreast(item))
@@ -334,7 +334,9 @@ class Expressions(Operators):
             self.lines.append(f"  store {leaf} {part}, ptr {there}, align 8")
 
     def slice_of(self, row: Value, part: ast.Slice) -> Value:
-        """A slice of a flat array, as a view of the same memory; of a tuple, from an index known at compile time."""
+        """A slice of a flat array, as a view of the same memory; or the items of a tuple from an index on that is known
+        at compile time.
+        """
         if isinstance(row.kind, TupleKind) and part.lower is not None and part.upper is None and part.step is None:
             return together([row.item(i) for i in range(self.value(part.lower).known(), len(row.kind.items))])
         if not isinstance(row.kind, ArrayKind) or row.kind.ndim != 1 or part.step is not None:

@@ -154,7 +154,7 @@ class TupleKind:
 def form_of(kind: Any) -> tuple[Any, ...]:
     """(kind, dtype, axes, forms): all that a call inspects of a kind, computed once.
 
-    An array has a dtype and a number of axes, a tuple the forms of its items. What a kind lacks is None, 0 or None.
+    An array has a dtype and a number of axes, a tuple the forms of its items. Entries that do not apply are None or 0.
     """
     if isinstance(kind, ArrayKind):
         return kind, kind.dtype, kind.axes, None

@@ -29,11 +29,11 @@ class Library:
     """Functions that are compiled together, at the first call of any of them.
 
     ``functions`` maps each entry's name to the function and the kinds of its arguments. ``library.name(…)`` calls it.
-    ``special``, beside :data:`jacobian.native.special.SPECIAL`, maps functions to instructions that replace them. Sums
-    in ``fast`` functions may be reordered. LLVM vectorises a loop only if the functions that it calls are inlined. So
-    all functions without loops are inlined, except ``inlined_but``; if that is None, LLVM decides. Arrays are NumPy
-    arrays; double-doubles have a last axis (hi, lo). Tuples are tuples or :class:`Packed`. Calls release Python's lock.
-    The logger of this module reports when a library is not on disk and has to be compiled.
+    ``special``, in addition to :data:`jacobian.native.special.SPECIAL`, maps functions to instructions that replace
+    them. Sums in ``fast`` functions may be reordered. LLVM vectorises a loop only if the functions that it calls are
+    inlined. So all functions without loops are inlined, except ``inlined_but``; if that is None, LLVM decides. Arrays
+    are NumPy arrays; double-doubles have a last axis (hi, lo). Tuples are tuples or :class:`Packed`. Calls release
+    Python's lock. The logger of this module reports when a library is not on disk and has to be compiled.
     """
 
     def __init__(
@@ -170,7 +170,7 @@ LETTERS = {"i64": "q", "double": "d", "i1": "q", "ptr": "Q", "i128": "16s"}
 
 
 def flatten(values: Any, forms: tuple[tuple[Any, ...], ...], words: list[Any]) -> None:
-    """Append the words of values to ``words``; ``forms`` are their :func:`~jacobian.native.kinds.form_of`."""
+    """Appends the words of values to ``words``; ``forms`` are their :func:`~jacobian.native.kinds.form_of`."""
     for value, (kind, dtype, axes, items) in zip(values, forms, strict=True):
         if type(value) is Packed:
             words += value.words

@@ -132,7 +132,9 @@ class Operators(Code):
         return Value(kind, found.parts)
 
     def lanes(self, value: Value, lanes: int) -> Value:
-        """A number repeated in all lanes; its kind is that of one lane, as methods under :func:`in_lanes` need it."""
+        """A number repeated in all lanes; its kind is that of one lane, as methods decorated by :func:`in_lanes`
+        require.
+        """
         if not is_number(value.kind):
             raise CompileError(f"{value.kind} with numbers abreast")
         return Value(single(value.kind), self.cast(value, abreast(single(value.kind), lanes)).parts)

@@ -185,8 +185,8 @@ def _functions(module: str) -> dict[str, ast.FunctionDef]:
 
 
 def _has_loop(tree: ast.FunctionDef) -> bool:
-    """Whether a function has a loop that is not unrolled. Loops over a tuple, or with a number of rounds that stands in
-    the source, are unrolled.
+    """Whether a function has a loop that is not unrolled. Loops over a tuple, or with a number of rounds that is a
+    literal in the source, are unrolled.
     """
     return any(
         isinstance(node, ast.While)

@@ -99,7 +99,7 @@ class Statements(Expressions):
     # --- assignments
 
     def assign_name(self, name: str, value: Value) -> None:
-        """Store a value in a variable."""
+        """Stores a value in a variable."""
         if value.kind is OBJECT:
             raise CompileError(f"{name}: functions are no values of variables")
         if name == "_":
@@ -119,7 +119,7 @@ class Statements(Expressions):
         self.keep(self.cast(value, kind), self.variables[name][1])
 
     def assign(self, target: ast.expr, value: Value) -> None:
-        """Assign a value to the target on the left of =."""
+        """Assigns a value to the target on the left of =."""
         if isinstance(target, ast.Name):
             self.assign_name(target.id, value)
         elif isinstance(target, ast.Tuple):
@@ -165,7 +165,7 @@ class Statements(Expressions):
         self.give_back(Value(NONE, ()) if node.value is None else self.value(node.value))
 
     def give_back(self, value: Value) -> None:
-        """Return the result of the function."""
+        """Writes the return of ``value`` as the result of the function."""
         result = value.kind if self.result is None else meeting(self.result, value.kind)
         if result != self.result:
             first, self.result = self.result is None, result
@@ -179,7 +179,7 @@ class Statements(Expressions):
             self.end(value)
 
     def end(self, value: Value) -> None:
-        """The final instruction, which returns this result."""
+        """Writes the final instruction, which returns ``value``."""
         result, returned = value.kind, returned_type(value.kind)
         if len(value.parts) < 2:
             self.lines.append(f"  ret {returned} {value.parts[0]}" if value.parts else "  ret void")
@@ -190,7 +190,7 @@ class Statements(Expressions):
             self.lines.append(f"  ret {returned} {row}")
 
     def give_back_lanes(self, value: Value) -> None:
-        """Record the results of the lanes in the mask until all lanes have returned."""
+        """Records the results of the lanes in the mask until all lanes have returned."""
         if value.kind is NONE or value.kind != abreast(value.kind):
             self.result = abreast(value.kind)
             raise _Wider
@@ -201,7 +201,7 @@ class Statements(Expressions):
         self.keep(value, self.results)
 
     def end_of_lanes(self) -> None:
-        """Return the results of all lanes."""
+        """Writes the return of the results of all lanes."""
         self.go("returned")
         self.begin("returned")
         self.end(self.loaded(self.result, self.results))
@@ -232,7 +232,7 @@ class Statements(Expressions):
 
     def if_in_lanes(self, node: ast.If, condition: str) -> None:
         """Compiles an if whose condition differs between lanes. Each branch runs if any lane takes it and changes only
-        those lanes; lanes that return drop out.
+        those lanes; lanes that return take no further part.
         """
         bits, outer = abreast(BOOL).leaves[0], self.mask
         other = self.write(f"xor {bits} {condition}, {self.repeat('i1', '1')}")

@@ -1,1 +1,1 @@
-"""The number types under compiled code: words, tables of small fields, double-doubles, long reals."""
+"""The number types that compiled code uses: words, tables of small fields, double-doubles, long reals."""

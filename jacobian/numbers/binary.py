@@ -33,11 +33,11 @@ class BinaryContext(_Constants):
     bits: int
 
     def to_word(self, a: int) -> int:
-        """The word of an element."""
+        """The word that represents an element."""
         return self.dot(a, self.square)
 
     def from_word(self, x: int) -> int:
-        """The element of a word."""
+        """The element that a word represents."""
         return self.dot(x, 1)
 
     def dot(self, *terms: int) -> int:

@@ -1,4 +1,4 @@
-"""The switch that turns compilation off, and the warning that compiled code cannot be kept."""
+"""The switch that turns compilation off, and the warning that compiled code cannot be stored."""
 
 from __future__ import annotations
 

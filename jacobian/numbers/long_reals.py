@@ -78,7 +78,7 @@ class BareReals:
         return (int(mantissa) + (1 << (-exponent - 1))) >> -exponent
 
     def plain(self, x: Any) -> Any:
-        """x without the error bound of a ball: here numbers are rounded, not enclosed."""
+        """x itself: numbers of this class are rounded and carry no error bound."""
         return x
 
     def plain_row(self, values: Iterable[Any]) -> tuple[Any, ...]:

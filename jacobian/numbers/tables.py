@@ -1,8 +1,9 @@
 """GF(p^k) of at most 2^16 elements in the manner of :mod:`jacobian.numbers.words`: tables without a branch for zero.
 
 An element is the int of :class:`jacobian.fields.table.TableField`. The logarithm of 0 is 2(q − 1), and from there on
-the table of powers is 0. So a product is one look-up at the sum of two logarithms, and a sum one at log x + zech(log y
-− log x). The table of Zech logarithms runs from −2(q − 1) to 2(q − 1). In characteristic 2 a sum is an exclusive or.
+the table of powers is 0. So a product is one look-up at the sum of two logarithms, and a sum is one look-up at log x +
+zech(log y − log x). The table of Zech logarithms runs from −2(q − 1) to 2(q − 1). In characteristic 2 a sum is an
+exclusive or.
 
 A *context* holds the tables. Its operations are compiled as they stand. Every element is canonical.
 """
@@ -26,11 +27,11 @@ class TableContext(SingleProducts, _Tables):
     __slots__ = ()
 
     def to_word(self, a: int) -> int:
-        """The word of an element: a itself."""
+        """The word that represents an element: a itself."""
         return a
 
     def from_word(self, x: int) -> int:
-        """The element of a word: x as an int of Python."""
+        """The element that a word represents: x as a Python int."""
         return int(x)
 
     def product(self, x: Any, y: Any) -> Any:

@@ -23,7 +23,7 @@ def threads() -> int:
 
 
 def set_threads(count: int | None) -> None:
-    """Spread large batches over ``count`` threads; None for the number of processors."""
+    """Spreads large batches over ``count`` threads; None for the number of processors."""
     global _count
     if count is not None:
         count = whole(count, "count", "an int ≥ 1, or None for all processors", 1)

@@ -26,11 +26,11 @@ class TwoWords(namedtuple("TwoWords", "p reciprocal one square cube")):
     __slots__ = ()
 
     def to_word(self, a: int) -> int:
-        """The word of a residue."""
+        """The word that represents a residue."""
         return self.dot(a, self.square)
 
     def from_word(self, x: int) -> int:
-        """The residue 0 ≤ a < p of a word."""
+        """The residue 0 ≤ a < p that a word represents."""
         return self.dot(x, 1)
 
     def dot(self, *terms: int) -> int:

@@ -51,11 +51,11 @@ class WordContext(_Constants):
     wide: bool
 
     def to_word(self, a: int) -> int:
-        """The canonical word of a residue."""
+        """The canonical word that represents a residue."""
         return self.canonical(self.dot(a, self.square))
 
     def from_word(self, x: int) -> int:
-        """The residue 0 ≤ a < p of any word."""
+        """The residue 0 ≤ a < p that a word represents."""
         a = self.dot(int(x), 1)
         return a + self.p if a < 0 else a
 
@@ -156,7 +156,7 @@ class Double(SingleProducts, namedtuple("Double", "p reciprocal one half")):
         return a - self.p * (a > self.half)
 
     def product(self, x: float, y: float) -> float:
-        """xy. Compiled code returns another residue of it, by fused multiplications."""
+        """A residue of xy: the canonical one in Python, another one in compiled code, by fused multiplications."""
         return float(self.balanced(int(x) * int(y) % int(self.p)))
 
     def add(self, x: float, y: float) -> float:

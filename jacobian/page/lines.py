@@ -1,4 +1,4 @@
-"""The lines of a page; each asks the room that can compute it."""
+"""The lines of a page; each is computed by another module of this package."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ def summary(C: HyperellipticCurve, bound: int = 2**12, height: int = 1000, digit
     """What is known of a curve over QQ, in any genus, as far as this package computes it.
 
     ``bound``: the bound of the primes of L-polynomials, from 64 on; ``height``: the largest height of x of rational
-    points, 1 … 10,000; ``digits``: the digits of periods and regulators, 5 … 200. A line whose computation was refused
-    says so. FieldError over other fields.
+    points, 1 … 10,000; ``digits``: the digits of periods and regulators, 5 … 200. A line that could not be computed
+    contains the error message. FieldError over other fields.
     """
     if check_curve(C).field != QQ:
         raise FieldError(f"field = {C.field.name}: the page of a curve is that of a curve over QQ")
@@ -274,8 +274,8 @@ def _sato_tate(facts: Facts) -> Answer | None:
 
 
 def _quotient(facts: Facts) -> Answer | None:
-    """Ω·Reg/#torsion²: by Birch and Swinnerton-Dyer's conjecture L^(r)(1)/r! over Ш and the Tamagawa numbers, where the
-    classes generate and the equation is minimal.
+    """Ω·Reg/#torsion². By the conjecture of Birch and Swinnerton-Dyer this is L^(r)(1)/r! divided by #Ш and the
+    Tamagawa numbers, if the classes generate J(QQ) and the equation is minimal.
     """
     if facts.curve.genus != 2 or not facts.torsion.proven:
         return None

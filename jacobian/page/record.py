@@ -1,4 +1,4 @@
-"""The page of a curve: lines of a name, a value, how sure it is, and where it comes from."""
+"""The page of a curve: lines with a name, a value, its certainty and its source."""
 
 from __future__ import annotations
 

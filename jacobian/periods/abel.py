@@ -1,7 +1,7 @@
 """The Abel–Jacobi map of a curve over RR, CC or MP(dps), from divisor classes to ℂ^g modulo periods, and its inverse.
 
-The integrals are those of :mod:`jacobian.periods.image`, by Fejér's rule. By Newton's method the inverse follows
-a segment from the image of a divisor of random points to z, in doubles; then it refines the divisor at the field's own
+The integrals are those of :mod:`jacobian.periods.image`, by Fejér's rule. For the inverse, Newton's method follows a
+segment from the image of a divisor of random points to z, in doubles, then refines the divisor at the field's own
 precision. A class of weight g contains one divisor of g points, so any solution is the right one.
 """
 
@@ -31,8 +31,9 @@ MOST_STEPS, MOST_LONG_STEPS = 1000, 100
 class AbelMap(AbelImage):
     """The Abel–Jacobi map D ↦ Σ ∫ x^k dx/(y + h/2), k = 0 … g−1, of a curve over RR, CC or MP(dps).
 
-    ``periods``: its PeriodMatrix; ``curve``: the curve over the complex field, whose Jacobian the inverse lands in.
-    ``roots``: those of f + h²/4, if known. Raises as :func:`jacobian.periods.matrix.periods`.
+    ``periods``: its PeriodMatrix; ``curve``: the curve over the complex field, whose Jacobian contains the results of
+    ``inverse``. ``roots``: those of f + h²/4, if known. Raises the exceptions of
+    :func:`jacobian.periods.matrix.periods`.
     """
 
     def __init__(self, curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> None:
@@ -55,7 +56,7 @@ class AbelMap(AbelImage):
         """The image of a divisor class of ``curve`` (or of the curve given, if real): g complex numbers, reduced modulo
         periods to coordinates in [−½, ½].
 
-        Points that nearly coincide cost digits, as the roots of u lose them.
+        Points that nearly coincide cost digits, because the roots of u are then ill-conditioned.
         """
         D = self.check_divisor(D)
         image = self.periods.reduce(self._image_of(self._points_of(D), self._weight_of(D)))
@@ -181,7 +182,7 @@ class AbelMap(AbelImage):
     ) -> list[Point]:
         """The points after Newton's method for the image ``target``, with steps Σ x_i^k dx_i/Y_i = gap_k.
 
-        PrecisionLoss where it does not settle in the steps ``allowed``.
+        PrecisionLoss where it does not converge within the steps ``allowed``.
         """
         g, numbers = self.curve.genus, self.cover.numbers
         digits = numbers.digits

@@ -41,8 +41,8 @@ class BallDivisor(NamedTuple):
 class AbelBalls(Immutable):
     """The Abel–Jacobi map D ↦ Σ ∫ x^k dx/(y + h/2), k = 0 … g−1, of a curve over QQ, RR, CC or MP(dps), in balls.
 
-    Radii are at most 10^−digits of the largest period. Conventions are those of AbelMap, the same map in floats. Errors
-    are those of :func:`jacobian.periods.proven.period_balls`.
+    Radii are at most 10^−digits times the largest period. Conventions are those of AbelMap, the same map in floats.
+    Exceptions are those of :func:`jacobian.periods.proven.period_balls`.
     """
 
     def __init__(self, curve: HyperellipticCurve, digits: int = 30) -> None:

@@ -117,7 +117,7 @@ def exact_polynomial(coefficients: Sequence[Any]) -> tuple[Any, Any]:
 def ball_roots(numbers: BallNumbers, real: Any, imaginary: Any) -> Vector:
     """The roots of an exact polynomial with multiplicity, in balls that each contain one root.
 
-    PrecisionLoss where complex coefficients do not separate them.
+    PrecisionLoss if the roots of a polynomial with complex coefficients are not separated.
     """
     if imaginary.degree() < 0:
         return [x for x, times in real.numer().complex_roots() for _ in range(times)]

@@ -7,7 +7,7 @@ bounded by the size M of the integrand on the ellipse with foci ±1 and semi-axi
 * Gauss–Legendre, n ≥ 2 nodes, ∫ φ: 64M/(15(1 − e^(−2ρ))e^(2ρn)) (Rabinowitz 1969).
 
 For a point u outside, |t − u| ≥ (|u − 1| + |u + 1|)/2 − cosh ρ for t on that ellipse, by the triangle inequality.
-Doubles choose between two square roots. An argument with an error below 30° is enough, and no path comes so near to a
+Doubles decide between two square roots. An argument with an error below 30° is enough, and no path comes so near to a
 branch point that the error is larger.
 """
 
@@ -71,7 +71,7 @@ class BallNumbers(Numbers):
         return (-x).sqrt() * self.flint.acb(0, 1)
 
     def root(self, square: Any, approximation: Any) -> Any:
-        """The square root of ``square`` on the side of a rough value or ball of it; PrecisionLoss if undecided."""
+        """The square root of ``square`` nearer to a rough value or ball of it; PrecisionLoss if undecided."""
         if square.contains(0):
             return self.widened(self.convert(0), square.abs_upper().sqrt())
         root = self.sqrt(square)

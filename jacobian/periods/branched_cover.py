@@ -1,4 +1,4 @@
-"""A curve as a double cover Y² = F(x) = f + h²/4 of the line: branch points, the tree on them, half-periods.
+"""A curve as a double cover Y² = F(x) = f + h²/4 of the line: branch points, a spanning tree of them, half-periods.
 
 The cycles are the lifts of the edges of the Euclidean minimal spanning tree of the branch points (2g edges), integrated
 by Gauss–Chebyshev quadrature (after Molin and Neurohr 2019, with this tree). Two lifts that share a branch point cross
@@ -81,7 +81,7 @@ class BranchedCover:
         return self.curve.field.coerce(e, argument)
 
     def rounded(self, matrix: Sequence[Vector]) -> tuple[tuple[Any, ...], ...]:
-        """Rows of working numbers as numbers of the complex field beside the curve's."""
+        """Rows of working numbers as numbers of the complex field that contains the curve's."""
         field = complex_field(self.curve.field)
         return tuple(tuple(field.coerce(x) for x in row) for row in matrix)
 

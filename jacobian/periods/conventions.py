@@ -1,6 +1,7 @@
 """Period matrices as other programs write them, and changes between bases of the cycles.
 
-All programs have g rows of 2g, (∮ along a_1 … a_g, b_1 … b_g), with a_i·b_j = δ_ij. Their differentials differ:
+All programs have g rows of 2g integrals, (∮ along a_1 … a_g, b_1 … b_g), with a_i·b_j = δ_ij. Their differentials
+differ:
 
 * here x^k dx/(y + h/2);
 * Magma, ``BigPeriodMatrix(AnalyticJacobian(f))``: x^k dx/y on y² = f; for a curve with h, on y² = 4f + h²;
@@ -30,8 +31,8 @@ def in_convention(P: PeriodMatrix, program: str) -> tuple[tuple[Any, ...], ...]:
 def change_of_cycles(P: PeriodMatrix, other: Sequence[Sequence[Any]], program: str | None = None) -> list[list[int]]:
     """The matrix M in Sp(2g, ℤ) with other = (A, B)·M, (A, B) being the periods P.
 
-    ``other``: a period matrix of the same curve, g rows of 2g numbers, right to 4 digits at least; else ArgumentError.
-    ``program``: "magma" or "sage", whose differentials it has; None for those of this package.
+    ``other``: a period matrix of the same curve, g rows of 2g numbers, correct to at least 4 digits; else
+    ArgumentError. ``program``: "magma" or "sage", whose differentials ``other`` has; None for those of this package.
     """
     g, size = P.cover.genus, _size(P, program)
     rows = [list(row) for row in other]

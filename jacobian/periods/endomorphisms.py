@@ -1,4 +1,4 @@
-"""Endomorphisms of a Jacobian over the complex numbers, seen in its period matrix.
+"""Endomorphisms of a Jacobian over the complex numbers, found from its period matrix.
 
 An endomorphism is an integral R of 2g × 2g with A·Π = Π·R for some A of g × g, where Π = (Π_1, Π_2) are the periods.
 With τ = Π_1⁻¹Π_2 and R = (a, b; c, d) this is b + τd − aτ − τcτ = 0. It is linear in R, so its integral solutions are
@@ -29,7 +29,7 @@ SMALL = 4
 
 
 class Endomorphisms(NamedTuple):
-    """The endomorphisms of a Jacobian that its ``periods`` show.
+    """The endomorphisms of a Jacobian found from its ``periods``.
 
     ``matrices``: a ℤ-basis R_i of the ring over the complex numbers, each by its action on the cycles of ``periods``.
     ``rational``: integral vectors c for which the Σ c_i R_i are a QQ-basis of the endomorphisms over QQ. ``digits``:
@@ -51,10 +51,11 @@ class Endomorphisms(NamedTuple):
 
 
 def endomorphisms(C: HyperellipticCurve, digits: int = 100) -> Endomorphisms:
-    """The endomorphisms that the periods of a curve over QQ show, from balls with this many digits.
+    """The endomorphisms of the Jacobian of a curve over QQ, found from periods in balls with this many digits.
 
-    Numerical evidence: A·Π = Π·R holds to some 9/10 of the digits, and each R has entries of less than a quarter of
-    them. PrecisionLoss where these do not stand out; FieldError over other fields, Infeasible beyond genus 4.
+    They are numerical evidence: A·Π = Π·R holds to some 9/10 of the digits, and the entries of each R have less than a
+    quarter of them. PrecisionLoss if a small relation does not hold; FieldError over other fields, Infeasible beyond
+    genus 4.
     """
     if C.field != QQ:
         raise FieldError(f"field = {C.field.name}: endomorphisms are looked for on curves over QQ")

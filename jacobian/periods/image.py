@@ -97,7 +97,7 @@ class AbelImage(Immutable):
         raise failure
 
     def _outside(self, direction: complex) -> Any:
-        """A point at some distance from the branch points."""
+        """A point in the given direction from the branch points, at some distance from them."""
         roots = self.cover.roots
         centre = sum(roots) / len(roots)
         radius = max(abs(e - centre) for e in roots)
@@ -134,7 +134,7 @@ class AbelImage(Immutable):
         return [found[i] for i in range(len(cover.roots))]
 
     def _from_infinity(self) -> Vector:
-        """The integrals from ∞ to e₀ on a ramified model, from e₀ to ∞₊ on another, modulo periods."""
+        """The integrals from ∞ to e₀ on a ramified model, from e₀ to ∞₊ on a split model, modulo periods."""
         if self.curve.model == "ramified":
             return [-sum(values) for values in zip(*self.half_periods, strict=True)]
         g, numbers = self.curve.genus, self.cover.numbers

@@ -53,15 +53,17 @@ class KleinianFunctions(Immutable):
         self.abel, self.branch_point = abel, branch_point
 
     def wp(self, z: Sequence[Any]) -> Wp:
-        """℘ at z, two numbers of any size. Errors as those of ``abel.inverse``; PrecisionLoss near the poles."""
+        """(℘_11, ℘_12, ℘_22) at z, two numbers of any size. Exceptions are those of ``abel.inverse``; PrecisionLoss
+        near the poles.
+        """
         with self._image.cover.numbers.working():
             return Wp(*self._out(self._wp(self._divisor(z))))
 
     def zeta(self, z: Sequence[Any]) -> tuple[Any, Any]:
         """(ζ_1, ζ_2) at z. The functions are odd, and ∂ζ_i/∂z_j = −℘_ij.
 
-        Where z grows by a period of the first kind, ζ falls by that of the second kind. Infeasible where a branch point
-        is too near to all paths.
+        If a period of the first kind is added to z, the corresponding period of the second kind is subtracted from ζ.
+        Infeasible where a branch point is too near to all paths.
         """
         image, numbers = self._image, self._image.cover.numbers
         with numbers.working():
@@ -138,7 +140,7 @@ class KleinianFunctions(Immutable):
 
     @cached_property
     def _halves(self) -> dict[int, Vector]:
-        """The integrals of x^k dx/Y, k < 5, from branch point 0 to each, by the edges of the tree.
+        """The integrals of x^k dx/Y, k < 5, from branch point 0 to each branch point, along the edges of the tree.
 
         To a branch point that is not in the tree they continue from its nearest neighbour.
         """

@@ -28,7 +28,7 @@ class Oval(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PeriodMatrix(Immutable):
-    """Periods of x^k dx/(y + h/2), k < g, as numbers of the complex field beside the curve's, or as balls.
+    """Periods of x^k dx/(y + h/2), k < g, as numbers of the complex field that contains the curve's, or as balls.
 
     ``A`` and ``B``: g×g tuples of rows, A[k][j] = ∮ of differential k along a_j, with a_i·b_j = δ_ij and no other
     crossings. ``cover``, ``edges``, ``working``: branch points, half-periods and (A, B) in working numbers.
@@ -95,9 +95,10 @@ class PeriodMatrix(Immutable):
 def periods(curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> PeriodMatrix:
     """The PeriodMatrix of a curve over RR, CC or MP(dps), of any genus.
 
-    ``roots``: the roots of f + h²/4, if known (ArgumentError where they do not fit). Over MP(dps) the entries are right
-    to about dps digits of the largest one; Riemann's relations are checked. PrecisionLoss where branch points coincide
-    at this precision, Infeasible where one is too near to the segment between two others, FieldError over exact fields.
+    ``roots``: the roots of f + h²/4, if known (ArgumentError where they do not fit). Over MP(dps) the entries are
+    correct to about dps digits of the largest one; Riemann's relations are checked. PrecisionLoss where branch points
+    coincide at this precision, Infeasible where one is too near to the segment between two others, FieldError over
+    exact fields.
     """
     cover = BranchedCover(curve, roots)
     return period_matrix(cover, (periods, (curve, cover.given)))
@@ -180,8 +181,8 @@ def real_periods(curve: HyperellipticCurve, roots: Sequence[Any] | None = None) 
     """The bounded ovals of a curve over RR or MP(dps), by ascending x, each with 2∫ x^k dx/|y + h/2|, k < g.
 
     They lie between neighbouring real roots of F = f + h²/4, where F is positive. The integrals are computed by
-    Gauss–Chebyshev quadrature in real numbers. FieldError over a complex or an exact field; otherwise as
-    :func:`periods`.
+    Gauss–Chebyshev quadrature in real numbers. FieldError over a complex or an exact field; other exceptions are those
+    of :func:`periods`.
     """
     cover = BranchedCover(curve, roots)
     if not cover.real:

@@ -131,7 +131,7 @@ class StraightPath(NamedTuple):
 
 
 def straight(Z: LongField, a: Complex, b: Complex, others: Sequence[Complex]) -> StraightPath:
-    """The straight path from a to b."""
+    """The :class:`StraightPath` from a to b; ``others`` are the other branch points."""
     sides = [int(abs(b - e) < abs(a - e)) for e in others]
     ends = [b if side else a for side in sides]
     factor, poles = Z.one, []

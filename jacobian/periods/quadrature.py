@@ -67,7 +67,7 @@ class Numbers:
         return nullcontext()
 
     def root(self, square: Any, approximation: Any) -> Any:
-        """The square root of ``square`` on the side of a rough value of it."""
+        """The square root of ``square`` nearer to a rough value of it."""
         root = self.sqrt(square)
         rough, approximation = complex(root), complex(approximation)
         return root if rough.real * approximation.real + rough.imag * approximation.imag >= 0 else -root
@@ -127,7 +127,7 @@ def complex_field(field: Any) -> Any:
 
 @lru_cache(maxsize=64)
 def working_numbers(field: Field) -> Numbers:
-    """The Numbers of a field. Calls with one field share one object, so that nodes and weights are made once."""
+    """The Numbers of a field. Calls with the same field share one object, so that nodes and weights are made once."""
     return Numbers(field)
 
 

@@ -25,7 +25,7 @@ def simple_roots(numbers: Numbers, coefficients: Sequence[Any]) -> list[Any]:
 
 
 def check_separated(numbers: Numbers, roots: Sequence[Any]) -> list[Any]:
-    """The distance of every root from the nearest other one; PrecisionLoss where that is lost in half the digits."""
+    """The distance of every root from the nearest other one; PrecisionLoss if one is zero to half the digits."""
     distances = [min(abs(x - y) for j, y in enumerate(roots) if j != i) for i, x in enumerate(roots)]
     if min(distances) <= numbers.ten(-numbers.digits // 2) * max(abs(x) for x in roots):
         raise PrecisionLoss(

@@ -29,7 +29,7 @@ class SiegelReduced(NamedTuple):
 def siegel_reduced(found: PeriodMatrix) -> SiegelReduced:
     """The reduced τ of a period matrix in balls: Im τ reduced by LLL, |Re τ_ij| ≤ ½ and |τ_11| ≥ 1, up to the radii.
 
-    The matrix in Sp(2g, ℤ) is exact, so each ball of ``tau`` contains the entry of the curve's own (aτ + b)(cτ + d)⁻¹.
+    The matrix in Sp(2g, ℤ) is exact, so each ball of ``tau`` contains the exact entry of (aτ + b)(cτ + d)⁻¹.
     ArgumentError for a period matrix in floats, whose errors are not known.
     """
     from flint import acb_mat, fmpz_mat

@@ -107,7 +107,7 @@ class ExtendedGroup(Immutable):
         return Extended(D.u, poly.neg(self.field, D.v), data)
 
     def add(self, *summands: Extended) -> Extended:
-        """The reduced sum of two or more."""
+        """The reduced sum of the summands."""
         total = summands[0]
         for D in summands[1:]:
             total = self.compose(total, D)
@@ -185,7 +185,8 @@ class ExtendedGroup(Immutable):
         """A pair of degree g moved onto the curve over a :class:`LongField`, by one Newton step of least length.
 
         The step is the least (δU, δV) with WδU + 2VδV ≡ f − V² mod U. The distance from the curve grows with every
-        addition, on models of even degree by tens of bits. On the curve an error only doubles when a divisor does.
+        addition, on models of even degree by tens of bits. On the curve an error only doubles when the divisor is
+        doubled.
         """
         K, g = self.field, len(D.u) - 1
         w, rest = poly.divide(K, poly.sub(K, self.f, poly.mul(K, D.v, D.v)), D.u)
@@ -291,7 +292,9 @@ class Lift(NamedTuple):
         return kappa, sigma, K.div(top, bottom)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
-        """(κ/c, ν, −cσ + k(e)ν), −cx^m leading (f − V²)/U; with −σ, −ν if deg f is odd, deg U even and deg V ≤ g."""
+        """(κ/c, ν, −cσ + k(e)ν), where −cx^m is the leading term of (f − V²)/U; with −σ and −ν for σ and ν if deg f is
+        odd, deg U even and deg V ≤ g.
+        """
         K, (kappa, sigma, nu) = group.field, datum
         k = poly.evaluate(K, step.k, self.e)
         if step.high:

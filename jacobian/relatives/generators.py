@@ -32,8 +32,8 @@ class Generators(NamedTuple):
 def generators(classes: Iterable[Divisor], digits: int = 20) -> Generators:
     """Generators, modulo torsion, of the group that ``classes`` generate; each pairing has ``digits`` digits.
 
-    Errors as :func:`jacobian.relatives.heights.canonical_height`; PrecisionLoss if this many digits do not decide
-    whether a class depends on the others.
+    Exceptions are those of :func:`jacobian.relatives.heights.canonical_height`; PrecisionLoss if this many digits do
+    not decide whether a class depends on the others.
     """
     basis: list[Divisor] = []
     for D in classes:

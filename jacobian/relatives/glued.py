@@ -1,9 +1,9 @@
 """The generalized Jacobian of an elliptic curve with modulus ∞₊ + ∞₋ (Rosenlicht 1954; Serre 1959).
 
 Its elements are divisors of degree zero away from infinity on y² = f(x), deg f = 4, up to the divisors of functions
-that take one value at both points at infinity. Its dimension is two: a general class is P₁ + P₂ − (∞₊ + ∞₋), written as
-a Mumford pair with deg u = 2. The Euler top moves on this group, the Chaplygin ball on a Jacobian of genus two, which
-tends to this group for d → 0.
+that take the same value at both points at infinity. Its dimension is two: a general class is P₁ + P₂ − (∞₊ + ∞₋),
+written as a Mumford pair with deg u = 2. The Euler top moves on this group, the Chaplygin ball on a Jacobian of genus
+two, which tends to this group for d → 0.
 """
 
 from __future__ import annotations

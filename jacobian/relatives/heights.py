@@ -36,8 +36,8 @@ TRIALS = 5
 def canonical_height(D: Divisor, digits: int = 20) -> Real:
     """The canonical height ĥ(D) of a class over QQ in genus 2, a ball (flint's arb) of radius at most 10^−digits.
 
-    The time grows like the cube of the digits; 1000, the most, take some ten seconds. A long computation shows its
-    progress (:mod:`jacobian.progress`). FieldError for other curves, PrecisionLoss where the radius is not reached.
+    The time grows like the cube of the digits; 1000 digits, the most, take some ten seconds. A long computation shows
+    its progress (:mod:`jacobian.progress`). FieldError for other curves, PrecisionLoss where the radius is not reached.
     """
     digits = whole(digits, "digits", f"the digits of a height are an int, 1 … {MOST_DIGITS}", 1, MOST_DIGITS)
     return _height(_checked(D, "D"), digits)
@@ -67,7 +67,7 @@ def _height(D: Divisor, digits: int) -> Any:
 def _sum(surface: KummerSurface, x: Sequence[int], terms: int, bound: int, reals: BallReals) -> Any:
     """log |x| + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g), the sum of the first ``terms`` terms.
 
-    The bits and the power of the bound shrink from term to term, as the remaining terms need fewer.
+    The bits and the power of the bound decrease from term to term, because the remaining terms need fewer.
     """
     import gmpy2
     from flint import arb
@@ -104,7 +104,7 @@ def _largest(values: Sequence[Any]) -> Any:
 def height_pairing(D: Divisor, E: Divisor, digits: int = 20) -> Real:
     """The height pairing ⟨D, E⟩ = (ĥ(D+E) − ĥ(D) − ĥ(E))/2, a ball; ⟨D, D⟩ = ĥ(D).
 
-    Errors as :func:`canonical_height`.
+    Exceptions are those of :func:`canonical_height`.
     """
     if _checked(D, "D") == _checked(E, "E"):
         return canonical_height(D, digits)
@@ -152,7 +152,8 @@ def relation(classes: Sequence[Divisor], digits: int = 20) -> list[int] | None:
 
 def dependence(matrix: Any, classes: Sequence[Divisor], digits: int) -> tuple[list[int], int] | None:
     """(m, n), n > 0, with n·D − Σ m_i·D_i of finite order, where D is the last class and the D_i, the others, are
-    independent; None if D is provably independent of them. ``matrix``: the pairings, those of later classes unused.
+    independent; None if D is provably independent of them. ``matrix``: the pairings of the classes; further rows and
+    columns are ignored.
     """
     from flint import arb_mat
 

@@ -1,8 +1,8 @@
 """The Kummer surface of a curve of genus 2 over QQ or GF(p), and doubling on it (Flynn 1993; Cassels & Flynn 1996,
 chapter 3). :mod:`jacobian.relatives.pseudo_group` has the sums on it.
 
-For y² = f(x) with integral f the class of (x₁, y₁) + (x₂, y₂) − (∞₊ + ∞₋) goes to (1 : x₁+x₂ : x₁x₂ : (F₀(x₁, x₂) −
-2y₁y₂)/(x₁−x₂)²), F₀ as in chapter 3, the same for D and −D. Doubling is given by four quartic forms δ with integral
+For y² = f(x) with integral f the class of (x₁, y₁) + (x₂, y₂) − (∞₊ + ∞₋) is mapped to (1 : x₁+x₂ : x₁x₂ : (F₀(x₁, x₂)
+− 2y₁y₂)/(x₁−x₂)²), F₀ as in chapter 3, the same for D and −D. Doubling is given by four quartic forms δ with integral
 coefficients, found from doubled classes over finite fields, by linear algebra and the Chinese remainder theorem.
 """
 
@@ -143,7 +143,7 @@ class KummerSurface(Immutable):
             yield C.jacobian()
 
     def _delta_modulo(self, J: Jacobian) -> list[int]:
-        """All coefficients of δ modulo a prime, from the condition that δ takes κ(D) to κ(2D) for CLASSES classes D."""
+        """All coefficients of δ modulo a prime, from the condition that δ maps κ(D) to κ(2D) for CLASSES classes D."""
         rows, p = [], J.field.characteristic
         for x, y in self._doubles(J):
             values = monomials(x).values()

@@ -82,7 +82,7 @@ class PseudoGroup(Immutable):
 
     A point is four residues, the first nonzero one being 1; ``zero`` is κ(0) = (0, 0, 0, 1). Every operation takes one
     point or an array (N, 4), and returns the same kind. All points are accepted, including those of 0, of classes of
-    order 2 and of weight below 2. For p < 2^128 the operations are compiled, and arrays spread over the processors.
+    order 2 and of weight below 2. For p < 2^128 the operations are compiled, and arrays are spread over the processors.
     """
 
     zero: Point = (0, 0, 0, 1)
@@ -255,7 +255,7 @@ def packed(tables: Sequence[Sequence[dict[tuple[int, int], int]]], to_word: Call
 def equation(f: Sequence[int]) -> dict[tuple[int, ...], int]:
     """The equation K₂ξ₄² + K₁ξ₄ + K₀ = 0 of the surface (Cassels & Flynn 1996, (3.1.8)).
 
-    Returned are its coefficients, by the indices of the four factors of each monomial.
+    Its coefficients are returned by the indices of the four factors of each monomial.
     """
     f0, f1, f2, f3, f4, f5, f6 = f
     linear = {"000": 2 * f0, "001": f1, "002": 2 * f2, "012": f3, "022": 2 * f4, "122": f5, "222": 2 * f6}
