@@ -38,22 +38,24 @@ class Axis(NamedTuple):
 
 
 class AxialSystem(SurfaceSystem):
-    """Base class of Lagrange's top and the spherical pendulum, which give the formulas marked "table"."""
+    """Base class of Lagrange's top and the spherical pendulum."""
 
     size = 3
     constants = ()
     complex_data = True
 
     def _axis(self, N: FormulaField, state: Point) -> Axis:
-        """Table: the axis of a state."""
+        """Defined by subclasses: the axis of a state."""
         raise NotImplementedError
 
     def _curve(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
-        """Table: the coefficients of f."""
+        """Defined by subclasses: the coefficients of f."""
         raise NotImplementedError
 
     def _top(self, N: FormulaField, state: Point) -> Vector | None:
-        """Table: (jc, L, c) if the p of a state is the angular momentum of a top; None if it is a velocity."""
+        """Defined by subclasses: (jc, L, c) if the p of a state is the angular momentum of a top; None if it is a
+        velocity.
+        """
         return None
 
     # --- derived from these
@@ -76,7 +78,7 @@ class AxialSystem(SurfaceSystem):
         return Separation([Form((N.one,))], (N.one,), action, [(turn, axis.w)], (self._momentum(N, state),))
 
     def _momentum(self, N: FormulaField, state: Point) -> Real:
-        """Table: the momentum of the angle of the horizontal part."""
+        """Defined by subclasses: the momentum conjugate to the angle of the horizontal part."""
         raise NotImplementedError
 
     def _ends(self, N: FormulaField, axis: Axis) -> list[tuple[Real, Real]]:
@@ -85,7 +87,9 @@ class AxialSystem(SurfaceSystem):
         return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
 
     def _carrier(self, axis: Axis) -> int | None:
-        """The index of the end z = ±1 nearer to the start, or None if that is no branch point. Its lift starts as g."""
+        """The index of the end z = ±1 nearer to the start, or None if this end is no branch point. The lift there
+        starts as g.
+        """
         near = 0 if abs(1 - axis.z) < abs(1 + axis.z) else 1
         return near if branches(axis.m[near]) else None
 
@@ -146,8 +150,8 @@ def state_of(axis: Vector, rate: Vector, top: Vector | None) -> Point:
 def momentum(axis: Vector, rate: Vector, top: Vector) -> Vector:
     """The angular momentum of a top with this axis and its rate; ``top`` is that of :meth:`AxialSystem._top`.
 
-    M_1 + iM_2 is (g' + ijcg)/(iz), and also g(L − cz + iz')/(1 − z²). The first times z² and the second times 1 − z²
-    divide by nothing.
+    M_1 + iM_2 is (g' + ijcg)/(iz), and also g(L − cz + iz')/(1 − z²). The first times z² plus the second times 1 − z²
+    is a formula without divisions.
     """
     (x, y, z), (dx, dy, dz), (turn, along, c) = axis, rate, top
     rest = along - c * z
@@ -162,6 +166,6 @@ def branches(m: Real) -> bool:
 
 
 def heavy(N: Arithmetic, h: Real, along: poly.Poly) -> poly.Poly:
-    """The f of a heavy axis: 2(1 − x²)(h − x) minus the square of ``along``, which is ±m at x = ±1."""
+    """The f of a top or pendulum: 2(1 − x²)(h − x) minus the square of ``along``, which is ±m at x = ±1."""
     height = poly.mul(N, (2 * N.one, N.zero, -2 * N.one), (h, -N.one))
     return poly.sub(N, height, poly.mul(N, along, along))

@@ -1,4 +1,4 @@
-"""States of a heavy axis by theta functions of genus 1: loops over bare reals, compiled without change.
+"""States of Lagrange's top and the spherical pendulum by theta functions: loops over bare reals, compiled unchanged.
 
 Let v = πu/2K, u the argument of sn, and q the nome. The axis z = x₁ + (x₂ − x₁)sn²u is a quotient of θ₁(v) and θ₄(v).
 Its horizontal part is g = Ce^{iRt}θ₂(v − iα)θ₁(v − iβ)/θ₄(v)². The zeros of θ₂ and θ₁ are the points of the curve at z
@@ -26,13 +26,13 @@ SERIES = 8
 
 
 class AxialThetas(NamedTuple):
-    """The constants of a motion that its states are computed from.
+    """The constants from which the states of a motion are computed.
 
-    ``numbers`` are half turns of v and turns of Rt per unit time, v at the start in half turns, C (two numbers),
-    dv/dt, R, and x₁. Then follow the factors of (θ₁/θ₄)² in z − x₁ and of θ₁θ₂θ₃/θ₄³ in z', and (jc, L, c)
-    of a top, j² = −1.
+    ``numbers`` are half turns of v and turns of Rt per unit time, v at the start in half turns, C (two numbers), dv/dt,
+    R, and x₁. Then follow the factors of (θ₁/θ₄)² in z − x₁ and of θ₁θ₂θ₃/θ₄³ in z', and (jc, L, c) of a top, j² = −1.
     A row of ``table`` has the coefficients of harmonic 2n + 1 of θ₂(v − iα) and θ₁(v − iβ), two each, and of θ₁ and θ₂,
-    then those of harmonic 2n of θ₃ and θ₄. ``inverse`` holds 2π and 1/n!. ``top`` tells whether p is M or the velocity.
+    then those of harmonic 2n of θ₃ and θ₄. ``inverse`` holds 2π and 1/n!. ``top`` is true if p is M, false if it is the
+    velocity.
     """
 
     numbers: Row

@@ -1,6 +1,6 @@
-"""Far states of a heavy axis in closed form: the constants of :mod:`integrable.classical.axial_loops`, and the flow.
+"""Far states of Lagrange's top and the spherical pendulum in closed form: the constants of their motions, and the flow.
 
-The constants are computed once, in long numbers.
+The constants of :mod:`integrable.classical.axial_loops` are computed once, in long numbers.
 
 With the roots x₁ ≤ z ≤ x₂ ≤ 1 ≤ x₃ of f the moduli are m = (x₂ − x₁)/(x₃ − x₁) and m' = 1 − m. The zeros of g are at K
 + is₁ and is₂, where z = ±1: sn²(s₁|m') = (1 − x₂)(x₃ − x₁)/((1 − x₁)(x₃ − x₂)), sc²(s₂|m') = (1 + x₁)/(x₂ − x₁). The
@@ -102,7 +102,9 @@ class AxialFlow(MumfordFlow):
         return [e for e, x in zip((N.one, -N.one), m, strict=True) if x == 0]
 
     def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Arrays, Arrays]]:
-        """The function that returns q and p: g = C·e^{iδ}√|z − 1|√|z + 1|, where a vanishing root is a signed lift."""
+        """The function that returns q and p: g = C·e^{iδ}√|z − 1|√|z + 1|, where a root that can vanish is a lift with
+        its sign.
+        """
         system, inner, ends, K = self.system, self._inner(RR), self._ends(N), Columns()
         axis, top = system._axis(RR, inner), system._top(RR, inner)
 

@@ -9,8 +9,8 @@ The roots of U are the elliptic coordinates, those of R the caustics; the genus 
 dt = |U(0)|dτ. With Ω = Σ∫u^g du/y, of the second kind, t = −½Ω. The additions carry Ω, so that no quadrature is
 needed. At a branch point a_i the lift is (x_i, a_iv_i − λx_i).
 
-Its discretization is D + (l, m) − (0, 0). The tangent leads to x + hv on Σy_i²/(a_i − l) = 1, and Ivory's affinity
-y_i ↦ √(a_i/(a_i − l))·y_i leads back. The tangent backwards from the new point reaches that quadric with the same h.
+The discretization is D + (l, m) − (0, 0). The tangent leads to x + hv on Σy_i²/(a_i − l) = 1, and Ivory's affinity y_i
+↦ √(a_i/(a_i − l))·y_i leads back. The tangent backwards from the new point reaches that quadric with the same h.
 """
 
 from __future__ import annotations
@@ -129,10 +129,11 @@ class Ellipsoid(SurfaceSystem):
         return self._settled(read)
 
     def step(self, state: Point, point: Iterable[Value]) -> Point:
-        """The state of D + (λ, μ) − (0, 0), where ``point`` is (λ, μ); its tangent meets the quadric of λ.
+        """The state of D + (λ, μ) − (0, 0), where ``point`` is (λ, μ); the tangents of both states meet the quadric of
+        λ.
 
-        Real for λ < 0. ArgumentError if the point is not on the curve; NotASquare if a_i/(a_i − λ) has no square
-        root; NotRepresentable or PrecisionLoss if there is no such state, as for λ = a_i.
+        The state is real for λ < 0. ArgumentError if the point is not on the curve; NotASquare if a_i/(a_i − λ) has no
+        square root; NotRepresentable or PrecisionLoss if there is no such state, as for λ = a_i.
         """
 
         def formula(N: FormulaField, here: Point, x: Real, y: Real) -> Point:
@@ -143,7 +144,9 @@ class Ellipsoid(SurfaceSystem):
         return self._mapped(state, point, formula)
 
     def _moved(self, N: FormulaField, state: Point, x: Real, h: Real) -> Point:
-        """The new state: the tangents of both, the new one backwards, reach the quadric of λ = x after ``h``."""
+        """The new state: its tangent, followed backwards, and that of ``state`` meet the quadric of λ = x after the
+        time ``h``.
+        """
         a, slope = self._constants_in(N), x / h
         roots = [N.sqrt(e / (e - x)) for e in a]
         q = tuple(r * (y + h * v) for r, y, v in zip(roots, *state, strict=True))

@@ -1,11 +1,11 @@
 """Garnier's system: a point in a quartic potential of any dimension (Garnier 1919).
 
 q_i'' = (αa_i + β − 2α|q|²)q_i, H = ½|p|² − ½Σ(αa_i + β)q_i² + ½α|q|⁴: an anisotropic oscillator with arbitrary
-frequencies and an isotropic quartic term. In the terms of :mod:`integrable.mumford.quadrics`
+frequencies and an isotropic quartic term. In the notation of :mod:`integrable.mumford.quadrics`,
 
     u₀ = 1,   w₀ = αx + β − α|q|²
 
-the genus is n, the number of axes. For α > 0 all motions are bounded.
+and the genus is n, the number of axes. For α > 0 all motions are bounded.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from jacobian.fields.protocol import Field
 class Garnier(QuadricSystem):
     """Garnier's system with n = len(a) ≥ 1 axes, different a_i and α ≠ 0.
 
-    ``Garnier((0, 1, 3)).flow(system.state(q, p)).at(times)``
+    Example: ``system = Garnier((0, 1, 3))``, ``system.flow(system.state(q, p)).at(times)``.
 
     The squared frequencies at rest are −αa_i − β.
     """

@@ -1,8 +1,8 @@
 """Real g-gap solutions of the Korteweg–de Vries equation u_t = 6uu_x − u_xxx, and their soliton limits.
 
-No theta functions are used (Dubrovin, Novikov & Matveev 1976; Mumford, Tata Lectures on Theta II, ch. IIIa §10). The
-Schrödinger operator −ψ'' + u(x, t)ψ has the bands [e_1, e_2], [e_3, e_4], … [e_{2g+1}, ∞) at every t. With the
-condition ψ(x) = 0 it has one eigenvalue γ_j in each gap [e_{2j}, e_{2j+1}]:
+(Dubrovin, Novikov & Matveev 1976; Mumford, Tata Lectures on Theta II, ch. IIIa §10.) The Schrödinger operator −ψ'' +
+u(x, t)ψ has the bands [e_1, e_2], [e_3, e_4], … [e_{2g+1}, ∞) at every t. With the condition ψ(x) = 0 it has one
+eigenvalue γ_j in each gap [e_{2j}, e_{2j+1}]:
 
     f = −Π(x − e_i),   U = Π(x − γ_j),   V = ½∂U/∂x,   u = Σe_i − 2Σγ_j
 
@@ -61,7 +61,8 @@ class Eigenvalues(NamedTuple):
 class KdV(Made):
     """Solutions of u_t = 6uu_x − u_xxx with the band ``edges`` e_1 ≤ e_2 ≤ … ≤ e_{2g+1}, over RR, MP or an exact field.
 
-    ``KdV((0, 1, 2)).wave(kdv.state([1.5])).at(x, t)``. The unit of u is that of the edges, 1/length².
+    Example: ``kdv = KdV((0, 1, 2))``, ``kdv.wave(kdv.state([1.5])).at(x, t)``. The unit of u is that of the edges,
+    1/length².
     """
 
     def __init__(self, edges: Iterable[Value], field: Field = RR) -> None:
@@ -215,7 +216,9 @@ class Wave:
             ) from None
 
     def _at_one_time(self, xs: np.ndarray, t: Real) -> Sequence[Real] | np.ndarray:
-        """u at many x and one t, in floats from the torus of the motion in x, if it pays off and agrees."""
+        """u at many x and one t, from the torus of the motion in x if there are MANY floats or more and additions
+        confirm it.
+        """
         if self._genus and self.kdv.field == RR and not interpreted() and len(xs) >= MANY:
             profile = self._profile(float(t))
             carries = self._genus <= 2 or self._lost(max(abs(xs)), t) <= MOST_LOST

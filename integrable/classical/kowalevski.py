@@ -10,7 +10,7 @@ With X = p² + q², e = 1 − k², R = −X² + 6l_1X + 4lp + e, R_1 = −6l_1X�
     U = x² + Rx/(2q²) + R_1/(4q²),   V = ½U',   f = −(4s³ − g_2s − g_3)(x² − k²),   s = ½(x + l_1)
     g_2 = k² − 1 + 3l_1²,   g_3 = l_1(k² − 1 − l_1²) + l²
 
-the genus is 2 and the direction −2e_1. The inverse map from divisors to states is not rational and not implemented.
+the genus is 2 and the direction is −2e_1. The inverse map from divisors to states is not rational and not implemented.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ distance of the centre of mass is 1. c = M_3, L = (M, γ), h = ½(M_1² + M_2²)
 
     f = 2(1 − x²)(h − x) − (L − cx)²,   U = x − z,   V = z' = γ_1M_2 − γ_2M_1,   m = (L − c, L + c),   w = (1 − j)c
 
-in the terms of :mod:`integrable.classical.axial`, g = γ_1 + iγ_2, and M_1 + iM_2 = g((L − cz) + iz')/(1 − z²).
+in the notation of :mod:`integrable.classical.axial`, where g = γ_1 + iγ_2, and M_1 + iM_2 = g((L − cz) + iz')/(1 − z²).
 """
 
 from __future__ import annotations

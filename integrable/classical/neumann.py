@@ -4,7 +4,7 @@ q, p ∈ R^(n+1), |q| = 1, (q, p) = 0, q' = p, p_i' = (m − a_i)q_i, m = Σa_i 
 
     U = f₁Σ q_i²/(x − a_i),   V = f₁Σ q_i p_i/(x − a_i),   W = −f₁(1 + Σ p_i²/(x − a_i)),   f = V² + UW = −f₁f₂
 
-the genus is n and the direction −2e_{n−1}; the roots of f₂ are constants of motion. (q_i, p_i) is the lift at the
+the genus is n and the direction is −2e_{n−1}; the roots of f₂ are constants of motion. (q_i, p_i) is the lift at the
 branch point a_i, with κ = f₁'(a_i). So signs are determined, also where the motion crosses a coordinate plane.
 """
 
@@ -24,8 +24,9 @@ from jacobian.fields.protocol import Field
 class Neumann(SurfaceSystem, QuadricSystem):
     """The motion on S^n in the potential ½Σa_i q_i², n + 1 = len(a) ≥ 2, with different a_i.
 
-    ``Neumann((1, 2, 4)).flow(system.state(q, p)).at(times)``; time is physical, and the a_i are in 1/time².
-    ``step`` is the discretization of Moser and Veselov (1991); for λ → −∞ its time step is about 1/√−λ.
+    Example: ``system = Neumann((1, 2, 4))``, ``system.flow(system.state(q, p)).at(times)``. Time is physical, and the
+    a_i are in 1/time². ``step`` is the discretization of Moser and Veselov (1991); for λ → −∞ its time step is about
+    1/√−λ.
     """
 
     def __init__(self, a: Iterable[Value], field: Field = RR) -> None:
@@ -51,7 +52,9 @@ class Neumann(SurfaceSystem, QuadricSystem):
         return {"F": uhlenbeck(a, state, squares), "H": (N.dot(state.p, state.p) + N.dot(a, squares)) / 2}
 
     def discrete(self, state: Point, h: Value) -> Point:
-        """The state after the :meth:`step` of λ = −1/h², the motion by ``h`` to second order; h < 0 is a step back."""
+        """The state after the :meth:`step` of λ = −1/h², which agrees with the motion for a time ``h`` to second order;
+        h < 0 is a step back.
+        """
         genus = self.size - 1
         step = self._time_step(h)
         sign = 1 if (step > 0) == (genus % 2 == 0) else -1

@@ -5,7 +5,7 @@ h = ½|q'|² + q_3, L = q_1q_2' − q_2q_1'; with z = q_3
 
     f = 2(1 − x²)(h − x) − L²,   U = x − z,   V = z',   m = (L, −L),   w = 0
 
-in the terms of :mod:`integrable.classical.axial`, g = q_1 + iq_2.
+in the notation of :mod:`integrable.classical.axial`, where g = q_1 + iq_2.
 """
 
 from __future__ import annotations

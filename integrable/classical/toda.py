@@ -159,7 +159,9 @@ class TodaLattice(MumfordSystem):
         return p, links
 
     def discrete(self, state: Point, h: Value) -> Point:
-        """The state after the :meth:`step` of λ = 1/h, time ``h`` to first order; the centre of mass is exact."""
+        """The state after the :meth:`step` of λ = 1/h, which agrees with the motion for a time ``h`` to first order;
+        the centre of mass is exact.
+        """
         step = self._time_step(h)
         new = self.step(state, self.curve_point(state, 1 / step))
         shift = (sum(state.q) + step * sum(state.p) - sum(new.q)) / self.size
@@ -168,7 +170,7 @@ class TodaLattice(MumfordSystem):
     def step(self, state: Point, point: Iterable[Value], sheet: int = 1) -> Point:
         """A step in discrete time: the state of D + P − ∞₊, P = (λ, μ), or of D + P − ∞₋ for ``sheet`` −1 (Suris 2003).
 
-        p_k + λ = e^{q̃_k − q_k} + e^{q_k − q̃_{k−1}}, p̃_k + λ = e^{q̃_k − q_k} + e^{q_{k+1} − q̃_k}; with ``sheet`` −1
+        p_k + λ = e^{q̃_k − q_k} + e^{q_k − q̃_{k−1}}, p̃_k + λ = e^{q̃_k − q_k} + e^{q_{k+1} − q̃_k}; for ``sheet`` −1,
         p_k + λ = e^{q̃_{k+1} − q_k} + e^{q_k − q̃_k}, p̃_k + λ = e^{q̃_k − q_{k−1}} + e^{q_k − q̃_k}. The state is real
         if μ² = f(λ) ≥ 0.
         """

@@ -2,8 +2,8 @@
 
 (Novikov 1974; Dubrovin, Novikov & Matveev 1976.) A two-gap potential satisfies an ordinary differential equation of
 order four in x. So the t-derivative of (u, u_x, u_xx, u_xxx) at a fixed x is a polynomial in these four numbers: the
-partial differential equation is solved without a grid. In the terms of
-:mod:`integrable.classical.kdv`, s_k the elementary symmetric functions of the five edges,
+partial differential equation is solved without a grid. In the notation of :mod:`integrable.classical.kdv`, with s_k the
+elementary symmetric functions of the five edges,
 
     U = x² + Fx + G,   V = ½∂U/∂x,   F = (u − s_1)/2,   G = 3u²/8 − s_1u/4 − u_xx/8 + s_2/2 − s_1²/8
     ½G_xx = −s_3 − 2FG + u(F² + 2G) − ½FF_xx + ¼F_x²
@@ -36,7 +36,8 @@ class TwoGaps(MumfordSystem):
 
     ``sums`` are the elementary symmetric functions s_1, s_2, s_3 of the edges.
 
-    ``TwoGaps((0, -5, 0)).flow(system.state((-4, 28), (0, 0))).at(times)`` has the edges −2, −1, 0, 1, 2.
+    ``system = TwoGaps((0, -5, 0))`` has the edges −2, −1, 0, 1, 2; ``system.flow(system.state((-4, 28), (0,
+    0))).at(times)`` is one of its motions.
     """
 
     size = 2

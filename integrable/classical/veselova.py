@@ -2,8 +2,8 @@
 
 (Veselov & Veselova 1986; Fedorov & Jovanović 2004.)
 
-Iω' + ω×Iω = μγ, γ' = γ×ω, (γ, ω) = 0. With M = Iω − (Iω, γ)γ and A = I⁻¹: γ' = γ×ω, M' = M×ω, (γ, M) = 0,
-ω = A(M − (γ, AM)γ/(γ, Aγ)), in the terms of :mod:`integrable.mumford.bodies` l(x) = x and a_i = 1/I_i,
+Iω' + ω×Iω = μγ, γ' = γ×ω, (γ, ω) = 0. With M = Iω − (Iω, γ)γ and A = I⁻¹: γ' = γ×ω, M' = M×ω, (γ, M) = 0, ω = A(M − (γ,
+AM)γ/(γ, Aγ)). In the notation of :mod:`integrable.mumford.bodies`, l(x) = x, a_i = 1/I_i,
 
     f = 4xΠ(a_i − x)(xH₂ − H₁),   dt = √(γ, Aγ) dτ
 
@@ -26,7 +26,8 @@ from jacobian.fields.protocol import Field
 class Veselova(BodySystem):
     """A body with three different moments ``inertia``; a state has q = γ and p = M, the part of Iω orthogonal to γ.
 
-    ``Veselova((1, 2, 3)).flow(system.state(q, p)).at(times)``; ``omega(state)`` is the angular velocity.
+    Example: ``system = Veselova((1, 2, 3))``, ``system.flow(system.state(q, p)).at(times)``. ``omega(state)`` is the
+    angular velocity.
     """
 
     def __init__(self, inertia: Iterable[Value], field: Field = RR) -> None:

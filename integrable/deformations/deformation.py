@@ -17,15 +17,17 @@ if TYPE_CHECKING:
 
 
 class Deformation(Hamiltonian):
-    """A deformation: the base class of :class:`Tilde`, :class:`Check`, :class:`Hat` and :class:`Gyroscopic`."""
+    """A :class:`Hamiltonian` with motions, divisors and steps: base of :class:`Tilde`, :class:`Check`, :class:`Hat` and
+    :class:`Gyroscopic`.
+    """
 
     def flow(self, state: State) -> DeformedFlow:
         """The motion through a state, by additions on two elliptic curves.
 
         For the tilde, check and hat pairs without potential it is a
-        :class:`integrable.deformations.separated_flow.SeparatedFlow`. For the tilde pair at d = 0 with repelling poles
-        b_i > 0 alone the curves are cubics, and it is a :class:`integrable.deformations.pole_flow.PoleFlow`.
-        ArgumentError for all others.
+        :class:`integrable.deformations.separated_flow.SeparatedFlow`. For the tilde pair at d = 0 whose potential has
+        only repelling poles, b_i > 0, it is a :class:`integrable.deformations.pole_flow.PoleFlow`. ArgumentError for
+        all others.
         """
         if self.separates:
             from integrable.deformations.separated_flow import SeparatedFlow

@@ -46,7 +46,7 @@ GammaM = tuple[Vector, Vector]
 
 
 def at_its_precision(method: Callable[..., Result]) -> Callable[..., Result]:
-    """Decorator of a carrier's method: it runs inside the context ``precision`` of the carrier."""
+    """Decorator of a method of :class:`CurvesCarrier`, which then runs inside the context ``precision``."""
 
     @wraps(method)
     def inside(self: CurvesCarrier, *arguments: object) -> Result:
@@ -167,9 +167,9 @@ class DeformedFlow(EnclosedMotion):
     method = "elliptic curves"
 
     _carrier: ClassVar[type[CurvesCarrier]]
-    """The motion over wide numbers."""
+    """The class of the motion over wide numbers."""
     _cost = BY_THETA
-    """The cost of the states by the curves."""
+    """The cost of states that are computed on the curves."""
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
@@ -207,7 +207,7 @@ class DeformedFlow(EnclosedMotion):
 
 
 class OnCurves(ManyDigits):
-    """The states of a DeformedFlow; ``made``(system, state) is the motion over the numbers of ``system``."""
+    """The states of a DeformedFlow; ``made``(system, state) is the motion over the field of ``system``."""
 
     expected = GUARD_DIGITS - SPARE - ROUNDING
     step = 16

@@ -46,7 +46,9 @@ MOST_ATTEMPTS = 8
 MOST_AHEAD = 16.0
 """Largest factor by which the next attempt is planned to reach farther."""
 SMALLEST_DISC = 1e-15
-"""Smallest disc relative to the largest: a repelling pole b/γ_i² takes b/M², an attracting one ever smaller discs."""
+"""Smallest disc relative to the largest: near a repelling pole b/γ_i² discs shrink to b/M², near an attracting one to
+0.
+"""
 
 
 class EnclosedMotion(Motion):

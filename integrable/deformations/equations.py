@@ -59,7 +59,7 @@ class Equations:
 
 
 class NearWalk:
-    """The :class:`integrable.phase.ways.Way` to states near the start; it takes at most ``cost``, that of the next."""
+    """The :class:`integrable.phase.ways.Way` to states near the start; it takes no longer than ``cost``."""
 
     way = "integrated"
 

@@ -16,7 +16,8 @@ from jacobian.immutable import replaced
 class Gyroscopic(Deformation):
     """H = m1 − s·m2 + cη + c²s/4, K = (m2 + c²/4)(−ξ² + cη^∨ + c²σ/4) + m1(cη + c²(2s − tr A)/4), with a_i = 1/I_i.
 
-    Letters: :class:`Scalars`; η^∨ is its ``eta_dual``. ``c`` is any constant; c = 0 gives the tilde pair with K = −K̃.
+    The letters are those of :class:`Scalars`; η^∨ is its ``eta_dual``. ``c`` is any constant; c = 0 gives the tilde
+    pair with K = −K̃.
     """
 
     further = ("c",)

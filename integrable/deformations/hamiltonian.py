@@ -50,7 +50,7 @@ class Isometry(NamedTuple):
 
 
 class Hamiltonian(Made):
-    """A Hamiltonian of the family: its states, integrals and equations of motion.
+    """The states, integrals and equations of motion of a deformation.
 
     It is the base class of :class:`integrable.deformations.deformation.Deformation`.
     """
@@ -161,7 +161,7 @@ class Hamiltonian(Made):
 
     @property
     def separates(self) -> bool:
-        """Whether the motion separates on two curves without a potential, for :meth:`divisor`, :meth:`translation`."""
+        """Whether the motion separates on two curves, as :meth:`divisor` and :meth:`translation` need: no potential."""
         return self.has_curves and self.potential is None
 
     has_curves: ClassVar[bool] = False

@@ -94,7 +94,9 @@ class IntegratedStates:
         return self.kept(tau, False, 0.0, strict=True).tau
 
     def kept(self, given: np.ndarray, physical: bool, nan: Real, strict: bool = False) -> Rows:
-        """The rows at values of t with τ in ``tau``; unless ``physical``, at values of τ with t in ``tau``."""
+        """The rows at the times ``given``, with τ in ``tau``. Unless ``physical``, ``given`` are values of τ, and t is
+        in ``tau``.
+        """
         refused: dict[int, str] = {}
         found = self._integrated(given, physical, None if strict else refused)
         had = [i for i in range(len(found)) if i not in refused]

@@ -71,9 +71,9 @@ class Check(IsometricDeformation):
 class Hat(IsometricDeformation):
     """H = α·m1 − (σ + ατ)m2 = ν1 + ν2, K = (σξ + τζ)²(w, Aw) = −e3·ν1ν2 on e*(3), (γ, M) = 0, with a_i = 1/I_i.
 
-    α = σ·tr A⁻¹ − 2τ, τ = tr A − s, w = γ × M (other letters: :class:`Scalars`). K = −e3·ν1ν2 extends to a potential.
-    ``potential`` = (a, b, β_1, β_2, β_3) adds aS + b(S³ − tr A⁻¹·S²) + Σβ_i(1/a_j + 1/a_k − 2S)σ/(a_ja_kγ_i²),
-    S = e2/e3 − τ/σ. The pair is isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`).
+    α = σ·tr A⁻¹ − 2τ, τ = tr A − s, w = γ × M, A^∨ = e3·A⁻¹; the other letters are those of :class:`Scalars`.
+    ``potential`` = (a, b, β_1, β_2, β_3) adds aS + b(S³ − tr A⁻¹·S²) + Σβ_i(1/a_j + 1/a_k − 2S)σ/(a_ja_kγ_i²), S =
+    e2/e3 − τ/σ. The pair is isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`).
     """
 
     def eigenvalue_sums(self, integrals: DeformedIntegrals) -> tuple[Real, Real]:
@@ -81,7 +81,7 @@ class Hat(IsometricDeformation):
         return integrals.H, K.div(integrals.K, K.mul(a1, K.mul(a2, a3)))
 
     def isometry(self) -> Isometry:
-        """The isometry to the tilde pair of A⁻¹: B² = A^∨, H = e3·H̃."""
+        """The isometry to the tilde pair of A⁻¹: B² = A^∨ = e3·A⁻¹, H = e3·H̃."""
         from integrable.deformations.tilde import Tilde
 
         K, (a1, a2, a3) = self.field, self.a

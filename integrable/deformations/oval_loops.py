@@ -160,9 +160,9 @@ def integrals_drift_of(frame: Frame, gamma: Three, M: Three) -> float:
 
 
 def state_in_poles(b: Row, p: Three, q: Three, first: Track, second: Track) -> tuple[Three, Three]:
-    """(γ, M) of the tilde pair in repelling poles, where heights on the curves are the ũ_k.
+    """(γ, M) of the tilde pair with repelling poles, where heights on the curves are the ũ_k.
 
-    ``b`` is ``Frame.numbers``. The formulas: :mod:`integrable.deformations.pole_flow`.
+    ``b`` is ``Frame.numbers``. The formulas are those of :mod:`integrable.deformations.pole_flow`.
     """
     u1, u2 = height(first, p), height(second, q)
     gap = u2 - u1
@@ -178,14 +178,14 @@ def state_in_poles(b: Row, p: Three, q: Three, first: Track, second: Track) -> t
 def component_in_poles(
     over: Real, under: Real, y1: Real, y2: Real, h2: Real, b: Real, c: Real, sign: Real
 ) -> tuple[Real, Real]:
-    """(γ_i, w_i) from ``over`` = a_i − ũ1 and ``under`` = a_i − ũ2, with the product c_iE_i²; y_k is ũ_k'/(ũ2 − ũ1)."""
+    """(γ_i, w_i) from ``over`` = a_i − ũ1 and ``under`` = a_i − ũ2, whose product is c_iE_i²; y_k is ũ_k'/(ũ2 − ũ1)."""
     v = y1 * under - y2 * over
     x = sign * root((4 * b * c * c + v * v) / (4 * h2 * c * over * under))
     return x, v / (2 * c * x)
 
 
 def poles_drift_of(frame: Frame, gamma: Three, M: Three) -> float:
-    """The larger of the relative changes of H and K in repelling poles (:mod:`integrable.deformations.tilde`)."""
+    """The larger of the relative changes of H and K with repelling poles (:mod:`integrable.deformations.tilde`)."""
     b = frame.numbers
     x0, x1, x2 = gamma[0] * gamma[0], gamma[1] * gamma[1], gamma[2] * gamma[2]
     s = b[0] * x0 + b[1] * x1 + b[2] * x2

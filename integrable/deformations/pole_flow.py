@@ -31,7 +31,7 @@ __all__ = ["PoleFlow"]
 
 
 class CubicCarrier(CurvesCarrier):
-    """The motion on two cubics, over the numbers of ``system``."""
+    """The motion on two cubics, over the field of ``system``."""
 
     def __init__(self, system: Any, state: State) -> None:
         super().__init__(system, state)

@@ -1,9 +1,9 @@
-"""States of the tilde, check and hat pairs in floats, by theta functions on either curve, compiled for double-doubles.
+"""States of the tilde, check and hat pairs in floats, by theta functions on both curves, compiled for double-doubles.
 
 Physical times use the clock of :mod:`integrable.torus.access` on the torus of both curves. The loss is measured on
-every call: by H and K of all states in double-doubles, by the farthest state of a carrier with more digits, by the time
-that the clock returns there, and by 1/g of that carrier. If it exceeds the rounding of floats, or if τ is too many
-periods away, that carrier computes the states.
+every call: by H and K of all states in double-doubles, by a computation of the farthest state with more digits, by the
+time that the clock returns there, and by 1/g there. If the loss exceeds the rounding of floats, or if τ is too many
+periods away, the states are computed with more digits.
 """
 
 from __future__ import annotations
@@ -60,7 +60,9 @@ class PackedCurves(NamedTuple):
 
 
 class QuickStates:
-    """The :class:`integrable.phase.ways.Way` by compiled loops, for a motion over RR; ``many`` are its carriers."""
+    """The :class:`integrable.phase.ways.Way` by compiled loops, for a motion over RR; ``many`` computes it with many
+    digits.
+    """
 
     way = "elliptic curves"
 
@@ -92,7 +94,7 @@ class QuickStates:
             return self._quick(carrier, packed, phases, far, carrier.point(carrier.field.coerce(float(tau[far]))))
 
     def times(self, tau: np.ndarray) -> np.ndarray | None:
-        """None: physical times at values of τ are left to the carriers."""
+        """Returns None: the physical times at values of τ are computed with many digits."""
         return None
 
     def _timed(self, carrier: Any, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -185,7 +187,7 @@ class QuickClock:
     def holds(self, carrier: Any, moved: list[Real], turns: list[Mpf], tau: np.ndarray, time: float) -> bool:
         """Whether the clock is accurate at ``time``: t(τ) returns this time, and dt/dτ agrees with that of the carrier.
 
-        The phases there are ``turns``; on the carrier's curves they are the times ``moved``.
+        ``turns`` are the phases at that time, and ``moved`` the times on the carrier's curves.
         """
         if not abs(float(self._clock.times(tau)[0]) - time) <= MOST_OFF * abs(time):
             return False

@@ -3,7 +3,7 @@
 In ũ_k, the roots of Σ w_i²/(x − a_i), w = γ × M, the flow of H = λ1 + λ2 separates: ũ_k' = y_k, y_k² = λ_kφ(ũ_k), φ(x)
 = 4(dx − 1)Π(a_i − x), with λ_k constant, λ1 > 0 > λ2, and ' = d/dτ, dτ = g dt. Z = μ_k·ũ/(1 − dũ), μ_k = λ_kΠ(1 −
 da_i), brings each curve to Z'² = 4Π(Z − e_i), e_i = μ_k/I_i (:mod:`integrable.deformations.oval`). There the motion is
-an addition, computed by theta functions, so any τ costs the same. (The separation: Tsiganov.)
+an addition, computed by theta functions, so any τ costs the same. (The separation is Tsiganov's.)
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ TimeOf = Callable[[int, LongNumbers, Real, Sequence[Real]], Real]
 
 
 class OvalCarrier(CurvesCarrier):
-    """The motion of a tilde, check or hat pair over the numbers of ``system``.
+    """The motion of a tilde, check or hat pair over the field of ``system``.
 
     ``pair`` is the tilde pair whose curves carry it: ``system`` itself, or the tilde pair of A⁻¹.
     """

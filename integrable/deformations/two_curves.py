@@ -1,4 +1,5 @@
-"""A state of a pair as two points, one on each of its elliptic curves, and the maps that add points there.
+"""A state of a tilde, check or hat pair as two points, one on each of its elliptic curves, and the maps that add points
+there.
 
 ũ_k are the roots of Σ w_i²(x − a_j)(x − a_k), w = γ × M; λ_k = H1 − ũ_kH2; y_k = dũ_k/dτ along the flow of H̃. With μ_k
 = λ_kΠ(1 − da_i) the point (Z, Y) = (μ_kũ/(1 − dũ), μ_ky/(1 − dũ)²) lies on Y² = 4Π(Z − μ_k/I_i). The curves are ordered
@@ -106,7 +107,7 @@ def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = N
 
 
 def _on_curve(system: Hamiltonian, name: str, D: Divisor) -> tuple[Real, Real, Real]:
-    """(ũ, y, λ) of a divisor of one curve, the argument ``name``."""
+    """(ũ, y, λ) of the divisor D on one curve; messages call it ``name``."""
     K = system.field
     if len(D.u) != 2:
         raise NotRepresentable(f"{name} = {D!r} is the point at infinity: no state has it")

@@ -108,7 +108,7 @@ def _beside(flow: Motion, time: Real, K: MultiprecisionField) -> Body:
     """The body with its equal moments changed so slightly that the states agree until a time, in numbers that resolve
     the change.
 
-    Its motion takes the general additions, which share nothing with the closed form for equal moments.
+    Its motion is computed by the general additions, which share nothing with the closed form for equal moments.
     """
     apart = K.dps + _turns(flow, time, K)
     wide = MP(K.dps + apart)

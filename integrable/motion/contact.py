@@ -117,7 +117,8 @@ class Rolling:
         return self._integrated(run)
 
     def rates(self, rows: np.ndarray) -> np.ndarray:
-        """The derivatives of the bounded part by τ, dt = dτ/g, at states γ and M side by side: shape (N, 2).
+        """The derivatives of the bounded part with respect to τ, dt = dτ/g, at states γ and M side by side: shape (N,
+        2).
 
         The middle a_i is subtracted from A, because the a_i of heavy bodies hardly differ; as (M, γ×M) = (γ, γ×M) = 0,
         this changes nothing. n minus its mean is ñ·g/(p·g̃), ñ = g̃²(γ̃, AM̃), by Chaplygin's transformation.

@@ -1,11 +1,11 @@
 """States with proven bounds: the flow in ball arithmetic (:mod:`integrable.moving_point.balls`), every truncation
 bounded.
 
-At a given τ a state is one addition of T(τ), the 2^k-fold of a translation near the identity. Physical time is a sum of
-Gauss–Legendre rules on panels. A bound of 1/g on a disc of complex τ bounds the error of a rule (Trefethen 2008,
-theorem 4.5). The disc comes from Picard's theorem for the differential equations of the moving point, which are
-polynomial. For a given t, τ is found from the monotonic t(τ), dt/dτ = 1/g > 0. The body's constants, γ, M and the times
-count as exact; γ is divided by |γ|, and M (of an upright state) loses its part along γ.
+A state at a given τ is the start plus T(τ), one addition; T(τ) is 2^k times a translation near the identity. Physical
+time is a sum of Gauss–Legendre rules on panels. A bound of |1/g| on a disc of complex τ bounds the error of a rule
+(Trefethen 2008, theorem 4.5). The disc comes from Picard's theorem for the differential equations of the moving point,
+which are polynomial. For a given t, τ is found from the monotonic t(τ), dt/dτ = 1/g > 0. The body's constants, γ, M and
+the times count as exact; γ is divided by |γ|, and M (of an upright state) loses its part along γ.
 """
 
 from __future__ import annotations

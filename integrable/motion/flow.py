@@ -3,7 +3,7 @@
 D(τ + δ) = D(τ) + T(δ), with T(δ) independent of the state (Abel quadratures; Tsiganov 2017, section 3). On a compact
 torus any τ and any physical time t = ∫dτ/g is two additions away from a table (:mod:`integrable.torus.access`). A few
 turns are computed as a short run, without a torus (:mod:`integrable.motion.short`). Where floats or the torus do not
-suffice, and in multiprecision, a motion gets as many digits as it needs (:mod:`integrable.motion.precise`).
+suffice, and in multiprecision, states are computed with as many digits as they need (:mod:`integrable.motion.precise`).
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Flow(BodyMotion):
     amount of work; with NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done once, when needed;
     :meth:`at` and :meth:`at_tau` may be called any number of times. The same times give the same states, to the last
     bit, whatever was computed before. ``kernel="compiled"`` takes no short runs. It is faster for a flow that is called
-    repeatedly for single times some hundreds away.
+    repeatedly for single times of some hundreds.
     """
 
     kernel: str
@@ -92,7 +92,7 @@ class Flow(BodyMotion):
 
     @cached_property
     def setup(self) -> Setup:
-        """The set-up of the motion."""
+        """What is computed once for the motion, before its first state."""
         return Setup(self.system.body, *self.state.vectors, self.state.tilted)
 
     @cached_property
@@ -103,8 +103,8 @@ class Flow(BodyMotion):
         return Portrait(self.system, self.state, self.setup)
 
     def stream(self, path: str | os.PathLike[str], start: Number, end: Number, count: int) -> None:
-        """Write the states at ``count`` equally spaced times from start to end to ``path``, a .npy file of float64 rows
-        (t, γ1, γ2, γ3, M1, M2, M3), in bounded memory: shape (count, 7), read with ``numpy.load``.
+        """Writes the states at ``count`` equally spaced times from start to end to ``path``, a .npy file of float64
+        rows (t, γ1, γ2, γ3, M1, M2, M3), in bounded memory: shape (count, 7), read with ``numpy.load``.
 
         The file appears when it is complete. Floats only (ArgumentError); other errors are those of :meth:`at`.
         """
@@ -172,7 +172,8 @@ class Flow(BodyMotion):
 
     def section(self, count: int, axis: str = "largest") -> Section:
         """The next ``count`` crossings of the Poincaré section of the axis of the "largest" or the "least" moment: γ̃
-        (γ where (γ, M) = 0) is orthogonal to that axis. They are in closed form (:mod:`integrable.portrait.section`).
+        (γ where (γ, M) = 0) is orthogonal to that axis. The crossings are computed in closed form
+        (:mod:`integrable.portrait.section`).
         """
         from integrable.portrait.section import section
 
@@ -257,7 +258,6 @@ class Flow(BodyMotion):
 
     @property
     def _equal(self) -> bool:
-        """Whether two moments are equal."""
         return symmetry_axis(self.system.inertia) is not None
 
     @cached_property
@@ -295,10 +295,10 @@ class Flow(BodyMotion):
         return h1, h2
 
     def _off(self, rows: np.ndarray, way: str) -> tuple[np.ndarray, str]:
-        """Finds the rows whose integrals differ from the integrals of the start, as :meth:`Motion._off`.
+        """The result of :meth:`Motion._off` for the rows whose integrals differ from those of the start.
 
-        Near a separatrix and on bodies beyond this precision an addition can lose every digit; it then leaves the
-        level set.
+        Near a separatrix, and for bodies that need more digits, an addition can lose every digit. Its result is then
+        off the level set.
         """
         if way == ShortRuns.way or rows.dtype == object:
             # these methods have compared the integrals already, the precise flow with more digits

@@ -119,7 +119,7 @@ class Carrier:
 
 
 class ManyDigits:
-    """The states of a motion to ``digits`` digits relative to exact inputs, for any loss in between."""
+    """The states of a motion for exact inputs, to ``digits`` digits, however many digits the computation loses."""
 
     expected = 24
     """The number of a carrier's guard digits that may be lost."""
@@ -158,8 +158,8 @@ class ManyDigits:
         """The result of ``compute``, repeated with more digits as long as it lacks any.
 
         ``compute`` is given the carrier and ``times`` in its units. It returns the result and the number of missing
-        digits, or None if :meth:`enough` has replaced the carrier. A call starts with the first digits again, unless
-        they are known not to suffice. So near times are as fast after a far time as before.
+        digits, or None if :meth:`enough` has replaced the carrier. A call starts with the first carrier again, unless
+        its digits are known not to suffice. So near times are as fast after a far time as before.
         """
         before, far = self.carrier, max(map(abs, times), default=0)
         self.carrier = self._first if far < self._too_far else self._finest
@@ -291,8 +291,8 @@ class BodyCarrier(Carrier):
     """The motion of a body at one internal precision, in bare reals and in the units of ``setup``.
 
     A :class:`~integrable.moving_point.setup.Setup` with more digits is made from ``problem``. ``limits`` bound the cost
-    of the clock: if they are finite, the torus has been tried. ``scouts``, shared by all clocks, measure the decay
-    of 1/g's series.
+    of the clock: if they are finite, the torus has been tried. ``scouts``, shared by all clocks, measure the decay of
+    the series of 1/g.
     """
 
     def __init__(

@@ -97,7 +97,7 @@ def _refusal(compute: Compute, values: np.ndarray) -> str:
 
 
 def common_reasons(parts: Iterable[Sequence[str]]) -> tuple[list[np.ndarray], tuple[str, ...]]:
-    """A merged list of the reasons of all parts, and for each part the new numbers of its reasons."""
+    """A merged list of the reasons of all parts, and for each part the indices of its reasons in that list."""
     reasons: dict[str, int] = {"": 0}
     numbers = [np.array([reasons.setdefault(reason, len(reasons)) for reason in part]) for part in parts]
     return numbers, tuple(reasons)

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 class PrincipalRotation:
     """γ and M at any times from a state with a :func:`rotation_axis`, in the arithmetic N of
-    :mod:`integrable.moving_point.arithmetic`. PrecisionLoss for so many turns that N holds no fraction of one.
+    :mod:`integrable.moving_point.arithmetic`. PrecisionLoss for so many turns that N does not resolve a fraction of
+    one.
     """
 
     way = "closed form"

@@ -5,7 +5,8 @@ Then gM₃ is constant, and γ₃ oscillates harmonically in *physical* time:
 
     γ₃ = A sin θ,  θ̇ = Ω = a|M|√(r₃/μ),  μ = r − δA²,  g⁻² = r − δγ₃².
 
-gM₃ = |M|κ/√μ, where κ = ±√(1 − A²) has its sign. The other two components trace an ellipse turned by an angle φ(t):
+gM₃ = |M|κ/√μ, where κ = ±√(1 − A²) has the sign of M₃. The other two components trace an ellipse turned by an angle
+φ(t):
 
     γ₁ + iγ₂ = e^{iφ}(cos θ − iκ sin θ),  M₁ + iM₂ = e^{iφ}(A|M|/√μ)(i√r₃ + κδ sin θ(−cos θ + iκ sin θ)/(1/g + √r₃)),
 
@@ -46,7 +47,7 @@ class SymmetricFlow:
     """γ and M at any times from a state of a body that has a :func:`symmetry_axis`, in the arithmetic N of
     :mod:`integrable.moving_point.arithmetic`: long doubles, rounded to floats, or bare reals.
 
-    Constants are computed in wide numbers. PrecisionLoss for so many turns that N holds no fraction of one.
+    Constants are computed in wide numbers. PrecisionLoss for so many turns that N does not resolve a fraction of one.
     """
 
     way = "closed form"
@@ -77,7 +78,9 @@ class SymmetricFlow:
         self._factors = number(first), number(third)
 
     def _phases(self, swing: Swing, rate: Real, kepler: Real) -> None:
-        """Sets the rates of θ and φ in turns per unit of t and of τ, of φ by Π per half turn of θ, and the start."""
+        """Sets the rates of θ and φ in turns per unit of t and of τ, the turn of φ by Π per half turn of θ, and the
+        start.
+        """
         N, K = self.numbers, self.numbers.field
         pi, number = K.context.pi, N.number
         self._kepler, self._rate = number(kepler / (2 * pi)), rate / (2 * pi)
@@ -282,8 +285,8 @@ class SymmetricFlow:
 
 
 def complete_over(K: Any, modulus: Real, p: Real) -> Real:
-    """The complete integral :func:`~integrable.moving_point.elliptic_integrals.complete` with a = b = 1, for numbers of
-    K. It is computed in bare reals, which are faster.
+    """The complete integral :func:`~integrable.moving_point.elliptic_integrals.complete` with a = b = 1, over K. It is
+    computed in bare reals, which are faster.
     """
     reals = BareReals(K.context.prec)
     with reals as numbers:

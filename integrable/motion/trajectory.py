@@ -62,7 +62,7 @@ class Motion(Immutable):
     system: Any
     state: State
     method: ClassVar[str] = "divisor flow"
-    """The method of the states, as one word for tables."""
+    """The name of the method, for tables."""
 
     def __init__(self, system: Any, state: State) -> None:
         self.system, self.state = system, state
@@ -97,7 +97,7 @@ class Motion(Immutable):
     # --- for subclasses
 
     def _ways(self) -> Iterator[Way]:
-        """The ways to the states in the order in which they are asked; the last one reaches all times or raises."""
+        """The ways to the states in the order in which they are tried; the last one reaches all times or raises."""
         raise NotImplementedError
 
     def _prepare(self) -> None:
@@ -109,7 +109,7 @@ class Motion(Immutable):
         return NO_ROWS, ""
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:
-        """Computes :attr:`Trajectory.contact` for a run."""
+        """Raises NotRepresentable, because the system is no body that rolls on a plane."""
         raise NotRepresentable(f"{self.system!r} is no body that rolls on a plane: it has no point of contact")
 
     def _kept(self, way: InOrder, given: np.ndarray, physical: bool, nan: Real) -> Rows:
@@ -145,13 +145,10 @@ def _computed(way: InOrder, values: np.ndarray, physical: bool) -> tuple[np.ndar
 
 
 class BodyMotion(Motion):
-    """The motion of a body in the interface of contact points and events: base of
-    :class:`integrable.motion.flow.Flow`.
-    """
+    """The motion of a body with what contact points and events need: base of :class:`integrable.motion.flow.Flow`."""
 
     @cached_property
     def setup(self) -> Setup:
-        """The set-up of the motion."""
         raise NotImplementedError
 
     @cached_property

@@ -1,1 +1,1 @@
-"""Motions on y² = f(x) of any genus: commuting fields, maps, any time by additions. ``classical`` holds the systems."""
+"""Motions on the Jacobian of y² = f(x) in any genus: vector fields, maps, and states at any time by additions."""

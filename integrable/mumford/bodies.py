@@ -112,11 +112,11 @@ class BodySystem(SurfaceSystem):
     _constraint_names = ("|γ| = 1", "(γ, M) = 0", "M ≠ 0")
 
     def _light(self, N: FormulaField) -> tuple[Real, Real]:
-        """Table: the coefficients (p, q) of l."""
+        """Defined by subclasses: the coefficients (p, q) of l."""
         raise NotImplementedError
 
     def _weights(self, N: FormulaField) -> tuple[Real, ...]:
-        """Table: the c_i = l(a_i), computed without cancellation."""
+        """Defined by subclasses: the c_i = l(a_i), computed without cancellation."""
         raise NotImplementedError
 
     # --- derived from these
@@ -177,7 +177,7 @@ class BodySystem(SurfaceSystem):
         return N.sqrt(first * second * third / (p * p - p * q * u[1] + q * q * u[0]))
 
     def _rate_at(self, N: FormulaField) -> Rate:
-        """The rate of :meth:`_time_rate`."""
+        """The rate of :meth:`_time_rate` as a :class:`Rate`."""
         (p, q), (first, second, third) = self._light(N), self._weights(N)
         return Rate(-p / q, -1, N.sqrt(first * second * third) / abs(q))
 
@@ -207,8 +207,8 @@ class BodySystem(SurfaceSystem):
     def close_digits(self, N: Any) -> int:
         """The number of digits beyond SPARE that periods lose because branch points are close.
 
-        The c_i are close together for a light ball, and one is close to 0 for a long body. Returns 0 if two of them
-        coincide in the numbers of N.
+        The c_i are close together for a light ball, and one is close to 0 for a thin body. Returns 0 if two of them
+        coincide over N.
         """
         # 0 joins the c_i, because the curve also has a branch point where l(x) = 0
         weights = [N.zero, *sorted(self._weights(N))]

@@ -48,7 +48,7 @@ class RateSource(NamedTuple):
     digits: int
 
     def reached(self, sign: int, steps: int) -> tuple[Real, ...]:
-        """Not needed: dt/dτ has no sign that points beside the start would decide."""
+        """Never called: the points would decide a sign on which dt/dτ does not depend."""
         raise NotImplementedError
 
 

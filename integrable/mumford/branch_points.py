@@ -56,7 +56,7 @@ def coincident(N: LongField, points: Sequence[Complex]) -> list[int]:
 def opened(N: LongField, model: PairModel, known: Collection[Complex]) -> PairModel:
     """The model of degree 5 in which bounded ovals that are points are opened, by so little that no float changes.
 
-    Of the two ends of such an oval one that is not ``known`` is moved. PrecisionLoss if others coincide.
+    Of the two ends of such an oval one that is not ``known`` is moved. PrecisionLoss if other branch points coincide.
     """
     roots, first = list(model.roots), 0 if model.lead > 0 else 1
     size = max(map(abs, roots))
@@ -86,7 +86,7 @@ def all_real(points: Sequence[Complex]) -> bool:
 
 
 class PairModel(NamedTuple):
-    """A curve by its leading coefficient and roots, its pair u₀, u₁ and v₀, v₁, and the direction.
+    """A curve by its leading coefficient and roots, a pair on it by u₀, u₁ and v₀, v₁, and the direction.
 
     The roots ascend by their real parts.
     """
@@ -99,7 +99,7 @@ class PairModel(NamedTuple):
 
 
 def lift_of(Z: LongField, model: PairModel, e: Real) -> tuple[Real, Real, Real]:
-    """(κ, σ, ν) at a real branch point e that carries no lift: κσ² = U, κσν = V, κν² = −W, κ = ±1."""
+    """(κ, σ, ν) at a real branch point e for which the start has no lift: κσ² = U, κσν = V, κν² = −W, κ = ±1."""
     whole = (*model.u, model.u[0] ** 0)
     height, slope = poly.evaluate(Z, whole, e).real, poly.evaluate(Z, model.v, e).real
     if abs(height) > SMALL * (1 + e**2):

@@ -64,7 +64,6 @@ class Column:
         return Column.of(other) / self
 
     def sqrt(self) -> Column:
-        """The square root."""
         first = np.sqrt(self.hi)
         rest = self - Column(first) * Column(first)
         # the divisor is 1 instead of 0 where the root is 0
@@ -88,7 +87,6 @@ class _Elementary:
 
     @staticmethod
     def exp(x: Column) -> Column:
-        """e^x."""
         if isinstance(x.hi, np.ndarray):
             high = np.exp(x.hi)
             return Column(high, high * x.lo)
@@ -99,7 +97,6 @@ class _Elementary:
 
     @staticmethod
     def log(x: Column) -> Column:
-        """log x."""
         return Column(np.log(x.hi), x.lo / x.hi)
 
 
@@ -114,5 +111,4 @@ class Columns(InexactField):
         return Column.of(value)
 
     def sqrt(self, x: Column) -> Column:
-        """The square root of x."""
         return x.sqrt()

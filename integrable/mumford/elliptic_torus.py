@@ -1,4 +1,5 @@
-"""Far times of motions of genus 1 with real data, by theta functions for sn, cn and dn of a phase linear in time.
+"""States at far times of motions of genus 1 with real data: theta functions give sn, cn and dn of a phase linear in
+time.
 
 On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the point moves between x₁ and x₂. There x = x₁ + (x₂ − x₁)sn², x₂ − x = (x₂ −
 x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are multiples of sn, cn and dn, signs included. Models with
@@ -43,10 +44,10 @@ NEAR = 1e-8
 
 
 def elliptic_points(numbers: Row, table: Row, inverse: Row, times: Row, out: Row) -> None:
-    """Writes sn, cn and dn at the given times, three numbers per time; it is compiled without change.
+    """Writes sn, cn and dn at the given times, three numbers per time. The compiler takes this source unchanged.
 
-    ``numbers``: half turns of the phase per unit time, half turns at the start, and the factors of θ₁/θ₄, θ₂/θ₄
-    and θ₃/θ₄. ``table`` are the coefficients of harmonics 2n + 1 of θ₁ and θ₂, and 2n of θ₃ and θ₄. ``inverse`` is
+    ``numbers`` are half turns of the phase per unit time, half turns at the start, and the factors of θ₁/θ₄, θ₂/θ₄ and
+    θ₃/θ₄. ``table`` are the coefficients of harmonics 2n + 1 of θ₁ and θ₂, and 2n of θ₃ and θ₄. ``inverse`` is
     :func:`inverse_factorials`.
     """
     for i in abreast(0, len(times)):
@@ -114,10 +115,10 @@ class CubicModel(NamedTuple):
 
 
 class EllipticTorus:
-    """D of a :class:`Start` of genus 1 in double-doubles, at any times.
+    """The divisor D of a motion of genus 1 at any times, in double-doubles.
 
-    ``place(K)`` returns the start in the numbers of K. PrecisionLoss if branch points are not real or too close, if the
-    point is on an unbounded branch or at rest, for data but lifts, and for lifts on a model of degree 4.
+    ``place(K)`` returns the :class:`Start` over K. PrecisionLoss if branch points are not real or too close, if the
+    point is on an unbounded branch or at rest, for data other than lifts, and for lifts on a model of degree 4.
     """
 
     def __init__(self, place: Callable[[LongField], Start]) -> None:
@@ -231,7 +232,10 @@ def means(N: LongField, b: Real) -> list[tuple[Real, Real]]:
 
 
 def part_of_round(N: LongField, levels: list[tuple[Real, Real]], sine: Real, cosine: Real) -> Real:
-    """F(φ)·π/2K for the angle φ, |φ| ≤ π/2, whose sine and cosine are proportional to the given ones (Landen)."""
+    """F(φ)·π/(2K) for the angle φ, |φ| ≤ π/2, whose sine and cosine are proportional to the given ones (Landen).
+
+    ``levels`` are the :func:`means` of 1 and k'.
+    """
     import gmpy2
 
     size = N.sqrt(sine * sine + cosine * cosine)
@@ -295,8 +299,8 @@ def thetas(N: LongField, nome: Real, count: int) -> tuple[list[Real], list[Real]
 class ThetaTable(NamedTuple):
     """The constants of the theta functions of one modulus, in long numbers.
 
-    ``levels`` are those of :func:`part_of_round`, ``table`` that of :func:`theta_quotients`; ``at_zero`` are θ₂, θ₃ and
-    θ₄ at 0.
+    ``levels`` are the :func:`means` of 1 and k', ``table`` is that of :func:`theta_quotients`, and ``at_zero`` are θ₂,
+    θ₃ and θ₄ at 0.
     """
 
     levels: list[tuple[Real, Real]]

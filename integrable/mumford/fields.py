@@ -110,7 +110,7 @@ def brackets(K: Arithmetic, u: Poly, v: Poly, phi: Poly) -> tuple[tuple[Real, ..
 
 
 def elementary(N: Arithmetic, name: str, x: Real) -> Real:
-    """exp, expm1 or log of x in the numbers of RR, MP, long numbers, balls or columns."""
+    """exp, expm1 or log of x over RR, MP, long numbers, balls or columns."""
     import math
 
     import gmpy2

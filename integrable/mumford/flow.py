@@ -1,7 +1,7 @@
 """The motion of one state of a system on a Jacobian of any genus, by the fastest method for the given times.
 
-In floats, near times are computed by Taylor series (:mod:`integrable.series.near`), others on the torus.
-The rest is computed by additions in long numbers (:mod:`integrable.mumford.motion`).
+In floats, states near the start are computed by Taylor series (:mod:`integrable.series.near`), and far ones on the
+torus if the motion has one. All others are computed by additions in long numbers (:mod:`integrable.mumford.motion`).
 """
 
 from __future__ import annotations
@@ -223,9 +223,9 @@ class MumfordFlow:
     def spectrum(self) -> Spectrum:
         """The spectral lines of q and p (:mod:`integrable.portrait.spectrum`), in floats.
 
-        q and p are taken without the uniform motion of a centre of mass. NotRepresentable over another field, if the
-        points of the pair do not turn in g real ovals, and where time is no sum over them; PrecisionLoss if a grid on
-        the torus would be too fine.
+        q and p are taken without the uniform motion of a centre of mass. NotRepresentable over a field other than RR,
+        if the points of the pair do not turn in g real ovals, and if time is no sum over these points; PrecisionLoss if
+        a grid on the torus would be too fine.
         """
         from integrable.portrait.spectrum import lines_of, torus_states
 
@@ -235,10 +235,10 @@ class MumfordFlow:
             return lines_of(torus_states(torus, self._ends(N), self._reader_in_floats(N, torus), frequencies))
 
     def section(self, count: int, oval: int = 0, end: str = "lower") -> TorusSection:
-        """The next ``count`` states where the point in an oval is at its "lower" or its "upper" end, in floats.
+        """The next ``count`` states with a point of the pair at the "lower" or the "upper" end of its oval, in floats.
 
-        Ovals are numbered in ascending order. If the end is a branch point a_i at which q_i is a lift, q_i = 0 there.
-        It raises the same errors as :meth:`spectrum`. (:mod:`integrable.portrait.torus_section`)
+        ``oval`` is the number of the oval, in ascending order. If the end is a branch point a_i at which q_i is a lift,
+        q_i = 0 there. It raises the same errors as :meth:`spectrum`. (:mod:`integrable.portrait.torus_section`)
         """
         from integrable.portrait.torus_section import TorusSection, crossings
 
@@ -257,7 +257,7 @@ class MumfordFlow:
         return torus
 
     def _ends(self, N: LongField) -> list[Real]:
-        """The branch points at which the lifts of a state have signs."""
+        """The branch points at which the state has lifts."""
         return [kind.e for kind in self._place(N).kinds if isinstance(kind, Lift)]
 
     def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Arrays, Arrays]]:
@@ -278,7 +278,7 @@ class MumfordFlow:
         return states
 
     def _states_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[FormulaField, Angles, Angles], Point]:
-        """``read(K, halves, turned)``: the state in the numbers of K at given angles.
+        """The function ``read(K, halves, turned)`` that returns the state at given angles, over K.
 
         ``halves`` are (sin ½φ, cos ½φ) of each point; ``turned`` are (cos, sin) of each angle about an axis since the
         start.
@@ -292,7 +292,7 @@ class MumfordFlow:
         return read
 
     def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[FormulaField, Angles, Angles], Extended]:
-        """``pairs(K, halves, turned)``: the pair at given angles in the numbers of K, as in :meth:`_states_on`.
+        """The function ``pairs(K, halves, turned)`` that returns the pair at given angles, as in :meth:`_states_on`.
 
         Its data are the lifts with the signs of the start, 0 for a clock, and ``turned``.
         """
@@ -333,7 +333,7 @@ class MumfordFlow:
 
     @property
     def _may_have_torus(self) -> bool:
-        """Whether the motion may have a torus."""
+        """Whether a torus is tried: only with compiled loops, and in genus 1 only if t is linear in τ."""
         return self._compiles and (self._genus >= 2 or not self.system.clocked)
 
     def _torus_for(self, count: int) -> EllipticTorus | PhaseTorus | ThetaTorus | None:

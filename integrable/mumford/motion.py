@@ -52,7 +52,7 @@ TimeAt = Callable[[LongField, Extended], tuple[Real, Real]]
 
 
 class Placed:
-    """A motion computed in the numbers of one field: its divisor D at any τ."""
+    """A motion computed over one field: its divisor D at any τ."""
 
     _kind: type[GroupTranslations] = GroupTranslations
 
@@ -79,7 +79,9 @@ class Placed:
 
     @cached_property
     def _ends(self) -> list[Real]:
-        """The branch points of lifts at which the pair has a point; at a double point of the curve this point stays."""
+        """The branch points of lifts at which the pair has a point; if it is a double point of the curve, the point
+        stays there.
+        """
         K, (u, v, _) = self.field, self.start
         lifts = (kind.e for kind in self.group.kinds if isinstance(kind, Lift))
         return [e for e in lifts if max(part_at(K, u, e), part_at(K, v, e)) <= STILL * K.eps**0.5]
@@ -144,7 +146,7 @@ class Placed:
 
 
 class MumfordMotion:
-    """A motion given by ``place``, a function that returns its :class:`Start` in the numbers of a field."""
+    """A motion given by ``place``, a function that returns its :class:`Start` over a field."""
 
     def __init__(self, place: Callable[[LongField], Start], genus: int, complex: bool = False) -> None:
         self._place = place

@@ -1,4 +1,4 @@
-"""Far times of motions of genus 3 and more in floats: the phases determine the place of each point in its oval.
+"""States at far times of motions of genus 3 and more in floats: the phases determine the point in each oval.
 
 Newton's method inverts the sums of :mod:`integrable.portrait.separated` in floats. One more step, with the sums in
 double-doubles, doubles the digits. A set-up takes some tens of milliseconds, a time some tens of microseconds per oval.
@@ -142,7 +142,7 @@ def circle_table() -> tuple[Column, Column, Column]:
 
 
 def circles(angles: np.ndarray) -> tuple[Column, Column]:
-    """(sin, cos) of angles in floats, in double-doubles."""
+    """The pairs (sin, cos), in double-doubles, of angles in floats."""
     cosines, sines, half = circle_table()
     part = np.rint(angles * (PARTS / np.pi))
     rest = Column(angles) - half * Column(part / PARTS)

@@ -43,19 +43,21 @@ class QuadricSystem(MumfordSystem):
     """The number of q that precede those of the axes."""
 
     def _shape(self, N: FormulaField, state: Point) -> Shape:
-        """Table: the polynomials u₀, ½u₀' and w₀ of a state."""
+        """Defined by subclasses: the polynomials u₀, ½u₀' and w₀ of a state."""
         raise NotImplementedError
 
     def _genus(self) -> int:
-        """Table: the degree of U."""
+        """Defined by subclasses: the degree of U."""
         raise NotImplementedError
 
     def _first(self, N: FormulaField, u: poly.Poly, v: poly.Poly) -> Point:
-        """Table, if ``before`` > 0: from a pair, the first ``before`` coordinates q (without axes) and their p."""
+        """Defined by subclasses with ``before`` > 0: from a pair, the first ``before`` coordinates q (without axes) and
+        their p.
+        """
         return Point((), ())
 
     def _barriers(self) -> Sequence[Real]:
-        """Table: the l_i, elements of the field."""
+        """Defined by subclasses: the l_i, elements of the field."""
         return [self.field.zero] * len(self.constants)
 
     # --- derived from these

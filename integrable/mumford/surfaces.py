@@ -12,13 +12,14 @@ from jacobian.element import FormulaField, Real
 class SurfaceSystem(MumfordSystem):
     """Base class of systems with (n, q) = 1 for a vector n along the normal at q, n = q on the unit sphere.
 
-    ``_constraint_names`` are one to three: (n, q) = 1, (n, p) = 0 and p ≠ 0.
+    The constraints are the first one, two or three of (n, q) = 1, (n, p) = 0 and p ≠ 0, by the length of
+    ``_constraint_names``.
     """
 
     _constraint_names: tuple[str, ...] = ("|q| = 1", "(q, p) = 0")
 
     def _normal(self, N: FormulaField, q: Sequence[Real]) -> Sequence[Real]:
-        """Table: n as a linear function of q."""
+        """Defined by subclasses: n as a linear function of q."""
         return q
 
     def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:

@@ -1,9 +1,9 @@
 """A system on a Jacobian of any genus: a table of formulas, and everything derived from them.
 
-A system (a file of :mod:`integrable.classical`) defines the formulas marked "table" below, written with operators for
-numbers of any field. From them :class:`MumfordSystem` derives states, divisors, the vector field and integrals, and
-over RR and MP the flow at any time. Elements of exact fields have no operators, so they are wrapped in jets without
-directions (:mod:`integrable.phase.jets`). Jets with directions give exact derivatives of every formula.
+A system (a file of :mod:`integrable.classical`) defines the formulas marked "defined by subclasses" below, written with
+operators for numbers of any field. From them :class:`MumfordSystem` derives states, divisors, the vector field and
+integrals, and over RR and MP the flow at any time. Elements of exact fields have no operators, so they are wrapped in
+jets without directions (:mod:`integrable.phase.jets`). Jets with directions give exact derivatives of every formula.
 """
 
 from __future__ import annotations
@@ -62,9 +62,8 @@ class Spectral(NamedTuple):
 
 
 class MumfordSystem(Made):
-    """Base class of systems: ``field``, ``constants`` and ``parameters`` (elements of it), and ``size``.
-
-    ``size`` is the number of q. Constants that are axes must be different.
+    """Base class of systems over ``field``, with its elements ``constants`` and ``parameters``; ``size`` is the number
+    of q.
     """
 
     field: Field
@@ -89,68 +88,74 @@ class MumfordSystem(Made):
     # --- the table of a system
 
     def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
-        """Table: the values, in the numbers of N, that must be 0 at a state."""
+        """Defined by subclasses: the values, over N, that must be 0 at a state."""
         return ()
 
     def _constrained(self, N: FormulaField, state: Point) -> Point:
-        """Table: the state projected onto its constraints to all digits of N, an inexact field."""
+        """Defined by subclasses: the state projected onto its constraints to all digits of N, an inexact field."""
         return state
 
     def _spectral(self, N: FormulaField, state: Point) -> Spectral:
-        """Table: the curve and the pair of a state."""
+        """Defined by subclasses: the curve and the pair of a state."""
         raise NotImplementedError
 
     def _genus(self) -> int:
-        """Table: the degree of U; 0 if it depends on the state."""
+        """Defined by subclasses: the degree of U; 0 if it depends on the state."""
         return 0
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
-        """Table: the direction of the motion."""
+        """Defined by subclasses: the direction of the motion."""
         raise NotImplementedError
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
-        """Table: (q', p') by the equations of motion."""
+        """Defined by subclasses: (q', p') by the equations of motion."""
         raise NotImplementedError
 
     def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
-        """Table, if the equations of motion are not rational: functions of a state that make them rational."""
+        """Defined by subclasses whose equations of motion are not rational: functions of a state that make them so."""
         return ()
 
     def _rational_rates(self, N: FormulaField, state: Point, auxiliary: tuple[Real, ...]) -> tuple[Real, ...]:
-        """Table, with :meth:`_auxiliary`: q', p' and the derivatives of its functions, by the four operations."""
+        """Defined by subclasses with :meth:`_auxiliary`: q', p' and the derivatives of the auxiliary functions, by the
+        four operations.
+        """
         rate = self._vector_field(N, state)
         return (*rate.q, *rate.p)
 
     def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
-        """Table: the integrals of motion by name, as numbers or tuples of numbers."""
+        """Defined by subclasses: the integrals of motion by name, as numbers or tuples of numbers."""
         raise NotImplementedError
 
     def _start(self, N: FormulaField, state: Point) -> Start:
-        """Table: the start of the motion with the data that it carries; by default none."""
+        """Defined by subclasses: the start of the motion with the data that it carries; by default none."""
         f, u, v = self._spectral(N, state)
         return Start(f, u, v, self._direction(N, len(v)))
 
     def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
-        """Table: the state of a divisor D that the motion from ``start`` reaches after ``time``."""
+        """Defined by subclasses: the state of a divisor D that the motion from ``start`` reaches after ``time``."""
         raise NotImplementedError
 
     def _time_rate(self, N: FormulaField, u: poly.Poly) -> Real:
-        """Table: dt/dτ at a pair; 1 if t is linear in τ."""
+        """Defined by subclasses: dt/dτ at a pair; 1 if t is linear in τ."""
         rate: Real = N.one
         return rate
 
     def _action(self, N: FormulaField, state: Point) -> Form | None:
-        """Table: the form whose sum over the pair is p dq, without the angles about an axis; None if there is none."""
+        """Defined by subclasses: the form whose sum over the pair is p dq, without the angles about an axis; None if
+        there is none.
+        """
         return None
 
     def _separation(self, N: FormulaField, state: Point) -> Separation:
-        """Table, if t is not linear in τ or there are angles about an axis: forms whose sums over a pair are known."""
+        """Defined by subclasses if t is not linear in τ or there are angles about an axis: forms whose sums over a pair
+        are known.
+        """
         genus = self._genus() or len(self._spectral(N, state).v)
         forms = [Form((*[N.zero] * j, N.one)) for j in range(genus)]
         return Separation(forms, self._direction(N, len(forms)), self._action(N, state), known=self._branches(N))
 
     def _branches(self, N: FormulaField) -> tuple[Real, ...]:
-        """Table: branch points that all states share."""
+        """Defined by subclasses: branch points that all states share."""
         return ()
 
     flow_type: type[MumfordFlow] = MumfordFlow
@@ -163,7 +168,7 @@ class MumfordSystem(Made):
     """Whether t is not linear in τ; the motion then carries t, and ``_clock`` reads it."""
 
     def _clock(self, N: FormulaField, D: Extended) -> tuple[Real, Real]:
-        """Table, if ``clocked``: (t, dt/dτ) at a divisor of the motion."""
+        """Defined by subclasses if ``clocked``: (t, dt/dτ) at a divisor of the motion."""
         raise NotImplementedError
 
     # --- derived from the table
@@ -242,7 +247,7 @@ class MumfordSystem(Made):
         inside: Point | None = None,
         finite: bool = True,
     ) -> Found:
-        """``formula(N, state)`` in the numbers of the field; PrecisionLoss if a value exceeds the range of floats."""
+        """``formula(N, state)`` over the field; PrecisionLoss if a value exceeds the range of floats."""
         N = self.numbers
         try:
             found = formula(N, inside or self._inside(N, state))

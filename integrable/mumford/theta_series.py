@@ -158,7 +158,7 @@ def add_weight(sums: ThetaSums, along: Row, place: tuple[int, int, int], w: Real
 
 
 def signed(e2: int, j: int) -> int:
-    """The column numbers e₂, −e₂, e₂ + 2, −e₂ − 2, …."""
+    """Number j of the column numbers e₂, −e₂, e₂ + 2, −e₂ − 2, …."""
     m = e2 + 2 * (j // 2)
     return m if j % 2 == 0 else -m
 

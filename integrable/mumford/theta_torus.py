@@ -82,12 +82,12 @@ class Rate(NamedTuple):
 
 
 class ThetaTorus:
-    """D of a :class:`Start` of genus 2 in double-doubles, at any times.
+    """The divisor D of a motion of genus 2 at any times, in double-doubles.
 
-    ``place(K)`` returns the start in the numbers of K, ``rate(K)`` the :class:`Rate` of a motion whose time is not
-    linear in τ. The only datum of the second kind that is allowed is the time t with dt/dτ = |U(0)|. PrecisionLoss for
-    other data than this and lifts, if branch points nearly meet, or if fewer than two are real. On a model of even
-    degree also for lifts, and if the points of the pair are not one in each oval.
+    ``place(K)`` returns the :class:`Start` over K, ``rate(K)`` the :class:`Rate` of a motion whose time is not linear
+    in τ. The only datum of the second kind that is allowed is the time t with dt/dτ = |U(0)|. PrecisionLoss for other
+    data than this and lifts, if branch points nearly meet, or if fewer than two are real. On a model of even degree it
+    is also raised for lifts, and unless each oval has one point of the pair.
     """
 
     def __init__(self, place: Callable[[LongField], Start], rate: Callable[[LongField], Rate] | None = None) -> None:
@@ -122,7 +122,7 @@ class ThetaTorus:
     def witnesses(self) -> np.ndarray:
         """Times more than one period of each phase from the start, in both directions, for a comparison.
 
-        A phase that is much slower is left out: what a period changes is right in theta functions without a check.
+        A phase that is much slower is left out: the equations of motion cannot check a period of it.
         """
         fastest = max(map(abs, self._paces))
         return witnesses([nu for nu in self._paces if SLOW * abs(nu) >= fastest])

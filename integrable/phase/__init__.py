@@ -1,1 +1,1 @@
-"""States and their coordinates: bodies, (γ, M), pairs of divisors, separated variables, brackets."""
+"""States and their coordinates: bodies, (γ, M), divisors, separated variables; and their Poisson brackets."""

@@ -46,7 +46,7 @@ class Integrals(NamedTuple, Generic[Element]):
 class Body(Generic[Element]):
     """Principal moments of inertia and d = m r² over a field; d = 0 is the free rigid body.
 
-    ``a`` holds 1/(I_i + d), ``contact`` the numbers 1 − d·a_i = I_i/(I_i + d).
+    ``a`` holds 1/(I_i + d), the diagonal of A; ``contact`` holds the numbers 1 − d·a_i = I_i/(I_i + d).
     """
 
     inertia: Vector[Element]
@@ -122,7 +122,7 @@ class Body(Generic[Element]):
         return Integrals(K.dot(gamma, gamma), K.dot(gamma, M), K.dot(self.omega(gamma, M), M), K.dot(M, M))
 
     def energies(self, gamma: Iterable[Real], M: Iterable[Real]) -> tuple[Real, Real]:
-        """(H1, H2), computed with operators: γ and M are three real numbers each or three arrays each."""
+        """H1 and H2, computed with Python's operators: γ and M are three real numbers each or three arrays each."""
         (r1, r2, r3), (x1, x2, x3), (m1, m2, m3) = self.contact, gamma, M
         weight = self.d / (r1 * x1 * x1 + r2 * x2 * x2 + r3 * x3 * x3)
         a: Vector = self.a
@@ -141,7 +141,7 @@ class Body(Generic[Element]):
 
 
 def check_body_field(field: Field[Element]) -> None:
-    """Raises FieldError unless ``field`` can be the field of a body."""
+    """Raises FieldError if ``field`` is complex: bodies are over real or exact fields."""
     if is_complex(check_field(field, "field").zero):
         raise FieldError(f"field = {field.name}: bodies are over RR, MP(dps) or exact fields, not complex numbers")
 
@@ -162,7 +162,7 @@ def say_unphysical(inertia: Sequence[Any], field: Any) -> None:
 
 @contextmanager
 def unwarned() -> Iterator[None]:
-    """A context in which bodies are made without UnphysicalMoments, a warning that the user has already seen."""
+    """A context that suppresses UnphysicalMoments, for bodies about which the user has already been warned."""
     before = _unwarned.set(True)
     try:
         yield
@@ -171,7 +171,7 @@ def unwarned() -> Iterator[None]:
 
 
 def energy(a: Iterable[Real], weight: Real, gamma: Iterable[Real], M: Iterable[Real]) -> Any:
-    """H1 = (ω, M) = (M, AM) + weight·(γ, AM)² with weight = d·g², computed with operators."""
+    """H1 = (ω, M) = (M, AM) + weight·(γ, AM)² with weight = d·g², computed with Python's operators."""
     # written out for speed: every step of a map compares the energies of its image
     (a1, a2, a3), (x1, x2, x3), (m1, m2, m3) = a, gamma, M
     n1, n2, n3 = a1 * m1, a2 * m2, a3 * m3
@@ -220,7 +220,7 @@ def _check_moment(field: Field, moment: Real, d: Real, i: int) -> None:
 
 
 def square_root(field: Field[Element], x: Element, name: str) -> Element:
-    """The field's own root √x. NotASquare, with the ``name`` of the quantity, if it has none."""
+    """The root √x that the field returns. NotASquare, with the ``name`` of the quantity, if the field has none."""
     try:
         return field.sqrt(x)
     except NotASquare:

@@ -1,7 +1,7 @@
 """Poisson structures of the ball and the top, and how to test them.
 
-The signs are those of the motion: ẋ = g{x, H1/2} (Borisov and Mamaev 2001 and Tsiganov's chap-br have the opposite
-ones: docs/errata.md, item 1). On (γ, M), with cyclic (i, j, k),
+The signs are those of the motion: ẋ = g{x, H1/2} (Borisov and Mamaev 2001 and Tsiganov have the opposite ones:
+docs/errata.md, item 1). On (γ, M), with cyclic (i, j, k),
 
     {M_i, M_j} = −(M_k/g − d·g(M, Aγ)γ_k),   {M_i, γ_j} = {γ_i, M_j} = −γ_k/g,   {γ_i, γ_j} = 0,
 
@@ -9,8 +9,8 @@ which at d = 0 is the Lie–Poisson bracket of e*(3) with the opposite sign. On 
 w_iδ_ij: w = 1 is the canonical bracket, w = u the bracket W, w = λ the second bracket Π' of a Poisson–Nijenhuis pair.
 
 Derivatives are exact over exact fields, by :mod:`integrable.phase.jets`, and difference quotients elsewhere. A function
-of a state is f(system, state), a function of a tuple of coordinates f(field, point). They must compute with the given
-field or system.
+of a state is f(system, state), a function of a tuple of coordinates f(field, point). Both must compute with the field
+or the system that they receive.
 """
 
 from __future__ import annotations
@@ -118,7 +118,8 @@ def over(system: Space, field: Any) -> Space:
 
 
 def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
-    """The state of (γ, M), moved to first order to the leaf of ``like``: its C1 and C2, its sign of the root g.
+    """The state of (γ, M), moved to first order onto the leaf of ``like``, which has its C1, its C2 and its sign of the
+    root g.
 
     A function extended off its symplectic leaf by this map has the same brackets, because C1 and C2 are Casimirs.
     """
@@ -163,7 +164,7 @@ def pushed(K: Field, rows: Matrix, matrix: Matrix) -> Matrix:
 def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State) -> tuple[Matrix, Matrix]:
     """Two 6×6 matrices: the brackets of the image of (γ, M) under a step, and :meth:`System.poisson` at the image.
 
-    A Poisson map makes them equal. ``step(system, state)`` or a step with ``.over(system)``, as in
+    A Poisson map makes them equal. ``step`` is a function of (system, state), or a Step with ``.over(system)`` as in
     :mod:`integrable.steps.translation`.
     """
 
@@ -219,7 +220,7 @@ def root(system: PhaseSpace, state: State) -> Real:
 def measure_divergence(body: Body, gamma: Vector, M: Vector) -> Real:
     """The divergence div(g·(γ × ω, M × ω))/g at any (γ, M): 0, as g dγ dM is an invariant measure (Chaplygin 1903).
 
-    Rational in (γ, M): the derivative of g enters as −½g²·∂(g⁻²), g⁻² = 1 − d(γ, Aγ).
+    It is rational in (γ, M): the derivative of g enters as −½g²·∂(g⁻²), g⁻² = 1 − d(γ, Aγ).
     """
     K = body.field
 

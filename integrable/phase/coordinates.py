@@ -1,7 +1,7 @@
 """Phase space ↔ regular coordinates ↔ Mumford divisor at (γ, M) = 0, without roots except g = √g².
 
-*Pairs*, one for every axis: (γ̂_i, n̂_i) = (Γ_i, n_i)/r_i = (gγ_i, 2w_i + λγ̂_i) with w = γ×M, λ = 2gd(Aγ, w), r_i² = 1
-− d·a_i. They are regular where a γ_i vanishes and where moments coincide. The divisor is
+*Pairs*, one for every axis: (γ̂_i, n̂_i) = (gγ_i, 2w_i + λγ̂_i) with w = γ×M, λ = 2gd(Aγ, w), r_i² = 1 − d·a_i. They
+are regular where a γ_i vanishes and where moments coincide. The divisor is
 
     U = Σ r_i²γ̂_i²(x − a_j)(x − a_k),      V = Σ r_i²γ̂_i n̂_i(x − a_j)(x − a_k),      U | f − V²,
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 
 
 def branch_points(body: Body) -> tuple[Real, ...]:
-    """The roots of f at which pairs are kept: a1, a2, a3, and over exact fields with d ≠ 0 also 1/d, whose pair gives g
-    rationally.
+    """The roots of f at which a state has a pair: a1, a2, a3, and over exact fields with d ≠ 0 also 1/d, whose pair
+    gives g rationally.
     """
     return (*body.a, body.field.inv(body.d)) if body.rolls and body.field.exact else body.a
 
 
 def kappas(body: Body) -> tuple[Real, ...]:
-    """The factors κ of the pairs (see above) at all points of :func:`branch_points`."""
+    """The factors κ of the pairs at all points of :func:`branch_points`."""
     K = body.field
     values = [K.mul(r, c) for r, c in zip(body.contact, body.differences, strict=True)]
     if len(branch_points(body)) == 4:
@@ -44,7 +44,7 @@ def kappas(body: Body) -> tuple[Real, ...]:
 
 
 def root_of_g(body: Body[Element], gamma: Vector[Element]) -> Element:
-    """g = √(1 − d(γ, Aγ))⁻¹, the field's own choice of root; NotASquare when there is none."""
+    """g = √(1 − d(γ, Aγ))⁻¹, the root that the field returns; NotASquare when there is none."""
     return square_root(body.field, body.field.inv(body.conformal(gamma)), "g²")
 
 

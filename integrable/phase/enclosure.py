@@ -89,14 +89,14 @@ Found = TypeVar("Found")
 
 
 class Precisions(Generic[Enclosed]):
-    """A motion in balls at as many bits as its results need; ``made(bits)`` returns it at one precision."""
+    """A motion in balls of as many bits as its results need; ``made(bits)`` returns the motion at one precision."""
 
     def __init__(self, made: Callable[[int], Enclosed], digits: int) -> None:
         self._made, self._digits, self._needed = made, digits, ceil(3.33 * (digits + 2))
         self._kept: tuple[int, Enclosed | None] = (0, None)
 
     def narrow(self, read: Callable[[Enclosed], tuple[Found, arb]], lost: int) -> tuple[Found, float]:
-        """The result of ``read`` with a radius of at most 10^(−digits), and that radius; ``read`` returns both.
+        """The result of ``read`` with a radius of at most 10^(−digits), and that radius; ``read(motion)`` returns both.
 
         ``lost`` is a guess of the number of bits that balls lose. PrecisionLoss if no precision suffices.
         """
@@ -153,7 +153,7 @@ def is_bounded(values: Sequence[arb]) -> bool:
 
 
 def widest(*vectors: tuple[Sequence[arb], Real]) -> arb:
-    """An upper bound of the largest radius of the balls in (vector, size) pairs, each relative to its size. NaN if a
+    """An upper bound of the largest radius of the balls in (vector, size) pairs, each relative to the size. NaN if a
     radius is not finite.
     """
     from flint import arb

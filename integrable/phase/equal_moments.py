@@ -1,4 +1,4 @@
-"""The constants of a motion with two or three equal moments, in the numbers of any inexact field.
+"""The constants of the motion of a body with two or three equal moments, in wide numbers.
 
 The formulas are in :mod:`integrable.motion.symmetric`.
 """
@@ -26,7 +26,7 @@ def symmetry_axis(inertia: Vector) -> int | None:
 
 
 class Swing(NamedTuple):
-    """The constants r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω of the formulas, and θ and φ at the start: wide numbers."""
+    """The constants r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω of the formulas, and θ and φ at the start."""
 
     r: Real
     r3: Real
@@ -83,7 +83,9 @@ class Swing(NamedTuple):
         return first, self.kappa * _sqrt(self.r3 / self.r)
 
     def clock(self, upright: Upright) -> tuple[Real, Real]:
-        """(Ω', ε) in Ω't = θ − θ₀ − ε(G(cos θ) − G(cos θ₀)), t the tilted body's time; ε = 0 for an upright body."""
+        """(Ω', ε) in Ω't = θ − θ₀ − ε(G(cos θ) − G(cos θ₀)), where t is the tilted body's time; ε = 0 for an upright
+        body.
+        """
         alpha, beta = upright.clock
         return self.rate / alpha, beta * self.spin * upright.body.a[0] * self.ratio * self.size / alpha
 
@@ -103,10 +105,11 @@ def _sqrt(x: Mpf) -> Mpf:
 
 
 class Upright(NamedTuple):
-    """A body with (γ, M) = 0 in the numbers of K, |γ| = 1 to the last digit; axes in the order (equal, equal, other).
+    """A body and a state with (γ, M) = 0 over the field K, |γ| = 1 to the last digit, with axes in the order (equal,
+    equal, other).
 
-    ``columns`` are the positions of the user's axes, ``clock`` (α, β) of dt/dt̃ = α + βñ, and ``matrix`` maps back to
-    the tilted body.
+    ``columns`` are the positions of the user's axes, ``clock`` is the pair (α, β) of dt/dt̃ = α + βñ, and ``matrix``
+    maps back to the tilted body.
     """
 
     body: Body

@@ -1,8 +1,9 @@
-"""First-order jets x + Σ x_k ε_k, ε_iε_j = 0, over any field: derivatives without differences and without rounding.
+"""First-order jets x + Σ x_k ε_k, ε_iε_j = 0, over any field: derivatives without difference quotients.
 
 :class:`JetField` meets the protocol of :class:`jacobian.fields.protocol.Field`, so polynomials, divisor sums and all
-other code over a field run on jets unchanged. The slopes of the results are exact derivatives (forward-mode
-differentiation; Wengert 1964). A jet also has operators, which make formulas readable over fields of bare elements.
+other code over a field run on jets unchanged. The slopes of the results are the derivatives, exact over an exact field
+(forward-mode differentiation; Wengert 1964). Jets also have Python's operators, so formulas stay readable over fields
+whose elements lack them.
 """
 
 from __future__ import annotations
@@ -93,11 +94,11 @@ class Jet:
 
 
 class JetField:
-    """The jets over the field ``base`` with ``directions`` infinitesimals ε_k. For 0 directions a jet is an element of
-    the base with operators.
+    """The jets over the field ``base`` with ``directions`` infinitesimals ε_k. With 0 directions a jet is an element of
+    the base with Python's operators.
 
-    The methods also take bare elements of the base, as constants. Strictly this is a ring: a jet of value 0 has no
-    inverse. ``order`` is the order of the base.
+    The methods also take elements of the base, as constants. Strictly this is a ring: a jet of value 0 has no inverse.
+    ``order`` is the order of the base.
     """
 
     def __init__(self, base: Any, directions: int) -> None:
@@ -186,7 +187,7 @@ class JetField:
         return total
 
     def is_zero(self, x: Jet | Real, scale: Jet | Real | None = None) -> bool:
-        """Whether value and slopes are all zero. Over an inexact base: whether the value is, relative to ``scale``."""
+        """Whether value and slopes are all zero. Over an inexact base only the value counts, relative to ``scale``."""
         x = self._jet(x)
         if self.exact:
             return x == self.zero
@@ -195,7 +196,7 @@ class JetField:
     def sqrt(self, x: Jet | Real, root: Real | None = None) -> Jet:
         """The square root of x whose value is ``root``, by default the base's own root; NotASquare if there is none.
 
-        NotRepresentable at value 0 with a slope: the root is not differentiable.
+        NotRepresentable if the value is 0 and a slope is not: the root is not differentiable there.
         """
         K, x = self.base, self._jet(x)
         root = K.sqrt(x.value) if root is None else root
@@ -217,7 +218,7 @@ class JetField:
 
 
 def apply(field: Any, function: Callable[..., object], *values: Real) -> Any:
-    """The value at elements of a field of ``function``, which is written with operators and is called on jets.
+    """The value of ``function`` at elements of a field. The function uses Python's operators and is called on jets.
 
     NotRepresentable where it divides by zero.
     """

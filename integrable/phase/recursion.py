@@ -4,7 +4,7 @@ On (u1, u2, p1, p2), {u_i, p_j} = δ_ij, the eigenvalues λ_k = φ(u_k)p_k² = H
 p_j}' = λ_iδ_ij, compatible with the canonical Π, and the recursion operator N = Π'Π⁻¹ = diag(λ1, λ2, λ1, λ2). Its
 torsion is 0 and its traces J_m = tr N^m/(2m) obey Lenard's relations Π'dJ_m = ΠdJ_(m+1). J_1 and −λ1λ2 at the image of
 a state under the 2-torsion map are the integrals of the tilde pair (:mod:`integrable.deformations.tilde`). (Tsiganov,
-section 4; Magri and Morosi 1984.) Points are tuples (u1, u2, p1, p2), ``body`` may be over jets.
+section 4; Magri and Morosi 1984.) Points are tuples (u1, u2, p1, p2); ``body`` may be over jets.
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ def nijenhuis_torsion(
 ) -> dict[tuple[int, int, int], Real]:
     """The components T^i_jk, j < k, of the torsion of a field of operators N(field, point) at a point.
 
-    T(X, Y) = [NX, NY] − N[NX, Y] − N[X, NY] + N²[X, Y]; all are zero for a recursion operator. Derivatives as in
-    :func:`integrable.phase.brackets.jacobian_matrix`. (Nijenhuis 1951.)
+    T(X, Y) = [NX, NY] − N[NX, Y] − N[X, NY] + N²[X, Y]; all are zero for a recursion operator. Derivatives are computed
+    as in :func:`integrable.phase.brackets.jacobian_matrix`. (Nijenhuis 1951.)
     """
     size, dot = len(point), K.dot
     places = [(i, j) for i in range(size) for j in range(size)]

@@ -39,7 +39,8 @@ def phi(body: Body, x: Real) -> Real:
 
 
 def to_separated(body: Body, state: State) -> Separated:
-    """The coordinates (u, p) of a state: u1 < u2 over the reals, over other fields in the order that the root gives.
+    """The coordinates (u, p) of a state: u1 < u2 over the reals, over other fields in the order in which the field
+    returns the roots.
 
     NotASquare where u1, u2 are not in the field; NotRepresentable where u1 = u2 or a γ_i vanishes (some u_k = a_i,
     whose momentum is infinite). The divisor and the pairs are regular in all these cases.

@@ -166,8 +166,8 @@ class PhaseSpace(Made, Generic[Element]):
     def curve(self, h1: Element | Value, h2: Element | Value) -> HyperellipticCurve[Element]:
         """The curve y² = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x·h2 − h1) of the motions with H1 = h1 and H2 = h2.
 
-        Genus 2 with one point at infinity for d ≠ 0; genus 1 with two for d = 0. SingularCurve (exact fields) where
-        roots coincide.
+        It has genus 2 and one point at infinity for d ≠ 0, genus 1 and two for d = 0. SingularCurve (exact fields)
+        where roots coincide.
         """
         from jacobian import HyperellipticCurve
 
@@ -206,7 +206,7 @@ class PhaseSpace(Made, Generic[Element]):
 
         Over an exact field ``like`` is used only if D is the divisor of ``like`` up to signs. Otherwise the signs are
         those of the field's own roots of g² and γ_i² (of (γ × M)_i² where γ_i = 0); over the reals γ_i > 0. A tilted
-        ``like`` supplies the transformation of D's state.
+        ``like`` also supplies Chaplygin's transformation.
 
         NotASquare if a root is not in the field. NotRepresentable for a weight other than two, or for equal moments.
         CurveMismatch if D lies on no curve of this system. PrecisionLoss if H1 or H2 of the state differs from that of
@@ -280,8 +280,8 @@ class PhaseSpace(Made, Generic[Element]):
 
 
 def check_state(system: Made, state: object) -> State:
-    """``state`` unchanged. Raises ArgumentError, with a hint how to make a state, if the argument is not a State, and
-    FieldError if its numbers are of another field.
+    """``state`` unchanged. Raises ArgumentError, with a hint on how to make a state, if the argument is not a State,
+    and FieldError if its numbers are of another field.
     """
     if not isinstance(state, State):
         raise ArgumentError(f"state = {shown(state)}: give a State, made by {type(system).__name__}.state(gamma, M)")

@@ -91,7 +91,9 @@ def hat_eigenvalues(K: Field, a: tuple[Real, Real, Real], point: Separated) -> t
 
 
 def metric(K: Field, a: tuple[Real, Real, Real], u: tuple[Real, Real]) -> tuple[Real, Real] | None:
-    """The diagonal (ĝ_11, ĝ_22) of the quadratic form ν1 + ν2 = Σ ĝ_kk p_k²; ArgumentError where an a_i = 0."""
+    """The diagonal (ĝ_11, ĝ_22) of the quadratic form ν1 + ν2 = Σ ĝ_kk p_k², ν as in :func:`hat_eigenvalues`;
+    ArgumentError where an a_i = 0.
+    """
     if K.zero in a:
         raise ArgumentError(f"a = {shown(tuple(a))}: the metric needs a_i ≠ 0")
     u1, u2 = u

@@ -56,8 +56,8 @@ class State(Immutable, Generic[Element]):
     has the six numbers.
 
     Over an exact field with d ≠ 0 the state carries the root ``g`` of g², whose sign distinguishes the divisor D from
-    −D; over the reals g > 0 is understood and ``g`` is None. ``tilted``: (γ, M) may differ from 0; divisors, steps and
-    the flow then use :mod:`integrable.phase.upright`.
+    −D; over the reals g > 0 is understood and ``g`` is None. If ``tilted``, (γ, M) may differ from 0; divisors, steps
+    and the flow then use :mod:`integrable.phase.upright`.
     """
 
     gamma: _Part = _Part(0)
@@ -107,8 +107,8 @@ def _text(value: object) -> str:
 def onto_constraints(system: Any, state: State) -> State:
     """The state over ``system.field``, projected onto the constraints so that they hold to all digits of the field.
 
-    γ is divided by its length, so (γ, γ) = 1. Unless the state is tilted, M loses its component along γ, so
-    (γ, M) = 0. Otherwise a step would multiply the distance of the divisor from its curve by the step's condition.
+    γ is divided by its length, so (γ, γ) = 1. Unless the state is tilted, M loses its component along γ, so (γ, M) = 0.
+    Otherwise a step would multiply the distance of the divisor from its curve by the step's condition number.
     """
     K = system.field
     gamma, M = (tuple(map(K.coerce, v)) for v in state.vectors)
@@ -120,7 +120,7 @@ def onto_constraints(system: Any, state: State) -> State:
 
 
 def rotation_axis(state: State) -> int | None:
-    """The axis i along which M lies, if γ_i = 0, both without any rounding; else None."""
+    """The axis i if M is exactly along it and γ_i is exactly 0; None if there is none."""
     x, m = state.vectors
     if m.count(0) != 2:
         return None

@@ -1,7 +1,8 @@
-"""The choice among the ways to the states of a motion, the same for every system.
+"""The choice of the method that computes the states of a motion, the same for every system.
 
-A motion names its ways in the order of their cost: a walk near the start, a closed form or a torus, additions to as
-many digits as needed. A way is made when those before it have left times. No way uses what earlier calls have computed.
+A motion lists its methods, called ways, in the order of their cost: a walk near the start, a closed form or a torus,
+additions to as many digits as needed. A way is set up only if the ways before it have not reached all times. No way
+uses what earlier calls have computed.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ class Cost(NamedTuple):
 
 
 class Way(Protocol):
-    """A method of computing the states of a motion over its field; ``way`` is its name. It returns None where it does
-    not reach all times, and raises PrecisionLoss or Infeasible where no later way is to be asked.
+    """A method of computing the states of a motion over its field; ``way`` is its name. It returns None if it does not
+    reach all times, and raises PrecisionLoss or Infeasible if no later way should be tried.
     """
 
     way: str
@@ -49,7 +50,7 @@ class Way(Protocol):
 
 
 class InOrder:
-    """Asks ``ways()`` until one of them reaches all times; ``way`` is the name of the way asked last."""
+    """Tries ``ways()`` in order until one of them reaches all times; ``way`` is the name of the last one tried."""
 
     way: str
 
@@ -57,7 +58,7 @@ class InOrder:
         self._ways = ways
 
     def first(self, asked: Callable[[Way], Answer | None]) -> Answer:
-        """The answer of the first way that reaches all times; PrecisionLoss if none does."""
+        """The value of ``asked`` for the first way that reaches all times; PrecisionLoss if none does."""
         for way in self._ways():
             self.way = way.way
             found = asked(way)
@@ -80,8 +81,8 @@ class StatesReached(NamedTuple):
 
 
 def filled(ways: Iterable[Callable[[np.ndarray], StatesReached | None]], times: np.ndarray) -> StatesReached:
-    """The states at all times: every way is asked for the times that the ways before it have left. The last way
-    reaches all of them or raises.
+    """The states at all times: every way computes those that the ways before it have not reached. The last way reaches
+    all of them or raises.
     """
     parts: list[tuple[StatesReached, np.ndarray]] = []
     left = None

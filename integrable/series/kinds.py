@@ -116,7 +116,7 @@ class Compiled:
     def __call__(
         self, constants: Sequence[float], state: Sequence[float], times: np.ndarray, steps: Steps, most: float
     ) -> Reached:
-        """The states at times of one sign in ascending size; the number reached is −1 for another order."""
+        """The states at times of one sign in ascending size; for another order of times the number reached is −1."""
         count = len(times)
         bounds = self._bounds.get((steps, most)) or self._bounds.setdefault((steps, most), bounds_of(steps, most))
         found = np.empty((count, *self._shape))

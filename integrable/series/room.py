@@ -1,6 +1,6 @@
 """The layout of a tape's coefficients in the memory of a compiled walk, and the products computed in one vector.
 
-The factors of one vector are stored side by side. Its products do not depend on each other: they are products of the
+The factors of one vector are stored side by side. The products do not depend on each other: they are products of the
 tape, or the sums of earlier coefficients that products, quotients and roots need.
 """
 
@@ -38,7 +38,9 @@ class Side(NamedTuple):
 
 
 class Room:
-    """The positions of a tape's coefficients in memory, in units of vectors of ``lanes`` floats."""
+    """The memory of a compiled walk, called a room: the positions of a tape's coefficients, in vectors of ``lanes``
+    floats.
+    """
 
     def __init__(self, tape: Tape, count: int, orders: Orders, lanes: int) -> None:
         self.tape, self.count, self.orders, self.lanes = tape, count, orders, lanes

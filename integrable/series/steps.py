@@ -21,9 +21,9 @@ PER_ORDER, PER_SQUARE, PER_WIDE_ORDER = 5e-3, 0.25e-3, 28e-3
 class Steps(NamedTuple):
     """The orders of a walk's series, and bounds on its terms relative to q and to p.
 
-    ``left_out`` bounds the last terms, ``rounded`` the first terms in floats. In the second walk these bounds are
-    ``coarser`` and ``rougher`` times as large. Rows on which both walks agree to ``agreed`` count as right.
-    Times more than ``farthest`` first steps away are not tried.
+    ``left_out`` bounds the last terms, ``rounded`` the first terms in floats. In the second walk
+    (:mod:`integrable.series.walk`) these bounds are ``coarser`` and ``rougher`` times as large. Rows on which both
+    walks agree to ``agreed`` count as right. Times more than ``farthest`` first steps away are not tried.
     """
 
     orders: Orders

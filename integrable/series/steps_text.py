@@ -1,4 +1,4 @@
-"""A Taylor step of a tape: the coefficients of all orders, one after the other.
+"""The LLVM text of a Taylor step of a tape: the coefficients of all orders, one after the other.
 
 Coefficients up to the order ``wide`` are double-doubles, higher ones floats. The two walks are lanes of one vector.
 Recent values stay in registers, and products of them are added last, because all other terms of the sum are known one
@@ -124,11 +124,11 @@ class Series(Sums):
         return self._plus(x, y) if q >= p else self._plus(y, x)
 
     def _plus(self, x: Wide, y: Wide) -> Wide:
-        """x + y, where y is known later."""
+        """x + y, where y is computed after x."""
         return self.text.wide_sum(x, y) if x[1] and y[1] else (self.text.fadd(x[0], y[0]), "")
 
     def _times(self, x: Wide, y: Wide, k: int) -> Wide:
-        """x·y, where x is known later."""
+        """x·y, where x is computed after y."""
         return self.text.wide_product(x, y) if k <= self.wide else (self.text.fmul(x[0], y[0]), "")
 
     def _divisor(self, n: int, k: int) -> Wide:
@@ -160,7 +160,9 @@ class Series(Sums):
         return self.text.wide_product(rate, (unit, self.text.load(room.lows_of_units + k)))
 
     def _put_ratios(self) -> None:
-        """Stores the largest ratio of the last two, and of the first two float, coefficients to the variable's size."""
+        """Stores, relative to the variable's size, the largest of the last two coefficients and of the first two in
+        floats.
+        """
         last, several = self.order, chunks(self._shown)
         orders = [last - 1, last, self.wide + 1, self.wide + 2]
         for first, width in several:

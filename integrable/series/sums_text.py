@@ -188,7 +188,7 @@ class Sums:
     def _earlier_rounds(self, nodes: tuple[int, ...], done: str) -> list[str]:
         """For each order k of the round: Σ p_j q_{k−j} over the j for which j and k − j belong to earlier rounds.
 
-        In a square the terms j and k − j are equal, and the sum goes to the middle.
+        In a square the terms j and k − j are equal, so only j up to the middle are summed.
         """
         text, (sides, width) = self._vector(nodes), (self.room.sides[nodes], self.room.packs[nodes])
         left, right, square = sides[0].place, sides[-1].place, len(sides) == 1
@@ -300,7 +300,9 @@ def _later_first(f: int, x: tuple[int, Wide], y: tuple[int, Wide]) -> tuple[int,
 
 
 def _summed(text: Text, pairs: Sequence[tuple[int, Wide, Wide]], wide: bool, before: Wide | None) -> Wide:
-    """``before`` + Σ factor·x·y, the last pair last; other terms of factor 2 are summed apart and doubled once."""
+    """``before`` + Σ factor·x·y, where the last pair is added last; other terms of factor 2 are summed apart and
+    doubled once.
+    """
     last = pairs[-1:] if wide else []
     earlier = pairs[: len(pairs) - len(last)]
     twice = [(x, y) for f, x, y in earlier if f == 2]

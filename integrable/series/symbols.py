@@ -59,7 +59,6 @@ class SymbolField(InexactField):
         return x if frexp(x)[0] in (0.0, 0.5, -0.5) else Symbol(("number", x))
 
     def sqrt(self, x: Real) -> Real:
-        """√x."""
         root: Real = x**0.5
         return root
 

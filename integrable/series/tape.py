@@ -92,12 +92,12 @@ _OPERATIONS: dict[int, Callable[[Any, Any], Any]] = {SUM: add, DIFFERENCE: sub, 
 
 
 class Operand:
-    """The operators of a number whose class says what an :meth:`operation` is."""
+    """The arithmetic operators of a number, all by the method :meth:`operation` of a subclass."""
 
     __slots__ = ()
 
     def operation(self, kind: int, x: object, y: object) -> Self:
-        """The number that an operation on x and y returns; one of them is this number."""
+        """The number that an operation on x and y returns; one of x and y is this number."""
         raise NotImplementedError
 
     def __add__(self, other: object) -> Self:

@@ -50,7 +50,7 @@ class Bounds(NamedTuple):
     Base-2 logarithms: the bound on the last two terms (``left_out``), that on the first two terms in floats
     (``rounded``), and their increments in the second walk. Then come the reciprocals of the orders of these four terms,
     and the difference up to which rows agree. ``most`` is the largest number of steps, estimated from those taken, and
-    ``farthest`` the farthest time in first steps.
+    ``farthest`` the farthest time in units of the first step.
     """
 
     left_out: float
@@ -329,7 +329,7 @@ def advance(code: int, room: Array) -> None:
 
 
 def dense(code: int, room: Array, lane: int, ahead: Array) -> None:
-    """Reads distances from the front of ``ahead``, and writes the states of a walk there behind them."""
+    """Reads distances from the front of ``ahead``, and writes the states of a walk at these distances behind them."""
     _called(code, room[lane:], ahead)
 
 

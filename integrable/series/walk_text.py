@@ -1,4 +1,4 @@
-"""Straight-line code of a walk besides its series: it fills a room from a state, takes a step, and reads states."""
+"""Straight-line code of a walk other than its series: it fills a room from a state, takes a step, and reads states."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The systems, one file each."""
+"""The Chaplygin ball and the Euler top."""

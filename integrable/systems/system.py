@@ -1,4 +1,4 @@
-"""Steps and the flow of every system on the ball's phase space."""
+"""The base class of the ball and the top: their steps and their flow."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ class System(PhaseSpace[Element]):
     """A rigid body and its maps. Base of :class:`ChaplyginBall` and :class:`EulerTop`."""
 
     def poisson(self, state: State[Element]) -> tuple[tuple[Element, ...], ...]:
-        """The 6×6 matrix of the brackets of (γ, M), for which (γ̇, Ṁ) = g{(γ, M), H1/2}; e*(3) at d = 0.
+        """The 6×6 matrix of the brackets of (γ, M), for which (γ̇, Ṁ) = g{(γ, M), H1/2}; at d = 0 they are those of
+        e*(3) with the opposite sign.
 
         The brackets are defined for (γ, M) ≠ 0 too. NotASquare where g² has no root in the field.
         """
