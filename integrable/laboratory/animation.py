@@ -24,7 +24,7 @@ POINTS = 121
 
 
 def animate(run: Any, path: File, fps: int) -> None:
-    """:meth:`integrable.laboratory.motion.LaboratoryRun.animate`."""
+    """Does the work of :meth:`integrable.laboratory.motion.LaboratoryRun.animate`."""
     needed("matplotlib", "animate")
     from matplotlib.animation import FFMpegWriter, FuncAnimation, PillowWriter
     from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -61,7 +61,7 @@ class OrientationFit(Record):
 
 
 def fitted(guess: Any, times: Numbers, orientations: Iterable[object]) -> OrientationFit:
-    """The motion nearest to measured orientations, found from a ``guess``: ``LaboratoryMotion.fitted``."""
+    """The motion nearest to measured orientations, found from a ``guess``; see ``LaboratoryMotion.fitted``."""
     needed("scipy", "fitted")
     from scipy.optimize import least_squares
 

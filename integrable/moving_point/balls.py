@@ -61,7 +61,7 @@ def picard_box(
     |t| ≤ ``radius`` the solution stays in the box of complex balls and moves by at most ``reach``. None if no box is
     found.
 
-    ``sizes``: the radii of the initial box. The velocity is assumed analytic where it is finite.
+    ``sizes`` are the radii of the initial box. The velocity is assumed analytic where it is finite.
     """
     from flint import acb, arb
 
@@ -121,7 +121,7 @@ class BallTranslations:
         return step
 
     def _zero(self, m: arb, r: arb, eps: arb, size: int) -> tuple[arb, arb, arb, arb]:
-        """Enclosures of m and r; the bound of :meth:`_tail`; a bound of |m| + √|r|."""
+        """(enclosure of m, enclosure of r, the bound of :meth:`_tail`, a bound of |m| + √|r|)."""
         target = self.f[0] * eps * eps / 4
         noise = 2.0 ** (20 - self._plain.reals.bits) + 8 * (eps.rad() / eps).abs_upper()
         radii = [abs(x).abs_upper() * noise for x in (m, r)]

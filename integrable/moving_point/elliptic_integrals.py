@@ -129,10 +129,11 @@ def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) ->
     """Writes 2∫dx/√|PQR| and 2∫x dx/√|PQR| between the roots of P, then the same between those of Q, to ``out``. P and
     Q are monic with the roots ends[0] ≤ ends[1] and ends[2] ≤ ends[3]. R = r − dx; its root lies beyond these.
 
-    The method is the arithmetic-geometric mean of genus 2 (Richelot 1837; Bost & Mestre 1988). With U = Q'R − QR' and
-    V, W by cyclic permutation, ∫dx/√|PQR| = 2√Δ∫dx/√|UVW|. The new limits are a root of V and one of W, or one of W and
-    one of U; they are closer together. The method converges quadratically, however close the branch points are. It ends
-    when each oval is shorter than ``near``, of the order of √eps, times the distance to the other branch points.
+    The method is the arithmetic-geometric mean of genus 2 (Richelot 1837; Bost & Mestre 1988). With U = Q'R − QR', V
+    and W by cyclic permutation, and Δ the determinant of the coefficients of P, Q and R, ∫dx/√|PQR| = 2√Δ∫dx/√|UVW|.
+    The new limits are a root of V and one of W, or one of W and one of U; they are closer together. The method
+    converges quadratically, however close the branch points are. It ends when each oval is shorter than ``near``, of
+    the order of √eps, times the distance to the other branch points.
     """
     one = 1 + 0 * ends[0]
     points, scale = (ends[0], ends[1], ends[2], ends[3]), 2 * one

@@ -246,8 +246,8 @@ def framed(wide: Row, r: Vector[Real], point: Row) -> tuple[Vector[Real], Vector
 
 
 def levelled(wide: Row, r: Vector[Real], x: Vector[Real], y: Vector[Real], off: float) -> Vector[Real]:
-    """ν = ``y`` of a framed pair, turned about σ = ``x`` so that f = V² mod U. Where the slope is small no turn can
-    achieve that, and the turn is damped. ``off`` is the relative deviation of H1/H2 on the level set.
+    """ν = ``y`` of a framed pair, turned about σ = ``x`` so that f = V² mod U. Where f − V² mod U hardly depends on the
+    turn, no turn achieves this, and the turn is damped. ``off`` is the relative deviation of H1/H2 on the level set.
 
     The remainder f − V² − UW is a multiple of Π(x − α_i). It is evaluated at c, below the smallest α_i.
     """

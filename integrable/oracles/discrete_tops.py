@@ -54,7 +54,9 @@ def moser_veselov(moments: Sequence[Any], order: int = 2) -> Advance:
 
 
 def modified_moments(moments: Sequence[Any], M: Sequence[Any], h: Any) -> Vector:
-    """J with 1/J_i = (1 + h²s)/I_i + h²δ, for which the discrete top is of order 4 (Hairer and Vilmart 2006)."""
+    """The modified moments J, 1/J_i = (1 + h²s)/I_i + h²δ, for which the discrete top is of order 4 (Hairer and Vilmart
+    2006). s and δ are functions of the energy and of |M|².
+    """
     inverse, total, product = sum(1 / x for x in moments), sum(moments), moments[0] * moments[1] * moments[2]
     energy = sum(m * m / x for m, x in zip(M, moments, strict=True)) / 2
     casimir = sum(m * m for m in M) / 2

@@ -103,7 +103,7 @@ class Portrait(Immutable):
 
     @cached_property
     def angles(self) -> tuple[Real, Real]:
-        """(θ1, θ2) of the start in turns, modulo 1: θ + ντ is the motion. θ_k are conjugate to 2πJ_k.
+        """(θ1, θ2) of the start in turns, modulo 1; at τ they are θ + ντ. θ_k are conjugate to 2πJ_k.
 
         They are those of the divisor, 0 at (u1, u2) = (a₁, a₃): the eight states that share it have the same angles.
         NotRepresentable for equal moments and rotations, where one point of the divisor is at rest and has no angle.

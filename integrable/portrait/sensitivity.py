@@ -3,7 +3,8 @@ parts.
 
 On a compact torus :mod:`integrable.portrait.variations` reduces the derivatives to integrals of functions of the state.
 Each is a mean rate times τ plus a Fourier series (:mod:`integrable.torus.series`). With σ the integral of Y(1/g) over τ
-with mean 0, a = a' − σb, da'/dτ = (w₁ + σw₂)/g, db/dτ = w₂/g, the derivatives are
+with mean 0, a = a' − σb, da'/dτ = (w₁ + σw₂)/g, db/dτ = w₂/g, where w₁ and w₂ are the right-hand sides of that module,
+the derivatives are
 
     S(t) = t·[ẋ ⊗ α + (Y − σẋ) ⊗ β] + bounded,
 

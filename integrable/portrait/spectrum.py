@@ -66,7 +66,9 @@ class Sampled(NamedTuple):
         return {name: values.reshape(*shape, -1) for name, values in self.read(phases).items()}
 
     def lines(self, counted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The modes and frequencies (L,) of counts (L, n) of periods along the directions of the grid."""
+        """The modes and the frequencies (L,) of waves that have the numbers ``counted`` (L, n) of periods along the
+        directions of the grid.
+        """
         modes = np.rint(2 * (counted / self.doubled) @ self.turns).astype(int)
         rows = [zip(row, self.frequencies, strict=True) for row in modes.tolist()]
         return modes, np.array([float(sum(m * f for m, f in row) / 2) for row in rows])

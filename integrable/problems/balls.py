@@ -19,7 +19,7 @@ MORE = 20
 def enclosed(motion: UnitMotion, times: Sequence[float], digits: int) -> tuple[Rows, Rows]:
     """Rows of midpoints and rows of radii, as mpmath numbers; ``digits`` are relative to the sizes of q and p.
 
-    Raises ArgumentError where |q| ≠ 1 and p or t scale with |q|: that factor has no finite expansion.
+    Raises ArgumentError where |q| ≠ 1 and p or t scale with |q|, since the scaled start and times are then not exact.
     """
     scene, square = motion.scene, motion.square
     system = motion.system(digits + MORE)

@@ -1,6 +1,6 @@
 """Systems of :mod:`integrable.classical` with the interface of bodies, for scenes, studies and integrators.
 
-The names ``gamma`` and ``M`` then stand for q and p.
+In this interface the names ``gamma`` and ``M`` stand for q and p.
 """
 
 from __future__ import annotations

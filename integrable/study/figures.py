@@ -33,7 +33,7 @@ def as_bytes(figure: Any, suffix: str) -> bytes:
 def error_against_run_time(found: SceneFindings) -> Any:
     """A figure of the largest error of γ (or q) against the run time of a start, one line per method; None if empty.
 
-    Errors of multiprecision rows, which are beyond doubles, are in a separate panel below.
+    Errors below 10⁻¹⁷, which are those of multiprecision rows, are in a separate panel below.
     """
     rows = [c for c in (*found.comparators, *found.backlund, *found.flow) if c["result"]["error_gamma"] > 0]
     if not rows:
@@ -70,7 +70,9 @@ def error_against_run_time(found: SceneFindings) -> Any:
 
 
 def _handles(methods: Sequence[str], rows: Sequence[dict[str, Any]], found: SceneFindings) -> list[Line2D]:
-    """The entries of the legend: the flow by its arithmetic, the other methods, and those that gave no figure."""
+    """The entries of the legend: the runs of the flow by their arithmetic, the other methods, and those that gave no
+    figure.
+    """
     lost = {c["row"]["method"] for c in found.failures if c["row"]["kind"] == "comparator"}
     handles = []
     for method in methods:

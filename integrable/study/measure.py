@@ -75,7 +75,9 @@ def _floor(task: Task, _: Data | None, __: Tick) -> Data:
 
 
 def _chosen(scene: Scene, digits: int, most: float) -> tuple[list[Any], Any]:
-    """About ``most`` of the scene's times (steps of an orbit), including the last one, and the motion."""
+    """(about ``most`` of the scene's times, including the last one, None); for an orbit (its last step, a function that
+    computes the orbit).
+    """
     if scene.steps is None:
         times = scene.times.at(digits)
         return times[:: -max(1, int((len(times) - 1) // most))], None

@@ -111,7 +111,7 @@ def at_times(scene: Scene, times: Iterable[Any]) -> Scene:
 
 
 def at_one_time(task: Task) -> Task:
-    """The task at the time of its setting, in time scales of the motion."""
+    """The task at the single time that its setting gives, in time scales of the motion."""
     scale = time_scale(*task.scene.start(FLOAT_DIGITS))
     return replace(
         task,

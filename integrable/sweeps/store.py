@@ -164,7 +164,7 @@ class Store:
         self._note()
 
     def _read(self) -> None:
-        """Resume from the folder; missing and damaged chunks will be computed again."""
+        """Resumes from the folder; missing and damaged chunks will be computed again."""
         try:
             content = json.loads(self._journal.read_text(encoding="utf-8"))
             stamp, noted, reasons = content["stamp"], set(content["done"]), [str(x) for x in content["reasons"]]

@@ -90,7 +90,7 @@ def phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Ro
 def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, int, int, Real]:
     """The fractions of both phases at a physical time, their whole turns, and x.
 
-    τ = t·dτ/dt + x with a bounded x from :func:`delay`; its rounding error is then corrected.
+    τ is t times the mean dτ/dt, plus a bounded x from :func:`delay`, whose rounding error is then corrected.
     """
     pace1, pace2, nu1, nu2, _, _ = clock.pace
     (double1, double2), modes = clock.doubled, clock.modes

@@ -252,8 +252,8 @@ def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, 
 
 
 def rest_of(motion: Row, loops: Loops) -> Row:
-    """(d, r) of the factor r − dx of f, in the loops' numbers. (0, 0) if at an axis it is so small, relative to its
-    terms, that it loses digits which a grid of 1/g needs.
+    """(d, r) of the factor r − dx of f, in the loops' numbers. (0, 0) if the factor is so small at an axis, relative to
+    its terms, that it loses digits which a grid of 1/g needs.
     """
     floats = loops.floats(motion)
     axes, d, r = floats[4:7], floats[8], floats[10]

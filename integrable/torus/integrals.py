@@ -73,7 +73,7 @@ class TorusIntegral:
         return together(self._series, *self._flow.phases(times, physical, self._doubled))
 
     def swings_and_rates(self, phases: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """For each part of F, its integral less the mean rate, and F, both at phases (N, 2) in turns."""
+        """For each part of F, its integral minus the mean rate times τ, and F, both at phases (N, 2) in turns."""
         first, second = (phases / self._doubled).T
         return [series.swings_and_rates(first, second) for series in self._series]
 

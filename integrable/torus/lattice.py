@@ -234,8 +234,8 @@ def beginning(setup: Source, loops: Any) -> Beginning:
 
 
 def begun_rows(given: Row, tilted: bool, constants: Row, problem: Row, motion: Row) -> bool:
-    """Fills a ``problem`` row and a ``motion`` row about 0 from moments, d, γ and M (``given``). Returns whether the
-    numbers have enough digits: sizes near 1 and well-separated branch points. ``constants`` are π and 1.
+    """Fills a ``problem`` row and a ``motion`` row with the origin 0 from moments, d, γ and M (``given``). Returns
+    whether the numbers have enough digits: sizes near 1 and well-separated branch points. ``constants`` are π and 1.
     """
     x, y, z, a, b, c = (float(given[4]), float(given[5]), float(given[6]),
                         float(given[7]), float(given[8]), float(given[9]))  # fmt: skip

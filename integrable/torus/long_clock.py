@@ -144,7 +144,7 @@ class LongClock:
 
 class MultiprecisionTorusClock(LongClock):
     """The clock of a motion, in the units of a :class:`~integrable.moving_point.setup.Setup`, to ``digits``, by default
-    those of the set-up. ``after`` limits the number of decimal places of far times.
+    those of the set-up. If ``after`` is less, the oscillation of t has only ``after`` digits; its mean rate has all.
 
     Raises the errors of :func:`~integrable.torus.oval_modes.modes_of_rate` if the torus is degenerate or nearly so.
     Such motions are left to the clock that counts steps.

@@ -143,7 +143,7 @@ class ReadableLoops:
     def directions(
         self, motion: Row, chart: Chart, parts: Row, nodes: Sequence[float], tables: Row, halves: Row
     ) -> None:
-        """:func:`integrable.torus.tables.directions`."""
+        """Calls :func:`integrable.torus.tables.directions`."""
         room = TableRoom(*map(self.room, (self._series, self._series, 9, 10 * (len(nodes) + 2))))
         with self.reals:
             directions(motion, chart, parts, nodes, self._passes, room, tables, halves)

@@ -77,7 +77,8 @@ def modes_of_rate(
     """The modes of 1/g down to 10^(−digits) of its mean; frequencies and mean to ``mean_digits`` if that is more.
 
     τ is the time in which (Σdx/y, Σx dx/y) increases at the rate ``direction``. TooManyModes where tables take more
-    than ``most_work`` multiplications; PrecisionLoss where the torus is not compact, or so nearly that digits are lost.
+    than ``most_work`` multiplications; PrecisionLoss where the torus is not compact, or so close to that case that
+    digits are lost.
     """
     balls = BallReals(setup.reals.bits + 32)
     with balls:

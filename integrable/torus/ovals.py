@@ -59,7 +59,7 @@ class Node(NamedTuple):
 
 
 class Oval:
-    """One oval [a, b] between its neighbours c < a and e > b on the real projective line.
+    """One oval [a, b] between the neighbouring branch points c < a and e > b on the real projective line.
 
     With sn²(z, k) = (u − a)(b − c)/((u − c)(b − a)), k² = (e − c)(b − a)/((e − a)(b − c)) and φ = πz/K, u is analytic
     in a strip that narrows with the logarithm of the gaps only. The first oval has c = ∞, the second e = 1/d.

@@ -1,4 +1,5 @@
-"""1/g around moving points in multiprecision, compiled, for a clock of panels, and the number of nodes that it needs.
+"""1/g around moving points in multiprecision, compiled, for a clock that integrates 1/g panel by panel, and the number
+of nodes that it needs.
 
 A moving point has all its digits however it was reached, so a value of 1/g near it loses no more than one addition
 does. Double-double numbers leave at least 28 digits, at a fortieth of the time. One value in some twenty is computed

@@ -88,7 +88,7 @@ def point_beside(torus: Torus, corner: tuple[int, int], first: Real, second: Rea
 
 
 def turned(point: Row, turns: Row, first: int) -> Row:
-    """The point with the signs turns[first … first + 2] at its pairs."""
+    """The point with its pairs multiplied by the signs turns[first … first + 2]."""
     t1, t2, t3 = turns[first], turns[first + 1], turns[first + 2]
     return (
         point[0],

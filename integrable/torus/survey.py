@@ -46,7 +46,7 @@ def best_chart(
     """(c₁, c₂, reach₁, reach₂, m₁, n₁, m₂, n₂, rows, columns): the centres with the fewest cells, the largest s for
     either, the integer rows (m, n) of a reduced basis in the given periods (a₁, b₁, a₂, b₂), and the cells.
 
-    ``points`` are the branch points and ``ends`` those of the ovals, all less by ``origin``; ``lead`` is the leading
+    ``points`` are the branch points and ``ends`` those of the ovals, all minus ``origin``; ``lead`` is the leading
     coefficient of f.
     """
     # with d = 0 one period is the residue of x dx/y. Parts of it are translations to infinity, so it must come second

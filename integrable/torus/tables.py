@@ -129,7 +129,7 @@ def near_centre(about: NearIdentity, eps: Real) -> Row:
 def recentred(step: Row, axes: Row, centre: Real, unit: float) -> Row:
     """A translation in x from one in (x − centre)/unit, in which the axes are ``axes``.
 
-    Near the identity σ_i is α_i − c for any centre c, a function of c without a branch at α_i.
+    Each σ_i gets the sign of α_i − centre: near the identity it is about α_i − centre, for any centre.
     """
     unit1, unit2, unit3 = signed_like(axes[0], unit), signed_like(axes[1], unit), signed_like(axes[2], unit)
     u0, u1, v0, v1 = step[0] * unit * unit, step[1] * unit, step[2], step[3] / unit
