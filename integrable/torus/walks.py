@@ -73,10 +73,10 @@ class Stride(NamedTuple):
 
 
 class Fine(NamedTuple):
-    """A grid of ``finer[0]`` × ``finer[1]`` points to a cell. ``odd``: whether a period turns an odd number of γ_i.
-    :func:`offsets` writes 20 numbers for each point to ``steps`` and one to ``counts``, KNOWN for points of a coarser
-    grid, which are ``coarser`` apart (0: there is none). ``rest`` is (d, r) of the factor r − dx of f if its values
-    determine 1/g, for an upright body, else (0, 0) (:func:`integrable.torus.corners.rest_of`).
+    """A grid of ``finer[0]`` × ``finer[1]`` points to a cell. ``odd`` says whether a period reverses an odd number of
+    γ_i. :func:`offsets` writes 20 numbers for each point to ``steps`` and one to ``counts``, KNOWN for points of a
+    coarser grid, which are ``coarser`` apart (0: there is none). ``rest`` is (d, r) of the factor r − dx of f if its
+    values determine 1/g, for an upright body, else (0, 0) (:func:`integrable.torus.corners.rest_of`).
     """
 
     cells: tuple[int, int]
