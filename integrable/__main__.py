@@ -7,7 +7,7 @@ from __future__ import annotations
 from integrable import _command
 
 if __name__ == "__main__":
-    # before the imports below: _command makes the process answer interrupts, and then imports this file again
+    # this call precedes the imports: _command makes the process answer interrupts, and then imports this file again
     _command()
 
 import argparse
@@ -317,7 +317,7 @@ def _run(arguments: argparse.Namespace) -> None:
 
     scene = load_scene(arguments.scene)
     out = _place(arguments.out, None if arguments.json else Path("runs") / portable(scene.name))
-    # not Path.exists, which raises for a name that the file system refuses; writing gives the reason later
+    # Path.exists would raise for a name that the file system refuses; writing gives the reason later
     if out is not None and not arguments.force and os.path.exists(out / "result.json"):
         _ask(out)
     trajectory = run(

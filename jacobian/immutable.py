@@ -28,7 +28,7 @@ class Immutable:
     descriptors.
     """
 
-    # not in __dict__, which would make later reads slower
+    # the flag is not in __dict__, which would make later reads slower
     __slots__ = ("_open",)
     _caches: ClassVar[tuple[str, ...]] = ()
 

@@ -172,7 +172,7 @@ def half_xgcd(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> tup
         r0, r1 = r1, r
         s0, s1 = s1, sub(K, s0, mul(K, q, s1))
     if r1:
-        # coprime: the last division, by a constant, would give the remainder 0
+        # a and b are coprime: the last division, by a constant, would give the remainder 0
         return (K.one,), scale(K, K.inv(r1[0]), s1)
     lead = r0[-1]
     if lead == K.one:

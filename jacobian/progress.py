@@ -38,7 +38,7 @@ class Progress:
             long = left >= LONG or now - self._begun >= LONG
             level = logging.WARNING if long and not self._warned else logging.INFO
             self._next, self._warned = now + SAID_AGAIN, self._warned or long
-            # logged while the lock is held, so that messages of two threads keep their order
+            # the message is logged while the lock is held, so that messages of two threads keep their order
             LOG.log(level, "%s: %.0f %% done, about %.0f s left", self.name, 100 * (before + done) / parts, left)
 
 

@@ -16,7 +16,7 @@ from typing import Any
 
 __all__ = ["CommandParser", "write_anything"]
 
-# characters of tables have one character each: columns are aligned by counting them
+# characters that tables use are replaced by single ones, since columns are aligned by counting
 _PLAIN = {
     **dict(zip("αγδηκλνστφωΓΔΣ", "agdeklnstfwGDS", strict=True)),
     **dict(zip("–—−·×∙“”„’‘│─", '---*x*"""\'\'|-', strict=True)),
@@ -46,7 +46,7 @@ def write_anything() -> None:
     """Lets this process print every text, whatever the encoding of its output; a command calls it first."""
     codecs.register_error("jacobian.plain", _plain)
     for stream in (sys.stdout, sys.stderr):
-        # an error handler that the user chose (PYTHONIOENCODING=ascii:replace) stays
+        # an error handler that the user chose (PYTHONIOENCODING=ascii:replace) is kept
         if getattr(stream, "errors", None) in ("strict", "surrogateescape", "backslashreplace"):
             _reconfigure(stream)
 

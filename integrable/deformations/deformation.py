@@ -55,7 +55,7 @@ class Deformation(Hamiltonian):
             try:
                 return self.flow(state)
             except NotRepresentable:
-                # equal moments or K = 0: the equations of motion are regular there, and are integrated
+                # for equal moments or K = 0 the equations of motion are regular, and are integrated
                 pass
         from integrable.deformations.integrated import IntegratedMotion
 

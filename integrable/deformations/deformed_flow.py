@@ -174,7 +174,7 @@ class DeformedFlow(EnclosedMotion):
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
         if not self._is_ordinary():
-            # computed here so that errors are raised at once
+            # the curves are made here, so that errors are raised at once
             _ = self._curves
 
     @cached_property

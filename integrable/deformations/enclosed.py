@@ -174,7 +174,7 @@ class _March:
         """The number of bits by which M grows beyond |M| at the start, the unit of its balls."""
         with self.reals:
             size = self._size([float(abs(x).abs_upper()) for x in self._velocity(self._point)])
-            # computed in balls, as |M| may be below the range of floats
+            # balls are used, since |M| may be below the range of floats
             grown = (1 + self._flint.arb(size) / self._momentum).log().abs_upper()
             return ceil(float(grown) / log(2)) if grown.is_finite() else 0
 

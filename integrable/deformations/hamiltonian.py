@@ -231,7 +231,7 @@ def _finite() -> Iterator[None]:
     """Turns a division by a vanishing γ_i, s or 1 − ds in the block into NotRepresentable."""
     try:
         yield
-    # numpy raises FloatingPointError
+    # numpy's division by 0 is a FloatingPointError
     except (ZeroDivisionError, FloatingPointError):
         raise NotRepresentable(
             "the Hamiltonian is infinite here: it divides by γ_i, s or 1 − ds that vanishes"

@@ -149,7 +149,7 @@ def _from_start(motion: Any, table: np.ndarray, field: Any, bits: int) -> Modes:
         across, found = powers(flint.acb(1), two, columns), []
         for k, (x, row) in enumerate(zip(powers(flint.acb(1), one, rows), table.tolist(), strict=True)):
             c = x * unit / (2 if k else 1)
-            # of the four modes of cos mθ1 cos nθ2 the two with +m are stored; the others are their conjugates
+            # the two modes of cos mθ1 cos nθ2 with +m are stored; the two with −m are their conjugates
             first, *rest = (c * y for y in row)
             ahead = [c * y / 2 for c, y in zip(rest, across[1:], strict=True)]
             back = [c * y.conjugate() / 2 for c, y in zip(rest, across[1:], strict=True)]

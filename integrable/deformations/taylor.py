@@ -107,7 +107,7 @@ def integrate(
                 _Compiled if digits <= DOUBLE_DOUBLE and not interpreted() else _Interpreted, *problem
             )
         except ArgumentError:
-            # numbers beyond the range of floats
+            # some numbers are beyond the range of floats
             found, why = _marched(_Interpreted, *problem)
         for i, row in zip(order, found, strict=False):
             rows[i] = row

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 
 __all__ = ["LaboratoryEnsemble", "LaboratoryRuns", "laboratory_ensemble"]
 
-# least ratio of the second largest to the largest component of ω for a quick computation: below it the motion is nearly
-# a rotation about an axis, with constant ω
+# the least ratio of the second largest to the largest component of ω for a quick computation; with a smaller ratio the
+# motion is nearly a rotation about an axis
 ASIDE = 1e-8
 # floats of one state: the nine entries of an orientation, and ω
 COLUMNS = 12

@@ -30,7 +30,7 @@ def target_of(path: File, wanted: str, argument: str = "path") -> Path:
         raise ArgumentError(f"{argument} = {shown(path)}: give {wanted}")
     target = Path(path)
     with said(target, argument):
-        # called only for the error it raises if the name is too long for the file system
+        # this call only raises the error of a name that is too long for the file system
         target.exists()
         there = target.parent.is_dir()
     if not there:

@@ -68,7 +68,7 @@ def enclosure_at_tau(body: Body, state: State, tau: Sequence[Real], digits: int)
 
 def _lost(body: Body, state: State, tau: Real) -> int:
     """A guess of the number of bits that balls lose until τ."""
-    # computed by exponents, since the product may exceed the range of floats
+    # exponents are added, since the product may exceed the range of floats
     doublings = 4 + max(0, mag(tau) + mag(2 * max(body.a) * max(map(abs, state.vectors[1]))))
     if doublings > MOST_DOUBLINGS:
         raise ArgumentError(

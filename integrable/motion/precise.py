@@ -358,7 +358,7 @@ class BodyCarrier(Carrier):
         if torus:
             return [setup.wide.coerce(t) for t in torus.tau([torus.wide.coerce(t) for t in times])]
         result = [setup.wide.zero] * len(times)
-        # the farthest first: if it is too far, nothing has been computed yet
+        # the farthest time comes first: if it is too far, no other has been computed
         for i in sorted((i for i, t in enumerate(times) if t != 0), key=lambda i: -abs(times[i])):
             sign = -1 if times[i] < 0 else 1
             cell, x = self._clock(sign).place(setup.reals.number(abs(times[i])))

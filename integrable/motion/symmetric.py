@@ -72,7 +72,7 @@ class SymmetricFlow:
         # g⁻² = μ + |δ|A²cos²θ for δ > 0, otherwise r + |δ|A²sin²θ: a sum of positive numbers
         self._least, self._more = number(mu if delta > 0 else r), number(abs(swing.spread))
         self._spin, self._across = number(swing.spin), number(momentum * size / sqrt(mu))
-        # r₃/r, and the factors of F and Π in φ
+        # ``_thin`` is r₃/r; the factors are those of F and Π in φ
         self._thin = number(r3 / r)
         first, third = swing.factors
         self._factors = number(first), number(third)
@@ -84,7 +84,7 @@ class SymmetricFlow:
         N, K = self.numbers, self.numbers.field
         pi, number = K.context.pi, N.number
         self._kepler, self._rate = number(kepler / (2 * pi)), rate / (2 * pi)
-        # k = √(1 − m), and 1 − k
+        # k = √(1 − m), and 1 − k without cancellation
         modulus = K.sqrt(swing.mu / swing.r)
         missing = swing.spread / swing.r / (1 + modulus)
         quarter = complete_over(K, modulus, K.one)

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from integrable.phase.space import PhaseSpace
     from integrable.phase.state import State
 
-# digits beyond those of the field and of the turns; extra digits of the second computation of the farthest time; digits
-# that both must share beyond the field's
+# a computation has GUARD digits beyond those of the field and of the turns. A second one of the farthest time has WIDER
+# more, and both must share SPARE digits beyond the field's
 GUARD = 15
 WIDER = 15
 SPARE = 2
@@ -92,7 +92,7 @@ class PreciseClosedForm:
         if not len(farthest):
             return own + GUARD
         turned = float(context.log10(rough.radians(context.mpf(farthest[0]), of_flow)))
-        # in steps of ten, so that few set-ups serve many calls
+        # digits are added in steps of ten, so that few set-ups serve many calls
         digits = own + GUARD + 10 * ceil(max(0.0, turned) / 10)
         while digits <= own + MOST_LOST + 2 * int(turned):
             row, wide = (self._row(digits + more, farthest, of_flow) for more in (0, WIDER))

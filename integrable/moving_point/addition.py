@@ -184,7 +184,7 @@ def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
     m = -series[1] * r / 3
     if isinstance(eps, float) or abs(eps) < 1e-100:
         return m, r
-    # choose a unit in which the terms of the series stay in the range of floats
+    # in this unit the terms of the series stay in the range of floats
     unit = 1 / abs(series[1])
     floats, scale = [], 1
     for coefficient in series[:FLOAT_TERMS]:
@@ -198,7 +198,7 @@ def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> t
     """(m, r) of T(eps), whose two points are at m ± √r, by ``passes`` Newton steps from an estimate."""
     target = f0 * eps * eps / 4
     for _ in range(passes):
-        # solve r·phi² = target and psi = 0; the slopes need no more correct digits than the iterate has
+        # the equations are r·phi² = target and psi = 0; their slopes need only the digits that the iterate has
         phi, psi = abel_sums(series, m, r)
         phi_m, phi_r, psi_m, psi_r = abel_slopes(leading(series), leading(m), leading(r))
         first = r * phi * phi - target
@@ -269,7 +269,7 @@ def integrate_series(coefficients: Row, x: Real) -> tuple[Real, Real]:
     """(integral from 0 to x, value at x) of a Legendre series on [−1, 1]."""
     value, total = coefficients[0] + 0 * x, coefficients[0] * x
     p0, p1 = 1 + 0 * x, x
-    # P_k at 0, which makes the integral vanish there
+    # P_k(0), so that the integral vanishes at 0
     z0, z1 = 1 + 0 * x, 0 * x
     for k in range(1, len(coefficients)):
         p2 = ((2 * k + 1) * x * p1 - k * p0) / (k + 1)

@@ -97,7 +97,7 @@ def gauss_legendre(reals: BareReals, count: int) -> tuple[list[Real], list[Real]
 
     balls = BallReals(reals.bits)
     with balls:
-        # from the largest node to the middle; the others are their opposites
+        # the pairs go from the largest node to the middle; the other nodes are their opposites
         pairs = [arb.legendre_p_root(count, k, weight=True) for k in range(count - count // 2)]
         nodes, weights = (balls.rounded(column, reals) for column in zip(*pairs, strict=True))
     with reals:

@@ -53,7 +53,7 @@ from integrable.moving_point.short_steps import (
 LENGTH = 5.0
 # a panel is doubled only as far as the body turns by at most this on half of it, in radians
 TURN = 1.7
-# a panel is doubled at least this many times or not at all, since its nodes must be wide: floats lose digits on it
+# a panel is doubled at least this many times or not at all: doubled ones need wide numbers
 WORTHWHILE = 3
 # upper bounds on a panel: TAIL of its last coefficients of γ, w and 1/g, STEP of the jump from the panel before.
 # WIDE_STEP replaces STEP for nodes in wide numbers, since those of the panel before may be in floats
@@ -61,8 +61,8 @@ TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
 # cost of a panel with nodes in wide numbers, in units of one with nodes in floats
 CAREFUL = 10
-# INTEGRALS is the relative tolerance of the integrals of returned states, CENTRE that of H2 at centres. Near a cluster
-# of branch points double-doubles lose most digits, and panels that share a centre show no jump
+# INTEGRALS is the relative tolerance of the integrals of returned states, CENTRE that of H2 at centres: near a cluster
+# of branch points double-doubles lose most digits there, and panels that share a centre show no jump
 INTEGRALS, CENTRE = 1e-9, 1e-19
 # short runs leave a motion to the torus if its moments differ by less than 1/CLOSEST of I + d, or if errors of the
 # upright motion grow by a factor of more than 4·STEEPEST in γ or M

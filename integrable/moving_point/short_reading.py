@@ -11,7 +11,7 @@ from jacobian.numbers.abreast import abreast
 
 # Newton's iteration ends after a step smaller than this
 LAST = 1e-9
-# splits a float into halves of its digits
+# the factor that splits a float into two halves of its digits (Veltkamp)
 SPLIT = 2.0**27 + 1
 
 

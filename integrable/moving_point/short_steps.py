@@ -179,10 +179,10 @@ def longer(room: ShortRoom, origin: int, by: int, target: int) -> None:
     wide, steps = room.wide, room.steps
     there = carried(curve_of(wide), unit_axes(wide), moving_point(steps, 10 * origin), moving_point(steps, 10 * by))
     if no_level(wide, 0) or no_level(wide, 1) or no_level(wide, 2):
-        # two equal or nearly equal moments
+        # two equal or nearly equal moments leave the level undetermined
         put(settled(curve_of(wide), unit_axes(wide), there, noise(moving_point(steps, 10 * by))), steps, 10 * target)
     else:
-        # r_i for κ_i = 1, as translations have it
+        # translations have κ_i = 1, so r_i is divided by κ_i
         r = wide[CONTACT] / wide[9], wide[CONTACT + 1] / wide[10], wide[CONTACT + 2] / wide[11]
         x, y, _ = framed(wide, r, there)
         put(on_pairs(wide, r, x, levelled(wide, r, x, y, 0.0)), steps, 10 * target)

@@ -206,7 +206,7 @@ class MumfordMotion:
             if clock is None:
                 return read(K, placed.at(target, tuple(further)))
             time, tau = self._reached
-            # guess: the last τ scaled to this time by its mean rate
+            # the guess is the last τ, scaled to this time by its mean rate
             near = K.coerce(tau) * (target / K.coerce(time)) if time else None
             tau, D = _at_clock(placed, target, clock, near)
             self._reached = times[0], tau
@@ -272,7 +272,7 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
         elif n < 2:
             step = rest / mean
         elif low and high:
-            # bisect if convergence is slow, because the cubic may alternate between the sides forever
+            # slow convergence leads to bisection, because the cubic may alternate between the sides forever
             step = (low[0] + high[0]) / 2 - tau if slow else _between(low, high, target) - tau
         else:
             # a lower bound on the rate steps over flat places; it is lowered if the target may lie in one

@@ -136,7 +136,7 @@ class GroupTranslations:
 
     def _double(self, k: int) -> Extended:
         """E_k = E + T(2^k h)."""
-        # assigned by index, because other threads may compute the same entries
+        # entries are assigned by index, because other threads may compute the same ones
         for j in range(len(self._doubles), k + 1):
             E = self._doubles.get(j - 1)
             self._doubles[j] = self._near(self.unit) if E is None else self._moved(E, E)

@@ -279,7 +279,7 @@ class Numbers:
             return x
         if isinstance(x, int) or x == 0:
             return self.zero + x if isinstance(x, int) else self.zero
-        # by identity, not by value: constants equal in one system may differ in another of the same kind
+        # constants are compared by identity: those equal in one system may differ in another of the same kind
         found = next((i for i, known in enumerate(self.constants) if known is x), None)
         return self.constant(x) if found is None else self.book.line("c", found, value=x)
 

@@ -54,7 +54,7 @@ def rule() -> Rule:
     ratios = np.full((STAGES, STAGES), 0.5)
     for i in range(STAGES):
         for j in range(i):
-            # of μ_ij and μ_ji the larger is rounded, and the other is 1 minus it, which is exact
+            # the larger of μ_ij and μ_ji is rounded, and the other is exactly 1 minus it
             value = float(exact.matrix[i][j] / exact.weights[j])
             ratios[j, i] = 1 - value
             ratios[i, j] = 1 - ratios[j, i]

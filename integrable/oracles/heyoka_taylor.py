@@ -35,7 +35,7 @@ class Heyoka(Method):
         number: Callable[[Any], Any] = _long_double if self.guard else float
         real: Any = np.longdouble if self.guard else float
         system = equations(kind, number)
-        # no compact_mode: it evaluates 1.3 to 2.4 times more slowly, and builds 1.3 to 1.8 times faster (euler_top,
+        # compact_mode is off: it evaluates 1.3 to 2.4 times more slowly, and builds 1.3 to 1.8 times faster (euler_top,
         # neumann and garnier to T = 1 … 1000: python -m benchmarks heyoka)
         options = {"tol": number(setting), "fp_type": real, "time": number(0)}
         integrator = heyoka.taylor_adaptive(system, np.zeros(kind.size, real), **options)
@@ -43,7 +43,7 @@ class Heyoka(Method):
 
         def of_system(given: Given) -> Started:
             coefficients = np.array(kind.coefficients_of(given.constants, number), real)
-            # for floats numpy itself converts the numbers
+            # numpy itself converts to floats
             exact = (lambda start: start) if number is float else (lambda start: [number(x) for x in start])
             return lambda start: _started(shared, coefficients, np.array(exact(start), real), number)
 

@@ -49,7 +49,7 @@ def quaternions(rotations: np.ndarray) -> np.ndarray:
     component is computed first (Shepperd 1978).
     """
     r = rotations
-    # 4 q qᵀ, whose rows are q times its components
+    # ``products`` is 4 q qᵀ, whose rows are multiples of q
     products = np.empty((len(r), 4, 4), dtype=r.dtype)
     trace = r[:, 0, 0] + r[:, 1, 1] + r[:, 2, 2]
     products[:, 0, 0] = 1 + trace

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def symmetry_axis(inertia: Vector) -> int | None:
     """The index of the symmetry axis: the moments of the two other axes are equal. None if all three moments differ."""
-    # written out for speed, since every new flow calls it twice
+    # this is written out for speed, since every new flow calls it twice
     x, y, z = inertia
     return 0 if y == z else 1 if z == x else 2 if x == y else None
 
@@ -56,7 +56,7 @@ class Swing(NamedTuple):
         kappa = K.sqrt(kappa2) * (1 if m3 > 0 else -1)
         rate = a * momentum * K.sqrt(r3 / mu)
         atan2 = K.context.atan2
-        # from γ₃ and its rate: the difference in size2 loses all digits for a motion about the axis
+        # A follows from γ₃ and its rate, since the difference in size2 loses all digits for a motion about the axis
         size = K.sqrt(g3 * g3 + (a * across / rate) ** 2)
         theta = atan2(g3, a * across / rate) if size else K.zero
         swing = Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, K.zero)

@@ -63,7 +63,7 @@ def _quotients(motion: FlowMap, body: Body, state: State, K: MultiprecisionField
         shift = step * scales[direction != 0][0] * direction
         size = 2 * step * scales[direction != 0][0]
         if k == 8 and not body.rolls:
-            # one-sided, since there is no body with d < 0
+            # this quotient is one-sided, since there is no body with d < 0
             values = (rows(n * shift) for n in range(3))
             columns.append(sum(w * x for w, x in zip(ONE_SIDED, values, strict=True)) / size)
         else:

@@ -45,7 +45,7 @@ def in_doubles(scene: Scene) -> Scene:
         name: _rounded(getattr(scene, name)) for name in ("inertia", "d", "c", "gamma", "M", "potential", "constants")
     }
     if scene.mass is not None:
-        # d = m r² as the ball computes it in doubles
+        # d is m r² as the ball computes it in doubles
         rounded |= {"d": Fraction(scene.body(FLOAT_DIGITS).d), "mass": None, "radius": None}
     rounded["times"] = replace(scene.times, given=_rounded(scene.times.given))
     if scene.steps is not None:

@@ -76,7 +76,7 @@ def _read(name: str, place: str, text: str) -> Scene:
     except RecursionError:
         raise ArgumentError(f"{place}: not a scene: brackets in brackets, too deep to be read") from None
     except (ValueError, ArithmeticError):
-        # raised by Python's int or Decimal, and passed on by tomllib
+        # Python's int or Decimal raises this error, and tomllib passes it on
         raise ArgumentError(f"{place}: not a scene: a number is too long to be read") from None
     tables = ("body", "start", "run", "steps", "report", "output")
     top = Table(f"{place}:", content, (*_WORDS, "system", "field", *tables))

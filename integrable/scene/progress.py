@@ -32,7 +32,7 @@ def bar_of_pieces(name: str, total: int) -> Iterator[Callable[[str], None]]:
 
         yield tick
         bar.update(1)
-        # tqdm leaves out a redraw shortly after another one
+        # tqdm would leave out a redraw so soon after another one
         bar.refresh()
 
 

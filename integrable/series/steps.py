@@ -35,17 +35,17 @@ class Steps(NamedTuple):
     farthest: float = 1e300
 
 
-# steps accurate to the last bits of floats: both walks may differ by an eighth of the rounding unit, since terms in
-# floats cause nearly as large an error in the finer walk
+# FINE and FINEST are accurate to the last bits of floats: both walks may differ by an eighth of the rounding unit,
+# since terms in floats cause nearly as large an error in the finer walk
 WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE, FINEST = Steps(WIDE, 1e-25, 1e-7, 1e1, 1e1, 2.0**-56), Steps(WIDEST, 1e-29, 1e-11, 1e3, 1e3, 2.0**-56)
-# for few steps, over which errors cannot grow: a walk takes three quarters of the time of FINE (python -m benchmarks
-# near)
+# ROUGH is for few steps, over which errors cannot grow: it takes three quarters of the time of FINE (python -m
+# benchmarks near)
 ROUGH = Steps(Orders(7, 30), 1e-21, 1e-5, 1e1, 1e1, 2.0**-56, 128.0)
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
-# SHARE and SHARE_OF_MIDDLE are truncation bounds relative to a tolerance: of steps in floats, and of steps whose first
-# terms are double-doubles. Then come the bound on the first float term of the latter, the factor of the second walk's
-# truncation, and the largest ratio of the error to the difference of the walks
+# SHARE (steps in floats) and SHARE_OF_MIDDLE (steps whose first terms are double-doubles) bound truncation errors in
+# units of a tolerance. ROUNDED_IN_MIDDLE bounds the first float term of the latter steps. COARSER multiplies the bounds
+# of the second walk. SPARE is the largest ratio of the error to the difference of the walks
 SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 1e-4, 1e-6, 3e-3, 3.0, 4.0
 
 

@@ -21,7 +21,7 @@ class Symbol(Operand):
     key: Key
 
     def __repr__(self) -> str:
-        # the same in every process, because names of objects on disk derive from it
+        # this text is the same in every process, because names of objects on disk derive from it
         return repr(self.key)
 
     @staticmethod

@@ -30,8 +30,8 @@ MOST_UNITS = 2.0**16
 # a walk goes on if ``most`` steps, UNEVEN times as long as the present one, would reach the last time; after KNOWN
 # steps, if EVEN times ``most`` steps of the mean length would
 UNEVEN, KNOWN, EVEN = 4, 64, 1.25
-# a walk ends after more than MOST_LOST rows that are wrong or predict that the last row is. Predictions count from
-# 1/KNOWN_FROM of the last time on, if the difference predicted exceeds HOPELESS times the allowed one
+# a walk ends after more than MOST_LOST rows that are wrong, or from which the last row is predicted to be wrong: from
+# 1/KNOWN_FROM of the last time on, if the predicted difference exceeds HOPELESS times the allowed one
 MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
 
 

@@ -34,7 +34,7 @@ def _logarithm(b: Operators, x: Value) -> Value:
 
 
 def _power(b: Operators, x: Value) -> Value:
-    # a parabola between powers of two
+    # 2^x is replaced by a parabola between whole x
     floor = b.function("floor", x)
     part = b.binary("Sub", x, floor)
     bent = b.binary("Add", b.binary("Mult", part, real(0.3371894346)), real(0.657636276))

@@ -28,7 +28,7 @@ MOVED, MOVED_IN_FLOATS = 2.0**-104, 2.0**-52
 FIRST_TERMS = 2
 # number of times that one vector holds
 TIMES = WIDEST
-# e^x − 1 for |x| below about 2^9: TERMS terms of the series at x/2^HALVED, then HALVED doublings of the argument
+# for |x| below about 2^9, e^x − 1 takes TERMS terms of its series at x/2^HALVED, then HALVED doublings of the argument
 HALVED, TERMS = 11, 18
 
 

@@ -71,7 +71,7 @@ def with_enough_digits(step: Step, state: State) -> State:
         try:
             image = in_wider_numbers(step, state)[0]
         except NotASquare:
-            # if the field's own numbers fail too, raise their error, whose message has the user's numbers
+            # if the field's own numbers fail too, their error is raised, since its message has the user's numbers
             step.plain(state)
             raise
         lost = drift(step.system, image, state)

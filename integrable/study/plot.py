@@ -330,7 +330,7 @@ def orbit_error(report: OrbitReport) -> Figure:
         if shown.any():
             colour = colours[k % len(colours)]
             axes.plot(steps[shown], error[shown], color=colour, linewidth=1.4)
-            # one mark at the end, so that lines can be distinguished without colours
+            # a mark at the end distinguishes lines without colours
             axes.plot(steps[shown][-1], error[shown][-1], color=colour, marker=markers[k % len(markers)], markersize=5)
             words: dict[str, Any] = {
                 "textcoords": "offset points",

@@ -117,7 +117,7 @@ def _collect(workers: Sequence[_Worker], store: Store, finished: dict[str, Any])
         content, task = worker.finished(), worker.task
         if content is not None and task is not None:
             content.setdefault("seconds", worker.elapsed)
-            content["commit"] = commit()  # as found by this process at its start, since a worker may begin hours later
+            content["commit"] = commit()  # found at this process's start: a worker may begin hours later
             finished[task.key] = store.write(task.key, task.stamp, content)
             worker.let_go(store)
             done.append(task)
@@ -206,7 +206,7 @@ def _end(process: Any) -> None:
     """Kill a worker and the processes that it has started, which would disturb the next tasks."""
     if hasattr(os, "killpg"):  # Windows has no groups to kill
         with suppress(ProcessLookupError, PermissionError):
-            # the whole process group, if the worker leads one
+            # a worker that leads no group is in that of this process
             if os.getpgid(process.pid) == process.pid:
                 os.killpg(process.pid, signal.SIGKILL)
     process.kill()

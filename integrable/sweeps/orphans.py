@@ -32,7 +32,7 @@ class _Processes(ProcessPoolExecutor):
 @contextmanager
 def processes(count: int) -> Iterator[ProcessPoolExecutor]:
     """A pool of ``count`` processes. They are killed if an exception, such as an interrupt, leaves the block."""
-    # spawn, because a fork would copy the locks of this process's threads
+    # processes are spawned, because a fork would copy the locks of this process's threads
     pool = _Processes(count, mp_context=get_context("spawn"), initializer=end_with_parent)
     try:
         yield pool

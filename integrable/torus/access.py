@@ -37,17 +37,17 @@ if TYPE_CHECKING:
 MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this fraction of its mean are omitted from the series that starts Newton's method
 ROUGH = 1e-4
-# modes by which τ oscillates by at least this part of the time in which the body turns by about a radian are summed in
-# double-doubles: floats would lose the digits of τ
+# modes that move τ by at least this are summed in double-doubles, since floats would lose digits of τ. The unit is the
+# time in which the body turns by about a radian
 LOUD = 0.05
-# a spectrum is resolved to SLOW times the frequency of either phase, by which slow modes are divided, but at most to
-# EXTENDED, since its samples are long doubles
+# the accuracy of a spectrum is SLOW times the frequency of a phase, since slow modes are divided by it, but at best
+# EXTENDED, the accuracy of samples in long doubles
 SLOW = 1e-13
 EXTENDED = 32 * float(np.finfo(np.longdouble).eps)
 ROUNDING = EXTENDED / 4
-# a slow mode may be small in 1/g and large in τ: it is dropped if τ oscillates by less than this in LOUD's unit
+# a mode is dropped only if it moves τ by less than this (unit as for LOUD): a slow one may be small in 1/g
 LEAST_SWING = 1e-17
-# interpolation on panels is faster from this number of ascending times on, if there are also this many per node
+# from DENSE_FROM ascending times on, with at least DENSE of them per node, interpolation on panels is faster
 DENSE_FROM = 5000
 DENSE = 3
 
@@ -74,7 +74,7 @@ class TorusFlow(Corners):
     def _check_walk(self) -> None:
         if not all(map(isfinite, self._of_rates(4 if self._rolls else 6, 8))):
             raise NotClosed(BEYOND)
-        # checked before the cells' borders, where a wrong sign would be reported as lost digits
+        # this check precedes that of the cells' borders, where a wrong sign would look like lost digits
         tau = witnesses(self._turns)
         out = np.empty(12 * len(tau))
         near = self.loops.departure(self.torus, *self._line(tau), out) <= ALIKE
@@ -288,7 +288,7 @@ def series_between(
     first, second = loops.floats(rates[:2]).tolist()
 
     def packed(sizes: list[int], own: np.ndarray, parts: np.ndarray, origin: float) -> ClockSeries:
-        # copies, so that the rest of the working memory is freed
+        # the used parts are copied, so that the working memory is freed
         least, width, used, total = sizes
         kept = own[: 3 * used].copy(), parts[: 4 * total].copy()
         return ClockSeries(*kept, least, width, (first, second), bound, origin, mean)

@@ -199,7 +199,7 @@ class Corners:
             coarser = sizes[0] * self.doubled[0] // known.shape[0], sizes[1] * self.doubled[1] // known.shape[1]
         return Fine(cells, finer, self.odd, steps, counts, coarser, self._rest)
 
-    # --- what a motion needs once
+    # --- set-up
 
     @cached_property
     def _packed_curve(self) -> Any:
@@ -271,7 +271,7 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
     the columns from where both are at the near ends. With x = end ± gap·sinh²(t) on the path, dx/y is smooth.
     """
     first, low, high, last = motion[:4].tolist()
-    # the gap is a divisor, and floats may make it 0
+    # the path divides by the gap, which may be 0 in floats
     gap, d, r = max(high - low, EPS * (last - first)), motion[8], motion[10]
     u0, u1, v0, v1 = start[:4].tolist()
     half, passed = sqrt(max(0.25 * u1 * u1 - u0, 0.0)), np.zeros(2)

@@ -82,7 +82,7 @@ def modes_of_rate(
     """
     balls = BallReals(setup.reals.bits + 32)
     with balls:
-        # computed first, because it raises if digits are lost
+        # this torus is made first, because it raises if digits are lost
         whole = OvalTorus(setup, balls, max(digits, mean_digits), direction)
         # far from 0, t is nearly τ times its mean rate, which needs ``mean_digits``; phases need only ``digits``
         torus = whole if mean_digits <= digits else OvalTorus(setup, balls, digits, direction)

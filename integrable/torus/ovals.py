@@ -16,7 +16,7 @@ from jacobian.errors import PrecisionLoss
 if TYPE_CHECKING:
     from flint import acb, arb
 
-# the decimal exponent of 0
+# −NOTHING is the decimal exponent of 0
 NOTHING = 1e9
 # the decay is at most this, since integrands that decay faster need few nodes anyway
 LARGEST_DECAY = 40.0
@@ -246,7 +246,7 @@ class Oval:
             real, imaginary = imaginary, real
         right, below = self._across[half_column]
         cosines, sines = real * right, imaginary * below
-        # the addition theorems of cos and sin; for −m their second term changes sign
+        # these are the addition theorems of cos and sin; for −m their second term changes sign
         sign = -1 if part.even else 1
         plus, minus = (cosines + sign * sines).table(), (cosines - sign * sines).table()
         first = 0 if half_column else 1

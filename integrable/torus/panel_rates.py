@@ -156,7 +156,7 @@ class Scouts:
 
             def wide_sizes(point: Row) -> list[float]:
                 high, low = rates.values(point, packed).T
-                # without its first value a nearly constant function has coefficients of all digits
+                # the first value is subtracted, so that small coefficients keep their digits
                 series = transform @ (high - high[0] + (low - low[0]))
                 series[0] += high[0]
                 return [abs(c) for c in series.tolist()]

@@ -179,7 +179,7 @@ def small_translation(small: SmallSteps, k: int, x: Real) -> Row:
     m, r, t1, t0 = m * z, r * z, t / x, v * x
     a1, a2, a3 = axes[0] - centre, axes[1] - centre, axes[2] - centre
     x1, x2, x3 = a1 - m, a2 - m, a3 - m
-    # near the identity the root is α_i − c: it has the sign of a_i
+    # near the identity σ_i is α_i − c, whose sign is that of ``a1``, ``a2`` or ``a3``
     r1, r2, r3 = (
         signed_like(a1, root(x1 * x1 - r)),
         signed_like(a2, root(x2 * x2 - r)),

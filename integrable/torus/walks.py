@@ -28,9 +28,9 @@ from jacobian.numbers.roots import root
 
 # a translation below this fraction of the reach is taken as the identity
 IDENTITY = 1e-30
-# a translation with a condition below this is split into two
+# a translation whose reciprocal condition (:func:`trust_of`) is below this is split into two
 LEAST_CONDITION = 0.02
-# a step is accepted without a further search if its condition is within this factor of the best possible
+# a step is accepted without further search if its reciprocal condition is within this factor of the best possible
 NEARLY = 0.5
 # the count of a grid point whose value is known from a coarser grid
 KNOWN = -1

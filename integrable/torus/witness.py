@@ -35,7 +35,7 @@ TURNS = (1.23, -1.38)
 FAR = 2.0**48
 # double-doubles alone do not explain a larger difference; numbers with more digits then decide
 ALIKE = 1e-6
-# the difference allowed for a correct torus: it detects wrong signs and positions; other checks are stricter
+# the difference allowed for a correct torus: this check is for wrong signs and positions only
 RIGHT = 1e-8
 # the number of borders checked, and the difference in double-doubles allowed between both corners. For close moments,
 # whose κ is small, SEAM is multiplied by 10κ or at least by LEAST: where a γ_i passes 0, an error of V is magnified by
@@ -80,7 +80,7 @@ def confirmed(setup: Source, tau: np.ndarray, found: np.ndarray, by_additions: n
         (t, x.tolist()) for t, x, y in zip(tau.tolist(), found, by_additions, strict=True) if not states_agree(x, y)
     ]
     bare = setup.bare
-    # made here, since a source need not have translations of its own
+    # the translations are made here, since a source need not have its own
     translations = Translations(setup.reals, bare.f, bare.axes, bare.half_step)
     for t, row in rows:
         with setup.reals:

@@ -139,7 +139,7 @@ def _unitary() -> dict[str, list[Part]]:
     for n, half in NEXT.items():
         odd = [pi * k / n for k in range(1, n, 2)]
         found[f"C{n},1"] = parts(_rotations(f"C{half}"), odd)
-        # H′ has every other turn and every other rotation of order 2
+        # every other turn and every other rotation of order 2 is taken without J, the others with J
         found[f"D{n},1"] = parts(_rotations(f"C{half}") + [pi / 2] * half, odd + [pi / 2] * half)
     for n in (3, 4, 6):
         found[f"D{n},2"] = parts(_rotations(f"C{n}"), [pi / 2] * n)
@@ -156,7 +156,7 @@ def _others() -> dict[str, list[Part]]:
         plain = [_about(haar, _at(pi * k / n)) for k in range(n)]
         found[f"E{n}"] = plain
         found[f"J(E{n})"] = plain + [_even((2 * haar[0], haar[1]))] * n
-    # on U(1)² a and b turn one angle, c exchanges them
+    # beside F = U(1)², the components of a and b have one angle π/2, that of ab has both; c exchanges the angles
     F, a, ab, ac = _of_angles(circle, circle), _of_angles(quarter, circle), _of_angles(quarter, quarter), _even(quarter)
     found |= {"F": [F], "Fa": [F, a], "Fab": [F, ab], "Fa,b": [F, a, a, ab], "Fac": [F, ac, ab, ac]}
     mixed, both = _of_angles(circle, haar), _of_angles(haar, haar)

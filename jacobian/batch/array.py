@@ -346,7 +346,7 @@ def _index_array(key: Any) -> Any:
     try:
         return np.asarray(key, None if np.size(key) else np.int64)
     except Exception:
-        # ragged lists, or entries that numpy cannot compare
+        # numpy refuses ragged lists, and entries that it cannot compare
         raise ArgumentError(f"index = {shown(key)}: a slice, a mask or a flat array of ints is needed") from None
 
 

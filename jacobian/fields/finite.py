@@ -142,7 +142,7 @@ class FiniteFieldOf(Immutable, Generic[Element]):
         odd = self.order - 1
         odd //= odd & -odd
         rng = Random(0)
-        # tried at random: the first elements may all lie in a subfield whose elements are squares
+        # candidates are random, since the first elements may all lie in a subfield whose elements are squares
         candidate = self.random(rng)
         while self.is_square(candidate):
             candidate = self.random(rng)

@@ -20,7 +20,7 @@ Conversions = tuple[Callable[[Any], Any], Callable[[Any], Any]]
 @lru_cache(maxsize=64)
 def conversions(K: Any) -> Conversions:
     """Two functions: from ascending coefficients over K to a flint polynomial, and back."""
-    # imported here, as arithmetic with single divisors over small fields does not need flint
+    # flint is imported here, since single divisors over small fields do not need it
     import flint
 
     if isinstance(K, RationalField):

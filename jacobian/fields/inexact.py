@@ -31,7 +31,7 @@ class InexactField(Immutable, Generic[Element]):
     def __repr__(self) -> str:
         return self.name
 
-    # the operators themselves: a wrapping method would double the cost
+    # these are the operators themselves, since a wrapping method would double the cost
     add: Callable[[Element, Element], Element] = staticmethod(operator.add)
     sub: Callable[[Element, Element], Element] = staticmethod(operator.sub)
     mul: Callable[[Element, Element], Element] = staticmethod(operator.mul)

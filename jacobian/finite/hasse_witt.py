@@ -107,7 +107,7 @@ def _by_translations(K: Any, F: poly.Poly, g: int) -> list[list[Any]] | None:
         column = _first_column(K, poly.shift(K, F, a), g, i)
         binomial = _binomial_matrix(K, a, g)
         rows.append([K.power(a, K.order * j) for j in range(g)] + [K.dot(row, column) for row in binomial])
-    # [V | B] with V·Aᵀ = B, V the matrix of powers, invertible for g distinct a
+    # the rows are [V | B] with V·Aᵀ = B, where V, the matrix of powers, is invertible for g distinct a
     transposed = (row[g:] for _, row in sorted(echelon(K, rows, g)))
     return [list(row) for row in zip(*transposed, strict=True)]
 

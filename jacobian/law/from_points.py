@@ -14,7 +14,8 @@ from jacobian.curve.points import AffinePoint, Given, Point
 from jacobian.errors import ArgumentError, Infeasible, NotRepresentable, entries, shown, whole
 from jacobian.law.divisor import Divisor, GroupLaw
 
-# points are added one by one; larger sums should use multiples in the group
+# points are added one by one: a multiplicity is at most MOST_REPEATED, and a sum has at most MOST_POINTS points. Larger
+# sums should use multiples in the group
 MOST_REPEATED, MOST_POINTS = 100, 100_000
 # AT_ONCE·g points, or a few more, are interpolated as one pair; the group adds these pairs
 AT_ONCE = 8

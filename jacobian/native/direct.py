@@ -162,7 +162,7 @@ class Method:
 
     def __init__(self, entry: Any, name: str, letters: str, words_of: Any) -> None:
         self._entry, self._letters, self._words_of = entry, letters, words_of
-        # read by every function that is made, so it lives as long as the process
+        # every function that is made reads this, so it lives as long as the process
         self._definition = _Definition(name.encode(), entry.address, FAST_CALL, None)
         _KEPT.append((self._definition, entry))
 

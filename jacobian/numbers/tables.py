@@ -88,7 +88,7 @@ def table_context(K: Any) -> TableContext:
         return BinaryTable(powers, logarithms, np.zeros(0, np.int64), size, 0, 1)
     between = np.array(K._zech, np.int64)
     between[between < 0] = zero
-    # left: x = 0, y ≠ 0, the sum is y; right: x ≠ 0, y = 0, the sum is x; between them two periods: x, y ≠ 0
+    # the table has three parts: x = 0 ≠ y, the sum is y; two periods with x, y ≠ 0; y = 0 ≠ x, the sum is x
     left = np.arange(-zero, -size)
     right = np.zeros(size + 1, np.int64)
     zech = np.concatenate([left, between, between, right])

@@ -24,7 +24,7 @@ from jacobian.periods.roots import horner
 
 __all__ = ["AbelMap", "Oval", "PeriodMatrix", "periods", "real_periods"]
 
-# steps of Newton's method, from all starts together, in doubles and in 40 digits
+# the largest numbers of Newton steps from all starts together, in doubles and in 40 digits
 MOST_STEPS, MOST_LONG_STEPS = 1000, 100
 
 
