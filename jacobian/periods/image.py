@@ -128,8 +128,7 @@ class AbelImage(Immutable):
         for edge in self.periods.edges:
             found[edge.j] = plus(found[edge.i], edge.integrals)
         if len(found) < len(cover.roots):
-            # Σ e_i − (g+1)(∞₊+∞₋) is the divisor of Y, and 2e₀ ~ ∞₊+∞₋: the last integral is minus the sum of the
-            # others
+            # Σ e_i − (g+1)(∞₊+∞₋) is the divisor of Y, and 2e₀ ~ ∞₊+∞₋: the last integral is minus the others' sum
             (last,) = set(range(len(cover.roots))) - set(found)
             found[last] = [-sum(values) for values in zip(*found.values(), strict=True)]
         return [found[i] for i in range(len(cover.roots))]

@@ -207,8 +207,7 @@ class ExtendedGroup(Immutable):
                 columns.append([K.doubled(c, unit + scale) for c, scale in zip(column, scales, strict=True)])
         by_row = list(zip(*columns, strict=True))
         rows = [[K.dot(a, b) for b in by_row] for a in by_row]
-        # the system is damped: U, V and W nearly share a root if a point of the pair is near a double point of the
-        # curve
+        # the system is damped: U, V and W nearly share a root if a point of the pair is near a double point
         damping = max(abs(rows[i][i]) for i in range(g)) * K.root_of_eps
         for i, (value, scale) in enumerate(zip(self._padded(rest, g), scales, strict=True)):
             rows[i][i] += damping
