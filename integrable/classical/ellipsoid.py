@@ -105,7 +105,8 @@ class Ellipsoid(SurfaceSystem):
         }
 
     def discrete(self, state: Point, h: Value) -> Point:
-        """The state after a step that agrees with time ``h`` to second order and preserves the integrals.
+        """The state after a step that agrees with the motion for a time ``h`` to second order and preserves the
+        integrals.
 
         It is the :meth:`step` of the λ < 0 whose ellipsoid the tangent meets at q + hp; h < 0 is a step back.
         """

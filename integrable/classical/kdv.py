@@ -279,8 +279,9 @@ class Wave:
         """A bound on the bits lost between (0, 0) and (x, t) because of a narrow band or double edge n.
 
         On the way U(n) = ψ² may shrink. By −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at rates of at
-        most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) from falling below the root of
-        its unit. Two precisions lose alike, so comparing them does not show the loss. A band's width bounds it.
+        most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) from falling below the square
+        root of the rounding unit. Two precisions lose alike, so comparing them does not show the loss. A band's width
+        bounds it.
         """
         edges, needed = self._edges, 0.0
         bounds = [float(sum(edges) - 2 * sum(edges[k::2])) for k in (1, 2)]

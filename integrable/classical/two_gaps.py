@@ -36,8 +36,8 @@ class TwoGaps(MumfordSystem):
 
     ``sums`` are the elementary symmetric functions s_1, s_2, s_3 of the edges.
 
-    ``system = TwoGaps((0, -5, 0))`` has the edges −2, −1, 0, 1, 2; ``system.flow(system.state((-4, 28), (0,
-    0))).at(times)`` is one of its motions.
+    Example: ``system = TwoGaps((0, -5, 0))``, with the edges −2, −1, 0, 1, 2 and the state ``system.state((-4, 28), (0,
+    0))``.
     """
 
     size = 2

@@ -102,7 +102,7 @@ class CurvesCarrier(Carrier):
 
     @at_its_precision
     def turns(self, tau: Real) -> Real:
-        """The number of periods in |τ|, for the shorter of the periods of the two curves."""
+        """|τ| in periods of the curve with the shorter period."""
         return abs(self.speed * tau) / self.period
 
     @at_its_precision
@@ -146,7 +146,7 @@ class CurvesCarrier(Carrier):
 
     @at_its_precision
     def difference(self, row: GammaM, truth: GammaM) -> int:
-        """The decimal exponent of the relative difference between (γ, M) and another computation of it."""
+        """The decimal exponent of the relative difference of (γ, M) from a more accurate computation, ``truth``."""
         worst = -NOTHING
         for found, right, unit in zip(row, truth, (1, self.momentum), strict=True):
             size = max(map(abs, right)) or unit

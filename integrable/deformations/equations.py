@@ -115,7 +115,7 @@ def of_constants(system: Hamiltonian, field: Any, values: Sequence[Any]) -> Hami
 
 
 def kind_in(system: Hamiltonian, physical: bool) -> Kind:
-    """The compiled walks of systems of this kind, in t if ``physical``, otherwise in τ."""
+    """The compiled walks of systems of the kind of ``system``, in t if ``physical``, otherwise in τ."""
     # terms with constant 0 must be omitted, because they may divide by quantities that vanish
     there = tuple(x != 0 for x in constants_of(system))
     symbols = [Symbol(("constant", i)) if is_there else 0.0 for i, is_there in enumerate(there)]

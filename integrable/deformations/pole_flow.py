@@ -31,7 +31,7 @@ __all__ = ["PoleFlow"]
 
 
 class CubicCarrier(CurvesCarrier):
-    """The motion on two cubics, over the field of ``system``."""
+    """The motion of a tilde pair with repelling poles, on two cubics over the field of ``system``."""
 
     def __init__(self, system: Any, state: State) -> None:
         super().__init__(system, state)
@@ -109,7 +109,8 @@ def roots_of_cubic(K: LongNumbers, g2: Real, g3: Real) -> list[Real]:
 
 
 class PoleFlow(DeformedFlow):
-    """The motion through a state, over RR or MP(digits); ``system.flow`` returns it.
+    """The motion of a tilde pair with repelling poles through a state, over RR or MP(digits); ``system.flow`` returns
+    it.
 
     NotRepresentable if moments are equal or a λ_k vanishes.
     """

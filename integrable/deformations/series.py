@@ -23,7 +23,7 @@ STEPS, LONGEST, STEP, REACHED = range(4)
 
 
 class SeriesRoom(NamedTuple):
-    """The memory of a march.
+    """The memory of :func:`march_along`.
 
     ``middles`` are the values of all nodes at the expansion point, ``now`` is its time, ``series`` the coefficients and
     ``told`` the report.

@@ -29,7 +29,7 @@ DOUBLE_DOUBLE = 28
 
 
 class _Interpreted:
-    """The loops on bare reals with the digits of the field."""
+    """The loops of :mod:`integrable.deformations.series` on bare reals with the digits of the field."""
 
     # number of products of coefficients in half a minute, and in the time of the overhead of a step
     most, overhead = 3e7, 500
@@ -55,7 +55,7 @@ class _Interpreted:
 
 
 class _Compiled:
-    """The loops on double-doubles."""
+    """The loops of :mod:`integrable.deformations.series`, compiled for double-doubles."""
 
     # number of products of coefficients in a second, and in the time of the overhead of a step
     most, overhead = 6e7, 3e4

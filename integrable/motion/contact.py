@@ -73,8 +73,8 @@ def positions(run: Trajectory) -> np.ndarray:
 
 
 class Rolling:
-    """The constants of a motion: ``drift`` is minus the mean of ẏ in radii, ``loss`` the factor |M|/|γ × M| by which
-    rounding in γ × M grows.
+    """The constants of the path of contact: ``drift`` is minus the mean of ẏ in radii, ``loss`` the factor |M|/|γ × M|
+    by which rounding in γ × M grows.
     """
 
     def __init__(self, flow: BodyMotion, number: Callable[[Real], Real] | None = None) -> None:
@@ -222,7 +222,9 @@ def on_torus(flow: BodyMotion) -> TorusIntegral | PreciseContact | None:
 
 
 class PreciseContact:
-    """The bounded part in multiprecision, by a Fourier series on the torus; PrecisionLoss where no series exists."""
+    """The bounded part of the path in multiprecision, by a Fourier series on the torus; PrecisionLoss where no series
+    exists.
+    """
 
     def __init__(self, flow: BodyMotion) -> None:
         from integrable.torus.integrals import LongIntegral

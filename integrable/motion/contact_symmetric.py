@@ -28,7 +28,9 @@ from jacobian.element import Real
 
 
 class SymmetricPath:
-    """Computes the bounded part of (x, y), in radii, from the state; the constants are computed in wide numbers."""
+    """The bounded part of the path (x, y), in radii, as a function of the state. Constants are computed in wide
+    numbers.
+    """
 
     def __init__(self, flow: BodyMotion) -> None:
         wide, tilt, self._field = flow.setup.wide, flow.setup.tilt, flow.system.field

@@ -92,7 +92,7 @@ class Carrier:
         return self.tau([time], digits)[0]
 
     def times(self, tau: list[Real], digits: int) -> list[Real]:
-        """The physical times t(τ) at values of τ: shape (N,)."""
+        """The physical times t(τ) at values of τ, to ``digits`` digits."""
         return tau
 
     def clock_missing(self, tau: Real, digits: int) -> int:
@@ -134,7 +134,7 @@ class ManyDigits:
         self._too_far: Real = inf
 
     def carrier_of(self, digits: int) -> Carrier:
-        """A carrier of the motion with so many digits."""
+        """A carrier of the motion with ``digits`` digits."""
         raise NotImplementedError
 
     def at(self, times: list[Real]) -> tuple[list[Real], list[Any]]:

@@ -1,6 +1,6 @@
 """Physical time to many digits: t = ∫dτ/g by Gauss–Legendre quadrature on panels of the flow's own time.
 
-A *cell* is an interval of one basic step, centred at a multiple of the step. On it 1/g is kept as a Legendre series,
+A *cell* is an interval of one basic step, centred at a multiple of the step. On it 1/g is stored as a Legendre series,
 which gives t and its inverse. Far from the start one rule integrates nine cells at once, without a series: it needs
 fewer nodes than nine rules.
 """
@@ -58,7 +58,7 @@ NONE = ClockLimits()
 
 class Nodes(NamedTuple):
     """Translations from the centre of a panel to its nodes, the same as packed for :class:`PanelRates`, and the
-    ``roots`` of :func:`integrable.moving_point.addition.upright_rates`, None where that loses digits.
+    ``roots`` of :func:`integrable.moving_point.addition.upright_rates`, None where they lose digits.
     """
 
     steps: list[Row]
@@ -67,7 +67,7 @@ class Nodes(NamedTuple):
 
 
 class Unresolved(ArithmeticError):
-    """A cell whose Legendre series has not converged."""
+    """Raised if the Legendre series of a cell has not converged."""
 
 
 class RatePanels:
@@ -249,7 +249,7 @@ class PanelClock(RatePanels):
             self._far.append(self._far[-1] + LONG * self._half * total)
 
     def _afford(self, cells: float, uneven: float = 1) -> None:
-        """Raises PrecisionLoss if a clock of so many cells exceeds its limit by more than the factor ``uneven``."""
+        """Raises PrecisionLoss if a clock of ``cells`` cells exceeds its limit by more than the factor ``uneven``."""
         work = cells * (len(self._long_rule()[0].steps) / LONG if self._long_panels() else len(self._nodes.steps))
         if work > uneven * self._most:
             raise PrecisionLoss(
@@ -299,8 +299,8 @@ class OneTime(RatePanels):
     """
 
     def tau(self, t: Real, start: Real, point: Callable[[Real], Row]) -> Real | None:
-        """|τ| at |t| = ``t`` > 0, from a value ``start`` that is right to more than END_DIGITS digits; None if the way
-        is long or its panels are not resolved.
+        """|τ| at |t| = ``t`` > 0, from a value ``start`` that is right to more than END_DIGITS digits; None if τ is far
+        or the panels up to it are not resolved.
         """
         if start > 2 * NEAR_CELLS * self._half:
             return None

@@ -72,7 +72,7 @@ def _place(reasons: list[str], why: str) -> int:
 def _refused(compute: Compute, values: np.ndarray, order: np.ndarray, why: str = "") -> tuple[np.ndarray, str]:
     """The first of the rows in ``order`` that is refused and all beyond it, by bisection, and the reason.
 
-    Rows are computed alone; if all are refused together for the reason ``why``, each is computed with those before it.
+    Each row is tried alone or, given the reason ``why`` for which all were refused together, with the rows before it.
     """
     together = bool(why)
     low, high = 0, len(order) - together

@@ -20,7 +20,7 @@ BYTES_OF_A_STATE = 56
 
 
 def stream(flow: Motion, path: str | os.PathLike[str], start: Number, end: Number, count: int) -> None:
-    """The implementation of :meth:`integrable.motion.flow.Flow.stream`."""
+    """Writes equally spaced states of a motion to a file; see :meth:`integrable.motion.flow.Flow.stream`."""
     if flow.system.field != RR:
         raise ArgumentError(f"field = {flow.system.field.name}: a stream is of floats; use RR")
     count = whole(count, "count", "give an int, 2 or more", 2)

@@ -75,7 +75,7 @@ class PreciseClosedForm:
         return self._forms[digits]
 
     def _computed(self, digits: int, times: np.ndarray, compute: Compute, field: Any = None) -> tuple[np.ndarray, ...]:
-        """Evaluates the closed form with so many digits; the results are elements of ``field``, by default the
+        """Evaluates the closed form with ``digits`` digits; the results are elements of ``field``, by default the
         system's.
         """
         form, numbers = self._form(digits)

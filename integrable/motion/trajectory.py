@@ -56,7 +56,7 @@ WAYS = {
 class Motion(Immutable):
     """The motion of ``system`` through ``state``, over RR or MP(digits): base of the flows of bodies
     (:class:`integrable.motion.flow.Flow`) and of deformations (:mod:`integrable.deformations.deformed_flow`), which
-    name the ways to the states (:class:`integrable.phase.ways.Way`).
+    list the ways to the states (:class:`integrable.phase.ways.Way`).
     """
 
     system: Any
@@ -145,7 +145,9 @@ def _computed(way: InOrder, values: np.ndarray, physical: bool) -> tuple[np.ndar
 
 
 class BodyMotion(Motion):
-    """The motion of a body with what contact points and events need: base of :class:`integrable.motion.flow.Flow`."""
+    """The attributes of a body's motion that contact points and events use: base of
+    :class:`integrable.motion.flow.Flow`.
+    """
 
     @cached_property
     def setup(self) -> Setup:
@@ -380,7 +382,7 @@ class Trajectory(Exported):
 
 
 def joined(first: Trajectory, *others: Trajectory) -> Trajectory:
-    """The result of :meth:`Trajectory.concatenated`."""
+    """One Trajectory of the rows of all given ones; see :meth:`Trajectory.concatenated`."""
     every = (first, *others)
     for other in others:
         if not isinstance(other, Trajectory) or type(other.flow) is not type(first.flow):

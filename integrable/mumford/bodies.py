@@ -51,7 +51,10 @@ STEP = 0.5
 
 
 class BodyFlow(MumfordFlow):
-    """The motion of a state; on a separatrix only at times near the start. τ is computed first, from a series."""
+    """The motion of a body through a state; on a separatrix only at times near the start.
+
+    τ at a time is computed first, from a Fourier series of t.
+    """
 
     _cost = Cost(30_000, BY_ADDITIONS.each)
 

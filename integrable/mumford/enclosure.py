@@ -1,8 +1,8 @@
 """States of motions of any genus with proven bounds, by additions in balls (:mod:`integrable.mumford.balls`).
 
 The constants of a system, a start and the times count as exact; a start is projected onto its constraints. A state at
-any time takes a few additions, so a far time costs little besides more bits. If the motion carries its clock, as a
-geodesic carries its length, the interval Newton method finds τ at a time.
+any time takes a few additions, so a far time costs little besides more bits. If t is not linear in τ but a datum of the
+pair, as for geodesics, the interval Newton method finds τ at a time.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def _size(before: Sequence[arb], now: Sequence[arb]) -> Real:
 
 
 def _tau(flow: Any, place: EnclosedPlace, time: arb | acb, guess: Real) -> arb | acb:
-    """An enclosure of the τ that belongs to a time, for a motion that carries its clock."""
+    """An enclosure of the τ that belongs to a time, for a motion with t among the data of its pairs."""
     K, clock = place.field, flow.system._clock
     if time == 0:
         return time

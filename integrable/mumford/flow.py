@@ -131,7 +131,7 @@ class MumfordFlow:
         return Path(given, found.states[:, 0], found.states[:, 1], found.way, max(found.error, ROUNDED))
 
     def _budget(self, count: int) -> float:
-        """The microseconds that the next method takes for this many times, its set-up included."""
+        """The microseconds that the next method takes for ``count`` times, its set-up included."""
         if self._may_have_torus:
             return ON_TORUS[min(self._genus, 3)].of(count)
         return self._cost_of_additions(count)
@@ -323,7 +323,7 @@ class MumfordFlow:
         return pairs
 
     def tau_near(self, time: Number, digits: int) -> Real:
-        """τ, as a long number, at a time of a motion that carries its clock."""
+        """τ at a time, as a long number, for a motion with t among the data of its pairs."""
         tau: Real = self._motion.tau_at(time, digits, self._clock)
         return tau
 
@@ -337,13 +337,13 @@ class MumfordFlow:
         return self._compiles and (self._genus >= 2 or not self.system.clocked)
 
     def _torus_for(self, count: int) -> EllipticTorus | PhaseTorus | ThetaTorus | None:
-        """The torus, if this many times justify its set-up."""
+        """The torus if ``count`` times justify its set-up, else None."""
         dear = self._genus > 2 or self._takes_theta
         return self._torus if count >= TIMES_TO_THETA or (count and not dear) else None
 
     @cached_property
     def _takes_theta(self) -> bool:
-        """Whether the genus is 2 and not all branch points are real: several additions then confirm the torus."""
+        """Whether the genus is 2 and not all branch points are real, so that additions have to confirm the torus."""
         if self._genus != 2 or not self._may_have_torus:
             return False
         from integrable.mumford.branch_points import all_real, long_roots

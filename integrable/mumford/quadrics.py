@@ -35,7 +35,7 @@ class Shape(NamedTuple):
 
 
 class QuadricSystem(MumfordSystem):
-    """Base class of the systems with such potentials; ``constants`` are the a_i."""
+    """Base class of the systems of Neumann, Garnier, and Hénon and Heiles; ``constants`` are the a_i."""
 
     sign = 1
     """The sign ε."""

@@ -127,7 +127,7 @@ class MumfordSystem(Made):
         raise NotImplementedError
 
     def _start(self, N: FormulaField, state: Point) -> Start:
-        """Defined by subclasses: the start of the motion with the data that it carries; by default none."""
+        """Defined by subclasses: the start of the motion with its data, by default none."""
         f, u, v = self._spectral(N, state)
         return Start(f, u, v, self._direction(N, len(v)))
 
@@ -165,7 +165,7 @@ class MumfordSystem(Made):
     """Whether the data of the motion are complex; if so, ``_start`` and ``_back`` receive complex numbers."""
 
     clocked = False
-    """Whether t is not linear in τ; the motion then carries t, and ``_clock`` reads it."""
+    """Whether t is not linear in τ; pairs then have t among their data, and ``_clock`` reads it."""
 
     def _clock(self, N: FormulaField, D: Extended) -> tuple[Real, Real]:
         """Defined by subclasses if ``clocked``: (t, dt/dτ) at a divisor of the motion."""

@@ -164,7 +164,7 @@ def signed(e2: int, j: int) -> int:
 
 
 def weight_sign(chars: Row, k: int, turned: int, a: int, m: int) -> int:
-    """The sign of a term of class k, and a factor 2 for the pair n, −n."""
+    """The sign of a term of class k, times 2 if the term stands for n and −n."""
     d = (a * chars[4 * k + 2] + m * chars[4 * k + 3]) % 4
     sign = 1 if (turned % 16 != 0) == (d == 1 or d == 2) else -1
     return 2 * sign if a != 0 or m != 0 else sign

@@ -221,7 +221,9 @@ class ThetaBasis(NamedTuple):
     along: tuple[Complex, Complex]
 
     def sums(self, Z: LongField, places: Sequence[int]) -> tuple[ThetaSums, list[Complex]]:
-        """The series of these roots and of infinity, and for each root e the ratio of √|U(e)| to their quotient."""
+        """The series of the roots ``places`` and of infinity, and for each root e the ratio of √|U(e)| to their
+        quotient.
+        """
         sums, tops = theta_sums(self.tau, [self.chars[i] for i in (*places, 5)], self.along)
         *scales, last = (Z.coerce(high) + Z.coerce(low) for high, low in tops.tolist())
         sizes = []

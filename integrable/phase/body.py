@@ -30,7 +30,7 @@ _unwarned = ContextVar("unwarned", default=False)
 
 
 class UnphysicalMoments(UserWarning):
-    """Principal moments that no distribution of mass has."""
+    """The warning for principal moments that no distribution of mass has."""
 
 
 class Integrals(NamedTuple, Generic[Element]):

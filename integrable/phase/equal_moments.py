@@ -121,7 +121,7 @@ class Upright(NamedTuple):
 
     @staticmethod
     def of(system: PhaseSpace, state: State, K: Field) -> Upright:
-        """The upright body of a state, by Chaplygin's transformation."""
+        """The upright body and state of a state, by Chaplygin's transformation if it is tilted."""
         axis = symmetry_axis(system.inertia)
         assert axis is not None
         order = [(axis + 1) % 3, (axis + 2) % 3, axis]

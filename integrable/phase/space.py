@@ -94,7 +94,7 @@ class PhaseSpace(Made, Generic[Element]):
         return State(x, m, self._root(x, g), tilted=tilted)
 
     def _root(self, gamma: Vector[Element], g: Element | Value | None) -> Element | None:
-        """The root of g² that a state over this field carries: None over the reals and at d = 0."""
+        """The root of g² that a state over this field has: None over the reals and at d = 0."""
         K = self.field
         if not (K.exact and self.body.rolls):
             if g is not None:

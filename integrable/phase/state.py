@@ -55,9 +55,9 @@ class State(Immutable, Generic[Element]):
     and MP, and tuples over an exact field. ``vectors`` is the pair (γ, M) of tuples over every field, and ``row``
     has the six numbers.
 
-    Over an exact field with d ≠ 0 the state carries the root ``g`` of g², whose sign distinguishes the divisor D from
-    −D; over the reals g > 0 is understood and ``g`` is None. If ``tilted``, (γ, M) may differ from 0; divisors, steps
-    and the flow then use :mod:`integrable.phase.upright`.
+    Over an exact field with d ≠ 0 the state has the root ``g`` of g², whose sign distinguishes the divisor D from −D;
+    over the reals g > 0 is understood and ``g`` is None. If ``tilted``, (γ, M) may differ from 0; divisors, steps and
+    the flow then use :mod:`integrable.phase.upright`.
     """
 
     gamma: _Part = _Part(0)

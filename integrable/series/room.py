@@ -31,7 +31,9 @@ class Orders(NamedTuple):
 
 
 class Side(NamedTuple):
-    """One side of a vector of products: its factors, and the place of their coefficients, in units of that vector."""
+    """One side of a vector of products: its factors, and the place of their coefficients, counted in vectors of this
+    width.
+    """
 
     factors: tuple[int, ...]
     place: int

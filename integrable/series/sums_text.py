@@ -24,7 +24,7 @@ Term = tuple[int, int, int]
 
 
 class Sums:
-    """The coefficients of a room, and the text that sums products of them."""
+    """The LLVM text that loads the coefficients of a room and sums products of them."""
 
     def __init__(self, room: Room) -> None:
         self.room, self.tape = room, room.tape
@@ -105,7 +105,9 @@ class Sums:
         return fast_two_sum(text, high, low) if k else (high, low)
 
     def _put_sides(self, k: int, of_variables: bool) -> None:
-        """Stores coefficients k of the factors of all vectors of products, or of those that are variables alone."""
+        """Stores coefficients k of the sides of all vectors of products: of those with variables alone, or of the
+        others.
+        """
         for nodes, width in self.room.packs.items():
             text = Text(self.room.lanes * width, self.text)
             for factors, place in self.room.sides[nodes]:
