@@ -1,7 +1,7 @@
 """Geodesics on the ellipsoid Σx_i²/a_i = 1 in R^{n+1} (Jacobi 1839; Moser 1980).
 
-x'' = −νA⁻¹x, ν = (Σv_i²/a_i)/(Σx_i²/a_i²), with constant |v|. With f₁ = Π(x − a_i), λ = Σx_iv_i,
-F_i = v_i² + Σ_j (x_iv_j − x_jv_i)²/(a_i − a_j):
+The equation is x'' = −νA⁻¹x, ν = (Σv_i²/a_i)/(Σx_i²/a_i²), with constant |v|. With f₁ = Π(x − a_i), λ = Σx_iv_i, F_i =
+v_i² + Σ_j (x_iv_j − x_jv_i)²/(a_i − a_j):
 
     U = f₁Σ(x_i²/a_i)/(x − a_i),   V = f₁Σx_iv_i/(x − a_i) − λU,   f₁ΣF_i/(x − a_i) = xR(x),   f = −x·f₁·R
 

@@ -5,12 +5,13 @@ is on the first axis, is 1. Then 2p' = qr, 2q' = −pr − γ_3, r' = γ_2, γ' 
 
     6l_1 = 2(p² + q²) + r² − 2γ_1,   2l = 2(pγ_1 + qγ_2) + rγ_3,   k² = |(p + iq)² + γ_1 + iγ_2|²
 
-With X = p² + q², e = 1 − k², R = −X² + 6l_1X + 4lp + e, R_1 = −6l_1X² − 4ep² − 8lpX + 6l_1e − 4l²
+With X = p² + q², e = 1 − k², R = −X² + 6l_1X + 4lp + e, R_1 = −6l_1X² − 4ep² − 8lpX + 6l_1e − 4l², the pair and the
+curve are
 
     U = x² + Rx/(2q²) + R_1/(4q²),   V = ½U',   f = −(4s³ − g_2s − g_3)(x² − k²),   s = ½(x + l_1)
     g_2 = k² − 1 + 3l_1²,   g_3 = l_1(k² − 1 − l_1²) + l²
 
-the genus is 2 and the direction is −2e_1. The inverse map from divisors to states is not rational and not implemented.
+The genus is 2 and the direction is −2e_1. The inverse map from divisors to states is not rational and not implemented.
 """
 
 from __future__ import annotations

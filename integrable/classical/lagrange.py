@@ -1,7 +1,7 @@
 """Lagrange's top: a heavy symmetric body with its centre of mass on its axis (Lagrange 1788).
 
 M' = M×Ω + γ×e_3, γ' = γ×Ω, Ω = (M_1, M_2, jM_3), in units where the moments are 1, 1, 1/j and the weight times the
-distance of the centre of mass is 1. c = M_3, L = (M, γ), h = ½(M_1² + M_2²) + γ_3; with z = γ_3
+distance of the centre of mass is 1. Let c = M_3, L = (M, γ), h = ½(M_1² + M_2²) + γ_3 and z = γ_3. Then
 
     f = 2(1 − x²)(h − x) − (L − cx)²,   U = x − z,   V = z' = γ_1M_2 − γ_2M_1,   m = (L − c, L + c),   w = (1 − j)c
 

@@ -1,10 +1,11 @@
 """Neumann's system: a point on the sphere S^n in a quadratic potential (C. Neumann 1859; Moser 1980).
 
-q, p ∈ R^(n+1), |q| = 1, (q, p) = 0, q' = p, p_i' = (m − a_i)q_i, m = Σa_i q_i² − |p|². With f₁ = Π(x − a_i):
+q, p ∈ R^(n+1), |q| = 1, (q, p) = 0, q' = p, p_i' = (m − a_i)q_i, m = Σa_i q_i² − |p|². With f₁ = Π(x − a_i), the pair
+and the curve are
 
     U = f₁Σ q_i²/(x − a_i),   V = f₁Σ q_i p_i/(x − a_i),   W = −f₁(1 + Σ p_i²/(x − a_i)),   f = V² + UW = −f₁f₂
 
-the genus is n and the direction is −2e_{n−1}; the roots of f₂ are constants of motion. (q_i, p_i) is the lift at the
+The genus is n and the direction is −2e_{n−1}; the roots of f₂ are constants of motion. (q_i, p_i) is the lift at the
 branch point a_i, with κ = f₁'(a_i). So signs are determined, also where the motion crosses a coordinate plane.
 """
 

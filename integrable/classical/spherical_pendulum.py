@@ -1,7 +1,7 @@
 """The spherical pendulum: a heavy point on the sphere (Lagrange 1788).
 
-q'' = −e_3 + (q_3 − |q'|²)q, |q| = 1, (q, q') = 0, in units where the length and the acceleration are 1.
-h = ½|q'|² + q_3, L = q_1q_2' − q_2q_1'; with z = q_3
+q'' = −e_3 + (q_3 − |q'|²)q, |q| = 1, (q, q') = 0, in units where the length and the acceleration are 1. Let h = ½|q'|²
++ q_3, L = q_1q_2' − q_2q_1' and z = q_3. Then
 
     f = 2(1 − x²)(h − x) − L²,   U = x − z,   V = z',   m = (L, −L),   w = 0
 

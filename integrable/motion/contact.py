@@ -1,8 +1,8 @@
 """Where a rolling body touches the plane.
 
 The centre moves with the velocity r·ω×γ, and the point of contact stays below it. In the axes of space of
-:mod:`integrable.phase.attitude`, x along the horizontal part M − cγ of the momentum (c = (γ, M), of length m) and y = z
-× x,
+:mod:`integrable.phase.attitude`, x points along the horizontal part M − cγ of the momentum, c = (γ, M), and y = z × x.
+With the length m of this part
 
     ẋ = r(ω, γ×M)/m,    ẏ = −r(H1 − c·n)/m,    n = (γ, ω).
 

@@ -1,12 +1,13 @@
 """Common formulas of the systems of Neumann, Garnier, and Hénon and Heiles, whose potentials separate in elliptic or
 parabolic coordinates (Eilbeck, Enolskii, Kuznetsov & Tsiganov 1994).
 
-With f₁ = Π(x − a_i), a the constants, positions q_i and momenta p_i on the axes, ε = ±1 and polynomials u₀, w₀:
+Let f₁ = Π(x − a_i) for the constants a_i, ε = ±1, and u₀ and w₀ polynomials. With the positions q_i and momenta p_i on
+the axes
 
     U = f₁(u₀ + εΣ q_i²/(x − a_i)),   V = ½U',   W = f₁(w₀ − εΣ (p_i² + l_i²/q_i²)/(x − a_i)),   f = V² + UW
 
-and the direction is −2e_{g−1}. If l_i = 0, a_i is a branch point and (q_i, p_i) is the lift there. So signs are
-determined, also where q_i changes sign. If l_i ≠ 0, q_i does not vanish and keeps its sign.
+The direction is −2e_{g−1}. If l_i = 0, a_i is a branch point and (q_i, p_i) is the lift there. So signs are determined,
+also where q_i changes sign. If l_i ≠ 0, q_i does not vanish and keeps its sign.
 """
 
 from __future__ import annotations
