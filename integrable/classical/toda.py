@@ -101,7 +101,7 @@ class TodaLattice(MumfordSystem):
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
         if N.exact:  # an exact state holds exp(q) in place of q
             links, rates = self._links(N, state), tuple(x * y for x, y in zip(state.q, state.p, strict=True))
-        else:  # exponentials of differences rather than quotients
+        else:  # exponentials of differences, since quotients may overflow
             q, rates = state.q, state.p
             links = [elementary(N, "exp", q[(k + 1) % self.size] - q[k]) for k in range(self.size)]
         return Point(rates, tuple(links[k] - links[k - 1] for k in range(self.size)))

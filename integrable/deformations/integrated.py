@@ -141,7 +141,7 @@ class IntegratedStates:
         """For each row, the number of digits that H and K lack; LOST_DIGITS fewer than requested are enough."""
         wanted = self._asked - LOST_DIGITS
         (before, *moved), found = ([self._integrals(y) for y in points] for points in (self._nearby, rows))
-        # H and K are measured relative to |F| + Σ|ΔF/part|, F = H or K, ΔF its change at a nearby state
+        # the error of F = H or K is measured relative to |F| + Σ|ΔF/part|, with the changes ΔF at nearby states
         part = self._system.field.coerce(PART)
         sizes = [abs(F) + sum(abs(row[k] - F) for row in moved) / part for k, F in enumerate(before)]
         pairs = [zip(row, before, sizes, strict=True) for row in found]

@@ -207,7 +207,7 @@ class RollingBall(RigidBody):
             system = EulerTop([inner.coerce(x) for x in self._free_moments], field=inner)
         x = start[0]
         sign = 1 if rate > 0 else -1
-        # attitude's axes of the free body: x along its momentum, z its γ, here the x of the laboratory
+        # the attitude of the free body has x along its momentum, and z along its γ, which is the x of the laboratory
         frame = np.array([[0, 0, 1], [0, -sign, 0], [sign, 0, 0]], dtype=object) * K.one
         return Vertical(self._flow(system, x, M, False), frame, self._radius, sign)
 

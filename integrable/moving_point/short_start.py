@@ -30,7 +30,7 @@ def set_up(given: Row, tilted: bool, wide: Row, point: Row) -> FloatMotion:
     """
     problem_row(given, tilted, wide)
     s, spin, start, d = wide[12], wide[MOMENTUM], moving_point(wide, START), given[3]
-    # time is scaled by s, so that α = 1 in the rate of the clock
+    # time is scaled by s, so that α = 1 in :func:`~integrable.moving_point.addition.rate_at`
     wide[12], wide[13] = 1 + 0 * s, wide[13] / s
     wide[TIME_UNIT] = wide[TIME_SCALE] / s
     gamma_and_w(start, point, BEGIN, 1)

@@ -91,7 +91,7 @@ class PointOval(NamedTuple):
         middle, radius, rate = float(self.middle), float(self.radius), math.inf
         for e in roots:
             z = abs(e - middle - radius) + abs(e - middle + radius)
-            # Bernstein's ellipse through e
+            # the decay is that for Bernstein's ellipse through e
             rate = min(rate, math.acosh(max(1.0, z / (2 * radius))) if radius else math.inf)
         return rate
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from integrable.portrait.separated import SeparatedTorus
     from integrable.torus.access import TorusFlow
 
-# samples of the first grid in each direction, on tori of at most two dimensions and on others
+# samples of the first grid in each direction: FIRST_SIZE on tori of at most two dimensions, FIRST_OF_MANY on others
 FIRST_SIZE, FIRST_OF_MANY, MOST_SAMPLES, CHUNK = 32, 16, 1 << 18, 1 << 12
 # lines below this fraction of the strongest line of their quantity are rounding
 NOISE = 3e-14

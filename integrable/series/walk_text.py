@@ -81,8 +81,8 @@ def _further(room: Room, text: Text, powers: Sequence[str], first: int, width: i
     def low(k: int) -> str:
         return text.load(room.low(first, k) // width)
 
-    # four sums of every fourth term each, because one sum would wait at each term; of the terms in floats alone, the
-    # largest come one by one, which rounds less
+    # four sums of every fourth term each, because one sum would wait at each term; in a walk in floats the largest
+    # terms are added one by one, which rounds less
     last = wide + 1 if wide >= 0 else 3
     sums = [high(k) for k in range(order, order - 4, -1)]
     for k in range(order - 4, last - 1, -1):

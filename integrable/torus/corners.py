@@ -32,7 +32,7 @@ ROUND = 1e-17
 CLOSED = 1e-13
 # the largest number of cells that one step of a walk over the corners spans
 MOST_AT_ONCE = 7
-# below this relative gap of the ovals two walks over the corners meet, because errors grow behind the unstable rotation
+# below this relative gap of the ovals two walks over the corners meet, as errors grow away from the unstable rotation
 NEAR = 2.0**-23
 # number of quadrature nodes on the path from the start to the column at which the two walks meet
 QUADRATURE = 32
@@ -41,7 +41,7 @@ QUADRATURE = 32
 # the sum for 1/g three times as many
 LEAST_REST = 2.0**-14
 # the first grid of 1/g has at least FIRST_SIZE points in each direction. For ovals with a relative gap below PASSING it
-# has PASSAGES·(s₁ + s₂) columns, with (s₁, s₂) of their period in units of the distance to the next branch point
+# has PASSAGES·(s₁ + s₂) columns, with the s₁ and s₂ of Λ₂ in units of the distance to the next branch point
 FIRST_SIZE = 16
 PASSING = 2.0**-7
 PASSAGES = 3.1
@@ -271,7 +271,7 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
     the columns from where both are at the near ends. With x = end ± gap·sinh²(t) on the path, dx/y is smooth.
     """
     first, low, high, last = motion[:4].tolist()
-    # the path divides by the gap, which may be 0 in floats
+    # the gap may be 0 in floats, and lines below divide by it
     gap, d, r = max(high - low, EPS * (last - first)), motion[8], motion[10]
     u0, u1, v0, v1 = start[:4].tolist()
     half, passed = sqrt(max(0.25 * u1 * u1 - u0, 0.0)), np.zeros(2)

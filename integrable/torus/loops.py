@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from integrable.torus.lattice import Chart, Source
 
 
-# one Newton step takes a root from a float to double-double precision
+# one Newton step leads from a float to double-double precision
 NEWTON_PASSES = 1
 # the number of terms of a power series for 32 digits
 SERIES = 95

@@ -156,7 +156,7 @@ def _others() -> dict[str, list[Part]]:
         plain = [_about(haar, _at(pi * k / n)) for k in range(n)]
         found[f"E{n}"] = plain
         found[f"J(E{n})"] = plain + [_even((2 * haar[0], haar[1]))] * n
-    # beside F = U(1)², the components of a and b have one angle π/2, that of ab has both; c exchanges the angles
+    # beside F = U(1)², the components of a and b have one angle π/2, that of ab two; c exchanges the angles
     F, a, ab, ac = _of_angles(circle, circle), _of_angles(quarter, circle), _of_angles(quarter, quarter), _even(quarter)
     found |= {"F": [F], "Fa": [F, a], "Fab": [F, ab], "Fa,b": [F, a, a, ab], "Fac": [F, ac, ab, ac]}
     mixed, both = _of_angles(circle, haar), _of_angles(haar, haar)

@@ -24,8 +24,8 @@ NOISE = 2.0**-40
 GIVEN_NOISE = 2.0**-32
 # summands that are opposite to within this fraction of their size are not added here: their sum keeps few digits
 OPPOSITE = 2.0**-30
-# a sum has a point far out or at infinity if the chord's slope is below this fraction of its size (deg f = 5, floats),
-# or the leading coefficient of p² − q²f in genus2_complex below the second fraction of the other coefficients
+# a sum has a point far out or at infinity if the chord's slope is below FLATTEST_CHORD times its size (deg f = 5,
+# floats), or if the leading coefficient of p² − q²f in genus2_complex is below FLATTEST times the other coefficients
 FLATTEST_CHORD = 2.0**-12
 FLATTEST = 2.0**-20
 # least size of f at the smallest point, and of f's leading term at the largest point, relative to f at the largest

@@ -42,7 +42,7 @@ def add(f: Seven, first: Four, second: Four) -> tuple[Four, Number]:
     u0, u1, v0, v1 = first
     s0, s1 = second[0], second[1]
     q, l1, l0 = chord(f, first, second)
-    # p = q·V + L·U; U'' from the leading coefficients of p² − q²f
+    # p is q·V + L·U, and U'' follows from the leading coefficients of p² − q²f
     p0, p1, p2 = q * v0 + u0 * l0, q * v1 + u1 * l0 + u0 * l1, l0 + u1 * l1
     q2 = q * q
     top = l1 * l1 - q2 * f[6]
@@ -126,7 +126,7 @@ def slope(a: Four, b: Four, r: Four) -> tuple[Number, Number, Number]:
     # the unknowns are overlap/rest and (r0 − b0·overlap/rest)/(−norm). They are returned times q = rest·norm, so that
     # nothing is divided by q, which is 0 for opposite points
     if size + sqrt(rest) / 16 == size:
-        # opposite points, up to rounding: the null vector of the triangular system
+        # for opposite points, up to rounding, the result is the null vector of the triangular system
         rest, overlap = 0 * rest, 1 + 0 * overlap
     second, first, q = overlap * norm, b0 * overlap - r0 * rest, rest * norm
     if swap:
@@ -179,7 +179,7 @@ def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Fou
     r0, r1, r2, r3, r4, r5 = right
     y2, y3, y4, y5 = -b0 * x3, x2 - b1 * x3, -b0 * x5, x4 - b1 * x5
     scale = 1 + square(r0) + square(r1) + square(r2) + square(r3) + square(r4) + square(r5)
-    # normal form by one Householder reflection on the first column (q, 0, x2, …, x5)
+    # one Householder reflection clears the first column (q, 0, x2, …, x5) below its first entry
     norm = sqrt(square(q) + square(x2) + square(x3) + square(x4) + square(x5))
     turn = phase(q)
     h = q + turn * norm

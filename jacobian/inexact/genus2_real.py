@@ -28,7 +28,7 @@ def add(f: Six, first: Four, second: Four) -> tuple[Four, tuple[Real, Real, Real
     u0, u1, v0, v1 = first
     s0, s1, t1 = second[0], second[1], second[3]
     q, l1, l0 = chord(f, first, second)
-    # p = q·V + L·U; U'' from the leading coefficients of p² − q²f
+    # p is q·V + L·U, and U'' follows from the leading coefficients of p² − q²f
     p0, p1, p2 = q * v0 + u0 * l0, q * v1 + u1 * l0 + u0 * l1, l0 + u1 * l1
     lead = 1 / (l1 * l1)
     q2 = q * q
@@ -117,7 +117,7 @@ def slope(a: Four, b: Four, r: Four) -> tuple[Real, Real, Real]:
     # the unknowns are overlap/size and (r0 − b0·overlap/size)/(−norm). They are returned times q = size·norm, so that
     # nothing is divided by q, which is 0 for opposite points
     if negligible(root(size) / 16, norm):
-        # opposite points, to rounding: the null vector of the triangle
+        # for opposite points, up to rounding, the result is the null vector of the triangular system
         size, overlap = 0 * size, 1 + 0 * size
     second = overlap * norm
     first = b0 * overlap - r0 * size
@@ -178,7 +178,7 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
     r0, r1, r2, r3, r4, r5 = right
     y2, y3, y4, y5 = -b0 * x3, x2 - b1 * x3, -b0 * x5, x4 - b1 * x5
     scale = 1 + r0 * r0 + r1 * r1 + r2 * r2 + r3 * r3 + r4 * r4 + r5 * r5
-    # normal form by one Householder reflection on the first column (q, 0, x2, …, x5)
+    # one Householder reflection clears the first column (q, 0, x2, …, x5) below its first entry
     norm = root(q * q + x2 * x2 + x3 * x3 + x4 * x4 + x5 * x5)
     h = q + norm
     k = 1 / (norm * h)

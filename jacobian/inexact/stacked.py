@@ -77,7 +77,7 @@ def compose(
     p = added([q * c for c in v1], product(u1, slope))
     if len(both) - 1 <= genus and not field.is_zero(q, size(p), of_degree=False):
         v = [c / q for c in p]
-        # L and q have full accuracy relative to the largest entry; p, relative to itself, correspondingly less
+        # L and q are accurate relative to their largest entry; p, relative to itself, is less accurate if it is small
         return Total(both, v, p, q), max(departure(f, both, v), field.eps * size(u1) / (FEWER * (size(p) or 1)))
     p, q = _without_noise(field, f, p, q)
     u, rest, lean = _monic_quotient(field, f, p, q, both, plus)

@@ -64,7 +64,7 @@ class RichelotIsogeny(Immutable):
         factor = family.over(poly.mul(L, g1, move((self.determinant,))), v)
         if factor is None or not family.set_modulus(form):
             return None
-        # D·G₁(t)/v · H₁(X)(t − X)
+        # V is D·G₁(t)/v · H₁(X)(t − X)
         rising = [family.times(family.generator, x) for x in h1]
         cubic = [poly.sub(L, x, y) for x, y in zip([*rising, ()], [(), *h1], strict=True)]
         family.set_value([family.times(factor, c) for c in cubic])
@@ -112,7 +112,7 @@ class Splitting(Immutable):
         if not K.is_zero(determinant(K, self.quadratics)):
             raise ArgumentError("quadratics: their determinant is not 0, the target is a Jacobian: see RichelotIsogeny")
         self.move = Isomorphism(source, _to_squares(K, self.quadratics))
-        # y² = Π(a_i x² + b_i)
+        # the moved curve is y² = Π(a_i x² + b_i)
         product = self.move.target.f[::2]
         self.targets = HyperellipticCurve(K, product), HyperellipticCurve(K, product[::-1])
 

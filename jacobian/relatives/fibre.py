@@ -150,7 +150,7 @@ class FibreGroup(Immutable):
             return self.element(K.sub(K.one, K.mul(t, self.values[0])), t)
         if t == K.zero:
             raise ArgumentError("t = 0: the group is G_m, give t ≠ 0")
-        # a + b·y₁ = t, a + b·y₂ = 1
+        # a and b solve a + b·y₁ = t and a + b·y₂ = 1
         y1, y2 = self.values
         b = K.div(K.sub(t, K.one), K.sub(y1, y2))
         return self.element(K.sub(K.one, K.mul(b, y2)), b)
