@@ -6,8 +6,8 @@ v_i² + Σ_j (x_iv_j − x_jv_i)²/(a_i − a_j):
     U = f₁Σ(x_i²/a_i)/(x − a_i),   V = f₁Σx_iv_i/(x − a_i) − λU,   f₁ΣF_i/(x − a_i) = xR(x),   f = −x·f₁·R
 
 The roots of U are the elliptic coordinates, those of R the caustics; the genus is n. The direction is ±2e_0 in τ with
-dt = |U(0)|dτ. With Ω = Σ∫u^g du/y, of the second kind, t = −½Ω. The additions carry Ω, so that no quadrature is
-needed. At a branch point a_i the lift is (x_i, a_iv_i − λx_i).
+dt = |U(0)|dτ. With Ω = Σ∫u^g du/y, of the second kind, t = −½Ω. Ω is a datum of the pair in every addition, so no
+quadrature is needed. At a branch point a_i the lift is (x_i, a_iv_i − λx_i).
 
 The discretization is D + (l, m) − (0, 0). The tangent leads to x + hv on Σy_i²/(a_i − l) = 1, and Ivory's affinity y_i
 ↦ √(a_i/(a_i − l))·y_i leads back. The tangent backwards from the new point reaches that quadric with the same h.

@@ -136,7 +136,7 @@ class KdV(Made):
 
 
 class Wave:
-    """A solution u; ``at(x, t)`` evaluates it. It is returned by ``kdv.wave(state)``."""
+    """A solution u, returned by ``kdv.wave(state)``; ``at(x, t)`` evaluates it."""
 
     def __init__(self, kdv: KdV, state: Eigenvalues) -> None:
         self.digits = long_digits(kdv.field)
@@ -280,8 +280,8 @@ class Wave:
 
         On the way U(n) = ψ² may shrink. By −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at rates of at
         most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) from falling below the square
-        root of the rounding unit. Two precisions lose alike, so comparing them does not show the loss. A band's width
-        bounds it.
+        root of the rounding unit. Two precisions lose the same bits, so comparing them does not show the loss. A band's
+        width bounds it.
         """
         edges, needed = self._edges, 0.0
         bounds = [float(sum(edges) - 2 * sum(edges[k::2])) for k in (1, 2)]

@@ -33,7 +33,7 @@ class SummedFlow(MumfordFlow):
 
     @cached_property
     def _tori(self) -> dict[int, tuple[SeparatedTorus, Callable[..., Point]]]:
-        """By number of bits, the torus and the function that reads states from it; empty at first."""
+        """The torus and the function that reads states from it, by number of bits; empty at first."""
         return {}
 
     def _state(self, N: LongField, time: Number) -> Point:

@@ -3,8 +3,8 @@ automatically.
 
 Numbers have 30 digits more than requested, and as many more as errors can grow by next to a separatrix
 (:func:`integrable.moving_point.losses.lost_digits`). Every call also measures the loss, from the integrals of all
-states and from the farthest state, computed again with more digits. Where the digits do not suffice, the computation is
-repeated with as many more as were missing.
+states and from the farthest state, computed again with more digits. If digits are missing, the computation is repeated
+with as many more.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ class ManyDigits:
     expected = 24
     """The number of a carrier's guard digits that may be lost."""
     step = 50
-    """Digits are added in steps, so that few set-ups serve many calls."""
+    """The number of digits added at a time, so that few set-ups serve many calls."""
 
     def __init__(self, digits: int, carrier: Carrier) -> None:
         self.digits = digits

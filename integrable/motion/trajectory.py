@@ -109,7 +109,7 @@ class Motion(Immutable):
         return NO_ROWS, ""
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:
-        """Raises NotRepresentable, because the system is no body that rolls on a plane."""
+        """Raises NotRepresentable, because the system does not roll on a plane."""
         raise NotRepresentable(f"{self.system!r} is no body that rolls on a plane: it has no point of contact")
 
     def _kept(self, way: InOrder, given: np.ndarray, physical: bool, nan: Real) -> Rows:

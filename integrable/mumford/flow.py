@@ -85,7 +85,7 @@ class Path(Record):
 
 
 class MumfordFlow:
-    """The motion of one state; ``at(times)`` evaluates it. It is returned by ``system.flow(state)``."""
+    """The motion of one state, returned by ``system.flow(state)``; ``at(times)`` evaluates it."""
 
     _cost = BY_ADDITIONS
     """The cost of additions."""

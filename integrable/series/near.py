@@ -33,7 +33,7 @@ class Walked(Protocol):
 class Near(NamedTuple):
     """The indices of the times that were reached, the states (q, p) there, of shape (N, 2, n), and an error estimate.
 
-    ``error`` estimates the largest error, relative to the largest component of q, or of p. ``whole`` says that all
+    ``error`` estimates the largest error, relative to the largest component of q, or of p. ``whole`` is true if all
     times were reached, in the order given.
     """
 

@@ -16,7 +16,7 @@ Key = tuple[Any, ...]
 
 @dataclass(frozen=True, repr=False)
 class Symbol(Operand):
-    """A constant whose value is known when a walk begins; ``key`` says how it is computed."""
+    """A constant whose value is known when a walk begins; ``key`` describes its computation."""
 
     key: Key
 
