@@ -29,7 +29,7 @@ else:
 
 
 class Real(Protocol):
-    """A real number by its operators: a float, mpf or mpfr, a column of them, a symbol."""
+    """A real number by its operators: a float, mpf or mpfr, an array of these, or a symbol."""
 
     def __add__(self, other: Any, /) -> Any: ...
 
@@ -119,7 +119,7 @@ class Arithmetic(Protocol[Element]):
 
 
 class FormulaField(Arithmetic[Element], Protocol[Element]):
-    """The numbers with which formulas are evaluated: a field, jets, long numbers, balls, columns."""
+    """The arithmetic with which formulas are evaluated: that of a field, jets, long numbers, balls or arrays."""
 
     def sqrt(self, x: Element) -> Element: ...
 

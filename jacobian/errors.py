@@ -226,8 +226,8 @@ def shortened(text: str) -> str:
 
 
 def written(number: Any) -> str:
-    """``str(number)`` for an element of a field. A numerator or denominator of more than 200 digits shows both ends and
-    their number: 31415926…46095505[300 digits].
+    """``str(number)`` for an element of a field. A numerator or denominator of more than 200 digits is shown by its
+    ends and its length: 31415926…46095505[300 digits].
     """
     if type(number) is Fraction and number.denominator != 1:
         return f"{_digits(number.numerator)}/{_digits(number.denominator)}"

@@ -69,7 +69,7 @@ class Jacobian(FiniteGroup[Element]):
             object.__setattr__(self, name, function)
 
     def compile(self) -> None:
-        """Add with compiled code from now on, where the field has it (:mod:`jacobian.addition.choice`).
+        """Adds with compiled code from now on, where the field has it (:mod:`jacobian.addition.choice`).
 
         This happens automatically after some work; call it to wait now instead. After ``python -m jacobian compile``
         the wait is about a second.
@@ -276,7 +276,7 @@ class Jacobian(FiniteGroup[Element]):
             )
 
     def _scales(self, u: poly.Poly, v: poly.Poly) -> poly.Poly:
-        """The size of the terms of the remainder, from the division of absolute values, where nothing cancels."""
+        """The sizes of the terms of v² + hv − f modulo u, from a division of absolute values, where nothing cancels."""
         C: HyperellipticCurve = self.curve
         a, h = [abs(c) for c in v], [abs(c) for c in C.h]
         size = [abs(c) for c in C.f] + [0] * (2 * len(a) + len(h))

@@ -93,7 +93,7 @@ def _interrupt(*_: Any) -> None:
 
 
 def _say() -> None:
-    """Prints the line, once; afterwards no thread and no library can write."""
+    """Prints the line ``name: interrupted`` once; afterwards no thread and no library can write."""
     if not _Standing.name:
         return
     if not _Standing.said.acquire(blocking=False):

@@ -33,7 +33,9 @@ def say() -> None:
 
 
 def beside(folder: str) -> Iterator[str]:
-    """Yields name and version of each distribution ``jacobian`` installed in a folder, from the file names alone."""
+    """Yields the name and the version of each distribution ``jacobian`` installed in a folder, from the file names
+    alone.
+    """
     try:
         names = os.listdir(folder)
     except OSError:
@@ -44,7 +46,7 @@ def beside(folder: str) -> Iterator[str]:
 
 
 def installed() -> list[str]:
-    """Name, version and folder of all other distributions that have a package ``jacobian``."""
+    """The name, the version and the folder of each other distribution that has a package ``jacobian``."""
     from importlib import metadata
 
     found = set()

@@ -21,8 +21,8 @@ Poly = tuple[Element, ...]
 def coerce(
     K: Arithmetic[Element], values: object, argument: str = "polynomial", *, constant: bool = False
 ) -> Poly[Element]:
-    """The polynomial with the ascending coefficients ``values``, or that is given as ``values`` by galois, python-flint
-    or PARI; else FieldError, which names ``argument``.
+    """The polynomial that ``values`` stands for: ascending coefficients, or a polynomial of galois, python-flint or
+    PARI. Raises FieldError, which names ``argument``, for anything else.
 
     With ``constant`` a single number is accepted too. Exact zeros at the top are cut off over an exact field only.
     """
@@ -51,7 +51,7 @@ def _ascending(values: Any) -> Any:
 
 
 def to_galois(K: Arithmetic[Element], a: Poly[Element]) -> Any:
-    """The galois.Poly of a (descending, as galois has it); FieldError for a field without a galois class."""
+    """The galois.Poly of ``a`` (descending, as galois has it); FieldError for a field without a galois class."""
     if not hasattr(K, "to_galois"):
         raise FieldError(f"field = {K.name}: galois has finite fields only")
     import galois
@@ -60,7 +60,7 @@ def to_galois(K: Arithmetic[Element], a: Poly[Element]) -> Any:
 
 
 def trim(K: Arithmetic[Element], a: Sequence[Element]) -> Poly[Element]:
-    """a without its highest coefficients that are exactly zero."""
+    """``a`` without its highest coefficients that are exactly zero."""
     size = len(a)
     while size and a[size - 1] == K.zero:
         size -= 1
@@ -95,7 +95,7 @@ def scale(K: Arithmetic[Element], c: Element, a: Poly[Element]) -> Poly[Element]
 
 
 def mul(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly[Element]:
-    """a·b, each coefficient one dot product."""
+    """a·b, each coefficient being one dot product."""
     fast: Callable[..., Poly[Element]] | None = getattr(K, "poly_mul", None)
     if fast:
         return fast(a, b)
@@ -114,7 +114,9 @@ def mul(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly[Elem
 
 
 def divide(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> tuple[Poly[Element], Poly[Element]]:
-    """(quotient, remainder) of a by b. Over an inexact field the remainder has length min(len a, len b − 1)."""
+    """(quotient, remainder) of the division of ``a`` by ``b``. Over an inexact field the remainder has length min(len
+    a, len b − 1).
+    """
     fast: Callable[..., tuple[Poly[Element], Poly[Element]]] | None = getattr(K, "poly_divmod", None)
     if fast:
         return fast(a, b)
@@ -137,17 +139,17 @@ def divide(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> tuple[
 
 
 def mod(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly[Element]:
-    """The remainder of a modulo b."""
+    """The remainder of ``a`` modulo ``b``."""
     return divide(K, a, b)[1]
 
 
 def quotient(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly[Element]:
-    """The quotient of a by b without the remainder: for exact divisions."""
+    """The quotient of ``a`` by ``b``, for divisions without remainder."""
     return divide(K, a, b)[0]
 
 
 def monic(K: Arithmetic[Element], a: Poly[Element]) -> Poly[Element]:
-    """a divided by its leading coefficient, so that the leading coefficient becomes exactly one."""
+    """``a`` divided by its leading coefficient, which becomes exactly one."""
     lead = a[-1]
     if lead == K.one:
         return a
@@ -163,7 +165,7 @@ def gcd(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Poly[Elem
 
 
 def half_xgcd(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> tuple[Poly[Element], Poly[Element]]:
-    """The pair (d, s): d is the monic gcd of a and b, and s·b ≡ d modulo a. Exact fields; not both zero."""
+    """The pair (d, s): d is the monic gcd of a and b, not both zero, over an exact field, and s·b ≡ d modulo a."""
     r0, r1 = a, b
     s0: Poly[Element] = ()
     s1: Poly[Element] = (K.one,)
@@ -184,7 +186,7 @@ def half_xgcd(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> tup
 def xgcd(
     K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]
 ) -> tuple[Poly[Element], Poly[Element], Poly[Element]]:
-    """(d, r, s): d the monic gcd, d = r·a + s·b. Exact fields; not both zero."""
+    """(d, r, s): d is the monic gcd of a and b, not both zero, over an exact field, and d = r·a + s·b."""
     d, s = half_xgcd(K, a, b)
     if not a:
         return d, (), s
@@ -259,7 +261,9 @@ def through(K: Arithmetic[Element], points: Sequence[tuple[Element, Element]]) -
 
 
 def random(K: Any, degree: int, rng: Rng, *, monic: bool = False) -> Poly:
-    """A random polynomial: uniform of degree below ``degree``, or, with ``monic``, uniform monic of that degree."""
+    """A polynomial drawn uniformly from those of degree below ``degree``; with ``monic``, from the monic ones of that
+    degree.
+    """
     a = tuple([K.random(rng) for _ in range(degree)])
     if monic:
         return (*a, K.one)
@@ -277,7 +281,7 @@ def power_mod(K: Arithmetic[Element], a: Poly[Element], exponent: int, m: Poly[E
 
 
 def text(K: Arithmetic[Element], a: Sequence[Element], variable: str = "x") -> str:
-    """a as a formula, the highest power first; long numbers show their ends (:func:`jacobian.errors.written`)."""
+    """``a`` as a formula, the highest power first; long numbers show their ends (:func:`jacobian.errors.written`)."""
     terms = []
     for i in range(len(a) - 1, -1, -1):
         c = a[i]

@@ -37,7 +37,7 @@ def context(K: Any) -> Any:
 
 
 def two_word_context(K: Any) -> TwoWords | BinaryContext:
-    """The context of GF(p), p odd, or GF(2^n), n > 1."""
+    """The context of GF(p), p odd and below 2^128, or GF(2^n), 1 < n < 128."""
     if K.characteristic == 2:
         return binary_context(sum(c << i for i, c in enumerate(K.modulus)))
     return two_words(K.p)
@@ -71,9 +71,9 @@ def library(context: type, model: type) -> Library:
 
 
 class WordKernel:
-    """Addition, doubling and multiples of reduced triples on one curve, an arithmetic model over a word-size field.
+    """Addition, doubling and multiples of reduced triples on one curve, an ``arithmetic_model`` over a word-size field.
 
-    Sums run Cantor's algorithm; a multiple takes the explicit formulas of ``equation`` where they apply.
+    Sums use Cantor's algorithm; multiples use the explicit formulas of ``equation`` where they apply.
     """
 
     def __init__(self, C: HyperellipticCurve, equation: Any = None) -> None:
@@ -188,7 +188,7 @@ class TwoWordKernel(ExplicitKernel):
 
 
 def word_kernel(C: HyperellipticCurve) -> WordKernel | LineKernel:
-    """The compiled kernel of a curve, an arithmetic model over GF(p), p < 2^63 odd, or over a TableField."""
+    """The compiled kernel of a curve, an ``arithmetic_model`` over GF(p), p < 2^63 odd, or over a TableField."""
     return WordKernel(C) if short_equation(C, int) is None else LineKernel(C)
 
 

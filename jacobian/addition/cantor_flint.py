@@ -38,7 +38,7 @@ def pays(C: HyperellipticCurve) -> bool:
 
 
 class FlintCantor:
-    """Addition and doubling of reduced triples on one curve, an arithmetic model over GF(p), GF(p^k) or QQ."""
+    """Addition and doubling of reduced triples on one curve, an ``arithmetic_model`` over GF(p), GF(p^k) or QQ."""
 
     def __init__(self, C: HyperellipticCurve) -> None:
         self._into, self._back = conversions(C.field)

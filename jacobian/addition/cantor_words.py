@@ -86,7 +86,7 @@ def _scaled(K: Any, r: Any, c: Any, a: Any, size: Any) -> Any:
 
 
 def _product(K: Any, r: Any, a: Any, na: Any, b: Any, nb: Any) -> Any:
-    """a·b, with one reduction for every two terms."""
+    """a·b, with one modular reduction for every two terms."""
     if na == 0 or nb == 0:
         return 0
     for k in range(na + nb - 1):
@@ -204,7 +204,7 @@ def _without(K: Any, S: Any, r: Any, u: Any, nu: Any, d: Any, nd: Any) -> Any:
 def _common_part(K: Any, curve: Any, S: Any, nd: Any, sum_of_v: Any, nk: Any, divisor: Any) -> Any:
     """Replaces d and k (rows 7 and 9) as :func:`jacobian.addition.cantor._common_part` does; returns their lengths.
 
-    Here and below each polynomial is followed by its length.
+    In the tuples, each polynomial is followed by its length.
     """
     (trace, nt), (u, nu, v, nv) = sum_of_v, divisor
     d, k, common, t, r, other = S[7], S[9], S[11], S[12], S[13], S[14]

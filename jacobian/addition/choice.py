@@ -9,9 +9,9 @@ same triples.
 The compiled kernels of :mod:`jacobian.addition.calls` are faster than all of these. They exist over fields of word size
 (GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements). Where explicit formulas apply, they also exist over GF(p), 2^63
 < p < 2^128, and GF(2^n), 16 < n < 128. A machine compiles them once, and each process loads them. So a group starts
-with one of the kernels above. It switches once the additions of the process on such groups have taken as long as the
-switch: after READY additions if the kernels are on disk (``python -m jacobian compile`` puts them there), else after
-COLD ones. :meth:`jacobian.group.Jacobian.compile` switches at once.
+with a kernel that is not compiled. It switches once the process has spent as much time on additions in such groups as
+the switch takes: after READY additions if the kernels are on disk (``python -m jacobian compile`` puts them there),
+else after COLD ones. :meth:`jacobian.group.Jacobian.compile` switches at once.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ PROCESS = Work()
 
 
 class Kernel(NamedTuple):
-    """Three functions of reduced triples on one arithmetic model: addition, doubling, and multiples by m > 0."""
+    """Three functions of reduced triples on one curve: addition, doubling, and multiples by m > 0."""
 
     sum_of: Addition
     double: Doubling
@@ -73,7 +73,7 @@ class Kernel(NamedTuple):
 
 
 def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None, work: Work = PROCESS) -> Kernel:
-    """The kernel for C, the arithmetic model of a curve over an exact field.
+    """The kernel for C, the ``arithmetic_model`` of a curve over an exact field.
 
     Additions are counted in ``work``. When they have taken as long as the switch to the compiled kernel, ``adopt`` is
     called with that kernel. Without ``adopt`` no compiled kernel is considered.
@@ -141,7 +141,7 @@ def has_two_words(K: Field[Any]) -> bool:
 
 
 def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
-    """The compiled kernel for C, an arithmetic model; None if there is none, or if compilation is switched off."""
+    """The compiled kernel for C, an ``arithmetic_model``; None if there is none, or if compilation is switched off."""
     if interpreted() or not (is_word_sized(C) or is_two_words_long(C)):
         return None
     from jacobian.addition.calls import TwoWordKernel, word_kernel
@@ -220,7 +220,7 @@ WORDS = "GF(p), p < 2^63 odd, and GF(p^k) of at most 2^16 elements"
 
 
 def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
-    """One line on the kernel of the addition ``sum_of`` of C, an arithmetic model, and on the reason for it.
+    """One line that names the kernel of the addition ``sum_of`` of C, and the reason for it.
 
     If another kernel may replace it, a second line says when.
     """

@@ -55,19 +55,19 @@ def from_quotient(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> Any
 
 
 def returned(K: Any, C: Any, general: Any, found: Any) -> Any:
-    """Returns (u, v, valid) in residues; ``valid`` means that the formulas applied and that v has degree g − 1."""
+    """Returns (u, v, valid) as residues; ``valid`` means that the formulas applied and that v has degree g − 1."""
     u, v = decoded(K, C, found)
     return u, v, general and v[len(v) - 1] != 0
 
 
 def add_classes(K: Any, C: Any, u: Any, v: Any, other_u: Any, other_v: Any) -> Any:
-    """Adds two classes of weight g, given in residues; returns the triple of :func:`returned`."""
+    """Adds two classes of weight g, given as residues; returns the triple of :func:`returned`."""
     general, found = sum_of(K, C, encoded(K, C, u, v), encoded(K, C, other_u, other_v))
     return returned(K, C, general, found)
 
 
 def double_class(K: Any, C: Any, u: Any, v: Any) -> Any:
-    """Doubles a class of weight g, given in residues; returns the triple of :func:`returned`."""
+    """Doubles a class of weight g, given as residues; returns the triple of :func:`returned`."""
     general, found = double_of(K, C, encoded(K, C, u, v))
     return returned(K, C, general, found)
 
@@ -182,9 +182,9 @@ def put(K: Any, g: Any, found: Any, result: Any) -> None:
 
 
 def enter(K: Any, g: Any, data: Any, header: Any, begin: Any, a: Any) -> Any:
-    """Reads a class from ``data`` into a; returns the index after its last coefficient.
+    """Reads a class from ``data`` into the array ``a``; returns the index after its last coefficient.
 
-    Its lengths and weight stand at ``header``; its coefficients begin at ``begin``.
+    Its lengths and weight begin at ``header``; its coefficients begin at ``begin``.
     """
     nu, nv = data[header], data[header + 1]
     for i in range(2 * g + 4):
@@ -198,7 +198,7 @@ def enter(K: Any, g: Any, data: Any, header: Any, begin: Any, a: Any) -> Any:
 
 
 def leave(K: Any, g: Any, a: Any, data: Any) -> None:
-    """Writes the class a into ``data``, its words decoded to field elements."""
+    """Writes the class ``a`` into ``data``, its words decoded to field elements."""
     data[0], data[1], data[2] = a[0], a[1], a[2]
     for i in range(3, 2 * g + 4):
         data[i] = decode(K, a[i])

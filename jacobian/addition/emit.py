@@ -128,7 +128,7 @@ def lines_of(tape: Tape, results: dict[int, str], style: OnInts | OnElements, ot
 def _function(
     formulas: Formulas, known: dict[str, int], style: OnInts | OnElements, name: str, given: str
 ) -> list[str]:
-    """The lines of the addition if ``given`` is "ab", two triples, or of the doubling if it is "a"."""
+    """The lines that add two triples if ``given`` is "ab", or double one if it is "a"."""
     g, names = formulas.genus, (("a", "b"), ("c", "d"))[: len(given)]
     tape = Tape(known["characteristic"] == 2, style.karatsuba)
     C = formulas.equation(known, tape)
@@ -175,7 +175,7 @@ def maker(formulas: Formulas, known: tuple[tuple[str, int], ...], style: Any) ->
 
 
 def trimmed(v: tuple[Any, ...], zero: Any) -> tuple[Any, ...]:
-    """v without leading zeros."""
+    """v, ascending, without its highest coefficients that are zero."""
     while v and v[-1] == zero:
         v = v[:-1]
     return v

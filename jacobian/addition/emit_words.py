@@ -63,7 +63,7 @@ class Writer:
                 self.names[i] = self._written(i)
 
     def _repeated(self, results: Sequence[int]) -> Iterable[int]:
-        """The products to be written out in every sum in which they occur, because each has room for one more."""
+        """The products to write out in every sum in which they occur: each of these sums has room for one more."""
         parts = {i: self._parts(i) for i in self.live if i in self.named}
         for i in self.named.difference(self.factors, results):
             sums = [products for products, others in parts.values() if i in others]
@@ -249,7 +249,7 @@ def _step(
 
 
 def _names(parameter: str, count: int) -> list[str]:
-    """The names of a parameter's numbers."""
+    """The names of the numbers of which a step's parameter consists."""
     letters = {"first": "ab", "second": "cd"}.get(parameter)
     if letters is None:
         return [parameter] if count == 1 else [f"{parameter}{k}" for k in range(count)]

@@ -1,4 +1,4 @@
-"""``python -m jacobian sato-tate``: L-polynomials up to a bound, their moments, and the compatible groups."""
+"""``python -m jacobian sato-tate``: L-polynomials up to a bound, their moments, and the compatible Sato–Tate groups."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def text_of(L: LPolynomials) -> str:
-    """The record, the moments and, in genus 1 and 2, the groups, each with an explanation."""
+    """The record, the moments and, in genus 1 and 2, the Sato–Tate groups, each with an explanation."""
     from jacobian.arithmetic.sato_tate import FROM, bound_with, sato_tate_groups
 
     lines = [repr(L)]

@@ -1,4 +1,4 @@
-"""L-polynomials from their coefficients modulo p, prime after prime, by the group law: loops to be compiled.
+"""L-polynomials from their coefficients modulo p, for one prime after another, by the group law: loops to be compiled.
 
 With a_1 known and a_2 (and a_3) modulo p, the order of J(GF(p)) is c + p·(e + p·s) for small e and s. The same holds
 for its quadratic twist, whose a_1 and a_3 have the other sign. A point x_0 gives a class D, and no square root is
@@ -28,7 +28,7 @@ def decide(equations: Any, residues: Any, desk: Any, out: Any, begin: int, end: 
     """Completes the rows (p, a_1, … a_g, the number of remaining candidates) of ``out`` from begin to end.
 
     ``out`` already contains p; ``residues`` are a_1 and the other a_i modulo p, ``equations`` the coefficients of F
-    modulo p. The number is 1 where the prime is decided, 0 where every candidate is wrong.
+    modulo p. The number of candidates is 1 where the prime is decided, 0 where every candidate is wrong.
     """
     g = residues.shape[1]
     for k in range(begin, end):
@@ -127,7 +127,7 @@ def search(K: Any, sign: int, rows: int, desk: Any) -> int:
 
 
 def baby_steps(K: Any, rows: int, desk: Any) -> Any:
-    """(the number of baby steps, the size of their hash table): the steps are 0, −pD, −2pD, ….
+    """Writes the baby steps 0, −pD, −2pD, … and their hash table; returns their number and the size of the table.
 
     The step after the last is written to class 6. The number of steps is about the square root of the number of
     candidates. If pD has a smaller order, the steps are a full cycle, and the giant step is 0.
@@ -157,7 +157,7 @@ def baby_steps(K: Any, rows: int, desk: Any) -> Any:
 
 
 def place_of(a: Any, size: int) -> int:
-    """The index at which the search for the class a begins, in a hash table of ``size`` entries."""
+    """The index at which the search for the class ``a`` begins, in a hash table of ``size`` entries."""
     h = a[2]
     for i in range(3, len(a)):
         h = (h * 1000003 + a[i]) % 2147483647

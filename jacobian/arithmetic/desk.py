@@ -21,9 +21,9 @@ HEAD = 7
 class Desk(NamedTuple):
     """The memory of a search by :mod:`jacobian.arithmetic.decision_kernels`.
 
-    It holds the curve; the scratch memory of Cantor's algorithm; classes, the first three p·D, p²·D and (least
-    order)·D; the polynomial F and its translate; the table of baby steps; the ranges of t in each row; the candidates
-    (s, t).
+    It holds the curve; the scratch memory of Cantor's algorithm; classes, of which the first three are p·D, p²·D and
+    (least order)·D; the polynomial F and its translate; the table of baby steps; the ranges of t in each row; the
+    candidates (s, t).
     """
 
     curve: Any
@@ -99,7 +99,7 @@ def is_square(K: Any, x: int) -> bool:
 
 
 def set_class(K: Any, g: int, n: int, a: Any) -> None:
-    """Writes into a the class of weight n at ∞₊ without affine points: ⌈g/2⌉ gives 0, ⌈g/2⌉ + 1 gives ∞₊ − ∞₋."""
+    """Writes into ``a`` the class of weight n at ∞₊ without affine points: ⌈g/2⌉ gives 0, ⌈g/2⌉ + 1 gives ∞₊ − ∞₋."""
     for i in range(len(a)):
         a[i] = 0
     a[0], a[2], a[3] = 1, n, 1

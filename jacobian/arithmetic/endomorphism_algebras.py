@@ -161,7 +161,7 @@ def hilbert(a: int, b: int, p: int) -> int:
 
 
 def _compare(p: int, L: Sequence[int], geometric: int, rational: Sequence[Integers]) -> None:
-    """Raises PrecisionLoss if the L-polynomial excludes that the reduction modulo p has these endomorphisms."""
+    """Raises PrecisionLoss if the L-polynomial shows that the reduction modulo p lacks these endomorphisms."""
     from flint import fmpz_mat
 
     if geometric > _endomorphisms_of(_power(L, ROOTS_OF_UNITY)) or len(rational) > _endomorphisms_of(_power(L, 1)):
@@ -216,7 +216,7 @@ def _power(L: Sequence[int], n: int) -> Any:
 
 
 def _endomorphisms_of(frobenius: Any) -> int:
-    """The dimension of End⁰ by the polynomial of Frobenius: Σ m² over its roots, m their multiplicity (Tate 1966)."""
+    """The dimension of End⁰ from the polynomial of Frobenius: Σ m² over its roots, m their multiplicity (Tate 1966)."""
     return sum(part.degree() * times**2 for part, times in frobenius.factor_squarefree()[1])
 
 

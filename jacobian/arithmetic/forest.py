@@ -12,7 +12,7 @@ The blocks form trees. A tree multiplies its matrices, carries the window down t
 finally to its own end, modulo the primes of all later trees. For each p the window is then advanced from the beginning
 of the block to p, modulo p (:mod:`jacobian.arithmetic.walk`). This is faster than the lower levels of a tree.
 
-Integers and matrices are those of FLINT (python-flint). It multiplies matrices of 5 rows with entries of 640 kbit in
+Integers and matrices are those of FLINT (python-flint). FLINT multiplies matrices of 5 rows with entries of 640 kbit in
 the time of 91 products of such integers (``python -m benchmarks l_polynomials``).
 """
 

@@ -1,8 +1,8 @@
 """The L-polynomials of a curve over QQ at all good primes up to a bound.
 
 The Hasse–Witt matrices give them modulo p, for all primes together (:mod:`jacobian.arithmetic.residues`). The group law
-decides the rest prime by prime (:mod:`jacobian.arithmetic.decision`). Points are counted at the few primes that divide
-values of the polynomial at the translations or are at most 16g², and at 2 where the equation is good there.
+decides the rest prime by prime (:mod:`jacobian.arithmetic.decision`). Points are counted at the few primes that are at
+most 16g² or divide :func:`jacobian.arithmetic.residues.exceptions`, and at 2 where the equation is good there.
 """
 
 from __future__ import annotations
@@ -91,10 +91,10 @@ def with_progress(C: HyperellipticCurve, bound: int, file: File | None = None, p
 def hasse_witt_matrices(C: HyperellipticCurve, bound: int) -> tuple[np.ndarray, np.ndarray]:
     """(p, W): odd primes of good reduction up to ``bound``, (K,), and W_p, (K, g, g).
 
-    Entry i, j of W_p is the coefficient of x^(ip−j) in F^((p−1)/2) modulo p, F = h² + 4f times a square. Any genus with
-    deg F ≤ 120. W_p is the transpose of :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`, as a square
-    factor of F does not change F^((p−1)/2) modulo p. Let a run over the g integers of least size with F(a) ≠ 0. Primes
-    p ≤ 2g are left out, and those that divide an F(a) or a difference of two a.
+    Entry i, j of W_p is the coefficient of x^(ip−j) in F^((p−1)/2) modulo p, F = h² + 4f times a square. The degree of
+    F is at most 120. W_p is the transpose of :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`, because a
+    square factor of F does not change F^((p−1)/2) modulo p. Let a run over the g integers of least size with F(a) ≠ 0.
+    Primes p ≤ 2g are left out, and those that divide an F(a) or a difference of two a.
     """
     bound = _checked(C, bound)
     F, g = residues.integral_equation(C), C.genus
@@ -129,7 +129,7 @@ def _checked(C: HyperellipticCurve, bound: int) -> int:
 
 
 def _reductions(C: HyperellipticCurve, bound: int) -> tuple[Any, list[int]]:
-    """The primes of good reduction of this equation up to the bound, and the others."""
+    """The primes of good reduction of this equation up to the bound, and the other primes."""
     primes = residues.primes_up_to(bound)
     suspected = primes[residues.modulo(suspects(C), primes) == 0].tolist()
     bad = [p for p in suspected if not is_good(C, p)]

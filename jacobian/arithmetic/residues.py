@@ -218,7 +218,7 @@ def modulo(c: int, p: Any) -> Any:
 
 
 def power(a: Any, exponents: Any, p: Any) -> Any:
-    """a^exponents modulo p < 2^31, all arrays."""
+    """a^exponents modulo p < 2^31; all three are arrays."""
     result, a, exponents = np.ones_like(p), a % p, exponents.copy()
     while exponents.any():
         result = np.where(exponents & 1, result * a % p, result)

@@ -1,8 +1,9 @@
-"""Sato–Tate groups: their moments of (a_1/√p, a_2/p), and the groups with which those of a curve are compatible.
+"""Sato–Tate groups: their moments of (a_1/√p, a_2/p), and the groups with which the L-polynomials of a curve are
+compatible.
 
-In genus 2 there are 52 groups (Fité, Kedlaya, Rotger and Sutherland 2012). A component is given by a law of two angles
-α, β with L_p(T/√p) = Π (1 − 2cos α·T + T²)(1 − 2cos β·T + T²), a_1 = −2cos α − 2cos β, a_2 = 2 + 4·cos α·cos β, or by a
-law of a_2 alone where a_1 = 0. No table of moments is copied.
+In genus 2 there are 52 groups (Fité, Kedlaya, Rotger and Sutherland 2012). A component is given by a probability law of
+two angles α, β with L_p(T/√p) = Π (1 − 2cos α·T + T²)(1 − 2cos β·T + T²), a_1 = −2cos α − 2cos β, a_2 = 2 + 4·cos α·cos
+β, or by a law of a_2 alone where a_1 = 0. No table of moments is copied.
 
 With identity component U(1) a group is given by a group H of rotations. Either all of its elements occur, or all occur
 also with J, or, for a pair H ⊃ H′ of index 2, those of H′ occur without J and the others with J. The element u·A, A of
@@ -55,7 +56,7 @@ class Part(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """A group, and the probability that chance alone makes means differ from the group's as much as the curve's do.
+    """A group, and ``probability``, the p-value of the curve's means if this is its group.
 
     ``primes``: how many primes would separate the group from the most probable one; 0 for the most probable group.
     """

@@ -42,7 +42,9 @@ class Walks(NamedTuple):
 
 
 def last_coefficients(walks: Walks, count: int) -> tuple[Any, Any]:
-    """(c_(p−1), …, c_(p−count)) in the scale of the window, (N, T, count), and Π_{start<k<p} k, (N,), modulo p."""
+    """(c_(p−1), …, c_(p−count)) with the scale factor of the window, (N, T, count), and Π_{start<k<p} k, (N,), modulo
+    p.
+    """
     primes, ratios, start, window = walks
     size, translates, d = ratios.shape
     groups = -(-size // TOGETHER)

@@ -29,7 +29,7 @@ def check_count(count: Any) -> int:
 
 
 def elements(J: Jacobian, a: Any, name: str, width: int, compiled: bool) -> Any:
-    """``a`` as an array (N, width) of raw elements of J's field: int64 if ``compiled``, else its floats or objects."""
+    """``a`` as an array (N, width) of raw elements of J's field: int64 if ``compiled``, else floats or objects."""
     K: Any = J.field
     if hasattr(type(a), "irreducible_poly") and np.size(a):
         K.coerce(a.ravel()[0], name)  # raises for another field

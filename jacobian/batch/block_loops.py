@@ -110,7 +110,7 @@ def close_rows(K: Any, C: Any, S: Any, second: Any) -> None:
 
 
 def divisor(C: Any, S: Any, at: Any, j: Any) -> Any:
-    """The divisor of row j in the order of the formulas."""
+    """The divisor of row j, in the order that the formulas use."""
     return STEPS[divisor][type(C)](S, at, j)
 
 

@@ -84,7 +84,7 @@ def apart(first: Any, second: Any) -> Any:
 
 
 def even(f: Any, first: Any, second: Any) -> Any:
-    """Whether the summands lose no digits because f varies in size.
+    """Whether f varies so little in size that the summands lose no digits.
 
     The sizes of f's terms are added up at the smallest and at the largest point of both divisors. The value at the
     smallest point, and the leading term at the largest, must not be far smaller than the value at the largest point.

@@ -1,4 +1,4 @@
-"""The libraries of compiled loops over rows, one for each kind of context and of equation."""
+"""The libraries of compiled loops over rows, one for each class of contexts and of equations."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ def equation(context: Any, model: Any) -> TupleKind:
 
 
 def room_of_sums(context: Any) -> TupleKind:
-    """The kind of the memory in which a sum works: the indices of special rows, and scratch."""
+    """The kind of the memory that a sum uses: the indices of special rows, and scratch."""
     return TupleKind((INTS, NUMBERS[context]))
 
 
 @cache
 def sums(context: Any, model: Any) -> Library:
-    """The library of sums and doubles by explicit formulas, for a kind of context and of equation."""
+    """The library of sums and doubles by explicit formulas, for a class of contexts and of equations."""
     flat, C = NUMBERS[context], equation(context, model)
     rows = with_axes(flat, 2)
     first = TupleKind((rows, BYTES))
@@ -62,7 +62,7 @@ def sums(context: Any, model: Any) -> Library:
 
 @cache
 def conversions(context: Any) -> Library:
-    """The library of conversions, changes of equation, negation and selection, for a kind of context."""
+    """The library of conversions, changes of equation, negation and selection, for a class of contexts."""
     flat = NUMBERS[context]
     K, rows, numbers, R = CONTEXTS[context], with_axes(flat, 2), long_form(flat, 1), long_form(flat, 2)
     entries = {
@@ -83,7 +83,7 @@ def conversions(context: Any) -> Library:
 
 @cache
 def cantor(context: Any) -> Library:
-    """The library of Cantor's algorithm on rows, for a kind of context."""
+    """The library of Cantor's algorithm on rows, for a class of contexts."""
     rows, table = TupleKind((with_axes(NUMBERS[context], 2), BYTES, BYTES)), ArrayKind(INT, 2)
     room = record(row_loops.Room, table, INTS, INTS)
     counts = {"cantor_add": 2, "cantor_double": 1, "cantor_negate": 1}
@@ -95,7 +95,7 @@ def cantor(context: Any) -> Library:
 
 @cache
 def points(context: Any) -> Library:
-    """The library of random points and the classes through them, for a kind of context."""
+    """The library of random points and the classes through them, for a class of contexts."""
     K, item = CONTEXTS[context], NUMBERS[context].item
     flat, table = long_form(NUMBERS[context], 1), long_form(NUMBERS[context], 2)
     differences = record(random_loops.Differences, flat, flat)

@@ -1,6 +1,6 @@
 """Loops for random classes, to be compiled: points over many x at once, and Mumford pairs through g points.
 
-Points have their coordinates in words; rows of the group are columns, as in :mod:`jacobian.batch.row_loops`.
+Points have their coordinates in words; rows of a DivisorArray are columns, as in :mod:`jacobian.batch.row_loops`.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def powers(K: Any, windows: Any, room: Any) -> None:
 
 
 def square_root(K: Any, a: Any, power: Any, generator: Any, twos: Any) -> Any:
-    """A square root of a modulo p, or 0 if there is none (Tonelli 1891, Shanks 1973).
+    """A square root of ``a`` modulo p, or 0 if there is none (Tonelli 1891, Shanks 1973).
 
     With p − 1 = m·2^twos, m odd, ``power`` is a^((m − 1)/2), and ``generator`` has order 2^twos.
     """
@@ -139,7 +139,7 @@ def value_at(K: Any, rows: Any, at: Any, d: Any, i: Any, x: Any, lead: Any) -> A
 
 
 def join(K: Any, rows: Any, g: Any, d: Any, i: Any, x: Any, slope: Any) -> None:
-    """Replaces v by v + slope·u and u, of degree d, by u·(X − x)."""
+    """Replaces v by v + slope·u, and u, of degree d, by u·(X − x)."""
     for k in range(d):
         rows[g + k, i] = canonical(K, add(K, rows[g + k, i], canonical(K, mul(K, slope, rows[k, i]))))
     rows[g + d, i] = slope

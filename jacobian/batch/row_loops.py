@@ -1,7 +1,7 @@
 """Loops over rows of any genus, to be compiled: conversions, negation, selection, and Cantor's algorithm.
 
 Rows are stored as in :mod:`jacobian.batch.block_loops`: column i of ``x`` holds u₀ … u_{g−1} (with the leading 1 if deg
-u < g) and v₀ … v_{g−1}; ``degree[i]`` is its degree and, on a split model, ``weight[i]`` its weight at ∞₊. Cantor's
+u < g) and v₀ … v_{g−1}; ``degree[i]`` is deg u and, on a split model, ``weight[i]`` its weight at ∞₊. Cantor's
 algorithm is that of :mod:`jacobian.addition.cantor_words`.
 """
 
@@ -35,7 +35,7 @@ def reduced(K: Any, a: Any, c: Any, u: Any) -> Any:
 
 
 def modulo_u(K: Any, a: Any, x: Any, j: Any, degree: Any, R: Any) -> None:
-    """Sets R[0] to the polynomial with coefficients a modulo the u of row j, by Horner's rule."""
+    """Sets R[0] to the polynomial ``a`` modulo the u of row j, by Horner's rule."""
     for k in range(R.shape[1]):
         R[0, k] = 0
     for k in range(len(a) if degree > 0 else 0):
@@ -47,7 +47,7 @@ def modulo_u(K: Any, a: Any, x: Any, j: Any, degree: Any, R: Any) -> None:
 
 
 def shift_rows(K: Any, shift: Any, x: Any, degree: Any, R: Any) -> None:
-    """Replaces v by v + shift modulo u in every row. R (3, g) is scratch for polynomials, here and below."""
+    """Replaces v by v + shift modulo u in every row. R (3, g) is scratch memory for polynomials."""
     g = x.shape[0] >> 1
     for j in range(x.shape[1]):
         modulo_u(K, shift, x, j, degree[j], R)
@@ -127,7 +127,7 @@ class Room(NamedTuple):
 
 
 def take(K: Any, g: Any, rows: Any, i: Any, a: Any) -> None:
-    """Writes row i to a, as a class of :mod:`jacobian.addition.cantor_words`."""
+    """Writes row i to ``a``, as a class of :mod:`jacobian.addition.cantor_words`."""
     x, degree, weight = rows
     size = 0
     for k in range(g):
@@ -140,7 +140,7 @@ def take(K: Any, g: Any, rows: Any, i: Any, a: Any) -> None:
 
 
 def put(g: Any, a: Any, rows: Any, i: Any) -> None:
-    """Stores a, a class of :mod:`jacobian.addition.cantor_words`, as row i."""
+    """Stores the class ``a`` of :mod:`jacobian.addition.cantor_words` as row i."""
     out, degree, weight = rows
     degree[i] = a[0] - 1
     for k in range(g):

@@ -116,8 +116,9 @@ class FloatSums:
 
 
 def _one_by_one(work: Callable[[int, int], None], doubtful: np.ndarray) -> Callable[[int, int], None]:
-    """``work`` column by column, for interpreted loops. There a division by zero raises an error, which marks only its
-    own column in ``doubtful``."""
+    """A function that runs ``work`` column by column, for interpreted loops. There a division by zero raises an error,
+    which marks only its own column in ``doubtful``.
+    """
 
     def each(begin: int, end: int) -> None:
         with np.errstate(all="ignore"):

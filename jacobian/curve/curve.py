@@ -194,8 +194,9 @@ class HyperellipticCurve(CurveQuestions[Element]):
         return Jacobian(self)
 
     def summary(self, bound: int = 2**12, height: int = 1000, digits: int = 20) -> Page:
-        """What is known of this curve over QQ, each line proven, computed or conjectural. L-polynomials to ``bound``,
-        points with x of up to this height, periods to ``digits`` digits (:func:`jacobian.page.lines.summary`).
+        """What is known of this curve over QQ, each line proven, computed or conjectural. It has L-polynomials up to
+        ``bound``, points with x of up to this height, and periods to ``digits`` digits
+        (:func:`jacobian.page.lines.summary`).
         """
         from jacobian.page.lines import summary
 
@@ -255,7 +256,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
         return self.point(*self._coerce_pair(point))
 
     def involution(self, point: Given[Element]) -> Point[Element]:
-        """(x, −y − h(x)); ∞₊ and ∞₋ change places."""
+        """The image (x, −y − h(x)) of a point (x, y); ∞₊ and ∞₋ are exchanged."""
         point = self.check_point(point)
         if isinstance(point, PointAtInfinity):
             return PointAtInfinity(-point.sign)
@@ -273,7 +274,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
     def lift_x(self, x: Element | Value, *, all: Literal[True]) -> list[AffinePoint[Element]]: ...
 
     def lift_x(self, x: Element | Value, *, all: bool = False) -> AffinePoint[Element] | list[AffinePoint[Element]]:
-        """One affine point with this x, or NotASquare; with ``all`` the list of none, one or two."""
+        """One affine point with this x, or NotASquare; with ``all``, the list of all such points (none, one or two)."""
         K, all = self.field, flag(all, "all")
         x = K.coerce(x, "x")
         found = quadratic_roots(K, poly.evaluate(K, self.h, x), poly.evaluate(K, self.f, x))
@@ -319,7 +320,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
     def random_point(self, rng: Rng) -> AffinePoint[Element]:
         """A random affine point, uniform over a finite field. ``rng``: numpy Generator or random.Random.
 
-        Over QQ one of the points of :meth:`points` with bound 12; NotRepresentable when no point is found.
+        Over QQ it is one of the points of :meth:`points` with bound 12; NotRepresentable when no point is found.
         """
         K = self.field
         if K.order is None and K.exact:

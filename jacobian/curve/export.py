@@ -16,13 +16,13 @@ from jacobian.fields.protocol import Field
 
 
 def to_flint(K: Field, *polynomials: poly.Poly) -> tuple[Any, ...]:
-    """The polynomials as python-flint's; FieldError over an inexact field."""
+    """The polynomials, converted to python-flint's; FieldError over an inexact field."""
     into, _ = conversions(_exact(K))
     return tuple(map(into, polynomials))
 
 
 def to_pari(K: Any, *polynomials: poly.Poly) -> str:
-    """The vector of polynomials in x, as text for GP or ``cypari.pari``; over GF(p^k) it begins by defining a."""
+    """The vector of polynomials in x, as text for GP or ``cypari.pari``; over GF(p^k) it first defines ``a``."""
     vector = ", ".join(_pari_polynomial(_exact(K), a) for a in polynomials)
     if K.order is None or K.degree == 1:
         return f"[{vector}]"
@@ -65,7 +65,7 @@ def _sage_element(K: Any, c: Any) -> str:
 
 
 def _exactly(c: Any) -> str:
-    """All digits of an int or a fraction; Python's str stops at 4300."""
+    """All digits of an int or a fraction; Python's str refuses more than 4300."""
     from gmpy2 import mpq
 
     return str(mpq(c))

@@ -1,4 +1,4 @@
-"""Points of a hyperelliptic curve: affine ones are pairs of raw elements, those at infinity are named."""
+"""Points of a hyperelliptic curve: affine ones are pairs of raw elements, those at infinity are named ∞, ∞₊ or ∞₋."""
 
 from __future__ import annotations
 

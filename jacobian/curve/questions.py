@@ -76,7 +76,8 @@ class CurveQuestions(Immutable, Generic[Element]):
         return self.jacobian().bad_primes()
 
     def quadratic_twist(self, d: Element | Value | None = None) -> Self:
-        """The quadratic twist by d, isomorphic over K(√d), and over K(root of y² + y + d) in characteristic 2.
+        """The quadratic twist by d. It is isomorphic to the curve over K(√d), in characteristic 2 over K(root of y² + y
+        + d).
 
         Its equation is y² = d·(h² + 4f), in characteristic 2 y² + hy = f + d·h². By default d is the first element of a
         finite field for which K(√d) is larger; over QQ there is no default. ArgumentError for a d whose twist is the
@@ -163,7 +164,7 @@ class CurveQuestions(Immutable, Generic[Element]):
     def cartier_manin(self) -> list[list[Element]]:
         """The Cartier–Manin matrix A_ji, the coefficient of x^(ip−j) in F^((p−1)/2), F = h² + 4f (Yui 1978).
 
-        Finite fields of odd characteristic (FieldError elsewhere). The time grows like √p over GF(p), p < 2^49, and
+        The field is finite of odd characteristic (else FieldError). The time grows like √p over GF(p), p < 2^49, and
         like p over other fields (Infeasible beyond p = 10^8). Other authors transpose it, and call A^(1/p) the
         Hasse–Witt matrix.
         """

@@ -1,9 +1,9 @@
 """Rational points of small height on a curve over QQ, by a sieve over small primes.
 
 Let F = h² + 4f. Then x = a/b is the abscissa of a rational point exactly if b^(2g+2)·F(a/b), times a square that makes
-it integral, is a square. If so, it is a square modulo every p. For each b and each prime the admissible a are the bits
-of an int, and the common bits of these ints are tried (the sieve of Elkies 2000 and of Stoll's ratpoints, with Python's
-ints as rows of bits).
+it integral, is a square. If so, it is a square modulo every p. For each b and each prime the admissible a are stored as
+the bits of an int, and the common bits of these ints are tried (the sieve of Elkies 2000 and of Stoll's ratpoints, with
+Python's ints as rows of bits).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ PRIMES = (3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61)
 def abscissas(F: Poly, degree: int, bound: int) -> Iterator[Fraction]:
     """The x with numerator and denominator up to ``bound`` at which F, of the even formal ``degree``, is a square.
 
-    Ascending in the denominator, then in x.
+    They are sorted by denominator, then by x.
     """
     square = lcm(*(c.denominator for c in F)) ** 2
     form = [int(c * square) for c in F] + [0] * (degree + 1 - len(F))

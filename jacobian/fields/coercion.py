@@ -4,8 +4,8 @@
 strings: "3", "-1/3", "0.25", "1e3". Every field accepts these. Only inexact fields accept floats: 0.1 is not 1/10, and
 an exact field cannot tell which of the two is meant.
 
-:func:`residue` reads residues of python-flint and PARI (cypari), recognised by their types: neither library is
-imported for that.
+:func:`residue` reads residues of python-flint and PARI (cypari), which it recognises by their types, without importing
+either library.
 """
 
 from __future__ import annotations

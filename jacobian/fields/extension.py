@@ -1,7 +1,7 @@
 """GF(p^k) on Python integers: Σ c_i p^i stands for Σ c_i a^i, as in :mod:`galois`.
 
 The operations are in :mod:`jacobian.fields.table` up to 2^16 elements and in :mod:`jacobian.fields.digits` beyond.
-Neither needs galois: it is imported for the default modulus (its Conway polynomials) and for
+Neither needs galois, which is imported only for the default modulus (its Conway polynomials) and for
 :attr:`ExtensionField.galois`.
 """
 
@@ -79,7 +79,7 @@ class ExtensionField(FiniteField):
         return index
 
     def coefficients(self, x: int) -> list[int]:
-        """The k ascending coefficients of x as a polynomial in a."""
+        """The k ascending coefficients of x as a polynomial in the generator ``a``."""
         digits = []
         for _ in range(self.degree):
             x, digit = divmod(x, self.p)

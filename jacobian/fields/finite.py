@@ -66,16 +66,16 @@ class FiniteFieldOf(Immutable, Generic[Element]):
         return total
 
     def is_zero(self, x: Element, scale: object = None) -> bool:
-        """Whether x is zero; a finite field has no use for ``scale``."""
+        """Whether x is zero; ``scale`` is not used."""
         return bool(x == self.zero)
 
     def key(self, x: Element) -> Hashable:
-        """x itself."""
+        """x itself, which is hashable."""
         result: Hashable = x
         return result
 
     def from_key(self, key: Element) -> Element:
-        """The element with that :meth:`key`."""
+        """The element whose :meth:`key` is ``key``."""
         return key
 
     def random(self, rng: Rng) -> Element:

@@ -77,10 +77,10 @@ class InexactField(Immutable, Generic[Element]):
         )
 
     def key(self, x: Any) -> Hashable:
-        """x itself."""
+        """x itself, which is hashable."""
         result: Hashable = x
         return result
 
     def from_key(self, key: Any) -> Any:
-        """The element with that :meth:`key`."""
+        """The element whose :meth:`key` is ``key``."""
         return key

@@ -1,4 +1,4 @@
-"""RR on float and CC on complex."""
+"""The fields RR, on Python's float, and CC, on Python's complex."""
 
 from __future__ import annotations
 

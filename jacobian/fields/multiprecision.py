@@ -143,7 +143,7 @@ class MultiprecisionField(InexactField[Mpf]):
         return result
 
     def from_key(self, key: Any) -> Any:
-        """The element with that :meth:`key`."""
+        """The element whose :meth:`key` is ``key``."""
         return self.context.make_mpc(key) if self.complex else self.context.make_mpf(key)
 
 

@@ -1,4 +1,4 @@
-"""QQ on fractions.Fraction."""
+"""The field QQ, on fractions.Fraction."""
 
 from __future__ import annotations
 
@@ -91,5 +91,5 @@ class RationalField(Immutable):
         return x
 
     def from_key(self, key: Fraction) -> Fraction:
-        """The element with that :meth:`key`."""
+        """The element whose :meth:`key` is ``key``."""
         return Fraction(key)

@@ -104,7 +104,7 @@ def _count_by_trace(L: TableField, h: poly.Poly, f: poly.Poly) -> int:
 
 
 def _values(L: TableField, a: poly.Poly) -> Any:
-    """The values of the polynomial a at all elements 0, 1, … of L, an array."""
+    """The values of the polynomial ``a`` at all elements 0, 1, … of L, an array."""
     import numpy as np
 
     exp, log, zech = np.array(L._exp), np.array(L._log), np.array(L._zech)
@@ -122,7 +122,7 @@ def _values(L: TableField, a: poly.Poly) -> Any:
 
 
 def _embed(K: Any, L: TableField, a: poly.Poly) -> poly.Poly:
-    """The polynomial a over the larger field L; the generator of K is mapped to a root of its modulus."""
+    """The polynomial ``a`` over the larger field L; the generator of K is mapped to a root of its modulus."""
     if K is L or getattr(K, "degree", 1) == 1:
         return a
     root = int((_values(L, K.modulus) == 0).argmax())

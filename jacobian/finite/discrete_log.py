@@ -34,9 +34,9 @@ def discrete_log(
 ) -> int:
     """An m with m·base = target; NotAMultiple if there is none.
 
-    With ``interval`` = (low, high) an m in low … high is searched by baby steps and giant steps up to a width of 2^32,
-    by kangaroos up to 2^48; no order is needed. Without it m is the least non-negative one, found one prime at a time
-    from a multiple ``order`` of the order of ``base`` (default #J) and its prime factors ``primes`` (default:
+    With ``interval`` = (low, high) an m in low … high is searched for by baby steps and giant steps up to a width of
+    2^32, by kangaroos up to 2^48; no order is needed. Without it m is the least non-negative one, found one prime at a
+    time from a multiple ``order`` of the order of ``base`` (default #J) and its prime factors ``primes`` (default:
     computed). Infeasible for a prime factor or an interval above 2^48. ``rng`` seeds the kangaroos.
     """
     if target.jacobian != base.jacobian:

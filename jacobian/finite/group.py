@@ -88,7 +88,9 @@ class FiniteGroup(GroupLaw[Element]):
         return bad_primes(self.curve)
 
     def order(self) -> int:
-        """#J over a finite field, proven: the value of :meth:`frobenius_polynomial` at 1, with its limits."""
+        """#J over a finite field, proven: the value of :meth:`frobenius_polynomial` at 1, within the limits of that
+        method.
+        """
         return sum(self.frobenius_polynomial())
 
     def order_bounds(self) -> tuple[int, int]:
@@ -128,9 +130,9 @@ class FiniteGroup(GroupLaw[Element]):
         return torsion(self, m)
 
     def rational_torsion(self, height: int = 100) -> RationalTorsion:
-        """The classes of finite order over QQ. In genus 2 these are proven to be all; in other genera they are those
-        that points of up to this height generate, with a bound from reductions, which may show that these are all
-        (:func:`jacobian.relatives.rational_torsion.rational_torsion`).
+        """The classes of finite order over QQ. In genus 2 the result is proven to be complete. In other genera it is
+        the group that points of up to this height generate, with a bound from reductions, which may prove that it is
+        complete (:func:`jacobian.relatives.rational_torsion.rational_torsion`).
         """
         from jacobian.relatives.rational_torsion import rational_torsion
 

@@ -4,8 +4,8 @@ For y² = F(x) the matrix has the coefficients of x^(ip−j) in F^((p−1)/2), 1
 extension fields and for small p python-flint raises F to that power. For larger p the coefficients obey a linear
 recurrence in the index (Bostan, Gaudry and Schost 2007), which divides by the index and so stops at p. It gives the
 coefficients with i = 1 in O(g·p) operations, or, over GF(p) with p > 2^20, in Õ(√p) by
-:mod:`jacobian.finite.matrix_products`. Those of g translates F(x + a) determine the matrix (Harvey and Sutherland
-2016).
+:mod:`jacobian.finite.matrix_products`. The coefficients of g translates F(x + a) determine the matrix (Harvey and
+Sutherland 2016).
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
 def _by_translations(K: Any, F: poly.Poly, g: int) -> list[list[Any]] | None:
     """The Cartier–Manin matrix over GF(p) from the first columns of those of g translates.
 
-    A translation x → x + a takes A to B⁻¹·A·B^(p) with the binomial matrix B_jk = C(j−1, k−1)a^(j−k), so that
+    A translation x → x + a maps A to B⁻¹·A·B^(p) with the binomial matrix B_jk = C(j−1, k−1)a^(j−k), so that
     A·(a^p(j−1))_j = B·(first column of the translate's matrix).
     """
     shifts = _translations(K, F, g)

@@ -48,7 +48,7 @@ def doubled(K: Any, cubic: Any, T: Any, x: Any, y: Any) -> Any:
 
 
 def added(K: Any, cubic: Any, T: Any, P: Any, x: Any, y: Any) -> Any:
-    """T + P in the form of :func:`doubled`. For T = P, which takes a doubling, the numerator is 0."""
+    """T + P in the form of :func:`doubled`. For T = P, where a doubling is needed, the numerator is 0."""
     (X, Y, Z), (px, py) = T, P
     zero, square = sub(K, Z, Z), mul(K, Z, Z)
     H, r = sub(K, mul(K, px, square), X), sub(K, mul(K, py, mul(K, square, Z)), Y)
@@ -65,7 +65,7 @@ def added(K: Any, cubic: Any, T: Any, P: Any, x: Any, y: Any) -> Any:
 
 
 def function_at(K: Any, cubic: Any, P: Any, Q: Any, bits: Any) -> Any:
-    """(Z of m·P, numerator, denominator) of f at Q; ``bits`` are those of m after the first. Z = 0 says m·P = 0.
+    """(Z of m·P, numerator, denominator) of f at Q; ``bits`` are those of m after the first. Z = 0 means m·P = 0.
 
     The numerator or the denominator is 0 where a line of the loop passes through Q.
     """

@@ -29,7 +29,7 @@ class Room(NamedTuple):
 
 
 def room_for(d: int) -> Room:
-    """Room for d × d matrices."""
+    """The :class:`Room` for d × d matrices."""
     return Room(np.empty(BLOCK), np.empty((d, BLOCK)), np.empty((d * d, BLOCK)), np.empty((d * d, BLOCK)))
 
 
@@ -170,7 +170,7 @@ def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, span: 
 
 
 def chain(P: Any, c: Any, beta: Any, first: Any, values: Any, points: Any, window: Any, new: Any) -> None:
-    """window ← Π M((i + 1)β)·values(iβ)·window, the first factor last, for ``points`` indices i from ``first`` on."""
+    """window ← Π M((i + 1)β)·values(iβ)·window, for ``points`` indices i from ``first`` on, in ascending order."""
     d = c.shape[1]
     for i in range(points):
         for r in range(d):

@@ -77,7 +77,8 @@ def combination(J: GroupLaw, scalars: Iterable[int], divisors: Iterable[Divisor]
     """Σ m_i·D_i, for any number of terms: Straus for few, Pippenger for many, whichever makes fewer additions.
 
     Both counts are known beforehand: see :func:`straus` and :func:`pippenger`. The sum of no terms is 0. For two terms
-    interleaved windows beat Shamir's joint table from about 40 bits on, so there is no third method.
+    interleaved windows take fewer additions than Shamir's joint table from about 40 bits on, so there is no third
+    method.
     """
     ms = [check_scalar(m, f"scalars[{i}]") for i, m in enumerate(entries(scalars, "scalars", "a sequence of ints"))]
     Ds = entries(divisors, "divisors", "a sequence of Divisors")
@@ -173,8 +174,8 @@ def _weighted_sum(J: GroupLaw, buckets: dict[int, Divisor]) -> Divisor:
 def frobenius(D: Divisor, power: int = 1) -> Divisor:
     """The image of D under the p^power-Frobenius (x, y) → (x^(p^power), y^(p^power)), an endomorphism of J.
 
-    The curve must be defined over the subfield that x → x^(p^power) fixes, or the image would lie on another curve:
-    CurveMismatch. FieldError over infinite fields, ArgumentError for a negative power.
+    The curve must be defined over the subfield that x → x^(p^power) fixes; else CurveMismatch, because the image lies
+    on another curve. FieldError over infinite fields, ArgumentError for a negative power.
     """
     J, power = D.jacobian, check_scalar(power, "power")
     K: Any = J.field

@@ -143,7 +143,7 @@ class Side:
         return sum(c * self.sign**k * (1 + q) ** (len(r) - 1 - k) for k, c in enumerate(r))
 
     def constant(self, prefix: tuple[int, ...], q: int) -> tuple[int, int]:
-        """(a, s), by which the order of the candidate with this prefix is a + s·r_g."""
+        """(a, s) such that the order of the candidate with this prefix is a + s·r_g."""
         return self.order([*prefix, 0], q), self.sign ** len(prefix)
 
     def learn(self, D: Divisor, candidates: Candidates) -> None:

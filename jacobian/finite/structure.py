@@ -140,7 +140,7 @@ class PrimaryGroup:
         return digits
 
     def _socle_coordinates(self, y: Divisor, size: int) -> tuple[int, ...] | None:
-        """The coordinates of y in the basis of order ℓ made of multiples of the first ``size`` generators.
+        """The coordinates of y in the basis of elements of order ℓ that are multiples of the first ``size`` generators.
 
         They are found by baby steps and giant steps; None if y is not in the span of this basis.
         """
@@ -194,7 +194,7 @@ class PrimaryGroup:
 
 
 def _diagonalise(rows: list[list[int]], basis: list[Any], prime: int, top: int) -> tuple[list[int], list[Any]]:
-    """Exponents and generators of the group of these relations, of order below ℓ^top: Smith's form modulo ℓ^top.
+    """Exponents and generators of the group with these relations, of order below ℓ^top: Smith's form modulo ℓ^top.
 
     The pivot is an entry of least valuation, which divides all the others; a column operation changes the generators.
     """
@@ -228,7 +228,9 @@ def _valuation(entry: int, prime: int, top: int) -> int:
 
 
 def sylow_subgroup(J: GroupLaw, prime: int, rng: Rng | None = None) -> PrimaryGroup:
-    """The Sylow subgroup of J for a prime ℓ. ``rng`` is seeded by default, so that the generators are reproducible."""
+    """The Sylow subgroup of J for a prime ℓ. By default ``rng`` has a fixed seed, so that the generators are
+    reproducible.
+    """
     rng = Random(0) if rng is None else rng
     order, exponent = J.order(), 0
     cofactor = order
@@ -244,8 +246,8 @@ def sylow_subgroup(J: GroupLaw, prime: int, rng: Rng | None = None) -> PrimaryGr
 def structure(J: GroupLaw, primes: Iterable[int] | None = None, rng: Rng | None = None) -> Structure:
     """The invariant factors d_1 | d_2 | … of the group, at most 2g of them, and generators of these orders.
 
-    ``primes``: the prime factors of #J, if known. Time: √ℓ^r for the largest prime ℓ whose Sylow subgroup has rank r >
-    1; Infeasible beyond tables of 2^21 classes, or where #J cannot be computed or factored.
+    ``primes``: the prime factors of #J, if known. The time grows like √ℓ^r for the largest prime ℓ whose Sylow subgroup
+    has rank r > 1; Infeasible beyond tables of 2^21 classes, or where #J cannot be computed or factored.
     """
     rng = Random(0) if rng is None else rng
     return joined([sylow_subgroup(J, prime, rng) for prime in factorization(J.order(), primes)])

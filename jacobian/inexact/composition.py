@@ -142,7 +142,9 @@ class Units(NamedTuple):
         return [move(c, sign * self.x * (len(u) - 1 - i)) for i, c in enumerate(u)]
 
     def of_p(self, p: Sequence[Any], move: Any, sign: int = -1, power: int = 1) -> Coefficients:
-        """p in these units; its values have the unit of y, or of y² with ``power=2``. Arguments as of :meth:`of_u`."""
+        """p in these units; its values have the unit of y, or of y² with ``power=2``. The arguments are those of
+        :meth:`of_u`.
+        """
         return [move(c, sign * (power * self.y - self.x * i)) for i, c in enumerate(p)]
 
 

@@ -35,7 +35,7 @@ def product(a: Sequence[Number], b: Sequence[Number]) -> Coefficients:
 
 
 def divided(a: Sequence[Number], monic: Sequence[Number]) -> tuple[Coefficients, Coefficients]:
-    """(quotient, remainder) of the division of a by a monic polynomial."""
+    """(quotient, remainder) of the division of ``a`` by a monic polynomial."""
     rest, m = list(a), len(monic) - 1
     lower = monic[:m]
     for i in range(len(rest) - m - 1, -1, -1):
@@ -46,7 +46,7 @@ def divided(a: Sequence[Number], monic: Sequence[Number]) -> tuple[Coefficients,
 
 
 def remainder(a: Sequence[Number], monic: Sequence[Number]) -> Coefficients:
-    """The remainder of a modulo a monic polynomial u, a list of exactly deg u coefficients."""
+    """The remainder of ``a`` modulo a monic polynomial u, a list of exactly deg u coefficients."""
     rest, lower = list(a), monic[:-1]
     m = len(lower)
     for i in range(len(rest) - m - 1, -1, -1):

@@ -66,7 +66,7 @@ def cofactor(f: Seven, divisor: Four) -> tuple[Number, Number, Number, Number]:
 def remainder(
     a0: Number, a1: Number, a2: Number, a3: Number, a4: Number, u0: Number, u1: Number
 ) -> tuple[Number, Number]:
-    """The two coefficients of a mod x² + u1·x + u0, deg a ≤ 4."""
+    """The two coefficients of a0 + a1·x + … + a4·x⁴ modulo x² + u1·x + u0."""
     high = a3 - u1 * a4
     low = a2 - u1 * high - u0 * a4
     return a0 - u0 * low, a1 - u1 * low - u0 * high

@@ -67,9 +67,9 @@ def compose(
 ) -> tuple[Total, Number]:
     """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² = f(x), and a remainder.
 
-    It is the largest remainder of the divisions that are exact but for rounding, relative to its terms. ``plus`` is
-    that of :class:`jacobian.inexact.at_infinity.Infinity`; without it NotRepresentable is raised where a point goes to
-    infinity.
+    The remainder is the largest one of the divisions that are exact but for rounding, relative to its terms. ``plus``
+    is that of :class:`jacobian.inexact.at_infinity.Infinity`; without it NotRepresentable is raised where a point goes
+    to infinity.
     """
     (u1, v1), (u2, v2) = first, second
     f, (w1, _), both = list(f), residue(f, u1, v1), product(u1, u2)

@@ -19,8 +19,8 @@ from jacobian.law.from_points import Descent, divisor_of_points
 def divisor_of_conjugates(J: GroupLaw, points: Iterable[Given], extension: Field) -> Divisor:
     """The class of Σ P_i minus infinity for points over an extension of the field, each with all its conjugates.
 
-    A point at infinity is one of the curve over its own field. Raises NotRepresentable when the points are not closed
-    under Frobenius, counted with multiplicity.
+    Points at infinity must be those of the curve over its own field. Raises NotRepresentable when the points are not
+    closed under Frobenius, counted with multiplicity.
     """
     C, inclusion = J.curve, embedding(J.field, extension)
     above = C.change_ring(extension)

@@ -178,9 +178,7 @@ def _inexact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None) -> Divis
 
 
 def _cancel_opposites(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[list[AffinePoint], int]:
-    """The points that remain after all pairs P, ιP are taken out, and the number of pairs. A branch point is its own
-    ιP.
-    """
+    """The points left after all pairs P, ιP are removed, and the number of pairs. A branch point is its own ιP."""
     if not C.field.exact:
         return _cancel_inexact(C, points)
     K = C.field

@@ -36,7 +36,8 @@ class Ring(NamedTuple):
 def igusa_clebsch_invariants(C: HyperellipticCurve[Element]) -> tuple[Element, Element, Element, Element]:
     """(I2, I4, I6, I10) of the sextic h² + 4f (Mestre 1991, after Clebsch 1872); I10 is its discriminant.
 
-    Genus 2 (ArgumentError else); FieldError in characteristic 2, where they vanish; use :func:`igusa_invariants` there.
+    ArgumentError for another genus; FieldError in characteristic 2, where they vanish: use :func:`igusa_invariants`
+    there.
     """
     K = _genus_two(C).field
     if K.characteristic == 2:
@@ -65,7 +66,7 @@ def igusa_invariants(C: HyperellipticCurve[Element]) -> tuple[Element, Element, 
 
 def g2_invariants(C: HyperellipticCurve[Element]) -> tuple[Element, Element, Element]:
     """Three numbers that two curves of genus 2 share exactly if they are isomorphic over the algebraic closure
-    (Cardona, Quer, Nart and Pujolàs 2005); exact fields of characteristic other than 2.
+    (Cardona, Quer, Nart and Pujolàs 2005). The field is exact, of characteristic other than 2.
 
     They are (J2⁵, J2³J4, J2²J6)/J10; if J2 = 0, (0, J4⁵/J10², J4J6/J10); if J4 = 0 too, (0, 0, J6⁵/J10³).
     """
@@ -123,7 +124,9 @@ def _sextic(C: HyperellipticCurve, ring: Ring) -> list[Any]:
 
 
 def transvectant(ring: Ring, f: list[Any], g: list[Any], order: int) -> list[Any]:
-    """The transvectant (f, g)_order of binary forms of degrees len − 1, with the factor (m−k)!(n−k)!/(m!n!)."""
+    """The transvectant (f, g)_k, k = ``order``, of binary forms of degrees m = len f − 1 and n = len g − 1, with the
+    factor (m−k)!(n−k)!/(m!n!).
+    """
     m, n = len(f) - 1, len(g) - 1
     size = Fraction(factorial(m - order) * factorial(n - order), factorial(m) * factorial(n))
     total: list[Any] = [None] * (m + n - 2 * order + 1)

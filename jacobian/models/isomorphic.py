@@ -1,8 +1,8 @@
 """All isomorphisms between two curves of genus ≥ 2 over a finite field of odd characteristic or over QQ.
 
-An isomorphism takes the branch points, the roots of the form F = h² + 4f of degree 2g + 2, to branch points, and is
+An isomorphism maps the branch points, the roots of the form F = h² + 4f of degree 2g + 2, to branch points, and is
 determined by the images of three. So factors of F with three roots or more together are mapped to all factors of the
-same degrees and all conjugates. Each try is a linear system over the field for (a : b : c : d).
+same degrees and all conjugates. Each choice gives a linear system over the field for (a : b : c : d).
 
 Over QQ the same is done modulo a prime p of good reduction. The result is lifted to F'(ax + b, cx + d) = λF modulo
 powers of p, digit by digit, until the residues determine rational numbers. With integral F and F' the height of
@@ -112,7 +112,9 @@ def _matrices(K: Field, F: poly.Poly, G: poly.Poly, genus: int) -> list[Matrix]:
 
 
 def _places(K: Field, form: poly.Poly, genus: int) -> list[Place]:
-    """(degree, irreducible factor) of a form of degree 2g + 2 without double roots; () for infinity."""
+    """The pairs (degree, irreducible factor) of a form of degree 2g + 2 without double roots; the factor () is
+    infinity.
+    """
     found = [(len(P) - 1, P) for P, _ in factor(K, poly.monic(K, form))]
     return [*found, (1, ())] if len(form) == 2 * genus + 2 else found
 
@@ -166,7 +168,9 @@ def _trace(inclusion: Any, x: Any, k: int) -> Any:
 
 
 def _null_vector(K: Field, rows: list[list[Any]]) -> Matrix | None:
-    """The only solution of a system for (a : b : c : d), with its first number one; None for none or ad = bc."""
+    """The only solution of a system for (a : b : c : d), the first non-zero number being 1; None if there is no such
+    solution, or if ad = bc.
+    """
     pivots = echelon(K, rows, 4)
     if len(pivots) != 3:
         return None

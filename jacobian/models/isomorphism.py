@@ -23,10 +23,11 @@ from jacobian.relatives.formal_sum import FormalSum
 
 class Isomorphism(Immutable):
     """The isomorphism from ``source`` by ``matrix`` = (a, b, c, d), ``scale`` e and ``move`` t, of degree at most g + 1
-    (ascending); exact fields.
+    (ascending). The field is exact.
 
-    ``target``: the curve that it maps to. ``iso(P)`` for points, ``iso(D)`` for divisors; ``inverse()``; ``other *
-    iso`` is iso, then other. ArgumentError for ad = bc, e = 0 and a longer t. ``infinity_plus`` is that of the target.
+    ``target``: the curve that it maps to. ``iso(P)`` and ``iso(D)`` are the images of points and divisors; ``other *
+    iso`` is ``iso`` followed by ``other``. ArgumentError for ad = bc, e = 0 and a longer t. ``infinity_plus`` is the
+    point ∞₊ of the target.
     """
 
     def __init__(

@@ -33,7 +33,7 @@ class RichelotIsogeny(Immutable):
     """The isogeny from the Jacobian of y² = G₁G₂G₃ with kernel {0, div(G_i)}; get one from :func:`richelot_isogenies`.
 
     ``source``, ``target``: the curves; ``quadratics``: the G_i. ``phi(D)`` is the image of a class; :meth:`dual` is the
-    isogeny back, so that ``phi.dual()(phi(D)) == 2 * D``. Exact fields of characteristic other than 2.
+    isogeny back, so that ``phi.dual()(phi(D)) == 2 * D``. The field is exact, of characteristic other than 2.
     """
 
     def __init__(self, source: HyperellipticCurve, quadratics: Quadratics) -> None:

@@ -11,8 +11,9 @@ from jacobian.models.isomorphism import Isomorphism
 
 
 def move_to_infinity(C: HyperellipticCurve, P: Given) -> Isomorphism:
-    """The isomorphism by x' = 1/(x − x(P)), which takes a rational point P to infinity: to ∞₊ or, if P = ιP, to the
-    only point at infinity of an equation of odd degree. Exact fields; the identity, or ∞₊ ↔ ∞₋, for a P at infinity.
+    """The isomorphism by x' = 1/(x − x(P)), which maps a rational point P to infinity: to ∞₊ or, if P = ιP, to the only
+    point at infinity of an equation of odd degree. If P is at infinity, it is the identity or exchanges ∞₊ and ∞₋. The
+    field is exact.
     """
     K, P = check_curve(C).field, C.check_point(P)
     if isinstance(P, PointAtInfinity):
@@ -29,7 +30,7 @@ def move_to_infinity(C: HyperellipticCurve, P: Given) -> Isomorphism:
 def odd_degree_model(C: HyperellipticCurve) -> Isomorphism:
     """An isomorphism to an equation with deg f = 2g + 1, deg h ≤ g, over QQ or a finite field.
 
-    It takes a rational Weierstrass point to infinity: the one already there, or the one of least x. NotRepresentable
+    It maps a rational Weierstrass point to infinity: the one already there, or the one of least x. NotRepresentable
     where no such point is rational.
     """
     K = check_curve(C).field

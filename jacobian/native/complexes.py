@@ -35,7 +35,7 @@ def binary(b: Any, name: str, x: Value, y: Value) -> Value:
 
 
 def conjugate(b: Any, x: Value) -> Value:
-    """The conjugate; a real number itself."""
+    """The conjugate of x; x itself if it is real."""
     return Value(COMPLEX, (x.parts[0], b.fneg(x.parts[1]))) if x.kind is COMPLEX else x
 
 

@@ -186,7 +186,7 @@ class Expressions(Operators):
         return self.logical("and", *found)
 
     def related(self, op: ast.cmpop, left: Value, right: Value) -> Value:
-        """Whether the relation holds."""
+        """Whether the relation ``op`` holds between the values."""
         if not isinstance(op, ast.In):
             return self.compare(type(op).__name__, left, right)
         if not isinstance(right.kind, TupleKind):
@@ -281,7 +281,7 @@ class Expressions(Operators):
         )
 
     def element(self, row: Value, address: Value) -> Value:
-        """The item at an address."""
+        """The item of an array at an address."""
         item = row.kind.item
         leaf = item.leaves[0]
         if is_abreast(address.kind):
@@ -297,7 +297,7 @@ class Expressions(Operators):
         return Value(item, tuple(parts))
 
     def lane(self, value: Value, leaf: str, k: int) -> Value:
-        """The value in one lane."""
+        """The value in lane k of a vector."""
         parts = (self.write(f"extractelement <{LANES} x {leaf}> {part}, i64 {k}") for part in value.parts)
         return Value(single(value.kind), tuple(parts))
 
@@ -312,7 +312,7 @@ class Expressions(Operators):
         return Value(abreast(lanes[0].kind), tuple(parts))
 
     def put(self, row: Value, address: Value, value: Value) -> None:
-        """Stores a value at an address."""
+        """Stores a value as the item of an array at an address."""
         item = row.kind.item
         if is_abreast(address.kind):
             value = self.cast(value, abreast(item))

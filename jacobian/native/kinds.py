@@ -163,7 +163,7 @@ def form_of(kind: Any) -> tuple[Any, ...]:
 
 @dataclass(frozen=True)
 class ObjectKind:
-    """An object known at compile time: a function, a class."""
+    """An object known at compile time: a function or a class."""
 
     leaves: tuple[str, ...] = ()
 

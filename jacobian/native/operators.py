@@ -264,7 +264,7 @@ class Operators(Code):
 
     @in_lanes
     def compare(self, name: str, x: Value, y: Value) -> Value:
-        """Whether the relation holds."""
+        """Whether the relation holds between the values."""
         kind = meeting(x.kind, y.kind)
         if not is_number(kind) or name not in RELATIONS:
             raise CompileError(f"{name} of {x.kind} and {y.kind}")
@@ -340,7 +340,7 @@ class Operators(Code):
 
     @in_lanes
     def function(self, name: str, x: Value) -> Value:
-        """One of LLVM's functions of one float."""
+        """The result of one of LLVM's functions of one float."""
         return Value(FLOAT, (self.intrinsic(name, self.float_of(x)),))
 
     @in_lanes

@@ -74,7 +74,7 @@ class Program:
         return self._inlined_but is not None and not _has_loop(self.tree(function))
 
     def _attributes(self, function: Any) -> str:
-        """LLVM's attribute for inlining a function or not; empty if LLVM decides."""
+        """LLVM's attribute that says whether to inline a function; empty if LLVM decides."""
         if not self.inlines(function):
             return ""
         return "noinline " if function in (self._inlined_but or ()) else "alwaysinline "

@@ -36,7 +36,7 @@ class Statements(Expressions):
     starts again.
 
     A condition may differ between SIMD lanes. Then a branch runs if any lane takes it, and changes only the lanes that
-    do. ``mask`` marks these active lanes; None means all.
+    take it. ``mask`` marks these active lanes; None means all.
     """
 
     def __init__(self, program: Any, function: Any, contract: str) -> None:
@@ -165,7 +165,7 @@ class Statements(Expressions):
         self.give_back(Value(NONE, ()) if node.value is None else self.value(node.value))
 
     def give_back(self, value: Value) -> None:
-        """Writes the return of ``value`` as the result of the function."""
+        """Writes the instructions of ``return value``, for the active lanes if only some are active."""
         result = value.kind if self.result is None else meeting(self.result, value.kind)
         if result != self.result:
             first, self.result = self.result is None, result
@@ -201,7 +201,7 @@ class Statements(Expressions):
         self.keep(value, self.results)
 
     def end_of_lanes(self) -> None:
-        """Writes the return of the results of all lanes."""
+        """Writes the block that returns the recorded results of all lanes."""
         self.go("returned")
         self.begin("returned")
         self.end(self.loaded(self.result, self.results))

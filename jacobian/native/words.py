@@ -62,7 +62,7 @@ def sign(b: Operators, x: Value) -> Value:
 
 
 def quotient(b: Operators, x: Value, y: Value) -> Value:
-    """The quotient of two numbers that are not negative: an unsigned division needs no correction of signs."""
+    """The quotient of two non-negative numbers, by an unsigned division, which needs no correction of signs."""
     return Value(INT, (b.write(f"udiv i64 {x.parts[0]}, {y.parts[0]}"),))
 
 

@@ -66,7 +66,7 @@ class Convolutions:
 
 
 def balanced(a: int, p: int) -> float:
-    """The canonical residue of a modulo p, as a float."""
+    """The canonical residue of ``a`` modulo p, as a float."""
     a %= p
     return float(a - p if 2 * a > p else a)
 

@@ -108,7 +108,7 @@ def _split_any_mpf(x: Any) -> tuple[float, float]:
 def pack(numbers: Any) -> np.ndarray:
     """Nested sequences of numbers, or an array, as a float array of the same shape and a last axis (hi, lo).
 
-    Numbers and errors as for :func:`split`.
+    The numbers and the exceptions are those of :func:`split`.
     """
     table = np.asarray(numbers)
     if table.dtype == np.float64 and np.isfinite(table).all():

@@ -107,7 +107,7 @@ class _Open(local):
 class BallReals(BareReals):
     """Balls whose midpoints have ``bits`` bits: python-flint's arb (Johansson 2017).
 
-    flint has one precision for the whole process, so ``with`` holds a lock and other threads wait for theirs.
+    flint has one precision for the whole process, so ``with`` holds a lock, for which other threads wait.
     """
 
     _turn = RLock()

@@ -1,4 +1,5 @@
-"""GF(p^k) of at most 2^16 elements in the manner of :mod:`jacobian.numbers.words`: tables without a branch for zero.
+"""GF(p^k) of at most 2^16 elements by tables, without a branch for zero, with the interface of
+:mod:`~jacobian.numbers.words`.
 
 An element is the int of :class:`jacobian.fields.table.TableField`. The logarithm of 0 is 2(q − 1), and from there on
 the table of powers is 0. So a product is one look-up at the sum of two logarithms, and a sum is one look-up at log x +

@@ -1,6 +1,6 @@
 """Arithmetic modulo an odd prime below 2^128 on two words: Montgomery's representation, always the least residue.
 
-An element a is represented by a·2^128 modulo p, an int in [0, p). Least residues need no spare bits, so one context
+An element ``a`` is represented by a·2^128 modulo p, an int in [0, p). Least residues need no spare bits, so one context
 serves every prime of two words. A sum is computed as the difference x − (p − y), and p is added if it is negative.
 Montgomery's reduction (1985) subtracts: with m = T/p modulo 2^128 the low halves of T and mp are equal, and the
 difference of the high ones lies between −p and p. Sums of products add up modulo 2^128·p before they are reduced.

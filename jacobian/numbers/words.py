@@ -1,8 +1,8 @@
 """Arithmetic modulo an odd prime of word size: Montgomery's representation on signed words, reduced only where needed.
 
-An element a is represented by a·2^w modulo p, w = 32 (p < 2^31) or 64 (p < 2^63), as a signed int that need not be the
-least residue. Montgomery's reduction (1985) with a signed quotient maps a T with |T| < 2^(2w−1) to T/2^w modulo p, of
-size at most |T|/2^w + p/2, without a comparison. So a sum of products is reduced once, and other sums only if words
+An element ``a`` is represented by a·2^w modulo p, w = 32 (p < 2^31) or 64 (p < 2^63), as a signed int that need not be
+the least residue. Montgomery's reduction (1985) with a signed quotient maps a T with |T| < 2^(2w−1) to T/2^w modulo p,
+of size at most |T|/2^w + p/2, without a comparison. So a sum of products is reduced once, and other sums only if words
 have no spare bits. Numbers that are stored or compared are made *canonical*, −p/2 < x < p/2.
 
 A *context* K holds p and its constants. Its class says how many spare bits a word has above p, and compiled code is
@@ -323,10 +323,10 @@ def inverse(K: Any, x: Any) -> Any:
 
 
 def encode(K: Any, x: Any) -> Any:
-    """The canonical word of a field element."""
+    """The canonical word that represents a field element."""
     return K.to_word(x)
 
 
 def decode(K: Any, x: Any) -> Any:
-    """The field element of a canonical word."""
+    """The field element that a canonical word represents."""
     return K.from_word(x)

@@ -228,7 +228,7 @@ def _regulator(facts: Facts) -> Answer | None:
 
 
 def _ball(x: Any, digits: int) -> Answer:
-    """The answer of a ball, with the number of its known digits, at most ``digits``."""
+    """The answer for a ball, with the number of its known digits, at most ``digits``."""
     text = x.str(digits)
     known = min(digits, int(x.rel_accuracy_bits() * 0.30103))
     return Answer(text, text, to_digits(known))

@@ -21,7 +21,7 @@ NODES_A_DIGIT = 20
 
 
 class BallCover(BranchedCover):
-    """Y² = F(x) = f + h²/4 of a curve over QQ, RR, CC or MP(dps) in balls of ``bits`` bits."""
+    """The cover Y² = F(x) = f + h²/4 of a curve over QQ, RR, CC or MP(dps) in balls of ``bits`` bits."""
 
     numbers: BallNumbers
 

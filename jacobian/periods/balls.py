@@ -71,7 +71,7 @@ class BallNumbers(Numbers):
         return (-x).sqrt() * self.flint.acb(0, 1)
 
     def root(self, square: Any, approximation: Any) -> Any:
-        """The square root of ``square`` nearer to a rough value or ball of it; PrecisionLoss if undecided."""
+        """The square root of ``square`` nearer to ``approximation``, a number or a ball; PrecisionLoss if undecided."""
         if square.contains(0):
             return self.widened(self.convert(0), square.abs_upper().sqrt())
         root = self.sqrt(square)

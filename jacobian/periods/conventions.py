@@ -51,7 +51,7 @@ def change_of_cycles(P: PeriodMatrix, other: Sequence[Sequence[Any]], program: s
 
 
 def whole_coordinates(P: PeriodMatrix, z: Sequence[Any]) -> list[int] | None:
-    """The integers n with z = (A, B)·n, or None if a coordinate of z is off an integer by 10⁻³ or more."""
+    """The integers n with z = (A, B)·n, or None if a coordinate of z differs from every integer by 10⁻³ or more."""
     found = P.coordinates(z)
     whole = [nearest(c) for c in found]
     return whole if all(abs(complex(c - n)) < 1e-3 for c, n in zip(found, whole, strict=True)) else None

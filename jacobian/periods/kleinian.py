@@ -179,7 +179,7 @@ class _Quotient:
         return found
 
     def divided(self, a: Vector) -> Vector:
-        """The quotient of a by u without the remainder, deg a = 6."""
+        """The quotient of ``a`` by u without the remainder, deg a = 6."""
         rest, found = list(a), [0] * 5
         for i in range(4, -1, -1):
             found[i] = rest[i + 2]

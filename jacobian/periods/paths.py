@@ -90,7 +90,7 @@ def image(
 def to_point(Z: LongField, roots: list[Complex], lead: Complex, halves: list[Vector], point: Vector) -> Vector:
     """The integrals from the first root to a point (x₁, y₁), modulo periods.
 
-    The path goes straight from the root r from which it takes fewest nodes; a Gauss rule has its nodes in √(x − r).
+    The path goes straight from the root r from which it needs the fewest nodes; a Gauss rule has its nodes in √(x − r).
     """
     (x1, y1), rules = point, []
     for k, r in enumerate(roots):
@@ -221,7 +221,7 @@ def chebyshev_rule(count: int) -> Row:
 
 @cache
 def legendre_rule(count: int) -> Row:
-    """Gauss's rule for dt = dv/(2√v), v = t², t from −1 to 1, for an even count, as one for dv/√v on [0, 1]."""
+    """The Gauss–Legendre rule in t on [−1, 1], v = t², as a rule for dv/√v = 2dt on [0, 1]; ``count`` is even."""
     from flint import arb
 
     with BallReals(BITS + 20):

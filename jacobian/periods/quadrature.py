@@ -99,13 +99,13 @@ class Numbers:
         return self._weights[n]
 
     def along_path(self, ratios: Vector, forms: Forms, rate: float) -> Vector:
-        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds by Fejér's rule; each node brings ``rate`` digits."""
+        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds by Fejér's rule; each node adds ``rate`` digits."""
         # the number of nodes is limited, since computing the weights takes time proportional to its square
         n = self.node_count(rate, 500 + 10 * self.digits)
         return path_sums(self, self.nodes(n), self.fejer(n), ratios, forms)
 
     def node_count(self, digits_per_node: float, most: int = MOST_NODES) -> int:
-        """The number of nodes that suffice if each brings ``digits_per_node``; Infeasible if it exceeds ``most``.
+        """The number of nodes that suffice if each adds ``digits_per_node``; Infeasible if it exceeds ``most``.
 
         It is rounded up to one of few even numbers, so that rules are shared.
         """
@@ -151,7 +151,7 @@ def from_branch_point(
 def path_from(
     numbers: Any, i: int, roots: Vector, lead: Any, point: tuple[Any, Any], forms: Forms, rate: float
 ) -> Vector:
-    """∫ forms(x) dx/Y from the branch point i to the point (x, Y); each node brings ``rate`` digits."""
+    """∫ forms(x) dx/Y from the branch point i to the point (x, Y); each node adds ``rate`` digits."""
     x, Y = point
     e, span = roots[i], x - roots[i]
     ratios = [span / (other - e) for j, other in enumerate(roots) if j != i]

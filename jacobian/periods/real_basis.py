@@ -35,8 +35,8 @@ class Periods(NamedTuple):
 
 
 def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods:
-    """Cycles, and half-periods of five roots in the order of a simple polygon. Sheets are chosen so that τ is symmetric
-    with Im τ positive.
+    """The cycles and the half-periods of five roots, given in the order of a simple polygon. The sheets are chosen so
+    that τ is symmetric with Im τ positive.
     """
     sides = [along(Z, roots, lead, k) for k in range(4)]
     for signs in product((1, -1), repeat=3):
@@ -63,7 +63,7 @@ def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods
 
 
 def cycles_of(sides: Sequence[Vector], signs: Sequence[int]) -> list[Vector]:
-    """The cycles about the sides of the polygon, on these sheets."""
+    """The cycles about the sides of the polygon; ``signs`` choose the sheets of the sides after the first."""
     a, b, c, d = ((2 * s * x, 2 * s * y) for s, (x, y) in zip((1, *signs), sides, strict=True))
     return [a, (a[0] + c[0], a[1] + c[1]), b, d]
 

@@ -142,7 +142,7 @@ class FormalSum(Immutable):
         return J._reduced(self.u, self.v, self.weights[0] + rise + (C.genus + 1) // 2 if C.model == "split" else None)
 
     def is_principal(self) -> bool:
-        """Whether it is the divisor of a function."""
+        """Whether the sum is the divisor of a function."""
         return self.degree == 0 and not self.divisor()
 
     # --- the group

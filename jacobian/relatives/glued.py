@@ -3,7 +3,7 @@
 Its elements are divisors of degree zero away from infinity on y² = f(x), deg f = 4, up to the divisors of functions
 that take the same value at both points at infinity. Its dimension is two: a general class is P₁ + P₂ − (∞₊ + ∞₋),
 written as a Mumford pair with deg u = 2. The Euler top moves on this group, the Chaplygin ball on a Jacobian of genus
-two, which tends to this group for d → 0.
+two, which tends to this group as the ball's d = mr² tends to 0.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class GeneralizedJacobian(Jacobian):
         return GeneralizedJacobian(self.curve.change_ring(K))
 
     def random(self, rng: Rng | None = None, size: int | None = None) -> Any:
-        """The class of two random points, which is not uniform in the group. ``size`` must be None: one at a time."""
+        """The class of two random points, which is not uniform in the group. ``size`` must be None."""
         if size is not None:
             raise NotRepresentable(f"size = {shown(size)}: the classes of a generalized Jacobian are no rows of arrays")
         if rng is None:

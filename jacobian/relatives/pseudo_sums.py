@@ -104,7 +104,7 @@ def double_of(K: Any, F: Any, S: Any, a: Any) -> Any:
 
 
 def is_point(K: Any, F: Any, S: Any, a: Any) -> Any:
-    """Whether a is a point of the surface whose first nonzero coordinate is 1."""
+    """Whether ``a`` is a point of the surface whose first nonzero coordinate is 1."""
     if a[unit(a)] != K.one:
         return False
     terms_twice(K, F, S, 5, a)

@@ -86,7 +86,9 @@ class TorsionLifts:
         self.equation = equation(self.surface.f)
 
     def lifted(self, T: Divisor, m: int) -> Divisor | None:
-        """A rational class that reduces to T or −T and whose order divides m; None if there is none. 2T ≠ 0, p ∤ m."""
+        """A rational class that reduces to T or −T and whose order divides m; None if there is none. It must be that 2T
+        ≠ 0 and p ∤ m.
+        """
         x = list(self.reduced.point(T))
         # the reduction has the equation y² = F, the surface y² = scale²·F
         x[3] = x[3] * self.surface.scale**2 % self.p
