@@ -15,7 +15,7 @@ from jacobian.element import Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
 from jacobian.linear import pivoted
 
-# residual, in rounding units, at which the search ends; most iterations; most halvings of a step that is no progress
+# the search ends at a residual of LAST rounding units or after MOST steps, each halved at most HALVINGS times
 LAST, MOST, HALVINGS = 64, 60, 8
 # allowed relative distance of a point from the ellipsoid
 OFF = 1e-6

@@ -25,7 +25,7 @@ from jacobian.immutable import replaced
 
 __all__ = ["NearWalk", "right_hand_sides"]
 
-# costs in microseconds of states by theta functions, without and with repelling poles, and by integration (python -m
+# costs of states in microseconds: by theta functions, without and with repelling poles, and by integration (python -m
 # benchmarks near)
 BY_THETA, BY_THETA_IN_POLES, BY_STEPS = Cost(300, 3), Cost(900, 3), Cost(150_000, 0)
 

@@ -25,7 +25,7 @@ from jacobian.numbers.compiler import interpreted
 
 __all__ = ["IntegratedMotion"]
 
-# guard digits of a step; number of digits of H and K that all steps together may lose
+# a step has STEP_DIGITS guard digits; all steps together may lose LOST_DIGITS digits of H and K
 STEP_DIGITS = 2
 LOST_DIGITS = 3
 # rates within 2^±USUAL are not rescaled, which saves one product per rate

@@ -19,7 +19,7 @@ from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 
-# largest number of modes at USUAL_DIGITS digits, about a second of set-up; at more digits fewer
+# the largest number of modes at USUAL_DIGITS digits, about a second of set-up; with more digits it is smaller
 MOST_MODES, USUAL_DIGITS = 1 << 16, 60
 # number of modes added to the number that their decay suggests
 MARGIN = 6

@@ -13,10 +13,10 @@ from jacobian.native.special import SPECIAL
 
 __all__ = ["LIBRARY", "SeriesRoom", "march_along"]
 
-# number of steps after which the remaining ones are estimated; factor by which the estimate may be wrong
+# the remaining steps are estimated after KNOWN_FROM steps; the estimate may be wrong by the factor UNEVEN
 KNOWN_FROM = 4
 UNEVEN = 4
-# reasons why a march ends before its last time: its steps shrink to 0; there are too many steps
+# reasons why a march ends before its last time: its steps shrink to 0 (ENDS), or are too many (FAR)
 ENDS, FAR = 1, 2
 # indices in a march's report: number of steps, lengths of the first and of the current step, number of times reached
 STEPS, LONGEST, STEP, REACHED = range(4)

@@ -28,7 +28,7 @@ from jacobian.numbers.threads import in_ranges
 
 COLUMNS = 7
 """γ, M and τ."""
-# states and members of a range, the unit of work of a thread
+# the numbers of states and of members in a range, which is the unit of work of a thread
 STATES, MEMBERS = 1 << 16, 64
 WORDS = tuple(WAYS)
 SHORT = WORDS.index("short run")

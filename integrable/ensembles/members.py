@@ -23,8 +23,8 @@ from jacobian.immutable import Record, replaced
 
 # margins of the bounds: a member is checked singly beyond HALF of the tolerance of γ and M, or FAR_INSIDE of a bound
 HALF, FAR_INSIDE = 0.5, 1e-3
-# least difference of the extreme moments, relative to the largest plus d; least distance from M ∥ γ and from M along a
-# principal axis
+# DISTINCT is the least difference of the extreme moments, relative to the largest plus d, ASIDE the least distance of M
+# from γ and from a principal axis, relative to |M|
 DISTINCT, ASIDE = 1e-12, 1e-10
 
 

@@ -30,7 +30,7 @@ from jacobian.element import Real, Table, Value
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.fields.protocol import Field
 
-# digits that a set-up, and a flow, carry beyond those of MP(digits)
+# a set-up has GUARD digits beyond those of MP(digits), a flow INNER
 GUARD, INNER = 15, 5
 # M counts as vertical if its horizontal part is below VERTICAL roundings of it; floats lose digits below the part
 # NEARLY

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Pairs = Sequence[tuple[Sequence[Real], Sequence[Real]]]
 """(γ, M) at several times."""
 
-# extra digits of the second run, and the least number of its digits
+# the second run has WIDER more digits than the first, and at least LEAST
 WIDER = 15
 LEAST = 30
 # spare digits in the estimate of :func:`_turns`

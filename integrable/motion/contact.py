@@ -39,10 +39,9 @@ if TYPE_CHECKING:
 PANEL_STEPS = 5
 # with this many panels or more the torus costs less than integrating along the motion
 FAR = 50
-# numbers of panels that take about a second: with states from the torus, and with single states
+# MOST_PANELS panels with states from the torus, or MOST_PRECISE with single states, take about a second
 MOST_PANELS, MOST_PRECISE = 4000, 60
-# in multiprecision: the number of panels from which on the torus costs less, and the number that takes minutes without
-# a torus
+# in multiprecision the torus costs less from FAR_GAUSS panels on; without a torus MOST_GAUSS panels take minutes
 FAR_GAUSS, MOST_GAUSS = 4, 40
 # digits of the bounded part beyond those of the field
 GUARD = 2

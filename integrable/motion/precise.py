@@ -45,8 +45,8 @@ SPARE = 2
 MOST_LOST = 400
 # from this many basic steps per digit on, the torus costs less than stepping
 TORUS_FROM = 20
-# the number of multiplications, for the tables of a torus, that cost as much as one digit of one basic step; the
-# largest number whose tables fit into memory
+# WORK_A_STEP multiplications for the tables of a torus cost as much as one digit of one basic step; the tables of
+# WORK_WITH_ROOM multiplications fit into memory
 WORK_A_STEP, WORK_WITH_ROOM = 20, 1 << 28
 # from ALONE_FROM digits on, the first time is computed without a series of the clock, starting from ROUGH_DIGITS digits
 ALONE_FROM, ROUGH_DIGITS = 250, 30

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 Found = TypeVar("Found")
 
-# the number of cells of a long panel (odd, so that its centre is that of a cell), and of cells before any long panel
+# a long panel has LONG cells (odd, so that its centre is that of a cell); the first NEAR_CELLS cells are in none
 LONG = 9
 NEAR_CELLS = 27
 # on the first cells the clock may run this many times faster or slower than on later ones

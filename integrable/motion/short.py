@@ -61,10 +61,10 @@ WORTH, WORTH_OF_MANY = 2.0, 1.0
 MOST_PANELS = 3000
 # largest number of times
 MOST_TIMES = 20_000
-# limits where nothing is compiled: panels of one run, and number of times
+# the largest numbers of panels and of times of a run where nothing is compiled
 INTERPRETED_PANELS, INTERPRETED_TIMES = 64, 500
-# the allowed error of a run's clock: absolute, in the units of the motion, and relative to the time. For many motions
-# at once the limits are wider, since rounding of the inputs moves the clocks as much
+# the allowed error of a run's clock: DRIFT in the units of the motion, PACE relative to the time. For many motions at
+# once the limits are wider, since rounding of the inputs moves the clocks as much
 DRIFT, PACE = 3e-14, 2.0**-53
 DRIFT_OF_MANY, PACE_OF_MANY = 2e-13, 2.0**-51
 # runs with at most this many times keep their working memory for the next run

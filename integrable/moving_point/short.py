@@ -75,8 +75,8 @@ APART = 2.0**-45
 PACED, UNSTEADY = 32, 1.05
 # a run under way may take 1/SPARE more panels than planned: to give up near the end would waste them all
 SPARE = 4
-# reasons to abandon a run: rounding in floats, panels that do not converge, too many panels, too few digits. UNSORTED
-# times are a reason not to start it
+# reasons to abandon a run: rounding in floats, panels that do not converge (UNRESOLVED), too many panels (FAR), too few
+# digits (LOST). UNSORTED times are a reason not to start it
 ROUNDING, UNRESOLVED, FAR, LOST, UNSORTED = 1, 2, 3, 4, 5
 
 

@@ -14,14 +14,15 @@ GIVEN = 10
 NODES = 28
 # a panel is halved at most LEVELS times; nodes need translations by half a panel over 2^l for l up to FINEST
 LEVELS, FINEST = 6, 7
-# orders in the expansion of translations, number of wide ones among them, and the least factor by which each order is
-# smaller than the one before: 15 such factors make 107 bits
+# translations are expanded to ORDERS orders, the first WIDE_ORDERS in wide numbers; each order is smaller than the one
+# before by at least the factor ORDER_GAIN, and 15 such factors make 107 bits
 ORDERS, WIDE_ORDERS, ORDER_GAIN = 16, 9, 140.5
 
-# position in ``wide``, after a problem's row, of the unit of physical time, and the length of ``wide``
+# TIME_UNIT is the position of the unit of physical time in ``wide``, after a problem's row; WIDE is its length
 TIME_UNIT = ROW
 WIDE = TIME_UNIT + 1
-# positions in ``point`` after the ten numbers of a moving point: 1/g there; γ and w of the start; the deviation of H2
+# positions in ``point`` after the ten numbers of a moving point: 1/g (RATE), γ and w of the start (from BEGIN on), and
+# the deviation of H2 (OFF)
 RATE, BEGIN, OFF = 10, 11, 17
 # positions in the rows of ``seen``, which describe precomputed centres: the distance of the shadow, and the relative
 # correction after the addition
@@ -29,8 +30,8 @@ SHADOW, MOVED = 11, 12
 POINT = OFF + 1
 # rows of wide points: a centre, and one for each level of halving
 POINTS = LEVELS + 1
-# number of centres computed together, each with its shadow: the number of SIMD lanes. Rows of ``ahead``: these centres,
-# their shadows, and the two starts
+# AHEAD centres are computed together, each with its shadow, so that all SIMD lanes are used. The rows of ``ahead`` are
+# these centres, their shadows, and the two starts
 AHEAD = 4
 AHEAD_POINTS = 2 * AHEAD + 2
 # rows of wide translations: HALF by h, those before it by h/2^l, and from PANEL on by 1 … AHEAD panels

@@ -21,7 +21,7 @@ from jacobian.numbers.long_reals import BareReals
 
 # guard digits of the field in which a clock is computed
 SPARE = 20
-# largest number of panels of a quadrature in each direction of time; number of nodes of a panel per digit
+# a quadrature has at most MOST_PANELS panels in each direction of time, and NODES_A_DIGIT nodes per digit on each
 MOST_PANELS, NODES_A_DIGIT = 64, 2
 MOST_STEPS = 100
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     Vectors = tuple[arb, Sequence[arb], Sequence[arb]]
 
-# initial allowance for lost bits: per genus, and per genus and doubling
+# the initial allowance for lost bits is OF_GENUS per genus, and OF_DOUBLING per genus and doubling
 OF_GENUS, OF_DOUBLING = 160, 20
 # guard digits of the first guess of τ
 GUARD = 6

@@ -20,7 +20,8 @@ from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, ExtendedGroup, Kind, Lift, PointLift
 
-# number of bits between the two precisions; initial allowances for lost bits: per genus, per doubling, and a constant
+# the two precisions are APART bits apart; the initial allowance for lost bits is OF_START, plus OF_GENUS per genus and
+# OF_DOUBLING per doubling
 APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
 MOST_BITS = 4000
 # largest rates that rounding may leave for a pair at rest, in units of the last bit

@@ -20,9 +20,9 @@ from integrable.torus.witness import witnesses
 from jacobian.element import Real
 from jacobian.numbers.double_double import double_double_row
 
-# parts of a half turn in the table of a circle; order of the power series between its points
+# the table of a circle has PARTS points per half turn; power series between them have the order ORDER
 PARTS, ORDER = 32, 17
-# bits of the table; modes below this fraction of the largest are not needed
+# the table has BITS bits; modes below NEGLIGIBLE of the largest are not needed
 BITS, NEGLIGIBLE = 160, 1e-34
 
 

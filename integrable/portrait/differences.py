@@ -20,8 +20,8 @@ from jacobian.progress import Progress
 FlowMap = Callable[[Body, State], np.ndarray]
 """A function of a body and a state that returns γ and M at the times, shape (N, 6)."""
 
-# guard digits beyond those lost to the step and the derivatives, and the largest number of attempts when derivatives
-# are larger than expected
+# GUARD digits are added to those lost to the step and the derivatives; at most ATTEMPTS attempts are made if
+# derivatives are larger than expected
 GUARD, ATTEMPTS = 8, 6
 # number of motions: two for each of nine directions (for a top three for that of d)
 MOTIONS = 18

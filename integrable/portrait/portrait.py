@@ -43,8 +43,8 @@ REGIONS = {
 }
 """The values of :attr:`Portrait.region` and their meaning."""
 
-# digits of angles beyond those of the set-up, and trial numbers of digits that the ovals may lose: first for ordinary
-# motions, then near a separatrix
+# angles have SPARE digits beyond those of the set-up; LOST extra digits of a set-up are tried in turn, since near a
+# separatrix the ovals lose digits
 SPARE, LOST = 4, (0, 40, 160, 640)
 
 

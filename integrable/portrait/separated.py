@@ -41,7 +41,8 @@ MOST_NODES = 1 << 13
 NEGLIGIBLE = 1e-18
 # number of correct bits after Newton's method in floats
 FLOAT_BITS = 40
-# extra nodes, extra digits of π; the radius of an oval is more than rounding if it has this many bits
+# an oval has SPARE_NODES extra nodes, and π DIGITS_BEYOND extra digits; the radius of an oval is more than rounding if
+# it has SPARE_BITS bits
 SPARE_NODES, DIGITS_BEYOND, SPARE_BITS = 8, 5, 20
 
 

@@ -12,9 +12,9 @@ import numpy as np
 from integrable.series.room import Orders
 from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Tape
 
-# run time of a step of Neumann's point on S², in run times of a product: the part without products, and the whole
+# a step of Neumann's point on S² takes the time of STANDARD products, its part without products that of FIXED
 FIXED, STANDARD = 3, 13
-# microseconds of such a step: per order, per square of the order, and in addition per order in double-doubles
+# the microseconds of such a step: per order, per square of the order, and more per order in double-doubles
 PER_ORDER, PER_SQUARE, PER_WIDE_ORDER = 5e-3, 0.25e-3, 28e-3
 
 

@@ -21,7 +21,7 @@ from jacobian.numbers.double_double_steps import (
     two_sum,
 )
 
-# relative change of the start of the second walk, about a rounding unit: of double-doubles, of floats
+# the relative change of the start of the second walk, about a rounding unit, in double-doubles and in floats
 MOVED, MOVED_IN_FLOATS = 2.0**-104, 2.0**-52
 # between steps only the share 1/FIRST_TERMS of the double-double terms, those of the lowest orders, is summed in
 # double-doubles; the others sum to a hundredth of the value

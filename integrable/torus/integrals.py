@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from integrable.torus.access import TorusFlow
 
 FIRST_SIZE = 32
-# the largest number of samples in floats, for compiled and interpreted states; the number of states computed at once
+# the largest number of samples in floats, for compiled and interpreted states; CHUNK states are computed at once
 MOST_COMPILED, MOST_INTERPRETED, CHUNK = 1 << 18, 1 << 12, 1 << 13
 # a mode in floats below this fraction of the largest is a rounding error
 NOISE = 1e-15

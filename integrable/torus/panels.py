@@ -18,7 +18,7 @@ NODES = 28
 TOLERANCE = 2e-15
 # the rounding errors of the states themselves are at most this, relative to their column, on motions with fast passages
 NOISE = 1e-13
-# the number of panels on which a length is tried, and the largest number of halvings of a panel
+# a length is tried on PROBES panels; a panel is halved at most MOST_HALVINGS times
 PROBES = 8
 MOST_HALVINGS = 12
 # last coefficients below ROUGH of their column that do not decrease are rounding errors, which halving does not reduce;

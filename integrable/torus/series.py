@@ -29,7 +29,7 @@ ONE_THREAD, FEWEST = 1 << 15, 4
 TINY = 1e-290
 # the size up to which transforms of integers are direct sums
 SHORT = 8
-# the error of a mode in floats, per turn of its phase, and the guard bits of sums of many digits
+# a mode in floats has the error ROUNDED per turn of its phase; sums of many digits have SPARE_BITS guard bits
 ROUNDED, SPARE_BITS = 1e-15, 40
 
 

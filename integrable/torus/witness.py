@@ -37,12 +37,12 @@ FAR = 2.0**48
 ALIKE = 1e-6
 # the difference allowed for a correct torus: this check is for wrong signs and positions only
 RIGHT = 1e-8
-# the number of borders checked, and the difference in double-doubles allowed between both corners. For close moments,
+# BORDERS borders are checked; the difference allowed between both corners is SEAM in double-doubles. For close moments,
 # whose κ is small, SEAM is multiplied by 10κ or at least by LEAST: where a γ_i passes 0, an error of V is magnified by
 # 1/κ in M_i (test_a_torus_of_close_moments_is_right_where_a_coordinate_plane_is_passed)
 BORDERS = 16
 SEAM, LEAST = 1e-13, 1e-2
-# numbers of halvings of a step, of terms and of Newton passes that together give a double-double number
+# HALVINGS halvings of a step, TERMS terms and NEWTON_PASSES Newton passes together give a double-double number
 HALVINGS, TERMS, NEWTON_PASSES = 2, 32, 2
 
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 from jacobian.numbers.double_double_steps import FUNCTIONS
 
 ONE, ZERO = "1.0", "0.0"
-# the numbers of SIMD lanes: for the rounds of a loop that run together (:func:`jacobian.numbers.abreast.abreast`), and
-# for an item of a twin array (:data:`jacobian.native.kinds.TWIN_WIDES`)
+# LANES rounds of a loop run together in SIMD lanes (:func:`jacobian.numbers.abreast.abreast`); an item of a twin array
+# has TWO lanes (:data:`jacobian.native.kinds.TWIN_WIDES`)
 LANES, TWO = 8, 2
 
 

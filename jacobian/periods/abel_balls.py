@@ -26,7 +26,7 @@ from jacobian.periods.roots import horner
 
 Result = TypeVar("Result")
 
-# largest number of Newton steps in midpoints, starting from doubles; number of precisions at which a proof is tried
+# at most MOST_STEPS Newton steps are made in midpoints, starting from doubles; a proof is tried at PROOFS precisions
 MOST_STEPS, PROOFS = 20, 3
 
 

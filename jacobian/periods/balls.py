@@ -24,7 +24,7 @@ from jacobian.errors import Infeasible, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 from jacobian.periods.quadrature import Forms, Numbers, Vector, path_sums
 
-# Bernstein ellipses of the quadrature: fractions of the largest ρ that are tried, and an upper bound of ρ
+# the quadrature tries Bernstein ellipses with these fractions of the largest ρ, and with ρ at most MOST_RHO
 WIDTHS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
 MOST_RHO = 4.0
 # a piece of a path that needs more than NODES_A_DIGIT nodes per digit plus MORE_NODES is halved, down to LEAST_PIECE:

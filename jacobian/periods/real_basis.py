@@ -21,7 +21,7 @@ from jacobian.periods.paths import Vector, along
 Matrix = tuple[Vector, Vector]
 Whole = tuple[int, int, int, int]
 
-# relative asymmetry up to which τ counts as symmetric: in long numbers, and in floats
+# the relative asymmetry up to which τ counts as symmetric, in long numbers and in floats
 NEARLY, NEARLY_IN_FLOATS = 1e-22, 1e-6
 
 

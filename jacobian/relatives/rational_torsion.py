@@ -32,10 +32,9 @@ from jacobian.relatives.torsion_lifts import grow
 Subgroups = dict[int, PrimaryGroup]
 """The Sylow subgroups by their primes."""
 
-# number of primes whose reductions bound the group; largest number of classes of a reduction whose structure is
-# computed
+# the reductions modulo REDUCTIONS primes bound the group, or fewer if the next has more than MOST_CLASSES classes
 REDUCTIONS, MOST_CLASSES = 8, 10**7
-# number of points whose sums are tried; bound of the coefficients of u
+# sums and differences of the first SUMMED points are tried, and u with coefficients of size at most SMALL
 SUMMED, SMALL = 12, 6
 MOST_BOUND = 1000
 
