@@ -38,7 +38,7 @@ from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.double_double import double_double_row
 
-# roots are computed to BITS bits, half of which are lost if two roots nearly coincide, later quantities to FEWER_BITS
+# roots have BITS bits, half of which are lost if two roots nearly coincide; later quantities have FEWER_BITS bits
 BITS, FEWER_BITS = 400, 180
 # largest number of Newton steps from a root in floats
 NEWTON_STEPS = 8

@@ -276,7 +276,7 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
             # slow convergence leads to bisection, because the cubic may alternate between the sides forever
             step = (low[0] + high[0]) / 2 - tau if slow else _between(low, high, target) - tau
         else:
-            # a lower bound on the rate steps over flat places; it is lowered if the target may lie in one
+            # a lower bound on the rate limits steps across flat places; it is lowered if the target may lie in one
             flat = flat / 16 if slow else flat
             step = rest / max(rate, mean * flat)
         if low and high and not low[0] < tau + step < high[0]:
