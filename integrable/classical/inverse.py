@@ -51,7 +51,7 @@ def joining(ellipsoid: Ellipsoid, first: Iterable[Value], last: Iterable[Value])
         gap = [x - y for x, y in zip(end, target, strict=True)]
         return [K.dot(e, gap) for e in landing]
 
-    # initial length: the arc from q to the target of the circle whose tangent at q is the first basis vector
+    # the initial length is the arc from q to the target of the circle whose tangent at q is the first basis vector
     along, length = float(K.dot(chord, basis[0])), float(K.sqrt(K.dot(chord, chord)))
     angle = acos(min(1.0, along / length))
     arc = length * angle / sin(angle) if angle else length

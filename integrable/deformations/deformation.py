@@ -36,7 +36,7 @@ class Deformation(Hamiltonian):
         if self.repels:
             from integrable.deformations.pole_flow import PoleFlow
 
-            # raises NotRepresentable where the potential is infinite
+            # this raises NotRepresentable where the potential is infinite
             self.integrals(state)
             return PoleFlow(self, state)
         raise ArgumentError(

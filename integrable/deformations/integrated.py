@@ -30,7 +30,7 @@ STEP_DIGITS = 2
 LOST_DIGITS = 3
 # rates within 2^±USUAL are not rescaled, which saves one product per rate
 USUAL = 10
-# relative change of coordinates from which the sizes of H and K are found; it changes K even at a double zero
+# the sizes of H and K are found from this relative change of coordinates, which changes K even at a double zero
 PART = 1.2345e-4
 
 
@@ -47,7 +47,7 @@ class IntegratedMotion(EnclosedMotion):
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
-        # raises ArgumentError for fields other than RR or MP(digits)
+        # this raises ArgumentError for fields other than RR or MP(digits)
         digits_asked(system.field)
 
     @cached_property

@@ -87,7 +87,7 @@ class Flow(BodyMotion):
         else:
             _ = self.setup
         if state.tilted:
-            # raises if M ∥ γ in the precision of the state
+            # this raises if M ∥ γ in the precision of the state
             leaning(field, *state.vectors)
 
     @cached_property

@@ -46,7 +46,8 @@ class _Part:
         return array
 
 
-# a dataclass only so that dataclasses.replace takes a state; constructor, repr, comparison and hash are written out
+# this is a dataclass only so that dataclasses.replace takes a state; constructor, repr, comparison and hash are written
+# out
 @dataclass(init=False, repr=False, eq=False)
 class State(Immutable, Generic[Element]):
     """A state (γ, M): the unit vertical γ and the angular momentum M about the contact point, both in the body frame.

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 AXES = ("largest", "least")
-# initial number of nodes of an oval's series, and the largest
+# the first and the largest number of nodes of an oval's series
 FIRST_NODES, MOST_NODES = 64, 1 << 16
-# initial digits of floats
+# the number of digits of a τ in floats, which Newton's method doubles
 ROUGH_DIGITS = 12
 
 

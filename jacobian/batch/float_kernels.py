@@ -28,7 +28,7 @@ OPPOSITE = 2.0**-30
 # floats), or if the leading coefficient of p² − q²f in genus2_complex is below FLATTEST times the other coefficients
 FLATTEST_CHORD = 2.0**-12
 FLATTEST = 2.0**-20
-# least size of f at the smallest point, and of f's leading term at the largest point, relative to f at the largest
+# f at the smallest point, and its leading term at the largest, must be at least this, relative to f at the largest
 # point: two fifths of 53 bits remain
 EVEN = 2.0**-32
 TINY = 1e-300

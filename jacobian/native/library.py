@@ -179,7 +179,7 @@ def flatten(values: Any, forms: tuple[tuple[Any, ...], ...], words: list[Any]) -
             if (value.dtype is not dtype and value.dtype != dtype) or value.ndim != axes:
                 raise _unfit(value, kind)
             try:
-                # raises if the array is not C-contiguous
+                # this raises if the array is not C-contiguous
                 words.append(addressof(from_buffer(value)))
             except (TypeError, ValueError):
                 words.append(_unwritten(value, kind))
