@@ -235,7 +235,7 @@ def written(number: Any) -> str:
 
 
 def _digits(n: int) -> str:
-    # 3.3 is below log₂ 10, so that this test needs no digits
+    # log₂ 10 > 3.3, so that this int has at most SHOWN digits
     if n.bit_length() < 3.3 * SHOWN:
         return str(n)
     from gmpy2 import mpz

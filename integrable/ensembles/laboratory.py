@@ -207,7 +207,7 @@ def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.nda
     else:
         gamma = np.cross(M, np.eye(3)[abs(M).argmin(axis=1)])
         gamma /= np.linalg.norm(gamma, axis=1)[:, None]
-    # ``frames`` times the matrices of the attitude are the orientations, at time 0 ``start``
+    # ``frames`` times the matrices of the attitude are the orientations, which at time 0 are ``start``
     frames = start @ attitude.matrices(gamma, M).transpose(0, 2, 1)
     rows = np.hstack([np.broadcast_to([*inertia, d], (len(many), 4)), gamma, M])
     aside = np.sort(abs(spin), axis=1)

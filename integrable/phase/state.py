@@ -46,8 +46,7 @@ class _Part:
         return array
 
 
-# this is a dataclass only so that dataclasses.replace takes a state; constructor, repr, comparison and hash are written
-# out
+# this is a dataclass only so that dataclasses.replace takes a state; its usual methods are written out
 @dataclass(init=False, repr=False, eq=False)
 class State(Immutable, Generic[Element]):
     """A state (γ, M): the unit vertical γ and the angular momentum M about the contact point, both in the body frame.

@@ -26,7 +26,7 @@ Triple = tuple[tuple[Number, ...], tuple[Number, ...], "int | None"]
 __all__ = ["Sum", "add", "compose"]
 
 # the field's own digits are tried if f at the smallest point and its leading coefficient are at least 2^−SPREAD, in
-# units of the largest point
+# units in which |x| ≤ 1 at all points and f is of size 1 at |x| = 1
 SPREAD = 24
 # the largest remainder of a division that counts as rounding, in units of the last digit
 REMAINDER = 64
