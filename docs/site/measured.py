@@ -21,12 +21,12 @@ INTRO = """\
 
 Each cell is **the run time of the fastest sufficiently accurate competitor divided by that of the divisor flow**. Sufficiently accurate means that its error
 is at most the flow's, or at most the effect of rounding the inputs to doubles. Above 1 (<span class="ahead">blue</span>) the flow is faster, below
-(<span class="behind">orange</span>) the competitor. *none*: no method that was run reached that accuracy; *stopped*: the methods could not run; *refused*: the flow
-raised an error that names the reason.
+(<span class="behind">orange</span>) the competitor. *None* means that no method that was run reached that accuracy, *stopped* that the
+methods could not run, and *refused* that the flow raised an error that names the reason.
 
 The state is requested at one time T, in time scales of the motion (the body turns by about a radian in one), or at *all its times*, those that the
-scene lists. Run times count a start and its evaluation, on both sides; the last columns have what is paid once a system and once a machine. A click on a heading sorts;
-the tooltip of a cell names the method.
+scene lists. Run times count the set-up of a start and the evaluation, for both methods; the last columns have the costs once a system and once a machine. A click on a heading
+sorts the table, and the tooltip of a cell names the method.
 """
 CLAIMS = "Each claim is measured; [details](details.md) and the pages of the scenes have the figures."
 # the class of a cell from each ratio on

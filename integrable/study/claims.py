@@ -93,9 +93,8 @@ def _in_doubles(row: dict[str, Any]) -> bool:
 
 def _standing(compared: int, behind: Sequence[Behind], scenes: int) -> str:
     return (
-        f"{compared - len(behind)} of {compared} rows on {scenes} scenes; of the others "
-        f"{sum(b.cheaper for b in behind)} finish sooner than the flow, "
-        f"{sum(not b.cheaper for b in behind)} are more accurate"
+        f"{compared - len(behind)} of {compared} rows on {scenes} scenes; other rows that finish sooner than the flow: "
+        f"{sum(b.cheaper for b in behind)}, that are more accurate: {sum(not b.cheaper for b in behind)}"
     )
 
 

@@ -65,8 +65,9 @@ def in_one_minute(study: Study) -> str:
         "States are requested at one time T, in time scales of the motion (a body turns by about a radian in one), or "
         "at all times of the scene. The flow is compared with the fastest other method whose error is at most the "
         "flow's, or at most the effect of rounding the inputs to doubles. For both, a run time counts the set-up of "
-        "one start and the evaluation, with code already compiled. The last column has the least, median and largest "
-        "ratio of run times, over the scenes where another method is as accurate: above 1 the flow is faster."
+        "one start and the evaluation, with code already compiled. The last column has the run time of the other "
+        "method divided by the flow's: its least, median and largest value over the scenes where another method is as "
+        "accurate. Above 1 the flow is faster."
     )
     return f"{text}\n\n{_markdown(_summary(study))}\n{_exceptions(study)}"
 
@@ -125,7 +126,7 @@ def _exceptions(study: Study) -> str:
 def introduction(study: Study) -> str:
     """The text that says how the study was measured and on which machines."""
     return (
-        f"Written by `{study.command}`. Every row is one method with one setting on one scene.\n\n"
+        f"Written by `{study.command}`. In the table of a scene every row is one method with one setting.\n\n"
         "**Run times.** One rule holds for all methods. Costs are counted *once a machine* (compilation that depends "
         "on no body and no start: numba's, ours, and heyoka's of equations whose constants are parameters), *once a "
         "system* (work for a body that serves all its starts), *once a start*, and for *evaluation*. A run time is "
@@ -133,17 +134,17 @@ def introduction(study: Study) -> str:
         "beside the ratios, in the table of first answers and in each row of report.json.\n\n"
         "Rows are timed one at a time, with nothing else of this study running, and times are medians. A row whose "
         "times scatter by more than a tenth (median absolute deviation over median) is measured again, and "
-        f"marked{SCATTERS} if they still do. The two sides of a ratio run in turn in one process, and so do each row "
-        "of another method and the flow. All timed rows come from one machine, one commit and one run.\n\n"
+        f"marked{SCATTERS} if they still scatter. The two methods of a ratio run in turn in one process, and so do the "
+        "flow and the method of each other row. All timed rows come from one machine, one commit and one run.\n\n"
         "**Errors** are differences from the truth, the divisor flow at 40 digits or more: the largest over components "
         "and times. Those of M are relative to |M|. The truth itself is compared with an integrator that shares no "
         "code with it. For a system without a body q and p take the place of γ and M, and errors of both are relative "
         "to the largest value at the start or in their row.\n\n"
         "**Inputs** are doubles: moments, d, γ, M and times of a scene are rounded to doubles before anything is "
         "computed, and every method starts from these. In doubles |γ| = 1 and, in scenes that are not tilted, "
-        "(γ, M) = 0 hold only to rounding. So the truth and all methods in more digits start from γ/|γ| and from M "
-        "without its part along γ, computed in their own precision. So does the flow in floats, whose set-up has 45 "
-        "digits. Methods in doubles start from the doubles themselves.\n\n"
+        "(γ, M) = 0 hold only to rounding. The truth and all methods in more digits therefore start from γ/|γ| and "
+        "from M without its part along γ, computed in their own precision. The flow in floats, whose set-up has 45 "
+        "digits, does the same. Methods in doubles start from the doubles themselves.\n\n"
         "**The floor** is eps·conditioning, the effect on the state of a change of every input in its last digit "
         "(`integrable.motion.conditioning`). An error below the floor is possible because the inputs count as exact."
         f"\n\n{_machine(study)}"
@@ -152,7 +153,7 @@ def introduction(study: Study) -> str:
 
 def sections(study: Study) -> dict[str, str]:
     """The sections about all scenes, by name, each with its heading; empty ones are left out."""
-    text = "Each is measured by the command above; the sections below have the figures."
+    text = "Each claim is measured by the command above; the sections below have the figures."
     found = {
         "claims": _section("Claims", text, claims(study)),
         "horizons": _horizons(study),
@@ -194,10 +195,11 @@ def _section(title: str, text: str, rows: Sequence[Sequence[str]]) -> str:
 def _not_ahead(study: Study) -> str:
     title = "Rows where the divisor flow is not ahead"
     text = (
-        "For each scene and method, the number of rows that no row of the flow beats in error in the same run time or "
-        "less, and the most accurate of them. Scenes with T ≥ 1000 come first, then rows that are more accurate, then "
-        "rows that are faster. \"Flow's error in that time\" is the least error that the flow reaches in the row's run "
-        'time; "flow as accurate after" is the run time in which it is at least as accurate as the row.'
+        "A row is counted here if the flow is nowhere at least as accurate in the same run time or less. For each "
+        "scene and method the table has the number of such rows and the most accurate of them. Scenes with T ≥ 1000 "
+        'come first, then rows that are more accurate, then rows that are faster. "Flow\'s error in that time" is the '
+        'least error that the flow reaches in the row\'s run time; "flow as accurate after" is the run time in which '
+        "it is at least as accurate as the row."
     )
     rows = [behind_cells(study, *entry) for entry in study.behind_by_method]
     none = "None." if any(f.comparators for f in study.motions) else NO_OTHERS
@@ -206,15 +208,15 @@ def _not_ahead(study: Study) -> str:
 
 def _horizons(study: Study) -> str:
     text = (
-        "Each cell is the run time (once a start + evaluation) of the fastest sufficiently accurate competitor divided "
-        "by that of the flow in floats: above 1 the flow is faster. Sufficiently accurate: with an error at most the "
-        "flow's, or at most the effect of rounding the inputs. >x: no competitor finished in x times the flow's time. "
-        "none: no method that was run reached that accuracy. stopped: the methods could not run, because of a pole or "
-        "because they gave up. refused: the flow raised an error that names the reason. Columns are one time T, in "
-        "time scales of the motion, or all times of the scene. The last four columns have the costs that no ratio "
-        "includes, of the flow and of these competitors: once a system, and once a machine as measured at first use "
-        "in this process. Systems of one kind share code of the flow; its import or compilation is counted for the "
-        "first of them."
+        "Each cell is the run time (once a start + evaluation) of the fastest sufficiently accurate competitor "
+        "divided by that of the flow in floats: above 1 the flow is faster. A competitor is sufficiently accurate if "
+        'its error is at most the flow\'s, or at most the effect of rounding the inputs. ">x" means that no '
+        'competitor finished in x times the flow\'s time, and "none" that no method that was run reached that '
+        'accuracy. "stopped" means that the methods could not run, because of a pole or because they gave up, and '
+        '"refused" that the flow raised an error that names the reason. A column is one time T, in time scales of the '
+        "motion, or all times of the scene. The last four columns have the costs that no ratio includes, of the flow "
+        "and of these competitors: once a system, and once a machine as measured at first use in this process. Systems "
+        "of one kind share code of the flow; its import or compilation is counted for the first of them."
     )
     columns = study.horizons
     once = ("flow, once a system", "competitor, once a system", "flow, once a machine", "competitor, once a machine")
@@ -238,17 +240,17 @@ def _faster(study: Study) -> str:
                 spent = (duration(side[part]) for side in (peer, flow) for part in ("machine", "system"))
                 rows.append((*name, *cells, ratio_cell(s), *spent))
     text = (
-        "Every case in which another method is as accurate and faster. The last columns have the costs of both once a "
-        "machine, as measured in this process, and once a system."
+        "The table has every case in which another method is as accurate and faster. The last columns have the costs "
+        "of both once a machine, as measured in this process, and once a system."
     )
     return _section("Where others are faster", text, rows)
 
 
 def _floor(study: Study) -> str:
     text = (
-        'The fastest row of the flow in floats; "over floor" is its error divided by the floor. The last columns say '
-        "what the truth is, up to which time it was checked by an independent integrator, and how far they differ. A ! "
-        "marks a truth that this check does not confirm."
+        'The table has the fastest row of the flow in floats; "over floor" is its error divided by the floor. The last '
+        "columns say what the truth is, up to which time it was checked by an independent integrator, and by how much "
+        "the two differ. A ! marks a truth that this check does not confirm."
     )
     if "floors" in study.figures:
         text += f"\n\n![Error over floor of every scene]({study.figures['floors']})"
@@ -262,9 +264,9 @@ def _first_answers(study: Study) -> str:
             times = (duration(content["result"][key]) for key in ("cold", "disk", "process"))
             rows.append((f.scene.name, content["row"]["method"], *times))
     text = (
-        "The time to one answer, one time scale after the start, everything included, even imports and Python's own "
-        "start: with empty caches (heyoka's on disk too), in a new process that finds all compiled code on disk, and "
-        "in a process that has computed it before."
+        "The table has the time to one answer, one time scale after the start, with imports and the start of Python "
+        "included. On the cold machine all caches are empty (heyoka's on disk too). The new process finds all compiled "
+        "code on disk. The warm process has computed the answer before."
     )
     return _section("The first answer, cold and warm", text, rows)
 
@@ -275,14 +277,17 @@ def _orders(study: Study) -> str:
         for name, slope, order in f.slopes():
             agrees = order is not None and abs(slope - order) <= ORDER_TOLERANCE
             rows.append((f.scene.name, name, f"{slope:.2f}", str(order), "agrees" if agrees else "differs"))
-    text = "Slope of log error against log step, above the plateau of rounding and below 0.1."
+    text = (
+        "The observed order is the slope of log error against log step, for errors above the plateau of rounding and "
+        "below 0.1."
+    )
     return _section("Orders of the fixed-step methods", text, rows)
 
 
 def _orbits(study: Study) -> str:
     text = (
-        "Over a finite field errors are 0 and only the cost counts. The last column compares the end of the orbit with "
-        "one addition of the multiple."
+        "Over a finite field errors are 0, and only the run time is of interest. The last column compares the end of "
+        "the orbit with one addition of the multiple."
     )
     return _section("Orbits of Bäcklund maps", text, [ORBITS, *(c for f in study.orbits for c in orbit_cells(f))])
 
@@ -300,7 +305,7 @@ def _failed(study: Study) -> str:
     limits = LIMITS[study.mode]
     text = (
         f"The limits were {limits.run:g} s for a run and {limits.task:g} s for a row with all its repetitions. "
-        "Of rows whose messages differ only in numbers the first is shown."
+        "Of several rows whose messages differ only in numbers, the first is shown."
     )
     return _section("Rows without a figure", text, rows)
 
@@ -311,7 +316,7 @@ def _not_measured(study: Study) -> str:
         counts = Counter(content["row"]["method"] for content in f.missing)
         if counts:
             rows.append((f.scene.name, ", ".join(f"{name}: {count}" for name, count in counts.items())))
-    return _section("Not measured", "Rows for which the time of this run was not enough.", rows)
+    return _section("Not measured", "The time of this run was not enough for these rows.", rows)
 
 
 def scene_section(study: Study, found: SceneFindings) -> str:
