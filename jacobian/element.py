@@ -29,7 +29,7 @@ else:
 
 
 class Real(Protocol):
-    """A real number by its operators: a float, mpf or mpfr, an array of these, or a symbol."""
+    """The operators of a real number: a float, mpf or mpfr, an array of these, or a symbol."""
 
     def __add__(self, other: Any, /) -> Any: ...
 
@@ -65,7 +65,7 @@ class Real(Protocol):
 
 
 class Complex(Real, Protocol):
-    """A real or complex number of gmpy2 by its operators."""
+    """The operators of a real or complex number of gmpy2."""
 
     @property
     def real(self) -> Any: ...

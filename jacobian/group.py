@@ -167,7 +167,7 @@ class Jacobian(FiniteGroup[Element]):
         return support(self._own(D, "D"), extension)
 
     def change_ring(self, K: Field[Other]) -> Jacobian[Other]:
-        """The Jacobian of :meth:`jacobian.curve.questions.CurveQuestions.change_ring`."""
+        """The Jacobian of the curve over K: see :meth:`jacobian.curve.questions.CurveQuestions.change_ring`."""
         return self.curve.change_ring(K).jacobian()
 
     def __call__(self, P: Given[Element] | Literal[0], Q: Given[Element] | None = None) -> Divisor[Element]:

@@ -89,8 +89,8 @@ def _opened(initialize: Callable[..., None]) -> Any:
 
 
 def at_once(initialize: Made) -> Made:
-    """Marks an ``__init__`` that sets attributes by ``vars(self)`` and so needs no opening and closing, which would
-    double its time.
+    """Marks an ``__init__`` that sets attributes by ``vars(self)`` and so does not need ``_open``, which would double
+    its time.
     """
     initialize._at_once = True  # type: ignore[attr-defined]
     return initialize

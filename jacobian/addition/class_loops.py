@@ -75,7 +75,7 @@ def double_class(K: Any, C: Any, u: Any, v: Any) -> Any:
 def multiple_of_class(K: Any, C: Any, u: Any, v: Any, scalar: Any, digits: Any, odd: Any) -> Any:
     """Multiplies a class of weight g by a scalar > 0 in little-endian bytes; returns the triple of :func:`returned`.
 
-    Scratch memory: ``digits`` has one zero more than the scalar has bits, ``odd`` has a column for each odd digit.
+    Scratch memory: ``digits`` has a zero for each bit of the scalar and one more, ``odd`` a column for each odd digit.
     """
     position, first = signed_windows(scalar, 5, digits), encoded(K, C, u, v)
     keep(odd, 0, first)

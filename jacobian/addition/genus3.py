@@ -48,13 +48,13 @@ def quotient_by(m: Triple, w: Triple, u: Triple) -> Four:
 
 
 def chord(C: Any, first: Row, second: Row) -> Four:
-    """The quotient of s = (V' − V)/U modulo U'."""
+    """(r, r·s₂, r·s₁, r·s₀) for s = (V' − V)/U modulo U'."""
     (a2, a1, a0, b2, b1, b0), (c2, c1, c0, d2, d1, d0) = first, second
     return quotient_by((a2 - c2, a1 - c1, a0 - c0), (d2 - b2, d1 - b1, d0 - b0), (c2, c1, c0))
 
 
 def tangent(C: Any, first: Row) -> Four:
-    """The quotient of s = ((f − V²)/U)/2V modulo U."""
+    """(r, r·s₂, r·s₁, r·s₀) for s = ((f − V²)/U)/2V modulo U."""
     a2, a1, a0, b2, b1, b0 = first
     twice_b2 = b2 + b2
     # (f − V²)/U = f₈x⁵ + k₄x⁴ + … + k₀

@@ -24,7 +24,7 @@ from jacobian.numbers.threads import in_ranges
 
 
 def least_prime(g: int) -> int:
-    """The bound beyond which the residue of a_1 determines it."""
+    """The bound beyond which the residue of a_1 modulo p determines a_1."""
     return 16 * g * g
 
 

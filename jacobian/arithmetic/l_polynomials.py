@@ -32,8 +32,8 @@ def l_polynomials(
 ) -> LPolynomials:
     """L_p(T) for all p ≤ ``bound`` at which the equation is good (Harvey and Sutherland 2014, 2016).
 
-    Curves over QQ of genus 1, 2 or 3 with any equation; ``bound`` 2 … 2^24. ``file``: results and state are saved there
-    every few seconds, and the same call resumes from it. The file is replaced as a whole, so a run that is killed
+    C is over QQ, of genus 1, 2 or 3, with any equation; ``bound`` is 2 … 2^24. ``file``: results and state are saved
+    there every few seconds, and the same call resumes from it. The file is replaced as a whole, so a run that is killed
     leaves the last state. ``tell(done, all)`` receives numbers of primes. FieldError over other fields, Infeasible for
     other genera and larger bounds.
     """

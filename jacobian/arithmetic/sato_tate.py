@@ -150,7 +150,7 @@ def _unitary() -> dict[str, list[Part]]:
 
 
 def _others() -> dict[str, list[Part]]:
-    """The groups with the other identity components."""
+    """The 20 groups whose identity component is not U(1)."""
     circle, haar, quarter = _circle(), _haar(), _at(pi / 2)
     found = {}
     for n in (1, 2, 3, 4, 6):

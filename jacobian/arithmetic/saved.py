@@ -53,7 +53,7 @@ class Saved:
         return found, Place(place["done"], place["block"], windows)
 
     def keep(self, found: list[Any], place: Place) -> None:
-        """Writes the state if the last saved one is EVERY seconds old; the arrays in ``found`` are joined to one."""
+        """Writes the state if the last saved one is EVERY seconds old; the arrays in ``found`` are joined into one."""
         if monotonic() - self._last < EVERY:
             return
         found[:] = [np.concatenate(found)]

@@ -160,7 +160,7 @@ def rest(x: Any, p: Any, r: Any) -> Any:
 
 
 def invert(k: int, size: int, group: Any, room: Any) -> None:
-    """Writes 1/(k + 1), …, 1/(k + size) for each group, and multiplies the product of all rounds by these k."""
+    """Writes 1/(k + 1), …, 1/(k + size) modulo each prime, and multiplies the product of all rounds by these k + i."""
     P, R, bits, groups = group.primes, group.inverses, group.bits, len(group.primes)
     product, power = room.product, room.power
     for q in range(groups):

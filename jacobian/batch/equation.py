@@ -31,7 +31,7 @@ class Equation:
         self.shift = [coefficient(K, move, i) for i in range(g + 2)]
 
     def _completed(self, C: HyperellipticCurve, half_h: poly.Poly) -> HyperellipticCurve:
-        """The curve y² = f + h²/4, scaled to a monic right side if its degree is 5 or 7 in genus 2 or 3."""
+        """The curve y² = f + h²/4, scaled to a monic right side if that has degree 5 in genus 2 or 7 in genus 3."""
         K: Any = C.field
         g = C.genus
         if C.model == "split":
@@ -41,7 +41,7 @@ class Equation:
         return self._monic(completed)
 
     def _monic(self, C: HyperellipticCurve) -> HyperellipticCurve:
-        """C, scaled to a monic f if it is of degree 5 or 7 in genus 2 or 3."""
+        """C, scaled to a monic f if deg f = 5 in genus 2 or 7 in genus 3; sets ``scale``."""
         K: Any = C.field
         g = C.genus
         if g not in (2, 3) or C.model != "ramified" or len(C.f) != 2 * g + 2 or C.f[-1] == K.one:

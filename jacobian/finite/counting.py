@@ -25,8 +25,8 @@ _CHUNK = 1 << 18
 def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
     """The characteristic polynomial of Frobenius on the Jacobian, ascending, of degree 2g (Weil).
 
-    With S_i = #C(GF(q^i)) − q^i − 1, the coefficients of T^(2g−i) obey i·a_i = Σ S_j a_(i−j); those of T^i are q^(g−i)
-    a_i.
+    With S_i = #C(GF(q^i)) − q^i − 1, the coefficients a_i of T^(2g−i) obey i·a_i = Σ S_j a_(i−j); those of T^i are
+    q^(g−i) a_i.
     """
     q, g = C.field.order, C.genus
     if q is None:

@@ -132,7 +132,7 @@ def _binomial_matrix(K: Any, a: Any, g: int) -> list[list[Any]]:
 
 
 def _first_column(K: Any, F: poly.Poly, g: int, index: int = 0) -> list[Any]:
-    """The coefficients of x^(p−1), …, x^(p−g) in F^((p−1)/2), F(0) ≠ 0. ``index``: which of g translates F is."""
+    """The coefficients of x^(p−1), …, x^(p−g) in F^((p−1)/2), F(0) ≠ 0; F is the translate number ``index`` of g."""
     p = K.characteristic
     start = K.power(F[0], (p - 1) // 2)
     ratios = [K.div(c, F[0]) for c in F[1:]]

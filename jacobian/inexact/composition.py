@@ -110,7 +110,7 @@ def negated(curve: Any, D: Triple) -> Triple:
 def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair, h: Sequence[Number] = ()) -> Sum:
     """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² + h(x)y = f(x) of the given arithmetic genus.
 
-    Its p and q belong to y + h/2 in place of y.
+    The p and q of the result belong to y + h/2 in place of y.
 
     A quartic f with ``genus=2`` is the elliptic curve with its two points at infinity glued: the sum is that of the
     generalized Jacobian with modulus ∞₊ + ∞₋, because (y − p)/x³ then takes the same value at both.

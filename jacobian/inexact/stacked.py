@@ -235,7 +235,7 @@ def _reduction_step(
 
 
 def departure(f: Coefficients, u: Coefficients, v: Coefficients) -> Number:
-    """The largest remainder f − v² mod u, relative to the size of its terms."""
+    """The largest coefficient of f − v² mod u, relative to the size of its terms."""
     sizes = absolute(v)
     return _share(residue(f, u, v)[1], added(absolute(f), product(sizes, sizes)), u)
 

@@ -33,7 +33,7 @@ class Endomorphisms(NamedTuple):
 
     ``matrices``: a ℤ-basis R_i of the ring over the complex numbers, each by its action on the cycles of ``periods``.
     ``rational``: integral vectors c for which the Σ c_i R_i are a QQ-basis of the endomorphisms over QQ. ``digits``:
-    the number of digits to which A·Π = Π·R holds.
+    the number of digits to which b + τd − aτ − τcτ = 0 holds, relative to the largest entries that R may have.
     """
 
     periods: PeriodMatrix
@@ -53,9 +53,9 @@ class Endomorphisms(NamedTuple):
 def endomorphisms(C: HyperellipticCurve, digits: int = 100) -> Endomorphisms:
     """The endomorphisms of the Jacobian of a curve over QQ, found from periods in balls with this many digits.
 
-    They are numerical evidence: A·Π = Π·R holds to some 9/10 of the digits, and the entries of each R have less than a
-    quarter of them. PrecisionLoss if a small relation does not hold; FieldError over other fields, Infeasible beyond
-    genus 4.
+    They are numerical evidence: A·Π = Π·R holds to some four fifths of the digits, relative to the largest entries that
+    R may have; these have less than a quarter of the digits. PrecisionLoss if a small relation does not hold;
+    FieldError over other fields, Infeasible beyond genus 4.
     """
     if C.field != QQ:
         raise FieldError(f"field = {C.field.name}: endomorphisms are looked for on curves over QQ")
