@@ -55,7 +55,6 @@ class Shift(Move):
         """The image of a state, rounded once."""
         K, state = self.system.field, self.system._checked(state)
         if not any(state.vectors[1]):
-            # a state at rest does not move
             return state
         setup, step = self._translation(state)
         if step is None:

@@ -74,7 +74,6 @@ class TorusSeries:
         self._swing[~kept] = 0
         # S + origin has mean 0
         self.origin = float(self._swing[kept].real.sum())
-        # an upper bound of |S|
         self.bound = float(swings[kept].sum()) + abs(self.origin)
 
     def _turns(self, kept: np.ndarray) -> np.ndarray:

@@ -39,6 +39,5 @@ def linear_part(K: Field[Element], a: Poly) -> Poly:
     into, back = conversions(K)
     given = into(a)
     x = into((K.zero, K.one))
-    # x^q − x, modulo a
     power = x.pow_mod(K.order, given) if given.degree() > 0 else x
     return poly.monic(K, back(given.gcd(power - x)))

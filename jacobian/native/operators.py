@@ -375,7 +375,6 @@ def length(b: Operators, x: Value) -> Value:
     return integer(len(x.kind.items)) if isinstance(x.kind, TupleKind) else Value(INT, (x.parts[1],))
 
 
-# builtins that compiled loops may call
 BUILTINS: dict[Any, Callable[..., Value]] = {
     len: length,
     abs: Operators.absolute,
@@ -397,7 +396,6 @@ FUNCTIONS_OF_LLVM = {
     2: ("pow",),
     3: ("fma",),
 }
-# their declarations, as a module contains them
 DECLARED = "\n".join(
     [
         *(

@@ -200,7 +200,6 @@ def _root(u: poly.Poly, value: poly.Poly) -> poly.Poly | None:
     """A square root of ``value`` in QQ[x]/u, deg u = 2, from its norm and trace; None if there is none."""
     t, s = (list(value) + [QQ.zero] * 2)[:2]
     c, b, _ = u
-    # the norm and the trace of t + sx
     norm, trace = t * t - b * s * t + c * s * s, 2 * t - b * s
     for sign in (1, -1):
         try:
