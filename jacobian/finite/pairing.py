@@ -41,7 +41,7 @@ ROOM = 3
 
 
 class _Collision(Exception):
-    """A function of Miller's algorithm has a zero or a pole where it is evaluated; it needs another shift."""
+    """A function of Miller's algorithm has a zero or a pole where it is evaluated; another shift is needed."""
 
 
 def weil_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | None = None) -> Element:

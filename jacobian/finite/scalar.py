@@ -103,7 +103,7 @@ def straus_cost(terms: int, bits: int) -> int:
 
 
 def pippenger_cost(terms: int, bits: int, window: int) -> int:
-    """The group operations of :func:`pippenger`: ``bits`` doublings and, per window, one for each term and bucket."""
+    """The number of operations of :func:`pippenger`: ``bits`` doublings, and in each window one per term and bucket."""
     return bits + (bits // window + 1) * (terms + (1 << (window - 1)))
 
 

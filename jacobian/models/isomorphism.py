@@ -26,8 +26,8 @@ class Isomorphism(Immutable):
     (ascending). The field is exact.
 
     ``target``: the curve that it maps to. ``iso(P)`` and ``iso(D)`` are the images of points and divisors; ``other *
-    iso`` is ``iso`` followed by ``other``. ArgumentError for ad = bc, e = 0 and a longer t. ``infinity_plus`` is the
-    point ∞₊ of the target.
+    iso`` is ``iso`` followed by ``other``. ArgumentError for ad = bc, e = 0 and a longer t. The argument
+    ``infinity_plus`` is that of the target.
     """
 
     def __init__(
