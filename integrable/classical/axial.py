@@ -1,7 +1,8 @@
 """Common formulas of Lagrange's top and the spherical pendulum, on a curve y² = f(z) of genus 1.
 
-z is the height of the axis, and g its horizontal part, carried as lifts at z = ±1. U is x − z and V is z'. f is
-cubic with leading coefficient 2, f(1) = −m₁² and f(−1) = −m₂². Then
+z is the height of the axis, and g its horizontal part, stored as lifts at z = ±1. U is x − z and V is z'. With
+constants m₁ and m₂ of the motion, f is cubic with leading coefficient 2, f(1) = −m₁² and f(−1) = −m₂². With constants w
+and C,
 
     g = Ce^{iwt}σ₁σ₂,   σ_k the lift at the point (±1, −im_k),   σ_k'/σ_k = (z' − im_k)/(2(z ∓ 1))
 
@@ -53,8 +54,8 @@ class AxialSystem(SurfaceSystem):
         raise NotImplementedError
 
     def _top(self, N: FormulaField, state: Point) -> Vector | None:
-        """Defined by subclasses: (jc, L, c) if the p of a state is the angular momentum of a top; None if it is a
-        velocity.
+        """Defined by subclasses: (jc, L, c) of :mod:`integrable.classical.lagrange` if the p of a state is the angular
+        momentum of a top; None if it is a velocity.
         """
         return None
 
@@ -87,9 +88,7 @@ class AxialSystem(SurfaceSystem):
         return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
 
     def _carrier(self, axis: Axis) -> int | None:
-        """The index of the end z = ±1 nearer to the start, or None if this end is no branch point. The lift there
-        starts as g.
-        """
+        """The index of the end z = ±1 nearer to the start if it is a branch point, else None. Its lift starts as g."""
         near = 0 if abs(1 - axis.z) < abs(1 + axis.z) else 1
         return near if branches(axis.m[near]) else None
 
@@ -159,7 +158,7 @@ def momentum(axis: Vector, rate: Vector, top: Vector) -> Vector:
 
 
 def branches(m: Real) -> bool:
-    """Whether the end with constant m is a branch point, m = 0; PrecisionLoss if the ball m does not decide this."""
+    """Whether the end with constant m is a branch point: m = 0. PrecisionLoss if the ball m does not decide this."""
     if m == 0 or m != 0:
         return bool(m == 0)
     raise PrecisionLoss("whether the axis passes through the vertical is not seen: use more digits")

@@ -102,8 +102,9 @@ class AxialFlow(MumfordFlow):
         return [e for e, x in zip((N.one, -N.one), m, strict=True) if x == 0]
 
     def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Arrays, Arrays]]:
-        """The function that returns q and p: g = C·e^{iδ}√|z − 1|√|z + 1|, where a root that can vanish is a lift with
-        its sign.
+        """The function that returns q and p, with g = C·e^{iδ}√|z − 1|√|z + 1|, δ the angle about the vertical.
+
+        A root that can vanish is replaced by a lift, which has its sign.
         """
         system, inner, ends, K = self.system, self._inner(RR), self._ends(N), Columns()
         axis, top = system._axis(RR, inner), system._top(RR, inner)

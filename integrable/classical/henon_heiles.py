@@ -5,7 +5,7 @@
     H = ½(p_0² + |p|²) − 4αq_0³ − 2αq_0|q|² − β(2q_0² + ½|q|²) − ½αΣa_i q_i² − γq_0 + ½Σl_i²/q_i²
     q_0'' = 12αq_0² + 2α|q|² + 4βq_0 + γ,   q_i'' = (4αq_0 + β + αa_i)q_i + l_i²/q_i³
 
-With α = −½ and one axis the potential is 2q_0³ + q_0q_1² plus any quadratic one. In the notation of
+With α = −½ and one axis the potential is 2q_0³ + q_0q_1² plus any quadratic terms. In the notation of
 :mod:`integrable.mumford.quadrics`, u₀ = x − 2q_0, ε = −1, w₀ = αx² + bx + c, b = β + 2αq_0, c = γ + 2βq_0 + 4αq_0² +
 α|q|²; the genus is n + 1. If q_0 reaches infinity in finite time, the formulas continue the motion beyond that time.
 """

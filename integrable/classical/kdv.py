@@ -100,7 +100,7 @@ class KdV(Made):
         return Eigenvalues(found, tuple(int(s) for s in turns))
 
     def spectral(self, state: Eigenvalues) -> Spectral:
-        """The polynomials f, u and v of a state, in ascending order, without the double edges at an eigenvalue."""
+        """The polynomials f, u and v of a state, in ascending order, without the double edges that are some γ_j."""
         return self._spectral(self.field, self._checked(state))
 
     def _checked(self, state: Eigenvalues) -> Eigenvalues:
@@ -156,8 +156,8 @@ class Wave:
         """u(x, t), an array of the shape to which x and t broadcast; ``at(x, t[:, None])`` is a table over all x and t.
 
         For a g-gap solution the error is below the last digit of floats, or of MP(digits), times the span of the edges,
-        at any x and t. In floats 24 or more x at one t are read from one torus, which makes many of them fast.
-        A double edge needs bits in proportion to x and t: PrecisionLoss about 500 widths of a soliton away.
+        at any x and t. In floats, 24 or more x at one t are evaluated on one torus, which is fast for many x. A double
+        edge needs bits in proportion to x and t: PrecisionLoss about 500 widths of a soliton away.
         """
         import numpy as np
 
@@ -227,7 +227,7 @@ class Wave:
         return [self._value(x, t) for x in xs.tolist()]
 
     def _profile(self, t: float) -> Profile | None:
-        """The torus of the motion in x at a time, if it agrees with additions; only the last one is kept."""
+        """The torus of the motion in x at a time, if it agrees with additions; only the last torus is cached."""
         if t not in self._profiles:
             try:
                 torus = self._made_profile(t)

@@ -16,7 +16,7 @@ from jacobian.inexact.long_field import LongField
 
 
 class SummedFlow(MumfordFlow):
-    """The motion of a state whose pair has one point in each of g ovals, at any times."""
+    """The motion, at any times, of a state whose pair has one point in each of g ovals."""
 
     _takes_theta = False
     # where double-doubles do not resolve the motion, the sums are computed in long numbers

@@ -1,1 +1,1 @@
-"""The tilde, check, hat and gyroscopic pairs: their integrals, steps and motions."""
+"""The tilde, check, hat and gyroscopic pairs, which deform the ball and the top: integrals, steps and motions."""

@@ -44,7 +44,7 @@ SPARE_BITS = 64
 """Number of bits that the balls of the first attempt may lose."""
 MOST_ATTEMPTS = 8
 MOST_AHEAD = 16.0
-"""Largest factor by which the next attempt is planned to reach farther."""
+"""Largest multiple of the time reached to which the bits lost so far are extrapolated."""
 SMALLEST_DISC = 1e-15
 """Smallest disc relative to the largest: near a repelling pole b/γ_i² discs shrink to b/M², near an attracting one to
 0.
@@ -226,7 +226,7 @@ class _March:
         return max(float(self._momentum), (pull * now / turning) ** 0.5 if turning else 0.0)
 
     def _disc(self, radius: float) -> tuple[float, list[arb]]:
-        """(radius, reach) of a disc of complex times on which Picard's theorem gives the motion."""
+        """(radius, reach) of a disc of complex times on which the motion exists by Picard's theorem."""
         with self.reals.at(BOUND_BITS):
             speed = [float(abs(x).abs_upper()) for x in self._velocity(self._point)]
             sizes = [*[1.0] * 3, *[self._size(speed)] * 3, 1.0]

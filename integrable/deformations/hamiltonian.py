@@ -161,7 +161,7 @@ class Hamiltonian(Made):
 
     @property
     def separates(self) -> bool:
-        """Whether the motion separates on two curves, as :meth:`divisor` and :meth:`translation` need: no potential."""
+        """Whether the motion separates on two curves, which :meth:`divisor` and :meth:`translation` require."""
         return self.has_curves and self.potential is None
 
     has_curves: ClassVar[bool] = False
@@ -170,7 +170,7 @@ class Hamiltonian(Made):
     """The degree of H in A."""
 
     def eigenvalue_sums(self, integrals: DeformedIntegrals) -> tuple[Real, Real]:
-        """(λ1 + λ2, −λ1λ2)."""
+        """(λ1 + λ2, −λ1λ2), from the integrals H and K."""
         return integrals.H, integrals.K
 
     def isometry(self) -> Isometry | None:

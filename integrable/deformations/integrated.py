@@ -94,8 +94,8 @@ class IntegratedStates:
         return self.kept(tau, False, 0.0, strict=True).tau
 
     def kept(self, given: np.ndarray, physical: bool, nan: Real, strict: bool = False) -> Rows:
-        """The rows at the times ``given``, with τ in ``tau``. Unless ``physical``, ``given`` are values of τ, and t is
-        in ``tau``.
+        """The rows at the times ``given``, and τ in ``tau``. Unless ``physical``, ``given`` are values of τ, and
+        ``tau`` holds t.
         """
         refused: dict[int, str] = {}
         found = self._integrated(given, physical, None if strict else refused)

@@ -52,7 +52,8 @@ class Frame(NamedTuple):
 
 
 def states(first: Track, second: Track, frame: Frame, phases: Row, found: tuple[Row, Row, Row]) -> float:
-    """Writes γ and M at pairs of phases since the start; returns the largest change of H and K over their sizes.
+    """Writes γ and M at pairs of phases since the start; returns the largest change of H and K relative to
+    ``frame.sizes``.
 
     ``phases`` holds the pairs one after the other. The first row of ``found`` receives six floats per pair, the second
     their remainders; the third is working memory for the roots.
@@ -94,7 +95,7 @@ def put_roots(track: Track, phases: Row, which: int, roots: Row) -> None:
 
 
 def put_split(vector: Three, out: Row, rest: Row, place: int) -> None:
-    """Writes three numbers, rounded to floats, to ``out``, and what rounding leaves to ``rest``."""
+    """Writes three numbers, rounded to floats, to ``out``, and the remainders to ``rest``."""
     out[place], out[place + 1], out[place + 2] = float(vector[0]), float(vector[1]), float(vector[2])
     rest[place] = float(vector[0] - out[place])
     rest[place + 1] = float(vector[1] - out[place + 1])

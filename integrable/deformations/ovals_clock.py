@@ -46,7 +46,7 @@ class OvalsClock(LongClock):
         return [t * self._unit for t in super().times([self.wide.coerce(x) / self._unit for x in tau])]
 
     def defect(self, tau: Real, rate: Real) -> Real:
-        """The relative difference between 1/g by its modes at τ and ``rate``."""
+        """The relative difference between ``rate`` and the series of 1/g at τ."""
         import flint
 
         with BallReals(self.wide.context.prec) as balls:

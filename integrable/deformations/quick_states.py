@@ -215,7 +215,7 @@ def check_no_resonance(spectrum: RateSpectrum, turns: list[float]) -> None:
 
 
 def samples(carrier: Any, packed: PackedCurves, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
-    """1/g at the phases (i/rows, j/columns) since the start, as double-doubles; ``known`` samples are recomputed."""
+    """1/g at the phases (i/rows, j/columns) since the start, as double-doubles; ``known`` is not used."""
     rows, columns = sizes
     table, room = np.empty((rows * columns, 2)), np.empty((6 * (rows + columns), 2))
     # the sizes are powers of 2, so that the fractions are exact

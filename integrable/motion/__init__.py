@@ -1,1 +1,1 @@
-"""Motions: the states of a start at any physical times, in floats, to many digits, or with proven bounds."""
+"""Motions through a given state: the states at any physical times, in floats, to many digits, or with proven bounds."""

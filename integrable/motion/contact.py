@@ -57,7 +57,7 @@ def positions(run: Trajectory) -> np.ndarray:
     """(x, y) of the contact point at the times of a run, shape (N, 2), (0, 0) at t = 0; in the unit of the radius if
     the ball has one, else in radii.
 
-    NotRepresentable for a body that does not roll, PrecisionLoss where the path is neither near nor on a torus.
+    NotRepresentable for a body that does not roll, PrecisionLoss for far times of a motion on no torus.
     """
     flow, system = run.flow, run.flow.system
     if not system.body.rolls:

@@ -214,8 +214,10 @@ class BallMotion:
     # --- a disc of complex τ on which the motion is analytic
 
     def _bounded_disc(self, point: Sequence[arb], start: float, enough: Real) -> tuple[float, arb | None]:
-        """(radius, bound of |1/g|) of a disc of complex τ about the τ of ``point`` on which Picard's theorem gives the
-        motion, with the first radius that works from ``start`` down; (0, None) if none above ``enough`` works.
+        """(radius, bound of |1/g|) of a disc of complex τ about the τ of ``point``.
+
+        On the disc the motion exists by Picard's theorem. Its radius is the first that suffices, from ``start``
+        downwards; the result is (0, None) if none above ``enough`` does.
         """
         with self.reals.at(BOUND_BITS):
             speed = [abs(x).abs_upper() for x in self._velocity(point)]

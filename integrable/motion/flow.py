@@ -67,8 +67,8 @@ class Flow(BodyMotion):
     ``kernel``: "python" is the readable loop, "compiled" the same source compiled (floats only), "auto" chooses by the
     amount of work; with NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done once, when needed;
     :meth:`at` and :meth:`at_tau` may be called any number of times. The same times give the same states, to the last
-    bit, whatever was computed before. ``kernel="compiled"`` uses no short runs. It is faster for a flow that is called
-    repeatedly for single times of some hundreds.
+    bit, whatever was computed before. ``kernel="compiled"`` uses no short runs. This kernel is faster for a flow that
+    is called repeatedly for single times of some hundreds.
     """
 
     kernel: str

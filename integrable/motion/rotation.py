@@ -52,7 +52,7 @@ class PrincipalRotation:
         self._flow_turning = root * rate / (4 * quarter), start / (2 * pi) + N.wide(self._start[0]) / (4 * quarter)
 
     def radians(self, t: Real, of_flow: bool) -> Real:
-        """The approximate angle in radians by which γ turns until t, a physical time or (``of_flow``) a τ."""
+        """The approximate angle in radians by which γ turns until t: a τ if ``of_flow``, else a physical time."""
         rate = self._flow_turning[0] if of_flow else self._turning[0]
         return 2 * self.numbers.field.context.pi * abs(t * rate) + 1
 

@@ -1,14 +1,14 @@
 """Common formulas of the Chaplygin ball, the Euler top and Veselova's body: γ' = γ×ω, M' = M×ω at (γ, M) = 0.
 
-Let a_i be three constants, A = diag a_i, l(x) = p + qx a linear function and c_i = l(a_i). The ball and the top have
-p = 1, q = −d. Veselova's body has p = 0, q = 1; it is the ball's limit d → ∞ at fixed a_i. With
+Let a_i be three constants, A = diag a_i, l(x) = p + qx a linear function, c_i = l(a_i) and w = γ×M. The ball and the
+top have p = 1, q = −d. Veselova's body has p = 0, q = 1; it is the ball's limit d → ∞ at fixed a_i. The formulas are
 
     ω = A(M − q(γ, AM)γ/s),   s = Σc_iγ_i²,   f = 4l(x)Π(a_i − x)(xH₂ − H₁),   H₁ = (ω, M), H₂ = (M, M)
     U = Σc_iσ_i²(x − a_j)(x − a_k),   V = Σc_iσ_iν_i(x − a_j)(x − a_k),   σ = γ/√s,   ν = 2w − 2(Σc_iγ_iw_i)γ/s
 
-and w = γ×M, (σ_i, ν_i) is the lift at a_i. The direction is e_0 in τ, and dt = √s dτ, s = Πc_i/(l(x_1)l(x_2)). So t is
-a mean rate times τ plus a function on the torus (Tsiganov's coordinates of the ball; Veselov & Veselova 1986 for
-p = 0).
+(σ_i, ν_i) is the lift at a_i. The direction is e_0 in τ, and dt = √s dτ. For the zeros x_k of U,
+s = Πc_i/(l(x_1)l(x_2)). So t is a mean rate times τ plus a function on the torus. (Tsiganov's coordinates of the ball;
+Veselov & Veselova 1986 for p = 0.)
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ class BodySystem(SurfaceSystem):
     # --- derived from these
 
     def _set_up_moments(self, field: Field, inertia: Iterable[Value]) -> None:
-        """Sets ``field`` and ``constants``; these must be three different nonzero numbers."""
+        """Sets ``field`` and ``constants``; the constants must be three different nonzero numbers."""
         self._set_up(field, inertia, "inertia", 3)
         if self.size != 3 or self.field.zero in self.constants:
             raise ArgumentError(f"inertia = {shown(inertia)}: three different numbers other than 0 are needed")
@@ -219,7 +219,7 @@ class BodySystem(SurfaceSystem):
         return max(0, ceil(-DIGITS_A_GAP * float(N.context.log10(gap))) - SPARE) if gap else 0
 
     def _unit(self, N: FormulaField, state: Point) -> Unit:
-        """The :class:`Unit` of a state, in X = 1 − l(x)/L, L = 2 max c_i, y = height·Y."""
+        """The :class:`Unit` of a state, in X = 1 − l(x)/L with L = 2 max c_i, and in a constant multiple Y of y."""
         (p, q), weights = self._light(N), self._weights(N)
         h1, h2 = self._integrals(N, state).values()
         size = 2 * max(weights)

@@ -1,7 +1,7 @@
-"""Clocks of :mod:`integrable.mumford.bodies` to any number of digits.
+"""Clocks t(τ) of the bodies of :mod:`integrable.mumford.bodies`, to any number of digits.
 
-dt/dτ of such a body is a constant divided by √((1 − X₁)(1 − X₂)), where X = 1 is a branch point beyond both ovals. Its
-mean is a determinant of elliptic integrals, and t is the mean times τ plus a Fourier series
+For these bodies dt/dτ is a constant divided by √((1 − X₁)(1 − X₂)), where X = 1 is a branch point beyond both ovals.
+Its mean is a determinant of elliptic integrals, and t is the mean times τ plus a Fourier series
 (:mod:`integrable.torus.long_clock`). If the ovals meet, t is computed by quadrature along the motion.
 """
 
@@ -27,7 +27,7 @@ MOST_STEPS = 100
 
 
 class Unit(NamedTuple):
-    """A body's motion on Y² = (X − ζ)Π(α_i − X)(1 − X).
+    """A body's motion on Y² = (X − ζ)Π(α_i − X)(1 − X), with ``alphas`` α_i and ``zeta`` ζ.
 
     ``start`` is U_0, U_1, V_0, V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where 1/√Σσ² is dt/dτ. ``direction`` is (ΣdX/Y,
     ΣXdX/Y) per unit of τ.
@@ -78,8 +78,8 @@ class SeriesClock:
 class WalkedClock:
     """τ(t) from Legendre series of dt/dτ on panels of ``length`` in τ.
 
-    ``rate(τ)`` returns dt/dτ, at most ``fastest``; it and the results are numbers of ``reals``, accurate to ``digits``
-    digits. PrecisionLoss for times beyond 64 panels, and if a panel is not resolved.
+    ``rate(τ)`` returns dt/dτ, which is at most ``fastest``. Rates and results are numbers of ``reals``, accurate to
+    ``digits`` digits. PrecisionLoss for times beyond 64 panels, and if a panel is not resolved.
     """
 
     def __init__(

@@ -26,7 +26,7 @@ APART = "the points of the pair are not one in each oval"
 
 
 def long_roots(N: LongField, f: poly.Poly, known: Sequence[Complex]) -> list[Complex]:
-    """The roots of f sorted by real part, with conjugate roots adjacent; ``known`` are some of the real ones, exact.
+    """The roots of f sorted by real part, with conjugate roots adjacent; ``known`` are real roots, given exactly.
 
     Real roots are real numbers. PrecisionLoss if floats do not separate two roots that are not known.
     """
@@ -54,9 +54,9 @@ def coincident(N: LongField, points: Sequence[Complex]) -> list[int]:
 
 
 def opened(N: LongField, model: PairModel, known: Collection[Complex]) -> PairModel:
-    """The model of degree 5 in which bounded ovals that are points are opened, by so little that no float changes.
+    """The model of degree 5 in which bounded ovals that are points become intervals, too short to change any float.
 
-    Of the two ends of such an oval one that is not ``known`` is moved. PrecisionLoss if other branch points coincide.
+    Of the two ends of such an oval, one that is not ``known`` is moved. PrecisionLoss if other branch points coincide.
     """
     roots, first = list(model.roots), 0 if model.lead > 0 else 1
     size = max(map(abs, roots))
@@ -86,7 +86,7 @@ def all_real(points: Sequence[Complex]) -> bool:
 
 
 class PairModel(NamedTuple):
-    """A curve by its leading coefficient and roots, a pair on it by u₀, u₁ and v₀, v₁, and the direction.
+    """A curve (leading coefficient and roots), a pair on it (u₀, u₁ and v₀, v₁), and the direction.
 
     The roots ascend by their real parts.
     """
@@ -99,7 +99,10 @@ class PairModel(NamedTuple):
 
 
 def lift_of(Z: LongField, model: PairModel, e: Real) -> tuple[Real, Real, Real]:
-    """(κ, σ, ν) at a real branch point e for which the start has no lift: κσ² = U, κσν = V, κν² = −W, κ = ±1."""
+    """(κ, σ, ν) at a real branch point e for which the start has no lift.
+
+    κσ² = U, κσν = V and κν² = −W at e, where W = (f − V²)/U and κ = ±1.
+    """
     whole = (*model.u, model.u[0] ** 0)
     height, slope = poly.evaluate(Z, whole, e).real, poly.evaluate(Z, model.v, e).real
     if abs(height) > SMALL * (1 + e**2):

@@ -223,9 +223,9 @@ class MumfordFlow:
     def spectrum(self) -> Spectrum:
         """The spectral lines of q and p (:mod:`integrable.portrait.spectrum`), in floats.
 
-        q and p are taken without the uniform motion of a centre of mass. NotRepresentable over a field other than RR,
-        if the points of the pair do not turn in g real ovals, and if time is no sum over these points; PrecisionLoss if
-        a grid on the torus would be too fine.
+        The uniform motion of a centre of mass is subtracted. NotRepresentable over a field other than RR, if the points
+        of the pair do not turn in g real ovals, or if t is not a sum of integrals over these points; PrecisionLoss if a
+        grid on the torus would be too fine.
         """
         from integrable.portrait.spectrum import lines_of, torus_states
 
@@ -238,7 +238,7 @@ class MumfordFlow:
         """The next ``count`` states with a point of the pair at the "lower" or the "upper" end of its oval, in floats.
 
         ``oval`` is the number of the oval, in ascending order. If the end is a branch point a_i at which q_i is a lift,
-        q_i = 0 there. It raises the same errors as :meth:`spectrum`. (:mod:`integrable.portrait.torus_section`)
+        q_i = 0 there. The errors are those of :meth:`spectrum`. (:mod:`integrable.portrait.torus_section`)
         """
         from integrable.portrait.torus_section import TorusSection, crossings
 

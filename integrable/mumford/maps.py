@@ -71,7 +71,7 @@ def _residual(K: Arithmetic, f: Poly, u: Poly, r: Poly, known: Poly) -> Pair:
 def generating_function(K: Arithmetic, f_fixed: Poly, x: Real, u: Poly, new: Poly, c: Real) -> Real:
     """The generating function F of D + P − ∞ on a model of odd degree: dF = Σp dx − Σp̃ dx̃, y = p.
 
-    f = f_fixed + Σh_j x^j.
+    f = f_fixed + Σh_j x^j with integrals of motion h_j.
 
     F = 2[x⁻¹]Σ_{m=1}^{g+1} Q^{m+1/2}/((2m + 1)f_fixed^m), Q = f_fixed − ℓ(x − λ)UŨ, expanded at ∞ with √Q = c·x^g + …;
     ``x`` is λ, ``u`` and ``new`` are U and Ũ, and c is that of :func:`plus_point`. Q has degree 2g and leading

@@ -2,7 +2,7 @@
 
 Every row is computed in long numbers at two precisions 64 bits apart. It is returned if both agree in every requested
 digit; otherwise the precision is raised. So the loss in additions, about a bit per doubling and some tens of bits per
-genus, is measured rather than assumed.
+unit of genus, is measured rather than assumed.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ MOST_STEPS, SMALL = 200, 256
 
 
 class Start(NamedTuple):
-    """The start of a motion: f, the pair (u, v) at τ = 0, the ``data`` of its ``kinds``, and the direction of τ.
+    """The start of a motion: f, the pair (u, v) at τ = 0, its ``data``, one for each of ``kinds``, and the direction of
+    τ.
 
     ``further`` are the directions of other times of the same pair.
     """
@@ -80,9 +81,7 @@ class Placed:
 
     @cached_property
     def _ends(self) -> list[Real]:
-        """The branch points of lifts at which the pair has a point; if it is a double point of the curve, the point
-        stays there.
-        """
+        """The branch points of lifts at which the pair has a point. A point at a double point of the curve stays."""
         K, (u, v, _) = self.field, self.start
         lifts = (kind.e for kind in self.group.kinds if isinstance(kind, Lift))
         return [e for e in lifts if max(part_at(K, u, e), part_at(K, v, e)) <= STILL * K.eps**0.5]
@@ -104,7 +103,7 @@ class Placed:
         return self._resting(tau + step) if self.rests else self.translations().carried(D, step)
 
     def _resting(self, tau: Real) -> Extended:
-        """D(τ) of a pair at rest: only lifts at points change, by σ'/σ = ½n(x)y/U(x)."""
+        """D(τ) of a pair at rest: only lifts at points that are no branch points change, by σ'/σ = ½n(x)y/U(x)."""
         K, (u, _, data) = self.field, self.start
         n, turned = multiplier(K, u, self.direction), []
         for kind, datum in zip(self.group.kinds, data, strict=True):
@@ -253,8 +252,8 @@ def _agree(rough: Vectors, fine: Vectors, wanted: int) -> bool:
 def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) -> tuple[Real, Extended]:
     """(τ, D) at which the clock shows ``target``.
 
-    The search starts at the guess ``near``, or at 0 with the rate there. It continues by Newton's method. Once the
-    target is bracketed, it takes the cubic through the nearest points on either side.
+    The search starts at the guess ``near``, or at 0 with the rate there, and continues by Newton's method. Once the
+    target is bracketed, each step uses the cubic through the nearest points on either side.
     """
     K, unit, D = placed.field, placed.translations().unit, placed.start
     start, rate = clock(K, D)

@@ -1,8 +1,8 @@
 """Common formulas of the systems of Neumann, Garnier, and Hénon and Heiles, whose potentials separate in elliptic or
 parabolic coordinates (Eilbeck, Enolskii, Kuznetsov & Tsiganov 1994).
 
-Let f₁ = Π(x − a_i) for the constants a_i, ε = ±1, and u₀ and w₀ polynomials. With the positions q_i and momenta p_i on
-the axes
+Let f₁ = Π(x − a_i) with constants a_i, let l_i be constants, ε = ±1, and u₀ and w₀ polynomials. With the positions q_i
+and momenta p_i on the axes
 
     U = f₁(u₀ + εΣ q_i²/(x − a_i)),   V = ½U',   W = f₁(w₀ − εΣ (p_i² + l_i²/q_i²)/(x − a_i)),   f = V² + UW
 
@@ -41,7 +41,7 @@ class QuadricSystem(MumfordSystem):
     sign = 1
     """The sign ε."""
     before = 0
-    """The number of q that precede those of the axes."""
+    """The number of coordinates q without an axis; they come first."""
 
     def _shape(self, N: FormulaField, state: Point) -> Shape:
         """Defined by subclasses: the polynomials u₀, ½u₀' and w₀ of a state."""
@@ -96,7 +96,7 @@ class QuadricSystem(MumfordSystem):
         return (*[N.zero] * (genus - 1), N.coerce(poly.integer(N, -2)))
 
     def _action(self, N: FormulaField, state: Point) -> Form:
-        """½εy dx/f₁: dq_i/q_i is ½Σdx/(x − a_i), and ΣV(a_i)/(f₁'(a_i)(x − a_i)) is V/f₁."""
+        """The form ½εy dx/f₁ of p dq, since dq_i/q_i = ½Σdx/(x − a_i) and ΣV(a_i)/(f₁'(a_i)(x − a_i)) = V/f₁."""
         half = self._signed(N, N.one / 2)
         return Form(poly.scale(N, half, self._spectral(N, state).f), self._constants_in(N))
 
@@ -115,7 +115,7 @@ class QuadricSystem(MumfordSystem):
         return Start(f, u, v, self._direction(N, len(v)), kinds, tuple(data))
 
     def _along_axes(self, N: FormulaField, state: Point) -> Iterator[tuple[Real, ...]]:
-        """(a_i, εd_i, l_i, q_i, p_i) for each axis."""
+        """(a_i, εd_i, l_i, q_i, p_i) for each axis, d_i = f₁'(a_i)."""
         a = self._constants_in(N)
         slopes = poly.derivative(N, poly.from_roots(N, a))
         signed = [self._signed(N, poly.evaluate(N, slopes, e)) for e in a]

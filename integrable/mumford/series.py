@@ -2,8 +2,8 @@
 
 The sums Σ∫x^k dx/y over the points grow as c_kτ. Each integral is a series in balls; Cauchy's estimate on a disc where
 f does not vanish bounds its remainder. The interval Newton method (Moore 1966) encloses the points at τ. Motions in
-long numbers take the midpoints. Lifts and integrals of the second and third kind are single-valued on C^g, where all
-paths from 0 to cτ are equivalent. So they may be continued along the paths of the points.
+long numbers use the midpoints of the balls. Lifts and integrals of the second and third kind are single-valued on C^g,
+where all paths from 0 to cτ are equivalent. So they may be continued along the paths of the points.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ class PointIntegrals:
 
 
 def _inverse_root(f: Poly, first: Ball, order: int) -> list[Ball]:
-    """The series of w = f^(−1/2) with the constant term ``first``, from 2fw' = −f'w; f(0) = 1."""
+    """The series of w = ``first``·f^(−1/2), from 2fw' = −f'w; f(0) = 1."""
     row = [first]
     for n in range(1, order):
         total = sum(c * ((2 * n - j) * row[n - j]) for j, c in enumerate(f[1 : n + 1], 1))
@@ -134,7 +134,7 @@ class PointMotion:
             """The approximate time in which a point reaches the boundary of its disc."""
 
     def at(self, time: Real) -> tuple[Poly, Poly, Real, list[Real]]:
-        """(U, V, Ω, the third-kind integrals) of D(τ)."""
+        """(U, V, Ω, the third-kind integrals) of D(τ), Ω = Σ∫x^g dx/y."""
         back = self._field.from_ball
         with self._balls as K:
             moves = self._moves(*self._field.balls([time]))

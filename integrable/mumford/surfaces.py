@@ -10,7 +10,7 @@ from jacobian.element import FormulaField, Real
 
 
 class SurfaceSystem(MumfordSystem):
-    """Base class of systems with (n, q) = 1 for a vector n along the normal at q, n = q on the unit sphere.
+    """Base class of systems with (n, q) = 1 for a vector n along the normal at q; on the unit sphere n = q.
 
     The constraints are the first one, two or three of (n, q) = 1, (n, p) = 0 and p ≠ 0, by the length of
     ``_constraint_names``.

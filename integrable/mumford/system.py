@@ -72,7 +72,7 @@ class MumfordSystem(Made):
     size: int
 
     def _set_up(self, field: Field, values: Iterable[Value], argument: str, least: int) -> None:
-        """Sets ``field`` and ``constants``; these must be at least ``least`` different numbers."""
+        """Sets ``field`` and ``constants``; the constants must be at least ``least`` different numbers."""
         wanted = f"a sequence of at least {least} different numbers"
         if field is RR and _finite_floats(values):
             constants, different = values, len(set(values)) == len(values)
@@ -112,7 +112,9 @@ class MumfordSystem(Made):
         raise NotImplementedError
 
     def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
-        """Defined by subclasses whose equations of motion are not rational: functions of a state that make them so."""
+        """Defined by subclasses whose equations of motion are not rational: functions of a state by which they become
+        rational.
+        """
         return ()
 
     def _rational_rates(self, N: FormulaField, state: Point, auxiliary: tuple[Real, ...]) -> tuple[Real, ...]:
@@ -141,14 +143,14 @@ class MumfordSystem(Made):
         return rate
 
     def _action(self, N: FormulaField, state: Point) -> Form | None:
-        """Defined by subclasses: the form whose sum over the pair is p dq, without the angles about an axis; None if
-        there is none.
+        """Defined by subclasses: the form whose sum over the pair is p dq, without the terms of angles about an axis;
+        None if there is none.
         """
         return None
 
     def _separation(self, N: FormulaField, state: Point) -> Separation:
-        """Defined by subclasses if t is not linear in τ or there are angles about an axis: forms whose sums over a pair
-        are known.
+        """Defined by subclasses if t is not linear in τ or there are angles about an axis: the forms whose sums over
+        the points of a pair are known.
         """
         genus = self._genus() or len(self._spectral(N, state).v)
         forms = [Form((*[N.zero] * j, N.one)) for j in range(genus)]
@@ -342,14 +344,14 @@ class MumfordSystem(Made):
         """The motion of a state over RR or MP(digits), at any times.
 
         ``tolerance`` is the allowed error, over RR, of states near the start, relative to the largest component of q,
-        or of p. With it they take half the time, and ``estimate`` of the path is an estimate of their error.
-        ArgumentError if it is not between 2^−50 and 1.
+        or of p. These states then take half the time, and ``estimate`` of the path estimates their error. ArgumentError
+        if the tolerance is not between 2^−50 and 1.
         """
         self._check_range(state)
         return self.flow_type(self, state, self._tolerance(tolerance))
 
     def _check_range(self, state: Point) -> None:
-        """Checks a state as :meth:`_check` does; also PrecisionLoss if the formulas exceed the range of floats."""
+        """Checks a state as :meth:`_check` does; raises PrecisionLoss if the formulas exceed the range of floats."""
         self._check(state)
         size = self._ordinary_size
         if not (self._ordinary_constants and -size < min(map(min, state)) and max(map(max, state)) < size):

@@ -1,7 +1,7 @@
 """Theta functions of genus 2 on a real torus, as real Fourier series, compiled.
 
-θ[η](z) = Σ e^(πi nτn + 2πi n(φ + ½δ)), n in Z² + ½ε, is real up to a constant on the torus z = φ + τq, q half-integral.
-The terms of n and −n are combined.
+With the characteristic η = (ε, δ), θ[η](z) = Σ e^(πi nτn + 2πi n(φ + ½δ)), n in Z² + ½ε. On the torus z = φ + τq with
+half-integral q it is real up to a constant factor. The terms of n and −n are combined.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ class ThetaSums(NamedTuple):
     """The weights of the theta series of all classes (characteristics).
 
     ``table`` has the shape ``sizes`` = (classes, rows, columns). Rows are a = e₁, e₁ + 2, …, columns b = e₂, e₂ + 2, ….
-    An entry is w₊ + w₋, w₊ − w₋ for the weights w± of (a, ±b), and the same for the derivative along a direction.
-    Entries after ``lengths`` columns of a row are negligible. ``chars`` are e₁, e₂, δ₁, δ₂ of each class. ``inverse``
-    is that of :func:`integrable.mumford.elliptic_torus.circle`.
+    An entry holds w₊ + w₋ and w₊ − w₋ for the weights w± of (a, ±b), then the same for the derivative along a
+    direction. Entries after ``lengths`` columns of a row are negligible. ``chars`` are e₁, e₂, δ₁, δ₂ of each class.
+    ``inverse`` is that of :func:`integrable.mumford.elliptic_torus.circle`.
     """
 
     table: Row
@@ -48,7 +48,7 @@ class ThetaSums(NamedTuple):
 
 
 def theta_lifts(sums: ThetaSums, phases: Row, out: Row) -> None:
-    """Writes, for each pair of phases in turns, θ_∞ and for every other class σ = θ/θ_∞ and ν = −2∂σ."""
+    """Writes θ_∞ for each pair of phases in turns, then σ = θ/θ_∞ and ν = −2∂σ for every other class."""
     classes = sums.sizes[0]
     width = 2 * classes - 1
     for i in abreast(0, len(phases) // 2):
@@ -113,7 +113,7 @@ class Lattice(NamedTuple):
 def theta_weights(lattice: Lattice, sums: ThetaSums, tops: Row) -> bool:
     """Fills the table and the lengths of ``sums``; ``tops`` are the largest terms, by which weights are divided.
 
-    Returns whether the series are real up to a constant.
+    Returns whether the series are real up to a constant factor.
     """
     classes, rows, columns = sums.sizes
     zero, real = 0 * lattice.bases[0], True

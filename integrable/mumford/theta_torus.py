@@ -1,13 +1,13 @@
 """Motions of genus 2 on a real torus, by theta functions.
 
-D = P₁ + P₂ has z = A⁻¹(∫_{r₀}^{P₁} + ∫_{r₀}^{P₂})(dx/y, x dx/y), r₀ a branch point; z is linear in time. On y² = f(x)
-of degree 5
+With the period matrices A and B, D = P₁ + P₂ has z = A⁻¹(∫_{r₀}^{P₁} + ∫_{r₀}^{P₂})(dx/y, x dx/y), r₀ a branch point; z
+is linear in time. On y² = f(x) of degree 5
 
     √|U(r_i)| = |f'(r_i)/lead|^¼·|θ[η_i](z)/θ[η_∞](z)|,   V = −∂_{(0,1)}U,
 
-where η_i is the odd characteristic of the branch point r_i (Thomae; Mumford 1984). Exactly one of the 16 η_0 makes all
-η_0 + 2(q, p)_i odd, where ∫_{r₀}^{r_i} = Ap + Bq. All of this is real in a basis whose A spans the real periods. Models
-of degree 6 with real roots are first transformed by x ↦ 1/(E − x), where E is the largest root.
+where η_i is the odd characteristic of the branch point r_i (Thomae; Mumford 1984). If ∫_{r₀}^{r_i} = Ap + Bq, η_i is
+η_0 + 2(q, p), and exactly one of the 16 η_0 makes all η_i odd. All of this is real in a basis whose A spans the real
+periods. Models of degree 6 with real roots are first transformed by x ↦ 1/(E − x), where E is the largest root.
 
 For geodesics dt/dτ is |U| at the root x = 0. Its mean is a determinant of integrals over the ovals, and t is the mean
 times τ plus a Fourier series.
@@ -85,9 +85,9 @@ class ThetaTorus:
     """The divisor D of a motion of genus 2 at any times, in double-doubles.
 
     ``place(K)`` returns the :class:`Start` over K, ``rate(K)`` the :class:`Rate` of a motion whose time is not linear
-    in τ. The only datum of the second kind that is allowed is the time t with dt/dτ = |U(0)|. PrecisionLoss for other
-    data than this and lifts, if branch points nearly meet, or if fewer than two are real. On a model of even degree it
-    is also raised for lifts, and unless each oval has one point of the pair.
+    in τ. The only datum of the second kind that is allowed is the time t with dt/dτ = |U(0)|. PrecisionLoss for data
+    other than lifts and this time, if branch points nearly meet, or if fewer than two are real. On a model of even
+    degree it is also raised for lifts, and unless each oval has one point of the pair.
     """
 
     def __init__(self, place: Callable[[LongField], Start], rate: Callable[[LongField], Rate] | None = None) -> None:
@@ -208,8 +208,8 @@ class ThetaTorus:
 class ThetaBasis(NamedTuple):
     """The data of theta functions of a motion: τ, and the characteristics of the five roots and of infinity.
 
-    ``places`` are the phases at the start in turns, ``frequencies`` their turns per unit of τ, ``along`` those
-    along the direction (0, 1).
+    ``places`` are the phases at the start in turns, ``frequencies`` their turns per unit of τ, ``along`` their turns
+    per unit of time along the direction (0, 1).
     """
 
     roots: list[Complex]
@@ -221,8 +221,8 @@ class ThetaBasis(NamedTuple):
     along: tuple[Complex, Complex]
 
     def sums(self, Z: LongField, places: Sequence[int]) -> tuple[ThetaSums, list[Complex]]:
-        """The series of the roots ``places`` and of infinity, and for each root e the ratio of √|U(e)| to their
-        quotient.
+        """The series of the roots ``places`` and of infinity, and for each root e the ratio of √|U(e)| to the quotient
+        of its series by that of infinity.
         """
         sums, tops = theta_sums(self.tau, [self.chars[i] for i in (*places, 5)], self.along)
         *scales, last = (Z.coerce(high) + Z.coerce(low) for high, low in tops.tolist())

@@ -96,7 +96,7 @@ class GroupTranslations:
         """Raises PrecisionLoss if T(2^k h) may move a pair away from a double point e at which it has to stay.
 
         Sums keep the pair there only up to √eps, at every precision. Along a motion that leaves the neighbourhood this
-        deviation grows like 1/U(e), U of T, and in total at most like (1/U(e))^(4/3).
+        deviation grows like 1/U(e), U that of T, and in total at most like (1/U(e))^(4/3).
         """
         K = self.field
         for j in range(self._unseen, k + 1):

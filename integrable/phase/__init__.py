@@ -1,1 +1,1 @@
-"""States and their coordinates: bodies, (γ, M), divisors, separated variables; and their Poisson brackets."""
+"""The states of a body as (γ, M), as divisors and in separated variables, and their Poisson structures."""

@@ -1,8 +1,8 @@
 """The orientation of a body in space, from the two vectors fixed in space, and its angular velocity.
 
 γ̇ = γ×ω and Ṁ = M×ω mean that the vertical γ and the angular momentum M about the contact point are fixed in space.
-They give the orientation without any integration: z is the vertical, x the direction of the horizontal part of M, y = z
-× x.
+These two vectors give the orientation without any integration: z is the vertical, x the direction of the horizontal
+part of M, y = z × x.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ __all__ = ["angular_velocities", "matrices", "quaternions"]
 def angular_velocities(body: Body, gamma: np.ndarray, M: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """ω = A M + d·n·A γ, shape (N, 3), and n = (γ, ω) = g²(γ, A M), shape (N,), from γ and M of shape (N, 3).
 
-    Each row of ω is the result of :meth:`integrable.phase.body.Body.omega`.
+    A = diag 1/(I_i + d). Each row of ω is the result of :meth:`integrable.phase.body.Body.omega`.
     """
     a = np.array(body.a)
     moved = a * M
@@ -29,9 +29,9 @@ def angular_velocities(body: Body, gamma: np.ndarray, M: np.ndarray) -> tuple[np
 
 
 def matrices(gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
-    """The rotations that take body coordinates to space coordinates, shape (N, 3, 3), from γ and M of shape (N, 3).
+    """The rotations R that take body coordinates to space coordinates, shape (N, 3, 3), from γ and M of shape (N, 3).
 
-    The rows are the axes x, y, z of space in the body frame: R γ = (0, 0, 1), R M = (√(M² − (γ, M)²), 0, (γ, M)).
+    The rows are the axes x, y, z of space in the body frame: R γ = (0, 0, 1), R M = (√(|M|² − (γ, M)²), 0, (γ, M)).
     """
     horizontal = M
     # M is made orthogonal twice (Parlett 1980): if its horizontal part is short, one pass leaves a rounding error along
@@ -43,7 +43,7 @@ def matrices(gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
 
 
 def quaternions(rotations: np.ndarray) -> np.ndarray:
-    """Unit quaternions (w, x, y, z), w ≥ 0, of rotation matrices of shape (N, 3, 3): shape (N, 4).
+    """Unit quaternions q = (w, x, y, z), w ≥ 0, shape (N, 4), of rotation matrices R, shape (N, 3, 3).
 
     R v is the vector part of q v q⁻¹. SciPy's order is (x, y, z, w). No digits are lost at half turns: the largest
     component is computed first (Shepperd 1978).

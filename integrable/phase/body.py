@@ -1,7 +1,7 @@
 """A rigid body and the constants of its motion.
 
 Units are the user's: moments of inertia in kg·m², d = m r² in kg·m², angular momentum in kg·m²/s and time in s, or any
-other consistent set. Axes are the principal axes of inertia.
+other consistent set. Axes are the principal axes of inertia, and A is the diagonal matrix of the a_i = 1/(I_i + d).
 """
 
 from __future__ import annotations

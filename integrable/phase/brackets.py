@@ -1,12 +1,13 @@
 """Poisson structures of the ball and the top, and how to test them.
 
-The signs are those of the motion: ẋ = g{x, H1/2} (Borisov and Mamaev 2001 and Tsiganov have the opposite ones:
-docs/errata.md, item 1). On (γ, M), with cyclic (i, j, k),
+The signs are those of the motion: ẋ = g{x, H1/2}. Borisov and Mamaev (2001) and Tsiganov use the opposite signs
+(docs/errata.md, item 1). On (γ, M), with cyclic (i, j, k),
 
     {M_i, M_j} = −(M_k/g − d·g(M, Aγ)γ_k),   {M_i, γ_j} = {γ_i, M_j} = −γ_k/g,   {γ_i, γ_j} = 0,
 
-which at d = 0 is the Lie–Poisson bracket of e*(3) with the opposite sign. On (u1, u2, p1, p2) a bracket is {u_i, p_j} =
-w_iδ_ij: w = 1 is the canonical bracket, w = u the bracket W, w = λ the second bracket Π' of a Poisson–Nijenhuis pair.
+which at d = 0 is the Lie–Poisson bracket of e*(3) with the opposite sign. On (u1, u2, p1, p2) a bracket has the form
+{u_i, p_j} = w_iδ_ij. It is canonical for w_i = 1, is called W for w_i = u_i, and is the second bracket Π' of
+:mod:`integrable.phase.recursion` for w_i = λ_i.
 
 Derivatives are exact over exact fields, by :mod:`integrable.phase.jets`, and difference quotients elsewhere. A function
 of a state is f(system, state), a function of a tuple of coordinates f(field, point). Both must compute with the field
@@ -40,7 +41,7 @@ STENCIL_SCALE = 60
 
 
 def ball_matrix(body: Body, gamma: Vector, M: Vector, g: object = None) -> Matrix:
-    """The 6×6 matrix of brackets of (γ1, γ2, γ3, M1, M2, M3) at any (γ, M), also for (γ, M) ≠ 0.
+    """The 6×6 matrix of brackets of (γ1, γ2, γ3, M1, M2, M3) at any γ and M, also if their product (γ, M) ≠ 0.
 
     ``g`` is the root of g² (by default the field's own; NotASquare where there is none).
     """
@@ -118,8 +119,8 @@ def over(system: Space, field: Any) -> Space:
 
 
 def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
-    """The state of (γ, M), moved to first order onto the leaf of ``like``, which has its C1, its C2 and its sign of the
-    root g.
+    """The state (γ, M) moved, to first order, onto the symplectic leaf of ``like``: it takes C1, C2 and the sign of g
+    from ``like``.
 
     A function extended off its symplectic leaf by this map has the same brackets, because C1 and C2 are Casimirs.
     """
@@ -220,7 +221,7 @@ def root(system: PhaseSpace, state: State) -> Real:
 def measure_divergence(body: Body, gamma: Vector, M: Vector) -> Real:
     """The divergence div(g·(γ × ω, M × ω))/g at any (γ, M): 0, as g dγ dM is an invariant measure (Chaplygin 1903).
 
-    It is rational in (γ, M): the derivative of g enters as −½g²·∂(g⁻²), g⁻² = 1 − d(γ, Aγ).
+    It is rational in (γ, M), because ∂g/g = −½g²·∂(g⁻²) with g⁻² = 1 − d(γ, Aγ).
     """
     K = body.field
 

@@ -1,13 +1,13 @@
-"""Phase space ↔ regular coordinates ↔ Mumford divisor at (γ, M) = 0, without roots except g = √g².
+"""Maps between states with (γ, M) = 0, regular coordinates and Mumford divisors, without roots except g = √g².
 
-*Pairs*, one for every axis: (γ̂_i, n̂_i) = (gγ_i, 2w_i + λγ̂_i) with w = γ×M, λ = 2gd(Aγ, w), r_i² = 1 − d·a_i. They
-are regular where a γ_i vanishes and where moments coincide. The divisor is
+The *pair* of axis i is (γ̂_i, n̂_i) = (gγ_i, 2w_i + λγ̂_i) with w = γ×M and λ = 2gd(Aγ, w). Pairs are regular where a
+γ_i vanishes and where moments coincide. With r_i² = 1 − d·a_i the divisor on y² = f(x) is
 
     U = Σ r_i²γ̂_i²(x − a_j)(x − a_k),      V = Σ r_i²γ̂_i n̂_i(x − a_j)(x − a_k),      U | f − V²,
 
 so that (γ̂_i, n̂_i) is the pair of :mod:`jacobian.relatives.signed` at the branch point a_i, with κ_i = r_i²(a_i −
-a_j)(a_i − a_k); the pair at 1/d is (g, λg) with κ = Π r_i²/d². (Tsiganov, "Integrable discretization and deformation of
-the nonholonomic Chaplygin ball", section 2.1, put into coordinates without square roots.)
+a_j)(a_i − a_k); the pair at 1/d is (g, λg) with κ = Π r_i²/d². (After Tsiganov, "Integrable discretization and
+deformation of the nonholonomic Chaplygin ball", section 2.1, whose coordinates have square roots.)
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ def root_of_g(body: Body[Element], gamma: Vector[Element]) -> Element:
 
 
 def upright_pairs(body: Body, state: State) -> tuple[Pair, ...]:
-    """The pairs (gγ_i, 2w_i) at a1, a2, a3. They belong to the parabola P = V − λU through (1/d, 0); at d = 0 to V.
+    """The pairs (gγ_i, 2w_i) at a1, a2, a3. Here w = γ × M. They are the pairs of the parabola P = V − λU through (1/d,
+    0), or of V at d = 0.
 
     NotASquare when g = √g² is not in the field.
     """
@@ -109,7 +110,7 @@ def directions_of(point: tuple[Real, ...]) -> tuple[tuple[Real, Real, Real], tup
 
 
 def to_mumford(body: Body, pairs: tuple[Pair, ...]) -> tuple[poly.Poly, poly.Poly]:
-    """Mumford's (U, V) of pairs: U is monic of degree 2, V of degree ≤ 1, of length 2 over inexact fields."""
+    """Mumford's (U, V) of pairs: U is monic of degree 2, V has degree ≤ 1 and, over inexact fields, two numbers."""
     K = body.field
     u0, u1, v0, v1 = (K.zero,) * 4
     for i, (r, (x, y)) in enumerate(zip(body.contact, pairs, strict=False)):
@@ -148,8 +149,8 @@ def pairs_of(
 
 
 def integrals_of(body: Body, D: Divisor) -> tuple[Real, Real]:
-    """(H1, H2) of the curve 4(1 − dx)Π(a_i − x)(x·H2 − H1) that contains a divisor; CurveMismatch where no curve of the
-    body does, to half the digits.
+    """(H1, H2) of the curve 4(1 − dx)Π(a_i − x)(x·H2 − H1) that contains a divisor; CurveMismatch if, to half the
+    digits, no curve of the body contains it.
     """
     K: Any = body.field
     curve = D.jacobian.curve

@@ -1,4 +1,4 @@
-"""States with proven bounds: the results of enclosures, and the search for as many bits as they need."""
+"""States with proven bounds (enclosures), and the search for the number of bits that they need."""
 
 from __future__ import annotations
 
@@ -89,7 +89,9 @@ Found = TypeVar("Found")
 
 
 class Precisions(Generic[Enclosed]):
-    """A motion in balls of as many bits as its results need; ``made(bits)`` returns the motion at one precision."""
+    """A motion in balls, with more bits until its results are narrow enough; ``made(bits)`` returns it with so many
+    bits.
+    """
 
     def __init__(self, made: Callable[[int], Enclosed], digits: int) -> None:
         self._made, self._digits, self._needed = made, digits, ceil(3.33 * (digits + 2))

@@ -83,8 +83,9 @@ class Swing(NamedTuple):
         return first, self.kappa * _sqrt(self.r3 / self.r)
 
     def clock(self, upright: Upright) -> tuple[Real, Real]:
-        """(Ω', ε) in Ω't = θ − θ₀ − ε(G(cos θ) − G(cos θ₀)), where t is the tilted body's time; ε = 0 for an upright
-        body.
+        """The pair (Ω', ε) in Ω't = θ − θ₀ − ε(G(cos θ) − G(cos θ₀)), G(c) = ∫_0^c du/√(μ + δA²u²).
+
+        t is the time of the tilted body. For an upright body ε = 0.
         """
         alpha, beta = upright.clock
         return self.rate / alpha, beta * self.spin * upright.body.a[0] * self.ratio * self.size / alpha
@@ -108,8 +109,8 @@ class Upright(NamedTuple):
     """A body and a state with (γ, M) = 0 over the field K, |γ| = 1 to the last digit, with axes in the order (equal,
     equal, other).
 
-    ``columns`` are the positions of the user's axes, ``clock`` is the pair (α, β) of dt/dt̃ = α + βñ, and ``matrix``
-    maps back to the tilted body.
+    ``columns`` are the positions of the user's axes, ``clock`` is the pair (α, β) of dt/dt̃ = α + βñ, ñ = g̃²(γ̃, AM̃),
+    and ``matrix`` maps back to the tilted body.
     """
 
     body: Body
@@ -121,7 +122,7 @@ class Upright(NamedTuple):
 
     @staticmethod
     def of(system: PhaseSpace, state: State, K: Field) -> Upright:
-        """The upright body and state of a state, by Chaplygin's transformation if it is tilted."""
+        """The upright body and state that correspond to ``state``, by Chaplygin's transformation if it is tilted."""
         axis = symmetry_axis(system.inertia)
         assert axis is not None
         order = [(axis + 1) % 3, (axis + 2) % 3, axis]

@@ -1,4 +1,4 @@
-"""Numbers of decimal digits of floats and of the computations whose results are rounded to floats."""
+"""Decimal digits of floats, and of the computations whose results are rounded to floats."""
 
 FLOAT_DIGITS = 15
 """Significant digits of a float. A scene that asks for at most this many runs in floats, and a certificate in floats

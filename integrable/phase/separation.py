@@ -101,8 +101,8 @@ def integrals(body: Body, point: Separated) -> Two:
 
 
 def from_separated(body: Body, point: Separated, like: State | None = None) -> State:
-    """The state with coordinates (u, p). Of eight such states, the signs of ``like``, or of the field's roots, choose
-    one.
+    """The state with coordinates (u, p). Eight states have these coordinates. The signs of ``like``, by default those
+    of the field's roots, select one.
 
     NotASquare where a γ_i² or g² has no root in the field (over the reals: u outside of its oval), NotRepresentable
     where u1 = u2 or moments coincide.
@@ -147,7 +147,7 @@ def _check_rolling(body: Body) -> None:
 
 
 def lifts(body: Body, state: State) -> tuple[State, ...]:
-    """The eight states (s_iγ_i, s_js_kM_i), s_i = ±1, that share the divisor and (u, p) of a state, itself first."""
+    """The eight states (s_iγ_i, s_js_kM_i), s_i = ±1, with the same divisor and (u, p), starting with ``state``."""
     K, (gamma, M) = body.field, state.vectors
 
     def turned(x: Real, sign: int) -> Real:

@@ -94,7 +94,7 @@ class PhaseSpace(Made, Generic[Element]):
         return State(x, m, self._root(x, g), tilted=tilted)
 
     def _root(self, gamma: Vector[Element], g: Element | Value | None) -> Element | None:
-        """The root of g² that a state over this field has: None over the reals and at d = 0."""
+        """The root of g² that a state over this field stores: None over the reals and at d = 0."""
         K = self.field
         if not (K.exact and self.body.rolls):
             if g is not None:
@@ -166,8 +166,8 @@ class PhaseSpace(Made, Generic[Element]):
     def curve(self, h1: Element | Value, h2: Element | Value) -> HyperellipticCurve[Element]:
         """The curve y² = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x·h2 − h1) of the motions with H1 = h1 and H2 = h2.
 
-        It has genus 2 and one point at infinity for d ≠ 0, genus 1 and two for d = 0. SingularCurve (exact fields)
-        where roots coincide.
+        It has genus 2 and one point at infinity for d ≠ 0, genus 1 and two such points for d = 0. SingularCurve (exact
+        fields) where roots coincide.
         """
         from jacobian import HyperellipticCurve
 
@@ -260,7 +260,7 @@ class PhaseSpace(Made, Generic[Element]):
         return separation.from_separated(self.body, separation.Separated((u1, u2), (p1, p2)), like)
 
     def lifts(self, state: State[Element]) -> tuple[State[Element], ...]:
-        """The eight states that share the divisor of a state, itself first."""
+        """The eight states with the same divisor, starting with ``state``."""
         from integrable.phase import separation
 
         return separation.lifts(self.body, self._checked(state))

@@ -1,4 +1,4 @@
-"""Chaplygin's linear change of (γ, M) that takes any (γ, M) ≠ 0 to (γ̃, M̃) = 0 on another body.
+"""Chaplygin's linear map of states with (γ, M) ≠ 0 to states of another body with (γ̃, M̃) = 0.
 
     γ̃ = p(γ + kM),  M̃ = s(M − dkH1γ),  d̃ = d(1 + kc),  Ĩ_i = I_i − dkc,     c = (γ, M),
     s = (1 + dk²H1)^(−1/2),  p = ((1 + kc)(1 + dk²H1))^(−1/2),  c·d·H1·k² − (H2 − dH1)k − c = 0.

@@ -28,7 +28,7 @@ class Cost(NamedTuple):
     each: float
 
     def of(self, count: int) -> float:
-        """The microseconds for that many times."""
+        """The microseconds for ``count`` times, set-up included."""
         return self.set_up + count * self.each
 
 
@@ -81,8 +81,8 @@ class StatesReached(NamedTuple):
 
 
 def filled(ways: Iterable[Callable[[np.ndarray], StatesReached | None]], times: np.ndarray) -> StatesReached:
-    """The states at all times: every way computes those that the ways before it have not reached. The last way reaches
-    all of them or raises.
+    """The states at all times: every way computes the states that the ways before it have not reached. The last way
+    reaches all times or raises an error.
     """
     parts: list[tuple[StatesReached, np.ndarray]] = []
     left = None

@@ -1,10 +1,8 @@
 """Walks of kinds of systems, from formulas that are recorded with symbolic constants and compiled once per machine.
 
-Compiling takes a tenth of a second, as long as some hundred walks.
-
 A kind is a class of systems together with its size and the values on which its formulas branch. The constants of a
-system are arguments of the compiled code. Compiled objects are stored with those of :mod:`jacobian.native`. They stay
-valid until the recorded formulas change.
+system are arguments of the compiled code. Compiling takes a tenth of a second, as long as some hundred walks. Compiled
+objects are stored with those of :mod:`jacobian.native`. They stay valid until the recorded formulas change.
 """
 
 from __future__ import annotations
@@ -143,7 +141,7 @@ _KINDS: dict[Hashable, Kind | None] = {}
 
 
 def kind_of(key: Hashable, made: Callable[[], Kind | None]) -> Kind | None:
-    """The kind stored under ``key``; the first call for a key creates the kind by ``made``."""
+    """The kind stored under ``key``; ``made`` creates it at the first call for this key."""
     if key not in _KINDS:
         _KINDS[key] = made()
     return _KINDS[key]

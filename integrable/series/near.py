@@ -66,12 +66,12 @@ def walked(system: Walked, state: PhasePoint, times: np.ndarray, most: float, to
 
 
 def finished(system: Walked, state: PhasePoint, times: np.ndarray, near: Near, most: float) -> Near:
-    """Adds the remaining times to ``near``, computed by finer steps with more guard digits."""
+    """Adds the states at the remaining times to ``near``, computed by finer steps with more guard digits."""
     return _completed(near, system, state, times, FINEST, most)
 
 
 def _completed(near: Near, system: Walked, state: PhasePoint, times: np.ndarray, steps: Steps, most: float) -> Near:
-    """Adds to ``near`` those remaining times that ``steps`` reach; times have either sign and any order."""
+    """Adds to ``near`` the states at remaining times that ``steps`` reach; times have either sign and any order."""
     left = np.setdiff1d(np.arange(len(times)), near.places)
     kind = system._kind
     walk = None if kind is None or not len(left) else kind.walk(steps.orders)

@@ -1,7 +1,7 @@
-"""The layout of a tape's coefficients in the memory of a compiled walk, and the products computed in one vector.
+"""The layout of a tape's coefficients in the memory of a compiled walk, and the products that share a vector.
 
-The factors of one vector are stored side by side. The products do not depend on each other: they are products of the
-tape, or the sums of earlier coefficients that products, quotients and roots need.
+The products in a vector do not depend on each other, and their factors are stored side by side. They are products of
+the tape, or the sums over earlier coefficients in the recurrences of products, quotients and roots.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ class Orders(NamedTuple):
 
 
 class Side(NamedTuple):
-    """One side of a vector of products: its factors, and the place of their coefficients, counted in vectors of this
-    width.
+    """The left or the right factors of a vector of products, and the place of their coefficients, counted in vectors of
+    this width.
     """
 
     factors: tuple[int, ...]
@@ -126,7 +126,7 @@ def _abreast(tape: Tape, most: int) -> list[tuple[tuple[int, ...], bool]]:
 
 
 def chunks(count: int) -> list[tuple[int, int]]:
-    """The variables in groups that fit one vector: the first index and the number of each group."""
+    """The variables in groups that fit one vector: for each group, its first index and its size."""
     found = [(first, ABREAST) for first in range(0, count - ABREAST + 1, ABREAST)]
     for width in (2, 1):
         if count & width:

@@ -2,8 +2,8 @@
 
 Coefficients up to the order ``wide`` are double-doubles, higher ones floats. The two walks are lanes of one vector.
 Recent values stay in registers, and products of them are added last, because all other terms of the sum are known one
-order earlier. Low orders are straight-line code. Higher ones are a loop over rounds of AT_ONCE orders: as
-straight-line code they exceed the processor's cache of instructions, and fetching them takes most of the time.
+order earlier. Low orders are straight-line code. Higher ones are a loop over rounds of AT_ONCE orders: as straight-line
+code they would exceed the processor's instruction cache, and fetching them would take most of the time.
 """
 
 from __future__ import annotations
@@ -160,8 +160,8 @@ class Series(Sums):
         return self.text.wide_product(rate, (unit, self.text.load(room.lows_of_units + k)))
 
     def _put_ratios(self) -> None:
-        """Stores, relative to the variable's size, the largest of the last two coefficients and of the first two in
-        floats.
+        """Stores the largest ratio of a coefficient to the size of its variable, for the last two orders and the first
+        two in floats; then the largest coefficient of orders 2 and 3.
         """
         last, several = self.order, chunks(self._shown)
         orders = [last - 1, last, self.wide + 1, self.wide + 2]

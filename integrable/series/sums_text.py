@@ -105,8 +105,8 @@ class Sums:
         return fast_two_sum(text, high, low) if k else (high, low)
 
     def _put_sides(self, k: int, of_variables: bool) -> None:
-        """Stores coefficients k of the sides of all vectors of products: of those with variables alone, or of the
-        others.
+        """Stores coefficients k of the sides of the vectors of products: of the sides that consist of variables if
+        ``of_variables``, otherwise of the others.
         """
         for nodes, width in self.room.packs.items():
             text = Text(self.room.lanes * width, self.text)
@@ -171,7 +171,7 @@ class Sums:
         return self._apart(text, nodes, _summed(text, pairs, True, before))
 
     def _joined(self, text: Text, parts: list[str]) -> str:
-        """Joins the parts to one vector, whose remaining lanes repeat the last part."""
+        """Joins the parts into one vector, whose remaining lanes repeat the last part."""
         width = text.lanes // self.room.lanes
         return joined_lanes(text, parts + parts[-1:] * (width - len(parts)), self.room.lanes)
 

@@ -92,12 +92,12 @@ _OPERATIONS: dict[int, Callable[[Any, Any], Any]] = {SUM: add, DIFFERENCE: sub, 
 
 
 class Operand:
-    """The arithmetic operators of a number, all by the method :meth:`operation` of a subclass."""
+    """The arithmetic operators of a number, all defined by the method :meth:`operation` of a subclass."""
 
     __slots__ = ()
 
     def operation(self, kind: int, x: object, y: object) -> Self:
-        """The number that an operation on x and y returns; one of x and y is this number."""
+        """The number that an operation on x and y returns; x or y is ``self``."""
         raise NotImplementedError
 
     def __add__(self, other: object) -> Self:

@@ -47,10 +47,10 @@ class Codes(NamedTuple):
 class Bounds(NamedTuple):
     """The bounds that determine the steps of a walk.
 
-    Base-2 logarithms: the bound on the last two terms (``left_out``), that on the first two terms in floats
-    (``rounded``), and their increments in the second walk. Then come the reciprocals of the orders of these four terms,
-    and the difference up to which rows agree. ``most`` is the largest number of steps, estimated from those taken, and
-    ``farthest`` the farthest time in units of the first step.
+    The first four fields are base-2 logarithms. ``left_out`` bounds the last two terms, ``rounded`` the first two terms
+    in floats; ``coarser`` and ``rougher`` are added to these bounds in the second walk. Then come the reciprocals of
+    the orders of these four terms, and the difference up to which rows agree. ``most`` is the largest number of steps,
+    estimated from those taken, and ``farthest`` the farthest time in units of the first step.
     """
 
     left_out: float
@@ -70,8 +70,8 @@ class Given(NamedTuple):
     """Constants, a state in floats, and the layout of the room.
 
     The variables are ``parts`` parts (q, p and any others) of ``half`` numbers each. Coefficients begin at ``highs``;
-    consecutive orders are ``apart`` vectors apart. Distances and states there follow at
-    ``spare``, TIMES floats of each.
+    consecutive orders are ``apart`` vectors apart. Distances and the states at them begin at ``spare``, TIMES floats of
+    each.
     """
 
     constants: Array
@@ -88,8 +88,8 @@ class Given(NamedTuple):
 class Compared(NamedTuple):
     """The comparison of the first ``rows`` rows of both walks.
 
-    ``wrong`` counts the rows that disagree, ``lost`` those that disagree or predict that the last row will, and
-    ``first`` is the first of these. ``gap`` is the largest difference.
+    ``wrong`` counts the rows that disagree, ``lost`` also those whose difference predicts that the last row will
+    disagree, and ``first`` is the first lost row. ``gap`` is the largest difference.
     """
 
     rows: int

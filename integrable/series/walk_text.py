@@ -33,7 +33,9 @@ HALVED, TERMS = 11, 18
 
 
 def module(room: Room, start: Tape, count: int) -> str:
-    """The LLVM module of a kind; the first ``count`` variables are the state, from which ``start`` computes all."""
+    """The LLVM module of a kind; the first ``count`` variables are the state, from which ``start`` computes all
+    variables.
+    """
     texts = [_declared(), _growth(), Series(room, count).function(), _advance(room), _dense(room, count)]
     return "\n".join([*texts, _start(room, start)])
 
@@ -48,7 +50,7 @@ def _declared() -> str:
 
 
 def _advance(room: Room) -> str:
-    """The function that advances the variables by a step, in the place of the coefficients of order 0."""
+    """The function that advances the variables, stored as the coefficients of order 0, by a step."""
     single = Text(room.lanes)
     # lanes are gathered in registers: a load of the vector would wait for the stores of its lanes just before
     lanes = [_float_at(single, "%s", room.lanes * STEP + lane) for lane in range(room.lanes)]
@@ -71,7 +73,7 @@ def _float_at(text: Text, base: str, place: int) -> str:
 def _further(room: Room, text: Text, powers: Sequence[str], first: int, width: int) -> Iterator[bool]:
     """Writes the instructions that advance a group of variables by a step, whose powers 1, 2 and 4 are given.
 
-    Each yield ends an order.
+    Each yield ends the instructions of one order.
     """
     (wide, order), (step, square, fourth) = room.orders, powers
 

@@ -1,4 +1,4 @@
-"""The ball and the top among the systems of any genus (:mod:`integrable.mumford.bodies`, l(x) = 1 − dx)."""
+"""The ball and the top as systems of any genus (:mod:`integrable.mumford.bodies` with l(x) = 1 − dx)."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 class BodyOnLayer(BodySystem):
     """A ball (d ≠ 0) or a top of three different moments: a state has q = γ and p = M.
 
-    ``flow`` is the body's own, compiled over RR; ``by_additions`` is the flow of any system of genus 2 (d ≠ 0).
+    ``flow`` is the body's own flow, compiled over RR. For d ≠ 0, ``by_additions`` uses the method for systems of any
+    genus.
     """
 
     def __init__(self, inertia: Iterable[Value], d: Value = 0, field: Field = RR) -> None:

@@ -41,8 +41,9 @@ class System(PhaseSpace[Element]):
         signs: Sequence[int] | None = None,
         multiple: int = 1,
     ) -> Translation:
-        """The Bäcklund map D ↦ D + [multiple](Σ (x_k, ±√f(x_k)) − ∞'s) for one or two abscissas (one: d ≠ 0 only):
-        fixed numbers, or functions of (h1, h2) as in :class:`integrable.steps.translation.Translation`.
+        """The Bäcklund map D ↦ D + [multiple]Σ((x_k, ±√f(x_k)) − ∞), for two abscissas x_k or, if d ≠ 0, one.
+
+        Abscissas are numbers, or functions of (h1, h2) as in :class:`integrable.steps.translation.Translation`.
 
         Real images need U'(a_i) > 0 at every axis: two points on one oval, two points beyond 1/d, a complex-conjugate
         pair, the branch point 1/d, or an even multiple of any points.
@@ -71,7 +72,9 @@ class System(PhaseSpace[Element]):
         return Multiplication(self, factor)
 
     def conic(self, x0: Abscissa | None, y0: Abscissa, sign: int = 1) -> ConicStep:
-        """The step to the parabola through (x0, y0), at d = 0 (:class:`integrable.steps.moves.ConicStep`)."""
+        """The step along a pencil of parabolas to the one through (x0, y0), at d = 0
+        (:class:`integrable.steps.moves.ConicStep`).
+        """
         from integrable.steps.moves import ConicStep
 
         return ConicStep(self, x0, y0, sign)
