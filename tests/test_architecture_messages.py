@@ -47,8 +47,8 @@ READERS = {"abs", "check_scalar", "check_scalars", "coerce", "entries", "list", 
 LOW = (
     "jacobian.native.", "jacobian.numbers.", "integrable.oracles.", "integrable.ensembles.computing",
     "integrable.ensembles.members", "integrable.motion.contact", "integrable.motion.domain",
-    "integrable.motion.enclosure", "integrable.motion.events", "integrable.motion.precise",
-    "integrable.motion.symmetric_precise", "integrable.motion.trajectory", "integrable.moving_point.legendre",
+    "integrable.motion.enclosure", "integrable.motion.precise", "integrable.motion.symmetric_precise",
+    "integrable.motion.trajectory", "integrable.moving_point.legendre", "integrable.portrait.events",
     "integrable.study.command", "integrable.torus.corners", "integrable.torus.panels",
 )  # fmt: skip
 

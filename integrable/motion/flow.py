@@ -19,6 +19,7 @@ from integrable.motion.domain import check_domain
 from integrable.motion.short import ShortRuns
 from integrable.motion.trajectory import BodyMotion, Trajectory
 from integrable.moving_point.setup import Setup
+from integrable.phase.body import Body
 from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.space import PhaseSpace
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
 
     from integrable.motion.contact import PreciseContact
     from integrable.motion.precise import PreciseFlow, RoundedRows
-    from integrable.phase.body import Body
     from integrable.phase.enclosure import Enclosure
     from integrable.portrait.portrait import Portrait
     from integrable.portrait.section import Section
@@ -59,6 +59,8 @@ MOST_INTERPRETED = 4096
 MOST_RATES = 16_000
 # digits of t that states in floats need at the farthest times that MOST_RATES values of 1/g reach
 CLOCK_DIGITS = 24
+# basic steps per panel of a search for events, so few that its nodes resolve γ and M
+PANEL_STEPS = 6
 
 
 class Flow(BodyMotion):
@@ -153,11 +155,25 @@ class Flow(BodyMotion):
         ``condition`` takes γ and M, both of shape (N, 3), and returns N numbers that depend smoothly on them: ``lambda
         gamma, M: gamma[:, 2]`` finds γ₃ = 0. ``direction`` 1 selects zeros at which it rises, −1 those at which it
         falls. Zeros without a change of sign may be missed. ArgumentError for times that don't ascend and values of
-        another shape, PrecisionLoss for a condition that is not smooth. (:mod:`integrable.motion.events`)
+        another shape, PrecisionLoss for a condition that is not smooth. (:mod:`integrable.portrait.events`)
         """
-        from integrable.motion.events import events
+        from integrable.portrait.events import Watched, event_times
 
-        return events(self, condition, start, end, direction)
+        floats = self if self.system.field == RR else self._in_floats()
+        named = "γ and M, arrays of shape (N, 3)"
+        panel = PANEL_STEPS * floats.setup.step_time
+        watched = Watched(self.system.field, self._states, floats._states, named, lambda first, last: panel)
+        return self.at(event_times(watched, condition, start, end, direction))
+
+    def _states(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        run = self.at(times)
+        return run.gamma, run.M
+
+    def _in_floats(self) -> Flow:
+        """The same motion over RR."""
+        body, ((x, y, z), (a, b, c)) = self.system.body, (tuple(map(float, v)) for v in self.state.vectors)
+        floats = Body.make(tuple(map(float, body.inertia)), float(body.d), RR)
+        return self._through(floats, State((x, y, z), (a, b, c), tilted=self.state.tilted))
 
     def sensitivity(self, times: Numbers) -> Sensitivity:
         """The derivatives ∂(γ, M)/∂(γ(0), M(0), I, d) at physical times, accurate to rounding at any time

@@ -12,7 +12,9 @@ A *direction* c = (c_0 … c_{g−1}) is the motion with Σ_i x_i^k dx_i/y_i = c
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
+from integrable.phase.jets import Jet
 from jacobian import poly
 from jacobian.element import Arithmetic, Real
 from jacobian.poly import Poly
@@ -110,11 +112,15 @@ def brackets(K: Arithmetic, u: Poly, v: Poly, phi: Poly) -> tuple[tuple[Real, ..
     return tuple(table)
 
 
-def elementary(N: Arithmetic, name: str, x: Real) -> Real:
-    """exp, expm1 or log of x over RR, MP, long numbers, balls or columns."""
+def elementary(N: Arithmetic, name: str, x: Any) -> Any:
+    """exp, expm1 or log of x over RR, MP, long numbers, balls, columns, or jets over one of these."""
     import math
 
     import gmpy2
 
+    if isinstance(x, Jet):
+        value = elementary(x.field.base, name, x.value)
+        slope = {"exp": value, "expm1": value + 1}.get(name) or 1 / x.value
+        return Jet(x.field, value, tuple([slope * s for s in x.slopes]))
     home = math if isinstance(x, float) else getattr(N, "context", gmpy2)
     return getattr(home, name)(x)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Self
 
 from integrable.mumford.motion import MumfordMotion, Start, Vectors, settled_digits
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
@@ -16,6 +16,7 @@ from integrable.phase.ways import Cost, StatesReached, filled, times_in
 from jacobian import RR
 from jacobian.element import Element, FormulaField, Number, Numbers, Real
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
+from jacobian.fields.protocol import Field
 from jacobian.immutable import Record, at_once, quick_property, read_only
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from integrable.mumford.phase_torus import PhaseTorus
     from integrable.mumford.theta_torus import ThetaTorus
     from integrable.phase.enclosure import EnclosedPath
+    from integrable.portrait.events import Condition
     from integrable.portrait.separated import SeparatedTorus
     from integrable.portrait.spectrum import Spectrum
     from integrable.portrait.torus_portrait import TorusPortrait
@@ -50,6 +52,9 @@ ROUNDED = 2.0**-53
 BITS_OF_TORUS = 160
 Angles = Sequence[tuple[Any, Any]]
 """The sine and the cosine of half of each angle of a pair, or the cosine and the sine of an angle about an axis."""
+# a panel of a search for events lasts PANEL_TURN divided by the fastest of the rates at PROBES times, so that its nodes
+# resolve q and p and their products
+PANEL_TURN, PROBES = 6.0, 8
 # the values of Path.way
 SERIES, TORUS, ADDITIONS = "series", "torus", "additions"
 
@@ -245,6 +250,41 @@ class MumfordFlow:
         with LongField(BITS_OF_TORUS) as N:
             times, theta, rotation = crossings(self._separated_in_floats(N, "section"), count, oval, end)
         return TorusSection(self.at(times), theta, rotation)
+
+    def events(self, condition: Condition, start: Number, end: Number, direction: int = 0) -> Path:
+        """The states between two times at which ``condition`` changes sign, in order of time.
+
+        ``condition`` takes q and p, both of shape (N, n), and returns N numbers that depend smoothly on them: ``lambda
+        q, p: q[:, 0]`` finds q_0 = 0. ``direction`` 1 selects zeros at which it rises, −1 those at which it falls.
+        Zeros without a change of sign may be missed. ArgumentError for times that don't ascend and values of another
+        shape, PrecisionLoss for a condition that is not smooth and where floats do not resolve the time, Infeasible for
+        a search of more than ten million parts of a turn. (:mod:`integrable.portrait.events`)
+        """
+        from integrable.portrait.events import Watched, event_times
+
+        floats, named = self._over(RR), f"q and p, arrays of shape (N, {self.system.size})"
+        watched = Watched(self.system.field, self._states, floats._states, named, floats._panel)
+        return self.at(event_times(watched, condition, start, end, direction))
+
+    def _states(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        path = self.at(times)
+        return path.q, path.p
+
+    def _panel(self, first: float, last: float) -> float:
+        """The length of a panel of a search for events, in floats: from the fastest rate of the linearized motion, the
+        largest eigenvalue of the derivatives of (q', p'), at some times between.
+        """
+        import numpy as np
+
+        states = zip(*self._states(np.linspace(first, last, PROBES)), strict=True)
+        fastest = max(np.abs(np.linalg.eigvals(self.system.linearized(Point(*map(tuple, x))))).max() for x in states)
+        return float(min(last - first, PANEL_TURN / fastest)) if fastest else last - first
+
+    def _over(self, field: Field) -> Self:
+        """The motion of the same numbers over another field."""
+        if field == self.system.field:
+            return self
+        return type(self)(self.system.over(field), Point(*(tuple(map(field.coerce, x)) for x in self.start)))
 
     def _separated_in_floats(self, N: LongField, name: str) -> SeparatedTorus:
         """The torus in separated coordinates; NotRepresentable names the requested quantity."""

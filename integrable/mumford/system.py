@@ -39,6 +39,8 @@ from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from integrable.series.kinds import Kind
 
 # allowed violation of the constraints of a state, in units of the effect of a change in the last digits of q and p
@@ -283,6 +285,17 @@ class MumfordSystem(Made):
     def vector_field(self, state: Point[Element]) -> Point[Element]:
         """The derivatives (q', p') by the equations of motion."""
         return self._outside(self._formula(self._vector_field, state))
+
+    def linearized(self, state: Point) -> np.ndarray:
+        """The derivatives of (q', p') by (q, p) at a state, shape (2n, 2n), exact over an exact field."""
+        import numpy as np
+
+        n = self.size
+        jets = JetField(self.field, 2 * n)
+        both = jets.variables((*state.q, *state.p))
+        rates = self._vector_field(jets, Point(both[:n], both[n:]))
+        slopes = [jets.coerce(x).slopes for x in (*rates.q, *rates.p)]
+        return np.array(slopes, dtype=float if self.field == RR else object)
 
     def direction(self, genus: int) -> tuple[Real, ...]:
         """The direction c of the motion, Σ_i x_i^k dx_i/y_i = c_k dτ."""

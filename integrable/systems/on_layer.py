@@ -17,6 +17,8 @@ from jacobian.errors import ArgumentError, shown, written
 from jacobian.immutable import Immutable
 
 if TYPE_CHECKING:
+    from integrable.motion.trajectory import Trajectory
+    from integrable.portrait.events import Condition
     from integrable.portrait.portrait import Portrait
     from integrable.portrait.section import Section
     from integrable.portrait.spectrum import Spectrum
@@ -100,8 +102,15 @@ class BodyPath(Immutable):
 
     def at(self, times: Numbers) -> Path:
         """The states at physical times, as a Path with q = γ and p = M."""
-        run = self._flow.at(times)
+        return self._path(self._flow.at(times))
+
+    @staticmethod
+    def _path(run: Trajectory) -> Path:
         return Path(run.times, run.gamma, run.M, run.way)
+
+    def events(self, condition: Condition, start: Number, end: Number, direction: int = 0) -> Path:
+        """The states between two physical times at which ``condition``, a function of γ and M, changes sign."""
+        return self._path(self._flow.events(condition, start, end, direction))
 
     def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
         """Proven bounds of the states at physical times."""

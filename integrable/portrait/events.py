@@ -1,0 +1,137 @@
+"""Events along a motion: zeros of a function of the state, found on the motion itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from integrable.torus.panels import Panels, distinct, zeros
+from jacobian import RR
+from jacobian.element import Number
+from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, one_of, shown
+from jacobian.fields.machine import RealField
+from jacobian.fields.multiprecision import Mpf, MultiprecisionField
+
+Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
+StatesAt = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+"""From times to both vectors of the states there, γ and M or q and p, shape (N, n)."""
+# number of panels that are searched together
+PANELS = 512
+# the largest number of panels of one search, each of which takes some ten microseconds
+MOST_PANELS = 10_000_000
+# the tolerance of panels: their zeros only start Newton's method on the motion
+TOLERANCE = 1e-12
+# if neighbouring floats are farther apart than this fraction of a panel, the states at rounded times form no smooth
+# series
+COARSEST = 1e-7
+# a zero outside the interval by at most this many roundings of a half panel counts as at its end
+ROUNDING = 1e3
+# a step of Newton's method, with a slope in floats, gains twelve digits
+MOST_STEPS = 100
+# a zero that Newton's method moves farther than NEAR or leaves uncertain by more than SHARP, in half panels, is none of
+# the motion
+NEAR, SHARP = 0.25, 1e-6
+
+
+class Watched(NamedTuple):
+    """A motion that is searched: its states over ``field`` and ``in_floats``, what they are called, and ``panel``, from
+    an interval of time to the length of a part of it in which the motion hardly turns round.
+    """
+
+    field: RealField | MultiprecisionField
+    states: StatesAt
+    in_floats: StatesAt
+    named: str
+    panel: Callable[[float, float], float]
+
+
+def event_times(motion: Watched, condition: Condition, start: Number, end: Number, direction: int = 0) -> np.ndarray:
+    """The times at which ``condition`` changes sign between two others, in order: see
+    :meth:`integrable.mumford.flow.MumfordFlow.events`.
+    """
+    if not callable(condition):
+        raise ArgumentError(f"condition = {shown(condition)}: give a function of {motion.named}")
+    first, last = (motion.field.coerce(t, name) for t, name in ((start, "start"), (end, "end")))
+    if not first < last:
+        raise ArgumentError(f"start = {shown(start)}, end = {shown(end)}: a time after start is needed")
+    direction = one_of(direction, "direction", (-1, 0, 1), "1 for rising zeros, −1 for falling ones, 0 for both")
+    found, length = [], motion.panel(float(first), float(last))
+    for left, right in _stretches(length, float(first), float(last)):
+        found.append(zeros(Panels(partial(_column, motion.in_floats, condition), left, right, length, TOLERANCE)))
+    # a zero at the end of a stretch is also found in the next one
+    times, slopes, halves = distinct(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+    kept = (direction * slopes >= 0) & (slopes != 0)
+    return _polished(motion, condition, (times[kept], slopes[kept], halves[kept]), first, last)
+
+
+def _stretches(length: float, first: float, last: float) -> Iterator[tuple[float, float]]:
+    """Divides an interval of time into stretches (start, end) of PANELS panels."""
+    coarse = float(np.spacing(max(abs(first), abs(last))))
+    if coarse > COARSEST * length:
+        raise PrecisionLoss(
+            f"start = {first}, end = {last}: floats near these times are {coarse:.1e} apart, and the motion turns in "
+            f"about {length:.1e}; zeros are searched for in floats, so nearer to 0 only"
+        )
+    if last - first > MOST_PANELS * length:
+        raise Infeasible(
+            f"start = {first}, end = {last}: more than {MOST_PANELS} parts of a turn are to be searched; search part "
+            "by part"
+        )
+    while first < last:
+        end = min(last, first + PANELS * length)
+        yield first, end
+        first = end
+
+
+def _column(states: StatesAt, condition: Condition, times: np.ndarray) -> np.ndarray:
+    return _values(states, condition, times)[:, None]
+
+
+def _values(states: StatesAt, condition: Condition, times: np.ndarray) -> np.ndarray:
+    values = np.asarray(condition(*states(times)))
+    if values.shape != (len(times),):
+        raise ArgumentError(
+            f"condition: values of shape {values.shape} for {len(times)} states; one number for each is needed"
+        )
+    return values
+
+
+def _polished(
+    motion: Watched,
+    condition: Condition,
+    found: tuple[np.ndarray, np.ndarray, np.ndarray],
+    first: float | Mpf,
+    last: float | Mpf,
+) -> np.ndarray:
+    """Refines zeros (times, slopes, half panels) to the precision of the motion, by Newton's method with these slopes,
+    and keeps those between ``first`` and ``last``.
+    """
+    field, (begin, slopes, halves) = motion.field, found
+    times = np.array([field.coerce(float(t)) for t in begin], dtype=np.float64 if field == RR else object)
+    rates = np.array(slopes, dtype=times.dtype)
+    before = np.full(len(times), np.inf)
+    for _ in range(MOST_STEPS):
+        if not len(times):
+            return times
+        steps = _values(motion.states, condition, times) / rates
+        sizes = np.abs(steps).astype(float)
+        # a zero is accurate to rounding once a step is hardly shorter than the one before
+        moving = (sizes < before / 2) & (sizes < NEAR * halves)
+        if not moving.any():
+            right = (sizes < SHARP * halves) & (np.abs((times - begin).astype(float)) < NEAR * halves)
+            if field != RR and not right.all():
+                raise PrecisionLoss(
+                    f"near t = {begin[~right][0]} floats do not tell whether the condition changes its sign; search "
+                    "there in floats, or nearer to 0"
+                )
+            # a zero at the start or the end may be found outside by rounding
+            near = field.eps * ROUNDING * halves
+            right &= np.array([first - x <= t <= last + x for t, x in zip(times, near, strict=True)], dtype=bool)
+            kept: np.ndarray = np.clip(times[right], first, last)
+            return kept
+        times = np.where(moving, times - steps, times)
+        before = np.where(moving, sizes, 0.0)
+    raise PrecisionLoss(f"after {MOST_STEPS} steps of Newton a zero near t = {float(times[0])} has not settled")
