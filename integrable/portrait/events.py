@@ -16,7 +16,7 @@ from jacobian.fields.machine import RealField
 from jacobian.fields.multiprecision import Mpf, MultiprecisionField
 
 Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
-StatesAt = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+VectorsAt = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 """From times to both vectors of the states there, γ and M or q and p, shape (N, n)."""
 # number of panels that are searched together
 PANELS = 512
@@ -42,8 +42,8 @@ class Watched(NamedTuple):
     """
 
     field: RealField | MultiprecisionField
-    states: StatesAt
-    in_floats: StatesAt
+    states: VectorsAt
+    in_floats: VectorsAt
     named: str
     panel: Callable[[float, float], float]
 
@@ -86,11 +86,11 @@ def _stretches(length: float, first: float, last: float) -> Iterator[tuple[float
         first = end
 
 
-def _column(states: StatesAt, condition: Condition, times: np.ndarray) -> np.ndarray:
+def _column(states: VectorsAt, condition: Condition, times: np.ndarray) -> np.ndarray:
     return _values(states, condition, times)[:, None]
 
 
-def _values(states: StatesAt, condition: Condition, times: np.ndarray) -> np.ndarray:
+def _values(states: VectorsAt, condition: Condition, times: np.ndarray) -> np.ndarray:
     values = np.asarray(condition(*states(times)))
     if values.shape != (len(times),):
         raise ArgumentError(
