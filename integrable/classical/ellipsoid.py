@@ -1,7 +1,7 @@
 """Geodesics on the ellipsoid Σx_i²/a_i = 1 in R^{n+1} (Jacobi 1839; Moser 1980).
 
-The equation is x'' = −νA⁻¹x, ν = (Σv_i²/a_i)/(Σx_i²/a_i²), with constant |v|. With f₁ = Π(x − a_i), λ = Σx_iv_i, F_i =
-v_i² + Σ_j (x_iv_j − x_jv_i)²/(a_i − a_j):
+The equation is x'' = −νA⁻¹x with v = x', constant |v| and ν = (Σv_i²/a_i)/(Σx_i²/a_i²). With f₁ = Π(x − a_i),
+λ = Σx_iv_i, F_i = v_i² + Σ_j (x_iv_j − x_jv_i)²/(a_i − a_j):
 
     U = f₁Σ(x_i²/a_i)/(x − a_i),   V = f₁Σx_iv_i/(x − a_i) − λU,   f₁ΣF_i/(x − a_i) = xR(x),   f = −x·f₁·R
 
@@ -9,8 +9,9 @@ The roots of U are the elliptic coordinates, those of R the caustics; the genus 
 dt = |U(0)|dτ. With Ω = Σ∫u^g du/y, of the second kind, t = −½Ω. Ω is a datum of the pair in every addition, so no
 quadrature is needed. At a branch point a_i the lift is (x_i, a_iv_i − λx_i).
 
-The discretization is D + (l, m) − (0, 0). The tangent leads to x + hv on Σy_i²/(a_i − l) = 1, and Ivory's affinity y_i
-↦ √(a_i/(a_i − l))·y_i leads back. The tangent backwards from the new point reaches that quadric with the same h.
+The discretization is D + (l, m) − (0, 0). The tangent meets the quadric Σy_i²/(a_i − l) = 1 at x + hv, and Ivory's
+affinity y_i ↦ √(a_i/(a_i − l))·y_i leads back to the ellipsoid. The tangent backwards from the new point meets that
+quadric with the same h.
 """
 
 from __future__ import annotations

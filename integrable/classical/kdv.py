@@ -100,7 +100,7 @@ class KdV(Made):
         return Eigenvalues(found, tuple(int(s) for s in turns))
 
     def spectral(self, state: Eigenvalues) -> Spectral:
-        """The polynomials f, u and v of a state, in ascending order, without the double edges that are some γ_j."""
+        """The polynomials f, u and v of a state, in ascending order, without double edges that equal a γ_j."""
         return self._spectral(self.field, self._checked(state))
 
     def _checked(self, state: Eigenvalues) -> Eigenvalues:
@@ -280,8 +280,8 @@ class Wave:
 
         On the way U(n) = ψ² may shrink. By −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at rates of at
         most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) from falling below the square
-        root of the rounding unit. Two precisions lose the same bits, so comparing them does not show the loss. A band's
-        width bounds it.
+        root of the rounding unit. Two precisions lose the same bits, so comparing them does not show the loss. The
+        width of the band bounds it.
         """
         edges, needed = self._edges, 0.0
         bounds = [float(sum(edges) - 2 * sum(edges[k::2])) for k in (1, 2)]

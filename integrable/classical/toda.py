@@ -5,9 +5,8 @@ H = ½Σp_k² + Σe^{q_{k+1} − q_k}, indices modulo n: q' = p, p_k' = e^{q_{k+
     L_k = [[x + p_k, e^{q_k}], [−e^{−q_k}, 0]],   L_n⋯L_1 = [[A, B], [C, D]],   Δ = A + D
 
 the curve is y² = Δ² − 4 of genus n − 1. U is B divided by its leading coefficient, V = (A − D) mod U, and the direction
-is −e_{g−1}. Conversely A = ½(Δ + V + (x + β)U), β = Δ_{n−1} − u_{n−2}. Euclid's algorithm on (A, U) has the quotients
-x + p_1, x + p_2, … and the remainders −e^{q_{k+1} − q_k} times the next monic polynomial. The centre of mass moves
-uniformly.
+is −e_{g−1}. Conversely A = ½(Δ + V + (x + β)U), β = Δ_{n−1} − u_{n−2}. Euclid's algorithm on (A, U) has the quotients x
++ p_1, x + p_2, … and the remainders −e^{q_{k+1} − q_k} times monic polynomials. The centre of mass moves uniformly.
 """
 
 from __future__ import annotations

@@ -2,13 +2,14 @@
 
 (Veselov & Veselova 1986; Fedorov & Jovanović 2004.)
 
-Iω' + ω×Iω = μγ, γ' = γ×ω, (γ, ω) = 0. With M = Iω − (Iω, γ)γ and A = I⁻¹: γ' = γ×ω, M' = M×ω, (γ, M) = 0, ω = A(M − (γ,
-AM)γ/(γ, Aγ)). In the notation of :mod:`integrable.mumford.bodies`, l(x) = x, a_i = 1/I_i,
+The equations are Iω' + ω×Iω = μγ with a multiplier μ, γ' = γ×ω and (γ, ω) = 0. With M = Iω − (Iω, γ)γ and A = I⁻¹:
+γ' = γ×ω, M' = M×ω, (γ, M) = 0, ω = A(M − (γ, AM)γ/(γ, Aγ)). In the notation of :mod:`integrable.mumford.bodies`,
+l(x) = x, a_i = 1/I_i,
 
     f = 4xΠ(a_i − x)(xH₂ − H₁),   dt = √(γ, Aγ) dτ
 
-The point Aγ/√(γ, Aγ) moves along a geodesic of Σx_i²/a_i = 1. In the time τ√(H₁ det A) the normal γ there moves as
-the point of Neumann's system with the constants I_i.
+The point Aγ/√(γ, Aγ) moves along a geodesic of Σx_i²/a_i = 1. In the time τ√(H₁ det A) the normal γ there moves as the
+point of Neumann's system with the constants I_i.
 """
 
 from __future__ import annotations

@@ -28,10 +28,10 @@ class IsometricDeformation(Deformation):
 class Check(IsometricDeformation):
     """H = s·m1 − s²m2 − 2ξ², K = ξ²(s·m1 − ξ²) on e*(3), (γ, M) = 0, with a_i = 1/I_i.
 
-    ``potential`` = (a, b, β_1, β_2, β_3) adds a/s + b(s⁻³ − tr A⁻¹·s⁻²) + Σβ_i(1/a_j + 1/a_k − 2/s)s/(a_iγ_i²).
-    It is isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`). (Tsiganov, the check Hamiltonian
-    as corrected in docs/errata.md, item 22.) The kinetic energy is indefinite, so a pole may attract, and γ_i may reach
-    0 in finite time. The letters s, m1, m2 and ξ are those of :class:`Scalars`.
+    ``potential`` = (a, b, β_1, β_2, β_3) adds a/s + b(s⁻³ − tr A⁻¹·s⁻²) + Σβ_i(1/a_j + 1/a_k − 2/s)s/(a_iγ_i²). The
+    pair is isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`). (Tsiganov, the check
+    Hamiltonian as corrected in docs/errata.md, item 22.) The kinetic energy is indefinite, so a pole may attract, and
+    γ_i may reach 0 in finite time. The letters s, m1, m2 and ξ are those of :class:`Scalars`.
     """
 
     def isometry(self) -> Isometry:

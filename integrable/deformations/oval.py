@@ -1,8 +1,8 @@
-"""The motion of one separated variable along the bounded oval of Z'² = 4Π(Z − e_i), by theta functions in any digits.
+"""The motion of one separated variable along the bounded oval of Z'² = 4Π(Z − e_i), by theta functions to any digits.
 
 The roots R_i = √|Z − e_i|, with Z' = 2R_1R_2R_3, determine the signs of γ. On the oval they are R_low = √(e_middle −
 e_low)sn u, R_middle = √(e_middle − e_low)cn u and R_high = √(e_high − e_low)dn u with u = √(e_high − e_low)τ. So digits
-are lost only in the fraction of a period (:mod:`integrable.mumford.elliptic_torus`).
+are lost only when τ is reduced to a fraction of a period (:mod:`integrable.mumford.elliptic_torus`).
 """
 
 from __future__ import annotations

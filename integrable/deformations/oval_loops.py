@@ -162,7 +162,7 @@ def integrals_drift_of(frame: Frame, gamma: Three, M: Three) -> float:
 
 
 def state_in_poles(b: Row, p: Three, q: Three, first: Track, second: Track) -> tuple[Three, Three]:
-    """(γ, M) of the tilde pair with repelling poles, where heights on the curves are the ũ_k.
+    """(γ, M) of the tilde pair with repelling poles, where the heights z on the curves are the ũ_k.
 
     ``b`` is ``Frame.numbers``. The formulas are those of :mod:`integrable.deformations.pole_flow`.
     """

@@ -63,7 +63,7 @@ class OvalsClock(LongClock):
 
 
 def modes_of_pace(motion: Any, digits: int, field: Any) -> Modes:
-    """The modes of 1/g down to 10^(−digits) of its mean, in turns of the two curves since the start.
+    """The modes of 1/g down to 10^(−digits) of its mean, as functions of the turns on both curves since the start.
 
     The unit of τ is the shorter period.
     """

@@ -29,13 +29,13 @@ if TYPE_CHECKING:
     from integrable.deformations.ovals_clock import OvalsClock
 
 TimeOf = Callable[[int, LongNumbers, Real, Sequence[Real]], Real]
-"""The time in which the motion on curve k adds a point, from k, the field, μ_k and the μ_k/I_i."""
+"""The time in which the motion on curve k adds a point: a function of k, the field, μ_k and the μ_k/I_i."""
 
 
 class OvalCarrier(CurvesCarrier):
     """The motion of a tilde, check or hat pair over the field of ``system``.
 
-    ``pair`` is the tilde pair whose curves carry it: ``system`` itself, or the tilde pair of A⁻¹.
+    ``pair`` is the tilde pair on whose curves it moves: ``system`` itself, or the tilde pair of A⁻¹.
     """
 
     def __init__(self, system: Any, state: State) -> None:

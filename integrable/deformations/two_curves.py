@@ -303,7 +303,7 @@ class CurveTranslation(Step):
 
 
 def curves_of(system: Hamiltonian) -> Hamiltonian:
-    """The tilde pair whose curves carry the motion: the system itself, or the tilde pair of A⁻¹."""
+    """The tilde pair on whose curves the system moves: the system itself, or the tilde pair of A⁻¹."""
     isometry = system.isometry()
     return system if isometry is None else isometry.pair
 

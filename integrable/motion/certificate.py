@@ -1,4 +1,4 @@
-"""The number of digits of every state that agree between a run and the same run at more digits."""
+"""How many digits of every state agree between a run and the same run at more digits."""
 
 from __future__ import annotations
 

@@ -160,7 +160,7 @@ class Rolling:
 
     @property
     def noise(self) -> np.ndarray:
-        """The approximate rounding error of :meth:`rates`: near M ∥ γ it exceeds the remaining rates."""
+        """The approximate rounding error of :meth:`rates`, which near M ∥ γ exceeds the rates themselves."""
         body, (h1, h2) = self.flow.system.body, self.flow.system.integrals(self.flow.state)[2:]
         size, spread, y = h2**0.5, float(np.abs(self._different).max()), 0.0
         x = LEAST * spread * size * size / self._length

@@ -26,7 +26,7 @@ HEAVIEST = 1e16
 LIGHTEST = 1e-50
 """The least allowed ratio of d to the largest moment, if d ≠ 0 and all three moments differ."""
 NEAREST = 1e-18
-"""The least allowed difference of the largest and the least moment, relative to the largest plus d, if not 0."""
+"""The least allowed nonzero difference of the largest and the least moment, relative to the largest plus d."""
 
 _UNITS = "; use other units of mass, length or time, or MP(digits)"
 

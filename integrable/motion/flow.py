@@ -66,8 +66,8 @@ PANEL_STEPS = 6
 class Flow(BodyMotion):
     """The motion through one state. Get one from ``system.flow(state)``.
 
-    ``kernel``: "python" is the readable loop, "compiled" the same source compiled (floats only), "auto" chooses by the
-    amount of work; with NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done once, when needed;
+    The ``kernel`` "python" is the readable loop, "compiled" the same source compiled (floats only), and "auto" chooses
+    by the amount of work. With NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done once, when needed;
     :meth:`at` and :meth:`at_tau` may be called any number of times. The same times give the same states, to the last
     bit, whatever was computed before. ``kernel="compiled"`` uses no short runs. This kernel is faster for a flow that
     is called repeatedly for single times of some hundreds.
@@ -197,7 +197,8 @@ class Flow(BodyMotion):
 
     def spectrum(self) -> Spectrum:
         """The spectral lines of γ, M and ω with their complex amplitudes, accurate to rounding
-        (:mod:`integrable.portrait.spectrum`). Floats only; NotRepresentable for a motion on no torus of dimension two.
+        (:mod:`integrable.portrait.spectrum`). Floats only; NotRepresentable for a motion that is not on a torus of
+        dimension two.
         """
         from integrable.portrait.spectrum import body_states, lines_of
 
@@ -215,7 +216,7 @@ class Flow(BodyMotion):
 
     @cached_property
     def _variations(self) -> TorusVariations | None:
-        """The equations of variation on the torus; None where floats or a compact torus do not suffice for them."""
+        """The equations of variation on the torus; None if floats do not suffice or the torus is not compact."""
         if self.system.field != RR or self._closed or not (self._torus and self._torus.compiled):
             return None
         from integrable.portrait.sensitivity import TorusVariations

@@ -57,8 +57,8 @@ NONE = ClockLimits()
 
 
 class Nodes(NamedTuple):
-    """Translations from the centre of a panel to its nodes, the same as packed for :class:`PanelRates`, and the
-    ``roots`` of :func:`integrable.moving_point.addition.upright_rates`, None where they lose digits.
+    """Translations from the centre of a panel to its nodes, the same translations packed for :class:`PanelRates`, and
+    the ``roots`` of :func:`integrable.moving_point.addition.upright_rates`. ``roots`` is None where roots lose digits.
     """
 
     steps: list[Row]

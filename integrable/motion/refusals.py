@@ -70,7 +70,7 @@ def _place(reasons: list[str], why: str) -> int:
 
 
 def _refused(compute: Compute, values: np.ndarray, order: np.ndarray, why: str = "") -> tuple[np.ndarray, str]:
-    """The first of the rows in ``order`` that is refused and all beyond it, by bisection, and the reason.
+    """The first refused row in ``order`` and all rows beyond it, by bisection, and the reason.
 
     Each row is tried alone or, given the reason ``why`` for which all were refused together, with the rows before it.
     """

@@ -4,7 +4,7 @@ A run includes its own set-up, so a new flow needs no other (:mod:`integrable.mo
 some tens of microseconds plus a few per panel; interpreted, the same source is some hundred times slower. Doubtful
 cases are left to the next method.
 
-To T = 100 a compiled Taylor walk (:mod:`integrable.series`) of the ball's equations takes four times as long.
+Up to the time 100, a compiled Taylor walk (:mod:`integrable.series`) of the ball's equations takes four times as long.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ PANEL_COST, START_COST = 1.6, 40.0
 
 
 class TorusCost(NamedTuple):
-    """Costs of a torus: its set-up, one state at a single time, and one state of ascending times by panels."""
+    """Costs of a torus: of its set-up, of a state at a single time, and of a state at ascending times by panels."""
 
     set_up: float
     each: float

@@ -101,7 +101,7 @@ class Motion(Immutable):
         raise NotImplementedError
 
     def _prepare(self) -> None:
-        """Makes the first way, so that its set-up can be timed separately."""
+        """Creates the first way, so that its set-up can be timed separately."""
         next(self._ways())
 
     def _off(self, rows: np.ndarray, way: str) -> tuple[np.ndarray, str]:
@@ -173,7 +173,7 @@ class Trajectory(Exported):
     ``times`` has shape (N,), vectors (N, 3); floats give float64 arrays, multiprecision object arrays of mpf. ``tau``
     is the time of the flow, dτ = g dt. ``way`` names the method that computed the rows, by a word of :data:`WAYS`.
     ``reasons``: see :attr:`status`. ``report`` is the report of a scene's run, or None; ``error`` and ``digits`` are
-    set by :meth:`integrable.motion.flow.Flow.certify`, else None. Arrays are read-only; a ``.copy()`` is not.
+    set by :meth:`integrable.motion.flow.Flow.certify`, otherwise None. Arrays are read-only; a ``.copy()`` is not.
     """
 
     flow: Any

@@ -125,7 +125,7 @@ class WalkedClock:
         )
 
     def _panel(self, n: int) -> tuple[list[Real], Real]:
-        """The series of dt/dτ on panel n, τ from n to n + 1 lengths, and the time t that the panel takes."""
+        """The series of dt/dτ on panel n, from n to n + 1 lengths of τ, and the time t that the panel takes."""
         if n not in self._panels:
             values = [self._rate(self._half * (2 * n + 1 + x)) for x in self._rule.nodes]
             series = self._rule.coefficients(values)

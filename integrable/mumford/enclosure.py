@@ -83,7 +83,7 @@ def lost_bits(genus: int, farthest: float) -> int:
 def enclosed_path(flow: Any, times: Sequence[Real], digits: int | None, in_tau: bool = False) -> EnclosedPath:
     """Enclosures of the states of a ``MumfordFlow`` at times, or with ``in_tau`` at values of τ.
 
-    ``times`` are elements of its field.
+    ``times`` are elements of the flow's field.
     """
     system = flow.system
     wanted = ball_digits(system.field, digits)

@@ -51,7 +51,7 @@ ROUNDED = 2.0**-53
 # bits of the periods of a torus in separated coordinates whose states are floats
 BITS_OF_TORUS = 160
 Angles = Sequence[tuple[Any, Any]]
-"""The sine and the cosine of half of each angle of a pair, or the cosine and the sine of an angle about an axis."""
+"""The sine and cosine of half the angle φ of each point, or the cosine and sine of each angle about an axis."""
 # a panel of a search for events lasts PANEL_TURN divided by the fastest of the rates at PROBES times, so that its nodes
 # resolve q and p and their products
 PANEL_TURN, PROBES = 6.0, 8
@@ -257,8 +257,8 @@ class MumfordFlow:
         ``condition`` takes q and p, both of shape (N, n), and returns N numbers that depend smoothly on them: ``lambda
         q, p: q[:, 0]`` finds q_0 = 0. ``direction`` 1 selects zeros at which it rises, −1 those at which it falls.
         Zeros without a change of sign may be missed. ArgumentError for times that don't ascend and values of another
-        shape, PrecisionLoss for a condition that is not smooth and where floats do not resolve the time, Infeasible for
-        a search of more than ten million parts of a turn. (:mod:`integrable.portrait.events`)
+        shape, PrecisionLoss for a condition that is not smooth, or if floats do not resolve the time; Infeasible for a
+        search of more than ten million parts of a turn. (:mod:`integrable.portrait.events`)
         """
         from integrable.portrait.events import Watched, event_times
 
@@ -271,8 +271,9 @@ class MumfordFlow:
         return path.q, path.p
 
     def _panel(self, first: float, last: float) -> float:
-        """The length of a panel of a search for events, in floats: from the fastest rate of the linearized motion, the
-        largest eigenvalue of the derivatives of (q', p'), at some times between.
+        """The length of a panel of a search for events between two times, in floats.
+
+        It is PANEL_TURN divided by the largest eigenvalue of the linearized motion at PROBES times, at most the whole.
         """
         import numpy as np
 
@@ -281,7 +282,7 @@ class MumfordFlow:
         return float(min(last - first, PANEL_TURN / fastest)) if fastest else last - first
 
     def _over(self, field: Field) -> Self:
-        """The motion of the same numbers over another field."""
+        """The same motion over another field, to which its numbers are converted."""
         if field == self.system.field:
             return self
         return type(self)(self.system.over(field), Point(*(tuple(map(field.coerce, x)) for x in self.start)))
@@ -334,7 +335,7 @@ class MumfordFlow:
     def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[FormulaField, Angles, Angles], Extended]:
         """The function ``pairs(K, halves, turned)`` that returns the pair at given angles, as in :meth:`_states_on`.
 
-        Its data are the lifts with the signs of the start, 0 for a clock, and ``turned``.
+        The data of the pair are the lifts with the signs of the start, 0 for a clock, and ``turned``.
         """
         start, ends = self._place(N), self._ends(N)
         here = iter(torus.pair_at(N, torus.halves, ends)[2])

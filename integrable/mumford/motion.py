@@ -81,7 +81,7 @@ class Placed:
 
     @cached_property
     def _ends(self) -> list[Real]:
-        """The branch points of lifts at which the pair has a point. A point at a double point of the curve stays."""
+        """Branch points of lifts at which the pair has a point. A point at a double point of the curve stays there."""
         K, (u, v, _) = self.field, self.start
         lifts = (kind.e for kind in self.group.kinds if isinstance(kind, Lift))
         return [e for e in lifts if max(part_at(K, u, e), part_at(K, v, e)) <= STILL * K.eps**0.5]

@@ -32,8 +32,8 @@ HalfAngles = list[tuple[Column, Column]]
 class PhaseTorus:
     """A motion in double-doubles: :meth:`at` evaluates the function ``read`` at any times.
 
-    ``torus`` has the periods in long numbers of an entered field. ``read(halves, turned)`` is called with
-    (sin ½φ, cos ½φ) of each point and (cos, sin) of each angle about an axis since the start, as columns.
+    ``torus`` has the periods in long numbers, whose field must be entered. ``read(halves, turned)`` is called with (sin
+    ½φ, cos ½φ) of each point and (cos, sin) of each angle about an axis since the start, as columns.
     """
 
     def __init__(self, torus: SeparatedTorus, read: Callable[[HalfAngles, HalfAngles], Any]) -> None:
@@ -78,7 +78,9 @@ class PhaseTorus:
         return self._read([(sign * s, sign * c) for sign, (s, c) in zip(signs, moved, strict=False)], turned)
 
     def _sums(self, angles: np.ndarray, halves: HalfAngles, rest: Sequence[Column]) -> Column:
-        """For each form the sum of its integrals to these angles, less the part linear in the phases: (forms, N)."""
+        """The sum of the integrals of each form up to these angles, minus its part linear in the phases: shape (forms,
+        N).
+        """
         total, round_ = Column(0.0), 2 * circle_table()[2]
         for phi, (s, c), x, mean, waves in zip(angles.T, halves, rest, self._means, self._waves, strict=False):
             twice, sine = 2 * (c * c - s * s), 2 * s * c
@@ -103,7 +105,7 @@ class PhaseTorus:
         return total
 
     def _moved(self, j: int, angles: np.ndarray, late: np.ndarray) -> np.ndarray:
-        """The change of the sum of form j, without its poles, where angles change by ``late``."""
+        """The change of the sum of form j, without its poles, if the angles change by ``late``."""
         K, found = Columns(), np.zeros(len(angles))
         form = self._torus.forms[j]
         for k, (phi, move) in enumerate(zip(angles.T, late, strict=True)):

@@ -52,8 +52,8 @@ class QuadricSystem(MumfordSystem):
         raise NotImplementedError
 
     def _first(self, N: FormulaField, u: poly.Poly, v: poly.Poly) -> Point:
-        """Defined by subclasses with ``before`` > 0: from a pair, the first ``before`` coordinates q (without axes) and
-        their p.
+        """Defined by subclasses with ``before`` > 0: the first ``before`` coordinates q, which have no axes, and their
+        p, from a pair.
         """
         return Point((), ())
 

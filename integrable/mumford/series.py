@@ -110,7 +110,7 @@ def _over(start: Ball, row: Sequence[Ball]) -> list[Ball]:
 class PointMotion:
     """D(τ) along a direction from the pair with ``points`` (xs, ys), with the third-kind integrals for ``others``.
 
-    ``field`` is one of long numbers, or of balls, which then contain D(τ). Series have ``order`` terms.
+    ``field`` is a field of long numbers, or of balls that then contain D(τ). Series have ``order`` terms.
     """
 
     def __init__(

@@ -287,7 +287,7 @@ class MumfordSystem(Made):
         return self._outside(self._formula(self._vector_field, state))
 
     def linearized(self, state: Point) -> np.ndarray:
-        """The derivatives of (q', p') by (q, p) at a state, shape (2n, 2n), exact over an exact field."""
+        """The derivatives of (q', p') with respect to (q, p) at a state, shape (2n, 2n), exact over an exact field."""
         import numpy as np
 
         n = self.size
@@ -357,8 +357,8 @@ class MumfordSystem(Made):
         """The motion of a state over RR or MP(digits), at any times.
 
         ``tolerance`` is the allowed error, over RR, of states near the start, relative to the largest component of q,
-        or of p. These states then take half the time, and ``estimate`` of the path estimates their error. ArgumentError
-        if the tolerance is not between 2^−50 and 1.
+        or of p. With a tolerance these states take half the time, and ``estimate`` of the path estimates their error.
+        ArgumentError if the tolerance is not between 2^−50 and 1.
         """
         self._check_range(state)
         return self.flow_type(self, state, self._tolerance(tolerance))
@@ -459,7 +459,7 @@ class MumfordSystem(Made):
         return tuple(map(N.coerce, self.parameters))
 
     def _sums(self, N: FormulaField, weights: Sequence[Real]) -> poly.Poly:
-        """The polynomial Π(x − a_i)·Σ weight_i/(x − a_i) with all coefficients, where a are the constants."""
+        """The polynomial Π(x − a_i)·Σ weight_i/(x − a_i) with all coefficients, where the a_i are the constants."""
         a = self._constants_in(N)
         total = [N.zero] * len(a)
         for i, weight in enumerate(weights):

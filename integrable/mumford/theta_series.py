@@ -144,7 +144,7 @@ def theta_weights(lattice: Lattice, sums: ThetaSums, tops: Row) -> bool:
 
 
 def add_weight(sums: ThetaSums, along: Row, place: tuple[int, int, int], w: Real) -> None:
-    """Adds the weight of row i and signed column j of class k to its entry."""
+    """Adds the weight of row i and signed column j of class k, (k, i, j) = ``place``, to its entry."""
     k, i, j = place
     _, rows, columns = sums.sizes
     a, m = sums.chars[4 * k] + 2 * i, signed(sums.chars[4 * k + 1], j)
@@ -158,7 +158,7 @@ def add_weight(sums: ThetaSums, along: Row, place: tuple[int, int, int], w: Real
 
 
 def signed(e2: int, j: int) -> int:
-    """Number j of the column numbers e₂, −e₂, e₂ + 2, −e₂ − 2, …."""
+    """The j-th of the column numbers e₂, −e₂, e₂ + 2, −e₂ − 2, …."""
     m = e2 + 2 * (j // 2)
     return m if j % 2 == 0 else -m
 

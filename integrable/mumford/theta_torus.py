@@ -122,7 +122,8 @@ class ThetaTorus:
     def witnesses(self) -> np.ndarray:
         """Times more than one period of each phase from the start, in both directions, for a comparison.
 
-        A phase that is much slower is left out: the equations of motion cannot check a period of it.
+        A phase much slower than the other is left out, because the equations of motion cannot be followed through its
+        period.
         """
         fastest = max(map(abs, self._paces))
         return witnesses([nu for nu in self._paces if SLOW * abs(nu) >= fastest])

@@ -32,7 +32,7 @@ class GroupTranslations:
     The :class:`LongField` of ``group`` must be entered. On a model of even degree and odd genus, the sum of two
     divisors of degree g reduces to one of degree g + 1, which its class does not determine. There a point P₀ is added
     with one divisor, and subtracted with the other. ``ends`` are the branch points of lifts at which the moved pairs
-    have a point; at double points of the curve it has to stay.
+    have a point; a point at a double point of the curve has to stay there.
     """
 
     def __init__(self, group: ExtendedGroup, direction: Sequence[Real], ends: Sequence[Real] = ()) -> None:

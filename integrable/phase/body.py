@@ -102,7 +102,7 @@ class Body(Generic[Element]):
         return bool(self.d != self.field.zero)
 
     def conformal(self, gamma: Vector[Element]) -> Element:
-        """g⁻² = 1 − d(γ, Aγ), as Σ (1 − d·a_i) γ_i²."""
+        """g⁻² = 1 − d(γ, Aγ), computed as Σ (1 − d·a_i) γ_i²."""
         K = self.field
         return K.dot(self.contact, [K.mul(x, x) for x in gamma])
 

@@ -84,7 +84,7 @@ def _skew(K: Field, x: Vector) -> Matrix:
 
 
 def jacobian_matrix(K: Any, function: OfVariables, point: Sequence[Real]) -> Matrix:
-    """The matrix ∂f_i/∂x_k of f(field, x) at ``point``: exact over an exact field, else differences of order six."""
+    """The matrix ∂f_i/∂x_k of f(field, x) at ``point``: exact over an exact field, else by differences of order six."""
     if K.exact:
         jets = JetField(K, len(point))
         try:

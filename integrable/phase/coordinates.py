@@ -49,8 +49,8 @@ def root_of_g(body: Body[Element], gamma: Vector[Element]) -> Element:
 
 
 def upright_pairs(body: Body, state: State) -> tuple[Pair, ...]:
-    """The pairs (gγ_i, 2w_i) at a1, a2, a3. Here w = γ × M. They are the pairs of the parabola P = V − λU through (1/d,
-    0), or of V at d = 0.
+    """The pairs (gγ_i, 2w_i) at a1, a2, a3, w = γ × M: those of the parabola P = V − λU through (1/d, 0), or at d = 0
+    of V.
 
     NotASquare when g = √g² is not in the field.
     """

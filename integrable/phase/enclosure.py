@@ -89,7 +89,7 @@ Found = TypeVar("Found")
 
 
 class Precisions(Generic[Enclosed]):
-    """A motion in balls, with more bits until its results are narrow enough; ``made(bits)`` returns it with so many
+    """A motion in balls, with as many bits as its results need; ``made(bits)`` is the motion with a given number of
     bits.
     """
 

@@ -1,8 +1,8 @@
 """The isometries that map the geodesic flows (d = 0) of the tilde, check and hat pairs to each other.
 
 The pairs of integrals are those of :mod:`integrable.deformations`. The lift of γ ↦ γ' = Bγ/|Bγ| to (γ, M) = 0 is
-M' = Bγ × B⁻¹(M × γ), a canonical map. With a' = 1/a (moments I'_i = a_i): B² = diag(a_j·a_k) takes the hat pair of A to
-e3 times the tilde pair of A⁻¹, e3 = det A. B² = A takes the check pair of A to −e3 times the same tilde pair.
+M' = Bγ × B⁻¹(M × γ), a canonical map. The body of A⁻¹ has the moments I'_i = a_i. B² = diag(a_j·a_k) takes the hat pair
+of A to e3 times the tilde pair of A⁻¹, e3 = det A. B² = A takes the check pair of A to −e3 times the same tilde pair.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ def sphere_integrals(K: Field, a: tuple[Real, Real, Real], point: Separated) -> 
 
 
 def conic_sum(K: Field, f: poly.Poly, divisor: Divisor, x0: Real | None, y0: Real) -> Divisor:
-    """The divisor (Ũ, Ṽ) = ((P² − f)/U made monic, −P mod Ũ), P = V + cU through (x0, y0). For x0 = None c = y0.
+    """The divisor (Ũ, Ṽ) = ((P² − f)/U made monic, −P mod Ũ), P = V + cU through (x0, y0). If x0 is None, c = y0.
 
     (U, V) represents N points of y² = f(x), deg f = 2N (:meth:`jacobian.relatives.conic.Representative.step`). For
     constant y0 the map preserves {u_i, p_j} = (u_i − x0)δ_ij, y = φp. NotRepresentable where U(x0) = 0.

@@ -46,7 +46,7 @@ class Near(NamedTuple):
 def walked(system: Walked, state: PhasePoint, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
     """The states at those times that are reached within about ``most`` microseconds.
 
-    Where coarse steps miss the tolerance, times are computed again by steps accurate to the last bits of floats.
+    Where coarse steps miss the tolerance, states are computed again with steps accurate to the last bits of floats.
     """
     kind, given = system._kind, (*state.q, *state.p)
     found = None

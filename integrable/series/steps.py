@@ -73,7 +73,7 @@ class Reached(NamedTuple):
 
 
 def step_cost(tape: Tape, orders: Orders) -> float:
-    """The approximate time of a step in microseconds (python -m benchmarks near)."""
+    """The approximate time of a step in microseconds, as measured by ``python -m benchmarks near``."""
     wide, order = orders
     products = sum(kind in (PRODUCT, QUOTIENT, ROOT) for kind in tape.kinds)
     standard = PER_SQUARE * order**2 + PER_ORDER * order + PER_WIDE_ORDER * (wide + 1)

@@ -124,11 +124,11 @@ class Series(Sums):
         return self._plus(x, y) if q >= p else self._plus(y, x)
 
     def _plus(self, x: Wide, y: Wide) -> Wide:
-        """x + y, where y is computed after x."""
+        """x + y for a y that becomes available after x."""
         return self.text.wide_sum(x, y) if x[1] and y[1] else (self.text.fadd(x[0], y[0]), "")
 
     def _times(self, x: Wide, y: Wide, k: int) -> Wide:
-        """x·y, where x is computed after y."""
+        """x·y for an x that becomes available after y."""
         return self.text.wide_product(x, y) if k <= self.wide else (self.text.fmul(x[0], y[0]), "")
 
     def _divisor(self, n: int, k: int) -> Wide:

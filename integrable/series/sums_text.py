@@ -1,8 +1,8 @@
 """Sums of products of Taylor coefficients as LLVM text: the coefficients in memory and in registers.
 
-Sums of several nodes are one vector, whose factors are stored side by side. In straight-line code a sum has all its
-terms. In the loop over rounds of AT_ONCE orders, a smaller loop adds the terms of earlier rounds to the sums of all
-orders of a round.
+The sums of several nodes form one vector, and their factors are stored side by side. In straight-line code a sum has
+all its terms. In the loop over rounds of AT_ONCE orders, a smaller loop adds the terms of earlier rounds to the sums of
+all orders of a round.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Sums:
         return self._recent.get((n, k, 1)) or self.text.load(self.room.low(n, k))
 
     def _value(self, n: int, k: int) -> Wide:
-        """Coefficient k of node n: (hi, lo) up to the order ``wide``, then (float, "")."""
+        """Coefficient k of node n: (hi, lo) up to the order ``wide``, (float, "") beyond it."""
         if k and self.tape.kinds[n] == CONSTANT:
             return self.text.real(0.0), self.text.real(0.0) if k <= self.wide else ""
         return self._hi(n, k), self._lo(n, k) if k <= self.wide else ""
@@ -244,7 +244,9 @@ class Sums:
     def _add(
         self, text: Text, sums: list[str], count: int, left: tuple[str, int], right: tuple[str, int], twice: bool
     ) -> None:
-        """Adds products of one left factor with consecutive right ones, or twice these, to the first ``count`` sums."""
+        """Adds the products of one left factor with consecutive right ones, doubled if ``twice``, to the first
+        ``count`` sums.
+        """
         x = text.load(left[1], left[0])
         x = text.fadd(x, x) if twice else x
         for m in range(min(count, AT_ONCE)):
