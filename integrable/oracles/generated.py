@@ -20,7 +20,8 @@ from jacobian.native.kept import place
 
 __all__ = ["compiled", "expansion"]
 
-_MARK = "# --- written out beside the slopes of a kind\n"
+# the line of gauss16.py and taylor_compiled.py below which their text is copied: it must be the same there
+_MARK = "# --- copied into the module of each kind, with its slopes\n"
 _HEAD = '''"""The equations of {name}, written by integrable.oracles.generated."""
 import numpy as np
 from numpy import exp, sqrt
