@@ -88,8 +88,8 @@ class AxialSystem(SurfaceSystem):
         return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
 
     def _carrier(self, axis: Axis) -> int | None:
-        """The index of the end z = ±1 nearer to the start if it is a branch point, else None. Its lift is g at the
-        start.
+        """The index of the end z = ±1 nearer to the start if it is a branch point, else None. The lift there starts as
+        g.
         """
         near = 0 if abs(1 - axis.z) < abs(1 + axis.z) else 1
         return near if branches(axis.m[near]) else None

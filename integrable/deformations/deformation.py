@@ -47,7 +47,7 @@ class Deformation(Hamiltonian):
     def motion_through(self, state: State) -> Motion:
         """The motion of a state over RR or MP(digits); ``.at(times)`` evaluates it at physical times.
 
-        It is :meth:`flow` if available, otherwise the integrated equations of motion
+        The method is :meth:`flow` if available, otherwise integration of the equations of motion
         (:class:`integrable.deformations.integrated.IntegratedMotion`). ``.method`` names the method.
         """
         state = self._checked(state)

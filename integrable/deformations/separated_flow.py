@@ -1,9 +1,10 @@
 """The geodesic flows of the tilde, check and hat pairs, by an addition on each of two elliptic curves.
 
-In ũ_k, the roots of Σ w_i²/(x − a_i), w = γ × M, the flow of H = λ1 + λ2 separates: ũ_k' = y_k, y_k² = λ_kφ(ũ_k), φ(x)
-= 4(dx − 1)Π(a_i − x), with λ_k constant, λ1 > 0 > λ2, and ' = d/dτ, dτ = g dt. Z = μ_k·ũ/(1 − dũ), μ_k = λ_kΠ(1 −
-da_i), brings each curve to Z'² = 4Π(Z − e_i), e_i = μ_k/I_i (:mod:`integrable.deformations.oval`). There the motion is
-an addition, computed by theta functions, so any τ costs the same. (The separation is Tsiganov's.)
+Let ũ_k be the roots of Σ w_i²/(x − a_i), w = γ × M, φ(x) = 4(dx − 1)Π(a_i − x), and ' = d/dτ with dτ = g dt. In the ũ_k
+the flow of H = λ1 + λ2 separates: ũ_k' = y_k and y_k² = λ_kφ(ũ_k) with constant λ_k, λ1 > 0 > λ2. With μ_k = λ_kΠ(1 −
+da_i), the map Z = μ_k·ũ/(1 − dũ) brings each curve to Z'² = 4Π(Z − e_i), e_i = μ_k/I_i
+(:mod:`integrable.deformations.oval`). There the motion is an addition, computed by theta functions, so any τ costs the
+same. (The separation is Tsiganov's.)
 """
 
 from __future__ import annotations
@@ -221,8 +222,8 @@ def _separated(body: Body, e: Sequence[Real], slope: Sequence[Real]) -> tuple[li
 def interlaced(body: Body, squares: Sequence[Real]) -> list[list[Real]]:
     """ũ_k − a_i for both roots ũ1 < ũ2 of U(x) = Σ squares_i(x − a_j)(x − a_k), squares ≥ 0 with the sum 1.
 
-    They are computed as roots in x − a_middle, and from (ũ1 − a_i)(ũ2 − a_i) = U(a_i) = c_i·squares_i. Differences of
-    nearly equal numbers would cost half the digits of √|ũ_k − a_i| at a turning point.
+    The differences are computed as roots in x − a_middle, and from (ũ1 − a_i)(ũ2 − a_i) = U(a_i) = c_i·squares_i.
+    Differences of nearly equal numbers would cost half the digits of √|ũ_k − a_i| at a turning point.
     """
     K, c = body.field, body.differences
     low, middle, high = sorted(range(3), key=lambda i: body.a[i])

@@ -16,7 +16,7 @@ class Tilde(Deformation):
     """H = λ1 + λ2, K = −λ1λ2, λ_k = H1 − ũ_kH2; ũ_k are the abscissas of the image under :meth:`System.torsion`.
 
     H = m1 − s·m2 + 2dGξ² and K = Gξ²(H2 − dH1), d ≥ 0, in the letters of :class:`Scalars`. ``potential`` = (a, b, b_1,
-    b_2, b_3) adds as + b(s³ − tr A·s²) + Σb_i(a_j + a_k − 2s)/γ_i² at d = 0, and at d ≠ 0 aG + b(G³ − TG²) +
+    b_2, b_3) adds as + b(s³ − tr A·s²) + Σb_i(a_j + a_k − 2s)/γ_i² at d = 0. At d ≠ 0 it adds aG + b(G³ − TG²) +
     Σb_i(a_j + a_k − 2κ)/(Gγ_i²), T = Σ1/(1 − da_i). (Tsiganov, tH1 and tK1, with docs/errata.md, items 17 to 21.)
     """
 

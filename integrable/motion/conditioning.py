@@ -1,9 +1,9 @@
 """The conditioning of a motion: how rounding of the inputs grows, and the least possible error of any method.
 
 An input known only to its last digit, x(1 + eps), changes the state at time t by eps·|x ∂state/∂x|, for any method.
-:func:`conditioning` sums these over all inputs (moments of inertia, d, the parameters of a deformation, γ and M) by
-differences of the motion itself. The rounding unit eps times the sum is the least error that a method in that
-arithmetic can promise (Higham 2002, section 1.6: forward error ≲ condition × backward error).
+:func:`conditioning` sums these changes over all inputs: moments of inertia, d, the parameters of a deformation, γ and
+M. The changes are computed by differences of the motion itself. The rounding unit eps times the sum is the least error
+that a method in that arithmetic can promise (Higham 2002, section 1.6: forward error ≲ condition × backward error).
 """
 
 from __future__ import annotations

@@ -32,7 +32,7 @@ _UNITS = "; use other units of mass, length or time, or MP(digits)"
 
 
 def check_domain(system: PhaseSpace, state: State) -> None:
-    """Raises ArgumentError if a flow over RR refuses a body or a state; it names the argument, its value and a
+    """Raises ArgumentError if a flow over RR refuses a body or a state; the message names the argument, its value and a
     remedy.
     """
     body, (_, M) = system.body, state.vectors

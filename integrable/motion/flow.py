@@ -119,8 +119,8 @@ class Flow(BodyMotion):
 
         The Trajectory has ``error``, the larger of the differences in γ and in M/|M|, and ``digits``, how many decimal
         digits agree, both of shape (N,). The inputs count as exact. PrecisionLoss where fewer than ``digits`` agree; by
-        default all digits but one of MP(digits), 12 of RR. This compares two computations; :meth:`enclosure` bounds the
-        error rigorously.
+        default all digits but one of MP(digits), 12 of RR. ``certify`` compares two computations; :meth:`enclosure`
+        bounds the error rigorously.
         """
         from integrable.motion.certificate import certified
 
@@ -205,7 +205,9 @@ class Flow(BodyMotion):
         return lines_of(body_states(self))
 
     def residual_growth(self, counts: Iterable[int]) -> list[tuple[int, Real]]:
-        """For each n in ``counts``, (n, |f − V² mod U| relative to |f|) after n additions of one basic step."""
+        """The pairs (n, residual) for each n in ``counts``: |f − V² mod U| relative to |f| after n additions of one
+        basic step.
+        """
         from integrable.motion.residual import residual_growth
 
         return residual_growth(self.setup, counts, self.kernel)

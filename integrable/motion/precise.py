@@ -157,9 +157,9 @@ class ManyDigits:
     def settled(self, times: list[Real], compute: Compute[Found]) -> Found:
         """The result of ``compute``, repeated with more digits as long as it lacks any.
 
-        ``compute`` is given the carrier and ``times`` in its units. It returns the result and the number of missing
-        digits, or None if :meth:`enough` has replaced the carrier. A call starts with the first carrier again, unless
-        its digits are known not to suffice. So near times are as fast after a far time as before.
+        ``compute`` is given the carrier and ``times`` in its units. ``compute`` returns the result and the number of
+        missing digits, or None if :meth:`enough` has replaced the carrier. A call starts with the first carrier again,
+        unless its digits are known not to suffice. So near times are as fast after a far time as before.
         """
         before, far = self.carrier, max(map(abs, times), default=0)
         self.carrier = self._first if far < self._too_far else self._finest

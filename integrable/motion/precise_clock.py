@@ -1,7 +1,7 @@
 """Physical time to many digits: t = ∫dτ/g by Gauss–Legendre quadrature on panels of the flow's own time.
 
 A *cell* is an interval of one basic step, centred at a multiple of the step. On it 1/g is stored as a Legendre series,
-which gives t and its inverse. Far from the start one rule integrates nine cells at once, without a series: it needs
+which gives t and its inverse. Far from the start one rule integrates nine cells at once, without a series and with
 fewer nodes than nine rules.
 """
 

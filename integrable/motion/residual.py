@@ -21,7 +21,7 @@ MOST_COUNT = 100_000_000
 
 
 def residual_growth(setup: Setup, counts: Iterable[int], kernel: str) -> list[tuple[int, Real]]:
-    """For each n in ``counts``, (n, |f − V² mod U| relative to the size of f) after n additions of one basic step."""
+    """The pairs (n, residual) for each n in ``counts``, after n additions of one basic step; see :func:`residual`."""
     wanted = f"a sequence of ints ≥ 0, {MOST_COUNT} at most,"
     given = entries(counts, "counts", wanted)
     counts = [

@@ -17,7 +17,7 @@ oscillation of the size of m. Where the moments are of very different sizes, φ 
 computed from the time since the start.
 
 Chaplygin (1903) integrates the ball with theta functions; with equal moments his curve has a double point, and the
-formulas above are the limit. They are derived from γ̇ = γ×ω with the integral gM₃. At d = 0 both integrals are
+formulas above are the limit. The formulas are derived from γ̇ = γ×ω with the integral gM₃. At d = 0 both integrals are
 elementary: the free symmetric top. Chaplygin's transformation brings a tilted body to (γ, M) = 0; its time is t plus a
 function of θ, so θ(t) solves an equation like Kepler's.
 """

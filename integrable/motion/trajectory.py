@@ -336,8 +336,8 @@ class Trajectory(Exported):
 
     @cached_property
     def attitude(self) -> Matrices:
-        """Rotation matrices from the body frame to space, shape (N, 3, 3): rows are the axes of space in the body
-        frame, z = γ vertical, x along the horizontal part of M, which is fixed in space
+        """Rotation matrices from the body frame to space, shape (N, 3, 3). Rows are the axes of space in the body
+        frame: z = γ is vertical, and x points along the horizontal part of M, which is fixed in space
         (:mod:`integrable.phase.attitude`). NotRepresentable for a deformation, whose M is not fixed in space.
         """
         self._check_kept("attitude")

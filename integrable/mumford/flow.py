@@ -273,7 +273,8 @@ class MumfordFlow:
     def _panel(self, first: float, last: float) -> float:
         """The length of a panel of a search for events between two times, in floats.
 
-        It is PANEL_TURN divided by the largest eigenvalue of the linearized motion at PROBES times, at most the whole.
+        It is PANEL_TURN divided by the largest eigenvalue of the linearized motion at PROBES times, or the whole time
+        if that is less.
         """
         import numpy as np
 

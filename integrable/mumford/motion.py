@@ -1,8 +1,8 @@
 """States of a motion on a Jacobian of any genus at any time, to the requested digits.
 
-Every row is computed in long numbers at two precisions 64 bits apart. It is returned if both agree in every requested
-digit; otherwise the precision is raised. So the loss in additions, about a bit per doubling and some tens of bits per
-unit of genus, is measured rather than assumed.
+Every row is computed in long numbers at two precisions 64 bits apart. A row is returned if both results agree in every
+requested digit; otherwise the precision is raised. So the loss in additions, about a bit per doubling and some tens of
+bits per unit of genus, is measured rather than assumed.
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ where η_i is the odd characteristic of the branch point r_i (Thomae; Mumford 19
 η_0 + 2(q, p), and exactly one of the 16 η_0 makes all η_i odd. All of this is real in a basis whose A spans the real
 periods. Models of degree 6 with real roots are first transformed by x ↦ 1/(E − x), where E is the largest root.
 
-For geodesics dt/dτ is |U| at the root x = 0. Its mean is a determinant of integrals over the ovals, and t is the mean
-times τ plus a Fourier series.
+For geodesics dt/dτ is |U| at the root x = 0. The mean of dt/dτ is a determinant of integrals over the ovals, and t is
+this mean times τ plus a Fourier series.
 """
 
 from __future__ import annotations

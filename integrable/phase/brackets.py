@@ -6,7 +6,7 @@ The signs are those of the motion: ẋ = g{x, H1/2}. Borisov and Mamaev (2001) a
     {M_i, M_j} = −(M_k/g − d·g(M, Aγ)γ_k),   {M_i, γ_j} = {γ_i, M_j} = −γ_k/g,   {γ_i, γ_j} = 0,
 
 which at d = 0 is the Lie–Poisson bracket of e*(3) with the opposite sign. On (u1, u2, p1, p2) a bracket has the form
-{u_i, p_j} = w_iδ_ij. It is canonical for w_i = 1, is called W for w_i = u_i, and is the second bracket Π' of
+{u_i, p_j} = w_iδ_ij. This bracket is canonical for w_i = 1, is called W for w_i = u_i, and is the second bracket Π' of
 :mod:`integrable.phase.recursion` for w_i = λ_i.
 
 Derivatives are exact over exact fields, by :mod:`integrable.phase.jets`, and difference quotients elsewhere. A function

@@ -1,8 +1,8 @@
 """Separating coordinates (γ, M) ↔ (u, p) ↔ (q, p_q) for (γ, M) = 0, with u and p canonical: {u_i, p_j} = δ_ij.
 
-u1, u2 are the roots of U and y_k = V(u_k) = φ(u_k)p_k with φ(x) = 4(dx − 1)(a1 − x)(a2 − x)(a3 − x) (Tsiganov's
-coordinates; sphero-conical at d = 0). q = d·u/(1 − d·u) are the roots of Σ γ_i²/(x − d/I_i), Chaplygin's own
-coordinates of 1903, which do not exist at d = 0.
+Tsiganov's coordinates u1, u2 are the roots of U, sphero-conical coordinates at d = 0. Their momenta are
+p_k = V(u_k)/φ(u_k) with φ(x) = 4(dx − 1)(a1 − x)(a2 − x)(a3 − x). Chaplygin's own coordinates of 1903 are q = d·u/(1 −
+d·u), the roots of Σ γ_i²/(x − d/I_i). They do not exist at d = 0.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The layout of a tape's coefficients in the memory of a compiled walk, and the products that share a vector.
 
-The products in a vector do not depend on each other, and their factors are stored side by side. They are products of
-the tape, or the sums over earlier coefficients in the recurrences of products, quotients and roots.
+The products in a vector do not depend on each other, and their factors are stored side by side. Products here are those
+of the tape, and the sums over earlier coefficients in the recurrences of products, quotients and roots.
 """
 
 from __future__ import annotations
