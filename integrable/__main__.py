@@ -58,7 +58,7 @@ A scene of your own is a file of ten lines: docs/scenes.md. In Python: import in
 
 
 def _folded(text: str) -> str:
-    """The text with lines folded that are longer than the terminal; continuations of an explanation start below it."""
+    """The text with long lines folded to the terminal's width; continuations of an explanation start below it."""
     lines, width = [], get_terminal_size((120, 24)).columns
     for line in text.splitlines():
         hang = len(match[0]) if (match := re.match(r" *\S+(?: \S+)* {2,}", line)) else 4 * line.startswith(" ")
@@ -412,7 +412,7 @@ def _report(arguments: argparse.Namespace) -> None:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; the exit code is 0, 2 for an argument or scene that is wrong, 130 when interrupted."""
+    """Run the command; the exit code is 0, 2 for a wrong argument or scene, 130 when interrupted."""
     write_anything()
     parser = _parser()
     if "_ARGCOMPLETE" in os.environ:  # a shell asks for completions

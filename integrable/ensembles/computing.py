@@ -27,7 +27,7 @@ from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.threads import in_ranges
 
 COLUMNS = 7
-"""γ, M and τ."""
+"""The number of columns of γ, M and τ."""
 # the numbers of states and of members in a range, which is the unit of work of a thread
 STATES, MEMBERS = 1 << 16, 64
 WORDS = tuple(WAYS)

@@ -1,7 +1,7 @@
 """The members of an ensemble as rows of numbers, and a mask of the *plain* ones.
 
-A body, a state or a flow checks one member at a time. The bounds of this module are checked for all members at once. A
-member within them is never refused, and a short run of compiled code may be tried for it.
+The constructors of bodies, states and flows check one member at a time. The bounds of this module are checked for all
+members at once. A member within them is never refused, and a short run of compiled code may be tried for it.
 """
 
 from __future__ import annotations
@@ -87,8 +87,8 @@ def member_number(member: Any, count: int) -> int:
 
 
 def broadcast(system: Any, gamma: Any, M: Any, inertia: Any, d: Any) -> np.ndarray:
-    """Moments, d, γ and M of all members, shape (K, 10); ArgumentError for entries that are not numbers or do not
-    broadcast.
+    """Moments, d, γ and M of all members, shape (K, 10); ArgumentError for entries that are not numbers, and for shapes
+    that do not broadcast.
     """
     if isinstance(system, type) or not hasattr(system, "motion_through"):
         raise ArgumentError(
@@ -126,7 +126,9 @@ def common_count(parts: dict[str, np.ndarray]) -> int:
 
 
 def numbers(values: Any, argument: str, width: int) -> np.ndarray:
-    """The values as floats: a row for each member or one row for all, with ``width`` columns (one for width 0)."""
+    """The values as floats: a row for each member or one row for all, with ``width`` columns. Width 0 stands for one
+    number for each member.
+    """
     wanted = f"shape (K, {width}) or ({width},)" if width else "shape (K,) or one for all"
     found: np.ndarray = floats(values, argument, f"numbers of {wanted} are needed")
     found = found[..., None] if width == 0 else found

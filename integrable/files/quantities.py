@@ -49,7 +49,7 @@ UNITS = "those of SI, or of the consistent set that the body and M were given in
 
 
 def checked(quantities: Iterable[str] | None, among: Mapping[str, Quantity] = QUANTITIES) -> tuple[str, ...]:
-    """The names ``quantities`` as a tuple. Raises ArgumentError unless all are ``among`` the known ones."""
+    """The names ``quantities`` as a tuple. Raises ArgumentError unless ``among`` has all of these names."""
     known = ", ".join(among)
     asked = [quantities] if isinstance(quantities, str) else entries(quantities, "quantities", f"a list of {known}")
     for name in asked:

@@ -122,4 +122,4 @@ FORMATS = {
     ".csv": _Format(_csv, ("pandas",)),
     ".mat": _Format(_mat, ("scipy",)),
 }
-"""For each suffix of a file: the function that writes it, and the libraries of the extra ``io`` that it needs."""
+"""The function that writes files with each suffix, and the libraries of the extra ``io`` that it needs."""

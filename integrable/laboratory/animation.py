@@ -69,7 +69,7 @@ def _of_ffmpeg(target: Path) -> Iterator[None]:
 
 
 def _body(ax: Any, run: Any) -> Any:
-    """Draws the near halves of the body's three great circles, and ω. Returns a function that updates them."""
+    """Draws ω and the front halves of the body's three great circles. Returns a function that updates the drawing."""
     angles = np.linspace(0, 2 * np.pi, POINTS)
     c, s, zero = np.cos(angles), np.sin(angles), 0 * angles
     circles = np.array([[zero, c, s], [c, zero, s], [c, s, zero]])
@@ -102,7 +102,9 @@ def _sphere(ax: Any) -> None:
 
 
 def _vertical(ax: Any, run: Any) -> Any:
-    """Draws γ and its path in the axes of the tensor, the near half bold. Returns a function that updates them."""
+    """Draws γ and its path in the axes of the tensor, with the front half in bold. Returns a function that updates the
+    drawing.
+    """
     _sphere(ax)
     for axis, color in zip(VIEW.T, COLORS, strict=True):
         ax.plot([0, axis[0]], [0, axis[1]], color=color, linewidth=1)

@@ -1,9 +1,9 @@
 """A rolling ball and a free rigid body in SI units, from tensors in any axes.
 
 With J = Q diag(I) Qᵀ, R₀ the orientation at time 0 and z up: γ = QᵀR₀ᵀz and ω along the principal axes, M = (I + d)ω −
-d(γ, ω)γ, d = mr². R M is constant in space, about the point of contact of a rolling body or the centre of mass of a
-free one. So the states of the flow give the orientation without an integration (:mod:`integrable.phase.attitude`). The
-contact path of the flow, scaled, is the path in metres.
+d(γ, ω)γ, d = mr². R M, the angular momentum about the point of contact of a rolling body or about the centre of mass of
+a free one, is constant in space. So the states of the flow give the orientation without an integration
+(:mod:`integrable.phase.attitude`). The contact path of the flow, scaled, is the path in metres.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ VERTICAL, NEARLY = 64, 1e-2
 
 
 class RigidBody(Made):
-    """A free rigid body: no torque about its centre of mass, or a fixed point with no torque about it.
+    """A free rigid body: no torque acts about its centre of mass or, if a point of it is fixed, about that point.
 
     ``inertia`` is its tensor about that point in any axes, or three moments in its principal axes, in kg·m²; ``field``
     RR or MP(digits). ``moments`` (3) and ``axes`` (3, 3) are the principal moments and, as columns, the axes, in the
@@ -74,7 +74,9 @@ class RigidBody(Made):
         return LaboratoryMotion(self, *self._start(orientation, omega), None)
 
     def _way(self, start: np.ndarray, spin: np.ndarray) -> Any:
-        """The method for a motion with its principal axes at ``start`` and ω along them."""
+        """The method for a motion whose start has the principal axes ``start``, as columns, and ω = ``spin`` along
+        these axes.
+        """
         moments, K = self._principal.moments, self._wide
         if _uniform(moments, spin, self.field.eps):
             return Uniform(self.field, start, spin, None)
@@ -88,7 +90,7 @@ class RigidBody(Made):
         return Along(self._flow(system, gamma, M, False), frame)
 
     def _start(self, orientation: Any, omega: Any) -> tuple[Any, Any]:
-        """The matrix from principal axes to the laboratory and ω along them, wide."""
+        """The matrix from principal axes to the laboratory, and ω along these axes, in wide numbers."""
         K = self._wide
         start = rotation(K, orientation) @ self._principal.axes
         space = np.array(triple(K, omega, "omega"), dtype=object)
@@ -228,8 +230,8 @@ def _inner(field: Any, lost: int) -> Any:
 
 
 def _uniform(moments: Any, spin: Any, eps: Any) -> bool:
-    """Whether Jω ∥ ω: exactly, or to rounding about the stable axes of the extreme moments, where deviations do not
-    grow.
+    """Whether Jω ∥ ω: exactly, or up to rounding if ω is nearly along the axis of an extreme moment, about which the
+    rotation is stable.
     """
     size = max(map(abs, spin))
     if not size:

@@ -125,7 +125,9 @@ def matrices_of(orientation: Any) -> Any:
 
 
 def matrix(K: Arithmetic, values: Any, argument: str, wanted: str, moments: bool = False) -> Matrix:
-    """The values as a 3×3 matrix over K, diagonal for three ``moments``; ArgumentError for other shapes."""
+    """The values as a 3×3 matrix over K; ArgumentError for other shapes. If ``moments``, three numbers give a diagonal
+    matrix.
+    """
     try:
         rows = entries(values, argument, wanted)
         given = np.array([_row(row, argument) for row in rows], dtype=object)

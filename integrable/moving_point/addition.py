@@ -62,7 +62,7 @@ def settled(f: Row, axes: Row, point: Row, trust: Real) -> Row:
 
 
 def cofactor_at(f: Row, divisor: Row) -> Row:
-    """W = (f − V²)/U, ascending."""
+    """The coefficients of W = (f − V²)/U, ascending."""
     b0, b1, c1 = divisor[0], divisor[1], divisor[3]
     w2 = f[4] - b1 * f[5]
     w1 = f[3] - b1 * w2 - b0 * f[5]
@@ -79,7 +79,7 @@ def settled_pair(
 
 
 def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust: Real) -> tuple[Real, Real]:
-    """One Gauss–Newton step of :func:`settled` for one pair.
+    """The correction of :func:`settled` for one pair: one Gauss–Newton step.
 
     ``trust`` is the squared ratio of the noise of U, V, W to that of the uncorrected pair. Where κ is small (nearly
     equal moments) the pair hardly changes.
@@ -98,8 +98,8 @@ def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust:
 def pair(a: Real, kappa: Real, sigma: Real, nu: Real, sigma2: Real, nu2: Real, transfer: Row) -> tuple[Real, Real]:
     """(σ'', ν'') at the branch point a, from the transfer polynomials of the sum.
 
-    Two formulas give it: one divides by σ', the other by κσ. Their least-squares combination divides by a small number
-    only if both points are at the same branch point.
+    Two formulas give the pair: one divides by σ', the other by κσ. Their least-squares combination divides by a small
+    number only if both points are at the same branch point.
     """
     q, l1, l0, k0, m0, n1, n0, j0 = transfer
     # rounding errors of the formula that divides by κσ grow with ν', which is large near the identity
@@ -151,7 +151,8 @@ def upright_rates(f: Row, axes: Row, d: Real, point: Row, steps: Row, roots: Row
     √(1 + d(u1 + du0)) of each translation.
 
     g² is proportional to U(1/d). As f(1/d) = 0, the sum has U''(1/d) = P²/(l1²·U·U'), where U' belongs to the
-    translation and P = qV + LU with q and L = l1·x + l0 of the chord. P loses digits where 1 − dα is small at an axis.
+    translation and P = qV + LU. The chord is y = V + UL/q with L = l1·x + l0. P loses digits where 1 − dα is small at
+    an axis.
     """
     curve, first = (f[0], f[1], f[2], f[3], f[4], f[5]), (point[0], point[1], point[2], point[3])
     height = 1 + d * (point[1] + d * point[0])
@@ -175,7 +176,7 @@ def near_identity(series: Row, roots: Row, f0: Real, axes: Row, eps: Real, passe
 
 
 def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
-    """The start value of Newton's method for (m, r) of T(eps): its leading order in eps, or for mpf a value with the
+    """The start value of Newton's method for (m, r) of T(eps): their leading order in eps, or for mpf values with the
     digits of a float.
 
     Compiled code uses the shorter versions in :mod:`integrable.moving_point.compiled`.
@@ -214,7 +215,7 @@ def leading(x: Row) -> Row:
 
 
 def abel_sums(series: Row, m: Real, r: Real) -> tuple[Real, Real]:
-    """phi, psi with 2√r·phi = y0·Σ∫dx/y and 2√r·psi = y0·Σ∫x dx/y for the points at m ± √r."""
+    """phi, psi with 2√r·phi = y0·Σ∫dx/y and 2√r·psi = y0·Σ∫x dx/y for the points at m ± √r, where y0 = √f0."""
     phi, psi = 0 * r, 0 * r
     c = m * m - r
     # S_j = ((m+√r)^j − (m−√r)^j)/(2√r), by S_{j+1} = 2m·S_j − c·S_{j−1}

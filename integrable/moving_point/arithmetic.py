@@ -23,7 +23,7 @@ PASSES = 80
 
 class LongDoubles:
     """Long doubles. ``field`` is the wide field, ``eps`` the rounding unit, ``bits`` the number of bits, ``tiny`` a
-    number far below it, and ``passes`` the largest number of steps of Newton's method.
+    number far below ``eps``, and ``passes`` the largest number of steps of Newton's method.
     """
 
     sin, cos, sqrt, arctan, arcsin, arcsinh = np.sin, np.cos, np.sqrt, np.arctan, np.arcsin, np.arcsinh

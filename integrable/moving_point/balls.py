@@ -140,8 +140,9 @@ class BallTranslations:
     def _system(self, m: arb, r: arb, target: arb, size: int, tail: arb, reach: arb) -> tuple[arb, ...]:
         """(r·phi² − target, psi, the derivatives of the first and of the second with respect to m and r, phi).
 
-        Let |m| + √|r| ≤ R and |c_k| ≤ (k+1)(k+2)/2·nearest^(−k). The sums of the terms omitted from phi, psi, ∂phi/∂m,
-        ∂phi/∂r, ∂psi/∂m and ∂psi/∂r are then at most ``tail`` times 1, R, 1/R, 1/R², 1 and 1/R.
+        Let |m| + √|r| ≤ R, and let the coefficients of the series satisfy |c_k| ≤ (k+1)(k+2)/2·nearest^(−k). The sums
+        of the terms omitted from phi, psi, ∂phi/∂m, ∂phi/∂r, ∂psi/∂m and ∂psi/∂r are then at most ``tail`` times 1, R,
+        1/R, 1/R², 1 and 1/R.
         """
         series = self._series[:size]
         sums = *abel_sums(series, m, r), *abel_slopes(series, m, r)

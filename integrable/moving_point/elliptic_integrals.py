@@ -155,7 +155,7 @@ def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) ->
 
 def apart(points: Row, values: Row, near: Real) -> bool:
     """Whether an oval is still too long: R varies over it, or its length is not negligible compared with the distance
-    to the other roots.
+    between the ovals.
 
     ``points`` are the ends of the ovals, ``values`` the values of R there.
     """

@@ -21,7 +21,7 @@ QuadratureRule = tuple[list[Real], list[list[Real]], list[Real]]
 
 @lru_cache(maxsize=32)
 def legendre_rule(K: MultiprecisionField, count: int) -> QuadratureRule:
-    """(nodes, matrix, weights) on [−1, 1], in K = MP(digits). The n × n matrix maps values at the nodes to the
+    """(nodes, matrix, weights) on [−1, 1], in K = MP(digits). The square matrix maps values at the nodes to the
     coefficients of a Legendre series; the weights give the integral from 0 to 1. The nodes ascend.
     """
     reals = BareReals(K.context.prec + 16)

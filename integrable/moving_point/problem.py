@@ -55,7 +55,7 @@ class Problem(NamedTuple):
 
     @property
     def row(self) -> Row:
-        """The numbers of a :func:`problem_row` up to ``slowness``, the last that a :class:`Problem` has."""
+        """The beginning of a :func:`problem_row`: the numbers of this problem, of which ``slowness`` is the last."""
         matrix = self.matrix or (1, 0, 0, 1)
         numbers = self.time_scale, self.ratio, self.d, self.momentum, self.half_step
         return (*self.f, *self.axes, *self.start, *numbers, *matrix, self.slowness)

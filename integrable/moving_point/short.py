@@ -107,7 +107,7 @@ def short_run(room: ShortRoom, rule: Rule, request: Request, given: Row, tilted:
 
 def first_half(room: ShortRoom) -> float:
     """Half the length of a panel of this motion. Branch points of very different size may limit the power series but
-    not the panels; the length is then doubled until the body turns far enough on it.
+    not the panels; the length is then doubled until the body turns far enough on each panel.
     """
     h, most, longer = panel_half(room.motion.half_step), TURN * room.motion.radian, 0
     while longer < LEVELS and h * 2.0 ** (longer + 1) <= most:
@@ -281,7 +281,9 @@ def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
 
 
 def stepless(room: ShortRoom, rule: Rule) -> float:
-    """The largest jump of γ or w from the last panel to the left end of this one, times the amplification of errors."""
+    """The largest jump of γ or w between the right end of the previous panel and the left end of this one, times the
+    amplification of errors.
+    """
     worst = 0.0
     for e in range(6):
         step = abs(room.values[e * len(rule.nodes) + LOT] - room.last[e])

@@ -67,7 +67,7 @@ class FloatMotion(NamedTuple):
     f: Row
     axes: Row
     a: Vector[float]
-    """1/(I_i + d) of the given body, in the user's units, as are the next three."""
+    """1/(I_i + d) of the given body. This field and the next three are in the user's units."""
     contact: Vector[float]
     """I_i/(I_i + d)."""
     d: float
@@ -104,7 +104,7 @@ class ShortRoom(NamedTuple):
     wide_nodes: Row
     """Translations to the nodes of panels of all levels, in wide numbers."""
     nodes: Row
-    """The same in floats."""
+    """The numbers of ``wide_nodes`` in floats."""
     series: Expansion
     """Coefficients of translations (:func:`integrable.moving_point.translations.expand_orders`)."""
     ahead: Row
@@ -118,7 +118,7 @@ class ShortRoom(NamedTuple):
     """
     point: Row
     seen: Row
-    """``point`` for each of the precomputed centres."""
+    """The numbers of ``point`` for each of the precomputed centres."""
     values: Row
     rates: Row
     slowness: Row

@@ -72,8 +72,8 @@ def panel_steps(room: ShortRoom, h: float) -> bool:
 
 
 def exact_at(rows: Expansion, eps: float) -> bool:
-    """Whether the terms of an expansion fall fast enough at eps. The omitted part is then below the rounding of wide
-    numbers, and the part in floats below that of floats.
+    """Whether the terms of an expansion fall fast enough at eps. The omitted terms are then below the rounding of wide
+    numbers, and the terms computed in floats below the rounding of floats.
     """
     square, exact = eps * eps, True
     fourth, fall = square * square, square * ORDER_GAIN
@@ -164,8 +164,8 @@ def moved_row(wide: Row, points: Row, origin: int, steps: Row, place: int, sign:
 
 
 def steps_ahead(room: ShortRoom) -> None:
-    """Computes the translations by 1 … :data:`AHEAD` panels. The one by k + 2 panels, k ≥ 1, is the sum of those by 2
-    and k.
+    """Computes the translations by 1 … :data:`AHEAD` panels. For k ≥ 1 the translation by k + 2 panels is the sum of
+    those by 2 and by k.
     """
     longer(room, HALF, HALF, PANEL)
     longer(room, PANEL, PANEL, PANEL + 1)
@@ -189,7 +189,9 @@ def longer(room: ShortRoom, origin: int, by: int, target: int) -> None:
 
 
 def no_level(wide: Row, i: int) -> bool:
-    """Whether κ_i = r_i·Π(α_i − α_j) is 0 or too small for Σσ²/Π(α_i − α_j) to determine the level of a translation."""
+    """Whether κ_i = r_i·Π(α_i − α_j) is 0 or too small for Σσ²/Π(α_i − α_j) to determine the level set of a
+    translation.
+    """
     return abs(float(wide[9 + i])) <= LEAST_KAPPA * float(wide[CONTACT + i])
 
 

@@ -82,7 +82,7 @@ def collocation(rates: Callable[[Vector], Vector], number: Callable[[Any], Any],
 def _stages(
     rates: Callable[[Vector], Vector], y: Vector, slopes: Any, matrix: list[Vector], h: Any
 ) -> tuple[list[Vector], int]:
-    """The slopes k_i = F(y + hΣa_ij k_j), and the number of iterations that were needed."""
+    """The slopes k_i = ``rates``(y + hΣa_ij k_j), and the number of iterations that were needed."""
     change = None
     for iteration in range(MOST_ITERATIONS):
         points = [

@@ -78,7 +78,7 @@ class EllipticTop:
         self.period = None if self.parameter == 1 else 2 * c.ellipk(self.parameter)
 
     def _phase(self, a: Vector, gamma: Vector, M: Vector) -> None:
-        """Sets c, ρ and the phase β of γ = c·e + ρ(cos β N + sin β e×N), with e along M."""
+        """Sets c, ρ and the phase β of γ = c·e + ρ(cos β N + sin β e×N), with e and N of :func:`_frame`."""
         c = self.context
         self.turning = self.length * a[2]
         self.weight = self.length * (a[0] - a[2]) / self.speed
@@ -135,7 +135,7 @@ class EllipticTop:
         return rows
 
     def _leaning(self, M: Any, root: Any, along: Any, first: Any, second: Any) -> Vector:
-        """The vector along·e + first·N + second·e×N."""
+        """The vector along·e + first·N + second·e×N, with e and N of :func:`_frame`."""
         e, node, other = _frame(M, root)
         return [along * p + first * q + second * r for p, q, r in zip(e, node, other, strict=True)]
 

@@ -42,11 +42,11 @@ class Kind:
     inputs: int
     """The number of constants of a system of this kind."""
     coefficients: tuple[Node, ...]
-    """A program in these constants, which are the "c" of its lines."""
+    """The program that computes the coefficients; its inputs "c" are the constants."""
     used: tuple[int, ...]
-    """The lines of this program that are coefficients of the equations."""
+    """The lines of ``coefficients`` whose values the equations use."""
     rates: tuple[Node, ...]
-    """A program for the equations, in the state, "y", and the coefficients, "c"."""
+    """The program for the equations; its inputs are the state, "y", and the coefficients used, "c"."""
     results: tuple[int, ...]
     """The lines of ``rates`` that are ẏ."""
 

@@ -116,7 +116,7 @@ def _sums(ratios, terms, base, z):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _low_part(transposed, low, k, rest, work):  # type: ignore[no-untyped-def]
-    """Writes the contribution of the weights' low parts to the stages into the last of ``work``.
+    """Writes the contribution of the weights' low parts to the stages into the last array of ``work``.
 
     Without it the stages and their sum would use different weights, and the quadratic integrals would drift steadily.
     """

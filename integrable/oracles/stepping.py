@@ -17,8 +17,8 @@ from jacobian.errors import ArgumentError
 __all__ = ["by_sign", "follow", "solution_of", "split_times"]
 
 Advance = Callable[[list[Any], Any, Any], tuple[list[Any], Any, int]]
-"""(y, h, memory) ↦ (y after a step h, memory, evaluations). The memory speeds up the next step of the same h; None is
-empty.
+"""(y, h, memory) ↦ (y after a step h, memory, evaluations). The memory speeds up the next step of the same h; None
+stands for an empty memory.
 """
 
 

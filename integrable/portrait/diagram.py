@@ -1,9 +1,10 @@
 """The energy–momentum diagram of a body: all its motions in the plane of X = c²/H2 and Z = H1/H2, c = (γ, M).
 
-Both are invariant under M ↦ λM. The diagram is the part of the strip 0 ≤ X ≤ 1 between the straight lines Z = a(1 +
-Xd/I) of the largest and the least moment. The line of the middle moment is the separatrix; each of the three lines
-consists of the rotations about its axis. X = 1 means M ∥ γ. All motions with one ζ lie on a straight line too, Z = ζ(1
-− dζ(1 − X))/(1 − dζ), and every quantity is a function of X and ζ (:meth:`integrable.portrait.ovals.Level.at`).
+X and Z are invariant under M ↦ λM. The diagram is the part of the strip 0 ≤ X ≤ 1 between the straight lines Z = a(1 +
+Xd/I), a = 1/(I + d), of the largest and the least moment I. The line of the middle moment is the separatrix; each of
+the three lines consists of the rotations about its axis. X = 1 means M ∥ γ. Let ζ be H1/H2 of the upright body. All
+motions with one ζ lie on a straight line too, Z = ζ(1 − dζ(1 − X))/(1 − dζ), and every quantity is a function of X and
+ζ (:meth:`integrable.portrait.ovals.Level.at`).
 """
 
 from __future__ import annotations
@@ -72,6 +73,7 @@ class Diagram(Record):
         """The exponent, per unit of t and of √H2, with which nearby motions leave the unstable rotation, 0 ≤ X ≤ 1.
 
         χ = √h̃2·√h(a₂)·P/(πs) with the principal value P = ∫x dx/((x − a₂)√h), h = 4h̃2(1 − d̃x)(x − a₁)(a₃ − x).
+        Tildes and s are those of Chaplygin's transformation (:mod:`integrable.phase.upright`).
         """
         (values,) = _reals(X=X)
         if not ((values >= 0) & (values <= 1)).all():

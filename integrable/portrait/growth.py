@@ -1,8 +1,10 @@
-"""The secular part of the derivatives of a motion, to many digits: t·[ẋ ⊗ α + (Y − σẋ) ⊗ β].
+"""The secular part of the derivatives of the states x = (γ, M) of a motion, to many digits: t·[ẋ ⊗ α + (Y − σẋ) ⊗ β].
 
-In phases that are linear in t the field Y of H2/2 minus σẋ moves at the constant rates η = (B0, −A0)/(2D). So the
-derivatives ∂f_k = f_kα + η_kβ of both frequencies determine α and β. σ is the integral of Y(1/g) over τ with mean 0:
-for a mode F·e^(2πik·θ) of 1/g it has F·(k·η)/(k·ν).
+Y is the field of H2/2 (:mod:`integrable.portrait.variations`), and σ the integral of Y(1/g) over τ with mean 0. For a
+mode F·e^(2πik·θ) of 1/g, σ has the mode F·(k·η)/(k·ν), with the frequencies ν in τ.
+
+Phases that are linear in t move at the constant rates η = (B0, −A0)/(2D) along Y − σẋ, with A0, B0 and D of
+:mod:`integrable.portrait.ovals`. So the derivatives ∂f_k = f_kα + η_kβ of both frequencies f_k determine α and β.
 """
 
 from __future__ import annotations

@@ -28,14 +28,16 @@ class OvalAngles(NamedTuple):
     waves: tuple[Array, ...]
 
     def at(self, phases: Array) -> Array:
-        """The angles φ, (N, g), at phases in turns, (N, g): Newton's method with steps halved while the gap grows.
+        """The angles φ, (N, g), at phases in turns, (N, g): Newton's method, with steps halved while the residual
+        grows.
 
         The sums map angles to phases one to one, with a derivative that is regular everywhere, so this converges.
         """
         return self._in_parts(self._at, phases)
 
     def delays(self, phases: Array, oval: int, rates: Array) -> Array:
-        """The times (N,) from these phases until the point of an oval is at the angle 2π times its own phase.
+        """The times (N,) from these phases until the angle φ of the point of one ``oval`` is 2π times the given phase
+        of that point.
 
         The sums grow at the ``rates``. Combinations of them that do not grow determine the angles of the other points;
         a sum that grows then gives the time.

@@ -103,8 +103,8 @@ class Level(NamedTuple):
 
 def zeta_through(level: Level, phi: np.ndarray, momentum: np.ndarray) -> np.ndarray:
     """ζ = q − (q − a₁)M̃_i²/|M̃|² of the motion through a point (φ, M̃_i/|M̃|) of the section γ̃_i = 0 of a level's
-    upright body, where i is the axis of the largest moment (:mod:`integrable.portrait.section`). Arguments and result
-    are arrays of floats.
+    upright body, where i is the axis of the largest moment and q the function of φ in
+    :mod:`integrable.portrait.section`. Arguments and result are arrays of floats.
     """
     a1, a2, a3 = map(float, level.a)
     d, c, s = float(level.d), np.cos(phi) ** 2, np.sin(phi) ** 2

@@ -28,7 +28,7 @@ Roots = tuple[list[Real], list[tuple[Real, Real]]]
 
 
 class Form(NamedTuple):
-    """The differential form numerator·dx/(Π(x − pole)·y); poles at branch points must be regular."""
+    """The differential form numerator·dx/(Π(x − pole)·y); at a pole that is a branch point the form must be regular."""
 
     numerator: poly.Poly
     poles: tuple[Real, ...] = ()
@@ -44,10 +44,10 @@ class Form(NamedTuple):
 class Separation(NamedTuple):
     """The differential forms whose sums over the points of a pair are known, in numbers of one field.
 
-    The sums of the g ``forms`` grow at the ``rates``. The sum of ``action`` is p dq without the further angles.
-    ``turns`` has for each further angle the form by which it grows and a constant rate that is added; ``momenta`` are
-    the actions of these angles. ``known`` are branch points that are known exactly. Where time is not such a sum, the
-    rates are per unit of τ, and dt/dτ is the product of ``factor(x)`` over two points.
+    The sums of the g ``forms`` grow at the ``rates``. The sum of ``action`` is p dq without the terms of the further
+    angles. ``turns`` has for each further angle the form by which it grows and a constant rate that is added;
+    ``momenta`` are the actions of these angles. ``known`` are branch points that are known exactly. Where time is not
+    such a sum, the rates are per unit of τ, and dt/dτ is the product of ``factor(x)`` over two points.
     """
 
     forms: Sequence[Form]

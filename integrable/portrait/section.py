@@ -2,9 +2,9 @@
 
 The component of γ̃ along the axis of the largest moment vanishes where u1 = a₁; the component along the axis of the
 least moment vanishes where u2 = a₃. Every motion crosses these surfaces transversally, once per turn of u1 or of u2.
-The crossings are those of :mod:`integrable.portrait.torus_section`, in τ. The map of the first section rotates ϑ by
-−A1/B1, that of the other by B1/A1. On the section γ̃ is (0, cos φ, sin φ) in the sorted axes, and each motion lies on
-its own curve,
+The crossings are those of :mod:`integrable.portrait.torus_section`, in τ. The map of the first section rotates the
+phase of the other point by −A1/B1, that of the second section by B1/A1. On the section γ̃ is (0, cos φ, sin φ) in the
+sorted axes, and each motion lies on its own curve,
 
     M̃₁²/h̃2 = (q − ζ)/(q − a₁),   q = (a₃cos²φ + a₂sin²φ − d̃a₂a₃)/(1 − d̃(a₂cos²φ + a₃sin²φ)).
 """

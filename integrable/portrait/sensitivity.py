@@ -2,9 +2,9 @@
 parts.
 
 On a compact torus :mod:`integrable.portrait.variations` reduces the derivatives to integrals of functions of the state.
-Each is a mean rate times τ plus a Fourier series (:mod:`integrable.torus.series`). With σ the integral of Y(1/g) over τ
-with mean 0, a = a' − σb, da'/dτ = (w₁ + σw₂)/g, db/dτ = w₂/g, where w₁ and w₂ are the right-hand sides of that module,
-the derivatives are
+Each is a mean rate times τ plus a Fourier series (:mod:`integrable.torus.series`). Let ẋ, Y, a and b be those of that
+module, w₁ and w₂ its right-hand sides, and σ the integral of Y(1/g) over τ with mean 0. With a = a' − σb, da'/dτ = (w₁
++ σw₂)/g and db/dτ = w₂/g the derivatives are
 
     S(t) = t·[ẋ ⊗ α + (Y − σẋ) ⊗ β] + bounded,
 
@@ -68,8 +68,8 @@ class Sensitivity(Record):
     def secular(self) -> np.ndarray:
         """The part of ``matrix`` that grows with t, shape (N, 6, 10).
 
-        If ``way`` is "differences", it needs another motion, and for a ball the modes of 1/g. NotRepresentable where
-        the motion is on no torus of dimension two, PrecisionLoss where the modes are too many.
+        If ``way`` is "differences", its computation needs another motion, and for a ball the modes of 1/g.
+        NotRepresentable where the motion is on no torus of dimension two, PrecisionLoss where the modes are too many.
         """
         if self._secular is not None:
             return self._secular
@@ -119,7 +119,7 @@ def sensitivity(flow: Any, times: Numbers) -> Sensitivity:
     parted = flow.portrait.region in ("low", "high")
 
     def rows(body: Body, state: State) -> np.ndarray:
-        """Returns γ and M in rows; if ``parted``, a last row holds both frequencies."""
+        """Returns γ and M, a row for each time; if ``parted``, a last row holds both frequencies."""
         there = flow._through(body, state)
         states = there.at(run.times)
         found = np.hstack([states.gamma, states.M])
@@ -222,7 +222,7 @@ class TorusVariations:
 
 
 def _noise(most: np.ndarray) -> np.ndarray:
-    """The fractions of the largest modes below which modes are rounding."""
+    """For each part the fraction of its largest mode, given in ``most``, below which modes are rounding errors."""
     found: np.ndarray = NOISE * most.max() / np.maximum(most, NOISE * most.max())
     return found
 

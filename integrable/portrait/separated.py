@@ -143,7 +143,7 @@ class SeparatedTorus:
 
     @cached_property
     def waves(self) -> list[list[list[Real]]]:
-        """The numbers 2w_n/n, n = 1, 2, …, for each oval and form; w_n are the modes of its coefficient of dφ."""
+        """The numbers 2w_n/n, n = 1, 2, …, for each oval and form, with the modes w_n of the coefficient of dφ."""
         import gmpy2
 
         N = self._field
@@ -207,7 +207,9 @@ class SeparatedTorus:
         halves: Halves,
         shares: Sequence[Real],
     ) -> tuple[Real, Real]:
-        """The pair (σ, V(e)/σ) at a branch point e; ``shares`` are y/Π(x − other points) over r·sin φ."""
+        """The pair (σ, V(e)/σ) at a branch point e; ``shares`` are y/(r·sin φ·Π(x − other points)), with the radius r
+        of the oval.
+        """
         place, e = self.place_of(end), N.coerce(end)
         own, root, rest, size = None, N.one, N.one, N.one
         # for each point |e − x|; for the point that turns at e, a signed √|e − x|

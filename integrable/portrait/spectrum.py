@@ -96,7 +96,7 @@ class Spectrum(Record):
             setattr(self, name, amplitudes)
 
     def figure(self) -> Figure:
-        """A picture: sizes of the lines of each quantity over their frequencies."""
+        """A picture: the sizes of the lines of each quantity against their frequencies."""
         from integrable.portrait.pictures import spectrum_figure
 
         return spectrum_figure(self)
@@ -135,7 +135,7 @@ def lines_of(source: Sampled) -> Spectrum:
 
 
 def _wanted(sizes: np.ndarray, k: int) -> int:
-    """The number of samples that resolve direction k."""
+    """The number of samples that resolve direction k, from the ``sizes`` of the modes."""
     return needed_size(sizes.max(axis=tuple(j for j in range(sizes.ndim) if j != k)), NOISE)
 
 

@@ -1,8 +1,8 @@
 """Poincaré sections of motions in separated coordinates: the crossings of a branch point by one point of the pair.
 
-On the torus of such a motion φ_k = 2πn is a section. If t_n is the time at which θ_k alone would have turned n times,
-the other phases at t_n are rotated by f_j/f_k from one crossing to the next. The crossing itself is a bounded time away
-from t_n. Time is τ where the sums of forms grow with τ.
+On the torus of such a motion φ_k = 2πn is a section. Let t_n be the time at which the phase θ_k, which is linear in
+time, completes n turns. From t_n to t_{n+1} the other phases θ_j advance by f_j/f_k. The crossing itself is a bounded
+time away from t_n. Time is τ where the sums of forms grow with τ.
 """
 
 from __future__ import annotations

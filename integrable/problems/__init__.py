@@ -5,8 +5,8 @@
     found = my_solver(top.rhs, top.y0, [1.0, 100.0])
     abs(found - top.truth([1.0, 100.0]).y)
 
-Problems can be used without knowing the rest of the package. Problems are scenes (:mod:`integrable.scenes`): the twelve
-of :func:`problem_names` have a reference, and any other scene of a motion of a body or of a system of
+A user of problems need not know the rest of the package. Problems are scenes (:mod:`integrable.scenes`): the twelve of
+:func:`problem_names` have a reference, and any other scene of a motion of a body or of a system of
 :mod:`integrable.classical` is a problem too.
 """
 

@@ -65,7 +65,7 @@ class UnitMotion:
 
     @property
     def tilted(self) -> bool:
-        """Whether a body has (γ, M) ≠ 0."""
+        """Whether the system is a body and (γ, M) ≠ 0."""
         return not self.scene.classical and self.along != 0
 
     def system(self, digits: int) -> Any:

@@ -47,4 +47,4 @@ UNITS = {
     "spherical_pendulum": Unit(1, 0.5, -0.5),
     "veselova": Unit(1, 0, 0),
 }
-"""By system; the others have no constraints."""
+"""How each system with constraints scales; the systems that are missing here have none."""

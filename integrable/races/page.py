@@ -16,9 +16,9 @@ __all__ = ["diagram", "page"]
 
 WIDTH, HEIGHT = 680, 440
 LEFT, RIGHT, TOP, BOTTOM = 88, 14, 14, 50
-"""Pixels of a diagram and around its axes."""
+"""The sizes in pixels of a diagram's margins, which hold the labels of its axes."""
 LEAST = 1e-17
-"""Smaller errors are drawn here: they are below the resolution of a double."""
+"""The error at which smaller errors are drawn, since they are below the resolution of a double."""
 SIZE = 5.0
 """Pixels from the middle of a mark to its edge."""
 _STYLE = """
@@ -90,7 +90,9 @@ def _section(course: Course) -> str:
 
 
 def diagram(course: Course) -> str:
-    """An SVG element: error across, time up, a line for each method; the truth's radius and the floor as bands."""
+    """An SVG element that shows time over error with a line for each method, and bands for the truth's radius and the
+    floor.
+    """
     drawn = [run for run in course.runs if run.error is not None and run.seconds is not None]
     errors = [max(run.error or 0.0, LEAST) for run in drawn] + [course.floor, max(course.radius, LEAST)]
     times = [run.seconds or 1e-9 for run in drawn] or [1.0]
@@ -175,7 +177,7 @@ _SHAPES = {
         (-1.33, -0.43), (-0.33, -0.45),
     ),
 }  # fmt: skip
-"""Markers by matplotlib's names, in units of SIZE; the others are drawn as a circle."""
+"""Markers by matplotlib's names, in units of SIZE; markers that are missing here are drawn as circles."""
 
 
 def _mark(x: float, y: float, colour: str, marker: str, filled: bool) -> str:

@@ -152,7 +152,7 @@ class Scene:
     radius: Fraction | None
     gamma: tuple[Fraction, ...]
     M: tuple[Fraction, ...]
-    """The q and p of the start, for a system of ``classical``."""
+    """M of the start. For a system of ``classical`` ``gamma`` and ``M`` are q and p."""
     times: Times = Times()
     digits: int = FLOAT_DIGITS
     report: Comparison | None = None

@@ -277,7 +277,7 @@ def _read_comparison(table: Table) -> Comparison:
 
 
 def _read_costs(table: Table, least: int = 0) -> tuple[tuple[int, ...], int]:
-    """The digits of the measured runs, at least ``least`` of them, and the digits of their truth."""
+    """The digits of the measured runs, of which there are at least ``least``, and the digits of their truth."""
     digits = table.integers("digits", 1, (FLOAT_DIGITS,))
     if len(set(digits)) < len(digits) or sum(n <= FLOAT_DIGITS for n in digits) > 1 or len(digits) < least:
         table.fail("digits", f"{list(digits)} given; different costs are needed, at most one of them up to 15 (floats)")

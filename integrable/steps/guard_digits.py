@@ -1,8 +1,9 @@
 """Steps computed with more digits than their field has, for maps whose intermediate results lose digits.
 
 A translation near the identity has large coefficients. At a point x' near a branch point, f(x'), the square of the
-ordinate, is lost in rounding. A multiple loses digits at every doubling. The map itself is well conditioned: its image,
-computed with guard digits and rounded once, has an error of one rounding times the map's own condition.
+ordinate, is lost in rounding. The computation of a multiple loses digits at every doubling. The map itself is well
+conditioned: its image, computed with guard digits and rounded once, has an error of one rounding times the map's own
+condition.
 """
 
 from __future__ import annotations
@@ -31,7 +32,9 @@ if TYPE_CHECKING:
 MOST_CONDITION = 30
 """Up to this condition a step is computed in the numbers of its field; it then loses one or two digits."""
 MOST_DRIFT = 16
-"""The allowed relative change of H1 and H2 in such a step, in units of eps times the condition: it shows the loss."""
+"""The allowed relative change of H1 and H2 in such a step, in units of eps times the condition. A larger change shows
+that digits were lost.
+"""
 LARGEST = 1e300
 ATTEMPTS = 3
 

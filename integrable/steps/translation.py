@@ -296,7 +296,9 @@ def moving_branch_point(h1: Real, h2: Real) -> Real:
 
 
 def on_line(c0: Value, c1: Value) -> Callable[[Real, Real], Real]:
-    """The abscissa x' that solves h1 − x'h2 = c0 + c1·x', for ``points``. y'² = φ(x')(c0 + c1·x') is then fixed."""
+    """The abscissa x' that solves h1 − x'h2 = c0 + c1·x', for ``points``. The square of its ordinate, y'² = φ(x')(c0 +
+    c1·x') with φ of :mod:`integrable.phase.separation`, is then fixed.
+    """
 
     def abscissa(h1: Any, h2: Real) -> Any:
         K = h1.field

@@ -19,8 +19,8 @@ __all__ = [
 ]  # fmt: skip
 
 LONG = 1000.0
-"""The divisor flow should be ahead on scenes with at least this last time, in their units or in time scales of the
-motion.
+"""The divisor flow should be ahead on scenes whose last time is at least this, in the scene's unit or in time scales of
+the motion.
 """
 SCENE_FLOOR_FACTOR = 10.0
 """The error of the flow in floats should be within this factor of the floor."""
@@ -35,7 +35,7 @@ motion.
 PLATEAU = 30.0
 """Errors within this factor of a method's least error are rounding, and do not enter its slope."""
 COARSE = 0.1
-"""Errors above this are not asymptotic, and do not enter either."""
+"""Errors above this are not asymptotic, and do not enter the slope."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Behind:
     first: dict[str, Any] | None
     """The fastest row of the flow, None where it has none."""
     overtaken: float | None
-    """The least run time in which the flow is at least as accurate; None where no row of it is."""
+    """The least run time in which the flow is at least as accurate; None where no row of the flow is."""
 
     @property
     def cheaper(self) -> bool:
@@ -64,9 +64,10 @@ class Standing:
     T: float | None
     """The time, in time scales of the motion; None: all times of the scene."""
     flow: dict[str, Any]
-    """Its "total" in seconds, once a start and evaluation, and "error_gamma"."""
+    """The flow's "total", the seconds of a start with its evaluation, and its "error_gamma"."""
     peer: dict[str, Any] | None
-    """The same of the other, with its "method" and "setting"; None where no method was accurate enough."""
+    """The other method's "total" and "error_gamma", "method" and "setting"; None where no method was accurate enough.
+    """
     tried: dict[str, dict[str, Any]]
     """For each method that was tried: its accuracy, what it was slower than, or its error message."""
     strong: Sequence[str]
@@ -255,7 +256,7 @@ class Study:
     seconds: float
     """The sum of the times of all rows."""
     missing: tuple[str, ...] = ()
-    """Scenes that ship and are not part of this study."""
+    """The package's scenes that are not part of this study."""
 
     @property
     def motions(self) -> list[SceneFindings]:

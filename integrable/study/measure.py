@@ -111,7 +111,7 @@ def _backlund(task: Task, kept: Data | None, tick: Tick) -> Data:
     """The result of moving by successive additions of the pair {±iη}, the H1 flow to second order in η.
 
     The additions go from each τ of the scene's times to the next. These τ are those of the truth, since the map has no
-    physical time; so the error is that of the points alone. Other systems move by steps of their own discretization.
+    physical time; so an error of the clock does not enter. Other systems move by steps of their own discretization.
     """
     truth = _truth_of(task, kept)
     if truth.tau is None and not task.scene.classical:

@@ -25,7 +25,7 @@ from integrable.study.truth import Judge
 from jacobian.immutable import replaced
 
 PATIENCE = 60.0
-"""Seconds of repeats."""
+"""No orbit is timed again after this many seconds."""
 
 __all__ = ["OrbitReport", "OrbitRow", "measure_orbit", "pieces_of_orbit"]
 

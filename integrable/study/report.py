@@ -40,7 +40,7 @@ class Row:
     evaluations: int | None = None
     """The number of evaluations of the right-hand side, for an ordinary integrator."""
     note: str = ""
-    """Why there are no figures, if there are none."""
+    """The reason for missing figures."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Report:
 
     title: str
     times: tuple[float, float, int]
-    """First and last time, and how many."""
+    """The first and the last time, and the number of times."""
     repeat: int
     rows: tuple[Row, ...]
     truth: TruthCheck

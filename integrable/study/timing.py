@@ -20,11 +20,13 @@ Tick = Callable[[str], None]
 Timed = tuple[Spent, Any]
 """The costs of a run, and its result."""
 SCATTER = 0.1
-"""Times that scatter by more than this fraction of their median are measured again …"""
+"""Times that scatter by more than this fraction of their median are measured again; :data:`REMEASURED` limits how
+often.
+"""
 COLD = 0.005
-"""Seconds. Where several things run in turn, a shorter one is run once untimed before each timed run."""
+"""Where several functions run in turn, one that takes fewer seconds is run once untimed before each timed run."""
 REMEASURED = 4
-"""… up to this multiple of the requested number of runs."""
+"""The largest number of runs, as a multiple of the requested number."""
 
 
 class TooLong(RuntimeError):

@@ -15,7 +15,7 @@ __all__ = ["Ovals", "ovals"]
 SAMPLES = 4096
 """The number of points of an oval for integrals along it: enough, as the functions are smooth and periodic."""
 SHORT = 1e-7
-"""Ovals and gaps shorter than this part of the interval of all branch points are lost in the rounding of floats."""
+"""Ovals and gaps shorter than this fraction of the interval of all branch points are lost in the rounding of floats."""
 
 
 class Ovals(NamedTuple):
