@@ -153,9 +153,9 @@ class Flow(BodyMotion):
         """The states between two physical times at which ``condition`` changes sign, in order of time.
 
         ``condition`` takes γ and M, both of shape (N, 3), and returns N numbers that depend smoothly on them: ``lambda
-        gamma, M: gamma[:, 2]`` finds γ₃ = 0. ``direction`` 1 selects zeros at which it rises, −1 those at which it
-        falls. Zeros without a change of sign may be missed. ArgumentError for times that don't ascend and values of
-        another shape, PrecisionLoss for a condition that is not smooth. (:mod:`integrable.portrait.events`)
+        gamma, M: gamma[:, 2]`` finds γ₃ = 0. ``direction`` 1 selects zeros at which the condition rises, −1 those at
+        which it falls. Zeros without a change of sign may be missed. ArgumentError for times that don't ascend and
+        values of another shape, PrecisionLoss for a condition that is not smooth. (:mod:`integrable.portrait.events`)
         """
         from integrable.portrait.events import Watched, event_times
 

@@ -122,7 +122,7 @@ def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
     """The state (γ, M) moved, to first order, onto the symplectic leaf of ``like``: it takes C1, C2 and the sign of g
     from ``like``.
 
-    A function extended off its symplectic leaf by this map has the same brackets, because C1 and C2 are Casimirs.
+    A function that this map extends off the leaf has the same brackets, because C1 and C2 are Casimirs.
     """
     K = system.field
     base = K.base if isinstance(K, JetField) else K

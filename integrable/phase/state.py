@@ -108,7 +108,7 @@ def onto_constraints(system: Any, state: State) -> State:
     """The state over ``system.field``, projected onto the constraints so that they hold to all digits of the field.
 
     γ is divided by its length, so (γ, γ) = 1. Unless the state is tilted, M loses its component along γ, so (γ, M) = 0.
-    Otherwise a step would multiply the distance of the divisor from its curve by the step's condition number.
+    Without this a step would multiply the distance of the divisor from its curve by the step's condition number.
     """
     K = system.field
     gamma, M = (tuple(map(K.coerce, v)) for v in state.vectors)

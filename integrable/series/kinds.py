@@ -114,7 +114,7 @@ class Compiled:
     def __call__(
         self, constants: Sequence[float], state: Sequence[float], times: np.ndarray, steps: Steps, most: float
     ) -> Reached:
-        """The states at times of one sign in ascending size; for another order of times the number reached is −1."""
+        """The states at times of one sign in ascending size; for times in another order the number reached is −1."""
         count = len(times)
         bounds = self._bounds.get((steps, most)) or self._bounds.setdefault((steps, most), bounds_of(steps, most))
         found = np.empty((count, *self._shape))
