@@ -91,7 +91,7 @@ __distribution__ = "jacobian-integrable"
 say()
 
 if not TYPE_CHECKING:
-    # this is hidden from type checkers, which would otherwise accept any misspelt name
+    # ``__getattr__`` is hidden from type checkers, which would otherwise accept any misspelt name
 
     def __getattr__(name: str) -> Any:
         # names are imported on first use, so that a command answers Ctrl-C before anything else is imported

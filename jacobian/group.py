@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from jacobian.fields.protocol import Field
 
 LONG_OVER_Q, LONG_SCALAR = 20, 4096
-"""The bits of a scalar beyond which it is reduced modulo an order first: the class's over QQ, else the group's."""
+"""A scalar with more bits is first reduced modulo an order: over QQ that of the class, else that of the group."""
 COUNTED_AT_ONCE = 1 << 20
 """The largest estimate q^g of a group's size for which computing the order takes less time than a long multiple."""
 
@@ -187,7 +187,7 @@ class Jacobian(FiniteGroup[Element]):
     def random(self, rng: Rng | None, size: int) -> DivisorArray[Element]: ...
 
     def random(self, rng: Rng | None = None, size: int | None = None) -> Divisor[Element] | DivisorArray[Element]:
-        """A random class: uniform in the group over a finite field, Σ of g random points elsewhere.
+        """A random class: uniform in the group over a finite field, the sum of g random points elsewhere.
 
         ``rng``: a numpy Generator or a random.Random; equal seeds give equal classes, and without one every call
         differs. ``size``: return that many, as a :class:`jacobian.batch.DivisorArray`.

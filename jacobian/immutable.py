@@ -1,6 +1,6 @@
 """Immutable values: the base of fields, curves, groups, divisors, bodies, systems, steps, motions and results.
 
-Curves that compare equal must stay equal, or their divisors would be added by mistake. A cached value
+Curves that compare equal must stay equal, since divisors on equal curves are added. A cached value
 (``functools.cached_property``) must stay valid for the numbers it was computed from.
 """
 
@@ -22,10 +22,10 @@ class Immutable:
     """Attributes can be set only while ``__init__`` runs (``_open`` is set meanwhile); afterwards AttributeError is
     raised.
 
-    Cached results go into ``vars(self)``, as those of ``cached_property`` do; a class lists others in ``_caches`` and
-    gives them a default. Comparison, hash and pickles leave them out: values are equal when they have the same type and
-    the same :meth:`_value`. A copy is the value itself. A class without ``__dict__`` sets its slots by their
-    descriptors.
+    Cached results go into ``vars(self)``, as those of ``cached_property`` do; a class names its other caches in
+    ``_caches`` and gives them a default. Comparison, hash and pickles leave them out: values are equal when they have
+    the same type and the same :meth:`_value`. A copy is the value itself. A class without ``__dict__`` sets its slots
+    by their descriptors.
     """
 
     # the flag is not in __dict__, which would make later reads slower

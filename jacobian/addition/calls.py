@@ -1,8 +1,8 @@
 """One addition, doubling or multiple of reduced triples, each in a single call of compiled code.
 
 The loops are those of :mod:`jacobian.addition.class_loops`. They are compiled at their first use for a class of fields
-and of equations, and stay on disk. Over fields of word size they cover all classes of all curves. Over GF(p) with p of
-two words and GF(2^n), 16 < n < 128, only explicit formulas are compiled; the Python kernel takes the special cases.
+and of equations, and stored on disk. Over fields of word size they cover all classes of all curves. Over GF(p) with p
+of two words and GF(2^n), 16 < n < 128, only explicit formulas are compiled; the Python kernel takes the special cases.
 """
 
 from __future__ import annotations

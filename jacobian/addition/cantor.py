@@ -39,7 +39,7 @@ def sum_of(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
 def compose(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
     """An unreduced triple of a + b, with deg u up to deg u₁ + deg u₂.
 
-    With d = gcd(u₁, u₂, v₁+v₂+h) = r·gcd(u₁, u₂) + t(v₁+v₂+h) and gcd(u₁, u₂) = … + s·u₂:
+    Let e = gcd(u₁, u₂) ≡ s·u₂ modulo u₁, and d = gcd(e, v₁+v₂+h) = r·e + t·(v₁+v₂+h). Then
     u = u₁u₂/d², v = v₂ + (u₂/d)k, k = r·s(v₁−v₂) + t·(f−hv₂−v₂²)/u₂ modulo u₁/d.
     """
     K = C.field
@@ -53,8 +53,8 @@ def compose(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
 
 
 def _assembled(C: HyperellipticCurve, d: Poly, u1: Poly, u2: Poly, v: Poly, k: Poly, weights: int | None) -> Triple:
-    """The triple (u₁u₂, v + u₂·(k mod u₁), n), n = weights + deg d − ⌈g/2⌉. The factor d is already divided out of u₁
-    and u₂.
+    """The triple (u₁u₂, v + u₂·(k mod u₁), n), n = n₁ + n₂ + deg d − ⌈g/2⌉. The factor d is already divided out of u₁
+    and u₂; ``weights`` is n₁ + n₂.
     """
     K = C.field
     u, v = mul(K, u1, u2), add(K, v, mul(K, u2, mod(K, k, u1)))
@@ -123,8 +123,8 @@ def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
     """The reduced triple equivalent to (u, v, n) on a split model, for deg u ≤ g+1.
 
     Each step adds a multiple of u to v, so that v has the leading terms of V₋ or V₊ (``C.principal_parts``), and
-    reflects at y − v. V₋ raises n by g+1−deg u' ≥ 1, V₊ lowers it by g+1−deg u ≥ 0; the weight at the other point at
-    infinity stays non-negative.
+    reflects at y − v. V₋ raises n by g+1−deg u' ≥ 1, and V₊ lowers it by g+1−deg u ≥ 0; the weight at the other point
+    at infinity stays non-negative.
     """
     K, g = C.field, C.genus
     while not (0 <= n <= g - (len(u) - 1)):

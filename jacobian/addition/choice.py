@@ -40,11 +40,12 @@ NUCOMP_GENUS = {"ramified": 5, "split": 6, "inert": 6}
 """The genus from which NUCOMP takes less time than Cantor's algorithm; ``python -m benchmarks nucomp`` measures it."""
 
 READY = 20_000
-"""So many additions take as long as loading compiled kernels from disk (``python -m benchmarks startup``)."""
+"""The number of additions that take as long as loading compiled kernels from disk (``python -m benchmarks startup``).
+"""
 COLD = 300_000
-"""So many additions take as long as compiling the kernels."""
+"""The number of additions that take as long as compiling the kernels."""
 BINARY_READY, BINARY_COLD = 1_000, 8_000
-"""The same over GF(2^n), where Python takes longer."""
+"""READY and COLD over GF(2^n), where additions in Python take longer."""
 SHARE = 64
 """A group reports its additions in portions of this size; a group with fewer does not repay a compiled kernel."""
 
@@ -119,8 +120,8 @@ def is_word_sized(C: HyperellipticCurve) -> bool:
 
 
 def is_two_words_long(C: HyperellipticCurve) -> bool:
-    """Whether compiled formulas exist for C over a field whose elements take two words. They exist in genus 2
-    if h = 0 (for odd p) and f is monic (in degree 5), and in genus 3 on y² = x⁷ + … over GF(p).
+    """Whether compiled formulas exist for C over a field whose elements take two words. In genus 2 they
+    need h = 0 if p is odd, and a monic f if deg f = 5; in genus 3 they exist on y² = x⁷ + … over GF(p).
     """
     return has_two_words(C.field) and short_equation(C, int) is not None
 
@@ -214,7 +215,7 @@ def costs(C: HyperellipticCurve) -> tuple[int, int]:
     return (BINARY_READY, BINARY_COLD) if not is_word_sized(C) and C.field.characteristic == 2 else (READY, COLD)
 
 
-# --- the choice in words
+# --- an explanation of the choice
 
 WORDS = "GF(p), p < 2^63 odd, and GF(p^k) of at most 2^16 elements"
 

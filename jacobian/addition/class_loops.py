@@ -42,7 +42,7 @@ def sum_of(K: Any, C: Any, first: Any, second: Any) -> Any:
 
 
 def double_of(K: Any, C: Any, first: Any) -> Any:
-    """Doubles a class of words, with the result of :func:`sum_of`."""
+    """Doubles a class of words; the result has the form of that of :func:`sum_of`."""
     return from_quotient(K, C, tangent(K, C, first), first, first)
 
 

@@ -57,7 +57,7 @@ class OnInts:
         return f"pow({x}, -1, p)"
 
     def reading(self, g: int, x: str, names: tuple[str, str], otherwise: str) -> list[str]:
-        """The lines that read a class, and run ``otherwise`` unless v has g coefficients (then deg u = g)."""
+        """The lines that read a class, and run ``otherwise`` unless v has g coefficients, which implies deg u = g."""
         a, b = (_listed(name, g) for name in names)
         return [f"if len(v{x}) != {g}:", f"    {otherwise}", f"({a}, _), ({b}) = u{x}, v{x}"]
 

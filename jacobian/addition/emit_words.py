@@ -63,7 +63,7 @@ class Writer:
                 self.names[i] = self._written(i)
 
     def _repeated(self, results: Sequence[int]) -> Iterable[int]:
-        """The products to write out in every sum in which they occur: each of these sums has room for one more."""
+        """The products to write out in each sum that has them: all of these sums have room for one more product."""
         parts = {i: self._parts(i) for i in self.live if i in self.named}
         for i in self.named.difference(self.factors, results):
             sums = [products for products, others in parts.values() if i in others]
@@ -218,7 +218,7 @@ LIMITS = {
     **dict.fromkeys(("u", "v", "closed", "opposite"), CANONICAL),
     **dict.fromkeys(("cubic", "bent", "meeting", "middle"), Size(0.5, 2, 3)),
 }
-"""The bounds to which results of a step are reduced, where SETTLED is not enough or many steps use them."""
+"""The bounds to which results of a step are reduced if SETTLED is not enough, or if many steps use the results."""
 
 
 def _step(

@@ -9,7 +9,7 @@ step at infinity of Galbraith, Harrison and Mireles Morales (2008); it costs a s
 
 Composition and reduction are those of Cantor (1987); Wollinger, Pelzl and Paar 2005 ("Cantor versus Harley") and Fan,
 Wollinger and Gong 2007 order such steps so that one inversion is enough: that of the resultant times the leading
-coefficient of s. The formulas fail exactly where what is inverted is 0; elsewhere all degrees are as stated.
+coefficient of s. The formulas fail exactly where the inverted number is 0; elsewhere all degrees are as stated.
 
 A row is (a₂, a₁, a₀, b₂, b₁, b₀), a quotient (r, r·s₂, r·s₁, r·s₀). :mod:`jacobian.addition.straight` turns the steps
 into code.

@@ -1,9 +1,11 @@
-"""Composition with built-in reduction for large genus. Its cost is quadratic in g; step-by-step reduction is cubic.
+"""Composition with built-in reduction for large genus. Its cost is quadratic in g, that of step-by-step reduction
+cubic.
 
-A composition is (A·B, v₂ + B·(k mod A)) of degree up to 2g, and Cantor's reduction lowers it by two degrees a step.
-Here the Euclidean algorithm on A and k is stopped half-way instead, at r = ck − qA. The function cy − w with w = cv₂ +
-Br vanishes on the composition. Its norm divided by A·B is N = rM₁ + cM₂, of degree about g, where M₁ = (Br − c(v₁ −
-v₂))/A and M₂ = (r(v₁ + v₂ + h) − c(f − hv₂ − v₂²)/B)/A. The sum, up to one or two reduction steps, is
+Let d and k be those of :func:`jacobian.addition.cantor.compose`, A = u₁/d and B = u₂/d. A composition is (A·B, v₂ +
+B·(k mod A)), of degree up to 2g. Cantor's reduction lowers this degree by two a step. Here the Euclidean algorithm on A
+and k is stopped half-way instead, at a remainder r = ck − qA. The function cy − w with w = cv₂ + Br vanishes on the
+composition. Its norm divided by A·B is N = rM₁ + cM₂, of degree about g, where M₁ = (Br − c(v₁ − v₂))/A and M₂ = (r(v₁
++ v₂ + h) − c(f − hv₂ − v₂²)/B)/A. The sum, up to one or two reduction steps, is
 
     u = N,    v = −h − (w + εc'N)/c modulo N,
 

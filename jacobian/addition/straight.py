@@ -167,7 +167,8 @@ class Formulas(NamedTuple):
 
     ``chord`` and ``tangent`` map the coefficients C and one or two classes to a quotient, ``opposite`` maps a class to
     its negative. ``steps`` are pairs: the name of a result, and its function of C, ``first``, ``second``, ``quotient``,
-    ``inverse`` (of the result "product"), or results of earlier steps. The sum is (*u, *v).
+    ``inverse`` (of the result "product"), or results of earlier steps. The results "u" and "v" make up
+    the sum (*u, *v).
     """
 
     genus: int

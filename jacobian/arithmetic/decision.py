@@ -1,9 +1,9 @@
 """L-polynomials from their coefficients modulo p, for many primes.
 
 For p > 16g² the residue of a_1 determines a_1: |a_1| ≤ 2g√p. In genus 1 nothing else is needed. In genus 2 and 3 the
-group law determines the other a_i (:mod:`jacobian.arithmetic.decision_kernels`). Where several candidates remain, as
-happens for groups of small exponent, and for small primes, points are counted prime by prime
-(:mod:`jacobian.finite.frobenius`).
+group law determines the other a_i (:mod:`jacobian.arithmetic.decision_kernels`). Points are counted
+(:mod:`jacobian.finite.frobenius`) at small primes, and at primes where several candidates remain, as happens for groups
+of small exponent.
 """
 
 from __future__ import annotations

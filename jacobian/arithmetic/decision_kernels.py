@@ -1,10 +1,11 @@
 """L-polynomials from their coefficients modulo p, for one prime after another, by the group law: loops to be compiled.
 
-With a_1 known and a_2 (and a_3) modulo p, the order of J(GF(p)) is c + p·(e + p·s) for small e and s. The same holds
-for its quadratic twist, whose a_1 and a_3 have the other sign. A point x_0 gives a class D, and no square root is
-needed: D is ∞₊ − ∞₋ on y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0). That curve is isomorphic to the given one if
-F(x_0) is a square modulo p, else to its twist. Baby steps and giant steps along p·D give all (s, e) whose orders
-annihilate D; further points eliminate all but one. The right one is never eliminated, so a single survivor is proven.
+If a_1 is known, and a_2 and a_3 modulo p, the order of J(GF(p)) is c + p·t + p(p + 1)·s with a known c and small s and
+t; in genus 2, s = 0. The same holds for the quadratic twist, whose a_1 and a_3 have the other sign. A point x_0 gives a
+class D, and no square root is needed: D is ∞₊ − ∞₋ on y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0). That curve is
+isomorphic to the given one if F(x_0) is a square modulo p, else to its twist. Baby steps and giant steps along p·D give
+all (s, t) whose orders annihilate D; further points eliminate all but one. The right one is never eliminated, so a
+single survivor is proven.
 
 The classes are those of :mod:`jacobian.arithmetic.desk`.
 """

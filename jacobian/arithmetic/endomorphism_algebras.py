@@ -1,7 +1,7 @@
 """Algebras of endomorphisms by name, and the constraints that L-polynomials put on them.
 
 Let E ⊂ End⁰(J) over QQ be a field of degree 2, or QQ × QQ in genus 2. The Tate module is free over E, so L_p is a norm
-from E[T]. Moreover End⁰(J) embeds into that of a reduction, which the roots of L_p determine (Tate 1966).
+from E[T]. Moreover End⁰(J) embeds into End⁰ of a reduction, which the roots of L_p determine (Tate 1966).
 
 A curve of genus 2 has End(J) = ℤ over the algebraic closure if two ordinary primes have fields QQ(π) of degree 4, the
 same for all powers of π, each with one quadratic subfield, and these two subfields differ. Indeed End⁰(J) lies in both

@@ -71,7 +71,7 @@ def trees(
 ) -> Iterator[Tree]:
     """Yields, tree after tree, the windows (2f_0)^b·b!·(c_(b−d+1), …, c_b)/c_0 for all b at which blocks begin.
 
-    ``blocks`` have one size, a multiple of STEPS. They begin at 0, or at a later tree, at which ``window`` is given.
+    ``blocks`` have one size, a multiple of STEPS. They begin at 0, or at a later tree, whose ``window`` is given.
     """
     d = len(f) - 1
     size = blocks[1].begin - blocks[0].begin if len(blocks) > 1 else 0
@@ -123,7 +123,7 @@ def _both(a: Any, b: Any) -> Any:
 
 
 def _levels(leaves: list[Any], join: Any) -> list[list[Any]]:
-    """The levels of a product tree, from its leaves to its root; the last of an odd number moves up unchanged."""
+    """The levels of a product tree, from leaves to root; the last of an odd number of nodes moves up unchanged."""
     levels = [leaves]
     while len(levels[-1]) > 1:
         below = levels[-1]

@@ -91,10 +91,10 @@ def with_progress(C: HyperellipticCurve, bound: int, file: File | None = None, p
 def hasse_witt_matrices(C: HyperellipticCurve, bound: int) -> tuple[np.ndarray, np.ndarray]:
     """(p, W): odd primes of good reduction up to ``bound``, (K,), and W_p, (K, g, g).
 
-    Entry i, j of W_p is the coefficient of x^(ip−j) in F^((p−1)/2) modulo p, F = h² + 4f times a square. The degree of
-    F is at most 120. W_p is the transpose of :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`, because a
-    square factor of F does not change F^((p−1)/2) modulo p. Let a run over the g integers of least size with F(a) ≠ 0.
-    Primes p ≤ 2g are left out, and those that divide an F(a) or a difference of two a.
+    Entry i, j of W_p is the coefficient of x^(ip−j) in F^((p−1)/2) modulo p. F, of degree at most 120, is h² + 4f times
+    the square of a rational number, which does not change the power modulo p. So W_p is the transpose of
+    :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`. Primes p ≤ 2g are left out, and primes that divide
+    F(a) or a − b, where a ≠ b are two of the g integers of least size at which F is not 0.
     """
     bound = _checked(C, bound)
     F, g = residues.integral_equation(C), C.genus

@@ -1,9 +1,9 @@
 """Hasse–Witt matrices of a curve over QQ at all primes of a list, and its L-polynomials modulo p.
 
 W_p has the coefficients c_(ip−j) of x^(ip−j) in F^((p−1)/2), 1 ≤ i, j ≤ g, F = h² + 4f, and L_p(T) ≡ det(1 − T·W_p)
-(Manin 1961; Yui 1978). Its first row, the coefficients below x^p, is computed for all primes together
+(Manin 1961; Yui 1978). The first row of W_p, the coefficients below x^p, is computed for all primes together
 (:mod:`jacobian.arithmetic.forest`, :mod:`jacobian.arithmetic.walk`). The first rows of the translates F(x + a) give the
-others: the matrix of F(x + a) is T(a)·W_p·T(−a) with T(a)_ij = C(j−1, i−1)·a^(j−i) (Harvey and Sutherland 2016).
+other rows: the matrix of F(x + a) is T(a)·W_p·T(−a) with T(a)_ij = C(j−1, i−1)·a^(j−i) (Harvey and Sutherland 2016).
 """
 
 from __future__ import annotations

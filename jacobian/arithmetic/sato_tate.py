@@ -5,10 +5,11 @@ In genus 2 there are 52 groups (Fité, Kedlaya, Rotger and Sutherland 2012). A c
 two angles α, β with L_p(T/√p) = Π (1 − 2cos α·T + T²)(1 − 2cos β·T + T²), a_1 = −2cos α − 2cos β, a_2 = 2 + 4·cos α·cos
 β, or by a law of a_2 alone where a_1 = 0. No table of moments is copied.
 
-With identity component U(1) a group is given by a group H of rotations. Either all of its elements occur, or all occur
-also with J, or, for a pair H ⊃ H′ of index 2, those of H′ occur without J and the others with J. The element u·A, A of
-angles ±θ, has α, β = φ ± θ with φ uniform, and J·u·A has a_1 = 0, a_2 = −2cos 2θ. Moments are integrals of
-trigonometric polynomials, computed exactly by sums over enough points.
+A group with identity component U(1) is given by a group H of rotations, in the notation of that paper. It has the
+elements of H without J, or all of them without J and with J, or, for a subgroup H′ of index 2, those of H′ without J
+and the others with J. For u in U(1) and a rotation A of angles ±θ, u·A has α, β = φ ± θ with φ uniform, and J·u·A has
+a_1 = 0, a_2 = −2cos 2θ. Moments are integrals of trigonometric polynomials, computed exactly by sums over enough
+points.
 
 Over QQ the endomorphisms of a factor with complex multiplication are never all rational, which leaves the groups of
 :func:`over_the_rationals`.
@@ -140,7 +141,7 @@ def _unitary() -> dict[str, list[Part]]:
     for n, half in NEXT.items():
         odd = [pi * k / n for k in range(1, n, 2)]
         found[f"C{n},1"] = parts(_rotations(f"C{half}"), odd)
-        # every other turn and every other rotation of order 2 is taken without J, the others with J
+        # H′ is D_(n/2): every second rotation about the main axis, and those about every second one of the other axes
         found[f"D{n},1"] = parts(_rotations(f"C{half}") + [pi / 2] * half, odd + [pi / 2] * half)
     for n in (3, 4, 6):
         found[f"D{n},2"] = parts(_rotations(f"C{n}"), [pi / 2] * n)
@@ -157,7 +158,7 @@ def _others() -> dict[str, list[Part]]:
         plain = [_about(haar, _at(pi * k / n)) for k in range(n)]
         found[f"E{n}"] = plain
         found[f"J(E{n})"] = plain + [_even((2 * haar[0], haar[1]))] * n
-    # beside F = U(1)², the components of a and b have one angle π/2, that of ab two; c exchanges the angles
+    # F is U(1)²; one angle is π/2 in the components of a and b, and both are in that of ab; c exchanges the angles
     F, a, ab, ac = _of_angles(circle, circle), _of_angles(quarter, circle), _of_angles(quarter, quarter), _even(quarter)
     found |= {"F": [F], "Fa": [F, a], "Fab": [F, ab], "Fa,b": [F, a, a, ab], "Fac": [F, ac, ab, ac]}
     mixed, both = _of_angles(circle, haar), _of_angles(haar, haar)
@@ -257,9 +258,9 @@ def _expected(genus: int, name: str) -> tuple[Any, Any]:
 def sato_tate_groups(L: LPolynomials) -> list[Verdict]:
     """The groups over QQ that L is compatible with, the most probable first; genus 1 and 2.
 
-    This is evidence, not proof. It treats the L-polynomials at different primes as independent, and compares the means
-    of EXPONENTS, the frequency of a_1 = 0, and that of the values of ATOMS. Infeasible in genus 3; ArgumentError for
-    fewer than 100 primes beyond FROM.
+    This is evidence, not proof. It treats the L-polynomials at different primes as independent, and compares the
+    moments of EXPONENTS and the frequencies of a_1 = 0 and of the values ATOMS of a_2/p. Infeasible in genus 3;
+    ArgumentError for fewer than 100 primes beyond FROM.
     """
     genus = L.curve.genus
     if genus not in EXPONENTS:

@@ -69,7 +69,7 @@ def last_coefficients(walks: Walks, count: int) -> tuple[Any, Any]:
             given = moduli[i], 1 / moduli[i], power[i], plain[i], weighted[i], windows[i]
             group = Group(*(np.ascontiguousarray(x).reshape(-1, LANES) for x in given))
             library().walk((start, d, count, translates), ends, group, room, out, total)
-            # row n has the values of all lanes of its group at prime n
+            # the walk writes row n, of all lanes, when it arrives at prime n; only the lane of this prime is needed
             found[i] = out.reshape(TOGETHER, translates, count, LANES)[own, :, :, own % LANES]
             products[i] = total.reshape(TOGETHER, LANES)[own, own % LANES]
 

@@ -16,8 +16,9 @@ MOST_ROWS = 100_000_000
 
 
 def check_group(J: Any) -> Jacobian:
-    """``J``; raises ArgumentError if it is not a Jacobian. Classes of the groups in :mod:`jacobian.relatives` cannot be
-    rows."""
+    """Returns ``J``; raises ArgumentError if it is not a Jacobian. Classes of the groups in :mod:`jacobian.relatives`
+    cannot be rows.
+    """
     if type(J) is not Jacobian:
         raise ArgumentError(f"J = {shown(J)}: a Jacobian is needed, such as C.jacobian()")
     return J

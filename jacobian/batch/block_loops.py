@@ -124,9 +124,9 @@ def _of_genus(two: Any, three: Any) -> dict[type, Any]:
 
 
 STEPS: dict[Any, dict[type, Any]] = {divisor: _of_genus(line, row), close: _of_genus(close_lines, close_rows)}
-"""For each step, the function of each equation; compiled code chooses at compile time."""
+"""For each step, the function of each equation; the choice is made at compile time."""
 SUMS = _of_genus(MEETING, SECOND)
-"""Where the sums begin: in genus 2 in memory that no step reads a summand from."""
+"""The offset of a block's sums in the scratch array. In genus 2 they do not overwrite the summands."""
 
 
 # --- a block

@@ -154,7 +154,7 @@ def add_columns(curve: Any, first: Any, second: Any, out: Any, doubtful: Any, sp
     columns.
 
     ``curve`` is f, h/2, the units of the kernel and their inverses. The scratch array S, of SCRATCH numbers, has rows
-    of BLOCK numbers, which do not overlap: the summands, the sum, and the quantity that vanishes if its degree drops.
+    of BLOCK numbers: for the summands, the sum, and the quantity that vanishes if the degree of the sum drops.
     """
     (f, half, units, inverses), (begin, end) = curve, span
     each = second.shape[1] > 1

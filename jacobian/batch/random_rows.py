@@ -2,8 +2,8 @@
 
 Let P₁ … P_k be independent uniform affine points of a curve of genus g over GF(q), which has N such points and m
 rational points at infinity. For every character χ ≠ 1 of the Jacobian, the sum over the affine points satisfies |Σ
-χ(P)| ≤ (2g − 2)√q + m. Indeed, the sum over all points, with those at infinity, is the linear coefficient of an
-L-function: a polynomial of degree 2g − 2 whose roots are of size 1/√q (Weil 1948).
+χ(P)| ≤ (2g − 2)√q + m. Indeed, the sum over all points, with those at infinity, is the linear coefficient of the
+L-function of χ, a polynomial of degree 2g − 2 whose roots are of size 1/√q (Weil 1948).
 
 Consequently the mean of χ(P₁ + … + P_k) is at most ε^k, ε = ((2g − 2)√q + m)/N. By Cauchy and Parseval the sum is
 within ½·√#J·ε^k of the uniform distribution, in total variation (Farashahi, Fouque, Shparlinski, Tibouchi and Voloch

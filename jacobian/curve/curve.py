@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from jacobian.page.record import Page
 
 MOST_BOUND = 10_000
-"""The largest numerator and denominator of x: 10^8 x are sieved in half a second."""
+"""The largest numerator and denominator of x: 10^8 values of x are sieved in half a second."""
 
 
 class HyperellipticCurve(CurveQuestions[Element]):
@@ -194,8 +194,8 @@ class HyperellipticCurve(CurveQuestions[Element]):
         return Jacobian(self)
 
     def summary(self, bound: int = 2**12, height: int = 1000, digits: int = 20) -> Page:
-        """What is known of this curve over QQ, each line proven, computed or conjectural. The page has L-polynomials
-        up to ``bound``, points with x of up to this height, and periods to ``digits`` digits
+        """What is known of this curve over QQ. Each line is marked as proven, computed or conjectural. The page has
+        L-polynomials up to ``bound``, points with x of up to this height, and periods to ``digits`` digits
         (:func:`jacobian.page.lines.summary`).
         """
         from jacobian.page.lines import summary

@@ -36,7 +36,7 @@ def equation(K: Field, f: poly.Poly, h: poly.Poly) -> str:
 
 
 def term_of_y(K: Field, h: poly.Poly, written: str, bracketed: str, times: str) -> str:
-    """The term hy as text, after y², with h in brackets if it has terms or signs inside: y² − 2x·y, y² + (x + 1)·y."""
+    """The term hy as text, after y²: y² − 2x·y, y² + (x + 1)·y. An h with several terms or inner signs is bracketed."""
     if not h:
         return ""
     if h == (K.one,):

@@ -1,7 +1,7 @@
 """Methods of a curve for its equation over other fields, its twist, and its points over finite fields.
 
-The base of :class:`jacobian.curve.curve.HyperellipticCurve`. Methods that need the arithmetic of the Jacobian call
-those of :class:`jacobian.finite.group.FiniteGroup`.
+They belong to the base class of :class:`jacobian.curve.curve.HyperellipticCurve`. Methods that need the arithmetic of
+the Jacobian call those of :class:`jacobian.finite.group.FiniteGroup`.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ MOST_WORK = 10**10
 
 
 def is_irreducible(K: PrimeField, m: poly.Poly) -> bool:
-    """Whether m is irreducible over K: by Rabin's test (1980) in low degree, where flint takes longer to load."""
+    """Whether m is irreducible over K: by Rabin's test (1980) in low degree, where loading flint takes longer."""
     degree = len(m) - 1
     if degree > LOW_DEGREE:
         return bool(prime_ring(K.p)(list(m)).is_irreducible())
@@ -43,7 +43,7 @@ def default_modulus(base: PrimeField, k: int) -> tuple[int, ...]:
         raise Infeasible(
             f"k = {shown(k)}: no irreducible polynomial is looked for beyond degree {MOST_DEGREE}; give a modulus"
         )
-    # the table has no p near 64 bits, and its look-up fails there
+    # galois's table has no p near 64 bits, and its look-up fails there
     if base.p.bit_length() < 64:
         import galois
 

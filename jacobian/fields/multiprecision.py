@@ -148,9 +148,7 @@ class MultiprecisionField(InexactField[Mpf]):
 
 
 def _parts(x: Any) -> Any:
-    """The parts of a gmpy2 mpfr as mpmath has them; mpfr's own ``_mpf_`` writes zero and non-finite numbers
-    differently.
-    """
+    """The parts of a gmpy2 mpfr in mpmath's form. The mpfr's own ``_mpf_`` differs for zero and non-finite numbers."""
     from mpmath.libmp import fnan, from_man_exp
 
     if not x.is_finite():

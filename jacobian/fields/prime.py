@@ -165,7 +165,7 @@ def _trim(a: list[int]) -> tuple[int, ...]:
 
 
 LONG = 512
-"""Bits of a number up to which an error says which prime is near."""
+"""The largest number of bits of a number for which the error message names the next prime."""
 
 
 prime_fields: dict[int, PrimeField] = {}

@@ -55,13 +55,13 @@ class ResidueField(FiniteFieldOf[poly.Poly]):
         if s == K.zero:
             if K.is_square(t):
                 return (K.sqrt(t),)
-            # neither t nor b²/4 − c is a square, so their quotient is one
+            # neither t nor b²/4 − c is a square, so their quotient is a square
             shift = K.mul(b, half)
             m = K.sqrt(K.div(t, K.sub(K.mul(shift, shift), c)))
             return poly.trim(K, (K.mul(m, shift), m))
         n = K.sqrt(K.add(K.mul(t, K.sub(t, K.mul(b, s))), K.mul(c, K.mul(s, s))))
         trace = K.sub(K.add(t, t), K.mul(b, s))
-        # trace² − 4n² = s²(b² − 4c) is not a square, so exactly one of trace ± 2n is
+        # trace² − 4n² = s²(b² − 4c) is not a square, so exactly one of trace ± 2n is a square
         if not K.is_square(K.add(trace, K.add(n, n))):
             n = K.neg(n)
         inverse = K.inv(K.sqrt(K.add(trace, K.add(n, n))))

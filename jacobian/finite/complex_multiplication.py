@@ -5,8 +5,8 @@ The automorphism x → ζx, ζ an ℓ-th root of unity, makes Z[ζ] act on the J
 element π of Z[ζ] with ππ̄ = p (Weil 1952). The ideal of π is that of α₁·…·α_g, where α generates a prime ideal over p
 and α_t is its conjugate by ζ → ζ^(1/t) (Stickelberger; Shimura and Taniyama 1961). Z[ζ] is principal, and its units of
 absolute value 1 are ±ζ^i. So π is one of 2ℓ known elements; lattice reduction finds α (Buhler and Koblitz 1998). Random
-classes decide which: the value of the right characteristic polynomial at 1 annihilates every class. So a candidate that
-remains alone is proven.
+classes decide which one it is: the value of the right characteristic polynomial at 1 annihilates every class. So a
+candidate that remains alone is proven.
 """
 
 from __future__ import annotations

@@ -8,9 +8,9 @@ from typing import Any, TypeVar
 
 Candidate = TypeVar("Candidate")
 IDLE = 2
-"""The search ends after this many rounds without an elimination. If any class eliminates a candidate, a random one does
-so with probability at least ½. If none does, the candidate's order is a multiple of the exponents of the groups, and
-their structures decide."""
+"""The search ends after this many rounds without an elimination. If some class eliminates a candidate, a random class
+does so with probability at least ½. If no class does, the candidate's order is a multiple of the exponents of all
+groups, and :func:`jacobian.finite.search.search` compares it with their structures."""
 
 
 def alone(

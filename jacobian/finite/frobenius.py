@@ -14,8 +14,8 @@ from jacobian.finite import complex_multiplication, counting, weil
 from jacobian.finite.search import counting_is_quick, search
 
 PARI_FROM, PARI_TO = 1 << 24, 10**22
-"""Fields for which PARI is asked in genus 1: at the first its import takes as long as a search, 50 ms; at the second
-the search ends."""
+"""The range of p for which PARI counts points in genus 1. At its lower end importing PARI takes as long as a search,
+50 ms; its upper end is the limit of the search."""
 
 
 @lru_cache(maxsize=256)

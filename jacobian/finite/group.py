@@ -104,7 +104,7 @@ class FiniteGroup(GroupLaw[Element]):
     def order_of(
         self, D: Divisor[Element], multiple: int | None = None, primes: Iterable[int] | None = None
     ) -> int | float:
-        """The order of D, from a multiple of it (default #J) and its primes
+        """The order of D, from a multiple of the order (default #J) and its prime factors
         (:func:`jacobian.finite.orders.order_of`)."""
         from jacobian.finite.orders import order_of
 

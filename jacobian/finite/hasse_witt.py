@@ -22,7 +22,9 @@ from jacobian.linear import echelon
 from jacobian.numbers.compiler import interpreted
 
 COMPILED_FROM = 20_000
-"""The p from which the recurrence is compiled; there it and the power of F both take a few milliseconds in genus 2."""
+"""For larger p the compiled recurrence is used over GF(p). At this p it takes as long as the power of F, a few
+milliseconds in genus 2.
+"""
 WORD_SAFE = 1 << 29
 """For smaller p the recurrence runs on machine integers."""
 PRODUCTS_FROM, PRODUCTS_TO, PRODUCTS_DEGREE = 1 << 20, 1 << 49, 20
@@ -30,7 +32,7 @@ PRODUCTS_FROM, PRODUCTS_TO, PRODUCTS_DEGREE = 1 << 20, 1 << 49, 20
 their first use compiles for half a second.
 """
 PLAIN_TO = 10**7
-"""The p at which the power of F takes hundreds of megabytes and ten seconds."""
+"""The largest p for which F is raised to the power (p − 1)/2, in ten seconds and hundreds of megabytes."""
 
 
 def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
@@ -94,7 +96,7 @@ def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
 
 
 def _by_translations(K: Any, F: poly.Poly, g: int) -> list[list[Any]] | None:
-    """The Cartier–Manin matrix over GF(p) from the first columns of those of g translates.
+    """The Cartier–Manin matrix over GF(p) from the first columns of the matrices of g translates.
 
     A translation x → x + a maps A to B⁻¹·A·B^(p) with the binomial matrix B_jk = C(j−1, k−1)a^(j−k), so that
     A·(a^p(j−1))_j = B·(first column of the translate's matrix).

@@ -14,7 +14,7 @@ from jacobian.fields.primality import is_prime
 
 TRIAL_LIMIT = 2000
 MOST_COMPOSITE = 176
-"""Bits that the quadratic sieve takes, in a second."""
+"""The largest number of bits of a number that the quadratic sieve factors, in a second."""
 SMOOTH, SMOOTH_IF_SHORT, SHORT = (16, 24, 32), (40,), 600
 """The bits of the factors that one call looks for. A call takes a second at most, because it cannot be interrupted."""
 LONGEST = 4096

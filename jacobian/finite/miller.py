@@ -109,7 +109,7 @@ class Residues(NamedTuple):
 
 
 COLD = 1000
-"""Loops in Python that take as long as the compilation, 0.4 s; ``python -m benchmarks pairing`` measures both."""
+"""The number of loops in Python that take as long as the compilation, 0.4 s (``python -m benchmarks pairing``)."""
 CALLS = count()
 
 

@@ -2,9 +2,9 @@
 Galbraith, Hess and Vercauteren 2007).
 
 Let [mD] be the reduced divisor of m·D. The function f_m with m·D = [mD] + div(f_m) is collected from Cantor's steps:
-composition removes div(d), and one reduction from (u, v) to (u', v') is div((y − v)/u'). A function is evaluated at the
-affine points of a pair (u, v) by a norm, that is a resultant. Divisors are shifted, D ~ (D + R) − R with random R of
-degree g, so that they are affine with disjoint supports. Then no function needs normalising at infinity, and every
+composition removes div(d), and a reduction from (u, v) to (u', v') removes div((y − v)/u'). A function is evaluated at
+the affine points of a pair (u, v) by a norm, that is a resultant. Divisors are shifted, D ~ (D + R) − R with random R
+of degree g, so that they are affine with disjoint supports. Then no function needs normalising at infinity, and every
 model works: ramified, split, inert of even genus. Small fields are enlarged for the random R, since Miller's functions
 would vanish at most of their points.
 

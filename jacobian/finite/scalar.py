@@ -1,6 +1,7 @@
-"""Scalar multiples beyond one m·D: fixed bases, linear combinations, the Frobenius endomorphism.
+"""Multiples of a fixed divisor, linear combinations of divisors, and the Frobenius endomorphism.
 
-m·D itself is :meth:`jacobian.group.Jacobian.multiply`. Every method here returns the same class as the plain sum.
+A single m·D is computed by :meth:`jacobian.group.Jacobian.multiply`. Every method here returns the same class as the
+plain sum.
 """
 
 from __future__ import annotations
@@ -103,7 +104,7 @@ def straus_cost(terms: int, bits: int) -> int:
 
 
 def pippenger_cost(terms: int, bits: int, window: int) -> int:
-    """The number of operations of :func:`pippenger`: ``bits`` doublings, and in each window one per term and bucket."""
+    """The group operations of :func:`pippenger`: ``bits`` doublings; in each window one per term and one per bucket."""
     return bits + (bits // window + 1) * (terms + (1 << (window - 1)))
 
 

@@ -194,7 +194,7 @@ class PrimaryGroup:
 
 
 def _diagonalise(rows: list[list[int]], basis: list[Any], prime: int, top: int) -> tuple[list[int], list[Any]]:
-    """Exponents and generators of the group with these relations, of order below ℓ^top: Smith's form modulo ℓ^top.
+    """Exponents and generators of the group with these relations, by Smith's form modulo ℓ^top, more than its order.
 
     The pivot is an entry of least valuation, which divides all the others; a column operation changes the generators.
     """

@@ -26,9 +26,10 @@ from jacobian.inexact.stacked import Pair, Total
 # a quantity counts as zero up to this multiple of the effect of a unit in the last place of the summands
 ZERO = 16
 # ROUNDED: error, in units of the last place, of summands that are sums themselves. A quantity is nonzero if it exceeds
-# the effect of such errors by the factor NONZERO (it decides a degree) or DISTINCT (it decides if points are opposite)
+# the effect of such errors by the factor NONZERO where it decides a degree, DISTINCT where it decides if points
+# are opposite
 ROUNDED, NONZERO, DISTINCT = 4, 4096, 64
-# the largest relative change of a sum by rounding is UNKNOWN, or CLEAR if only exact zeros counted as zero
+# the largest allowed relative change of a sum by rounding: UNKNOWN, or CLEAR if only exact zeros counted as zero
 CLEAR, UNKNOWN = 2.0**-12, 2.0**-4
 # a number is resolved if it exceeds its error at the working precision by this factor
 RESOLVED = 2**16

@@ -1,10 +1,10 @@
 """One addition in genus 2 on complex numbers and on curves with deg f = 6, in Python that is compiled unchanged.
 
 These are the formulas of :mod:`jacobian.inexact.composition` for two divisors of weight two on y² = f(x), deg f ≤ 6,
-unrolled as in :mod:`jacobian.inexact.genus2_real`. Three things differ. Squares that measure a size are |z|². Least
-squares use the adjoint: a Householder vector is turned by the phase of its first entry, and inner products
-conjugate their first factor. The polynomial f has a seventh coefficient, and the transfer polynomials of the lift,
-which only real motions need, are left out.
+unrolled as in :mod:`jacobian.inexact.genus2_real`, which explains the symbols. Three things differ. Squares that
+measure a size are |z|². Least squares use the adjoint: a Householder vector is turned by the phase of its first entry,
+and inner products conjugate their first factor. The polynomial f has a seventh coefficient, and the transfer
+polynomials of the lift, which only real motions need, are left out.
 
 Numbers are ``complex`` or ``float``, which is its own conjugate. Coordinates must be in units that make the
 coefficients of f of moderate size. The result must be of weight two; the leading coefficient of p² − q²f, returned with

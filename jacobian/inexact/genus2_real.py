@@ -1,10 +1,11 @@
 """One addition in genus 2 on bare reals, in Python that is compiled unchanged.
 
 These are the formulas of :mod:`jacobian.inexact.composition` for two divisors of weight two on y² = f(x), deg f ≤ 5,
-unrolled; a quartic f gives the generalized Jacobian with modulus ∞₊ + ∞₋. Coordinates must be in units that make the
-coefficients of f and of the moving divisor of moderate size. The result must be of weight two: the real motions that
-use this never leave the compact component. Numbers are ``float`` or ``mpf``; :mod:`jacobian.native` compiles
-these functions, for floats and for double-double numbers.
+unrolled; a quartic f gives the generalized Jacobian with modulus ∞₊ + ∞₋. The summands are D = (U, V) and D' = (U',
+V'), their sum is D'' = (U'', V''), W is (f − V²)/U, and q·y − p with p = q·V + L·U vanishes on both summands.
+Coordinates must be in units that make the coefficients of f and of the moving divisor of moderate size. The result must
+be of weight two: the real motions that use this never leave the compact component. Numbers are ``float`` or ``mpf``;
+:mod:`jacobian.native` compiles these functions, for floats and for double-double numbers.
 """
 
 from __future__ import annotations
@@ -78,8 +79,8 @@ def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
 def chord_apart(first: Four, second: Four) -> tuple[Real, Real, Real, bool]:
     """(q, l1, l0) of any size with L·U ≡ q(V' − V) modulo U', and whether this congruence is well conditioned.
 
-    It is if no abscissa of one divisor is near an abscissa of the other. This takes a seventh of the operations of
-    :func:`chord`.
+    It is well conditioned if no abscissa of one divisor is near an abscissa of the other. This function takes a seventh
+    of the operations of :func:`chord`.
     """
     u0, u1, v0, v1 = first
     s0, s1, t0, t1 = second

@@ -1,7 +1,7 @@
 """Long real numbers with mpmath's functions, on gmpy2: some five times as fast as mpmath.
 
-The field has those functions of mpmath's contexts that motions on elliptic curves use. So their formulas run on
-mpmath's numbers and on these.
+The field has those functions of mpmath's contexts that motions on elliptic curves use. So the formulas of these motions
+run on mpmath's numbers and on long numbers.
 """
 
 from __future__ import annotations

@@ -107,7 +107,7 @@ class Divisor(Immutable, Generic[Element]):
 
     ``u``: ascending coefficients, monic, of degree at most g. ``v``: the polynomial of degree below deg u that equals y
     on the roots of u; over an exact field it is trimmed, over an inexact one it has length deg u. ``n``: the weight at
-    ∞₊ on a split model, in 0 … g − deg u; None on others, where it is determined. ``jacobian``: the group.
+    ∞₊ on a split model, in 0 … g − deg u; None on other models, where deg u determines it. ``jacobian``: the group.
 
     Operations: ``+``, ``−``, ``m * D``, ``==``, ``hash``. ``bool(D)`` is False for the identity; in sums the int 0
     stands for it. Over inexact fields ``==`` compares the numbers of the representation, which does not decide whether
@@ -157,7 +157,7 @@ class Divisor(Immutable, Generic[Element]):
             raise FieldError(f"K = {J.field.name}: {self!r} has a point that goes to infinity there") from None
         if self.n is not None and J.curve.model == "inert" and 2 * self.n + self.degree != J.curve.genus:
             raise FieldError(f"K = {J.field.name}: {self!r} has unlike weights at ∞₊ and ∞₋, which are conjugate there")
-        # n is None if an inert model becomes split: from_mumford then gives ∞₊ and ∞₋ equal weights, as before
+        # n is None if an inert model becomes split; from_mumford gives ∞₊ and ∞₋ the equal weights of that model
         return J.from_mumford(u, v, self.n if J.weight_of_zero is not None else None)
 
     def to_galois(self) -> tuple[Any, Any]:

@@ -86,7 +86,7 @@ def divisor_of_points(J: GroupLaw, points: list[Point], descent: Descent | None 
 
 def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
     """The class of Σ P_i minus infinity over an exact field. A few points at a time become a reduced class, and the
-    group adds these, because the time for one pair grows like the cube of its number of points.
+    group adds these classes, because the time for one pair grows like the cube of its number of points.
 
     On a split model a part of weight ⌈g/2⌉ at ∞₊ adds nothing to n; the weight of the last part makes up for the excess
     of the others.
@@ -112,7 +112,7 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
 
 
 def _equal_pairs(C: HyperellipticCurve, points: list[AffinePoint]) -> dict[AffinePoint, int]:
-    """For each point that occurs more than 8g times, half its multiplicity, rounded down: the factor of its pair."""
+    """The points P that occur more than 8g times, each with the k for which 2k or 2k + 1 is its multiplicity."""
     return {point: count // 2 for point, count in Counter(points).items() if count > AT_ONCE * C.genus}
 
 

@@ -7,9 +7,9 @@ of that degree, and keep it with probability (number of v)/2^d. Sums of rational
 
 About one in 2^g is kept. In large genus a class is instead a sum of random places of a prime degree k, P with its
 conjugates over GF(q^k). P → Σ σ(P) extends to the norm from J(GF(q^k)), which is onto (Lang 1956). So the mean of a
-character χ ≠ 1 over them is at most ε = ((2g − 2)Q^(1/2) + s)/(Q − 1 − 2gQ^(1/2) − s), where Q = q^k and s counts the
-points over GF(q), which are left out (Weil 1948). The sum of t places is within √#J·ε^t/2 of uniform in total variation
-(Diaconis 1988, chapter 3).
+character χ ≠ 1 over these sums is at most ε = ((2g − 2)Q^(1/2) + s)/(Q − 1 − 2gQ^(1/2) − s), where Q = q^k and s counts
+the points over GF(q), which are left out (Weil 1948). The sum of t places is within √#J·ε^t/2 of uniform in total
+variation (Diaconis 1988, chapter 3).
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ from jacobian.law.from_points import Descent, divisor_of_points
 from jacobian.progress import Progress
 
 MOST_GENUS, LARGEST_GENUS = 12, 500
-"""By rejection one of 2^g pairs (u, v) is kept. Sums of places take 0.4 s in genus 50, 2 in 200, 44 in 1000."""
+"""The largest genus for rejection, which keeps one of 2^g pairs (u, v), and the largest for sums of places. The latter
+take 0.4 s in genus 50, 2 s in 200, 44 s in 1000."""
 DISTANCE = 50
 """− log₂ of the distance from the uniform distribution that sums of places may have."""
 MOST_CLASSES = 10**9
@@ -47,7 +48,7 @@ MOST_CLASSES = 10**9
 
 
 def random_divisor(J: GroupLaw, rng: Rng) -> Divisor:
-    """A uniform class over a finite field; over other fields Σ of g random points (not uniform in any sense)."""
+    """A uniform class over a finite field; over other fields the sum of g random points, not uniform in any sense."""
     if J.field.order is None:
         return J.from_points(_random_points(J.curve, rng))
     if J.curve.genus > MOST_GENUS:

@@ -49,7 +49,7 @@ def igusa_clebsch_invariants(C: HyperellipticCurve[Element]) -> tuple[Element, E
 
 def igusa_invariants(C: HyperellipticCurve[Element]) -> tuple[Element, Element, Element, Element, Element]:
     """(J2, J4, J6, J8, J10) of a curve of genus 2 in any characteristic (Igusa 1960); 2¹²·J10 is the discriminant of
-    h² + 4f. x' = (ax + b)/(cx + d), y' = (ey + t)/(cx + d)³ multiplies J_2k by (e²/(ad − bc)³)^2k.
+    h² + 4f. The map x' = (ax + b)/(cx + d), y' = (ey + t)/(cx + d)³ multiplies J_2k by (e²/(ad − bc)³)^2k.
     """
     K = _genus_two(C).field
     ring = _ring(K)

@@ -243,7 +243,8 @@ def _brackets(K: Field, quadratics: Quadratics) -> Quadratics:
 def _to_squares(K: Field, quadratics: Quadratics) -> tuple[Any, Any, Any, Any]:
     """The matrix of x' = (x − s₁)/(x − s₂): s₁ and s₂ are the fixed points of the involution that all G_i share.
 
-    It exchanges the roots of each; its fixed points are the roots of the Jacobian of any two independent ones.
+    The involution exchanges the roots of each G_i. Its fixed points are the roots of the Jacobian of any two
+    independent G_i.
     """
     for a, b in combinations(quadratics, 2):
         jacobian = poly.sub(K, poly.mul(K, poly.derivative(K, a), b), poly.mul(K, a, poly.derivative(K, b)))

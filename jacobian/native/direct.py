@@ -162,7 +162,7 @@ class Method:
 
     def __init__(self, entry: Any, name: str, letters: str, words_of: Any) -> None:
         self._entry, self._letters, self._words_of = entry, letters, words_of
-        # every function that is made reads this, so it lives as long as the process
+        # every function that a call returns points to this definition, so it lives as long as the process
         self._definition = _Definition(name.encode(), entry.address, FAST_CALL, None)
         _KEPT.append((self._definition, entry))
 
@@ -172,4 +172,4 @@ class Method:
 
 
 _KEPT: list[Any] = []
-"""Objects to which functions in use point."""
+"""Objects kept in memory because functions in use point to them."""

@@ -20,7 +20,7 @@ from jacobian.errors import ArgumentError
 # a number with at most this many bits, and an exponent of at most this size, lies well inside the range of floats, and
 # so does its remainder after the high part
 MOST_BITS = 440
-# integers below it are exact as floats
+# integers of smaller size are exact as floats
 EXACT = 1 << 53
 EPS = 2.0**-104
 """A bound of the relative rounding error of one sum, product or square root (quotients: 2.5 times as much)."""

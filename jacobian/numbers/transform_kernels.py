@@ -55,7 +55,7 @@ def _quarters(turn: Any, Q: Any, W: Any, x: Any, begin: Any, m: Any, b: Any) -> 
 
 def _beside(turn: Any, Q: Any, W: Any, S: Any, m: Any, b: Any) -> None:
     """Applies :func:`_quarters` to SIDE blocks from b on, interleaved: number i of block b + k is S[i·SIDE + k]. For m
-    = 4 a block has 16 numbers; for m = 1 each of them consists of four blocks of 4, numbered from 4b on.
+    = 4 a block has 16 numbers; for m = 1 each such block consists of four blocks of 4, numbered from 4b on.
     """
     for i in range(4):
         first = (i if m == 4 else 4 * i) * SIDE

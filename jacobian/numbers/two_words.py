@@ -96,7 +96,7 @@ def inverse(K: Any, x: Any) -> Any:
             v >>= zeros
             r <<= zeros
         k += zeros
-    # s·2^(256 − k) is 1/x times 2^256; with one doubling before, as k = 1 for p = 3, two shifts stay below 128 bits
+    # s·2^(256 − k) is 2^256/x. A doubling leaves 2^(255 − k), k ≥ 1, the product of two powers below 2^128
     rest = 2 * BITS - 1 - k
     half = rest >> 1
     lifted = mul(K, add(K, s, s), long(1) << half)

@@ -29,7 +29,7 @@ from jacobian.relatives.generators import Generators, from_points
 from jacobian.relatives.rational_torsion import RationalTorsion
 
 SHOWN_PRIMES, SHOWN_POINTS = 5, 12
-"""The number of L-polynomials and of points in the text; the values have all points."""
+"""The numbers of L-polynomials and of points in the text of a line; its ``value`` has all points."""
 MOST_HEIGHT, MOST_DIGITS = 10_000, 200
 
 

@@ -7,8 +7,8 @@ bounded by the size M of the integrand on the ellipse with foci ±1 and semi-axi
 * Gauss–Legendre, n ≥ 2 nodes, ∫ φ: 64M/(15(1 − e^(−2ρ))e^(2ρn)) (Rabinowitz 1969).
 
 For a point u outside, |t − u| ≥ (|u − 1| + |u + 1|)/2 − cosh ρ for t on that ellipse, by the triangle inequality.
-Doubles decide between two square roots. An argument with an error below 30° is enough, and no path comes so near to a
-branch point that the error is larger.
+The choice between two square roots is made in doubles. This needs the argument of a root with an error below 30°, and
+no path comes so near to a branch point that the error is larger.
 """
 
 from __future__ import annotations

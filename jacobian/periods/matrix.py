@@ -191,7 +191,7 @@ def real_periods(curve: HyperellipticCurve, roots: Sequence[Any] | None = None) 
     line = sorted(e.real for e in cover.roots if e.imag == 0)
     for a, b in pairwise(line):
         lines = [e for e in line if e not in (a, b)]
-        # F is positive between a and b when an odd number of roots lies at b or beyond, for a positive lead
+        # between a and b the sign of F is that of lead·(−1)^(number of roots from b on)
         if (sum(1 for e in line if e >= b) % 2 == 1) == (cover.lead.real < 0):
             found.append(_oval(cover, a, b, lines))
     return found

@@ -31,7 +31,8 @@ DIGITS = 33
 # the trapezoidal rule is shorter than a Gauss rule of more than MOST_NODES_IF_REAL nodes
 MOST_NODES, MOST_NODES_IF_REAL = 2400, 400
 # number of nodes on either side of the middle of a path, SPACING apart in log(v/(1 − v)). The rule's error is
-# e^(−2π²/SPACING) = 5e-35. Omitting the ends adds e^(−NODES·SPACING/2) = 5e-55, or 1e-33 beside a gap of 1e-42
+# e^(−2π²/SPACING) = 5e-35. Omitting the ends adds e^(−NODES·SPACING/2) = 5e-55, or 1e-33 if a branch point lies at a
+# distance of 1e-42 from an end
 NODES, SPACING = 1000, 0.25
 # distance of a point x from a branch point, relative to |x|, below which rounding may put x on its other side
 NEAR = 2.0**-140

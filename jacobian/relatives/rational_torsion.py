@@ -43,7 +43,7 @@ class RationalTorsion(NamedTuple):
     """The torsion subgroup of J(QQ), as far as it was found.
 
     ``found``: the group that was found, with generators; ``bound``: the largest invariants that the torsion subgroup
-    can have; ``proven``: whether the invariants of ``found`` equal them.
+    can have; ``proven``: whether the invariants of ``found`` equal ``bound``.
     """
 
     found: Structure
