@@ -79,8 +79,8 @@ def computed(
 
 
 def computed_singly(motion: Callable[[int], Motion], times: np.ndarray, out: np.ndarray) -> Outcome:
-    """:func:`computed` on one thread, for motions made one by one: ``motion(k)`` returns that of member k, or raises a
-    JacobianError.
+    """:func:`computed` on one thread, for motions made one by one: ``motion(k)`` returns the motion of member k, or
+    raises a JacobianError.
     """
     none = np.zeros(len(out), dtype=bool)
     return _Work(np.empty((len(out), 10)), False, none, motion, times, out).outcome(1)

@@ -116,7 +116,7 @@ class Trajectories(Runs, Exported):
         return found
 
     def _of_member(self, name: str, member: int, rows: np.ndarray) -> np.ndarray:
-        """An attribute of a member's Trajectory; no flow is made where none is needed."""
+        """An attribute of a member's Trajectory; a flow is made only if the attribute needs one."""
         if name == "contact":
             points: np.ndarray = self[member].kept.contact
             return points

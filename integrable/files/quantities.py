@@ -44,7 +44,7 @@ QUANTITIES = {
     "quaternion": Quantity("component", ("w", "x", "y", "z"), "1", "rotation from the body frame to space"),
     "contact": Quantity("direction", ("x", "y"), "m", "point of contact, in metres or radii"),
 }
-"""The quantities of a result, each by the name of its attribute."""
+"""The quantities of a result, by the names of the result's attributes."""
 UNITS = "those of SI, or of the consistent set that the body and M were given in"
 
 

@@ -45,7 +45,8 @@ def target_of(path: File, wanted: str, argument: str = "path") -> Path:
 def replacing(target: Path, folder: Path | None = None) -> Iterator[Path]:
     """A temporary name with the suffix of ``target``, in its folder or in another ``folder`` on the same disk.
 
-    When the block ends, its file or folder becomes ``target``; if an exception leaves the block, it is removed.
+    When the block ends, the file or folder of that name becomes ``target``; if an exception leaves the block, it is
+    removed.
     """
     temporary = (folder or target.parent) / f".{target.stem}.{secrets.token_hex(4)}{target.suffix}"
     try:

@@ -1,9 +1,10 @@
 """A rolling ball and a free rigid body in SI units, from tensors in any axes.
 
-With J = Q diag(I) Qᵀ, R₀ the orientation at time 0 and z up: γ = QᵀR₀ᵀz and ω along the principal axes, M = (I + d)ω −
-d(γ, ω)γ, d = mr². R M, the angular momentum about the point of contact of a rolling body or about the centre of mass of
-a free one, is constant in space. So the states of the flow give the orientation without an integration
-(:mod:`integrable.phase.attitude`). The contact path of the flow, scaled, is the path in metres.
+Let J = Q diag(I) Qᵀ be the tensor, R₀ the orientation at time 0, z the upward vertical, and ω the angular velocity
+along the principal axes. Then γ = QᵀR₀ᵀz and M = (I + d)ω − d(γ, ω)γ with d = mr². R M, the angular momentum about the
+point of contact of a rolling body or about the centre of mass of a free one, is constant in space. So the states of the
+flow give the orientation without an integration (:mod:`integrable.phase.attitude`). The contact path of the flow,
+scaled, is the path in metres.
 """
 
 from __future__ import annotations
@@ -223,7 +224,7 @@ def _wide_field(field: Field) -> Any:
 
 
 def _inner(field: Any, lost: int) -> Any:
-    """The field of a flow whose states lose ``lost`` digits in the conversion to orientations."""
+    """The field over which a flow is computed if its states lose ``lost`` digits in the conversion to orientations."""
     if field == RR:
         return MP(ROUNDED_TO_FLOATS + lost) if lost else RR
     return MP(field.dps + INNER + lost)

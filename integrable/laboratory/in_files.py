@@ -22,7 +22,7 @@ QUANTITIES = {
     "contact": Quantity("direction", SPACE[:2], "m", "point of contact in the laboratory"),
     "centre": Quantity("axis", SPACE, "m", "centre of the ball in the laboratory"),
 }
-"""The quantities of a run in the laboratory, each by the name of its attribute."""
+"""The quantities of a run in the laboratory, by the names of the run's attributes."""
 
 
 def usual(body: Any) -> tuple[str, ...]:

@@ -64,7 +64,7 @@ class LaboratoryMotion(Immutable):
         return portrait
 
     def fitted(self, times: Numbers, orientations: Iterable[object]) -> OrientationFit:
-        """The motion of a free body nearest to orientations measured at ``times``, found from this one as the guess.
+        """The motion of a free body nearest to orientations measured at ``times``, found from this motion as the guess.
         Its start and the ratios of its moments are fitted, not its axes (SciPy; :mod:`integrable.laboratory.fit`).
 
         ``orientations`` are matrices, shape (N, 3, 3), or a Rotation of SciPy with N entries. The guess must be less

@@ -1,10 +1,10 @@
-"""Elliptic integrals. Functions for incomplete ones take arrays of the numbers that their argument N defines
-(:mod:`integrable.moving_point.arithmetic`). Those for complete ones, and for periods of two ovals, take bare reals and
-are compiled unchanged.
+"""Elliptic integrals. Functions for incomplete integrals take arrays of the numbers that their argument N defines
+(:mod:`integrable.moving_point.arithmetic`). Functions for complete integrals and for periods of two ovals take bare
+reals and are compiled unchanged.
 
 The incomplete integral of the third kind uses duplication (Carlson 1995, *Numerical computation of real or complex
-elliptic integrals*). That of the first kind and the amplitude use descending Landen transformations (Abramowitz &
-Stegun 16.4, 17.6). Errors are a few units in the last place. Complete integrals and periods use arithmetic-geometric
+elliptic integrals*). The integral of the first kind and the amplitude use descending Landen transformations (Abramowitz
+& Stegun 16.4, 17.6). Errors are a few units in the last place. Complete integrals and periods use arithmetic-geometric
 means.
 """
 
@@ -126,8 +126,9 @@ class FirstKind:
 
 
 def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) -> None:
-    """Writes 2∫dx/√|PQR| and 2∫x dx/√|PQR| between the roots of P, then the same between those of Q, to ``out``. P and
-    Q are monic with the roots ends[0] ≤ ends[1] and ends[2] ≤ ends[3]. R = r − dx; its root lies beyond these.
+    """Writes 2∫dx/√|PQR| and 2∫x dx/√|PQR| between the roots of P, then both integrals between the roots of Q, to
+    ``out``. P and Q are monic with the roots ends[0] ≤ ends[1] and ends[2] ≤ ends[3]. The root of R = r − dx lies
+    beyond these four roots.
 
     The method is the arithmetic-geometric mean of genus 2 (Richelot 1837; Bost & Mestre 1988). With U = Q'R − QR', V
     and W by cyclic permutation, and Δ the determinant of the coefficients of P, Q and R, ∫dx/√|PQR| = 2√Δ∫dx/√|UVW|.

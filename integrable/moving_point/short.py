@@ -246,8 +246,8 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
 
 
 def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
-    """The largest of the last coefficients of γ, w and, for physical times, of 1/g divided by four times its mean; then
-    the largest of earlier coefficients. Both are multiplied by the amplification of errors.
+    """(the largest of the last coefficients, the largest of earlier ones) of γ, w and, for physical times, of 1/g
+    divided by four times its mean. Both are multiplied by the amplification of errors.
     """
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):

@@ -53,8 +53,9 @@ LEAST_KAPPA = 2.0**-33
 
 
 def panel_steps(room: ShortRoom, h: float) -> bool:
-    """Computes the translations by h/2^l down to FINEST or further. The expansion gives those at the levels where its
-    truncation error is below wide rounding; doubling gives the longer ones. Returns whether there is such a level.
+    """Computes the translations by h/2^l for levels l up to FINEST or further. The expansion gives the translations at
+    levels where its truncation error is below wide rounding; doubling gives the longer translations. Returns whether
+    there is such a level.
     """
     rows = room.series
     expand_orders(curve_of(room.wide), rows, 0, WIDE_ORDERS)
@@ -92,8 +93,8 @@ def exact_at(rows: Expansion, eps: float) -> bool:
 
 
 def small_steps(room: ShortRoom, eps: float, first: int, last: int) -> None:
-    """Computes the translations at the levels ``first`` … ``last`` by their expansion; ``eps`` is the first one's
-    time.
+    """Computes the translations at the levels ``first`` … ``last`` by their expansion; ``eps`` is the time of the first
+    translation.
     """
     rows, axes = room.series, unit_axes(room.wide)
     for level in range(first, last + 1):
@@ -153,7 +154,7 @@ def put_node(room: ShortRoom, rule: Rule, level: int, j: int, origin: Real) -> N
 
 def moved_row(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int, target: int, point: Row) -> None:
     """Writes row ``origin`` of ``points``, moved by a translation or its inverse, to row ``target``. The values of
-    :func:`looked_at` there go to ``point``.
+    :func:`looked_at` for that row go to ``point``.
     """
     step = moving_point(steps, 10 * place)
     if sign < 0:

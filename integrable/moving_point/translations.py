@@ -54,7 +54,7 @@ class Translations:
             return series_of(self.f, -1, size)
 
     def _expansion(self, rest: int) -> tuple[Expansion, float]:
-        """The :class:`Expansion` for half a step halved ``rest`` times, and its radius in half steps."""
+        """The :class:`Expansion` for half a step divided by 2^``rest``, and its radius in half steps."""
         if rest not in self._expansions:
             self._expansions[rest] = self._expanded(rest)
         return self._expansions[rest]

@@ -45,7 +45,7 @@ def is_body(system: Any) -> bool:
 def body_equations(inertia: Sequence[Any], d: Any) -> Callable[[Sequence[Any]], list[Any]]:
     """The ball's six equations as a function y ↦ ẏ of y = (γ1, γ2, γ3, M1, M2, M3).
 
-    It computes in the number type of ``inertia`` and ``d``.
+    The function computes in the number type of ``inertia`` and ``d``.
     """
     i1, i2, i3 = inertia
     a1, a2, a3 = 1 / (i1 + d), 1 / (i2 + d), 1 / (i3 + d)

@@ -2,7 +2,7 @@
 
 Compiled code is cached on disk: in the folder that NUMBA_CACHE_DIR names, ``__pycache__`` next to the source, or the
 user's cache folder. If none is writable (a read-only installation and no home), every process compiles anew, with one
-warning. galois brings numba into every installation. Importing this module does not import it.
+warning. numba is in every installation, because galois depends on it. Importing this module does not import numba.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 """Published discretizations of the Euler top, d = 0: Moser–Veselov with its attitude, and Hirota–Kimura.
 
 * :func:`moser_veselov`: the discrete Euler top of Moser and Veselov (1991) with the attitude that turns γ. It
-  preserves |M|², (γ, M), |γ| and the energy; second order, or fourth with the modified moments of Hairer and Vilmart
+  preserves |M|², (γ, M), |γ| and the energy. Its order is 2, or 4 with the modified moments of Hairer and Vilmart
   (2006).
 * :func:`hirota_kimura`: the explicit birational Euler top of Hirota and Kimura (2000), which is Kahan's rule on
   Ṁ = M × ω. It preserves the three ratios of :func:`hirota_kimura_integrals` (Petrera, Pfadler and Suris 2009), but
-  not |M|²; γ follows by the same rule on γ̇ = γ × ω. Second order.
+  not |M|²; γ follows by the same rule on γ̇ = γ × ω. The order is 2.
 """
 
 from __future__ import annotations
@@ -77,7 +77,8 @@ def hirota_kimura(moments: Sequence[Any]) -> Advance:
 
 
 def hirota_kimura_step(moments: Sequence[Any], M: Sequence[Any], step: Any) -> Vector:
-    """M after one step: the M̃ with M̃_1 − eα_1(M_3M̃_2 + M_2M̃_3) = M_1 and cyclic, e = step/2, α_1 = a_3 − a_2.
+    """M after one step: the M̃ with M̃_1 − eα_1(M_3M̃_2 + M_2M̃_3) = M_1 and cyclic, e = step/2, α_1 = a_3 − a_2, a_i =
+    1/I_i.
 
     The linear system is solved by Cramer's rule with + − × ÷ alone, so rational numbers stay rational. Raises
     ZeroDivisionError where the system is singular.

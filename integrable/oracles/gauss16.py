@@ -1,13 +1,13 @@
 """Gauss–Legendre of order 16, compiled for a kind of system. Of all ordinary integrators in double precision it has
 the smallest error on long runs.
 
-It reduces rounding errors as Hairer, McLachlan and Razakarivony (2008) do. The eight stages are solved by
+The code reduces rounding errors as Hairer, McLachlan and Razakarivony (2008) do. The eight stages are solved by
 fixed-point iteration until it no longer improves. The weights h·b_i are pairs of floats, so the step has no systematic
 rounding error; γ and M are pairs of floats too (compensated sums).
 
-The matrix is used as μ_ij = a_ij/b_j with μ_ij + μ_ji = 1 exactly, so the rounded method preserves quadratic integrals
-(Antoñana, Makazaga and Murua 2017). Iterations start from the previous step's polynomial. The step is fixed, or
-adapted to a tolerance by the last Legendre coefficient of the stages.
+The coefficients a_ij are used as μ_ij = a_ij/b_j with μ_ij + μ_ji = 1 exactly, so the rounded method preserves
+quadratic integrals (Antoñana, Makazaga and Murua 2017). Iterations start from the previous step's polynomial. The step
+is fixed, or adapted to a tolerance by the last Legendre coefficient of the stages.
 """
 
 from __future__ import annotations

@@ -70,11 +70,11 @@ class Spent(NamedTuple):
     """Seconds of one run, in parts: work done once per machine, once per system and once per start, and evaluation."""
 
     machine: float
-    """Once a machine: work that depends on no body and no start, mainly compilation."""
+    """The seconds of work done once a machine, which depends on no body and no start: mainly compilation."""
     system: float
-    """Once a system: work for a body that serves all its starts."""
+    """The seconds of work done once a system, which serves all starts of a body."""
     start: float
-    """Once a start."""
+    """The seconds of work done once a start."""
     evaluation: float
 
     @property

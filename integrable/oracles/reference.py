@@ -119,8 +119,8 @@ def taylor(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> So
 def odefun(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> Solution:
     """The motion by :func:`mpmath.odefun` at ``digits`` digits, as a user of mpmath would run it: arrays of mpf.
 
-    ``evaluations`` counts right-hand sides. ``odefun`` differentiates numerically and evaluates them at several times
-    the digits, so numbers of a fixed precision would not suffice.
+    ``evaluations`` counts right-hand sides. ``odefun`` differentiates numerically and evaluates right-hand sides at
+    several times the digits, so numbers of a fixed precision would not suffice.
     """
     if digits < 1:
         raise ArgumentError(f"digits: {digits} given; a positive number of decimal digits is needed")

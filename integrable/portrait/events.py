@@ -49,7 +49,7 @@ class Watched(NamedTuple):
 
 
 def event_times(motion: Watched, condition: Condition, start: Number, end: Number, direction: int = 0) -> np.ndarray:
-    """The times at which ``condition`` changes sign between two others, in order: see
+    """The times between ``start`` and ``end`` at which ``condition`` changes sign, in order: see
     :meth:`integrable.mumford.flow.MumfordFlow.events`.
     """
     if not callable(condition):

@@ -31,7 +31,7 @@ class OvalAngles(NamedTuple):
         """The angles φ, (N, g), at phases in turns, (N, g): Newton's method, with steps halved while the residual
         grows.
 
-        The sums map angles to phases one to one, with a derivative that is regular everywhere, so this converges.
+        The sums map angles to phases one to one, with a derivative that is regular everywhere, so the method converges.
         """
         return self._in_parts(self._at, phases)
 

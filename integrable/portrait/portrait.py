@@ -105,8 +105,9 @@ class Portrait(Immutable):
     def angles(self) -> tuple[Real, Real]:
         """(θ1, θ2) of the start in turns, modulo 1; at τ they are θ + ντ. θ_k are conjugate to 2πJ_k.
 
-        They are those of the divisor, 0 at (u1, u2) = (a₁, a₃): the eight states that share it have the same angles.
-        NotRepresentable for equal moments and rotations, where one point of the divisor is at rest and has no angle.
+        The angles depend on the divisor only, and are 0 at (u1, u2) = (a₁, a₃): the eight states that share a divisor
+        have the same angles. NotRepresentable for equal moments and rotations, where one point of the divisor is at
+        rest and has no angle.
         """
         first, second = self.wide_angles("angles")
         return self._field.coerce(first), self._field.coerce(second)
@@ -120,8 +121,8 @@ class Portrait(Immutable):
 
     @cached_property
     def periods(self) -> tuple[Real, Real]:
-        """1/|f1| and 1/|f2|. For ζ < a₂ the axis makes half a turn in space in the first, and γ̃ half a turn in the
-        body in the second; for ζ > a₂ in the other order.
+        """1/|f1| and 1/|f2|. For ζ < a₂ the axis makes half a turn in space in the first period, and γ̃ half a turn in
+        the body in the second; for ζ > a₂ the periods are exchanged.
         """
         one, two = (abs(1 / f) for f in self.frequencies)
         return one, two

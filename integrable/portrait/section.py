@@ -55,7 +55,7 @@ class Section(Record):
         return found
 
     def figure(self) -> Figure:
-        """A picture: the crossings among the curves of other motions of the same upright body."""
+        """A picture: the crossings, with the curves of other motions of the same upright body."""
         from integrable.portrait.pictures import section_figure
 
         return section_figure(self)

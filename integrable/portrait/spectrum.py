@@ -4,8 +4,8 @@ torus.
 Amplitudes are discrete Fourier coefficients on a grid of phases that are linear in t. They are right to rounding,
 without a long run, however close two lines are (Laskar 1993 estimates them from a long run).
 
-The phases of a body's torus are linear in τ. Those linear in t are φ = θ + ν·S/⟨1/g⟩, S the bounded part of t(τ), and
-Newton steps along the flow find θ at φ.
+The phases θ of a body's torus are linear in τ. The phases φ = θ + ν·S/⟨1/g⟩, with the bounded part S of t(τ), are
+linear in t; Newton steps along the flow find θ at φ.
 """
 
 from __future__ import annotations
@@ -47,9 +47,9 @@ class Sampled(NamedTuple):
     """Quantities on a torus whose phases are linear in t.
 
     ``read`` gives the values of each quantity, (N, components), at phases (N, n) in turns from the start. The values
-    return after ``doubled`` turns of each phase. One turn of the k-th phase has the mode ``turns[k]``, integers that
-    multiply the ``frequencies``. The last directions of a grid have the sizes ``given``; the other sizes are those that
-    resolve the quantities.
+    return after ``doubled`` turns of each phase. The frequency of the k-th phase is Σ_j ``turns[k,
+    j]``·``frequencies[j]``, with integers ``turns``. The last directions of a grid have the sizes ``given``; the other
+    sizes are those that resolve the quantities.
     """
 
     read: Callable[[np.ndarray], dict[str, np.ndarray]]

@@ -52,9 +52,9 @@ class TorusSection(Record):
 
 
 class Turning(NamedTuple):
-    """The data of crossings. ``frequencies`` and ``phases`` of the points at the start are long numbers, in turns.
-    ``start`` are the angles of the points there and ``sums`` the sums of forms over the points, which grow at the
-    ``rates``; these three are in floats.
+    """The data of crossings. The ``frequencies`` of the points and their ``phases`` at the start are long numbers, in
+    turns. ``start`` are the angles of the points at the start, and ``sums`` the sums of forms over the points, which
+    grow at the ``rates``; these three are in floats.
     """
 
     frequencies: Sequence[Real]

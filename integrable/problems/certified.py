@@ -2,7 +2,7 @@
 
 The data come from the flow in ball arithmetic (:mod:`integrable.motion.enclosure`); those of deformations come from
 Taylor series in ball arithmetic (:mod:`integrable.deformations.enclosed`). ``python -m benchmarks.make_certified``
-makes them.
+makes the data.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Certified(NamedTuple):
     c: float | None = None
 
     def scene(self) -> Scene:
-        """The motion of a ball or top as a scene: it starts from the first row in doubles, at the same times."""
+        """The motion of a ball or top as a scene whose start is the first row in doubles, with the same times."""
         if self.system not in ("chaplygin_ball", "euler_top"):
             raise ArgumentError(f"system: {self.system}; a ball or a top is needed")
         gamma, M = (tuple(Fraction(float(x)) for x in rows[0]) for rows in (self.gamma, self.M))

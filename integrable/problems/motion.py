@@ -19,8 +19,8 @@ __all__ = ["Rows", "UnitMotion"]
 Rows = list[list[Any]]
 
 GUARD, FINER, LEAST = 8, 12, 25
-"""Digits of the first of two runs beyond those requested, digits of the second beyond those, and the least digits of
-the first.
+"""For two runs: the digits of the first beyond the requested ones, the digits of the second beyond those of the first,
+and the least digits of the first.
 """
 MOST_ATTEMPTS = 6
 

@@ -191,7 +191,7 @@ class Problem:
     def truth(self, t: Numbers, digits: int = 16, proven: bool = False) -> Truth:
         """The solution at times t, as a :class:`Truth`. The times are doubles, taken as exact, in any order and shape.
 
-        ``digits`` are relative to the largest component of q, and of p. ``proven`` asks for ball arithmetic, which is
+        ``digits`` are relative to the largest component of q, and of p. ``proven`` selects ball arithmetic, which is
         slower; its time grows in proportion to t where a body rolls or is tilted. Raises PrecisionLoss where that many
         digits were not reached.
         """

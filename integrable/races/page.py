@@ -18,7 +18,7 @@ WIDTH, HEIGHT = 680, 440
 LEFT, RIGHT, TOP, BOTTOM = 88, 14, 14, 50
 """The sizes in pixels of a diagram's margins, which hold the labels of its axes."""
 LEAST = 1e-17
-"""The error at which smaller errors are drawn, since they are below the resolution of a double."""
+"""Smaller errors are drawn at this value, since they are below the resolution of a double."""
 SIZE = 5.0
 """Pixels from the middle of a mark to its edge."""
 _STYLE = """

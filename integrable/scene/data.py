@@ -219,7 +219,9 @@ class Scene:
             return body, body.state(tuple(map(number, self.gamma)), tuple(map(number, self.M)), **extra)
 
     def step(self, system: Any, digits: int) -> Any:
-        """The map of ``steps`` on a system made by :meth:`body` at these digits; ArgumentError if there is none."""
+        """The map of ``steps`` on a ``system`` that :meth:`body` made at this number of digits; ArgumentError if there
+        is no map.
+        """
         assert self.steps is not None, "the scene has no [steps]"
         result = None
         with self._placed("[steps] maps:"):
@@ -258,7 +260,7 @@ _FINITE_FIELD = re.compile(r"GF\((\d{1,40})(?:\^(\d{1,4})([+-]\d{1,40})?)?\)")
 
 
 def finite_field(name: str) -> Any:
-    """The field written GF(p), GF(p^k) or GF(2^k-c), the last a prime; ArgumentError for anything else."""
+    """The field written GF(p), GF(p^k) or GF(2^k-c), where 2^k-c is a prime; ArgumentError for anything else."""
     from jacobian import GF
 
     found = _FINITE_FIELD.fullmatch(name.replace(" ", ""))

@@ -129,7 +129,9 @@ def _plain(values: Any) -> Any:
 
 
 def versions() -> dict[str, str | None]:
-    """The versions of Python, of this package and of the libraries that may affect a result; None: not installed."""
+    """The versions of Python, of this package and of the libraries that may affect a result; None for a library that is
+    not installed.
+    """
     versions: dict[str, str | None] = {"python": platform.python_version()}
     for package in (
         "jacobian-integrable",

@@ -138,7 +138,8 @@ def _wider(step: Step, attempts: Sequence[tuple[int, Callable[[PhaseSpace], Stat
 
 
 def on_principal_axis(system: PhaseSpace, state: State) -> int | None:
-    """The axis along which M lies, if γ is orthogonal to it, both to a relative eps²; else None.
+    """The axis along which M lies, if γ is orthogonal to it; both conditions are tested to a relative eps². Otherwise
+    None.
 
     The body then rotates about this axis, and the double point of its curve is a point of its divisor.
     """

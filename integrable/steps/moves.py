@@ -129,7 +129,7 @@ class Keyless(Move):
     (:func:`jacobian.relatives.signed.reflected`), with ρ_i = 2σ_i|M|√(1 − d·a_i), where σ_i are the ``signs``. So
     (gγ_i, 2w_i), w = γ × M, is mapped to (2w_i/ρ_i, −ρ_igγ_i). The divisor is that of :meth:`System.torsion`, whose
     image over the reals differs by the sign of γ. The image is real for every body. The map B preserves the bracket,
-    and B² = (−γ, M).
+    and B² maps (γ, M) to (−γ, M).
     """
 
     def __init__(self, system: PhaseSpace, signs: Sequence[int] | None = None) -> None:
@@ -177,8 +177,9 @@ class ConicStep(Move):
     :meth:`jacobian.relatives.conic.Representative.step`. The class on the curve is unchanged, and M̃ = M. γ turns about
     M: the pairs of P are reflected with s, s² = c² + 4H2.
 
-    If y0 is a constant or a function of x0·H2 − H1, the map preserves {u_i, p_j} = (u_i − x0)δ_ij, the bracket W for
-    x0 = 0. x0 = None means the point at infinity; y0 is then c, and the canonical bracket is preserved.
+    If y0 is a constant or a function of x0·H2 − H1, the map preserves {u_i, p_j} = (u_i − x0)δ_ij, for x0 = 0 the
+    bracket W of :mod:`integrable.phase.brackets`. x0 = None means the point at infinity; y0 is then c, and the
+    canonical bracket is preserved.
     """
 
     def __init__(self, system: PhaseSpace, x0: Abscissa | None, y0: Abscissa, sign: int = 1) -> None:

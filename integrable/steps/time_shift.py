@@ -122,7 +122,7 @@ def sum_of(setup: Setup, first: Any, second: Any) -> Row:
     """The translation T with (Σ∫dx/y, Σ∫x dx/y) = (first, second) in bare reals, as the sum T₀(first + second) +
     T₋₁(−second).
 
-    T₀(ε) is :meth:`Translations.near`, with Σ∫x dx/y = 0. T₋₁(ε) is the same about x = −1, which like 0 lies left of
+    T₀(ε) is :meth:`Translations.near`, with Σ∫x dx/y = 0. T₋₁(ε) is computed about x = −1, which like 0 lies left of
     all branch points; it has Σ∫(x + 1)dx/y = 0.
     """
     terms, total = [], first + second

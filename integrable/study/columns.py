@@ -100,8 +100,8 @@ def taken(row: dict[str, Any]) -> str:
 def ratio_cell(standing: Standing | None) -> str:
     """A standing as the text of a ratio, or of a lower bound.
 
-    "none" means that no method was accurate enough, "stopped" that strong methods could not run, and "–" that there is
-    no standing.
+    "none" means that no method was accurate enough, "stopped" that the methods of :data:`integrable.study.plan.STRONG`
+    could not run, and "–" that there is no standing.
     """
     if standing is None:
         return "–"

@@ -89,7 +89,7 @@ class Standing:
         """The outcome of the comparison: "met", "slower", "none" or "stopped".
 
         "met" means that another method is as accurate. "slower" means that none was, but some exceeded their time.
-        "none" means that strong methods ran and none was accurate enough, "stopped" that they could not run.
+        "none" means that methods of :attr:`strong` ran and none was accurate enough, "stopped" that they could not run.
         """
         if self.peer is not None:
             return "met"
@@ -280,8 +280,8 @@ class Study:
     def behind(self) -> list[Behind]:
         """The rows of comparators that the flow does not beat.
 
-        Those of scenes with T ≥ 1000 come first. Within both groups, rows that are more accurate than the flow in the
-        same time precede rows that are only faster; then run times descend.
+        Rows of scenes that are :attr:`SceneFindings.long` come first. Among these rows and among the others, rows that
+        are more accurate than the flow in the same time precede rows that are only faster; then run times descend.
         """
         found = [(f, b) for f in self.findings for b in f.behind()]
         order = sorted(

@@ -42,7 +42,9 @@ print(json.dumps({"first": second - first, "second": last - second}))
 
 
 def _python(code: str, source: str, **environment: str) -> tuple[float, dict[str, Any]]:
-    """Runs ``code`` in a new Python process; returns its seconds, with its start, and the data that it printed."""
+    """Runs ``code`` in a new Python process; returns the seconds that it took, its start included, and the data that it
+    printed.
+    """
     begun = perf_counter()
     done = subprocess.run(
         [sys.executable, "-c", code, source],

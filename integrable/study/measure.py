@@ -75,8 +75,8 @@ def _floor(task: Task, _: Data | None, __: Tick) -> Data:
 
 
 def _chosen(scene: Scene, digits: int, most: float) -> tuple[list[Any], Any]:
-    """(about ``most`` of the scene's times, including the last one, None); for an orbit (its last step, a function that
-    computes the orbit).
+    """For a motion (about ``most`` of the scene's times, including the last one, None); for an orbit (its last step, a
+    function that computes the orbit).
     """
     if scene.steps is None:
         times = scene.times.at(digits)

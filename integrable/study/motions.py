@@ -2,9 +2,10 @@
 result.
 
 The ball and the top move by the divisor flow, systems of any genus by additions. The deformations move by their
-elliptic curves or, where none are known, by Taylor series of their equations. SciPy's DOP853 is the comparison. All
+elliptic curves or, where none are known, by Taylor series of their equations. SciPy's DOP853 is the comparison. Rows
 start from the scene's numbers rounded to doubles, as in a study (:mod:`integrable.scene.doubles`), and their errors
-refer to that motion. A run at more digits starts from the scene's own numbers, and its errors refer to their motion.
+refer to that motion. If both the run and a row have more than 15 digits, the row starts from the scene's own numbers,
+and its errors refer to their motion.
 
 The truth is the same motion at ``truth_digits`` digits. It is compared once with another integrator at a short time:
 the Taylor series of :mod:`integrable.oracles.reference`, Gauss collocation for a system of any genus, the integrated
@@ -171,7 +172,8 @@ class _Run:
 
     @cached_property
     def truths(self) -> dict[bool, Task]:
-        """The tasks that compute the truth: from the scene's numbers (True) and from these rounded to doubles (False).
+        """The tasks that compute the truth: from the scene's numbers (True) and from these numbers rounded to doubles
+        (False).
 
         A task is left out if no row starts from the same numbers.
         """

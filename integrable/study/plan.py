@@ -57,7 +57,7 @@ class Limits:
     check: float
     """Seconds for the Taylor series that checks the truth."""
     check_time: Fraction | None = None
-    """The single time of that check; None: as far as these seconds allow."""
+    """The single time of that check; None: as far as ``check`` seconds allow."""
     patience: float = 3.0
     """No run is repeated beyond this many seconds."""
     floor_times: float = 20
@@ -166,7 +166,8 @@ def in_order(tasks: Sequence[Task]) -> list[Task]:
     """The rows of a study in the order in which they are measured.
 
     Tasks that need not run alone come first. Then come the rows that every scene should have even if time is short: the
-    flow in floats, and its rivals at single times. Last come the ladders of settings, with strong methods first.
+    flow in floats, and its rivals at single times. Last come the ladders of settings, with the methods of
+    :data:`STRONG` first.
     """
 
     def place(task: Task) -> tuple[int, bool, float]:
@@ -178,7 +179,7 @@ def in_order(tasks: Sequence[Task]) -> list[Task]:
 
 
 def first_answer_tasks(scenes: Sequence[Scene], sources: Sequence[str]) -> list[Task]:
-    """The tasks that measure first answers of the flow and of each strong method.
+    """The tasks that measure first answers of the flow and of each method of :data:`STRONG`.
 
     They use the first body, the first system of any genus and the first deformation, as compiled code serves all
     systems of a kind.

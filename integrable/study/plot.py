@@ -34,7 +34,7 @@ __all__ = ["FORMATS", "coordinates", "draw", "orbit_error", "residual_growth", "
 FORMATS = ("png", "svg")
 FAINT = "#8a8a8a"
 FLOOR: dict[str, Any] = {"color": "#555555", "linewidth": 1.2, "linestyle": (0, (5, 3)), "zorder": 1}
-"""The style of the line for the error of inputs rounded to doubles: no method has its dashes."""
+"""The style of the line for the error of inputs rounded to doubles: no method has a line with such dashes."""
 
 UNLIKE = (FLOW, INTEGRATED, ADDITIONS)
 """The runs of these methods, in floats or more digits, are not joined."""
@@ -45,7 +45,7 @@ WIDTH = 7.2  # inches: the text width of a page
 CROWDED = 4.0
 """Marks of one error whose run times differ by less than this factor have their labels at two heights."""
 NEAR_THE_FLOOR = 3.0
-"""Decades above and below the line of rounding in which a mark is in the way of its label."""
+"""Decades above and below the line of rounding in which a mark is in the way of the line's label."""
 
 
 def look_of(method: str) -> dict[str, Any]:

@@ -36,7 +36,7 @@ class Row:
     """The median absolute deviation of a run's total, divided by the median."""
     machine: float | None = None
     system: float | None = None
-    """The costs once a machine and once a system; not part of ``total``."""
+    """``machine`` and ``system`` are the costs once a machine and once a system; they are not part of ``total``."""
     evaluations: int | None = None
     """The number of evaluations of the right-hand side, for an ordinary integrator."""
     note: str = ""
@@ -86,7 +86,7 @@ class Report:
     letters: tuple[str, str] = ("γ", "M")
     """The names of the two halves of a state."""
     planned: tuple[tuple[str, str], ...] = ()
-    """Methods and settings of rows that are to come."""
+    """Methods and settings of the rows that are not yet measured."""
 
     def table(self) -> str:
         """The report as plain text, at most 100 columns wide."""

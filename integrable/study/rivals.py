@@ -25,7 +25,8 @@ from jacobian.errors import JacobianError
 __all__ = ["affordable", "at_one_time", "at_times", "first_use", "flow_once", "method_once", "pilot", "standing"]
 
 PILOT = 2.0**-7
-"""The time scales of an integrator's first trial; trials predict the time of a whole run."""
+"""The length of an integrator's first trial, in time scales of the motion; trials predict the run time of a whole run.
+"""
 ENOUGH = 0.1
 """Each trial goes four times as far, until one takes this many seconds or is the whole run."""
 FIRST = 15.0
@@ -33,8 +34,8 @@ FIRST = 15.0
 NEAR = 30.0
 """An error above this multiple of the allowed one is not accumulated rounding of too many steps."""
 MARGIN, CLOCK = 2.0, 0.01
-"""A run that takes this multiple of the fastest so far, and this many seconds, is not timed again; a single shorter run
-says little.
+"""A run that takes this multiple of the fastest so far, and this many seconds, is not timed again; the time of a single
+shorter run is too uncertain.
 """
 
 Data = dict[str, Any]
@@ -43,8 +44,8 @@ Data = dict[str, Any]
 def flow_once(scene: Scene, digits: int, kernel: str, apart: bool = False) -> Callable[[], Timed]:
     """A function that runs the flow with a new system and a new start, at the scene's times.
 
-    The set-up of the start is timed together with the evaluation, as users run it. With ``apart`` it is timed
-    separately, for which the times are processed twice.
+    The set-up of the start is timed together with the evaluation, as users run it. With ``apart`` the set-up is timed
+    separately; the flow then processes the times twice.
     """
     times = scene.times.at(digits)
 
@@ -69,8 +70,8 @@ _KEPT: dict[tuple[str, str], tuple[float, float]] = {}
 def first_use(task: Task) -> tuple[float, float]:
     """The seconds that the flow in floats spends once per machine, and those to its first answer, for a kind of system.
 
-    Both are measured at its first use in this process, as for rivals. They include imports, and compiling or loading
-    compiled code.
+    Both are measured at the flow's first use in this process, as for rivals. They include imports, and compiling or
+    loading compiled code.
     """
     begun = perf_counter()
     _compile_walks(task.scene)
@@ -83,7 +84,9 @@ def first_use(task: Task) -> tuple[float, float]:
 
 
 def _compile_walks(scene: Scene) -> None:
-    """Compiles or loads the integration near the start for the kind of the scene's system, as longer use would do."""
+    """Compiles or loads the integration near the start for the kind of the scene's system, as a longer use of the flow
+    would do.
+    """
     from integrable.deformations.equations import kind_in
     from integrable.deformations.hamiltonian import Hamiltonian
     from integrable.series.steps import steps_for
@@ -161,7 +164,7 @@ def standing(task: Task, truth: Truth, floor: float, tick: Tick) -> Data:
 def near_enough(task: Task, truth: Truth, error: float, fastest: float) -> tuple[tuple[float, float] | None, Data]:
     """A method's cheapest setting with at most the given error, with the seconds of a run, and a record of the search.
 
-    The first is None if no setting is accurate enough, or if even the cheapest takes too long: longer than the study
+    The setting is None if none is accurate enough, or if even the cheapest takes too long: longer than the study
     allows, or MARGIN times the fastest method so far. Settings are tried once each, the most accurate first. Rounding
     accumulates over very small steps, so a near miss does not end the search: a cheaper setting may be more accurate.
     """

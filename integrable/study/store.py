@@ -37,7 +37,7 @@ _SHOWN_ONLY = (
     "view/page.py",
     "view/shown.py",
 )
-"""Files of a package that a row does not depend on, by their path in it; a test checks that they exist."""
+"""Files of a package that a row does not depend on, by their path in the package; a test checks that they exist."""
 
 _claims: set[FileLock] = set()
 """The locks held by this process: a lock without a reference would be released."""

@@ -81,7 +81,7 @@ class Timing(NamedTuple):
     spent: Spent
     """The costs of the median run. The cost once a machine is the largest one, that of the first run."""
     total: float
-    """The median of the time that ratios count: once a start and evaluation."""
+    """The median of the time that ratios count: that of a start with its evaluation."""
     mad: float
     """The median of |total of a run − median| over the median."""
     runs: int
@@ -102,7 +102,7 @@ def interleaved(
     tick: Callable[[], None] = silent,
     again: int = REMEASURED,
 ) -> dict[str, Timing]:
-    """The times of functions run in rounds. Each runs once per round, so a slow second affects all alike.
+    """The times of functions that are run in rounds. Each runs once per round, so a slow second affects all alike.
 
     There are ``repeat`` rounds, and more until no time scatters by more than a tenth of its median: up to ``again``
     times as many. After ``patience`` seconds no further round starts. ``tick`` is called between the first ``repeat``

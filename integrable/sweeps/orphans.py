@@ -22,7 +22,7 @@ __all__ = ["end_with_parent", "processes"]
 
 
 class _Processes(ProcessPoolExecutor):
-    """A pool that starts processes when there is work. An interrupt of this process does not reach them."""
+    """A pool that starts processes when there is work. An interrupt of this process does not reach its workers."""
 
     def submit(self, *arguments: Any, **options: Any) -> Future[Any]:
         with shielded():
