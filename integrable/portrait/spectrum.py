@@ -47,9 +47,9 @@ class Sampled(NamedTuple):
     """Quantities on a torus whose phases are linear in t.
 
     ``read`` gives the values of each quantity, (N, components), at phases (N, n) in turns from the start. The values
-    return after ``doubled`` turns of each phase. The frequency of the k-th phase is Σ_j ``turns[k,
-    j]``·``frequencies[j]``, with integers ``turns``. The last directions of a grid have the sizes ``given``; the other
-    sizes are those that resolve the quantities.
+    return after ``doubled`` turns of each phase. The frequency of the k-th phase is the product of ``turns[k]``, a row
+    of integers, and ``frequencies``. The last directions of a grid have the sizes ``given``; the other sizes are those
+    that resolve the quantities.
     """
 
     read: Callable[[np.ndarray], dict[str, np.ndarray]]

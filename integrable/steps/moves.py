@@ -177,8 +177,8 @@ class ConicStep(Move):
     :meth:`jacobian.relatives.conic.Representative.step`. The class on the curve is unchanged, and M̃ = M. γ turns about
     M: the pairs of P are reflected with s, s² = c² + 4H2.
 
-    If y0 is a constant or a function of x0·H2 − H1, the map preserves {u_i, p_j} = (u_i − x0)δ_ij, for x0 = 0 the
-    bracket W of :mod:`integrable.phase.brackets`. x0 = None means the point at infinity; y0 is then c, and the
+    If y0 is a constant or a function of x0·H2 − H1, the map preserves {u_i, p_j} = (u_i − x0)δ_ij, which for x0 = 0 is
+    the bracket W of :mod:`integrable.phase.brackets`. x0 = None means the point at infinity; y0 is then c, and the
     canonical bracket is preserved.
     """
 

@@ -60,7 +60,9 @@ class Grid:
         return {name: values[at] for (name, values), at in zip(self.axes.items(), places, strict=True)}
 
     def rows(self, begin: int, end: int) -> np.ndarray:
-        """All numbers of members ``begin`` … ``end`` − 1, shape (end − begin, PLACES); NaN where there is none."""
+        """All numbers of members ``begin`` … ``end`` − 1, shape (end − begin, PLACES); NaN for numbers that the scene
+        lacks.
+        """
         rows, values = np.tile(self._base, (end - begin, 1)), self.values(begin, end)
         for name, given in values.items():
             if name in NAMES:

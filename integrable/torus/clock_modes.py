@@ -38,9 +38,9 @@ class Cutoffs(NamedTuple):
 
 class Tables(NamedTuple):
     """Working memory. ``modes`` has four numbers for each mode, ``pairs`` the (k, m) of the loud ones. Lines and parts
-    are those of :class:`~integrable.torus.clock_loops.ClockSeries`: of all modes, of the larger (rough) and of all but
-    the loud (quiet). ``counts`` has the least m, number of m, rows and modes in all; the same of the rough series; the
-    number of loud modes, or −1 − n if the n-th of ``modes`` is in resonance.
+    are those of three :class:`~integrable.torus.clock_loops.ClockSeries`: with all modes, with the larger ones (rough),
+    and with all but the loud ones (quiet). ``counts`` has the least m, the number of m, of rows and of modes; the same
+    four numbers of the rough series; the number of loud modes, or −1 − n if the n-th of ``modes`` is in resonance.
     """
 
     modes: Row

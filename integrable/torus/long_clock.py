@@ -166,7 +166,9 @@ class MultiprecisionTorusClock(LongClock):
 def without_slow(
     modes: Modes, digits: int, wide: MultiprecisionField
 ) -> tuple[list[list[acb]], list[tuple[Real, Real, Real]]]:
-    """The rows of the modes without those that are nearly in resonance, and those as (real, imaginary, turns per τ)."""
+    """The rows of the modes without those that are nearly in resonance, and the slow modes as (real, imaginary, turns
+    per τ).
+    """
     rows, most = [*modes.rows], len(modes.rows[0]) // 2
     nu = [float(x) for x in modes.frequencies]
     first, second = np.arange(len(rows))[:, None] * nu[0], np.arange(-most, most + 1)[None, :] * nu[1]

@@ -58,7 +58,7 @@ class Modes(NamedTuple):
 
 
 class TooManyModes(PrecisionLoss):
-    """Raised when tables with this many modes would take ``work`` multiplications or more, beyond the limit."""
+    """Raised when tables with this many modes would take at least ``work`` multiplications, which is beyond the limit."""
 
     def __init__(self, size: tuple[int, int], work: int) -> None:
         super().__init__(
@@ -108,9 +108,9 @@ class FoundModes(NamedTuple):
     leaning: list[list[acb]] | None
 
     def wanted(self, digits: int, held: int) -> tuple[int, int]:
-        """The number of modes in either direction after which the tables are below 10^(−digits) of their first:
-        ``size`` if they already are. The rate of decay is measured where they exceed 10^(−``held``). PrecisionLoss
-        where the last modes are rounding, so that more modes are no smaller.
+        """The numbers of modes in both directions beyond which modes are below 10^(−digits) of the mean: ``size`` if
+        that holds already. The rate of decay is measured where modes exceed 10^(−``held``). PrecisionLoss where the
+        last modes are rounding, so that more modes are no smaller.
         """
         rows, columns = self.size
         tables = [self.upright] if self.leaning is None else [self.upright, self.leaning]

@@ -1,6 +1,6 @@
 """One oval of a motion's curve as a circle of nodes: its periods, and integrals over it with the phases of a torus.
 
-Used by :mod:`integrable.torus.oval_modes`. Numbers are python-flint's balls.
+:mod:`integrable.torus.oval_modes` uses the ovals and defines R. Numbers are python-flint's balls.
 """
 
 from __future__ import annotations
