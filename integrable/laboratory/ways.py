@@ -69,7 +69,7 @@ class Uniform:
         self._velocity = None if radius is None else np.array([radius * y, -radius * x])
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Rotations and ω."""
+        """The rotations from principal axes to the laboratory, and ω along these axes."""
         field, start = self._field, self._start
         axis = self._space / self._rate if self._rate else self._space
         across = np.stack([cross(axis, column) for column in start.T], axis=1)
@@ -103,7 +103,7 @@ class Along:
         self._frame = numbers(self._field, frame)
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Rotations and ω."""
+        """The rotations from principal axes to the laboratory, and ω along these axes."""
         run = self._run(times)
         return self._frame @ run.attitude, run.omega
 

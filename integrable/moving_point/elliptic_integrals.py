@@ -244,7 +244,7 @@ def slowed(ends: Row, middle: Real, d: Real, r: Real, pi: Real, near: float) -> 
 
 
 def bracket_of_quadratics(p0: Real, p1: Real, p2: Real, q0: Real, q1: Real, q2: Real) -> tuple[Real, Real, Real]:
-    """p'q − pq' of two quadratics, ascending."""
+    """The coefficients of p'q − pq' for two quadratics, ascending."""
     return p1 * q0 - p0 * q1, 2 * (p2 * q0 - p0 * q2), p2 * q1 - p1 * q2
 
 

@@ -78,9 +78,9 @@ class FloatMotion(NamedTuple):
     matrix: Row
     """The inverse of Chaplygin's transformation; of an upright state the identity."""
     tau_unit: float
-    """The length of a unit of the user's τ."""
+    """One unit of the user's τ, in the units of the motion."""
     time_unit: float
-    """The length of a unit of physical time."""
+    """One unit of physical time, in the units of the motion."""
     close: float
     """I + d over the difference of the largest and the least moment."""
     lift: float

@@ -282,7 +282,7 @@ def fixed(constants, rule, start, times, setting, out):  # type: ignore[no-untyp
 
 @njit(**COMPILED)
 def adaptive(constants, rule, start, times, setting, out):  # type: ignore[no-untyped-def]
-    """As :func:`fixed`, with each step as long as :func:`_tail` allows."""
+    """Integrates like :func:`fixed`, with each step as long as :func:`_tail` allows."""
     (sign, tolerance), (nodes, weights, weights_low, ratios, last, inverse) = setting, rule
     transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)
     high, low = np.empty(STAGES), np.empty(STAGES)

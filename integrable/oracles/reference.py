@@ -64,7 +64,7 @@ def integrated(
 ) -> Solution:  # fmt: skip
     """The solution of ẏ = ``rates``(t, y) from ``start`` at time 0, by a ``method`` of SciPy's ``solve_ivp``.
 
-    ``atol`` may hold one number per component. Times and errors are as for :func:`dop853`.
+    ``atol`` may hold one number per component. Times and exceptions are as for :func:`dop853`.
     """
     needed("scipy", f"SciPy's {method}")
     from scipy.integrate import solve_ivp

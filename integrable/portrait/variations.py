@@ -1,14 +1,15 @@
 """The equations of variation of a body, as functions of its states.
 
 x = (γ, M), ẋ = (γ × ω, M × ω), ω = A(M + dnγ), n = (γ, AM)/q, q = g⁻² = ΣI_i a_i γ_i². The derivatives S of a state
-with respect to (x(0), I, d) obey Ṡ = JS + P, J = ∂ẋ/∂x and P = (0, ∂ẋ/∂(I, d)). Besides ẋ there is the field Y of H2/2,
-γ' = γ × Ω, M' = M × Ω, Ω = M/g + dg(γ, AM)γ, which commutes with g⁻¹ẋ, the motion in τ. With the gradients of (C1, C2,
-H1, H2) as rows of F, N their right inverse orthogonal to E = (ẋ, Y), and G = F·S, known from the start and the
-parameters,
+with respect to (x(0), I, d) obey Ṡ = JS + P, J = ∂ẋ/∂x and P = (0, ∂ẋ/∂(I, d)). The field Y of H2/2 is γ' = γ × Ω, M' =
+M × Ω with Ω = M/g + dg(γ, AM)γ; it commutes with g⁻¹ẋ, the motion in τ.
 
-    S = N·G + ẋ ⊗ a + Y ⊗ b,   (ȧ + ρb, ḃ) = (EᵀE)⁻¹Eᵀ[(J + Jᵀ)NG + P],   ρ = g·Y(1/g):
+Let F have the gradients of (C1, C2, H1, H2) as rows, N be the right inverse of F with columns orthogonal to E = (ẋ, Y),
+and G = F·S, which is known from the start and the parameters. Then
 
-only integrals of functions of the state remain. Numbers are floats; the first axis of arrays is that of the states.
+    S = N·G + ẋ ⊗ a + Y ⊗ b,   (ȧ + ρb, ḃ) = (EᵀE)⁻¹Eᵀ[(J + Jᵀ)NG + P],   ρ = g·Y(1/g),
+
+so only integrals of functions of the state remain. Numbers are floats; the first axis of arrays is that of the states.
 """
 
 from __future__ import annotations

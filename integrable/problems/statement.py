@@ -35,9 +35,9 @@ UNIT_ROUNDING = 2.0**-52
 class Truth(NamedTuple):
     """The solution at some times, and its uncertainty: every component of ``y`` is right to within ``radius``.
 
-    Both have shape (…, n). If ``proven``, the radius comes from ball arithmetic. Otherwise it is an estimate: twice the
-    difference of two runs, the second with 12 more digits, plus the rounding of ``y``. ``y`` holds doubles up to 16
-    digits, mpmath numbers above.
+    ``y`` and ``radius`` have shape (…, n). If ``proven``, the radius comes from ball arithmetic. Otherwise it is an
+    estimate: twice the difference of two runs, the second with 12 more digits, plus the rounding of ``y``. ``y`` holds
+    doubles up to 16 digits, mpmath numbers above.
     """
 
     y: np.ndarray

@@ -108,7 +108,7 @@ class ClassicalMotion:
         self._flow = system.system.flow(_point(state))
 
     def _prepare(self) -> None:
-        """Does nothing: the method depends on the times, and its set-up is part of their computation."""
+        """Does nothing: the method depends on the times, so its set-up is part of :meth:`at`."""
 
     def at(self, times: Numbers) -> ClassicalRun:
         """The states at times."""

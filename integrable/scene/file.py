@@ -232,7 +232,7 @@ def _read_size(body: Table, system: str) -> dict[str, Any]:
 
 MOST_TIMES = 10_000_000
 BYTES_OF_A_TIME = 150
-"""The bytes of a time as a Python float, and of its t, τ, γ and M as doubles."""
+"""The bytes of a time as a Python float, and of t, τ, γ and M at that time as doubles."""
 
 
 def _read_times(table: Table, key: str) -> Times:

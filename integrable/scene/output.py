@@ -20,7 +20,7 @@ from jacobian.errors import ArgumentError
 __all__ = ["SCHEMA", "OutputFolder", "as_json", "machine", "portable", "result", "versions"]
 
 SCHEMA = 1
-"""Version of the layout of ``result.json``; raised when a reader of the old layout would misread the new one."""
+"""Version of the layout of ``result.json``; increased when a reader of the old layout would misread the new one."""
 
 
 class OutputFolder:

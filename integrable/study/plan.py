@@ -158,7 +158,7 @@ def tasks_of(scene: Scene, source: str, mode: str) -> list[Task]:
 
 
 MIDDLE = 500.0
-"""The time scales that stand for all times of a scene in the order of rows."""
+"""The time, in time scales, that stands for "all times of a scene" where rows are ordered by time."""
 _ORDER = ("truth", "floor", "flow", "horizon", "orbit", "first answer", "comparator")
 
 

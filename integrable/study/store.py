@@ -19,7 +19,7 @@ from integrable.scene.output import OutputFolder, as_json
 __all__ = ["SCHEMA", "Store", "code_stamp", "commit"]
 
 SCHEMA = 2
-"""Layout of a row's file; raised when a reader of the old layout would misread the new one."""
+"""Version of the layout of a row's file; increased when a reader of the old layout would misread the new one."""
 _SHOWN_ONLY = (
     "__main__.py",
     "doctor.py",

@@ -16,7 +16,7 @@ from integrable.oracles.method import Spent
 __all__ = ["NOBODY", "SCATTER", "Tick", "Timed", "Timing", "TooLong", "Watch", "at_most", "interleaved", "silent"]
 
 Tick = Callable[[str], None]
-"""Called before a piece of work with its name, for a progress bar."""
+"""A function that is called with the name of each piece of work before it starts, for a progress bar."""
 Timed = tuple[Spent, Any]
 """The costs of a run, and its result."""
 SCATTER = 0.1

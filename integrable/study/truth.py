@@ -35,7 +35,7 @@ __all__ = [
 ]
 
 DIGITS = (40, 60, 100)
-"""Digits of the truth of a study: the first of these that carries the motion."""
+"""Digits of the truth of a study: the first of these that resolves the motion."""
 CHECK_DIGITS = 30
 PART = 20
 """States of the truth that are computed between two steps of the progress bar."""
