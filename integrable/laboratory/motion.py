@@ -49,7 +49,7 @@ class LaboratoryMotion(Immutable):
     def at(self, times: Numbers) -> LaboratoryRun:
         """The motion at times in s, in any order, of any sign and size, shape (N,).
 
-        PrecisionLoss where floats do not suffice for one of them.
+        PrecisionLoss if floats do not suffice at one of the times.
         """
         field = self.body.field
         items = [field.coerce(t, f"times[{i}]") for i, t in enumerate(one_or_more(times, "times"))]

@@ -79,7 +79,9 @@ def pieces_of_orbit(scene: Scene, digits: int) -> int:
 
 
 def measure_orbit(scene: Scene, digits: int, tick: Tick) -> Orbit:
-    """The orbit of ``scene.steps`` at ``digits`` digits, with its report; ``tick(label)`` before each piece of work."""
+    """The orbit of ``scene.steps`` at ``digits`` digits, with its report. ``tick(label)`` is called before each piece
+    of work.
+    """
     steps = scene.steps
     assert steps is not None, "the scene has no [steps]"
     if scene.finite_field:
