@@ -96,8 +96,8 @@ def expand(c, order, s):  # type: ignore[no-untyped-def]
 
 @njit(**COMPILED)
 def taylor(c, start, times, setting, out):  # type: ignore[no-untyped-def]
-    """Writes the states at ascending positive times (negated for sign −1) into ``out``; returns the number of
-    expansions.
+    """Writes the states at ascending positive ``times``, or at their negatives if the sign in ``setting`` is −1, into
+    ``out``; returns the number of expansions.
 
     Returns −1 where a step is 0 or not a number: at a pole, or where the equations have no value.
     """

@@ -52,8 +52,8 @@ class Portrait(Immutable):
     """The global quantities of a motion, in the field of its system. Get one from ``flow.portrait``.
 
     ``region`` is a word of :data:`REGIONS`, ``axis`` (0, 1 or 2) the axis of the body that M̃ circles, or None.
-    ``zeta`` is ζ = H̃1/H̃2. ``distance``, (ζ − a₂)/(a₃ − a₁) of sorted a_i, is the distance to the separatrix, negative
-    on its low side (0 where three moments are equal).
+    ``zeta`` is ζ = H̃1/H̃2. ``distance`` is (ζ − a₂)/(a₃ − a₁) with the sorted a_i: the distance to the separatrix,
+    negative on its low side (0 where three moments are equal).
 
     ``frequencies`` (f1, f2) and ``tau_frequencies`` (ν1, ν2) are turns of u1 and of u2 per unit of t and of τ, signed;
     ``rotation_number`` is f1/f2. Rates are in radians per unit of t: ``precession`` of the axis about M̃ in space,

@@ -102,8 +102,8 @@ class Multiplication(Move):
         return f"<multiplication by {self.factor} on {self.system!r}>"
 
     def _image(self, state: State) -> State:
-        """The image of an upright state. NotASquare if it is not over the field; NotRepresentable for equal moments or
-        an image divisor of fewer than two points.
+        """The image of an upright state. NotASquare if the image is not over the field; NotRepresentable for equal
+        moments or an image divisor of fewer than two points.
         """
         system, body, K = self.system, self.system.body, self.system.field
         kappas = coordinates.kappas(body)

@@ -70,8 +70,8 @@ def error_against_run_time(found: SceneFindings) -> Any:
 
 
 def _handles(methods: Sequence[str], rows: Sequence[dict[str, Any]], found: SceneFindings) -> list[Line2D]:
-    """The entries of the legend: the runs of the flow by their arithmetic, the other methods, and those that gave no
-    figure.
+    """The entries of the legend: the runs of the flow by their arithmetic, the other methods, and the methods that gave
+    no figure.
     """
     lost = {c["row"]["method"] for c in found.failures if c["row"]["kind"] == "comparator"}
     handles = []
