@@ -59,7 +59,7 @@ class AxialSystem(SurfaceSystem):
         """
         return None
 
-    # --- derived from these
+    # --- derived from the methods above
 
     def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         axis = self._axis(N, state)

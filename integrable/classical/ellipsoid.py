@@ -152,7 +152,7 @@ class Ellipsoid(SurfaceSystem):
         a, slope = self._constants_in(N), x / h
         roots = [N.sqrt(e / (e - x)) for e in a]
         q = tuple(r * (y + h * v) for r, y, v in zip(roots, *state, strict=True))
-        # p̃ is (q̃ − q/r)/h, here without cancellation for small steps
+        # p̃ = (q̃ − q/r)/h, in a form without cancellation for small steps
         return Point(q, tuple(r * (v + slope * y / e) for r, e, y, v in zip(roots, a, *state, strict=True)))
 
     def _start(self, N: FormulaField, state: Point) -> Start:

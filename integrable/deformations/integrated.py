@@ -30,7 +30,7 @@ STEP_DIGITS = 2
 LOST_DIGITS = 3
 # rates within 2^±USUAL are not rescaled, which saves one product per rate
 USUAL = 10
-# the sizes of H and K are found from this relative change of coordinates, which changes K even at a double zero
+# the sizes of H and K are found from this relative change of coordinates, which changes K even at a double zero of K
 PART = 1.2345e-4
 
 

@@ -119,8 +119,8 @@ def free_state(b: Row, p: Three, q: Three, first: Track, second: Track) -> tuple
     """
     d, mu1, mu2 = b[12], b[13], b[14]
     f1, f2 = 1 / (1 + d * height(first, p)), 1 / (1 + d * height(second, q))
-    # the roots get the order of the axes, smallest moment first: its axis has e_high on the first curve, e_low on the
-    # other
+    # the roots are put in the order of the axes, smallest moment first; the axis of the smallest moment has e_high on
+    # the first curve and e_low on the second
     p0, p1, p2, q0, q1, q2 = p[2], p[1], p[0], q[0], q[1], q[2]
     e0, e1, e2 = b[0] * p0 * q0, b[1] * p1 * q1, b[2] * p2 * q2
     length = root(e0 * e0 + e1 * e1 + e2 * e2)

@@ -87,7 +87,7 @@ def oval_of_cubic(K: LongNumbers, q: poly.Poly, shift: Real, z: Real, slope: Rea
     """
     scale = q[3] / 4
     g2 = 12 * shift * shift - scale * q[1]
-    # at u = 0, where Z = shift: λ²q(0) = 4Z³ − g2Z − g3
+    # g3 follows from λ²q(0) = 4Z³ − g2Z − g3 at u = 0, where Z = shift
     g3 = (4 * shift * shift - g2) * shift - scale * scale * q[0]
     e = roots_of_cubic(K, g2, g3)
     sizes = [root_of_rounded(K, z - x) for x in e]

@@ -247,7 +247,7 @@ def interlaced(body: Body, squares: Sequence[Real]) -> list[list[Real]]:
 
 def _oval(K: LongNumbers, body: Body, mu: Real, gaps: Sequence[Real], turn: int) -> SeparatedOval:
     """The curve through the point with ũ − a_i = ``gaps``: Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i))."""
-    # 1 − dũ is (1 − da_i) − d(ũ − a_i), here with the smallest ũ − a_i
+    # 1 − dũ = (1 − da_i) − d(ũ − a_i) is computed with the smallest ũ − a_i
     slow = next(r - body.d * x for r, x in sorted(zip(body.contact, gaps, strict=True), key=lambda pair: abs(pair[1])))
     sizes = [root_of_rounded(K, mu * x / (slow * r)) for x, r in zip(gaps, body.contact, strict=True)]
     inertia = body.inertia

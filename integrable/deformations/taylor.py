@@ -31,7 +31,8 @@ DOUBLE_DOUBLE = 28
 class _Interpreted:
     """The loops of :mod:`integrable.deformations.series` on bare reals with the digits of the field."""
 
-    # ``most`` products of coefficients take half a minute, ``overhead`` of them as long as the overhead of a step
+    # ``most`` products of coefficients take half a minute; the overhead of a step takes as long as ``overhead``
+    # products
     most, overhead = 3e7, 500
 
     def __init__(self, field: Any) -> None:
@@ -57,7 +58,7 @@ class _Interpreted:
 class _Compiled:
     """The loops of :mod:`integrable.deformations.series`, compiled for double-doubles."""
 
-    # ``most`` products of coefficients take a second, ``overhead`` of them as long as the overhead of a step
+    # ``most`` products of coefficients take a second; the overhead of a step takes as long as ``overhead`` products
     most, overhead = 6e7, 3e4
 
     def __init__(self, field: Any) -> None:

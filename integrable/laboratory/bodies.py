@@ -33,8 +33,8 @@ from jacobian.fields.protocol import Field
 
 # a set-up has GUARD digits beyond those of MP(digits), a flow INNER
 GUARD, INNER = 15, 5
-# M counts as vertical if its horizontal part is below VERTICAL roundings of it; floats lose digits below the part
-# NEARLY
+# M counts as vertical if its horizontal part is below VERTICAL rounding units of |M|; if the part is below NEARLY·|M|,
+# floats lose digits
 VERTICAL, NEARLY = 64, 1e-2
 
 
@@ -187,7 +187,7 @@ class RollingBall(RigidBody):
         length, size = K.sqrt(flat @ flat), K.sqrt(M @ M)
         if length <= VERTICAL * self.field.eps * size:
             return self._vertical(start, gamma, c + d * (gamma @ spin))
-        # the axes of space are determined by the horizontal part of M
+        # the horizontal part of M determines the axes of space, so the flow has more digits if the part is small
         lost = 0 if length >= NEARLY * size else ceil(log10(float(size / length)))
         inner = _inner(self.field, lost)
         with unwarned():

@@ -84,7 +84,7 @@ def diagonalised(K: Any, table: Matrix) -> tuple[np.ndarray, np.ndarray]:
             break
         for i, j in ((0, 1), (0, 2), (1, 2)):
             if table[i, j]:
-                # this is the one by the smaller angle of the two possible rotations
+                # of the two rotations that make this entry 0, the one by the smaller angle is chosen
                 lean = (table[j, j] - table[i, i]) / (2 * table[i, j])
                 t = (1 if lean >= 0 else -1) / (abs(lean) + K.sqrt(1 + lean * lean))
                 c = 1 / K.sqrt(1 + t * t)

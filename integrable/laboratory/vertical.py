@@ -100,7 +100,7 @@ class Vertical(Along):
 
     @cached_property
     def _panels(self) -> tuple[Panels, Panels]:
-        # a rounded time may lie slightly outside
+        # a rounded time may lie slightly beyond the half period
         end = self._half_period * (1 + 1e-9)
         first, second = (
             Panels(lambda s, sign=sign: self._velocity(sign * s), 0.0, end, end / PANELS, TOLERANCE)  # type: ignore[misc]

@@ -35,7 +35,7 @@ class WideFlow(Flow):
     """
 
     def __init__(self, system: Any, state: State, wide_body: Body, wide_state: State) -> None:
-        # these are set first, since the base class may request the set-up
+        # the wide body and state are set first, since the base class may request the set-up
         self._wide_body, self._wide_state = wide_body, wide_state
         super().__init__(system, state)
 

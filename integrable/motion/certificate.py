@@ -31,7 +31,7 @@ WIDER = 15
 LEAST = 30
 # spare digits in the estimate of :func:`_turns`
 BESIDE = 3
-# by default this many of the field's digits need not agree, and FLOAT_SLACK of those of floats
+# by default the last SLACK of the field's digits need not agree, over floats the last FLOAT_SLACK
 SLACK = 1
 FLOAT_SLACK = 3
 
@@ -45,7 +45,7 @@ def certified(flow: Motion, times: Numbers, digits: int | None) -> Trajectory:
     run = flow.at(times)
     more = max(own + WIDER, LEAST)
     K = MP(more)
-    # the run has rounded the given times, and both runs must use the same ones
+    # the first run has rounded the given times, and the second run must use the same times
     finer = _vectors(flow, [K.coerce(t) for t in run.times], K)
     errors = []
     for gamma, M, (true_gamma, true_M) in zip(run.gamma, run.M, finer, strict=True):
@@ -70,7 +70,7 @@ def _vectors(flow: Motion, times: list[Real], K: MultiprecisionField) -> Pairs:
     if body.rolls and state.tilted and symmetry_axis(flow.system.inertia) is not None:
         if len(set(flow.system.inertia)) == 1:
             return [_turned(flow, t, K) for t in times]
-        # with two equal moments the clock has no torus, and its cost grows with the time
+        # two equal moments leave the clock without a torus, and its cost grows with the time
         body = _beside(flow, max(map(abs, times), default=K.zero), K)
     finer = PreciseFlow(body, state, K.dps)
     return finer.vectors(finer.at(times)[1])

@@ -43,11 +43,11 @@ FAR = 50
 MOST_PANELS, MOST_PRECISE = 4000, 60
 # in multiprecision the torus costs less from FAR_GAUSS panels on; without a torus MOST_GAUSS panels take minutes
 FAR_GAUSS, MOST_GAUSS = 4, 40
-# digits of the bounded part beyond those of the field
+# guard digits of the bounded part of the path
 GUARD = 2
 # γ × M loses digits if it is this many times smaller than M
 PARALLEL = 30
-# the rounding errors of ẋ as a part of their bound; near a rotation about a principal axis nothing else is left of ẋ
+# rounding errors of ẋ are about LEAST of their bound; near a rotation about a principal axis ẋ consists of them only
 LEAST = 1 / 16
 # the accuracy of states near the start, computed in floats
 TOLERANCE = 1e-13

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from integrable.phase.enclosure import Row
     from integrable.phase.state import State
 
-# the sum of the semi-axes of a panel's Bernstein ellipse, in half panels: if it is larger, panels are shorter
+# the sum of the semi-axes of a panel's Bernstein ellipse, in units of half the panel; a larger sum means shorter panels
 ELLIPSE = 3
 # approximate number of bits that balls lose in one addition
 LOST = 14
@@ -110,8 +110,8 @@ class BallMotion:
             # points
             tiny = self._flint.arb(0, K.one / 2**bits)
             self._start = tuple(x + tiny for x in problem.start)
-        # for physical time: half the length of a panel, the radius of the last disc, the sums over whole panels in
-        # either direction, and the nodes of a panel
+        # for physical time: ``_half`` is half the length of a panel, ``_reach`` the radius of the last disc, and
+        # ``_sums`` has the integrals over whole panels in either direction
         self._half, self._reach = 0.0, 1.0
         self._sums: dict[int, list[arb]] = {}
         self._kept_nodes: tuple[float, list[tuple[tuple[arb, ...], arb]]] | None = None

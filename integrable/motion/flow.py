@@ -47,17 +47,17 @@ if TYPE_CHECKING:
 
 KERNELS = ("auto", "python", "compiled")
 CHOOSE = f"choose one of {', '.join(map(repr, KERNELS))}"
-# states whose integrals differ from the integrals of the start by more than the fraction DRIFT are refused; CHUNK
-# states are compared at a time
+# a state is refused if H1 or H2 differs from its value at the start by more than the fraction DRIFT; CHUNK states are
+# compared at a time
 DRIFT = 1e-9
 CHUNK = 8192
-# up to this many states Python is faster than arrays
+# up to this many states plain floats are faster than arrays
 FEW = 16
-# limits where compiled loops fail, about half a second each: MOST_INTERPRETED corners or samples of a torus in
-# interpreted loops, and MOST_RATES values of 1/g on the way to a time
+# limits for motions at which compiled loops fail; each is about half a second of work: MOST_INTERPRETED corners or
+# samples of a torus in interpreted loops, MOST_RATES values of 1/g up to a time
 MOST_INTERPRETED = 4096
 MOST_RATES = 16_000
-# digits of t that states in floats need at the farthest times that MOST_RATES values of 1/g reach
+# digits of the clock that suffice for states in floats at the farthest times that MOST_RATES values of 1/g reach
 CLOCK_DIGITS = 24
 # basic steps per panel of a search for events, so few that its nodes resolve γ and M
 PANEL_STEPS = 6
@@ -320,7 +320,7 @@ class Flow(BodyMotion):
         off the level set.
         """
         if way == ShortRuns.way or rows.dtype == object:
-            # these methods have compared the integrals already, the precise flow with more digits
+            # short runs and the precise flow have compared the integrals already
             return super()._off(rows, way)
         drift = integrals_drift(self, rows)
         # a NaN in any row makes the maximum NaN and the comparison false

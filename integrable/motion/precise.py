@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 WIDER = 10
 # digits that a result keeps in addition to the requested ones
 SPARE = 2
-# the largest allowed loss, in addition to the requested digits: half a minute of computing on the separatrix
+# a motion may lose MOST_LOST digits more than the requested number; on the separatrix this takes half a minute
 MOST_LOST = 400
 # from this many basic steps per digit on, the torus costs less than stepping
 TORUS_FROM = 20
@@ -130,7 +130,7 @@ class ManyDigits:
         self.digits = digits
         # the carrier in use, the one with the fewest digits (the first) and the one with the most
         self.carrier = self._first = self._finest = carrier
-        # the nearest time, in units of the user, at which a computation showed that the first digits do not suffice
+        # the nearest time, in units of the user, for which the digits of the first carrier did not suffice
         self._too_far: Real = inf
 
     def carrier_of(self, digits: int) -> Carrier:
@@ -241,7 +241,7 @@ class ManyDigits:
         far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)
         if far is None or missing > 0 or abs(tau[far]) <= carrier.witnessed:
             return missing
-        # two computations may lose every digit and end in the same rotation: so the second has extra digits
+        # both computations may lose every digit and end in the same rotation, so the second has extra digits
         wider = carrier.digits + WIDER + carrier.lost(abs(tau[far]))
         if carrier.witness is None or carrier.witness.digits < wider:
             carrier.witness = self.carrier_of(wider)
@@ -352,13 +352,13 @@ class BodyCarrier(Carrier):
     def tau(self, times: list[Real], digits: int = 0) -> list[Real]:
         """The values of τ at physical times, to the digits of the set-up."""
         setup = self.setup
-        # a heavy ball's τ may run a thousand times faster than t, so the initial rate is used to estimate it
+        # a heavy ball's τ may run a thousand times faster than t, so τ is estimated from the initial rate
         rate = abs(addition.rate_at(setup.problem.axes, setup.problem.start))
         torus = self._far([t / rate for t in times])
         if torus:
             return [setup.wide.coerce(t) for t in torus.tau([torus.wide.coerce(t) for t in times])]
         result = [setup.wide.zero] * len(times)
-        # the farthest time comes first: if it is too far, no other has been computed
+        # the farthest time comes first, so that a time out of reach is refused before others are computed
         for i in sorted((i for i, t in enumerate(times) if t != 0), key=lambda i: -abs(times[i])):
             sign = -1 if times[i] < 0 else 1
             cell, x = self._clock(sign).place(setup.reals.number(abs(times[i])))
@@ -421,7 +421,7 @@ class BodyCarrier(Carrier):
             return None
         work = min(WORK_A_STEP * setup.digits * steps, WORK_WITH_ROOM)
         if self._torus is None and work >= self._least_work:
-            # each digit of τ before the decimal point takes one of the phases' digits after it
+            # each digit of τ before the decimal point costs the phases one digit after it
             whole = setup.wide.exponent(max(map(abs, tau))) * 3 // 10
             self._torus = self._made_torus(work, setup.digits + SPARE - whole)
         return self._torus
@@ -434,7 +434,8 @@ class BodyCarrier(Carrier):
         from integrable.torus.oval_modes import TooManyModes
 
         setup, self._least_work = self.setup, inf
-        # close branch points lose digits, and errors then look like modes of 1/g: a set-up of twice the digits is tried
+        # close branch points lose digits, and errors then look like modes of 1/g, so a set-up of twice the digits is
+        # tried next
         for make in (lambda: setup, lambda: Setup(*self._problem, digits=2 * setup.digits)):
             try:
                 return MultiprecisionTorusClock(make(), setup.digits, most_work=work, after=digits)
@@ -459,7 +460,8 @@ class PreciseFlow(ManyDigits):
     ) -> None:
         self._problem = body, *state.vectors, state.tilted
         self._limits = limits
-        # a motion that floats refuse loses digits: a set-up with extra digits costs less than a second one
+        # a limited clock belongs to a motion that loses digits in floats: extra digits now cost less than a second
+        # set-up
         setup = setup or Setup(*self._problem, digits=digits + (self.expected if limits.most < inf else 0))
         self._scouts = Scouts(setup, limits.compiled)
         super().__init__(digits, BodyCarrier(setup, self._problem, limits, self._scouts))

@@ -26,18 +26,19 @@ if TYPE_CHECKING:
 
 Found = TypeVar("Found")
 
-# a long panel has LONG cells (odd, so that its centre is that of a cell); the first NEAR_CELLS cells are in none
+# a long panel has LONG cells, an odd number, so that its centre is that of a cell; the first NEAR_CELLS cells belong to
+# no long panel
 LONG = 9
 NEAR_CELLS = 27
 # on the first cells the clock may run this many times faster or slower than on later ones
 UNEVEN = 4
-# long panels are used only if each coefficient gains this many decimal digits
+# long panels are used only if each coefficient gains more than this many decimal digits
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
 # 1/g is computed from U(1/d) if 1 − dα is at least this at every axis, which costs three guard digits
 LIGHT = 1e-3
-# the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so that a start value needs more correct digits;
-# Newton's method takes at most END_STEPS steps on it
+# the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so the start value of τ needs more correct digits
+# than that; Newton's method takes at most END_STEPS steps on the panel
 END_DIGITS, END_STEPS = 12, 12
 # Newton's steps in floats end below NEAR; if the last is below ROUGH, NEAR_BITS bits are right, otherwise ROUGH_BITS
 NEAR, ROUGH, NEAR_BITS, ROUGH_BITS = 1e-14, 1e-10, 40, 16
@@ -159,7 +160,7 @@ class PanelClock(RatePanels):
         self._nodes = self._at_nodes(self._rule.nodes, 1)
         self._series: dict[int, list[Real]] = {}
         self._means: dict[int, Real] = {}
-        # t at the upper end of cell −1, 0, 1, …
+        # t at the upper ends of the cells −1, 0, 1, …
         self._ends: list[Real] = []
         self._far = []
 
@@ -181,12 +182,12 @@ class PanelClock(RatePanels):
             x = max(-1.0, min(1.0, x))
             angle, rate = addition.integrate_series(floats, x)
             step = (angle - goal) / rate
-            # steps no longer decrease: the place is as accurate as floats allow
+            # steps that no longer decrease are rounding errors of floats
             if not abs(step) < last:
                 break
             x, last = x - step, abs(step)
         place = reals.number(max(-1.0, min(1.0, x)))
-        # 40 coefficients may be fewer than a float's digits need
+        # a series of more than 40 coefficients is truncated in ``floats``, and gives fewer correct bits
         known = NEAR_BITS if len(series) <= len(floats) and last < ROUGH else ROUGH_BITS
         wanted = min(reals.bits, ceil(3.33 * self._digits) + NEAR_BITS)
         for _ in range(len(doubling_precisions(wanted, known))):
@@ -199,7 +200,7 @@ class PanelClock(RatePanels):
         while self._end(len(self._ends) - 2) <= t and len(self._ends) <= NEAR_CELLS + 1:
             self._end(len(self._ends) - 1)
         if self._ends[-1] <= t:
-            # the number of cells is estimated by the mean rate on the known ones
+            # the number of cells is estimated from the mean rate on the known cells
             self._afford(float(t / self._ends[-1]) * len(self._ends))
         if self._ends[-1] > t or not self._far_reaches(t):
             while self._ends[-1] <= t:
@@ -231,7 +232,7 @@ class PanelClock(RatePanels):
             return False
         while not self._far or self._far[-1] <= t:
             self._wind(len(self._far))
-            # the first cells may have suggested a faster clock than later ones; a longer mean is more accurate
+            # the estimate is repeated, since the mean over more cells is more accurate than that over the first cells
             cells = NEAR_CELLS + LONG * (len(self._far) - 1)
             self._afford(float(t / self._far[-1]) * cells, 1 + UNEVEN * NEAR_CELLS / cells)
         return True
@@ -335,7 +336,7 @@ class OneTime(RatePanels):
             rates = self._rates_at(point(self._sign * (2 * k + 1) * panel), steps)
             whole = sum(map(mul, weights, rates))
             tail = [(2 * n - 1) * sum(map(mul, row, rates)) for row in (last, other)]
-            # a rule is right to twice the digits of its last coefficients
+            # a Gauss rule is accurate to twice the digits to which the last coefficients are small
             if not self._ends(whole, tail, self._digits / 2):
                 return None
             total += whole

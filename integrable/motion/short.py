@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
     from jacobian.native.library import Packed
 
-# costs of compiled code in microseconds, of which only ratios matter (python -m benchmarks short): a panel, and the
-# start of a run
+# PANEL_COST is the cost of a panel and START_COST that of the start of a run, in microseconds of compiled code (python
+# -m benchmarks short); only the ratio matters
 PANEL_COST, START_COST = 1.6, 40.0
 
 
@@ -49,13 +49,13 @@ class TorusCost(NamedTuple):
     dense: float
 
 
-# costs in microseconds for d = 0, where t = τ, for d ≠ 0, and for moments whose I/(I + d) differ by more than the
+# costs in microseconds: FREE for d = 0, where t = τ; ROLLING for d ≠ 0; THIN if the I/(I + d) differ by more than the
 # factor THINNER, since 1/g then has far more Fourier modes
 FREE, ROLLING, THIN = TorusCost(600.0, 0.7, 0.3), TorusCost(1100.0, 3.0, 1.0), TorusCost(2600.0, 6.0, 5.5)
 THINNER = 20.0
 DENSE_FROM = 5000
-# states from panels are less accurate than states from a torus by some roundings: a single run must therefore be WORTH
-# times cheaper than the torus. For many runs it is enough that they are as cheap
+# states from panels are less accurate by some roundings than states from a torus, so a single run must be WORTH times
+# cheaper than the torus. For many runs the factor is WORTH_OF_MANY
 WORTH, WORTH_OF_MANY = 2.0, 1.0
 # largest number of panels: errors grow with the number, as the effect of input rounding does
 MOST_PANELS = 3000
@@ -188,7 +188,8 @@ def compiled_run(asked: Asked, times: np.ndarray) -> tuple[int, int, np.ndarray,
     """
     prepared, length = _prepared(), len(times)
     try:
-        # each array passed to a call costs as much as half an addition: the packed memory of an earlier run saves that
+        # each array passed to a call costs as much as half an addition, so the packed memory of an earlier run is used
+        # again
         work = prepared.kept.pop() if length <= KEPT_TIMES else prepared.room(1, length)
     except IndexError:
         work = prepared.room(1, KEPT_TIMES)

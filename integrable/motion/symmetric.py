@@ -119,7 +119,7 @@ class SymmetricFlow:
         )
         return 2 * self.numbers.field.context.pi * turns * (1 + factors) + 1
 
-    # --- at times
+    # --- states at given times
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
@@ -242,7 +242,7 @@ class SymmetricFlow:
     def _lean(self, c: np.ndarray) -> np.ndarray:
         """G(c) = ∫_0^c du/√(μ + δA²u²)."""
         y, N = self._bulge * c * c, self.numbers
-        # for arguments below this three terms of the series are right to the last digit
+        # below ``small`` three terms of the series are right to the last digit
         small = N.eps ** (1 / 3)
         far = N.sqrt(np.maximum(abs(y), small))
         long = N.arcsinh(far) / far if self._bulge > 0 else N.arcsin(np.minimum(far, 1)) / far
@@ -255,7 +255,7 @@ class SymmetricFlow:
         """φ(x) − φ(0) as a function of θ, without the contribution of F."""
         if self._flat or self._kappa == 0:
             return 0 * x
-        # at θ = π/2 the arctangent and Π each change by half a turn within about κ: cos ≥ 0 keeps both on one side
+        # at θ = π/2 the arctangent and Π each change by half a turn within about κ; cos ≥ 0 keeps both on the same side
         N = self.numbers
         s, c = N.sin(x), np.maximum(N.cos(x), 0)
         k2, n, square = self._first_kind.k**2, self._size**2, self._kappa**2

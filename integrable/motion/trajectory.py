@@ -201,7 +201,7 @@ class Trajectory(Exported):
     ) -> None:
         if status is not None and not status.any():
             status = None
-        # these arrays are never the user's own, so that they can be set read-only
+        # these arrays are never the user's own, so they can be set read-only
         for array in (times, tau, rows, status):
             if array is not None:
                 array.setflags(write=False)

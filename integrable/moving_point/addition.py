@@ -86,7 +86,7 @@ def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust:
     """
     x, y = kappa * sigma, kappa * nu
     e1, e2, e3 = leading(u - x * sigma), leading(v - x * nu), leading(-w - y * nu)
-    # the correction has the size of rounding errors: a float has enough digits for it
+    # the correction has the size of rounding errors, so floats have enough digits for it
     kappa, s, n = leading(kappa), leading(sigma), leading(nu)
     k2, s2, n2 = 2 * kappa * kappa, s * s, n * n
     m11, m12, m22 = k2 * (2 * s2 + n2) + leading(trust), k2 * s * n, k2 * (s2 + 2 * n2) + leading(trust)
@@ -232,7 +232,8 @@ def abel_slopes(series: Row, m: Real, r: Real) -> tuple[Real, Real, Real, Real]:
     """The derivatives of :func:`abel_sums`: of phi with respect to m and r, then of psi."""
     phi_m, phi_r, psi_m, psi_r = 0 * r, 0 * r, 0 * r, 0 * r
     c = m * m - r
-    # S_j of :func:`abel_sums`, and its derivatives with respect to m and r
+    # s0 and s1 are the S_j of :func:`abel_sums`, d0 and d1 their derivatives with respect to m, e0 and e1 with respect
+    # to r
     s0, s1, d0, d1, e0, e1 = 0 * r, 1 + 0 * r, 0 * r, 0 * r, 0 * r, 0 * r
     for k in range(len(series)):
         s2 = 2 * m * s1 - c * s0
@@ -270,7 +271,7 @@ def integrate_series(coefficients: Row, x: Real) -> tuple[Real, Real]:
     """(integral from 0 to x, value at x) of a Legendre series on [−1, 1]."""
     value, total = coefficients[0] + 0 * x, coefficients[0] * x
     p0, p1 = 1 + 0 * x, x
-    # P_k(0), so that the integral vanishes at 0
+    # z0 and z1 are values P_k(0), which make the integral vanish at 0
     z0, z1 = 1 + 0 * x, 0 * x
     for k in range(1, len(coefficients)):
         p2 = ((2 * k + 1) * x * p1 - k * p0) / (k + 1)

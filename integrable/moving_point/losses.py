@@ -36,7 +36,7 @@ def lost_digits(setup: Setup, tau: Real) -> int:
         # a smaller gap is a double root with rounding errors
         if gap > K.eps * 10**8 * near:
             grown = min(grown, K.context.log(1 + 16 * near / gap))
-        # twice, as the translations grow too: an addition loses the digits of both
+        # the factor 2 is due to the translations, whose errors grow as much as those of the points
         total += 2 * grown
     return ceil(float(total) / log(10))
 
@@ -50,7 +50,7 @@ def drift(setup: Setup, point: Row) -> Real:
         square = sum(x * x for x in sigma)
         lean = sum(x * y for x, y in zip(sigma, nu, strict=True)) / square
         w = [y - lean * x for x, y in zip(sigma, nu, strict=True)]
-        # M = w × γ, γ = σ/|σ|; everything below is relative to the momentum
+        # M = w × γ with γ = σ/|σ|; M, h1 and h2 are relative to the momentum
         M = [w[i - 2] * sigma[i - 1] - w[i - 1] * sigma[i - 2] for i in range(3)]
         h2 = sum(m * m for m in M) / square
         # g² = |σ|²

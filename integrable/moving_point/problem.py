@@ -20,7 +20,7 @@ from jacobian.numbers.roots import root
 # positions in a :func:`problem_row` after f, the axes and the start
 START, TIME_SCALE, RATIO, HEAVINESS, MOMENTUM, HALF_STEP, MATRIX, SLOWNESS = 14, 24, 25, 26, 27, 28, 29, 33
 CONTACT, INVARIANTS, ROW = 34, 37, 39
-# number of last bits in which |γ × M|/|M| has no significance
+# number of last bits of |γ × M|/|M| that are not significant
 SPARE_BITS = 15
 Contact = tuple[Vector[Real], Real]
 """r_i = I_i/(I_i + d) and d of a body."""
@@ -169,7 +169,8 @@ def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[
     rolling, double = d * h1, 2 * c
     rest = h2 - rolling
     whole = root(rest * rest + double * double * rolling)
-    # by (whole + rest)(whole − rest) = 4c²dH1, and likewise below, only sums without cancellation are formed
+    # (whole + rest)(whole − rest) = 4c²dH1, and a similar identity below, replace the differences in which digits
+    # cancel
     total = rest + whole if rest > 0 else double * double * rolling / (whole - rest)
     k = -(double / total)
     below = rest - double * c
@@ -197,7 +198,7 @@ def put_curve(given: Row, a: Vector[Real], body: Contact, gamma: Vector[Real], M
         for i in range(j + 2, 0, -1):
             out[i] = constant * out[i] + slope * out[i - 1]
         out[0] = constant * out[0]
-    # differences of the a_i, from those of the moments, which are exact
+    # differences of the a_i are computed from differences of the moments, which are exact
     d01, d12 = (given[1] - given[0]) * a[0] * a[1], (given[2] - given[1]) * a[1] * a[2]
     d20, unit = (given[0] - given[2]) * a[2] * a[0], 1 / (top * top)
     out[9] = -contact[0] * d01 * d20 * unit

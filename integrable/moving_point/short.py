@@ -51,12 +51,12 @@ from integrable.moving_point.short_steps import (
 
 # half the length of a panel, in basic half steps
 LENGTH = 5.0
-# a panel is doubled only as far as the body turns by at most this on half of it, in radians
+# a panel is doubled only while the body turns by at most this many radians on half of it
 TURN = 1.7
-# a panel is doubled at least this many times or not at all: doubled ones need wide numbers
+# a panel is doubled at least this many times or not at all, because doubled panels need wide numbers
 WORTHWHILE = 3
-# upper bounds on a panel: TAIL of its last coefficients of γ, w and 1/g, STEP of the jump from the panel before.
-# WIDE_STEP replaces STEP for nodes in wide numbers, since those of the panel before may be in floats
+# upper bounds for a panel: TAIL for its last coefficients of γ, w and 1/g, STEP for the jump from the panel before.
+# WIDE_STEP replaces STEP if the nodes are computed in wide numbers, since those of the panel before may be floats
 TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
 # cost of a panel with nodes in wide numbers, in units of one with nodes in floats
@@ -67,13 +67,13 @@ INTEGRALS, CENTRE = 1e-9, 1e-19
 # short runs leave a motion to the torus if its moments differ by less than 1/CLOSEST of I + d, or if errors of the
 # upright motion grow by a factor of more than 4·STEEPEST in γ or M
 CLOSEST, STEEPEST = 4e4, 25.0
-# the shadow is the same motion from a slightly different start (OFF_BY); its distance, at most this, shows how errors
-# have grown
+# the shadow is the same motion from a start changed by OFF_BY; its distance shows how errors have grown, and may be at
+# most APART
 APART = 2.0**-45
 # after PACED panels the time per panel is known up to a factor of UNSTEADY; a run that cannot reach its end at that
 # pace is abandoned
 PACED, UNSTEADY = 32, 1.05
-# a run under way may take 1/SPARE more panels than planned: to give up near the end would waste them all
+# a run under way may take 1/SPARE more panels than planned, because giving up near the end would waste them all
 SPARE = 4
 # reasons to abandon a run: rounding in floats, panels that do not converge (UNRESOLVED), too many panels (FAR), too few
 # digits (LOST). UNSORTED times are a reason not to start it
@@ -241,7 +241,8 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
         return UNRESOLVED
     if stepless(room, rule) <= WIDE_STEP:
         return 0
-    # the jump is due to a series whose coefficients still decrease, which halving mends, or to the panel before
+    # the jump comes from a series whose coefficients still decrease, and is then mended by halving, or from the panel
+    # before
     return UNRESOLVED if tail < before / 4 and level < LEVELS else ROUNDING
 
 

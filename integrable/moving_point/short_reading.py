@@ -75,7 +75,7 @@ def antiderivative(room: ShortRoom, rule: Rule, half: float) -> tuple[float, flo
     base = room.rates[0]
     for k in range(count):
         series[k] = 0.0
-    # the inner loop runs over coefficients, so that the processor vectorizes it
+    # the inner loop runs over coefficients, so that the compiler vectorizes it
     for j in range(count):
         value = room.rates[j] - base
         for k in range(count):
@@ -107,7 +107,8 @@ def place_of(room: ShortRoom, target: float, full: float) -> float:
     """The x at which the integral of 1/g from −1 equals ``target``, by Newton's method confined to [−1, 1]."""
     low, high, step = -1.0, 1.0, 2.0
     x = min(1.0, max(-1.0, -1 + 2 * target / full))
-    # lanes that have converged skip their steps; once all have, the nested loops make only few further tests
+    # SIMD lanes that have converged skip their steps; once all have converged, the nested loops make only few further
+    # tests
     for _ in range(8):
         if abs(step) >= LAST:
             for _ in range(8):

@@ -24,22 +24,23 @@ WIDE = TIME_UNIT + 1
 # positions in ``point`` after the ten numbers of a moving point: 1/g (RATE), γ and w of the start (from BEGIN on), and
 # the deviation of H2 (OFF)
 RATE, BEGIN, OFF = 10, 11, 17
-# positions in the rows of ``seen``, which describe precomputed centres: the distance of the shadow, and the relative
-# correction after the addition
+# positions in the rows of ``seen``, which describe precomputed centres: SHADOW of the distance of the shadow, MOVED of
+# the relative correction after the addition
 SHADOW, MOVED = 11, 12
 POINT = OFF + 1
-# rows of wide points: a centre, and one for each level of halving
+# number of rows of wide points: one for a centre, and one for each level of halving
 POINTS = LEVELS + 1
 # AHEAD centres are computed together, each with its shadow, so that all SIMD lanes are used. The rows of ``ahead`` are
 # these centres, their shadows, and the two starts
 AHEAD = 4
 AHEAD_POINTS = 2 * AHEAD + 2
-# rows of wide translations: HALF by h, those before it by h/2^l, and from PANEL on by 1 … AHEAD panels
+# rows of wide translations: row HALF has the translation by h, the rows before it those by h/2^l, and the rows from
+# PANEL on those by 1 … AHEAD panels
 HALF, PANEL = FINEST + LEVELS, FINEST + LEVELS + 1
-# the positive nodes of a panel, by one addition each. In the first lot (a, b) means 2^−a + 2^−b, or 2^−a − 2^−|b| where
-# b < 0; in the second lot the a-th node of the first takes the place of 2^−a. No node uses another of its own lot, and
-# each lot fills SIMD lanes. The nodes are close to Chebyshev's on an interval a little wider than [−1, 1] (Lebesgue
-# constant 3.5). The first node of the second lot is 1
+# SUMS gives the positive nodes of a panel, one addition for each. Among the first LOT nodes (a, b) means 2^−a + 2^−b,
+# or 2^−a − 2^−|b| where b < 0; for the later nodes the a-th node takes the place of 2^−a. So the first LOT nodes, and
+# then the later ones, are computed together in SIMD lanes. The nodes are close to Chebyshev's on an interval a little
+# wider than [−1, 1] (Lebesgue constant 3.5). The node of index LOT is 1
 SUMS = (
     (0, -7), (0, -5), (0, -3), (1, -7), (1, -3), (2, 5), (3, 5), (4, 7),
     (2, 3), (0, -4), (2, -4), (2, -3), (6, 1), (7, 1),
@@ -154,7 +155,7 @@ class Request(NamedTuple):
     """τ if the times are physical, otherwise physical time; in the units of the motion."""
 
 
-# lengths of the working memory: integers, wide numbers and floats
+# lengths of the working memory: MADE integers, WIDES wide numbers and FLOATS floats
 MADE = 5
 NODE_STEPS = 10 * NODES * (LEVELS + 1)
 WIDES = WIDE + 10 * (POINTS + PANEL + AHEAD) + NODE_STEPS + 7 * ORDERS + 10 * AHEAD_POINTS

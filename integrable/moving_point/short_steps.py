@@ -44,9 +44,10 @@ from jacobian.element import Real
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
-# the initial relative distance of the shadow from the motion, above the error of several additions in double-doubles
+# the initial relative distance of the shadow from the motion; it exceeds the error of several additions in
+# double-doubles
 OFF_BY = 2.0**-99
-# relative size of a squared slope at which the damped turn of ν is half as long as required
+# at a squared slope of this size, relative to its upper bound, the damped turn of ν is half as long as required
 LEAST_SLOPE = 2.0**-20
 # sums of quantities divided by Π(α_i − α_j) have too few digits if this product is smaller
 LEAST_KAPPA = 2.0**-33
@@ -78,7 +79,7 @@ def exact_at(rows: Expansion, eps: float) -> bool:
     """
     square, exact = eps * eps, True
     fourth, fall = square * square, square * ORDER_GAIN
-    # u0 and u1 begin with order 1; v1·eps begins with 2
+    # u0 and u1 begin with order 1, and v1 begins with the constant 2
     a = max(abs(float(rows.u0[1])), abs(float(rows.u0[2])) * square)
     b = max(abs(float(rows.u1[1])), abs(float(rows.u1[2])) * square)
     c = max(abs(float(rows.v0[0])), abs(float(rows.v0[1])) * square, abs(float(rows.v0[2])) * fourth)

@@ -17,8 +17,8 @@ from jacobian.element import Real
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 
-# the points of T(half step) lie at about this fraction of the distance from x = 0 to the next branch point. The terms
-# of the series fall like its powers
+# the points of T(half step) lie at about this fraction of the distance from x = 0 to the nearest branch point; the
+# terms of the series decrease like its powers
 REACH = 0.3
 # bits gained per term of the series at half a step, where the two points are at most 1.4·REACH away from 0. Each
 # halving of eps gains another bit

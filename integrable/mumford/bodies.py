@@ -122,7 +122,7 @@ class BodySystem(SurfaceSystem):
         """Defined by subclasses: the c_i = l(a_i), computed without cancellation."""
         raise NotImplementedError
 
-    # --- derived from these
+    # --- derived from the methods above
 
     def _set_up_moments(self, field: Field, inertia: Iterable[Value]) -> None:
         """Sets ``field`` and ``constants``; the constants must be three different nonzero numbers."""

@@ -18,9 +18,10 @@ from jacobian.periods.roots import conjugated, simple_roots
 # largest number of Newton steps to a root; roots nearer to each other than CLOSE, relative to the largest, count as not
 # separated by floats
 NEWTON_STEPS, CLOSE = 20, 1e-9
-# length to which an oval that is a point is opened, relative to the largest branch point: its points move by ≤ √OPENED
+# an oval that is a point is opened to this length, relative to the largest branch point; its ends move by at most
+# √OPENED
 OPENED = 2.0**-130
-# size of U at a branch point, relative to x², below which σ is not computed from it
+# size of U at a branch point, relative to x², below which σ is not computed from U
 SMALL = 1e-20
 APART = "the points of the pair are not one in each oval"
 
@@ -128,7 +129,7 @@ def without_root(even: PairModel) -> PairModel:
     v = (-m * s * p + v1 * p, m * (s * s - p) - v1 * s)
     c0, c1 = even.direction
     moved = [1 / (pole - e) for e in roots]
-    # if the points are not one in each bounded oval, one may pass the largest root
+    # unless each bounded oval contains one of the points, a point may pass the largest root
     ends = [(x - s) * x + p for x in moved[1:]]
     if lead > 0 or any(sign * height < -SMALL * p for sign, height in zip((1, -1, -1, 1), ends, strict=True)):
         raise PrecisionLoss(APART)

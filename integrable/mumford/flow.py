@@ -39,8 +39,8 @@ if TYPE_CHECKING:
 
 # a torus is rejected if its states differ by more than this from those of the equations of motion
 RIGHT = 1e-12
-# costs in microseconds of additions and of a torus, by genus; LONGEST is the cost of the longest series worth trying
-# (python -m benchmarks near, real_torus)
+# costs in microseconds: BY_ADDITIONS of additions, ON_TORUS of a torus by genus, LONGEST of the longest series worth
+# trying (python -m benchmarks near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(2000, 3), 3: Cost(60_000, 100)}
 # from this many times on, additions take at least as long as a torus that additions confirm: 34 ms against 19 where
@@ -438,7 +438,7 @@ class MumfordFlow:
         times = torus.witnesses
         true = filled((self._walked, self._by_additions), times).states
         with np.errstate(invalid="ignore"):
-            # a wrong pair may belong to no state of the system, which gives NaN
+            # a wrong pair may belong to no state of the system, and then gives NaN
             gaps = np.abs(self._read(torus, times) - true).max(axis=2)
         return bool((gaps <= RIGHT * np.abs(true).max(axis=2)).all())
 

@@ -20,14 +20,14 @@ from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, ExtendedGroup, Kind, Lift, PointLift
 
-# the two precisions are APART bits apart; the initial allowance for lost bits is OF_START, plus OF_GENUS per genus and
-# OF_DOUBLING per doubling
+# a motion is computed at two precisions, APART bits apart; the initial allowance for lost bits is OF_START, plus
+# OF_GENUS per genus and OF_DOUBLING per doubling
 APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
 MOST_BITS = 4000
 # largest rates that rounding may leave for a pair at rest, in units of the last bit
 STILL = 2.0**16
-# MOST_STEPS: largest number of steps to invert a clock. The inversion ends at a step below unit·√eps/SMALL, where unit
-# is that of translations: the next step would be negligible
+# a clock is inverted in at most MOST_STEPS steps. They end with a step below unit·√eps/SMALL, where unit is that of
+# translations, because the next step would be negligible
 MOST_STEPS, SMALL = 200, 256
 
 
@@ -65,7 +65,7 @@ class Placed:
         self.group = ExtendedGroup(field, start.f, start.kinds)
         self._directions = (start.direction, *start.further)
         self._translations: dict[int, GroupTranslations] = {}
-        # (times, pair) along the further directions as last requested, since many τ often share them
+        # the last (times, pair) along the further directions, kept because many τ often share them
         self._carried: tuple[tuple[Real, ...], Extended] = ((), self.start)
 
     @property
@@ -275,7 +275,8 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
             # slow convergence leads to bisection, because the cubic may alternate between the sides forever
             step = (low[0] + high[0]) / 2 - tau if slow else _between(low, high, target) - tau
         else:
-            # a lower bound on the rate limits steps across flat places; it is lowered if the target may lie in one
+            # a lower bound on the rate limits steps across flat places; the bound is lowered if the target may lie in a
+            # flat place
             flat = flat / 16 if slow else flat
             step = rest / max(rate, mean * flat)
         if low and high and not low[0] < tau + step < high[0]:

@@ -61,7 +61,7 @@ class QuadricSystem(MumfordSystem):
         """Defined by subclasses: the l_i, elements of the field."""
         return [self.field.zero] * len(self.constants)
 
-    # --- derived from these
+    # --- derived from the methods above
 
     def _axes(self, state: Point) -> Point:
         return Point(state.q[self.before :], state.p[self.before :])

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 # on the disc around a point the k-th term of f/f(x) is at most WITHIN^(−k)
 WITHIN = 2.5
-# largest number of Newton steps at all bits
+# largest number of Newton steps at full precision
 MOST_STEPS = 60
 # Newton's method starts at this many bits, with this many steps
 ROUGH_BITS, ROUGH_STEPS = 64, 4
@@ -156,7 +156,7 @@ class PointMotion:
             step = self._solved(missing, middle)
             width = [2 * abs(x).abs_upper() for x in step]
             found = self._solved(missing, [ball_around(x, w) for x, w in zip(middle, width, strict=True)])
-            # the iteration ends when the box adds no more to the radius than rounding, or a ball of times, does
+            # the iteration ends when the box adds no more to the radius than rounding, or the radius of the time, does
             if all(abs(x) <= w and x.rad() <= 2 * y.rad() for x, y, w in zip(found, step, width, strict=True)):
                 return [x + y for x, y in zip(middle, found, strict=True)]
             middle = [(x + y).mid() for x, y in zip(middle, step, strict=True)]

@@ -63,7 +63,8 @@ from jacobian.relatives.extended import Extended, Lift, SecondKind
 BITS = 160
 # largest number of samples of a rate; beyond it, branch points nearly meet
 MOST_SAMPLES = 1 << 16
-# if one phase is slower than the other by more than this factor, the equations of motion do not check a turn of it
+# the check by the equations of motion covers a turn of each phase, except of one that is slower by more than this
+# factor
 SLOW = 8
 
 # (κ, σ, ν) by branch point

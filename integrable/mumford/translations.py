@@ -22,7 +22,7 @@ from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift
 # h is about 2^−PART of the time in which a point reaches the boundary of its disc, so each term of a series gains at
 # least PART − 1 bits; T(2^k h) is in general position from about k = FRACTION on
 PART, FRACTION = 6, 8
-# T is in general position if its points are at most this many times as far out as those of E
+# T is in general position if the largest root of its U is at most this many times as large as that of E
 NEAR = 4
 
 

@@ -7,8 +7,8 @@ from numba.extending import register_jitable
 
 __all__ = ["COMPILED", "INLINED", "split", "two_product", "two_sum", "whole_steps"]
 
-# division by zero gives inf, which callers test for; fused operations are off, or two_sum and two_product would not
-# be exact
+# division by zero gives inf, which callers test for; fused operations are off, because two_sum and two_product would be
+# inexact with them
 COMPILED = {"nogil": True, "error_model": "numpy"}
 INLINED = {"error_model": "numpy"}
 

@@ -20,7 +20,7 @@ from jacobian.native.kept import place
 
 __all__ = ["compiled", "expansion"]
 
-# the line of gauss16.py and taylor_compiled.py below which their text is copied: it must be the same there
+# this line must be the same in gauss16.py and taylor_compiled.py; their text below it is copied
 _MARK = "# --- copied into the module of each kind, with its slopes\n"
 _HEAD = '''"""The equations of {name}, written by integrable.oracles.generated."""
 import numpy as np

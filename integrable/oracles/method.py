@@ -234,7 +234,7 @@ def problem_of(system: Any, state: Any) -> Problem:
 
     The system is a body, whose equations this folder contains, or has a method ``rates_in`` that takes any numbers.
     """
-    # the arrays of a state over RR contain numpy's numbers, which tolist makes Python's
+    # a state over RR has NumPy's floats, which tolist turns into Python's
     start = tuple(np.hstack([state.gamma, state.M]).tolist())
     field = getattr(system, "field", None)
     number = float if field is None else field.coerce

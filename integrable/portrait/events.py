@@ -29,10 +29,10 @@ TOLERANCE = 1e-12
 COARSEST = 1e-7
 # a zero outside the interval by at most this many roundings of a half panel counts as at its end
 ROUNDING = 1e3
-# a step of Newton's method, with a slope in floats, gains twelve digits
+# the largest number of steps of Newton's method; a step with a slope in floats gains twelve digits
 MOST_STEPS = 100
-# a zero that Newton's method moves farther than NEAR or leaves uncertain by more than SHARP, in half panels, is none of
-# the motion
+# a zero is rejected if Newton's method moves it farther than NEAR or leaves it uncertain by more than SHARP, in half
+# panels
 NEAR, SHARP = 0.25, 1e-6
 
 

@@ -42,7 +42,7 @@ def diagram(of: Any, states: Any) -> Figure:
         levels = np.quantile(numbers, np.linspace(0.02, 0.98, 15))
         ax.contourf(X, Z, numbers, levels=levels, cmap="Greys", alpha=0.5, extend="both")
         lines = ax.contour(X, Z, numbers, levels=levels, colors="0.4", linewidths=0.5, linestyles="solid")
-        # contours crowd near the separatrix: only every third one is labelled, and none in the corner of the lines
+        # contours crowd near the separatrix, so only every third one is labelled, and the last ones are not
         ax.clabel(lines, levels[1:-2:3], fontsize=7, fmt="%.2f")
     for axis, line in enumerate(of.lines):
         dashes = "--" if a[0] < of.system.a[axis] < a[2] else "-"

@@ -91,7 +91,7 @@ class PointOval(NamedTuple):
         middle, radius, rate = float(self.middle), float(self.radius), math.inf
         for e in roots:
             z = abs(e - middle - radius) + abs(e - middle + radius)
-            # the decay is that for Bernstein's ellipse through e
+            # Fourier modes decay at a rate given by the Bernstein ellipse through e
             rate = min(rate, math.acosh(max(1.0, z / (2 * radius))) if radius else math.inf)
         return rate
 
@@ -143,7 +143,7 @@ def oval_around(lead: Real, roots: Roots, x: Real) -> PointOval:
     """The real oval that contains x, or the nearest one if rounding left x outside."""
     real, pairs = roots
     last = len(real) - 1
-    # f > 0 between every second pair of neighbours
+    # f > 0 between every second pair of neighbouring real roots
     first = (last - (0 if lead > 0 else 1)) % 2
     places = range(first, last, 2)
     if not places:

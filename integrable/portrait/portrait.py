@@ -43,7 +43,7 @@ REGIONS = {
 }
 """The values of :attr:`Portrait.region` and their meaning."""
 
-# angles have SPARE digits beyond those of the set-up; LOST extra digits of a set-up are tried in turn, since near a
+# angles have SPARE digits beyond those of the set-up. Set-ups with LOST extra digits are tried in turn, since near a
 # separatrix the ovals lose digits
 SPARE, LOST = 4, (0, 40, 160, 640)
 
@@ -148,7 +148,7 @@ class Portrait(Immutable):
         """The frequencies (ν1, ν2) and the mean of g over t, in wide numbers."""
         level, ovals = self.level, self.ovals
         if ovals is None:
-            # the limit is the rotation about the middle axis, at the rate a₂√h̃2 of Chaplygin's time
+            # the limit is the rotation about the middle axis, at the rate a₂√h̃2 in Chaplygin's time
             (r1, _, r3), pi = level.contact, level.pi
             one = r1 / r1
             mean = 2 * complete(root(r3 / r1), one, one, one, pi, float(level.eps) ** 0.5 / 16) / (pi * root(r1))

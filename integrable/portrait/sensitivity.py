@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
     from integrable.torus.access import TorusFlow
 
-# coefficients of the rates below this fraction of the largest are rounding
+# coefficients of the rates below this fraction of the largest are rounding errors
 NOISE = 3e-14
 # largest relative error of derivatives on the torus; beyond it differences of motions in more digits are used
 MOST_LOST = 1e-12
@@ -195,7 +195,7 @@ class TorusVariations:
         half = len(self._along)
         sums = together([self._sigma, *self._along, *self._across], *phases)
         sigma = sums[:, 0] + self._sigma.origin
-        # a and b at the start, and the derivatives of the integrals by the ten inputs
+        # a and b at the start, and the derivatives of the integrals with respect to the ten inputs
         begin = np.linalg.pinv(self._start.fields[0])
         b0 = np.concatenate([begin[1], np.zeros(4)])
         a0 = np.concatenate([begin[0], np.zeros(4)]) + self._sigma.origin * b0

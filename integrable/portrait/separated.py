@@ -212,7 +212,7 @@ class SeparatedTorus:
         """
         place, e = self.place_of(end), N.coerce(end)
         own, root, rest, size = None, N.one, N.one, N.one
-        # for each point |e − x|; for the point that turns at e, a signed √|e − x|
+        # ``gaps`` has |e − x| for each point x, but a signed √|e − x| for the point that turns at e
         gaps, signs = [], []
         for k, (oval, x, (s, c)) in enumerate(zip(ovals, points, halves, strict=True)):
             signs.append(1 if place > oval.place else -1)

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 # samples of the first grid in each direction: FIRST_SIZE on tori of at most two dimensions, FIRST_OF_MANY on others
 FIRST_SIZE, FIRST_OF_MANY, MOST_SAMPLES, CHUNK = 32, 16, 1 << 18, 1 << 12
-# lines below this fraction of the strongest line of their quantity are rounding
+# lines below this fraction of the strongest line of their quantity are rounding errors
 NOISE = 3e-14
 PASSES, SOLVED = 60, 1e-13
 # number of samples of a turn about an axis: a state has only the harmonics 0 and ±1 of this turn

@@ -83,7 +83,7 @@ class Problem:
         """f(y) for states of shape (…, n), float64 or complex128; t, which solvers pass, is not used."""
         given = np.asarray(y)
         if given.ndim == 1 and given.dtype == np.float64:
-            # Python's numbers are faster than numpy's one by one
+            # for a single state Python's floats are faster than NumPy's
             return np.array(self.rates(Arrays(), given.tolist()))
         return stacked(self.rates(Arrays(), columns(given)))
 

@@ -16,8 +16,8 @@ from jacobian.native.machine import features
 WIDEST = 8 if "+avx512f" in features() else 4
 # largest number of variables in one vector
 ABREAST = 4
-# indices of vectors in a room: the coefficient ratios that determine the step, the size of the coefficients of orders
-# 2 and 3, the steps, and unit/(k + 1)
+# indices of vectors in a room: RATIOS of the coefficient ratios that determine the step, BENT of the size of the
+# coefficients of orders 2 and 3, STEP of the steps, UNITS of unit/(k + 1)
 RATIOS, BENT, STEP, UNITS = 0, 4, 5, 8
 # number of leading coefficients whose largest is taken as the size of a variable
 FIRST = 4
@@ -58,7 +58,7 @@ class Room:
         self.begin = begin + -begin % ABREAST
         self.apart = count + -count % ABREAST
         begin = self.begin + (order + max(wide, 0) + 2) * self.apart
-        # constants, and those factors of products that are no variables, keep only order 0, as hi and lo
+        # of constants, and of factors other than variables, a room has only the coefficient of order 0, as hi and lo
         kept = {n for n, kind in enumerate(tape.kinds) if kind == CONSTANT}.union(*self.factors.values())
         self._highs = {n: begin + 2 * i for i, n in enumerate(sorted(kept - set(range(count))))}
         begin += 2 * len(self._highs)

@@ -12,9 +12,11 @@ import numpy as np
 from integrable.series.room import Orders
 from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Tape
 
-# a step of Neumann's point on S² takes the time of STANDARD products, its part without products that of FIXED
+# a step of a system costs (FIXED + its number of products)/STANDARD as much as a step of Neumann's point on S², which
+# has STANDARD − FIXED products
 FIXED, STANDARD = 3, 13
-# the microseconds of such a step: per order, per square of the order, and more per order in double-doubles
+# the microseconds of a step of Neumann's point: per order, per square of the order, and more per order in
+# double-doubles
 PER_ORDER, PER_SQUARE, PER_WIDE_ORDER = 5e-3, 0.25e-3, 28e-3
 
 
@@ -55,7 +57,7 @@ def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
         return ROUGH, FINE
     agreed = tolerance / SPARE
     plain = Steps(PLAIN, tolerance * SHARE, 1.0, COARSER, 1.0, agreed)
-    # a walk of some thousand steps in floats loses four more digits
+    # a walk of some thousand steps in floats loses four more digits than one whose first terms are double-doubles
     return plain, Steps(MIDDLE, tolerance * SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, COARSER, agreed), FINE
 
 

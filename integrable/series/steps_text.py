@@ -120,7 +120,7 @@ class Series(Sums):
         if k and self._constant(p):
             return y
         x = self._value(p, k)
-        # the node with the larger index is known later
+        # the node with the larger index is computed later, so it is added last
         return self._plus(x, y) if q >= p else self._plus(y, x)
 
     def _plus(self, x: Wide, y: Wide) -> Wide:

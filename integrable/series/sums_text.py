@@ -195,8 +195,8 @@ class Sums:
         text, (sides, width) = self._vector(nodes), (self.room.sides[nodes], self.room.packs[nodes])
         left, right, square = sides[0].place, sides[-1].place, len(sides) == 1
         at_once, last = (AT_ONCE // 2, (self._loop - 1) // 2) if square else (AT_ONCE, self._loop - 1)
-        # terms with j up to this are added after the loop: they include the newest, and leave a multiple of ``at_once``
-        # terms to the loop
+        # terms with j ≤ ``first`` are added after the loop: they include the newest, and leave a multiple of
+        # ``at_once`` terms to the loop
         first = AT_ONCE - 1 + (last - AT_ONCE + 1) % at_once
         sums = [text.real(0.0)] * AT_ONCE
         if square:

@@ -27,11 +27,11 @@ BACK = 0.25
 # steps are multiples of this, in units of time, so that sums of steps are exact up to 2^53 multiples
 GRAIN = 2.0**-36
 MOST_UNITS = 2.0**16
-# a walk goes on if ``most`` steps would reach the last time: at first steps of UNEVEN times the present length, after
-# KNOWN steps of EVEN times the mean length
+# a walk goes on if ``most`` steps of UNEVEN times the present length would reach the last time; after KNOWN steps, if
+# ``most`` steps of EVEN times the mean length would
 UNEVEN, KNOWN, EVEN = 4, 64, 1.25
-# a walk ends after more than MOST_LOST rows that are wrong, or from which the last row is predicted to be wrong: from
-# 1/KNOWN_FROM of the last time on, if the predicted difference exceeds HOPELESS times the allowed one
+# a walk ends after more than MOST_LOST lost rows. A row is lost if it is wrong or, from 1/KNOWN_FROM of the last time
+# on, if the last row's difference predicted from it exceeds HOPELESS times the allowed one
 MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
 
 

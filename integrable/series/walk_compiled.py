@@ -27,14 +27,14 @@ def _dense(b: Operators, code: Value, room: Value, lane: Value, ahead: Value) ->
 
 
 def _logarithm(b: Operators, x: Value) -> Value:
-    # the exponent plus a linear approximation of the logarithm of the mantissa
+    # log₂ x is replaced by the exponent of x plus a linear function of its mantissa
     word = b.write(f"bitcast double {b.float_of(x)} to i64")
     found = Value(FLOAT, (b.write(f"sitofp i64 {word} to double"),))
     return b.binary("Sub", b.binary("Mult", found, real(2.0**-52)), real(1023.0))
 
 
 def _power(b: Operators, x: Value) -> Value:
-    # 2^x is replaced by a parabola between whole x
+    # 2^x is replaced by a parabola between consecutive integers x
     floor = b.function("floor", x)
     part = b.binary("Sub", x, floor)
     bent = b.binary("Add", b.binary("Mult", part, real(0.3371894346)), real(0.657636276))

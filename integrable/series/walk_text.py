@@ -23,7 +23,7 @@ from jacobian.numbers.double_double_steps import (
 
 # the relative change of the start of the second walk, about a rounding unit, in double-doubles and in floats
 MOVED, MOVED_IN_FLOATS = 2.0**-104, 2.0**-52
-# between steps only the share 1/FIRST_TERMS of the double-double terms, those of the lowest orders, is summed in
+# between steps only the terms of the lowest orders, 1/FIRST_TERMS of the double-double terms, are summed in
 # double-doubles; the others sum to a hundredth of the value
 FIRST_TERMS = 2
 # number of times that one vector holds
@@ -161,7 +161,7 @@ def _start(room: Room, start: Tape) -> str:
             continue
         high, low = results[n] if kind == VARIABLE else _constant(single, key_of(rates.constants[n]), known)
         again = single.fma(high, single.real(moved * (n % 5 - 2.5)), low)
-        # constants of a walk in floats have no low part, so that their change must show in the high part
+        # constants of a walk in floats have no low part, so their change must show in the high part
         both = kind == CONSTANT and wide < 0
         highs = [single.fadd(high, low), single.fadd(high, again)] if both else [high]
         text.store(_gathered(text, highs), room.high(n, 0))

@@ -109,7 +109,7 @@ class Multiplication(Move):
         kappas = coordinates.kappas(body)
         if any(kappa == K.zero for kappa in kappas):
             raise NotRepresentable("two moments of inertia are equal: a divisor does not determine γ")
-        # over the reals the roots exist for no even factor
+        # for an even factor the roots never exist over the reals
         even = self.factor % 2 == 0
         roots = [square_root(K, kappa, f"κ of axis {i}") for i, kappa in enumerate(kappas)] if even else []
         pairs = coordinates.to_pairs(body, state)

@@ -132,7 +132,7 @@ class Translation(Step):
         worst = max((float(y) ** 0.5 for y in found), default=1.0)
         if len(x) == 2 and x[0] != x[1]:
             worst = max(worst, float((abs(x[0]) + abs(x[1])) / abs(x[0] - x[1])))
-        # D' near zero has V'/U' large at every branch point, in units of √f/x²
+        # if D' is near zero, V'/U' is large at every branch point, in units of √f/x²
         radius = max(map(abs, group.branch_points))
         near = min(
             float(abs(poly.evaluate(K, v, e)) / abs(value)) if value else inf

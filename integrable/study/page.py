@@ -43,7 +43,7 @@ def answer(study: Study) -> str:
     none = "The divisor flow is ahead of every row." if any(f.comparators for f in study.motions) else NO_OTHERS
     lines = ["Rows where the divisor flow is not ahead:" if behind else none]
     if behind:
-        lines += ["", *aligned([row[:-1] for row in (BEHIND, *behind)], left=2)]  # only the page has room for the last
+        lines += ["", *aligned([row[:-1] for row in (BEHIND, *behind)], left=2)]  # only the page has the last column
     lines += ["", *aligned([SCENES, *map(scene_cells, study.motions)], left=2)]
     if study.orbits:
         lines += ["", *aligned([ORBITS, *(cells for f in study.orbits for cells in orbit_cells(f))], left=2)]

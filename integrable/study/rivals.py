@@ -139,7 +139,7 @@ def standing(task: Task, truth: Truth, floor: float, tick: Tick) -> Data:
     found: dict[str, tuple[float, float]] = {}
     tried: dict[str, Data] = {}
     system, _ = task.scene.start(FLOAT_DIGITS)
-    # methods of many digits are never the fastest where one in doubles is accurate enough
+    # methods of many digits are never the fastest where a method in doubles is accurate enough
     for method in sorted(METHODS.values(), key=lambda method: (method.multiprecision, not method.compiled)):
         if not method.takes(system) or (method.multiprecision and found):
             continue

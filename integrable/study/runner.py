@@ -206,7 +206,7 @@ def _end(process: Any) -> None:
     """Kill a worker and the processes that it has started, which would disturb the next tasks."""
     if hasattr(os, "killpg"):  # Windows has no groups to kill
         with suppress(ProcessLookupError, PermissionError):
-            # a worker that leads no group is in that of this process
+            # a worker that leads no group belongs to the group of this process
             if os.getpgid(process.pid) == process.pid:
                 os.killpg(process.pid, signal.SIGKILL)
     process.kill()

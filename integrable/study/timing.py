@@ -118,7 +118,7 @@ def interleaved(
             tick()
         for name, once in every.items():
             if rounds and len(every) > 1 and spent[name][-1].counted < COLD:
-                once()  # refill the processor's caches, which hold the data of the function before
+                once()  # refill the processor's caches, which hold the previous function's data
             part, found[name] = once()
             spent[name].append(part)
         rounds += 1

@@ -196,7 +196,7 @@ class Judge:
         self.gamma, self.M = self._rows(gamma), self._rows(M)
         self.integrals = system.integrals(state)
         self.size_of_M = self.context.sqrt(sum(m * m for m in state.vectors[1])) or self.context.one
-        # the γ of a body is a unit vector; that of a classical system has its positions
+        # the γ of a body is a unit vector; ``gamma`` of a classical system holds its positions
         classical = isinstance(system, ClassicalSystem)
         self.size_of_gamma = (max(map(abs, state.vectors[0])) if classical else 0) or self.context.one
 

@@ -40,8 +40,8 @@ ROUGH = 1e-4
 # modes that move τ by at least this are summed in double-doubles, since floats would lose digits of τ. The unit is the
 # time in which the body turns by about a radian
 LOUD = 0.05
-# the accuracy of a spectrum is SLOW times the frequency of a phase, since slow modes are divided by it, but at best
-# EXTENDED, the accuracy of samples in long doubles
+# the accuracy of a spectrum is SLOW times the frequency of a phase, since slow modes are divided by their frequencies,
+# but at best EXTENDED, the accuracy of samples in long doubles
 SLOW = 1e-13
 EXTENDED = 32 * float(np.finfo(np.longdouble).eps)
 ROUNDING = EXTENDED / 4

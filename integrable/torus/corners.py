@@ -27,18 +27,20 @@ if TYPE_CHECKING:
     from integrable.moving_point.addition import Row
 from integrable.torus.lattice import Source
 
-# a walk over the corners is accepted if its periods close to within ROUND; two walks that meet, if to within CLOSED
+# a single walk over the corners must close to within ROUND; otherwise two walks that meet are made, and must close to
+# within CLOSED
 ROUND = 1e-17
 CLOSED = 1e-13
 # the largest number of cells that one step of a walk over the corners spans
 MOST_AT_ONCE = 7
-# below this relative gap of the ovals two walks over the corners meet, as errors grow away from the unstable rotation
+# if the relative gap of the ovals is below NEAR, two walks over the corners meet, because errors grow away from the
+# unstable rotation
 NEAR = 2.0**-23
 # number of quadrature nodes on the path from the start to the column at which the two walks meet
 QUADRATURE = 32
 # 1/g is computed from the factor r − dx of f if at every axis this factor is at least this part of the sum of its
-# terms. A smaller factor has lost digits; otherwise it is better, since U loses twice as many digits near its root, and
-# the sum for 1/g three times as many
+# terms. A smaller factor has lost digits. A larger one is better than U, which loses twice as many digits near its
+# root, and than the sum for 1/g, which loses three times as many
 LEAST_REST = 2.0**-14
 # the first grid of 1/g has at least FIRST_SIZE points in each direction. For ovals with a relative gap below PASSING it
 # has PASSAGES·(s₁ + s₂) columns, with the s₁ and s₂ of Λ₂ in units of the distance to the next branch point
@@ -138,7 +140,8 @@ class Corners:
     def _line(self, tau: np.ndarray) -> tuple[Line, np.ndarray, TableRoom, Row]:
         """The arguments, with working memory, for the loops that reach these times by additions to the start."""
         room = self.loops.room
-        # branch points in a cluster are all far from the flow's centre, where translations then lose digits
+        # branch points in a cluster are all far from the flow's centre, and translations about this centre then lose
+        # digits
         far = self.units.length < 1
         line = Line(self._packed_curve, self._start, self._motion, self.rates, self.lattice.chart.centres, far)
         return line, tau, TableRoom(room(TERMS), room(TERMS), room(9), room(0)), room(10 * len(tau))
@@ -289,7 +292,7 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
     if not 0 < abs(area) < inf:
         return columns // 2
     turns = 0.5 + float(a1 * passed[1] - b1 * passed[0]) / area
-    # if the start is near that column, one of the walks would end where errors are largest
+    # if the start is near the column where the walks meet, one of the walks would end where errors are largest
     least = columns // 8
     return max(1, least, min(round(columns * turns) % columns, columns - least))
 

@@ -42,7 +42,7 @@ BITS_A_TERM = 1.3
 
 
 BEYOND = "periods beyond the range of floats; use more digits"
-# for translations: π, three κ, all 1, and the direction (1, 0)
+# constants of translations: π, three κ, which are 1, and the direction (1, 0)
 _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0), (1, 0), (1, 0), (1, 0), (0, 0)])
 
 

@@ -90,7 +90,7 @@ def modes_of_rate(
         scout = OvalTorus(setup, balls, min(few + HELD, digits), direction)
         begin = ceil(MODES_A_DIGIT * few)
         size = _resolved(scout, (begin, begin), few, most_work).wanted(digits, few)
-        # outside of ``try``, since here TooManyModes means what it says; below it means that digits are lost
+        # this call is outside of ``try``, because inside it TooManyModes means that digits are lost
         torus.use(size, most_work)
         try:
             found = _resolved(torus, size, digits, most_work)

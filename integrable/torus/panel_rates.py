@@ -20,7 +20,7 @@ from integrable.moving_point.translations import Translations
 from jacobian.element import Real
 from jacobian.numbers.long_reals import BareReals
 
-# one value in this many is computed again with all digits, and at least two are
+# one value in this many, and at least two values, are computed again with all digits
 ONE_IN = 25
 # the numbers of nodes, for a cell and for a long panel, of the rule that shows how fast Legendre coefficients decrease;
 # coefficients below LEAST_SEEN are not used for this, since they may be rounding

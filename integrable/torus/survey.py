@@ -31,7 +31,7 @@ INNER = 8
 # the least distance of a centre from the end of a gap, relative to the length of the ovals: at distance 2^−k from a
 # branch point translations lose 2k bits, and double-doubles can spare 60
 NEAREST = 2.0**-30
-# this larger distance costs almost no digits; it is given up for tori of more than MANY_CELLS cells
+# the least distance that is tried first costs almost no digits; it is given up for tori of more than MANY_CELLS cells
 FAIR = 2.0**-12
 MANY_CELLS = 1 << 12
 # below this d·max a one period is nearly the residue at infinity
