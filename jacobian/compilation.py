@@ -27,7 +27,7 @@ from jacobian.relatives import pseudo_sums
 
 BINARY: tuple[Any, ...] = (BinaryTable, BinaryWord, BinaryTwoWords)
 ON_ROWS: tuple[Any, ...] = (Wide32, Wide64, OddTable, TwoWords, *BINARY)
-"""The contexts of all loops on rows; explicit formulas have more."""
+"""The contexts of the loops on rows. Sums by explicit formulas are compiled for further contexts too."""
 
 
 def equations(context: Any) -> tuple[Any, ...]:

@@ -71,8 +71,8 @@ class Jacobian(FiniteGroup[Element]):
     def compile(self) -> None:
         """Adds with compiled code from now on, where the field has it (:mod:`jacobian.addition.choice`).
 
-        This happens automatically after some work; call it to wait now instead. After ``python -m jacobian compile``
-        the wait is about a second.
+        This happens automatically after some work; call this method to wait now instead. After ``python -m jacobian
+        compile`` the wait is about a second.
         """
         chosen = compiled_kernel(self._model) if self.field.exact else None
         if chosen is not None:

@@ -140,7 +140,7 @@ def reflect(C: HyperellipticCurve, u: Poly, v: Poly, n: int | None) -> Triple:
     """The same class, written with the other zeros of y − v: u' = (f − hv − v²)/u, v' = −v − h modulo u'.
 
     y − v has a pole of order a₊ at ∞₊, so div(u, v) ~ div(u', v') + (a₊ − deg u')∞₊ + (a₋ − deg u')∞₋. A pole is of
-    order max(deg v, g+1) unless v and y agree in their leading terms there; then a₊ + a₋ = deg u + deg u' gives its
+    order max(deg v, g+1) unless v and y agree in their leading terms there; then a₊ + a₋ = deg u + deg u' gives this
     order.
     """
     K = C.field

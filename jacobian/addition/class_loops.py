@@ -184,7 +184,7 @@ def put(K: Any, g: Any, found: Any, result: Any) -> None:
 def enter(K: Any, g: Any, data: Any, header: Any, begin: Any, a: Any) -> Any:
     """Reads a class from ``data`` into the array ``a``; returns the index after its last coefficient.
 
-    Its lengths and weight begin at ``header``; its coefficients begin at ``begin``.
+    In ``data`` the lengths and the weight begin at index ``header``, the coefficients at index ``begin``.
     """
     nu, nv = data[header], data[header + 1]
     for i in range(2 * g + 4):

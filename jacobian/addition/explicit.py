@@ -1,7 +1,7 @@
 """Explicit formulas in Python: additions and doublings of triples on one curve.
 
 :mod:`jacobian.addition.emit` writes the code for the curve's equation. Cantor's algorithm takes over for classes of
-lower weight and where a number to be inverted is 0. Tests compare both in every special case.
+lower weight and where a number to be inverted is 0. Tests compare the two methods in every special case.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 If a_1 is known, and a_2 and a_3 modulo p, the order of J(GF(p)) is c + p·t + p(p + 1)·s with a known c and small s and
 t; in genus 2, s = 0. The same holds for the quadratic twist, whose a_1 and a_3 have the other sign. A point x_0 gives a
-class D, and no square root is needed: D is ∞₊ − ∞₋ on y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0). That curve is
+class D, and no square root is needed: D is ∞₊ − ∞₋ on y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0). This curve is
 isomorphic to the given one if F(x_0) is a square modulo p, else to its twist. Baby steps and giant steps along p·D give
 all (s, t) whose orders annihilate D; further points eliminate all but one. The right one is never eliminated, so a
 single survivor is proven.
@@ -22,7 +22,7 @@ from jacobian.numbers.words import OneWord
 MOST = 64
 """The largest number of candidates that are kept."""
 POINTS = 12
-"""The number of points that are tried."""
+"""The largest number of points that are tried for a prime."""
 
 
 def decide(equations: Any, residues: Any, desk: Any, out: Any, begin: int, end: int) -> None:
@@ -59,8 +59,9 @@ def decide(equations: Any, residues: Any, desk: Any, out: Any, begin: int, end: 
 
 
 def ranges_of(g: int, p: int, a: Any, ranges: Any) -> Any:
-    """(the least possible a_2 with the given residue, the number of rows); writes the least and largest t of each row
-    s into ``ranges``. Candidates are a_2 + t·p in genus 2, with one row, and (a_2 + s·p, a_3 + t·p) in genus 3.
+    """Returns the least possible a_2 with the given residue, and the number of rows; writes the least and the largest t
+    of each row s into ``ranges``. Candidates are a_2 + t·p in genus 2, with one row, and (a_2 + s·p, a_3 + t·p) in
+    genus 3.
 
     The roots of z^g + r_1 z^(g−1) + … are real and at most 2√p in size (:mod:`jacobian.finite.weil`).
     """

@@ -15,7 +15,7 @@ from jacobian.addition.word_steps import closed as second_half
 from jacobian.numbers.words import add, inverse, mul, neg, sub
 
 HEAD = 7
-"""Words of a packed curve before its polynomials."""
+"""The number of words of a packed curve before its polynomials."""
 
 
 class Desk(NamedTuple):

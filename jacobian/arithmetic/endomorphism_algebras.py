@@ -54,7 +54,7 @@ class Seen(NamedTuple):
 def seen(found: Endomorphisms, L: LPolynomials | None = None) -> Seen:
     """The algebras of the endomorphisms ``found``, compared with L-polynomials of the same curve.
 
-    PrecisionLoss if an L-polynomial contradicts them: a relation of the periods is then no endomorphism.
+    PrecisionLoss if an L-polynomial contradicts them, which shows that some relation of the periods is no endomorphism.
     """
     rational = found.over_the_rationals()
     result = Seen(algebra(found.matrices), algebra(rational), 0, False)
@@ -94,7 +94,7 @@ def algebra(basis: Sequence[Integers]) -> Algebra:
 def _product_of_fields(matrices: Sequence[Any]) -> str:
     """The names of the fields whose product is a commutative algebra.
 
-    They are read off the minimal polynomial of the generator for which its discriminant is least.
+    They are read off the minimal polynomial of a generator, the one with the least discriminant.
     """
     generators = []
     for c in product(range(-2, 3) if len(matrices) < 5 else range(-1, 2), repeat=len(matrices)):

@@ -10,7 +10,7 @@ beginning, modulo the product of its primes.
 
 The blocks form trees. A tree multiplies its matrices, carries the window down to the beginning of each block, and
 finally to its own end, modulo the primes of all later trees. For each p the window is then advanced from the beginning
-of the block to p, modulo p (:mod:`jacobian.arithmetic.walk`). This is faster than the lower levels of a tree.
+of the block to p, modulo p (:mod:`jacobian.arithmetic.walk`). Such a walk is faster than the lower levels of a tree.
 
 Integers and matrices are those of FLINT (python-flint). FLINT multiplies matrices of 5 rows with entries of 640 kbit in
 the time of 91 products of such integers (``python -m benchmarks l_polynomials``).
@@ -30,8 +30,8 @@ WALKED_TO = 1 << 18
 TREE = 8
 """The blocks in a tree. More blocks take more memory; with fewer the window is carried along more often."""
 STEPS = 16
-"""The number of factors multiplied as polynomials in their first index. One matrix product then evaluates these
-polynomials at all such indices of a block.
+"""The number of matrices M(k + 1), M(k + 2), … whose product is computed as polynomials in k. One matrix product then
+evaluates these polynomials at all k of a block that are needed.
 """
 
 
@@ -56,10 +56,8 @@ def blocks_of(primes: Sequence[int], size: int) -> list[Block]:
 
 
 class Tree(NamedTuple):
-    """The results of a tree.
-
-    They are the window at the beginning of each block, modulo the product of the block's primes, and the window after
-    the last block, modulo the product of all later primes.
+    """The results of a tree: the window at the beginning of each block, modulo the product of the block's primes, and
+    the window after the last block, modulo the product of all later primes.
     """
 
     windows: list[list[Any]]

@@ -25,7 +25,7 @@ PART = 4096
 
 
 def integral_equation(C: HyperellipticCurve) -> list[int]:
-    """The coefficients of F, h² + 4f times the square of the common denominator of f and h, without factors 4.
+    """The coefficients of F: h² + 4f times the square of the common denominator of f and h, divided by a power of 4.
 
     y² = F(x) is the curve modulo all p that divide neither the denominator nor 2.
     """

@@ -35,13 +35,13 @@ ATOMS = (-2, -1, 0, 1, 2)
 too.
 """
 FROM = 200
-"""Smaller primes are left out: their a_i are few integers."""
+"""Primes up to this one are left out, because their a_i take few values."""
 SLACK = 0.005
 """The allowed error of a mean apart from chance, relative to the root of the mean square. With 10^4 primes chance
 contributes twice as much.
 """
 RARE = 0.3
-"""How often a_1 is 0 by chance, times √p: the density at 0 of a_1/√p."""
+"""√p times the probability that a_1 is 0 by chance, which is the density of a_1/√p at 0."""
 UNLIKELY = 1e-4
 """A group is compatible if the means have at least this probability."""
 APART = 25.0
@@ -113,7 +113,7 @@ def _even(angle: Any) -> Part:
 
 
 ROTATIONS = {"T": {1: 1, 2: 3, 3: 8}, "O": {1: 1, 2: 9, 3: 8, 4: 6}}
-"""The number of rotations of each order."""
+"""The number of rotations of each order in the groups T and O."""
 NEXT = {2: 1, 4: 2, 6: 3}
 
 

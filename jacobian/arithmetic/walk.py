@@ -5,9 +5,9 @@ The recurrence of :mod:`jacobian.arithmetic.forest`, divided by 2k·f_0, is
 
     c_k = (1/k)·Σ (i·f_i/2f_0) c_(k−i) − Σ (f_i/f_0) c_(k−i)  (mod p)
 
-on balanced residues held as floats: for p < 2^24 and d ≤ 120 every sum is an integer below 2^53. Eight primes share the
-lanes of the processor's vectors. GROUPS such groups run at once, because their operations are independent. The inverses
-of ROUND neighbouring k take one exponentiation (Montgomery 1987; Fermat).
+It is computed on balanced residues, as floats: for p < 2^24 and d ≤ 120 every sum is an integer below 2^53. Eight
+primes share the lanes of the processor's vectors. GROUPS such groups run at once, because their operations are
+independent. The inverses of ROUND neighbouring k take one exponentiation (Montgomery 1987; Fermat).
 """
 
 from __future__ import annotations
@@ -126,8 +126,8 @@ class Room(NamedTuple):
 
 
 def walk(shape: Any, ends: Any, group: Any, room: Any, out: Any, total: Any) -> None:
-    """Walks to k = ends[n] for each n in turn. There it writes the last coefficients to ``out`` and the product of all
-    k to ``total``, for all lanes of the group of prime n. ``shape`` = (start, d, count, translates).
+    """Walks to k = ends[n] for each n in turn. At each end it writes the last coefficients to ``out`` and the product
+    of all k to ``total``, for all lanes of the group of prime n. ``shape`` = (start, d, count, translates).
     """
     start, d, count, translates = shape
     states, groups = room.states, len(group.primes)

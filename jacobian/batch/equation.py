@@ -31,7 +31,7 @@ class Equation:
         self.shift = [coefficient(K, move, i) for i in range(g + 2)]
 
     def _completed(self, C: HyperellipticCurve, half_h: poly.Poly) -> HyperellipticCurve:
-        """The curve y² = f + h²/4, scaled to a monic right side if that has degree 5 in genus 2 or 7 in genus 3."""
+        """The curve y² = f + h²/4, scaled to a monic right side if its degree is 5 in genus 2 or 7 in genus 3."""
         K: Any = C.field
         g = C.genus
         if C.model == "split":

@@ -4,8 +4,8 @@ The composition is that of :mod:`jacobian.inexact.genus2_real` for deg f = 5 ove
 :mod:`jacobian.inexact.genus2_complex` elsewhere.
 
 The columns are those of :mod:`jacobian.batch.sums`. Where deg f = 5 over the floats, ``f`` has six coefficients and
-``half`` = h/2 three, elsewhere seven and four. These lengths are constants for the compiler, which drops the branch
-that is not taken. Sizes are |re| + |im|, which needs no square root.
+``half`` = h/2 three; elsewhere ``f`` has seven and ``half`` four. These lengths are constants for the compiler, which
+drops the branch that is not taken. Sizes are |re| + |im|, which needs no square root.
 """
 
 from __future__ import annotations
@@ -126,7 +126,8 @@ def decided(f: Any, S: Any, i: Any) -> Any:
 def improved(f: Any, S: Any, i: Any) -> Any:
     """Improves the sum of column i; returns whether it lies on the curve up to rounding.
 
-    a + b and b + a round differently. The sum with the smaller remainder is kept and moved by a Newton step.
+    The summands are added in both orders, which round differently. The sum with the smaller remainder is kept and moved
+    by a Newton step.
     """
     total, other = row(S, 8, i), added(f, row(S, 4, i), row(S, 0, i))[0]
     if not misfit(f, total) <= misfit(f, other):

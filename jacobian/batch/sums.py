@@ -5,7 +5,7 @@ Without compilation the loops run in Python.
 
 A divisor is a column here, as in :mod:`jacobian.batch.block_loops`: ``x[i, j]`` is the i-th coordinate (u₀, u₁, v₀, v₁)
 of divisor j. A sum is reported instead of returned if its degree drops, or if its remainder f − V² mod U shows that
-digits were lost; :mod:`jacobian.inexact.composition` computes it.
+digits were lost; then :mod:`jacobian.inexact.composition` computes it.
 """
 
 from __future__ import annotations

@@ -48,8 +48,8 @@ class InexactField(Immutable, Generic[Element]):
     def is_zero(self, x: Any, scale: Any = None) -> bool:
         """Whether x, a difference of terms of size ``scale``, is zero.
 
-        It is zero up to 16·eps·scale and nonzero from 4096·eps·scale on. In between, and where the scale is beyond the
-        range of floats, PrecisionLoss is raised. Without a scale only an exact 0 is zero.
+        x counts as zero up to 16·eps·scale and as nonzero from 4096·eps·scale on. In between, and where the scale is
+        beyond the range of floats, PrecisionLoss is raised. Without a scale only an exact 0 is zero.
         """
         if scale is None:
             return bool(x == 0)

@@ -23,7 +23,7 @@ from jacobian.fields.prime import PrimeField
 from jacobian.finite.elimination import alone
 
 Element = tuple[int, ...]
-"""Σ c_i ζ^i, i < ℓ: one of many ways to write it."""
+"""The coefficients c_i of an element Σ c_i ζ^i, i < ℓ. They are not unique."""
 DEGREES = (5, 7)
 
 

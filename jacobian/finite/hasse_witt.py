@@ -38,7 +38,7 @@ PLAIN_TO = 10**7
 def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
     """The coefficients a_1 … a_g modulo p of χ(T) = T^2g + a_1 T^(2g−1) + …, or None where the method does not apply.
 
-    χ(T) ≡ T^g · det(T − A·A^(p)·…·A^(q/p)) for the Cartier–Manin matrix A. It needs odd characteristic and,
+    χ(T) ≡ T^g · det(T − A·A^(p)·…·A^(q/p)) for the Cartier–Manin matrix A. The method needs odd characteristic and,
     over GF(p) beyond COMPILED_FROM, g elements of the field that are not roots of F.
     """
     K: Any = C.field
@@ -59,7 +59,7 @@ def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
 def _of_odd_degree(C: HyperellipticCurve) -> HyperellipticCurve:
     """A curve isomorphic to C whose F has a root at infinity, if F has a rational root, else C.
 
-    Its matrices are smaller.
+    A root at infinity makes the matrices smaller.
     """
     K, F = C.field, C.discriminant
     zeros = roots(K, F) if len(F) == 2 * C.genus + 3 else []

@@ -77,8 +77,8 @@ class FixedBase(Immutable):
 def combination(J: GroupLaw, scalars: Iterable[int], divisors: Iterable[Divisor]) -> Divisor:
     """Σ m_i·D_i, for any number of terms: Straus for few, Pippenger for many, whichever makes fewer additions.
 
-    Both counts are known beforehand: see :func:`straus` and :func:`pippenger`. The sum of no terms is 0. For two terms
-    interleaved windows take fewer additions than Shamir's joint table from about 40 bits on, so there is no third
+    :func:`straus_cost` and :func:`pippenger_cost` count the additions beforehand. The sum of no terms is 0. For two
+    terms interleaved windows take fewer additions than Shamir's joint table from about 40 bits on, so there is no third
     method.
     """
     ms = [check_scalar(m, f"scalars[{i}]") for i, m in enumerate(entries(scalars, "scalars", "a sequence of ints"))]

@@ -42,7 +42,7 @@ class Structure(NamedTuple):
         return self.invariants[-1] if self.invariants else 1
 
     def elements(self) -> Iterator[Any]:
-        """All elements, each once, zero first; nothing when there are no generators."""
+        """All elements, each once, zero first. Without generators nothing is yielded, not even zero."""
         if not self.generators:
             return
         zero = self.generators[0].jacobian.zero()
@@ -194,9 +194,10 @@ class PrimaryGroup:
 
 
 def _diagonalise(rows: list[list[int]], basis: list[Any], prime: int, top: int) -> tuple[list[int], list[Any]]:
-    """Exponents and generators of the group with these relations, by Smith's form modulo ℓ^top, more than its order.
+    """Exponents and generators of the group with these relations, by Smith's form modulo ℓ^top.
 
-    The pivot is an entry of least valuation, which divides all the others; a column operation changes the generators.
+    ℓ^top exceeds the order of the group. The pivot is an entry of least valuation, which divides all the others. A
+    column operation changes the generators.
     """
     modulus, exponents, done = prime**top, [], []
     basis = list(basis)

@@ -75,7 +75,7 @@ def _balanced(curve: Any, first: Triple, second: Triple) -> Triple:
 def _split(curve: Any, *summands: Triple) -> Triple:
     """The reduced triple of a class, or of the sum of two, on a split model of odd genus.
 
-    It takes steps at infinity, in more digits than the field's.
+    The steps at infinity are computed with more digits than the field's.
     """
     K, g = curve.field, curve.genus
     lean = sum(lean_of(g, len(u) - 1, n) for u, _, n in summands if n is not None)
@@ -113,7 +113,7 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
     The p and q of the result belong to y + h/2 in place of y.
 
     A quartic f with ``genus=2`` is the elliptic curve with its two points at infinity glued: the sum is that of the
-    generalized Jacobian with modulus ∞₊ + ∞₋, because (y − p)/x³ then takes the same value at both.
+    generalized Jacobian with modulus ∞₊ + ∞₋, because (y − p)/x³ then takes the same value at both points.
     """
     units = units_of(field, f, h, (first, second))
     try:

@@ -7,8 +7,8 @@ quantities are zero, and which column is the largest. The second pass shows the 
 third the effect of the field's own rounding of the summands, for any algorithm.
 
 At first only a quantity that vanishes at every precision counts as zero. If the sum is then known to all but its last
-digits, it is returned. Otherwise a point of the sum may be at infinity, or points of the summands may be opposite, to
-rounding. A quantity then counts as zero if one unit in the last place of the summands moves it as far as it is from
+digits, it is returned. Otherwise a point of the sum may be at infinity, or points of the summands may be opposite, up
+to rounding. A quantity then counts as zero if one unit in the last place of the summands moves it as far as it is from
 zero. It counts as not zero if it is far larger than the effect of rounding. In between, PrecisionLoss is raised.
 """
 
@@ -54,7 +54,7 @@ class Question(NamedTuple):
 class Pass:
     """The ``field`` argument of one pass of :func:`jacobian.inexact.stacked.compose`.
 
-    It records the questions asked, their answers, and the result. ``like``: an earlier pass whose choices of columns
+    A pass records its questions, their answers, and the result. ``like``: an earlier pass whose choices of columns
     are repeated.
     """
 

@@ -1,6 +1,6 @@
 """Polynomials of fixed length, never trimmed, and orthogonal linear algebra on a few rows.
 
-Inexact composition uses them on any numbers with ``+ − · /``, ``abs``, ``** 0.5`` and ``conjugate``. Polynomials are
+Inexact composition uses both on any numbers with ``+ − · /``, ``abs``, ``** 0.5`` and ``conjugate``. Polynomials are
 lists of coefficients, ascending.
 """
 

@@ -193,7 +193,7 @@ def _cancel_opposites(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple
 
 
 def _cancel_inexact(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[list[AffinePoint], int]:
-    """The result of :func:`_cancel_opposites` over an inexact field, where y is known only to rounding."""
+    """The result of :func:`_cancel_opposites` over an inexact field, where y is known only up to rounding."""
     from jacobian.law.inexact_points import opposite
 
     kept: list[AffinePoint] = []

@@ -26,7 +26,7 @@ def in_order(points: Sequence[AffinePoint]) -> list[AffinePoint]:
 
 
 def opposite(C: HyperellipticCurve, P: AffinePoint, Q: AffinePoint) -> bool:
-    """Whether two points with the same x are opposite, to rounding; a branch point is its own opposite."""
+    """Whether two points with the same x are opposite up to rounding; a branch point is its own opposite."""
     h = [C.field.zero, *C.h]
     return bool(P.x == Q.x and abs(P.y + Q.y + value_at(h[1:], P.x)) <= abs(P.y - Q.y))
 

@@ -44,7 +44,7 @@ take 0.4 s in genus 50, 2 s in 200, 44 s in 1000."""
 DISTANCE = 50
 """− log₂ of the distance from the uniform distribution that sums of places may have."""
 MOST_CLASSES = 10**9
-"""The largest number of classes that are listed; it takes some hours, and they do not fit into memory."""
+"""The largest number of classes that are listed. Listing so many takes some hours, and they do not fit into memory."""
 
 
 def random_divisor(J: GroupLaw, rng: Rng) -> Divisor:

@@ -68,7 +68,7 @@ def g2_invariants(C: HyperellipticCurve[Element]) -> tuple[Element, Element, Ele
     """Three numbers that two curves of genus 2 share exactly if they are isomorphic over the algebraic closure
     (Cardona, Quer, Nart and Pujolàs 2005). The field is exact, of characteristic other than 2.
 
-    They are (J2⁵, J2³J4, J2²J6)/J10; if J2 = 0, (0, J4⁵/J10², J4J6/J10); if J4 = 0 too, (0, 0, J6⁵/J10³).
+    The numbers are (J2⁵, J2³J4, J2²J6)/J10; if J2 = 0, (0, J4⁵/J10², J4J6/J10); if J4 = 0 too, (0, 0, J6⁵/J10³).
     """
     K = _genus_two(C).field
     if K.characteristic == 2 or not K.exact:

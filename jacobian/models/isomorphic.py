@@ -1,9 +1,9 @@
 """All isomorphisms between two curves of genus ≥ 2 over a finite field of odd characteristic or over QQ.
 
 An isomorphism maps the branch points, the roots of the form F = h² + 4f of degree 2g + 2, to branch points, and is
-determined by the images of three. So factors of F with three or more roots in total are chosen, and these roots mapped
-in every possible way to roots of factors of the same degrees. Each choice gives a linear system over the field for (a :
-b : c : d).
+determined by the images of three. So factors of F with three or more roots in total are chosen, and these roots are
+mapped in every possible way to roots of factors of the same degrees. Each choice gives a linear system over the field
+for (a : b : c : d).
 
 Over QQ the same is done modulo a prime p of good reduction. The result is lifted to F'(ax + b, cx + d) = λF modulo
 powers of p, digit by digit, until the residues determine rational numbers. With integral F and F' the height of

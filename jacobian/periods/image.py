@@ -1,8 +1,8 @@
 """From divisors to ℂ^g: integrals of x^k dx/(y + h/2) from a branch point to the points of a divisor.
 
 The path from a branch point e to a point P is x = e + (x_P − e)s², on which Y/s has no zero; e is the branch point of
-fastest convergence. Integrals between branch points are half-periods (:mod:`jacobian.periods.branched_cover`). So is
-the integral from ∞ to e₀ on a ramified model, −Σ ∫_{e₀}^{e_i}, since Σ e_i − (2g+1)∞ is the divisor of Y.
+fastest convergence. Integrals between branch points are half-periods (:mod:`jacobian.periods.branched_cover`). On a
+ramified model the integral from ∞ to e₀ is −Σ ∫_{e₀}^{e_i}, since Σ e_i − (2g+1)∞ is the divisor of Y.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""Kleinian functions of genus 2: ℘_ij and ζ_i at u in ℂ², as symmetric functions of the divisor with the image u.
+"""Kleinian functions of genus 2: ℘_ij and ζ_i at z in ℂ², as symmetric functions of the divisor with the image z.
 
-On Y² = F(x) let u = Σ ∫ (dx/Y, x dx/Y) over P_1 + P_2, and e a branch point (where Y = 0) or infinity. For two
-abscissae x, z among e, x_1, x_2 the polar form is F(x, z) = Σ x^i z^i (2F_2i + F_2i+1 (x + z)), and ℘_11 + ℘_12 (x + z)
-+ ℘_22 xz = (F(x, z) − 2YZ)/(4(x − z)²) (Klein 1888; Baker 1907). With Π = (x − e)(x − x_1)(x − x_2) and the
+On Y² = F(x) let z = Σ ∫ (dx/Y, x dx/Y) over P_1 + P_2, and let e be a branch point (where Y = 0) or infinity. For two
+points (s, S) and (t, T) among these three, ℘_11 + ℘_12 (s + t) + ℘_22 st = (F(s, t) − 2ST)/(4(s − t)²) with the polar
+form F(s, t) = Σ s^i t^i (2F_2i + F_2i+1 (s + t)) (Klein 1888; Baker 1907). With Π = (x − e)(x − x_1)(x − x_2) and the
 differentials ρ_j of :mod:`jacobian.periods.second_kind`, ζ_j = −Σ ∫ ρ_j + ½ Σ Y_k·c_j(x_k)/Π′(x_k), c_1 = 2x − e − x_1
-− x_2 and c_2 = 1 (after Buchstaber, Enolskii & Leykin 1997). All of it is computed modulo Mumford's u, where no
-quotient becomes 0/0 when P_1 and P_2 coincide: with F = V² + u·w the right-hand side for x_1, x_2 is −(w_0 + u_0 w_2 +
-u_0² w_4)/4.
+− x_2 and c_2 = 1 (after Buchstaber, Enolskii & Leykin 1997). All of it is computed modulo Mumford's polynomial u, where
+no quotient becomes 0/0 when P_1 and P_2 coincide: with F = V² + u·w the right-hand side for P_1, P_2 is −(w_0 + u_0 w_2
++ u_0² w_4)/4.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from jacobian.periods.second_kind import SecondKind, moments, second_kind
 
 
 class Wp(NamedTuple):
-    """The values of ℘_ij = −∂²(log σ)/∂u_i∂u_j at a point."""
+    """The values of ℘_ij = −∂²(log σ)/∂z_i∂z_j at a point."""
 
     p11: Any
     p12: Any
@@ -37,8 +37,9 @@ class Wp(NamedTuple):
 class KleinianFunctions(Immutable):
     """The functions ℘_ij and ζ_i of a curve of genus 2, in the numbers of its AbelMap or AbelBalls.
 
-    Their poles are the classes [P − e]. On a ramified model e is infinity, and ℘_22 = F_5 (x_1 + x_2)/4. On others e is
-    the branch point of number ``branch_point`` in ``abel.periods.cover.roots``. ArgumentError for another genus.
+    Their poles are the classes [P − e]. On a ramified model e is infinity, and ℘_22 = F_5 (x_1 + x_2)/4. On other
+    models e is the branch point of number ``branch_point`` in ``abel.periods.cover.roots``. ArgumentError for another
+    genus.
     """
 
     def __init__(self, abel: AbelMap | AbelBalls, branch_point: int | None = None) -> None:
@@ -142,7 +143,7 @@ class KleinianFunctions(Immutable):
     def _halves(self) -> dict[int, Vector]:
         """The integrals of x^k dx/Y, k < 5, from branch point 0 to each branch point, along the edges of the tree.
 
-        To a branch point that is not in the tree they continue from its nearest neighbour.
+        The path to a branch point outside the tree continues from the nearest neighbour of this point.
         """
         cover = self._image.cover
         found: dict[int, Vector] = {0: [cover.numbers.convert(0)] * 5}

@@ -1,7 +1,7 @@
 """Integrals of dx/y and x dx/y along straight paths between branch points of y² = f(x), deg f = 5, and to other points.
 
-A compiled loop sums an integrand over the nodes of a rule in double-doubles. It is a Gauss rule or, where real branch
-points nearly meet, the trapezoidal rule in log(v/(1 − v)), v the fraction of the path from its start.
+A compiled loop sums an integrand over the nodes of a rule in double-doubles. The rule is a Gauss rule or, where real
+branch points nearly meet, the trapezoidal rule in log(v/(1 − v)), v the fraction of the path from its start.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""The other groups on a curve: signed pairs, generalized Jacobians, ray classes, the conic Picard group."""
+"""Groups on a curve besides its Jacobian: signed pairs, generalized Jacobians, ray classes, the conic Picard group."""

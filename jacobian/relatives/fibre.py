@@ -132,7 +132,7 @@ class FibreGroup(Immutable):
     def coordinate(self, c: Unit) -> Any:
         """The class as an element of G_m, (a + b·y₁)/(a + b·y₂) for ``values`` (y₁, y₂), or of G_a, b/(a + b·y₁).
 
-        FieldError on an inert fibre, whose group is neither over this field.
+        FieldError on an inert fibre, whose group is neither G_m nor G_a over this field.
         """
         K, (a, b) = self.field, c
         if self.kind == "inert":
@@ -174,7 +174,7 @@ class FibreGroup(Immutable):
     def value(self, function: Function) -> Unit:
         """The value (a : b) of the function a(x) + b(x)·y at the points over x₀. It need not be a unit.
 
-        A common power of x − x₀ in a(x) and b(x) is divided out first; at infinity, one of 1/x.
+        A common power of x − x₀ in a(x) and b(x) is divided out first; at infinity, a power of 1/x.
         """
         K, (a, b) = self.field, function
         if self.x0 is None:

@@ -21,8 +21,8 @@ from jacobian.relatives.heights import canonical_height, dependence, pairings
 class Generators(NamedTuple):
     """Independent ``classes`` that generate the given group modulo torsion, and their ``regulator``.
 
-    The regulator is the determinant of their height pairings, a ball without 0. This proves that the rank of J(QQ) is
-    at least their number. The given group need not be all of J(QQ).
+    The regulator is the determinant of the height pairings of the classes, a ball without 0. This proves that the rank
+    of J(QQ) is at least the number of classes. The given group need not be all of J(QQ).
     """
 
     classes: tuple[Divisor, ...]

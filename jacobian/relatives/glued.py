@@ -46,7 +46,7 @@ class GeneralizedJacobian(Jacobian):
         return GeneralizedJacobian, (self.curve,)
 
     def explain(self) -> str:
-        """The name of the algorithm that adds."""
+        """A description of the algorithm of addition."""
         return "Cantor's composition, or the stacked system over inexact fields, and one reflection"
 
     def _check_representable(self) -> None:

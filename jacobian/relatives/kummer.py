@@ -109,7 +109,7 @@ class KummerSurface(Immutable):
     def delta(self) -> list[dict[tuple[int, ...], int]]:
         """The doubling forms δ₁ … δ₄, each as {exponents: coefficient}.
 
-        They are unique modulo the equation of the surface, with the coefficient 1 of ξ₄⁴ in δ₄.
+        They are unique modulo the equation of the surface if the coefficient of ξ₄⁴ in δ₄ is 1.
         """
         whole = self.integers(4 * len(MONOMIALS), self._delta_modulo)
         rows = [whole[i : i + len(MONOMIALS)] for i in range(0, len(whole), len(MONOMIALS))]

@@ -104,7 +104,7 @@ class PseudoGroup(Immutable):
         return PseudoGroup, self._value()
 
     def explain(self) -> str:
-        """A description of the algorithm that adds."""
+        """A description of the algorithm of addition."""
         if self._is_compiled:
             return (
                 "compiled code on two words, for GF(p), 2 < p < 2^128: biquadratic forms, one addition for every case"
@@ -255,7 +255,7 @@ def packed(tables: Sequence[Sequence[dict[tuple[int, int], int]]], to_word: Call
 def equation(f: Sequence[int]) -> dict[tuple[int, ...], int]:
     """The equation K₂ξ₄² + K₁ξ₄ + K₀ = 0 of the surface (Cassels & Flynn 1996, (3.1.8)).
 
-    Its coefficients are returned by the indices of the four factors of each monomial.
+    Its coefficients are returned as {indices of the four factors of a monomial: coefficient}.
     """
     f0, f1, f2, f3, f4, f5, f6 = f
     linear = {"000": 2 * f0, "001": f1, "002": 2 * f2, "012": f3, "022": 2 * f4, "122": f5, "222": 2 * f6}
@@ -282,7 +282,7 @@ def equation(f: Sequence[int]) -> dict[tuple[int, ...], int]:
 
 @lru_cache(maxsize=32)
 def biquadratic(surface: KummerSurface) -> list[list[int]]:
-    """The coefficients of the forms b_ij, in the order of INDICES; each form has one for each of the TERMS.
+    """The coefficients of the forms b_ij, in the order of INDICES; a form has a coefficient for each of the TERMS.
 
     The term (k, l) is q_k(x)·q_l(y) + q_l(x)·q_k(y), or q_k(x)·q_k(y) for k = l, q_k being the quadratic monomials.
     """

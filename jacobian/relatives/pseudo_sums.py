@@ -27,9 +27,9 @@ the term ``place``[m] of the table, counted from 0.
 """
 
 QUADRATIC = 10
-"""Quadratic monomials ξ₁², ξ₁ξ₂, … of one point."""
+"""The number of quadratic monomials ξ₁², ξ₁ξ₂, … of a point."""
 TERMS = 2 * QUADRATIC
-"""Where the terms stand in the scratch array."""
+"""The index in the scratch array at which the terms begin."""
 SCRATCH = TERMS + 55
 
 

@@ -37,9 +37,9 @@ from jacobian.relatives.fibre import FibreGroup, Function, Unit, conjugate
 class RayClassGroup(Immutable):
     """The generalized Jacobian of ``curve`` with modulus the points over x₀, ``x0`` = None being x₀ = ∞.
 
-    The curve has any genus, and any model that has a Jacobian here; FieldError over an inexact field, for which
-    :class:`jacobian.relatives.glued.GeneralizedJacobian` adds general pairs of an elliptic curve. ``jacobian``: the
-    Jacobian onto which this group maps; ``fibre``: the kernel, a :class:`~jacobian.relatives.fibre.FibreGroup`.
+    The curve has any genus, and any model for which this package has a Jacobian; FieldError over an inexact field, for
+    which :class:`jacobian.relatives.glued.GeneralizedJacobian` adds general pairs of an elliptic curve. ``jacobian``:
+    the Jacobian onto which this group maps; ``fibre``: the kernel, a :class:`~jacobian.relatives.fibre.FibreGroup`.
     """
 
     def __init__(self, curve: HyperellipticCurve, x0: Any = None) -> None:

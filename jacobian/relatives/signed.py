@@ -9,8 +9,9 @@ one prime for the second summand and two for the sum. If q·y − p vanishes on 
     L = (p − qV)/U,    L'' = (p + qV'')/U'',    N = (L(V'' − V) + qW)/U''
 
 then (σ'', ν'') = (L(e)σ + qν, N(e)σ + L''(e)ν)/(bκ'σ') and κ'' = κκ'. This linear map of (σ, ν) has the determinant
-1/κ', and the summands may change places. It is a commutative group law on divisors of weight g = 2, with inverse
-(−D; σ, −ν). (Tsiganov's s'' = P(e)/(b s s') is its first component; the second keeps it regular where U(e) = 0.)
+1/κ', and the summands may change places. The addition is a commutative group law on divisors of weight g = 2, with
+inverse (−D; σ, −ν). (Tsiganov's s'' = P(e)/(b s s') is its first component; the second keeps it regular where U(e) =
+0.)
 """
 
 from __future__ import annotations
@@ -49,9 +50,9 @@ class Row(NamedTuple):
 class SignedGroup(Immutable):
     """The group of divisors on y² = f(x) with pairs at the given branch points.
 
-    Their weight is two for deg f = 5, the Jacobian of a curve of genus 2, and for deg f = 4, the generalized Jacobian
-    of an elliptic curve with modulus ∞₊ + ∞₋. It is one for deg f = 3, an elliptic curve. Summands of weight one are
-    admitted for deg f = 5 and 3 if the field contains √(leading coefficient).
+    The weight of the divisors is two for deg f = 5, the Jacobian of a curve of genus 2, and for deg f = 4, the
+    generalized Jacobian of an elliptic curve with modulus ∞₊ + ∞₋. It is one for deg f = 3, an elliptic curve. Summands
+    of weight one are admitted for deg f = 5 and 3 if the field contains √(leading coefficient).
     """
 
     def __init__(self, curve: HyperellipticCurve, branch_points: Sequence[Any]) -> None:

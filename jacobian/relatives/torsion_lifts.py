@@ -86,8 +86,8 @@ class TorsionLifts:
         self.equation = equation(self.surface.f)
 
     def lifted(self, T: Divisor, m: int) -> Divisor | None:
-        """A rational class that reduces to T or −T and whose order divides m; None if there is none. Required are 2T ≠
-        0 and p ∤ m.
+        """A rational class that reduces to T or −T and whose order divides m; None if there is none. 2T ≠ 0 and p ∤ m
+        are required.
         """
         x = list(self.reduced.point(T))
         # the reduction has the equation y² = F, the surface y² = scale²·F
