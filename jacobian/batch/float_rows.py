@@ -1,6 +1,6 @@
 """Batches over the floats and the complex numbers in genus 2.
 
-Compiled code adds divisors of weight 2; the Jacobian's own addition adds the others. If
+Compiled code adds divisors of weight 2; the Jacobian's own addition adds other divisors. If
 :mod:`jacobian.inexact.composition` cannot decide a sum, or if the sum has a point at infinity of a split model, only
 the row of this sum is lost; the other rows stay valid.
 """

@@ -3,7 +3,7 @@
 They exist in genus 2 and 3 over GF(p), 2^63 < p < 2^128, and in genus 2 over GF(2^n), 16 < n < 128.
 
 In genus 3 the model is ramified. Explicit formulas add the general rows; the kernel of single classes in Python adds
-the others, one by one.
+the other rows, one by one.
 """
 
 from __future__ import annotations

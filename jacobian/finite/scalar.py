@@ -75,7 +75,7 @@ class FixedBase(Immutable):
 
 
 def combination(J: GroupLaw, scalars: Iterable[int], divisors: Iterable[Divisor]) -> Divisor:
-    """Σ m_i·D_i, for any number of terms: Straus for few, Pippenger for many, whichever makes fewer additions.
+    """Σ m_i·D_i, for any number of terms: Straus for few, Pippenger for many, whichever takes fewer additions.
 
     :func:`straus_cost` and :func:`pippenger_cost` count the additions beforehand. The sum of no terms is 0. For two
     terms interleaved windows take fewer additions than Shamir's joint table from about 40 bits on, so there is no third

@@ -1,10 +1,10 @@
 """The characteristic polynomial of Frobenius where counting all points one by one is out of reach.
 
-In the notation of :mod:`jacobian.finite.weil`, counting over GF(q^i) gives some r_i, and the Cartier–Manin matrix the
-others modulo p (:mod:`jacobian.finite.hasse_witt`). Baby steps and giant steps search the remaining candidates for
-orders that annihilate a random class (Gaudry and Harley 2000; Matsuo, Chao and Tsujii 2002; Sutherland 2009), on the
-curve and on its quadratic twist, until one polynomial is left. Where several remain, as for groups of small exponent,
-the structures of the two groups decide.
+In the notation of :mod:`jacobian.finite.weil`, counting over GF(q^i) gives some r_i, and the Cartier–Manin matrix gives
+the other r_i modulo p (:mod:`jacobian.finite.hasse_witt`). Baby steps and giant steps search the remaining candidates
+for orders that annihilate a random class (Gaudry and Harley 2000; Matsuo, Chao and Tsujii 2002; Sutherland 2009), on
+the curve and on its quadratic twist, until one polynomial is left. Where several remain, as for groups of small
+exponent, the structures of the two groups decide.
 
 The result is proven: a candidate is eliminated only when its order does not annihilate a class, or is not divisible by
 a known divisor of the order of the group.
@@ -44,8 +44,8 @@ _FEW = 100
 
 @dataclass(frozen=True)
 class Candidates:
-    """The candidates for R: ``known`` are its first coefficients 1, r_1, …; the others are ≡ ``residues`` modulo
-    ``modulus``.
+    """The candidates for R: ``known`` are its first coefficients 1, r_1, …; the other coefficients are ≡
+    ``residues`` modulo ``modulus``.
     """
 
     q: int
@@ -260,8 +260,8 @@ def _candidates(C: HyperellipticCurve) -> Candidates:
     residues = frobenius_modulo_p(C)
     excess = [_excess(C, residues)]
     candidates = _with_counts(C, excess, residues)
-    # one more degree is counted where that is fast, or faster than the search without it: a step of the search takes
-    # about as long as counting this many elements
+    # the points over one more extension are counted where that is fast, or faster than a search without this count: a
+    # step of the search takes about as long as counting this many elements
     step = 1000 if q == C.field.characteristic != 2 else 8
     while (i := len(excess) + 1) <= g and q**i <= limit:
         if q**i > counting_is_quick(C) and q**i > step * isqrt(candidates.size()):

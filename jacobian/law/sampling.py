@@ -72,7 +72,8 @@ def _by_places(J: GroupLaw, rng: Rng) -> Divisor:
         above, below = (2 * g - 2) * (root + 1) + own, q**k - 1 - 2 * g * (root + 1) - own
         if 8 * above < below:
             break
-    # the bits of √#J ≤ (1 + √q)^g and the distance are divided by those of one place; inert models need an even number
+    # enough places for the bits of √#J ≤ (1 + √q)^g and of the distance, at log₂(below/above) bits a place; an even
+    # number, which inert models need
     places = ceil((g * log2(1 + q**0.5) + DISTANCE) / log2(below / above) / 2) * 2
     degree = k * round(log(q, K.characteristic))
     L = GF(K.characteristic, degree, first_irreducible(prime_field(K.characteristic), degree))

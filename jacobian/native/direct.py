@@ -158,7 +158,7 @@ _new.restype, _new.argtypes = ctypes.py_object, [ctypes.POINTER(_Definition), ct
 
 
 class Method:
-    """An entry of objects: called with the leading arguments, it returns a function of the others."""
+    """An entry of objects: called with the leading arguments, it returns a function of the other arguments."""
 
     def __init__(self, entry: Any, name: str, letters: str, words_of: Any) -> None:
         self._entry, self._letters, self._words_of = entry, letters, words_of

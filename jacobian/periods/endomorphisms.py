@@ -3,8 +3,8 @@
 An endomorphism is an integral R of 2g × 2g with A·Π = Π·R for some A of g × g, where Π = (Π_1, Π_2) are the periods.
 With τ = Π_1⁻¹Π_2 and R = (a, b; c, d) the relation is b + τd − aτ − τcτ = 0. It is linear in R, so its integral
 solutions are the small vectors of a lattice (Lenstra, Lenstra & Lovász 1982; van Wamelen 1999). An endomorphism is
-defined over QQ if A is rational, because the x^k dx/Y are a basis over QQ. The rational ones too are small vectors of a
-lattice.
+defined over QQ if A is rational, because the x^k dx/Y are a basis over QQ. The rational endomorphisms too are small
+vectors of a lattice.
 """
 
 from __future__ import annotations
