@@ -3,65 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, floor
+from functools import partial
+from math import ceil
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from integrable.motion.precise import PreciseFlow
 from integrable.motion.trajectory import Motion
-from integrable.moving_point.losses import digits_of
 from integrable.phase.body import Body
 from integrable.phase.equal_moments import symmetry_axis
-from integrable.phase.precisions import FLOAT_DIGITS
-from jacobian import MP, RR
+from integrable.portrait.certificate import Pairs, agreement
+from jacobian import MP
 from jacobian.element import Numbers, Real
-from jacobian.errors import PrecisionLoss, whole
 from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
 
-Pairs = Sequence[tuple[Sequence[Real], Sequence[Real]]]
-"""(γ, M) at several times."""
-
-# the second run has WIDER more digits than the first, and at least LEAST
-WIDER = 15
-LEAST = 30
 # spare digits in the estimate of :func:`_turns`
 BESIDE = 3
-# by default the last SLACK of the field's digits need not agree, over floats the last FLOAT_SLACK
-SLACK = 1
-FLOAT_SLACK = 3
 
 
 def certified(flow: Motion, times: Numbers, digits: int | None) -> Trajectory:
     """The states at physical times, with ``error`` and ``digits``: see :meth:`integrable.motion.flow.Flow.certify`."""
-    field = flow.system.field
-    own = FLOAT_DIGITS if field == RR else field.dps
-    wanted = own - (FLOAT_SLACK if field == RR else SLACK) if digits is None else digits
-    wanted = whole(wanted, "digits", f"{field.name} has 1 to {own} digits that can agree; give an int", 1, own)
     run = flow.at(times)
-    more = max(own + WIDER, LEAST)
-    K = MP(more)
-    # the first run has rounded the given times, and the second run must use the same times
-    finer = _vectors(flow, [K.coerce(t) for t in run.times], K)
-    errors = []
-    for gamma, M, (true_gamma, true_M) in zip(run.gamma, run.M, finer, strict=True):
-        size = max(map(abs, true_M))
-        near = max(abs(K.coerce(x) - y) for x, y in zip(gamma, true_gamma, strict=True))
-        far = max(abs(K.coerce(x) - y) for x, y in zip(M, true_M, strict=True)) / size
-        errors.append(max(near, far))
-    agree = [min(more, floor(-digits_of(e))) for e in errors]
-    for i, agreeing in enumerate(agree):
-        if agreeing < wanted:
-            raise PrecisionLoss(
-                f"times[{i}] = {run.times[i]}: computed with {own} and with {more} digits the states agree to "
-                f"{agreeing} digits, not to {wanted}; use more digits"
-            )
-    error = np.array(errors, dtype=float) if field == RR else np.array([K.coerce(e) for e in errors], dtype=object)
-    return replaced(run, error=error, digits=np.array(agree, dtype=int))
+    pairs = zip(run.gamma, run.M, strict=True)
+    error, agreeing = agreement(flow.system.field, (run.times, pairs), partial(_vectors, flow), digits, unit=1)
+    return replaced(run, error=error, digits=agreeing)
 
 
 def _vectors(flow: Motion, times: list[Real], K: MultiprecisionField) -> Pairs:

@@ -16,8 +16,9 @@ from integrable.phase.ways import Cost, StatesReached, filled, times_in
 from jacobian import RR
 from jacobian.element import Element, FormulaField, Number, Numbers, Real
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.fields.protocol import Field
-from jacobian.immutable import Record, at_once, quick_property, read_only
+from jacobian.immutable import Record, at_once, quick_property, read_only, replaced
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended, Lift
@@ -70,7 +71,8 @@ class Path(Record):
     """States at ``times``: ``q`` and ``p`` are arrays of shape (N, n), of floats, or of objects over MP(digits).
 
     ``way`` is the method that computed them: "series", "torus", "additions", or several of these. ``estimate`` is an
-    estimate of the largest error relative to the largest component of q, or of p, at the same time.
+    estimate of the largest error relative to the largest component of q, or of p, at the same time. ``error`` and
+    ``digits`` are set by :meth:`MumfordFlow.certify`, else None.
     """
 
     times: np.ndarray
@@ -78,12 +80,16 @@ class Path(Record):
     p: np.ndarray
     way: str
     estimate: float
+    error: np.ndarray | None
+    digits: np.ndarray | None
 
     @at_once
     def __init__(
         self, times: np.ndarray, q: np.ndarray, p: np.ndarray, way: str = ADDITIONS, estimate: float = ROUNDED
     ) -> None:
-        vars(self).update(times=read_only(times), q=read_only(q), p=read_only(p), way=way, estimate=estimate)
+        vars(self).update(
+            times=read_only(times), q=read_only(q), p=read_only(p), way=way, estimate=estimate, error=None, digits=None
+        )
 
     def __len__(self) -> int:
         return len(self.times)
@@ -251,6 +257,25 @@ class MumfordFlow:
             times, theta, rotation = crossings(self._separated_in_floats(N, "section"), count, oval, end)
         return TorusSection(self.at(times), theta, rotation)
 
+    def certify(self, times: Numbers, digits: int | None = None) -> Path:
+        """The states of :meth:`at`, each compared with a run at 15 more digits, 30 for RR.
+
+        The Path has ``error``, the larger of the differences in q and in p relative to the largest component of each at
+        that time, and ``digits``, how many decimal digits agree, both of shape (N,). The inputs count as exact, except
+        that q and p are projected onto their constraints. PrecisionLoss where fewer than ``digits`` agree; by default
+        all digits but one of MP(digits), 12 of RR. :meth:`enclosure` has proven bounds.
+        """
+        from integrable.portrait.certificate import Pairs, agreement
+
+        path = self.at(times)
+
+        def finer(times: list[Real], K: MultiprecisionField) -> Pairs:
+            return zip(*self._over(K)._states(times), strict=True)
+
+        states = zip(path.q, path.p, strict=True)
+        error, agreeing = agreement(self.system.field, (path.times, states), finer, digits)
+        return replaced(path, error=error, digits=agreeing)
+
     def events(self, condition: Condition, start: Number, end: Number, direction: int = 0) -> Path:
         """The states between two times at which ``condition`` changes sign, in order of time.
 
@@ -266,7 +291,7 @@ class MumfordFlow:
         watched = Watched(self.system.field, self._states, floats._states, named, floats._panel)
         return self.at(event_times(watched, condition, start, end, direction))
 
-    def _states(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _states(self, times: Numbers) -> tuple[np.ndarray, np.ndarray]:
         path = self.at(times)
         return path.q, path.p
 

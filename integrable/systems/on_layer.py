@@ -14,7 +14,7 @@ from integrable.phase.state import State, onto_constraints
 from jacobian import MP, RR, Divisor, Field
 from jacobian.element import FormulaField, Number, Numbers, Real, Value
 from jacobian.errors import ArgumentError, shown, written
-from jacobian.immutable import Immutable
+from jacobian.immutable import Immutable, replaced
 
 if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
@@ -106,7 +106,11 @@ class BodyPath(Immutable):
 
     @staticmethod
     def _path(run: Trajectory) -> Path:
-        return Path(run.times, run.gamma, run.M, run.way)
+        return replaced(Path(run.times, run.gamma, run.M, run.way), error=run.error, digits=run.digits)
+
+    def certify(self, times: Numbers, digits: int | None = None) -> Path:
+        """The states at physical times, with ``error`` and ``digits`` as the body's own flow certifies them."""
+        return self._path(self._flow.certify(times, digits))
 
     def events(self, condition: Condition, start: Number, end: Number, direction: int = 0) -> Path:
         """The states between two physical times at which ``condition``, a function of γ and M, changes sign."""

@@ -1,0 +1,70 @@
+"""The number of digits of every state that agree between a run and the same motion at more digits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from math import floor, inf
+
+import numpy as np
+
+from integrable.moving_point.losses import digits_of
+from integrable.phase.precisions import FLOAT_DIGITS
+from jacobian import MP, RR
+from jacobian.element import Real
+from jacobian.errors import PrecisionLoss, whole, written
+from jacobian.fields.machine import RealField
+from jacobian.fields.multiprecision import MultiprecisionField
+
+Pairs = Iterable[tuple[np.ndarray | Sequence[Real], np.ndarray | Sequence[Real]]]
+"""Both vectors of the states at several times: γ and M, or q and p."""
+Finer = Callable[[list[Real], MultiprecisionField], Pairs]
+"""The states at times to the digits of a field."""
+
+# the second run has WIDER more digits than the first, and at least LEAST
+WIDER = 15
+LEAST = 30
+# by default the last SLACK of the field's digits need not agree, over floats the last FLOAT_SLACK
+SLACK = 1
+FLOAT_SLACK = 3
+
+
+def agreement(
+    field: RealField | MultiprecisionField,
+    run: tuple[np.ndarray, Pairs],
+    finer: Finer,
+    digits: int | None,
+    unit: Real | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The errors of the states of a ``run``, (times, states), and how many digits of each agree with ``finer``.
+
+    An error is relative to the largest component of each vector, or to ``unit`` for the first vector. PrecisionLoss if
+    fewer than ``digits`` agree, by default all but one of MP(digits), 12 of RR.
+    """
+    own = FLOAT_DIGITS if isinstance(field, RealField) else field.dps
+    wanted = own - (FLOAT_SLACK if field == RR else SLACK) if digits is None else digits
+    wanted = whole(wanted, "digits", f"{field.name} has 1 to {own} digits that can agree; give an int", 1, own)
+    times, states = run
+    more = max(own + WIDER, LEAST)
+    K = MP(more)
+    # the first run has rounded the given times, and the second run must use the same times
+    truth = finer([K.coerce(t) for t in times], K)
+    errors = [
+        max(_off(K, *first, unit), _off(K, *second))
+        for first, second in (zip(*x, strict=True) for x in zip(states, truth, strict=True))
+    ]
+    agree = [min(more, floor(-digits_of(e))) for e in errors]
+    for i, agreeing in enumerate(agree):
+        if agreeing < wanted:
+            raise PrecisionLoss(
+                f"times[{i}] = {written(times[i])}: computed with {own} and with {more} digits the states agree to "
+                f"{agreeing} digits, not to {wanted}; use more digits"
+            )
+    error = np.array(errors, dtype=float) if field == RR else np.array([K.coerce(e) for e in errors], dtype=object)
+    return error, np.array(agree, dtype=int)
+
+
+def _off(K: MultiprecisionField, found: Iterable[Real], true: Iterable[Real], unit: Real | None = None) -> Real:
+    """The largest difference of a vector from the true one, relative to ``unit`` or the largest component."""
+    apart = max(abs(K.coerce(x) - y) for x, y in zip(found, true, strict=True))
+    size = max(map(abs, true)) if unit is None else unit
+    return apart / size if size else apart and inf
