@@ -211,7 +211,7 @@ def _turning(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequ
     table: list[Real] = []
     for n, (one, other) in enumerate(zip(first, second, strict=True)):
         table += [*one, *(x if n % 2 == 0 else -x for x in other), *thetas[4 * n : 4 * n + 4]]
-    # sn = θ₃θ₁/(θ₂θ₄) and so on
+    # ``height`` and ``slope`` follow from sn = θ₃θ₁/(θ₂θ₄) and its relatives
     height, slope = swing * (theta3 / theta2) ** 2, 2 * swing * N.sqrt(wide / 2) * (theta4 / theta2) ** 2
     place = _start(N, levels, gaps, axis)
     round_ = 2 * half_turn()
@@ -250,7 +250,7 @@ def _waves(nome: Real, angle: Real, count: int) -> tuple[list[tuple[Real, Real]]
 def _start(N: LongField, levels: list[tuple[Real, Real]], gaps: Gaps, axis: Axis) -> Real:
     """The phase v at the start."""
     low, high = max(axis.z - gaps.first, N.zero), max(gaps.first + gaps.swing - axis.z, N.zero)
-    # z'² = 2(z − x₁)(x₂ − z)(x₃ − z) gives the smaller of the first two gaps from the larger
+    # z'² = 2(z − x₁)(x₂ − z)(x₃ − z) gives the smaller of the gaps z − x₁ and x₂ − z from the larger
     square, far = axis.rate * axis.rate / 2, gaps.swing + gaps.above
     if low < high:
         low = square / (high * (far - low))

@@ -58,7 +58,7 @@ class Ellipsoid(SurfaceSystem):
         slope = N.dot(q, p)
         mixed = self._sums(N, [x * y for x, y in zip(q, p, strict=True)])
         v = tuple(x - slope * y for x, y in zip(mixed[:-1], u, strict=False))
-        # the sum is xR; its constant coefficient, 0 by the constraints, is omitted
+        # the sum is x times a polynomial, since its constant coefficient is 0 by the constraints
         rest = self._sums(N, self._momenta(N, state))[1:]
         f = poly.mul(N, poly.mul(N, (N.zero, -N.one), poly.from_roots(N, a)), rest)
         return all_of(N, (f, u, v), self.size - 1)
@@ -118,7 +118,7 @@ class Ellipsoid(SurfaceSystem):
             reached = [x + length * v for x, v in zip(*inner, strict=True)]
             squares, a, x = [y * y for y in reached], self._constants_in(L), L.zero
             for _ in range(MOST_STEPS):
-                # 1/Σ is concave in −λ, so Newton's method from λ = 0 decreases λ monotonically
+                # 1/``total`` is concave in −x, so Newton's method from x = 0 decreases x monotonically
                 parts = [y / (e - x) for y, e in zip(squares, a, strict=True)]
                 total = sum(parts, L.zero)
                 slope = sum((part / (e - x) for part, e in zip(parts, a, strict=True)), L.zero)

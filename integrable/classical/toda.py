@@ -153,7 +153,7 @@ class TodaLattice(MumfordSystem):
             p.append(quotient[0])
             if k < size - 1:
                 links.append(-rest[size - 2 - k])
-                # this uses operators, since u and v may be columns of numbers
+                # operators are used, since u and v may be columns of numbers
                 above, below = below, (*[c / rest[size - 2 - k] for c in rest[: size - 2 - k]], N.one)
         return p, links
 

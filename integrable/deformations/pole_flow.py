@@ -53,7 +53,7 @@ class CubicCarrier(CurvesCarrier):
             if abs(value) <= 64 * K.eps * max(map(abs, self.lambdas)):
                 raise NotRepresentable(f"λ = {shown(self.lambdas)}: K vanishes, and one of the two curves degenerates")
             q = poly.sub(K, poly.scale(K, value, phi), well)
-            # Z = λu + shift has Z'² = 4Z³ − g2Z − g3
+            # Z = λu + shift satisfies Z'² = 4Z³ − g2Z − g3
             shift = q[2] / 12
             curve = oval_of_cubic(K, q, shift, value * x + shift, value * rate)
             self.curves.append(curve)

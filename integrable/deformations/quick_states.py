@@ -105,7 +105,6 @@ class QuickStates:
         packed = self._compiled(carrier)
         if packed is None:
             return None
-        # a clock is made once for all times of a carrier
         if self._clock[0] is not carrier:
             try:
                 self._clock = carrier, QuickClock(carrier, packed)

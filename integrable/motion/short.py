@@ -59,7 +59,6 @@ DENSE_FROM = 5000
 WORTH, WORTH_OF_MANY = 2.0, 1.0
 # largest number of panels: errors grow with the number, as the effect of input rounding does
 MOST_PANELS = 3000
-# largest number of times
 MOST_TIMES = 20_000
 # the largest numbers of panels and of times of a run where nothing is compiled
 INTERPRETED_PANELS, INTERPRETED_TIMES = 64, 500

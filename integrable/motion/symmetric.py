@@ -72,7 +72,7 @@ class SymmetricFlow:
         # g⁻² = μ + |δ|A²cos²θ for δ > 0, otherwise r + |δ|A²sin²θ: a sum of positive numbers
         self._least, self._more = number(mu if delta > 0 else r), number(abs(swing.spread))
         self._spin, self._across = number(swing.spin), number(momentum * size / sqrt(mu))
-        # ``_thin`` is r₃/r; the factors are those of F and Π in φ
+        # ``_factors`` are the coefficients of F and Π in φ
         self._thin = number(r3 / r)
         first, third = swing.factors
         self._factors = number(first), number(third)
@@ -84,13 +84,14 @@ class SymmetricFlow:
         N, K = self.numbers, self.numbers.field
         pi, number = K.context.pi, N.number
         self._kepler, self._rate = number(kepler / (2 * pi)), rate / (2 * pi)
-        # k = √(1 − m), and 1 − k without cancellation
+        # ``modulus`` is k = √(1 − m), and ``missing`` is 1 − k, computed without cancellation
         modulus = K.sqrt(swing.mu / swing.r)
         missing = swing.spread / swing.r / (1 + modulus)
         quarter = complete_over(K, modulus, K.one)
         self._first_kind = FirstKind(N, number(modulus), number(missing), number(quarter))
         self._flow_rate = swing.rate * K.sqrt(swing.r) / (4 * quarter)
-        # turns of φ by F alone: per turn of θ, then per unit of t and of τ
+        # ``_advance`` is the part of φ due to F, in turns per turn of θ; ``_turning`` is the same per unit of t and of
+        # τ
         first, third = swing.factors
         self._advance = -first * 2 * quarter / pi
         self._turning = self._advance * self._rate, self._advance * self._flow_rate

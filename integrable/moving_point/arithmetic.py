@@ -53,7 +53,8 @@ class LongDoubles:
         """(whole turns, the rest in [−½, ½]) of values·rate + start; rate and start are wide. PrecisionLoss beyond
         2^50 turns.
         """
-        # a unit of time in which the rate is about 1 keeps its parts, and those of the products, in the range of floats
+        # in a unit of time in which the rate is about 1, the two parts of the rate and of the products are in the range
+        # of floats
         exponent = int(rate.context.frexp(rate)[1])
         high, low = split(rate * rate.context.mpf(2) ** -exponent)
         with np.errstate(over="ignore"):

@@ -92,7 +92,7 @@ def amplitude(N: LongDoubles | Multiprecision, v: Array, k: Real) -> Array:
             break
     x = v * a * 2 ** len(levels)
     for ratio in levels[::-1]:
-        # sin(2x' − x) = (c/a) sin x with c/a of the next level
+        # the new x, x', satisfies sin(2x' − x) = ratio·sin x
         x = (x + N.arcsin(np.clip(ratio * N.sin(x), -1, 1))) / 2
     return x
 

@@ -24,7 +24,8 @@ def lost_digits(setup: Setup, tau: Real) -> int:
     roots = sorted(setup.problem.branch_points)
     lead, tau = abs(setup.problem.f[5] or setup.problem.f[4]), abs(K.coerce(tau))
     total = K.context.log(1 + tau)
-    # the gaps between the ovals and beyond the second: a real point crosses them only in imaginary time
+    # the loop is over the gaps between the ovals and beyond the second oval; a real point crosses a gap in imaginary
+    # time only
     for k in range(1, len(roots) - 1, 2):
         middle, gap = (roots[k] + roots[k + 1]) / 2, roots[k + 1] - roots[k]
         others = [abs(middle - e) for e in (*roots[:k], *roots[k + 2 :])]

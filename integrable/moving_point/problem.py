@@ -17,7 +17,7 @@ from jacobian.errors import ArgumentError
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 
-# positions in a :func:`problem_row` after f, the axes and the start
+# positions of the parts of a :func:`problem_row`, beginning after f and the axes; ROW is its length
 START, TIME_SCALE, RATIO, HEAVINESS, MOMENTUM, HALF_STEP, MATRIX, SLOWNESS = 14, 24, 25, 26, 27, 28, 29, 33
 CONTACT, INVARIANTS, ROW = 34, 37, 39
 # number of last bits of |γ × M|/|M| that are not significant

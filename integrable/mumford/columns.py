@@ -66,7 +66,7 @@ class Column:
     def sqrt(self) -> Column:
         first = np.sqrt(self.hi)
         rest = self - Column(first) * Column(first)
-        # the divisor is 1 instead of 0 where the root is 0
+        # where the root is 0, the divisor 1 avoids 0/0
         return _settled(first, rest.hi / (2 * first + (first == 0)))
 
 

@@ -43,7 +43,7 @@ class Heyoka(Method):
 
         def of_system(given: Given) -> Started:
             coefficients = np.array(kind.coefficients_of(given.constants, number), real)
-            # numpy itself converts to floats
+            # np.array itself converts to floats
             exact = (lambda start: start) if number is float else (lambda start: [number(x) for x in start])
             return lambda start: _started(shared, coefficients, np.array(exact(start), real), number)
 

@@ -56,7 +56,8 @@ class Swing(NamedTuple):
         kappa = K.sqrt(kappa2) * (1 if m3 > 0 else -1)
         rate = a * momentum * K.sqrt(r3 / mu)
         atan2 = K.context.atan2
-        # A follows from γ₃ and its rate, since the difference in size2 loses all digits for a motion about the axis
+        # A, ``size``, follows from γ₃ and its rate, since the difference in size2 loses all digits for a motion about
+        # the axis
         size = K.sqrt(g3 * g3 + (a * across / rate) ** 2)
         theta = atan2(g3, a * across / rate) if size else K.zero
         swing = Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, K.zero)

@@ -23,7 +23,7 @@ FlowMap = Callable[[Body, State], np.ndarray]
 # GUARD digits are added to those lost to the step and the derivatives; at most ATTEMPTS attempts are made if
 # derivatives are larger than expected
 GUARD, ATTEMPTS = 8, 6
-# number of motions: two for each of nine directions; a top takes three for that of d
+# number of motions: two for each of nine directions; a top needs three for the direction of d
 MOTIONS = 18
 # weights of the three values of a one-sided quotient of second order
 ONE_SIDED = (-3, 4, -1)

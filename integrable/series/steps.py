@@ -41,7 +41,7 @@ class Steps(NamedTuple):
 # since terms in floats cause nearly as large an error in the finer walk
 WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE, FINEST = Steps(WIDE, 1e-25, 1e-7, 1e1, 1e1, 2.0**-56), Steps(WIDEST, 1e-29, 1e-11, 1e3, 1e3, 2.0**-56)
-# ROUGH is for few steps, over which errors cannot grow, in 3/4 of the time of FINE (python -m benchmarks near)
+# ROUGH takes 3/4 of the time of FINE (python -m benchmarks near); it is for few steps, over which errors cannot grow
 ROUGH = Steps(Orders(7, 30), 1e-21, 1e-5, 1e1, 1e1, 2.0**-56, 128.0)
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # SHARE (steps in floats) and SHARE_OF_MIDDLE (steps whose first terms are double-doubles) bound truncation errors in

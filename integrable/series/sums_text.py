@@ -16,8 +16,8 @@ from jacobian.numbers.double_double_steps import fast_two_sum
 
 # number of orders in a round of the loop: a factor is loaded once for all of them
 AT_ONCE = 4
-# with at least this many orders in double-doubles, sums are renormalized at once, for a tenth of the time of a step.
-# Such steps are used only where others lose too many digits (a body of Veselova's with a moment of 5e-10)
+# with at least this many orders in double-doubles, sums are renormalized at once, which takes a tenth of the time of a
+# step. Such steps are used only where others lose too many digits (a body of Veselova's with a moment of 5e-10)
 CAREFUL = 10
 Term = tuple[int, int, int]
 """(factor, j, k − j), for the term factor·p_j q_{k−j}."""
@@ -32,13 +32,16 @@ class Sums:
         self.text = Text(room.lanes)
         # the first order of the loop
         self._loop = (low := max(self.wide + 1, 2 * AT_ONCE)) + (self.order - low) % AT_ONCE
-        # the registers of coefficients, by (node, order, part), and of vectors of them, by (place, order, part)
+        # ``_recent`` has the registers of coefficients by (node, order, part), ``_built`` those of vectors by (place,
+        # order, part)
         self._recent: dict[tuple[int, int, int], str] = {}
         self._built: dict[tuple[int, int, int], str] = {}
         self._sums: dict[int, Wide] = {}
-        # in the loop: sums of a vector of products over earlier rounds, for each order of the round
+        # within the loop, ``_before`` has the sums of a vector of products over earlier rounds, one for each order of
+        # the round
         self._before: dict[tuple[int, ...], list[str]] = {}
-        # in the loop: pointers that advance with the order, by the number of floats between consecutive orders
+        # within the loop, ``_moving`` has pointers that advance with the order; a key is the number of floats between
+        # orders
         self._moving: dict[int, str] = {}
 
     def _begin_round(self, done: str) -> None:
@@ -128,7 +131,7 @@ class Sums:
         p, q = self.room.factors[n]
         before = self._sum_of_earlier(n, k)
         terms = [term for term in _terms(p == q, begin, end, k) if not all(term[1:])]
-        # the term with the coefficient that is known last comes last
+        # the term whose coefficient is computed last comes last
         terms.sort(key=lambda term: p if term[1] else q)
         pairs = [_later_first(f, (i, self._value(p, i)), (j, self._value(q, j))) for f, i, j in terms]
         if before and not before[1]:

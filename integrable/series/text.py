@@ -56,7 +56,7 @@ class Text(Code):
             found = self.write(f"insertelement {self.types.double} {found}, double {part}, i32 {lane}")
         return found
 
-    # --- double-doubles, as sums whose parts may overlap; the low part that is known last is added last
+    # --- double-doubles, as sums whose parts may overlap; the low part that is computed last is added last
 
     def wide_negative(self, x: Wide) -> Wide:
         return self.fneg(x[0]), self.fneg(x[1]) if x[1] else ""

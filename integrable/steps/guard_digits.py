@@ -66,7 +66,7 @@ def with_enough_digits(step: Step, state: State) -> State:
         return step.plain(state)
     condition, lost = step.condition(state), None
     if condition <= MOST_CONDITION:
-        # near a double point of the curve the sum loses more digits than the map does
+        # near a double point of the curve the addition of divisors loses more digits than the map does, and may raise
         with suppress(PrecisionLoss):
             image = step.plain(state)
             lost = drift(step.system, image, state)

@@ -225,5 +225,4 @@ class ConicStep(Move):
                 f"c² + 4H2 = 0 at c = {written(c)}: the image's divisor has a point at infinity, no state has it"
             )
         (x1, _), (x2, _), (x3, _) = reflected(K, sheared(K, pairs, c), (s if self.sign > 0 else K.neg(s),) * 3)
-        # every member of the pencil has the same M
         return State((x1, x2, x3), state.vectors[1])

@@ -77,7 +77,7 @@ class Shift(Move):
         if step is None:
             return group.zero()
         u0, u1, v0, v1 = self._finite(setup, lambda row: row, step)[:4]
-        # the set-up's coordinates are x' = x/X and y' = y/(2X²|M|)
+        # the set-up's coordinates are x' = x/X and y' = y/(2X²|M|) with X = ``top``
         top, size = _top(setup), _top(setup) * setup.problem.time_scale
         K = system.field
         u = (K.coerce(u0 * top * top), K.coerce(u1 * top), K.one)

@@ -45,7 +45,7 @@ LOUD = 0.05
 SLOW = 1e-13
 EXTENDED = 32 * float(np.finfo(np.longdouble).eps)
 ROUNDING = EXTENDED / 4
-# a mode is dropped only if it moves τ by less than this (unit as for LOUD): a slow one may be small in 1/g
+# a mode is dropped only if it moves τ by less than this, in the unit of LOUD, because a slow mode may be small in 1/g
 LEAST_SWING = 1e-17
 # from DENSE_FROM ascending times on, with at least DENSE of them per node, interpolation on panels is faster
 DENSE_FROM = 5000
@@ -131,7 +131,7 @@ class TorusFlow(Corners):
         if not start < end:
             return None
         length = self._panel_length(states, start, end)
-        # panels account for the rounding of a time to first order only, which is enough if it is this small
+        # panels account for the rounding of a time to first order only, which is enough if the rounding is this small
         near = np.spacing(max(abs(start), abs(end))) < 1e-9 * length
         if not near or len(times) < DENSE * NODES * (end - start) / length:
             return None

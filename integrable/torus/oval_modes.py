@@ -39,7 +39,7 @@ MOST_WORK = 1 << 26
 # times the number that the decay of the first suggests. The first nodes give HELD more digits, or aliasing would be
 # mistaken for decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# a σ may be small at one point, but not at all of this number of points from the start on, a step apart
+# a σ may be small at one point, but not at all of STEPS points, a step apart, from the start on
 STEPS = 4
 
 

@@ -19,7 +19,7 @@ REACH = 0.4
 # a torus that needs more cells counts as not compact
 MOST_CELLS = 1 << 16
 # the number of candidate centres. Their distances from the least branch point are in geometric progression up to
-# FARTHEST·max a, but at most REMOTE times the length of the ovals, from where the α would coincide
+# FARTHEST·max a, but at most REMOTE times the length of the ovals, because seen from farther away the α would coincide
 CENTRES = 12
 FARTHEST = 2.0
 REMOTE = 1e4
