@@ -84,7 +84,7 @@ def time_after(tau: arb, rest: arb, rate: Callable[[arb], arb]) -> arb:
     for _ in range(MOST_TRIALS):
         slope = rate(tau + arb(0, width))
         step = rest / slope
-        # over this ball t(τ) increases by more than the rest, so that the ball contains the time
+        # over this ball t(τ) increases by more than the rest, so that the ball contains the wanted τ
         if slope > 0 and abs(step).abs_upper() < width:
             return tau + step
         width = 4 * abs(step).abs_upper() if step.is_finite() else width / 4

@@ -21,7 +21,7 @@ NEWTON_STEPS, CLOSE = 20, 1e-9
 # an oval that is a point is opened to this length, relative to the largest branch point; its ends move by at most
 # √OPENED
 OPENED = 2.0**-130
-# size of U at a branch point, relative to x², below which σ is not computed from U
+# σ at a branch point e is computed from U only if |U(e)|/(1 + e²) is larger than this
 SMALL = 1e-20
 APART = "the points of the pair are not one in each oval"
 

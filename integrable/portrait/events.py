@@ -127,7 +127,7 @@ def _polished(
                     f"near t = {begin[~right][0]} floats do not tell whether the condition changes its sign; search "
                     "there in floats, or nearer to 0"
                 )
-            # a zero at the start or the end may be found outside by rounding
+            # rounding may move a zero at the start or the end out of the interval
             near = field.eps * ROUNDING * halves
             right &= np.array([first - x <= t <= last + x for t, x in zip(times, near, strict=True)], dtype=bool)
             kept: np.ndarray = np.clip(times[right], first, last)

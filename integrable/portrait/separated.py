@@ -149,7 +149,7 @@ class SeparatedTorus:
         N = self._field
 
         def of_row(row: list[Real]) -> list[Real]:
-            # the nodes are shifted by half a step
+            # the nodes are shifted by half a step, which ``turns`` takes into account
             samples = np.array([*row, *reversed(row)], dtype=object)[:, None]
             modes = long_spectrum(samples, BareReals(N.bits))[1 : len(row), 0]
             turns = [gmpy2.sin_cos(self._pi * n / (2 * len(row))) for n in range(1, len(row))]

@@ -145,7 +145,7 @@ def _spectrum(source: Sampled, grids: dict[str, np.ndarray]) -> Spectrum:
     strength = np.max([np.abs(x).max(axis=-1) / (np.abs(x).max() or 1.0) for x in parts], axis=0)
     places = np.argwhere(strength > NOISE)
     modes, frequencies = source.lines(np.where(2 * places > size, places - size, places))
-    # the line with f ≥ 0 of each conjugate pair is kept, and doubled
+    # the line with f > 0 of each conjugate pair is kept, and doubled; the mean is kept as it is
     kept = (frequencies > 0) | (modes == 0).all(axis=1)
     order = np.flatnonzero(kept)[np.argsort(-strength[tuple(places[kept].T)], kind="stable")]
     twice = np.where(frequencies[order] > 0, 2, 1)[:, None]

@@ -62,7 +62,7 @@ def _numbers_of(torus: SeparatedTorus) -> list[list[Real]]:
     actions, one = torus.actions, torus.one
     signs = [one for _ in torus.frequencies]
     for k, (oval, action) in enumerate(zip(torus.ovals, actions or (), strict=False)):
-        # the action of a point that rests is 0, up to rounding
+        # the action of a point that rests is 0 up to rounding, so its frequency gives the sign
         if (torus.frequencies[k] if torus.may_rest(oval) else action) < 0:
             signs[k] = -one
     genus, actions = len(torus.ovals), actions or []

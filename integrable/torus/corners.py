@@ -38,12 +38,12 @@ MOST_AT_ONCE = 7
 NEAR = 2.0**-23
 # number of quadrature nodes on the path from the start to the column at which the two walks meet
 QUADRATURE = 32
-# 1/g is computed from the factor r − dx of f if at every axis this factor is at least this part of the sum of its
-# terms. A smaller factor has lost digits. A larger one is better than U, which loses twice as many digits near its
-# root, and than the sum for 1/g, which loses three times as many
+# 1/g is computed from the factor r − dx of f if at every axis this factor is at least this part of the sum of the sizes
+# of its terms. A smaller factor has lost digits. A larger one is better than U, which loses twice as many digits near
+# its root, and than the sum for 1/g, which loses three times as many
 LEAST_REST = 2.0**-14
 # the first grid of 1/g has at least FIRST_SIZE points in each direction. For ovals with a relative gap below PASSING it
-# has PASSAGES·(s₁ + s₂) columns, with the s₁ and s₂ of Λ₂ in units of the distance to the next branch point
+# has at least PASSAGES·(s₁ + s₂) columns, with the s₁ and s₂ of Λ₂ in units of the distance to the next branch point
 FIRST_SIZE = 16
 PASSING = 2.0**-7
 PASSAGES = 3.1

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 
 # if α1, α2 and α3 differ by at most this, the abscissa has an origin and a unit of its own
 CLOSE = 2.0**-6
-# if branch points are farther apart than this in either unit, a change of origin saves almost no digits of M and γ
+# with the origin 0 a motion has enough digits if neighbouring branch points differ by more than the fraction APART of
+# the larger one, and |γ × M|² is more than this part of |M|²
 APART = 2.0**-6
 # sizes up to this, and their reciprocals, have powers within the range of floats
 FAR = 1e30
