@@ -72,7 +72,7 @@ def _page(scene: Any, what: str, content: dict[str, Any] | None, found: Any) -> 
     if content:
         parts.append(
             "## Watch it move\n\n"
-            f'```{{raw}} html\n<details class="moves"><summary>Open the moving page here (5 MB)</summary>\n'
+            f'```{{raw}} html\n<details class="moves"><summary>Open the animated page here (5 MB)</summary>\n'
             f'<iframe class="moving" data-src="../_static/view/{scene.name}.html" '
             f'title="The motion: {scene.title}"></iframe></details>\n'
             # five megabytes of drawing code are loaded when they are asked for
@@ -80,7 +80,7 @@ def _page(scene: Any, what: str, content: dict[str, Any] | None, found: Any) -> 
             "  const frame = event.target.querySelector('iframe');\n"
             "  if (!frame.src) frame.src = frame.dataset.src;\n"
             "});</script>\n"
-            f'<p>Or <a href="../_static/view/{scene.name}.html">by itself</a>.</p>\n```\n'
+            f'<p>Or <a href="../_static/view/{scene.name}.html">open it by itself</a>.</p>\n```\n'
         )
     if (FIGURES / f"{scene.name}.svg").exists():
         parts.append(
