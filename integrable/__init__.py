@@ -70,7 +70,7 @@ if getattr(jacobian, "__distribution__", "") != "jacobian-integrable":
     )
 
 if not TYPE_CHECKING:
-    # this is hidden from type checkers, which would otherwise accept any misspelt name
+    # __getattr__ is hidden from type checkers, which would otherwise accept any misspelt name
 
     def __getattr__(name: str) -> Any:
         # names are imported on first use: one step of a ball needs neither numpy nor scene files

@@ -58,7 +58,7 @@ def axis_at(motion: AxialThetas, time: Real) -> tuple[Triple, Triple]:
     numbers, table = motion.numbers, motion.table
     cv, sv = circle((numbers[0] * time + numbers[2]) / 2, motion.inverse)
     zero = 0 * cv
-    # ce, se: cos and sin of the even harmonic; c2, s2: those of 2v, by which harmonics advance
+    # ce and se are cos and sin of the even harmonic, c2 and s2 those of 2v, by which harmonics advance
     ce, se, c2, s2 = 1 + zero, zero, cv * cv - sv * sv, 2 * cv * sv
     upr, upi, dupr, dupi = zero, zero, zero, zero
     low, lowi, dlow, dlowi = zero, zero, zero, zero
@@ -73,7 +73,7 @@ def axis_at(motion: AxialThetas, time: Real) -> tuple[Triple, Triple]:
         t1, t2 = t1 + table[k + 4] * s, t2 + table[k + 5] * c
         t3, t4, dt4 = t3 + table[k + 6] * ce, t4 + table[k + 7] * ce, dt4 - (2 * n) * (table[k + 7] * se)
         ce, se = ce * c2 - se * s2, ce * s2 + se * c2
-    # G = θ₂(v − iα)θ₁(v − iβ)/θ₄² and its derivative with respect to v
+    # ``real`` and ``imaginary`` are the parts of G = θ₂(v − iα)θ₁(v − iβ)/θ₄², ``slope`` and ``other`` those of dG/dv
     over = 1 / t4
     square = over * over
     real, imaginary = (upr * low - upi * lowi) * square, (upr * lowi + upi * low) * square

@@ -57,7 +57,7 @@ class HenonHeiles(QuadricSystem):
         K = check_field(field, "field")
         A, B = (K.mul(x, x) for x in (K.coerce(first, "first"), K.coerce(second, "second")))
         quarter = K.div(A, poly.integer(K, 4))
-        # the coefficients of q_0² and q_1² in H: −2β = ½A, −½β + ¼a = ½B
+        # the coefficients of q_0² and q_1² in H give −2β = ½A and −½β + ¼a = ½B
         a = K.sub(K.mul(poly.integer(K, 2), B), K.add(quarter, quarter))
         return cls((a,), K.div(K.neg(K.one), poly.integer(K, 2)), K.neg(quarter), field=K)
 

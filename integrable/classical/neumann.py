@@ -60,5 +60,5 @@ class Neumann(SurfaceSystem, QuadricSystem):
         step = self._time_step(h)
         sign = 1 if (step > 0) == (genus % 2 == 0) else -1
         new = self.step(state, self.curve_point(state, -1 / (step * step), sign))
-        # a step back takes the negative roots
+        # for a negative step the roots are negative
         return new if step > 0 else Point(tuple(-x for x in new.q), tuple(-y for y in new.p))

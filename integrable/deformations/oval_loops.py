@@ -153,7 +153,7 @@ def integrals_drift_of(frame: Frame, gamma: Three, M: Three) -> float:
     m2 = M[0] * M[0] + M[1] * M[1] + M[2] * M[2]
     s = a0 * gamma[0] * gamma[0] + a1 * gamma[1] * gamma[1] + a2 * gamma[2] * gamma[2]
     xi = l0 * gamma[0] + l1 * gamma[1] + l2 * gamma[2]
-    # 1/G = 1 − ds
+    # ``slow`` is 1/G = 1 − ds
     slow = b[3] * gamma[0] * gamma[0] + b[4] * gamma[1] * gamma[1] + b[5] * gamma[2] * gamma[2]
     spin = xi * xi / slow
     energy, second = m1 - s * m2 + 2 * d * spin, spin * (m2 - d * (m1 + d * spin))

@@ -160,7 +160,7 @@ class _Problem:
         flow, matrices = motion.flow, motion.at(self._times).matrices
         run, moments, omega = flow.at(self._times), self.moments(x), self._omega + x[3:6]
         S = flow.sensitivity(self._times).matrix
-        # derivatives of the start's M = Iω with respect to ω and log I
+        # ``by_start`` has the derivatives of the start's M = Iω with respect to ω and log I
         by_start = np.hstack([np.diag(moments), np.diag(moments * omega)[:, :2]])
         change = S[:, :, 3:6] @ by_start
         change[:, :, 3:] += S[:, :, 6:8] * moments[:2]

@@ -111,7 +111,7 @@ def rotation(K: Any, orientation: Orientation) -> Matrix:
         )
     if determinant(table) < 0:
         raise ArgumentError(f"orientation = {shown(given)} has determinant −1: a reflection is no rotation")
-    # the polar factor (Björck and Bowie 1971) to all digits: each step squares the error
+    # the polar factor is computed to all digits (Björck and Bowie 1971); each step squares the error
     while off > 8 * K.eps:
         table = table @ (3 * one - table.T @ table) / 2
         off = off * off

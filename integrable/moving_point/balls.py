@@ -112,7 +112,7 @@ class BallTranslations:
         size = plain.terms(plain.reals.bits, term_bits)
         m, r, tail, reach = self._zero(*plain.centre(small.mid(), term_bits), small, size)
         roots = list(self._roots[:size])
-        # the truncation errors of both sums of :func:`conjugate_points`
+        # the first coefficients include the truncation errors of both sums of :func:`conjugate_points`
         roots[0] = around(roots[0], tail)
         roots[1] = around(roots[1], tail / reach)
         step = conjugate_points(roots, self.f[0], self.axes, small, m, r)

@@ -95,7 +95,7 @@ def antiderivative(room: ShortRoom, rule: Rule, half: float) -> tuple[float, flo
             odd += integral[k]
     odd += part - series[2] / 2
     integral[0] = odd + base - even
-    # the difference from 1/g at the centre in wide numbers measures the clock's error
+    # ``middle`` is the series at the centre; its difference from 1/g there in wide numbers measures the clock's error
     for k in range(2, count, 2):
         middle += -series[k] if k % 4 == 2 else series[k]
     room.sums[2] += (room.point[RATE] - middle) * 2 * half

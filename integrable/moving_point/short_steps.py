@@ -243,7 +243,7 @@ def framed(wide: Row, r: Vector[Real], point: Row) -> tuple[Vector[Real], Vector
     square = inner(r, x, x)
     x = times(1 / root(square), x)
     y = less(y, inner(r, x, y), x)
-    # the coefficient of x⁴ in f − V² − UW
+    # the coefficient of x⁴ in f − V² − UW = 0 determines inner(r, y, y)
     size = wide[5] * (-inner(times_each(r, sums(wide)), x, x) - total) - wide[4]
     scale = size / inner(r, y, y)
     return x, times(root(scale), y), abs(square - 1) + abs(scale - 1)

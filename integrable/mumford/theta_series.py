@@ -26,7 +26,7 @@ Row = np.ndarray
 
 # largest number of harmonics of a series; beyond it, branch points nearly meet
 MOST_HARMONICS = 40
-# truncation error of a series relative to its largest term: e^(−π·DEPTH) = LEAST
+# LEAST = e^(−π·DEPTH) is the truncation error of a series relative to its largest term
 DEPTH = 22.0
 LEAST = exp(-pi * DEPTH)
 

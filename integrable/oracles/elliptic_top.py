@@ -64,7 +64,7 @@ class EllipticTop:
         """Sets the amplitudes A_i, the rate λ, the parameter m, the characteristic n, and u at time 0."""
         c = self.context
         square = [m * m for m in M]
-        # h1 − a3·h2 and a1·h2 − h1, as sums of terms of one sign, so that no digits cancel
+        # h1 − a3·h2 and a1·h2 − h1 are computed as sums of terms of one sign, so that no digits cancel
         low = (a[0] - a[2]) * square[0] + (a[1] - a[2]) * square[1]
         high = (a[0] - a[1]) * square[1] + (a[0] - a[2]) * square[2]
         wide = c.sqrt((a[0] - a[2]) / (a[1] - a[2]))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 ENDS = ("lower", "upper")
 MOST_CROSSINGS = 10**6
-# a start within this fraction of a turn from a crossing is on it, to float rounding
+# a start within this fraction of a turn from a crossing counts as on it
 ON = 1e-12
 
 

@@ -301,7 +301,7 @@ def residual_growth(report: Report) -> Figure:
         axes.axhline(eps, **FLOOR)
         words: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": INK}
         axes.annotate("rounding of one double", (steps[shown][-1], eps), xytext=(0, 4), ha="right", **words)
-        # the slopes expected if the roundings of additions had random signs, or all the same sign
+        # growth like √n is expected if the roundings of additions have random signs, like n if all have the same sign
         span = steps[shown] / steps[shown][0]
         for power, name in ((0.5, "∝ √n"), (1.0, "∝ n")):
             line = eps * span**power

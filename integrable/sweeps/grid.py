@@ -131,7 +131,7 @@ def _parsed(name: str, text: str) -> list[float]:
     steps = max(1, count - 1)
     if log:
         return [*(float(first) * ratio ** (k / steps) for k in range(count - 1)), float(last)]
-    # a quotient of two integers, which is rounded only once
+    # each value is a quotient of two integers, which is rounded only once
     below = first.denominator * last.denominator
     begin, end = int(first * below), int(last * below)
     return [(begin * steps + (end - begin) * k) / (below * steps) for k in range(count)]

@@ -184,7 +184,7 @@ class LongStates(Corners):
 
     def __init__(self, setup: Setup, loops: ReadableLoops, most: int) -> None:
         super().__init__(setup, loops, most)
-        # a moving point by its phases: whole turns change only its signs
+        # moving points by their phases; whole turns change only the signs
         self._points = dict[tuple[Real, Real], Row]()
 
     def at_phases(self, phases: np.ndarray) -> np.ndarray:

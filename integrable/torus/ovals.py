@@ -157,7 +157,7 @@ class Oval:
         if self._nome is None:
             return arb(0), 1.0
         light = (1 - self._d * u).sqrt()
-        # sin and cos of twice the amplitude: near the ends y has the digits that u lacks
+        # sine and cosine are those of twice the amplitude; near the ends y has the digits that u lacks
         if self._first:
             sine = 2 * y / (light * ((others[0] - u) * (others[1] - u)).sqrt() * length)
             cosine = ((b - u) - (u - a)) / length
