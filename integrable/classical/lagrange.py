@@ -65,7 +65,7 @@ class LagrangeTop(AxialSystem):
         return self._parameters_in(N)[0] * c, N.dot(*state), c
 
     def _momentum(self, N: FormulaField, state: Point) -> Real:
-        # in the body frame γ turns in the opposite direction
+        # in the body frame γ turns against the rotation of the body
         return -state.p[2]
 
     def _curve(self, N: FormulaField, state: Point) -> tuple[Real, ...]:

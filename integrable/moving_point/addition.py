@@ -18,7 +18,7 @@ from jacobian.inexact.retraction import retracted
 from jacobian.numbers.roots import root
 
 Row = Any
-# number of terms that give a float all its digits, within the reach of a series
+# with this many terms a series at 1.4·REACH of its radius of convergence has all digits of a float
 FLOAT_TERMS = 48
 
 
