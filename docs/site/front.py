@@ -1,7 +1,7 @@
 """Draw the picture of the README from the published report: ``python docs/site/front.py``.
 
-Left: where the ball of the scene ``chaplygin`` has touched the plane, in radii. Right: the error of γ against run time,
-a start and its evaluation, of all methods that the report ran on this scene in floats.
+Left: where the ball of the scene ``chaplygin`` has touched the plane, in radii. Right: the error of γ against run time
+(set-up and evaluation) of all methods that the report ran on this scene in floats.
 """
 
 from __future__ import annotations

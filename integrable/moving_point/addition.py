@@ -151,8 +151,8 @@ def upright_rates(f: Row, axes: Row, d: Real, point: Row, steps: Row, roots: Row
     √(1 + d(u1 + du0)) of each translation.
 
     g² is proportional to U(1/d). As f(1/d) = 0, the sum has U''(1/d) = P²/(l1²·U·U'), where U' belongs to the
-    translation and P = qV + LU. The chord is y = V + UL/q with L = l1·x + l0. P loses digits where 1 − dα is small at
-    an axis.
+    translation and P = qV + LU. The chord is y = V + UL/q with L = l1·x + l0. P loses digits if a 1 − dα_i is
+    small.
     """
     curve, first = (f[0], f[1], f[2], f[3], f[4], f[5]), (point[0], point[1], point[2], point[3])
     height = 1 + d * (point[1] + d * point[0])

@@ -49,7 +49,7 @@ from integrable.moving_point.short_steps import (
     wide_values,
 )  # fmt: skip
 
-# half the length of a panel, in basic half steps
+# the length of a panel, before doublings, in basic steps
 LENGTH = 5.0
 # a panel is doubled only while the body turns by at most this many radians on half of it
 TURN = 1.7

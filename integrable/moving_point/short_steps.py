@@ -278,7 +278,7 @@ def on_pairs(wide: Row, r: Vector[Real], x: Vector[Real], y: Vector[Real]) -> Ro
 
 
 def sums(wide: Row) -> Vector[Real]:
-    """α_j + α_k for the three axes i."""
+    """α_j + α_k for i = 1, 2, 3."""
     return wide[7] + wide[8], wide[8] + wide[6], wide[6] + wide[7]
 
 

@@ -1,8 +1,8 @@
 """States of motions of any genus with proven bounds, by additions in balls (:mod:`integrable.mumford.balls`).
 
 The constants of a system, a start and the times count as exact; a start is projected onto its constraints. A state at
-any time takes a few additions, so a far time costs little besides more bits. If t is not linear in τ but a datum of the
-pair, as for geodesics, the interval Newton method finds τ at a time.
+any time takes a few additions, so a far time costs little besides more bits. If t is not linear in τ but
+computed with the pair, as for geodesics, the interval Newton method finds τ at a time.
 """
 
 from __future__ import annotations

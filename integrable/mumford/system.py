@@ -106,7 +106,7 @@ class MumfordSystem(Made):
         return 0
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
-        """Defined by subclasses: the direction of the motion."""
+        """Defined by subclasses: the c_k of :meth:`direction`."""
         raise NotImplementedError
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:

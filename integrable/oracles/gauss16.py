@@ -181,6 +181,7 @@ def slopes(c, y, out):  # type: ignore[no-untyped-def]
     raise NotImplementedError
 
 
+# the text below the next line is copied into the generated module of a kind of system, which defines ``slopes``
 # --- copied into the module of each kind, with its slopes
 
 

@@ -91,6 +91,7 @@ def expand(c, order, s):  # type: ignore[no-untyped-def]
     raise NotImplementedError
 
 
+# the text below the next line is copied into the generated module of a kind of system, which defines ``expand``
 # --- copied into the module of each kind, with its slopes
 
 

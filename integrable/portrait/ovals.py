@@ -102,8 +102,8 @@ class Level(NamedTuple):
 
 
 def zeta_through(level: Level, phi: np.ndarray, momentum: np.ndarray) -> np.ndarray:
-    """ζ = q − (q − a₁)M̃_i²/|M̃|² of the motion through a point (φ, M̃_i/|M̃|) of the section γ̃_i = 0 of a level's
-    upright body, where i is the axis of the largest moment and q the function of φ in
+    """ζ = q − (q − a₁)M̃_i²/|M̃|² of the motion of the upright body that crosses the section γ̃_i = 0 at φ, with
+    ``momentum`` M̃_i/|M̃|. The axis i is that of the largest moment, and q(φ) is given in
     :mod:`integrable.portrait.section`. Arguments and result are arrays of floats.
     """
     a1, a2, a3 = map(float, level.a)

@@ -101,7 +101,7 @@ class Standing:
 
 @dataclass
 class SceneFindings:
-    """The rows of a scene by kind, and their evaluation. The time ``total`` of a row includes that of a start."""
+    """The rows of a scene by kind, and their evaluation. The time ``total`` of a row includes its set-up."""
 
     scene: Scene
     flow: list[dict[str, Any]] = field(default_factory=list)

@@ -221,7 +221,7 @@ class Judge:
     def errors(self, gamma: Any, M: Any) -> dict[str, float]:
         """The errors of γ and of M (relative to |M|), the largest over the rows.
 
-        Errors of q and p are relative to the largest value at the start or in their row, so that rounding next to a
+        Errors of q and p are relative to the largest value at the start or at that time, so that rounding next to a
         pole does not count.
         """
         parts = {"error_gamma": (gamma, self.gamma, self.size_of_gamma), "error_M": (M, self.M, self.size_of_M)}

@@ -38,7 +38,7 @@ MOST_AT_ONCE = 7
 NEAR = 2.0**-23
 # number of quadrature nodes on the path from the start to the column at which the two walks meet
 QUADRATURE = 32
-# 1/g is computed from the factor r − dx of f if at every axis this factor is at least this part of the sum of the sizes
+# 1/g is computed from the factor r − dx of f if at every α_i this factor is at least this part of the sum of the sizes
 # of its terms. A smaller factor has lost digits. A larger one is better than U, which loses twice as many digits near
 # its root, and than the sum for 1/g, which loses three times as many
 LEAST_REST = 2.0**-14
@@ -120,8 +120,7 @@ class Corners:
     def mean(self) -> Real:
         """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, independent of samples.
 
-        A tilt does not change it: the tilt term changes sign around an oval that ends at one axis only, so its mean is
-        0.
+        A tilt does not change it: the tilt term changes sign around an oval with one end at an a_i, so its mean is 0.
         """
         return self.loops.wide(self.rates[9:10], self.setup.wide)[0]
 
@@ -255,7 +254,7 @@ def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, 
 
 
 def rest_of(motion: Row, loops: Loops) -> Row:
-    """(d, r) of the factor r − dx of f, in the loops' numbers. (0, 0) if the factor is so small at an axis, relative to
+    """(d, r) of the factor r − dx of f, in the loops' numbers. (0, 0) if the factor is so small at an α_i, relative to
     its terms, that it loses digits which a grid of 1/g needs.
     """
     floats = loops.floats(motion)

@@ -113,7 +113,7 @@ def signs_of_periods(points: Row, basis: tuple[tuple[int, int], tuple[int, int]]
     α_min changes sign on the first oval, that of α_max on the second, and that of α_mid on the oval that does not end
     at ζ.
     """
-    # the sort is stable, so that axes that are equal in floats are ordered by their index
+    # the sort is stable, so that α_i that are equal in floats are ordered by their index
     *axes, zeta = points.tolist() if isinstance(points, np.ndarray) else points
     low, middle, high = sorted(range(3), key=lambda i: axes[i])
     rounds = {low: 0, middle: 1 if zeta < axes[middle] else 0, high: 1}
@@ -176,7 +176,7 @@ def motion_row(setup: Source, units: Units) -> tuple[Real, ...]:
 
 
 def best_origin(setup: Source) -> Real:
-    """The origin, 0 or the abscissa of an axis, that keeps the most digits of the distances between close branch
+    """The origin, 0 or one of the a_i, that keeps the most digits of the distances between close branch
     points; within ``with setup.reals``.
     """
     points = setup.bare.branch_points

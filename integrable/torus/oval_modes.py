@@ -223,7 +223,7 @@ class OvalTorus:
             strict=True,
         )
         # an angle is lost on a tiny oval. The integrals then hardly depend on it, except in the tilt term of an oval
-        # between two axes
+        # between two a_i
         if count > 1 and not blurs[self.low] < 10.0**-self.digits:
             raise PrecisionLoss("two moments of this body are equal, or all but equal, to these digits; use more")
         sums = [oval.node(angle).sums for oval, angle in zip(self.ovals, angles, strict=True)]

@@ -26,7 +26,7 @@ IntegralTable: TypeAlias = "tuple[list[list[arb]], bool]"
 
 
 class OvalPair(Protocol):
-    """The data of both ovals that each one needs: d, whether ζ is below the middle axis, and how integrals become
+    """The data of both ovals that each one needs: d, whether ζ is below the middle a_i, and how integrals become
     phases.
     """
 
@@ -210,7 +210,7 @@ class Oval:
 
     @property
     def _at_end(self) -> bool:
-        """Whether R vanishes at b only, as on a second oval that begins at ζ and not at an axis."""
+        """Whether R vanishes at b only, as on a second oval that begins at ζ and not at an a_i."""
         return not (self._first or self._low)
 
     def sign(self, angle: arb) -> int:
@@ -222,7 +222,7 @@ class Oval:
         others, first, second = self._others, [], []
         for u, below, above, light, slow, _ in self.nodes:
             if self._first == self._low:
-                # one end is ζ, the other an axis
+                # one end is ζ, the other an a_i
                 axis, ratio = (below, above) if self._first else (above, below)
                 square = axis * abs((u - others[0]) * (u - others[1]))
             else:

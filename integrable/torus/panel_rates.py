@@ -149,7 +149,7 @@ class Scouts:
     def _transform(
         self, steps: list[Row], rows: list[list[Real]], number: Callable[[Real], Real]
     ) -> Callable[[Row], list[float]]:
-        """A function that returns the sizes of the coefficients around a moving point."""
+        """A function that maps a moving point to the sizes of the Legendre coefficients of 1/g around it."""
         setup, rates = self._setup, self._rates
         if rates and number is float:
             packed, transform = rates.steps(steps), np.array(rows, dtype=float)

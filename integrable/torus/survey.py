@@ -31,7 +31,8 @@ INNER = 8
 # the least distance of a centre from the end of a gap, relative to the length of the ovals: at distance 2^−k from a
 # branch point translations lose 2k bits, and double-doubles can spare 60
 NEAREST = 2.0**-30
-# the least distance that is tried first costs almost no digits; it is given up for tori of more than MANY_CELLS cells
+# at this distance almost no digits are lost. It replaces NEAREST unless the centres below all branch points need more
+# than MANY_CELLS cells
 FAIR = 2.0**-12
 MANY_CELLS = 1 << 12
 # below this d·max a one period is nearly the residue at infinity
@@ -49,7 +50,8 @@ def best_chart(
     ``points`` are the branch points and ``ends`` those of the ovals, all minus ``origin``; ``lead`` is the leading
     coefficient of f.
     """
-    # with d = 0 one period is the residue of x dx/y. Parts of it are translations to infinity, so it must come second
+    # at d = 0 one period is the residue of x dx/y, and a translation by a fraction of it has its points at infinity. It
+    # becomes the second period, because only steps along that one can include a cell of the other (``step_over``)
     flat = len(points) == 4 or lead < FLAT
     fewest = 1 << 60
     best = (0.0, 0.0, 0.0, 0.0, 1, 0, 0, 1, 0, 0)

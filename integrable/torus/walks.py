@@ -197,8 +197,8 @@ def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
     first, second = moving_point(walk.halves, 20 * direction), moving_point(walk.halves, 20 * direction + 10)
     down1, down2 = moving_point(walk.halves), moving_point(walk.halves, 10)
     down1, down2 = carried(f, axes, down1, down1), carried(f, axes, down2, down2)
-    # only multiples of both parts and one sum of them are formed: other sums may lie anywhere. At d = 0 sums that
-    # differ by the residue of x dx/y, a period, lie at infinity
+    # multiples of either part are formed, and the two are added last: intermediate sums may be badly conditioned. At
+    # d = 0 the residue of x dx/y is a period, and a translation by a fraction of it has its points at infinity
     first, second = carried(f, axes, first, first), carried(f, axes, second, second)
     put(first, out, 20 * direction)
     put(second, out, 20 * direction + 10)
@@ -271,8 +271,8 @@ def gridded(curve: Curve, small: SmallSteps, states: Row, fine: Fine, rates: Row
 
 def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> None:
     """Writes 1/g on the grid to ``rates``, from the corners in ``states`` by the translations of :func:`offsets`.
-    ``others`` receives 1/g with an odd number of γ_i reversed, which differs for a tilted body. Points whose count is
-    KNOWN are skipped.
+    ``others`` receives 1/g with the signs of an odd number of γ_i changed, which differs for a tilted body. Points
+    whose count is KNOWN are skipped.
     """
     (rows, columns), finer, near = fine.cells, fine.finer, in_tuples(curve)
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
@@ -326,8 +326,8 @@ def rate_by_height(f: Row, scale: tuple[Real, Real, Real], point: Row, step: Row
 
 
 def rates_beside(curve: Curve, corner: Row, steps: Row, place: int, count: int) -> tuple[Real, Real]:
-    """1/g after ``count`` translations, those in ``steps`` from ``place`` on; and the same with an odd number of γ_i
-    reversed.
+    """1/g at the point that ``count`` translations reach from ``corner``, and 1/g there with the signs of an odd number
+    of γ_i changed. The translations are in ``steps``, from index ``place`` on.
     """
     f, axes, point, last = curve.f, curve.axes, corner, count - 1
     for k in range(last):

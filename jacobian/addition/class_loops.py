@@ -1,4 +1,4 @@
-"""Sums, doubles and multiples of single classes: loops to be compiled, for every context and equation.
+"""Sums, doublings and multiples of single classes: loops to be compiled, for every context and equation.
 
 Explicit formulas add two classes in general position. In a special case Cantor's algorithm takes over. Over fields of
 word size it is compiled too (:mod:`jacobian.addition.cantor_words`), so that a multiple continues. In other contexts

@@ -1,4 +1,4 @@
-"""The explicit formulas of genus 2, for every field: sums and doubles of divisors of weight 2 in general position.
+"""The explicit formulas of genus 2, for every field: sums and doublings of divisors of weight 2 in general position.
 
 Let D = (U, V), U = x² + a₁x + a₀, V = b₁x + b₀, and D' = (U', V') likewise. The cubic ℓ = V + U·(s₁x + s₀) passes
 through both, and D + D' = (u, −ℓ − h mod u) with u = (ℓ² + hℓ − f)/(U U') made monic. Lange 2005 ("Formulae for

@@ -1,4 +1,4 @@
-"""The libraries of compiled loops over rows, one for each class of contexts and of equations."""
+"""The libraries of compiled loops over rows, one for each class of contexts and each class of equations."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def room_of_sums(context: Any) -> TupleKind:
 
 @cache
 def sums(context: Any, model: Any) -> Library:
-    """The library of sums and doubles by explicit formulas, for a class of contexts and of equations."""
+    """The library of additions and doublings by explicit formulas, for a class of contexts and a class of equations."""
     flat, C = NUMBERS[context], equation(context, model)
     rows = with_axes(flat, 2)
     first = TupleKind((rows, BYTES))

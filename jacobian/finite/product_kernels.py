@@ -112,7 +112,9 @@ def scaled(P: Any, x: Any, y: Any, out: Any) -> None:
 
 
 def _step(P: Any, c: Any, d: Any, k: Any, S: Any, row: Any) -> None:
-    """S ← M(k_j)·S for the matrices S[:, :, j]; ``c`` (2, d): (n + 1)i·c_i and c_i; ``row`` is room for d × BLOCK."""
+    """S ← M(k_j)·S for the BLOCK matrices S[:, j]. The rows of ``c`` are (n + 1)i·c_i and c_i; ``row`` is scratch of
+    shape (d, BLOCK).
+    """
     for column in range(d):
         for j in range(BLOCK):
             row[column, j] = 0.0

@@ -152,7 +152,7 @@ def second_polynomial(
     w0, w1, w2, w3 = cofactor(f, first)
     top = -q * f[6]
     r2, r3 = remainder(l0 * v0 - q * w0, l0 * v1 + l1 * v0 - q * w1, l1 * v1 - q * w2, -q * w3, top, b0, b1)
-    # the same for the other summand: L' = (p − q·V')/U'
+    # the right-hand side L'·V' − q·W' of the other summand, with L' = (p − q·V')/U'
     weight = 1 / sqrt(max(1, square(t0), square(t1)))
     k0 = p2 - s1 * l1
     w0, w1, w2, w3 = cofactor(f, second)

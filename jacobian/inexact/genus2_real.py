@@ -149,7 +149,7 @@ def second_polynomial(
     w0 = f2 - v1 * v1 - u1 * w1 - u0 * w2
     high = l1 * v1 - q * w2 - b1 * g3
     r2, r3 = l0 * v0 - q * w0 - b0 * high, l0 * v1 + l1 * v0 - q * w1 - b0 * g3 - b1 * high
-    # the same for the other summand: L' = (p − q·V')/U'
+    # the right-hand side L'·V' − q·W' of the other summand, with L' = (p − q·V')/U'
     weight = 1 / max(1, abs(t0), abs(t1))
     k0 = p2 - s1 * l1
     w2 = f4 - s1 * f5

@@ -39,7 +39,7 @@ MONOMIALS = list(FACTORS)
 # 2·SPARE_BITS bits. An integer that exceeds that size by more than SPARE_BITS bits is rejected as a coefficient
 SPARE_BITS = 80
 MOST_PRIMES = 200
-# number of classes whose doubles determine δ
+# number of classes D whose images κ(D) and κ(2D) determine δ
 CLASSES = 60
 
 Coordinates = tuple[Any, ...]

@@ -1,4 +1,4 @@
-"""The pseudo-group of a Kummer surface over GF(p): doubles, sums of points with a known difference, multiples.
+"""The pseudo-group of a Kummer surface over GF(p): doublings, sums of points with a known difference, multiples.
 
 On the surface D and −D are one point, so κ(D) and κ(E) have two sums, κ(D + E) and κ(D − E): either determines the
 other. They are the two factors of a symmetric form whose coefficients are biquadratic in κ(D), κ(E) (Cassels & Flynn
@@ -78,7 +78,7 @@ class Residues(namedtuple("Residues", "p one")):
 
 
 class PseudoGroup(Immutable):
-    """The Kummer surface of a curve of genus 2 over GF(p), p odd, with its doubles, differential sums and multiples.
+    """The Kummer surface of a curve of genus 2 over GF(p), p odd, with doublings, differential sums and multiples.
 
     A point is four residues, the first nonzero one being 1; ``zero`` is κ(0) = (0, 0, 0, 1). Every operation takes one
     point or an array (N, 4), and returns the same kind. All points are accepted, including those of 0, of classes of
