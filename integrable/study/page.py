@@ -139,7 +139,7 @@ def introduction(study: Study) -> str:
         "**Errors** are differences from the truth, the divisor flow at 40 digits or more: the largest over components "
         "and times. Those of M are relative to |M|. The truth itself is compared with an integrator that shares no "
         "code with it. For a system without a body q and p take the place of γ and M, and errors of both are relative "
-        "to the largest value at the start or in their row.\n\n"
+        "to the largest value at the start or at that time.\n\n"
         "**Inputs** are doubles: moments, d, γ, M and times of a scene are rounded to doubles before anything is "
         "computed, and every method starts from these. In doubles |γ| = 1 and, in scenes that are not tilted, "
         "(γ, M) = 0 hold only to rounding. The truth and all methods in more digits therefore start from γ/|γ| and "
