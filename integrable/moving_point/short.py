@@ -241,8 +241,7 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
         return UNRESOLVED
     if stepless(room, rule) <= WIDE_STEP:
         return 0
-    # the jump comes from a series whose coefficients still decrease, and is then mended by halving, or from the panel
-    # before
+    # if the coefficients of a series still decrease, halving reduces the jump; otherwise it comes from the panel before
     return UNRESOLVED if tail < before / 4 and level < LEVELS else ROUNDING
 
 

@@ -188,11 +188,11 @@ def curve_of(row: Row) -> Row:
 
 
 def axes_of(row: Row) -> Row:
-    """The axes as a tuple."""
+    """The numbers ``axes`` of :mod:`integrable.moving_point.addition` as a tuple."""
     return row[6], row[7], row[8], row[9], row[10], row[11], row[12], row[13]
 
 
 def unit_axes(row: Row) -> Row:
-    """The axes for translations: κ = 1, and no tilt."""
+    """The same numbers for translations: κ_i = 1, and no tilt."""
     one = 1 + 0 * row[6]
     return row[6], row[7], row[8], one, one, one, one, 0 * one

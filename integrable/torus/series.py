@@ -25,7 +25,7 @@ TOGETHER = 256
 # a product of up to ONE_THREAD multiplications uses one thread; the threads of larger ones wait in busy loops. With
 # fewer than FEWEST phases at a time, large tables are read too often
 ONE_THREAD, FEWEST = 1 << 15, 4
-# floats do not hold smaller modes
+# in floats smaller modes may underflow
 TINY = 1e-290
 # the size up to which transforms of integers are direct sums
 SHORT = 8
@@ -167,7 +167,7 @@ class LongSeries:
         self.rough = TorusSeries(grid, frequencies, noise=noise, rounding=noise)
         kept = self.rough._kept
         if noise < TINY:
-            # floats do not hold modes below TINY, so no mode can be left out by its size
+            # in floats modes below TINY may underflow, so no mode can be left out by its size
             kept = np.ones_like(kept)
             kept[0, : most + 1] = False
         self._kept, self._noise, self._size = kept, noise, float(np.abs(grid).max())

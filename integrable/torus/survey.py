@@ -154,7 +154,7 @@ def cells(s1: float, t1: float, s2: float, t2: float) -> tuple[int, int]:
     s1, t1, s2, t2 = abs(s1) / 2, abs(t1) / 2, abs(s2) / 2, abs(t2) / 2
     best1, best2, first = 1 << 29, 1 << 29, 2
     while first <= MOST_CELLS:
-        # half a step in the first direction leaves this part of either reach
+        # what remains of either reach after half a cell in the first direction
         left_s, left_t = 1 - s1 / first, 1 - t1 / first
         if left_s > 0 and left_t > 0:
             second = 2

@@ -127,7 +127,7 @@ def near_centre(about: NearIdentity, eps: Real) -> Row:
 
 
 def recentred(step: Row, axes: Row, centre: Real, unit: float) -> Row:
-    """A translation in x from one in (x − centre)/unit, in which the axes are ``axes``.
+    """A translation in x from one in (x − centre)/unit; ``axes`` begins with the α_i in that variable.
 
     Each σ_i gets the sign of α_i − centre: near the identity it is about α_i − centre, for any centre.
     """

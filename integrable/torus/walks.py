@@ -37,7 +37,7 @@ KNOWN = -1
 
 
 class Curve(NamedTuple):
-    """f and axes as :mod:`integrable.moving_point.addition` takes them, and the axes of translations, κ = 1."""
+    """``f`` and ``axes`` of :mod:`integrable.moving_point.addition`, and ``axes`` with κ_i = 1, for translations."""
 
     f: Row
     axes: Row
