@@ -123,8 +123,8 @@ def size_wanted(modes: Row, size: int, noise: float) -> int:
 def clock_series(
     values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tables: Tables, loud: Row
 ) -> tuple[float, float, float, float]:
-    """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``. Returns a bound of S, minus the
-    sum of its modes at the start, the same for the quiet modes, and the mean of the samples divided by that of 1/g.
+    """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``. Returns a bound of S,
+    minus the sum of all modes at the start, minus that of the quiet modes, and the samples' mean over the mean of 1/g.
 
     ``rates`` are the frequencies of both phases of 1/g, its mean, and 2π; ``loud`` is filled for
     :func:`integrable.torus.clock_loops.loud_swing`.
