@@ -66,6 +66,13 @@ class HenonHeiles(QuadricSystem):
         alpha, beta, gamma, *barriers = self.parameters
         return {"a": self.constants, "alpha": alpha, "beta": beta, "gamma": gamma, "barriers": tuple(barriers)}
 
+    @property
+    def _varied(self) -> dict[str, float]:
+        # a barrier turns the motion back at q_i = 0, so that states do not depend on it smoothly at l_i = 0
+        found = super()._varied
+        walls = list(found)[-len(self.constants) :]
+        return {**found, **{name: 0.0 for name, x in zip(walls, self._barriers(), strict=True) if not self._stands(x)}}
+
     def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
         stands = any(self._stands(e) and x == N.zero for e, x in zip(self._barriers(), state.q[1:], strict=True))
         return (N.one if stands else N.zero,)

@@ -6,7 +6,7 @@ torus if the motion has one. All others are computed by additions in long number
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Self
 
@@ -32,7 +32,9 @@ if TYPE_CHECKING:
     from integrable.mumford.phase_torus import PhaseTorus
     from integrable.mumford.theta_torus import ThetaTorus
     from integrable.phase.enclosure import EnclosedPath
+    from integrable.portrait.differences import Inputs
     from integrable.portrait.events import Condition
+    from integrable.portrait.sensitivity import Sensitivity
     from integrable.portrait.separated import SeparatedTorus
     from integrable.portrait.spectrum import Spectrum
     from integrable.portrait.torus_portrait import TorusPortrait
@@ -257,6 +259,38 @@ class MumfordFlow:
             times, theta, rotation = crossings(self._separated_in_floats(N, "section"), count, oval, end)
         return TorusSection(self.at(times), theta, rotation)
 
+    def sensitivity(self, times: Numbers) -> Sensitivity:
+        """The derivatives of q and p at the given times by q(0), p(0) and the constants and parameters of the system.
+
+        ``matrix`` of the result has shape (N, 2n, 2n + m), in the field of the system, with all its digits relative to
+        the largest element; ``columns`` names the inputs. The start varies within its constraints. A barrier of 0 has
+        no column. The derivatives are differences of 4n + 2m motions in more digits (:mod:`integrable.portrait.
+        differences`). PrecisionLoss where they are much larger than the time, as far away next to a separatrix.
+        """
+        from integrable.portrait.sensitivity import system_sensitivity
+
+        return system_sensitivity(self, times)
+
+    def _inputs(self) -> tuple[Inputs, tuple[str, ...]]:
+        """The numbers that the motion depends on, and their names."""
+        from integrable.portrait.differences import Inputs
+
+        (q, p), constants, rate = self.start, self.system._varied, self._fastest or 1.0
+        n, size = len(q), float(max(*map(abs, q), *(abs(x) / rate for x in p))) or 1.0
+        names = (f"{part}{i}" for part in "qp" for i in range(n))
+        sizes = (*[size] * n, *[size * rate] * n, *constants.values())
+        return Inputs(self._numbers, sizes), (*names, *(name for name, change in constants.items() if change))
+
+    @property
+    def _numbers(self) -> tuple[Real, ...]:
+        return *self.start.q, *self.start.p, *self.system.constants, *self.system.parameters
+
+    @property
+    def _fastest(self) -> float:
+        """The fastest rate of the linearized motion at the start."""
+        floats = self._over(RR)
+        return largest_rate([floats.system.linearized(floats.start)])
+
     def certify(self, times: Numbers, digits: int | None = None) -> Path:
         """The states of :meth:`at`, each compared with a run at 15 more digits, 30 for RR.
 
@@ -304,14 +338,18 @@ class MumfordFlow:
         import numpy as np
 
         states = zip(*self._states(np.linspace(first, last, PROBES)), strict=True)
-        fastest = max(np.abs(np.linalg.eigvals(self.system.linearized(Point(*map(tuple, x))))).max() for x in states)
+        fastest = largest_rate([self.system.linearized(Point(*map(tuple, x))) for x in states])
         return float(min(last - first, PANEL_TURN / fastest)) if fastest else last - first
 
     def _over(self, field: Field) -> Self:
-        """The same motion over another field, to which its numbers are converted."""
-        if field == self.system.field:
-            return self
-        return type(self)(self.system.over(field), Point(*(tuple(map(field.coerce, x)) for x in self.start)))
+        """The motion of the same numbers over another field."""
+        return self if field == self.system.field else self._through(self._numbers, field)
+
+    def _through(self, numbers: Iterable[Real], field: Field) -> Self:
+        """The motion over a field with these q, p, constants and parameters."""
+        n, c, given = self.system.size, len(self.system.constants), tuple(map(field.coerce, numbers))
+        q, p, constants, parameters = given[:n], given[n : 2 * n], given[2 * n : 2 * n + c], given[2 * n + c :]
+        return type(self)(replaced(self.system, field=field, constants=constants, parameters=parameters), Point(q, p))
 
     def _separated_in_floats(self, N: LongField, name: str) -> SeparatedTorus:
         """The torus in separated coordinates; NotRepresentable names the requested quantity."""
@@ -492,6 +530,13 @@ class MumfordFlow:
 
     def _reader(self, time: Real) -> Callable[[FormulaField, Extended], Point]:
         return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))
+
+
+def largest_rate(matrices: Sequence[np.ndarray]) -> float:
+    """The largest modulus of an eigenvalue of some matrices."""
+    import numpy as np
+
+    return float(np.abs(np.linalg.eigvals(matrices)).max())
 
 
 def long_digits(K: Any) -> int:

@@ -197,6 +197,19 @@ class MumfordSystem(Made):
         }
         return replaced(self, field=field, **own)
 
+    @property
+    def _varied(self) -> dict[str, float]:
+        """The size of noticeable changes of the constants and parameters, by their names; 0 for fixed ones."""
+        given = (value if isinstance(value, tuple) else (value,) for value in self.arguments.values())
+        names = [
+            f"{name}{i if len(x) > 1 else ''}"
+            for name, x in zip(self.arguments, given, strict=True)
+            for i in range(len(x))
+        ]
+        a = [*map(float, self.constants)]
+        gaps = [min((abs(x - y) for y in a[:i] + a[i + 1 :]), default=abs(x) or 1.0) for i, x in enumerate(a)]
+        return dict(zip(names, [*gaps, *(float(abs(x)) or 1.0 for x in self.parameters)], strict=False))
+
     def state(self, q: Iterable[Value], p: Iterable[Value]) -> Point:
         """The state with these q and p; ArgumentError if it does not satisfy the constraints of the system."""
         state = Point(self._part(q, "q"), self._part(p, "p"))

@@ -4,100 +4,78 @@ torus.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import ceil, log10
+from typing import NamedTuple
 
 import numpy as np
 
-from integrable.phase.body import Body, cross
-from integrable.phase.state import State
 from jacobian import MP
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.progress import Progress
 
-FlowMap = Callable[[Body, State], np.ndarray]
-"""A function of a body and a state that returns γ and M at the times, shape (N, 6)."""
+FlowMap = Callable[[np.ndarray, MultiprecisionField], np.ndarray]
+"""From inputs in a field to rows of numbers, first the states at the times: shape (N, m)."""
 
 # GUARD digits are added to those lost to the step and the derivatives; at most ATTEMPTS attempts are made if
 # derivatives are larger than expected
 GUARD, ATTEMPTS = 8, 6
-# number of motions: two for each of nine directions; a top needs three for the direction of d
-MOTIONS = 18
-# weights of the three values of a one-sided quotient of second order
-ONE_SIDED = (-3, 4, -1)
+# the weights of values in quotients of second order, by the number of steps: an input that must not decrease has
+# one-sided quotients
+CENTRAL, ONE_SIDED = {1: 1, -1: -1}, {0: -3, 1: 4, 2: -1}
 
 
-def differences(motion: FlowMap, body: Body, state: State, digits: int, size: float) -> np.ndarray:
-    """The derivatives ∂(γ, M)/∂(γ(0), M(0), I, d), (N, 6, 10), in mpf to ``digits``; ``size`` estimates the largest.
+class Inputs(NamedTuple):
+    """The ``numbers`` that a motion depends on: first those of its state, then its constants.
 
-    They are central differences with a step small enough for that many digits. PrecisionLoss where the derivatives are
-    much larger than expected.
+    ``sizes`` are the changes of each that change the motion noticeably, 0 for a number that has no derivatives. Numbers
+    at the indices ``least`` must not decrease.
     """
+
+    numbers: Sequence[Real]
+    sizes: Sequence[Real]
+    least: Sequence[int] = ()
+
+
+def differences(motion: FlowMap, inputs: Inputs, digits: int, size: float) -> np.ndarray:
+    """The derivatives of the rows of ``motion`` by its inputs, (N, m, inputs), in mpf to ``digits``.
+
+    They are quotients of differences with a step small enough for that many digits. ``size`` estimates the largest, in
+    units of ``inputs.sizes``. PrecisionLoss where the derivatives are much larger than expected.
+    """
+    sizes = [float(size) for size in inputs.sizes if size]
+    spread = ceil(log10(max(sizes) / min(sizes)))
     for _ in range(ATTEMPTS):
         large = max(0, ceil(log10(size)))
         step = digits // 2 + 1 + large
-        K = MP(digits + step + large + GUARD)
-        found = _quotients(motion, body, state, K, K.coerce(10) ** -step)
-        largest = float(abs(found).max())
+        K = MP(digits + step + large + spread + GUARD)
+        found = _quotients(motion, inputs, K, K.coerce(10) ** -step)
+        rows = np.array(sizes[: found.shape[1]])[:, None]
+        largest = float(abs(found * np.array(sizes) / rows).max(initial=0))
         if largest <= 10 * size:
             return found
         size = largest
     raise PrecisionLoss(f"sensitivity: derivatives of {size:.0e} and more next to a separatrix; ask for earlier times")
 
 
-def _quotients(motion: FlowMap, body: Body, state: State, K: MultiprecisionField, step: Real) -> np.ndarray:
-    numbers = _numbers(body, state, K)
-    gamma, M = numbers[:3], numbers[3:6]
-    progress = Progress(f"sensitivity, by differences of motions in {K.dps} digits", MOTIONS)
+def _quotients(motion: FlowMap, inputs: Inputs, K: MultiprecisionField, step: Real) -> np.ndarray:
+    numbers = np.array([*map(K.coerce, inputs.numbers)], dtype=object)
+    progress = Progress(f"sensitivity, by differences of motions in {K.dps} digits", 2 * len(numbers))
 
-    def rows(shift: np.ndarray) -> np.ndarray:
-        found = motion(*_inputs(numbers + shift, K))
+    def rows(k: int, change: Real) -> np.ndarray:
+        moved = numbers.copy()
+        moved[k] += change
+        found = motion(moved, K)
         progress.add(1)
         return found
 
-    scales = np.array([1] * 3 + [K.sqrt(M @ M)] * 3 + [min(body.inertia) + body.d] * 4, dtype=object)
     columns = []
-    for k, direction in enumerate(_directions(K, gamma)):
-        shift = step * scales[direction != 0][0] * direction
-        size = 2 * step * scales[direction != 0][0]
-        if k == 8 and not body.rolls:
-            # this quotient is one-sided, since there is no body with d < 0
-            values = (rows(n * shift) for n in range(3))
-            columns.append(sum(w * x for w, x in zip(ONE_SIDED, values, strict=True)) / size)
-        else:
-            columns.append((rows(shift) - rows(-shift)) / size)
-    first, second = (v[:3] for v in _directions(K, gamma)[:2])
-    tangents = [columns[0] * first[i] + columns[1] * second[i] for i in range(3)]
-    return np.stack([*tangents, *columns[2:]], axis=2)
-
-
-def inputs_over(K: MultiprecisionField, body: Body, state: State) -> tuple[Body, State]:
-    """A body and a state in a field of more digits."""
-    return _inputs(_numbers(body, state, K), K)
-
-
-def _numbers(body: Body, state: State, K: MultiprecisionField) -> np.ndarray:
-    """The ten numbers γ (normalized), M, I and d, in K."""
-    found = np.array([K.coerce(x) for x in (*state.row, *body.inertia, body.d)], dtype=object)
-    found[:3] /= K.sqrt(found[:3] @ found[:3])
-    return found
-
-
-def _inputs(numbers: np.ndarray, K: MultiprecisionField) -> tuple[Body, State]:
-    g1, g2, g3 = numbers[:3] / K.sqrt(numbers[:3] @ numbers[:3])
-    m1, m2, m3, i1, i2, i3, d = numbers[3:]
-    return Body.make((i1, i2, i3), d, K), State((g1, g2, g3), (m1, m2, m3), tilted=True)
-
-
-def _directions(K: MultiprecisionField, gamma: np.ndarray) -> list[np.ndarray]:
-    """Nine directions of ten numbers each: two unit vectors orthogonal to γ, then unit vectors of M, I and d."""
-    axis = min(range(3), key=lambda i: abs(gamma[i]))
-    unit = [K.one * (i == axis) for i in range(3)]
-    first = np.array(cross(K, tuple(gamma), (unit[0], unit[1], unit[2])), dtype=object)
-    first = first / K.sqrt(first @ first)
-    second = np.array(cross(K, tuple(gamma), tuple(first)), dtype=object)
-    rest = [K.zero] * 7
-    found = [np.array([*v, *rest], dtype=object) for v in (first, second)]
-    return found + [np.array([K.one * (i == k) for i in range(10)], dtype=object) for k in range(3, 10)]
+    for k, size in enumerate(inputs.sizes):
+        if not size:
+            continue
+        unit = step * K.coerce(size)
+        weights = ONE_SIDED if k in inputs.least else CENTRAL
+        columns.append(sum(w * rows(k, n * unit) for n, w in weights.items()) / (2 * unit))
+    return np.stack(columns, axis=2)

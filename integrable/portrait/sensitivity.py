@@ -14,15 +14,17 @@ has rank two; the third independent integral changes only shapes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 from math import ceil, log10
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from integrable.phase.body import Body
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
-from integrable.portrait.differences import GUARD, differences, inputs_over
+from integrable.phase.state import State
+from integrable.portrait.differences import GUARD, Inputs, differences
 from integrable.portrait.growth import growth
 from integrable.portrait.variations import Variation, gradient
 from integrable.torus.integrals import MOST_COMPILED, periods_of, resolved_samples
@@ -30,12 +32,11 @@ from integrable.torus.series import TorusSeries, spectrum, together
 from jacobian import MP, RR
 from jacobian.element import Numbers, Real
 from jacobian.errors import NotRepresentable
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.fields.protocol import Field
 from jacobian.immutable import Record, read_only
 
 if TYPE_CHECKING:
-    from integrable.phase.body import Body
-    from integrable.phase.state import State
     from integrable.torus.access import TorusFlow
 
 # coefficients of the rates below this fraction of the largest are rounding errors
@@ -46,11 +47,13 @@ COLUMNS = ("gamma1", "gamma2", "gamma3", "M1", "M2", "M3", "I1", "I2", "I3", "d"
 
 
 class Sensitivity(Record):
-    """The derivatives ∂(γ, M)(t)/∂(γ(0), M(0), I, d) at N times. Get one from ``flow.sensitivity(times)``.
+    """The derivatives ∂(γ, M)(t)/∂(γ(0), M(0), I, d) at N times, or ∂(q, p)(t)/∂(q(0), p(0), constants) of a system of
+    any genus. Get one from ``flow.sensitivity(times)``.
 
-    ``matrix`` has shape (N, 6, 10): rows γ and M, columns :data:`COLUMNS`. γ(0) varies on the unit sphere, so its
-    columns are derivatives along the axes projected onto the tangent plane. ``times`` has shape (N,). The entries lie
-    in the field of the system. ``way`` is "torus", or "differences" of motions in more digits.
+    ``matrix`` has shape (N, 6, 10), or (N, 2n, 2n + m) for m constants: rows γ and M, or q and p. ``columns`` are the
+    names of the inputs. The start varies within its constraints: columns of γ(0), q(0) and p(0) are derivatives along
+    the axes projected onto the tangent plane. ``times`` has shape (N,). The entries lie in the field of the system.
+    ``way`` is "torus", or "differences" of motions in more digits.
     """
 
     def __init__(
@@ -60,13 +63,15 @@ class Sensitivity(Record):
         secular: np.ndarray | None,
         way: str,
         grown: tuple[Any, ...] | None = None,
+        columns: tuple[str, ...] = COLUMNS,
     ) -> None:
         """``secular`` is None where it is computed on request: then ``grown`` are the arguments of :func:`_grown`."""
+        self.columns = columns
         self.times, self.matrix, self._secular, self.way, self._inputs = times, matrix, secular, way, grown
 
     @cached_property
     def secular(self) -> np.ndarray:
-        """The part of ``matrix`` that grows with t, shape (N, 6, 10).
+        """The part of ``matrix`` that grows with t, shape (N, 6, 10), for a ball or a top.
 
         If ``way`` is "differences", its computation needs another motion, and for a ball the modes of 1/g.
         NotRepresentable where the motion is on no torus of dimension two, PrecisionLoss where the modes are too many.
@@ -75,8 +80,8 @@ class Sensitivity(Record):
             return self._secular
         if self._inputs is None:
             raise NotRepresentable(
-                "secular: derivatives have separate parts only on a torus of dimension two; these are differences of "
-                "motions that lie on none"
+                "secular: derivatives have separate parts for a ball or top on a torus of dimension two; these are "
+                "differences of motions that lie on none, or of another system"
             )
         return read_only(_grown(self.times, *self._inputs))
 
@@ -92,9 +97,9 @@ class Sensitivity(Record):
         from jacobian.notebook import table
 
         if not len(self):
-            return table(repr(self), ["", *COLUMNS], [])
-        rows = [(name, *row) for name, row in zip(COLUMNS, self.matrix[-1].tolist(), strict=False)]
-        return table(f"{self!r}; at t = {self.times[-1]}", ["", *COLUMNS], rows)
+            return table(repr(self), ["", *self.columns], [])
+        rows = [(name, *row) for name, row in zip(self.columns, self.matrix[-1].tolist(), strict=False)]
+        return table(f"{self!r}; at t = {self.times[-1]}", ["", *self.columns], rows)
 
     def __repr__(self) -> str:
         return f"<Sensitivity at {len(self)} times, by {self.way}>"
@@ -111,21 +116,23 @@ def sensitivity(flow: Any, times: Numbers) -> Sensitivity:
         if _lost(flow, run, found.matrix) <= MOST_LOST:
             return found
     field, body, state = flow.system.field, flow.system.body, flow.state
-    digits = ROUNDED_TO_FLOATS if field == RR else field.dps
-    farthest = max((abs(float(t)) for t in run.times), default=0.0)
-    size = 1 + 10 * farthest * float(max(map(abs, flow.system.omega(state))))
+    digits, size = _wanted(field, run.times, float(max(map(abs, flow.system.omega(state)))))
 
     # a motion has two phases unless a point of its divisor is at rest or the ovals have met
     parted = flow.portrait.region in ("low", "high")
 
-    def rows(body: Body, state: State) -> np.ndarray:
+    def rows(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
         """Returns γ and M, a row for each time; if ``parted``, a last row holds both frequencies."""
-        there = flow._through(body, state)
+        there = flow._through(*_body_and_state(numbers, K))
         states = there.at(run.times)
         found = np.hstack([states.gamma, states.M])
         return np.vstack([found, [*there.portrait.frequencies, 0, 0, 0, 0]]) if parted else found
 
-    matrix = differences(rows, body, state, digits, size)
+    heavy = min(body.inertia) + body.d
+    sizes = (*[1] * 3, *[max(map(abs, state.vectors[1]))] * 3, *[heavy] * 4)
+    # there is no body with d < 0
+    inputs = Inputs((*state.row, *body.inertia, body.d), sizes, () if body.rolls else (9,))
+    matrix = differences(rows, inputs, digits, size)
     if not parted:
         return Sensitivity(run.times, _numbers(field, matrix), None, "differences")
     slopes = tuple(tuple(row) for row in matrix[-1, :2].tolist())
@@ -133,9 +140,36 @@ def sensitivity(flow: Any, times: Numbers) -> Sensitivity:
     return Sensitivity(run.times, _numbers(field, matrix[:-1]), None, "differences", grown)
 
 
+def system_sensitivity(flow: Any, times: Numbers) -> Sensitivity:
+    """The sensitivity of a :class:`~integrable.mumford.flow.MumfordFlow` at times of its field, by differences."""
+    run, (inputs, names) = flow.at(times), flow._inputs()
+    digits, size = _wanted(flow.system.field, run.times, flow._fastest)
+
+    def rows(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
+        states: np.ndarray = np.hstack(flow._through(numbers, K)._states(run.times))
+        return states
+
+    matrix = _numbers(flow.system.field, differences(rows, inputs, digits, size))
+    return Sensitivity(run.times, matrix, None, "differences", columns=names)
+
+
+def _wanted(field: Any, times: np.ndarray, rate: float) -> tuple[int, float]:
+    """The digits of derivatives over a field, and the approximate size of those of a motion with this rate."""
+    farthest = max((abs(float(t)) for t in times), default=0.0)
+    return ROUNDED_TO_FLOATS if field == RR else field.dps, 1 + 10 * farthest * rate
+
+
+def _body_and_state(numbers: Iterable[Real], K: MultiprecisionField) -> tuple[Body, State]:
+    """The body and the state with the numbers γ, which is normalized, M, I and d."""
+    g1, g2, g3, m1, m2, m3, i1, i2, i3, d = map(K.coerce, numbers)
+    size = K.sqrt(g1 * g1 + g2 * g2 + g3 * g3)
+    return Body.make((i1, i2, i3), d, K), State((g1 / size, g2 / size, g3 / size), (m1, m2, m3), tilted=True)
+
+
 def _grown(times: np.ndarray, flow: Any, slopes: Sequence[Sequence[Real]], digits: int, wide: int) -> np.ndarray:
     """The secular part of differences of motions, from the derivatives of the frequencies."""
-    there = flow._through(*inputs_over(MP(wide), flow.system.body, flow.state))
+    body = flow.system.body
+    there = flow._through(*_body_and_state((*flow.state.row, *body.inertia, body.d), MP(wide)))
     return _numbers(flow.system.field, growth(there.at(times), np.array(slopes, dtype=object), digits))
 
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from integrable.portrait.events import Condition
     from integrable.portrait.portrait import Portrait
     from integrable.portrait.section import Section
+    from integrable.portrait.sensitivity import Sensitivity
     from integrable.portrait.spectrum import Spectrum
     from integrable.systems.system import System
 
@@ -107,6 +108,10 @@ class BodyPath(Immutable):
     @staticmethod
     def _path(run: Trajectory) -> Path:
         return replaced(Path(run.times, run.gamma, run.M, run.way), error=run.error, digits=run.digits)
+
+    def sensitivity(self, times: Numbers) -> Sensitivity:
+        """The derivatives of γ and M by γ(0), M(0), I and d that the body's own flow gives."""
+        return self._flow.sensitivity(times)
 
     def certify(self, times: Numbers, digits: int | None = None) -> Path:
         """The states at physical times, with ``error`` and ``digits`` as the body's own flow certifies them."""
