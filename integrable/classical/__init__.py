@@ -1,1 +1,1 @@
-"""Systems with many degrees of freedom whose motions are linear on Jacobians of any genus, one file each."""
+"""Classical systems whose motions are linear on Jacobians, one file for each."""

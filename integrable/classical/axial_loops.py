@@ -1,9 +1,9 @@
 """States of Lagrange's top and the spherical pendulum by theta functions: loops over bare reals, compiled unchanged.
 
-Let v = πu/2K, u the argument of sn, and q the nome. The axis z = x₁ + (x₂ − x₁)sn²u is a quotient of θ₁(v) and θ₄(v).
-Its horizontal part is g = Ce^{iRt}θ₂(v − iα)θ₁(v − iβ)/θ₄(v)². The zeros of θ₂ and θ₁ are the points of the curve at z
-= 1 and z = −1 where g vanishes. This formula also holds at the vertical, where g changes its sign (Whittaker 1904,
-§§ 55, 73).
+Let v = πu/2K, u the argument of sn. The height of the axis z = x₁ + (x₂ − x₁)sn²u is a function of θ₁(v)/θ₄(v). Its
+horizontal part is g = Ce^{iRt}θ₂(v − iα)θ₁(v − iβ)/θ₄(v)², with constants C, R, α and β. The zeros of θ₂ and θ₁ are the
+points of the curve at z = 1 and z = −1 where g vanishes. This formula also holds at the vertical, where g changes its
+sign (Whittaker 1904, §§ 55, 73).
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ class AxialThetas(NamedTuple):
     """The constants from which the states of a motion are computed.
 
     ``numbers`` are half turns of v and turns of Rt per unit time, v at the start in half turns, C (two numbers), dv/dt,
-    R, and x₁. Then follow the factors of (θ₁/θ₄)² in z − x₁ and of θ₁θ₂θ₃/θ₄³ in z', and (jc, L, c) of a top, j² = −1.
-    A row of ``table`` has the coefficients of harmonic 2n + 1 of θ₂(v − iα) and θ₁(v − iβ), two each, and of θ₁ and θ₂,
-    then those of harmonic 2n of θ₃ and θ₄. ``inverse`` holds 2π and 1/n!. ``top`` is true if p is M, false if it is the
-    velocity.
+    R, and x₁. Then follow the factors of (θ₁/θ₄)² in z − x₁ and of θ₁θ₂θ₃/θ₄³ in z', and (jc, L, c) of a top
+    (:mod:`integrable.classical.lagrange`). A row of ``table`` has the coefficients of harmonic 2n + 1 of θ₂(v − iα) and
+    θ₁(v − iβ), two each, and of θ₁ and θ₂, then those of harmonic 2n of θ₃ and θ₄. ``inverse`` holds 2π and 1/n!.
+    ``top`` is true if p is M, false if it is the velocity.
     """
 
     numbers: Row

@@ -42,7 +42,8 @@ from jacobian.numbers.double_double import double_double_row
 BITS, FEWER_BITS = 400, 180
 # largest number of Newton steps from a root in floats
 NEWTON_STEPS = 8
-# a gap below LOST times the spread of the roots has no digits; a swing below NOTHING times the other gaps has no effect
+# a gap below LOST times the spread of the roots has no digits; a swing x₂ − x₁ below NOTHING times the other gaps has
+# no effect
 LOST, NOTHING = 2.0**-130, 2.0**-90
 
 
@@ -211,7 +212,7 @@ def _turning(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequ
     table: list[Real] = []
     for n, (one, other) in enumerate(zip(first, second, strict=True)):
         table += [*one, *(x if n % 2 == 0 else -x for x in other), *thetas[4 * n : 4 * n + 4]]
-    # ``height`` and ``slope`` follow from sn = θ₃θ₁/(θ₂θ₄) and its relatives
+    # ``height`` and ``slope`` follow from sn = θ₃θ₁/(θ₂θ₄) and the like for cn and dn
     height, slope = swing * (theta3 / theta2) ** 2, 2 * swing * N.sqrt(wide / 2) * (theta4 / theta2) ** 2
     place = _start(N, levels, gaps, axis)
     round_ = 2 * half_turn()

@@ -26,7 +26,8 @@ class Track(NamedTuple):
     """One curve; ``table`` is that of :func:`integrable.mumford.elliptic_torus.theta_quotients`.
 
     ``inverse`` is that of :func:`integrable.mumford.elliptic_torus.circle`. ``numbers`` are the factors of θ₁/θ₄, θ₂/θ₄
-    and θ₃/θ₄ in R_low, R_middle and R_high, the phase of the start counted from Z = e_low, the three e_i/μ, and 1/μ.
+    and θ₃/θ₄ in R_low, R_middle and R_high, the phase of the start counted from Z = e_low, z at the three e_i, and
+    1/scale, where Z = scale·z + shift.
     """
 
     numbers: Row
@@ -103,7 +104,7 @@ def put_split(vector: Three, out: Row, rest: Row, place: int) -> None:
 
 
 def height(track: Track, r: Three) -> Real:
-    """z = Z/μ at the roots R_i, computed from the smallest of them."""
+    """z at the roots R_i, computed from the smallest of them (see :class:`Track`)."""
     numbers = track.numbers
     if abs(r[0]) <= abs(r[1]) and abs(r[0]) <= abs(r[2]):
         return numbers[4] + r[0] * r[0] * numbers[7]

@@ -44,7 +44,7 @@ MOST_OFF = 4e-14
 NOISE = 4e-18
 # largest ratio of the rotation rate of a heavy body to that of its phases
 SWIFT = 100
-# number of samples of 1/g beyond which the tables of another method are cheaper
+# number of samples of 1/g beyond which the series of integrable.deformations.ovals_clock is cheaper
 MOST_SAMPLES = 1 << 14
 
 

@@ -1,7 +1,7 @@
 """The motion of a body with two or three equal moments in closed form, rolling or not, at any time.
 
-Axis 3 is that of the other moment, a = a₁ = a₂, r_i = 1 − d·a_i, r = r₁ = r₂, δ = d(a₃ − a) = r − r₃ and (γ, M) = 0.
-Then gM₃ is constant, and γ₃ oscillates harmonically in *physical* time:
+Axis 3 is the symmetry axis, a = a₁ = a₂, r_i = 1 − d·a_i, r = r₁ = r₂, δ = d(a₃ − a) = r − r₃ and (γ, M) = 0. Then gM₃
+is constant, and γ₃ oscillates harmonically in *physical* time:
 
     γ₃ = A sin θ,  θ̇ = Ω = a|M|√(r₃/μ),  μ = r − δA²,  g⁻² = r − δγ₃².
 

@@ -18,8 +18,7 @@ from jacobian.periods.roots import conjugated, simple_roots
 # largest number of Newton steps to a root; roots nearer to each other than CLOSE, relative to the largest, count as not
 # separated by floats
 NEWTON_STEPS, CLOSE = 20, 1e-9
-# an oval that is a point is opened to this length, relative to the largest branch point; its ends move by at most
-# √OPENED
+# an oval that is a point is opened to this length, relative to the largest branch point
 OPENED = 2.0**-130
 # σ at a branch point e is computed from U only if |U(e)|/(1 + e²) is larger than this
 SMALL = 1e-20

@@ -317,7 +317,7 @@ class MumfordFlow:
         q, p: q[:, 0]`` finds q_0 = 0. ``direction`` 1 selects zeros at which the condition rises, −1 those at which it
         falls. Zeros without a change of sign may be missed. ArgumentError for times that don't ascend and values of
         another shape, PrecisionLoss for a condition that is not smooth, or if floats do not resolve the time;
-        Infeasible for a search of more than ten million parts of a turn. (:mod:`integrable.portrait.events`)
+        Infeasible for a search of more than ten million panels. (:mod:`integrable.portrait.events`)
         """
         from integrable.portrait.events import Watched, event_times
 

@@ -113,7 +113,7 @@ class PhaseTorus:
             x = oval.middle - oval.radius * Column(np.cos(phi))
             slope = form.coefficient(K, x) * oval.weight(K, x)
             for pole in self._torus.poles[k][j]:
-                # without the derivative of mean·swing, which _of_poles adds (:class:`Pole`)
+                # the derivative of the term in _of_poles, residue/(x − place) − mean, is subtracted
                 slope = slope - Column.of(pole.residue) / (x - Column.of(pole.place)) + Column.of(pole.mean)
             found += move * slope.hi
         return found

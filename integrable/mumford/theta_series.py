@@ -1,7 +1,8 @@
 """Theta functions of genus 2 on a real torus, as real Fourier series, compiled.
 
-With the characteristic η = (ε, δ), θ[η](z) = Σ e^(πi nτn + 2πi n(φ + ½δ)), n in Z² + ½ε. On the torus z = φ + τq with
-half-integral q it is real up to a constant factor. The terms of n and −n are combined.
+With the characteristic η = (ε, δ), θ[η](z) = Σ e^(πi nτn + 2πi n(z + ½δ)), n in Z² + ½ε. On the torus z = φ + τq with
+half-integral q it is the series at φ with ε + 2q for ε, times a factor that cancels in quotients. That series is real
+up to a constant factor. Its terms of n and −n are combined.
 """
 
 from __future__ import annotations
@@ -48,7 +49,9 @@ class ThetaSums(NamedTuple):
 
 
 def theta_lifts(sums: ThetaSums, phases: Row, out: Row) -> None:
-    """Writes θ_∞ for each pair of phases in turns, then σ = θ/θ_∞ and ν = −2∂σ for every other class."""
+    """Writes θ_∞, that of the last class, for each pair of phases in turns, then σ = θ/θ_∞ and ν = −2∂σ for every other
+    class.
+    """
     classes = sums.sizes[0]
     width = 2 * classes - 1
     for i in abreast(0, len(phases) // 2):

@@ -223,8 +223,8 @@ class ThetaBasis(NamedTuple):
     along: tuple[Complex, Complex]
 
     def sums(self, Z: LongField, places: Sequence[int]) -> tuple[ThetaSums, list[Complex]]:
-        """The series of the roots ``places`` and of infinity, and for each root e the ratio of √|U(e)| to the quotient
-        of its series by that of infinity.
+        """The series of the roots with the indices ``places`` and of infinity, and for each of these roots e the ratio
+        of √|U(e)| to the quotient of its series by that of infinity.
         """
         sums, tops = theta_sums(self.tau, [self.chars[i] for i in (*places, 5)], self.along)
         *scales, last = (Z.coerce(high) + Z.coerce(low) for high, low in tops.tolist())

@@ -147,7 +147,7 @@ def check_body_field(field: Field[Element]) -> None:
 
 
 def say_unphysical(inertia: Sequence[Any], field: Any) -> None:
-    """Warns the caller's caller of a moment above the sum of the two others; the equations hold all the same."""
+    """Warns the caller's caller of a moment above the sum of the two others; the equations of motion still hold."""
     if field.characteristic != 0 or _unwarned.get():
         return
     least, middle, most = sorted(inertia)

@@ -35,7 +35,7 @@ Variables = tuple[Any, ...]
 """A point, in numbers of a field or in jets over it."""
 Matrix = tuple[Variables, ...]
 OfVariables = Callable[[Any, Variables], Sequence[Real]]
-# weights of a central difference quotient of sixth order
+# (distance in steps, weight) of a central difference quotient of sixth order; its divisor is STENCIL_SCALE steps
 STENCIL = ((1, 45), (2, -9), (3, 1))
 STENCIL_SCALE = 60
 
@@ -122,7 +122,7 @@ def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
     """The state (γ, M) moved, to first order, onto the symplectic leaf of ``like``: it takes C1, C2 and the sign of g
     from ``like``.
 
-    A function that this map extends off the leaf has the same brackets, because C1 and C2 are Casimirs.
+    A function composed with this map has the same brackets on the leaf, because C1 and C2 are Casimir functions.
     """
     K = system.field
     base = K.base if isinstance(K, JetField) else K

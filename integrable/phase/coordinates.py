@@ -110,7 +110,9 @@ def directions_of(point: tuple[Real, ...]) -> tuple[tuple[Real, Real, Real], tup
 
 
 def to_mumford(body: Body, pairs: tuple[Pair, ...]) -> tuple[poly.Poly, poly.Poly]:
-    """Mumford's (U, V) of pairs: U is monic of degree 2, V has degree ≤ 1 and, over inexact fields, two numbers."""
+    """Mumford's (U, V) of pairs: U is monic of degree 2; V has degree ≤ 1, and over inexact fields always two
+    coefficients.
+    """
     K = body.field
     u0, u1, v0, v1 = (K.zero,) * 4
     for i, (r, (x, y)) in enumerate(zip(body.contact, pairs, strict=False)):

@@ -176,7 +176,9 @@ def _ends(ball: arb) -> Ends:
 
 
 def _ball(ends: Ends) -> arb:
-    """The ball with the midpoint and radius of :func:`_ends`. flint rounds every given radius up to 30 bits."""
+    """The ball with the midpoint and radius of :func:`_ends`. flint rounds a given radius up, to 30 bits, so a radius
+    smaller by a unit is tried first.
+    """
     from flint import arb
 
     middle, (mantissa, exponent) = ends

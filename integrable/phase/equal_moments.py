@@ -61,7 +61,7 @@ class Swing(NamedTuple):
         size = K.sqrt(g3 * g3 + (a * across / rate) ** 2)
         theta = atan2(g3, a * across / rate) if size else K.zero
         swing = Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, K.zero)
-        # φ follows from the larger of the ellipses of γ and of M/|M| before the turn
+        # φ turns the point of the ellipse of γ or of M, whichever is farther from the axis, to the given one
         c, s = K.context.cos(theta), K.context.sin(theta)
         before_gamma, before_M = swing.ellipse(c, s)
         found, before = ((g1, g2), before_gamma) if c * c + kappa2 * s * s >= 0.5 else ((m1, m2), before_M)

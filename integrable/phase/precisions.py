@@ -1,8 +1,9 @@
 """Decimal digits of floats, and of the computations whose results are rounded to floats."""
 
 FLOAT_DIGITS = 15
-"""Significant digits of a float. A scene that asks for at most this many runs in floats, and a certificate in floats
-can confirm at most this many."""
+"""Significant digits of a float. A scene is computed in floats if it requests at most these, and a certificate in
+floats confirms at most these.
+"""
 EPS_DIGITS = 16
 """The decimal place of a float's last bit, from which the digits lost in a step are counted."""
 ROUNDED_TO_FLOATS = 17

@@ -84,7 +84,7 @@ class PhaseSpace(Made, Generic[Element]):
             raise NotASquare(f"gamma = {_show(x)}: 1 − d(γ, Aγ) vanishes in {K.name}, and g is infinite")
         if not tilted:
             tilt = K.dot(x, m)
-            # the size is |M|, because (M, M) may underflow
+            # the largest |M_i| replaces |M| where (M, M) underflows
             size = 1 if K.exact else max(K.dot(m, m) ** 0.5, *map(abs, m))
             if _distance(K, tilt, K.zero) > tolerance * size:
                 raise ArgumentError(

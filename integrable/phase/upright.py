@@ -59,7 +59,7 @@ class ChaplyginTransformation:
         return ChaplyginTransformation(body, Body.make(moments, d, K), k, s, p, shift)
 
     def apply(self, state: State) -> State:
-        """The upright state (γ̃, M̃) of (γ, M), with g̃ = g/(s(1 − dkn)) where the state has g."""
+        """The upright state (γ̃, M̃) of (γ, M), with g̃ = g/(s(1 − dkn)), n = (γ, ω), if the state has g."""
         K = self.body.field
         gamma, M = self.apply_vectors(*state.vectors)
         g = None if state.g is None else K.div(state.g, K.mul(self.s, self._slip(*state.vectors)))
@@ -96,7 +96,7 @@ class ChaplyginTransformation:
     def rate(self) -> tuple[Real, Real]:
         """(α, β) with 1/g = (α + βñ)/g̃, ñ = g̃²(γ̃, AM̃): they give physical time t = ∫dτ/g from the upright motion.
 
-        α = s and β = dks²/p, from dt̃/dt = s(1 − dkn) and ω = ω̃ dt̃/dt.
+        α = s and β = dks²/p, from dt̃/dt = s(1 − dkn), n = (γ, ω), and ω = ω̃ dt̃/dt.
         """
         K = self.body.field
         return self.s, K.div(K.mul(K.mul(self.body.d, self.k), K.mul(self.s, self.s)), self.p)

@@ -1,8 +1,8 @@
 """The choice of the method that computes the states of a motion, the same for every system.
 
 A motion lists its methods, called ways, in the order of their cost: a walk near the start, a closed form or a torus,
-additions to as many digits as needed. A way is set up only if the ways before it have not reached all times. No way
-uses what earlier calls have computed.
+additions to as many digits as needed. A way is set up only if the ways before it have not reached all times. Results do
+not depend on earlier calls.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ def times_in(field: Field, values: Numbers, argument: str) -> np.ndarray:
     if field == RR:
         if type(values) is list and set(map(type, values)) == {float}:
             values = np.array(values)
-        # all() takes twice as long as counting, and testing squares would overflow with a warning
+        # all() takes twice as long as counting, and a sum of squares could overflow, with a warning
         if (
             type(values) is np.ndarray
             and values.dtype == FLOATS

@@ -31,8 +31,8 @@ class Orders(NamedTuple):
 
 
 class Side(NamedTuple):
-    """The left or the right factors of a vector of products, and the place of their coefficients, counted in vectors of
-    this width.
+    """The left or the right factors of a vector of products, and the position of their coefficients in memory, in units
+    of the vector's width.
     """
 
     factors: tuple[int, ...]
@@ -58,7 +58,7 @@ class Room:
         self.begin = begin + -begin % ABREAST
         self.apart = count + -count % ABREAST
         begin = self.begin + (order + max(wide, 0) + 2) * self.apart
-        # of constants, and of factors other than variables, a room has only the coefficient of order 0, as hi and lo
+        # a room has only the coefficients of order 0, as hi and lo, of constants and of factors that are no variables
         kept = {n for n, kind in enumerate(tape.kinds) if kind == CONSTANT}.union(*self.factors.values())
         self._highs = {n: begin + 2 * i for i, n in enumerate(sorted(kept - set(range(count))))}
         begin += 2 * len(self._highs)

@@ -37,8 +37,8 @@ class Steps(NamedTuple):
     farthest: float = 1e300
 
 
-# FINE and FINEST are accurate to the last bits of floats: both walks may differ by an eighth of the rounding unit,
-# since terms in floats cause nearly as large an error in the finer walk
+# FINE and FINEST are accurate to the last bits of floats: the walks may differ by an eighth of the rounding unit, since
+# terms in floats cause nearly as large an error in the finer walk
 WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE, FINEST = Steps(WIDE, 1e-25, 1e-7, 1e1, 1e1, 2.0**-56), Steps(WIDEST, 1e-29, 1e-11, 1e3, 1e3, 2.0**-56)
 # ROUGH takes 3/4 of the time of FINE (python -m benchmarks near); it is for few steps, over which errors cannot grow

@@ -40,7 +40,7 @@ class Sums:
         # within the loop, ``_before`` has the sums of a vector of products over earlier rounds, one for each order of
         # the round
         self._before: dict[tuple[int, ...], list[str]] = {}
-        # within the loop, ``_moving`` has pointers that advance with the order; a key is the number of floats between
+        # within the loop, ``_moving`` has pointers that advance with the order; a key is the number of vectors between
         # orders
         self._moving: dict[int, str] = {}
 

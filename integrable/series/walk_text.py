@@ -173,7 +173,6 @@ def _gathered(text: Text, parts: list[str]) -> str:
     """A vector of the given numbers; the last one fills all remaining lanes."""
     if text.lanes == 1:
         return parts[0]
-    # in a vector of many motions, as in ensembles, each motion has its own start
     return text.gathered((parts + [parts[-1]] * text.lanes)[: text.lanes])
 
 

@@ -15,7 +15,7 @@ from jacobian.immutable import at_once
 
 
 class ChaplyginBall(System[Coordinate]):
-    """A ball of principal moments ``inertia``, rolling, with d = m r².
+    """A rolling ball with the principal moments ``inertia`` and d = m r².
 
     Give ``d`` in the unit of the moments (kg·m²), or ``mass`` (kg) and ``radius`` (m); a ``radius`` given with ``d`` is
     only the unit of lengths. The motion is γ̇ = γ×ω, Ṁ = M×ω with ω = A M + d·g²(γ, A M) A γ, A = diag 1/(I_i + d), g⁻²
