@@ -119,7 +119,9 @@ def replaced(value: Kind, **changes: Any) -> Kind:
 
 
 def read_only(array: Array) -> Array:
-    """A view of a numpy array that cannot be written to."""
+    """A numpy array that cannot be written to: the array itself, or a view of it."""
+    if not array.flags.writeable:
+        return array
     view = array.view()
     view.setflags(write=False)
     return view

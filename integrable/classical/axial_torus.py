@@ -87,9 +87,7 @@ class AxialTorus:
 class AxialFlow(MumfordFlow):
     """The motion of a state; far times in floats are computed in closed form."""
 
-    @property
-    def _may_have_torus(self) -> bool:
-        return self._in_floats
+    _of_a_torus = True
 
     def _made_torus(self) -> Any:
         return AxialTorus(self.system, self.start)

@@ -90,10 +90,12 @@ class NearWalk:
         near = walked(equations, start, times, most)
         if self._cost == BY_STEPS:
             near = finished(equations, start, times, near, most)
-        if len(near.places) != len(times):
-            return None
-        states = np.empty_like(near.states)
-        states[near.places] = near.states
+        states = near.states
+        if near.places is not None:
+            if len(near.places) != len(times):
+                return None
+            states = np.empty_like(near.states)
+            states[near.places] = near.states
         flat = states.reshape(len(times), 9)
         return np.ascontiguousarray(flat[:, :6]), flat[:, 6].copy() if system.body.rolls else times
 

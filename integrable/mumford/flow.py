@@ -7,7 +7,7 @@ torus if the motion has one. All others are computed by additions in long number
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Self
 
 from integrable.mumford.motion import MumfordMotion, Start, Vectors, settled_digits
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from integrable.portrait.spectrum import Spectrum
     from integrable.portrait.torus_portrait import TorusPortrait
     from integrable.portrait.torus_section import TorusSection
+    from integrable.series.near import Near
 
 # a torus is rejected if its states differ by more than this from those of the equations of motion
 RIGHT = 1e-12
@@ -141,11 +142,12 @@ class MumfordFlow:
         given = times_in(self.system.field, times, "times")
         long = given.dtype == object
         found = filled((self._by_additions,) if long else (self._near, self._on_torus, self._by_additions), given)
+        found.states.setflags(write=False)
         return Path(given, found.states[:, 0], found.states[:, 1], found.way, max(found.error, ROUNDED))
 
     def _budget(self, count: int) -> float:
-        """The microseconds that the next method takes for ``count`` times, its set-up included."""
-        if self._may_have_torus:
+        """The microseconds that the next method in floats takes for ``count`` times, its set-up included."""
+        if self._of_a_torus:
             return ON_TORUS[min(self._genus, 3)].of(count)
         return self._cost_of_additions(count)
 
@@ -154,12 +156,11 @@ class MumfordFlow:
 
     def _near(self, times: np.ndarray) -> StatesReached:
         """The states at those times that Taylor series reach sooner than the next way would."""
-        from integrable.series import near as series
-
-        near = series.walked(self.system, self.start, times, self._budget(len(times)), self.tolerance)
-        if len(near.places) < len(times) and self._torus_for(len(times)) is None:
-            near = series.finished(self.system, self.start, times, near, self._cost_of_additions(len(times)))
-        return StatesReached(SERIES, near.states, None if near.whole else near.places, near.error)
+        walked, finished = _walks()
+        near = walked(self.system, self.start, times, self._budget(len(times)), self.tolerance)
+        if near.places is not None and self._torus_for(len(times)) is None:
+            near = finished(self.system, self.start, times, near, self._cost_of_additions(len(times)))
+        return StatesReached(SERIES, near.states, near.places, near.error)
 
     def _on_torus(self, times: np.ndarray) -> StatesReached | None:
         torus = self._torus_for(len(times))
@@ -185,11 +186,6 @@ class MumfordFlow:
     def _in_floats(self) -> bool:
         """Whether compiled loops may be used for the motion."""
         return bool(self.system.field == RR and not interpreted())
-
-    @property
-    def _compiles(self) -> bool:
-        """Whether compiled loops in floats may be used for the pairs of the motion."""
-        return self._in_floats and not self.system.complex_data
 
     def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
         """Enclosures of the states at times: balls that provably contain them, of relative radius at most 10^(−digits).
@@ -438,8 +434,14 @@ class MumfordFlow:
 
     @property
     def _may_have_torus(self) -> bool:
-        """Whether a torus is tried: only with compiled loops, and in genus 1 only if t is linear in τ."""
-        return self._compiles and (self._genus >= 2 or not self.system.clocked)
+        """Whether a torus is tried, for which compiled loops are needed."""
+        return self._of_a_torus and self._in_floats
+
+    @property
+    def _of_a_torus(self) -> bool:
+        """Whether such motions have tori in floats: in genus 1 only if t is linear in τ."""
+        system = self.system
+        return not system.complex_data and (not system.clocked or self._genus >= 2)
 
     def _torus_for(self, count: int) -> EllipticTorus | PhaseTorus | ThetaTorus | None:
         """The torus if ``count`` times justify its set-up, else None."""
@@ -507,8 +509,7 @@ class MumfordFlow:
 
     def _walked(self, times: np.ndarray) -> StatesReached:
         """The states at those times that Taylor series reach sooner than additions would."""
-        from integrable.series.near import finished, walked
-
+        walked, finished = _walks()
         most = len(times) * BY_ADDITIONS.each
         near = finished(self.system, self.start, times, walked(self.system, self.start, times, most), most)
         return StatesReached(SERIES, near.states, near.places)
@@ -539,8 +540,18 @@ def largest_rate(matrices: Sequence[np.ndarray]) -> float:
     return float(np.abs(np.linalg.eigvals(matrices)).max())
 
 
+@cache
+def _walks() -> tuple[Callable[..., Near], Callable[..., Near]]:
+    """Two functions of :mod:`integrable.series.near`, a module that loads LLVM."""
+    from integrable.series.near import finished, walked
+
+    return walked, finished
+
+
 def long_digits(K: Any) -> int:
     """The digits of long numbers needed for results in K; ArgumentError except for RR and MP(digits)."""
+    if K is RR:
+        return ROUNDED_TO_FLOATS
     if K.exact or K.complex:
         raise ArgumentError(f"field = {K.name}: real numbers are needed here, RR or MP(digits)")
     return ROUNDED_TO_FLOATS if K == RR else int(K.dps)

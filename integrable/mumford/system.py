@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
+from functools import cache
 from inspect import signature
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeGuard, TypeVar
 
@@ -224,26 +225,25 @@ class MumfordSystem(Made):
 
     def _check(self, state: Point, inside: Point | None = None) -> None:
         """ArgumentError if a state violates a constraint; ``inside`` is the state in ``numbers`` if it is known."""
-        if self._checked and self._checked[0] is state:
+        if self._last_checked is state:
             return
         N = self.numbers
         inside = inside or self._inside(N, state)
         # an infinite value violates the constraint
         values = self._formula(self._constraints, state, inside, finite=False)
-        right = all(value == N.zero for value in values)
+        right = list(values) == [N.zero] * len(values)
         sizes = [None] * len(values) if N.exact or right else self._constraint_sizes(inside)
-        for name, value, size in zip(self._constraint_names, values, sizes, strict=True):
+        for name, value, size in () if right else zip(self._constraint_names, values, sizes, strict=True):
             if value != N.zero and (size is None or not abs(value) < OFF * N.eps * size):
                 raise ArgumentError(
                     f"q, p = {shown(tuple(state))} are no state: {name} is needed, "
                     f"and is off by {shown(self._bare(value))}"
                 )
-        self._checked[:] = [state]
+        vars(self)["_last_checked"] = state
 
-    @quick_property
-    def _checked(self) -> list[Point]:
-        """The last state that was checked, in a list; empty before the first check."""
-        return []
+    _caches = ("_last_checked",)
+    _last_checked: Point | None = None
+    """The last state that was checked."""
 
     def _constraint_sizes(self, state: Point) -> list[Real]:
         """The change of each constraint if every q changed by the largest |q|, and every p by the largest |p|."""
@@ -329,14 +329,12 @@ class MumfordSystem(Made):
     @property
     def _standing(self) -> tuple[bool, ...]:
         """For each parameter, whether it differs from 0."""
-        return tuple(x != self.field.zero for x in self.parameters)
+        return tuple([x != self.field.zero for x in self.parameters]) if self.parameters else ()
 
     @quick_property
     def _kind(self) -> Kind | None:
         """The compiled walks of systems like this one; None if its equations cannot be recorded as a tape."""
-        from integrable.series.kinds import kind_of
-
-        return kind_of((type(self), self.size, len(self.constants), self._standing), self._made_kind)
+        return _kind_of()((type(self), self.size, len(self.constants), self._standing), self._made_kind)
 
     def _made_kind(self) -> Kind | None:
         from integrable.series.kinds import Formulas, Kind
@@ -363,8 +361,8 @@ class MumfordSystem(Made):
 
     @quick_property
     def _walk_constants(self) -> tuple[float, ...]:
-        """The constants and parameters as floats; a final 0 keeps the tuple from being empty."""
-        return (*map(float, self.constants), *map(float, self.parameters), 0.0)
+        """The constants and parameters of a system in floats; a final 0 keeps the tuple from being empty."""
+        return tuple(map(float, (*self.constants, *self.parameters, 0)))
 
     def flow(self, state: Point, tolerance: float | None = None) -> MumfordFlow:
         """The motion of a state over RR or MP(digits), at any times.
@@ -380,7 +378,7 @@ class MumfordSystem(Made):
         """Checks a state as :meth:`_check` does; raises PrecisionLoss if the formulas exceed the range of floats."""
         self._check(state)
         size = self._ordinary_size
-        if not (self._ordinary_constants and -size < min(map(min, state)) and max(map(max, state)) < size):
+        if not (self._ordinary_constants and max(map(abs, (*state.q, *state.p))) < size):
             self.spectral(state)
 
     _ordinary_size = 1e9
@@ -388,8 +386,8 @@ class MumfordSystem(Made):
 
     @quick_property
     def _ordinary_constants(self) -> bool:
-        given = (*self.constants, *self.parameters)
-        return self.field == RR and all(x == 0 or 1e-9 < abs(x) < 1e9 for x in given)
+        sizes = [abs(x) for x in (*self.constants, *self.parameters) if x]
+        return self.field == RR and (not sizes or bool(min(sizes) > 1e-9 and max(sizes) < 1e9))
 
     def _tolerance(self, tolerance: float | None) -> float | None:
         if tolerance is None:
@@ -479,6 +477,14 @@ class MumfordSystem(Made):
             rest = poly.from_roots(N, [*a[:i], *a[i + 1 :]])
             total = [x + weight * y for x, y in zip(total, rest, strict=True)]
         return tuple(total)
+
+
+@cache
+def _kind_of() -> Callable[[Hashable, Callable[[], Kind | None]], Kind | None]:
+    """The function :func:`integrable.series.kinds.kind_of`, whose module loads LLVM."""
+    from integrable.series.kinds import kind_of
+
+    return kind_of
 
 
 def elements(K: FormulaField, values: Iterable[Value], argument: str, count: int, wanted: str = "") -> tuple[Real, ...]:

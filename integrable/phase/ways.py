@@ -108,15 +108,17 @@ def filled(ways: Iterable[Callable[[np.ndarray], StatesReached | None]], times: 
 def times_in(field: Field, values: Numbers, argument: str) -> np.ndarray:
     """``values`` as a new one-dimensional array of finite numbers of RR or MP(digits)."""
     if field == RR:
-        if type(values) is list and set(map(type, values)) == {float}:
-            values = np.array(values)
+        found = values.copy() if type(values) is np.ndarray else _array_of(values)
         # all() takes twice as long as counting, and a sum of squares could overflow, with a warning
-        if (
-            type(values) is np.ndarray
-            and values.dtype == FLOATS
-            and values.ndim == 1
-            and np.count_nonzero(np.isfinite(values)) == len(values)
-        ):
-            return values.copy()
+        if found.dtype == FLOATS and found.ndim == 1 and np.count_nonzero(np.isfinite(found)) == len(found):
+            return found
     items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(one_or_more(values, argument))]
     return np.array(items, dtype=FLOATS if field == RR else object)
+
+
+def _array_of(values: object) -> np.ndarray:
+    """The array of a list; an array that is not of floats for anything that :func:`times_in` must look at closer."""
+    try:
+        return np.array(values) if type(values) is list else np.empty(0, dtype=object)
+    except (ValueError, TypeError, OverflowError):
+        return np.empty(0, dtype=object)

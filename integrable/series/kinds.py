@@ -21,7 +21,7 @@ from integrable.series.room import Orders, Room
 from integrable.series.steps import Reached, Steps, bounds_of, inverses, step_cost
 from integrable.series.symbols import SymbolField
 from integrable.series.tape import Tape, recorded
-from integrable.series.walk import LANES, Codes
+from integrable.series.walk import LANES, Codes, Layout
 from integrable.series.walk_text import TIMES, module
 from jacobian.native import kept, machine
 from jacobian.numbers.compiler import interpreted
@@ -87,10 +87,12 @@ class Kind:
         return Compiled(room, self.count, self.half, machine.loaded(found.code, ENTRIES))
 
 
-# the 64-bit words of a call: codes, bounds, constants and state with their lengths, half, parts, order, highs, wide,
-# spare, apart; then room, units, times, rows and found, each with its length
-WORDS = struct.Struct("=4q11dQqQq7q" + "Qq" * 5)
-BACK = struct.Struct("=qqdq")
+# the 64-bit words of all calls with the same steps: codes, bounds, units with their length, half, parts, order, highs,
+# wide, spare, apart
+FIXED = struct.Struct("=4q10dQq7q")
+# the words of one call: constants and state with their lengths, the number of steps, then room, times, rows and found,
+# each with its length; and those that it returns
+WORDS, BACK = struct.Struct("=QqQqd" + "Qq" * 4), struct.Struct("=qqdq")
 from_buffer: Any = c_char.from_buffer
 
 
@@ -105,36 +107,42 @@ class Compiled:
         self.codes = Codes(*(entries[name].address for name in ENTRIES))
         begin = -(-room.size // 8) * 8
         self.spare, self.size = LANES * begin, LANES * begin + (2 + 2 * count) * TIMES
-        self.places = half, count // half, room.orders.order, room.begin, room.orders.wide, self.spare, room.apart
         self.units = inverses(room.orders.order)
-        self._units_at = self.units.ctypes.data
+        sizes = half, count // half, room.orders.order, room.begin, room.orders.wide, self.spare, room.apart
+        self.layout = Layout(self.units, *sizes)
+        self._layout_words = self.units.ctypes.data, len(self.units), *sizes
         self._walked = LIBRARY.walked.entry.call
-        self._bounds: dict[tuple[Steps, float], tuple[float, ...]] = {}
+        self._fixed: dict[Steps, bytes] = {}
 
     def __call__(
         self, constants: Sequence[float], state: Sequence[float], times: np.ndarray, steps: Steps, most: float
     ) -> Reached:
         """The states at times of one sign in ascending size; for times in another order the number reached is −1."""
-        count = len(times)
-        bounds = self._bounds.get((steps, most)) or self._bounds.setdefault((steps, most), bounds_of(steps, most))
-        found = np.empty((count, *self._shape))
-        again = np.empty(4 * count * self._count)
-        known, head = len(constants), WORDS.size + BACK.size
-        memory = bytearray(head + 8 * (known + self._count) + 8 * self.size + LINE)
+        fixed = self._fixed.get(steps) or self._fixed.setdefault(steps, self._fixed_words(steps))
+        count, known, width = len(times), len(constants), self._count
+        found, rows = np.empty((count, *self._shape)), 4 * count * width
+        floats = FIXED.size + WORDS.size + BACK.size
+        first = floats + 8 * (known + width) + LINE
+        memory = bytearray(first + 8 * (self.size + rows))
+        memory[: FIXED.size] = fixed
         base = addressof(from_buffer(memory))
-        begin = base + head
-        struct.pack_into(f"={known + self._count}d", memory, head, *constants, *state)
-        room = begin + 8 * (known + self._count)
-        room += -room % LINE
+        struct.pack_into(f"={known + width}d", memory, floats, *constants, *state)
+        room = base + first
+        room -= room % LINE
         WORDS.pack_into(
-            memory, 0, *self.codes, *bounds, begin, known, begin + 8 * known, self._count,
-            *self.places, room, self.size, self._units_at, len(self.units), addressof(from_buffer(times)), count,
-            addressof(from_buffer(again)), len(again), addressof(from_buffer(found)), found.size,
+            memory, FIXED.size, base + floats, known, base + floats + 8 * known, width, most, room, self.size,
+            addressof(from_buffer(times)), count, room + 8 * self.size, rows, addressof(from_buffer(found)), found.size,
         )  # fmt: skip
         self._walked(base)
-        reached, wrong, gap, done = BACK.unpack_from(memory, WORDS.size)
-        off = again.reshape(-1, 2 * self._count)[:reached, 0] != 0 if wrong else None
+        reached, wrong, gap, done = BACK.unpack_from(memory, FIXED.size + WORDS.size)
+        off = None
+        if wrong:
+            again = np.frombuffer(memory, count=rows, offset=room + 8 * self.size - base)
+            off = again.reshape(-1, 2 * width)[:reached, 0] != 0
         return Reached(reached, found, off, gap, done)
+
+    def _fixed_words(self, steps: Steps) -> bytes:
+        return FIXED.pack(*self.codes, *bounds_of(steps), *self._layout_words)
 
 
 _KINDS: dict[Hashable, Kind | None] = {}

@@ -31,16 +31,15 @@ class Walked(Protocol):
 
 
 class Near(NamedTuple):
-    """The indices of the times that were reached, the states (q, p) there, of shape (N, 2, n), and an error estimate.
+    """The states (q, p) at those times that were reached, of shape (N, 2, n), and an error estimate.
 
-    ``error`` estimates the largest error, relative to the largest component of q, or of p. ``whole`` is true if all
-    times were reached, in the order given.
+    ``error`` estimates the largest error, relative to the largest component of q, or of p. ``places`` are the indices
+    of the times, None for all times in order.
     """
 
-    places: np.ndarray
+    places: np.ndarray | None
     states: np.ndarray
     error: float
-    whole: bool = False
 
 
 def walked(system: Walked, state: PhasePoint, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
@@ -54,10 +53,11 @@ def walked(system: Walked, state: PhasePoint, times: np.ndarray, most: float, to
         walk = None if kind is None or not len(times) else kind.walk(steps.orders)
         if walk is None:
             break
-        if found is None:
+        if found is None or not len(found.states):
+            # walks to times in order, as they mostly are
             first = walk(system._walk_constants, given, times, steps, most / walk.step_cost)
             if first.reached == len(times) and first.wrong is None:
-                return Near(np.arange(len(times)), first.states, SPARE * first.gap, True)
+                return Near(None, first.states, SPARE * first.gap)
             if first.reached >= 0:
                 found = _right(first, np.arange(len(times)), steps)
                 continue
@@ -72,6 +72,8 @@ def finished(system: Walked, state: PhasePoint, times: np.ndarray, near: Near, m
 
 def _completed(near: Near, system: Walked, state: PhasePoint, times: np.ndarray, steps: Steps, most: float) -> Near:
     """Adds to ``near`` the states at remaining times that ``steps`` reach; times have either sign and any order."""
+    if near.places is None:
+        return near
     left = np.setdiff1d(np.arange(len(times)), near.places)
     kind = system._kind
     walk = None if kind is None or not len(left) else kind.walk(steps.orders)

@@ -82,7 +82,7 @@ def step_cost(tape: Tape, orders: Orders) -> float:
     return (FIXED + products) / STANDARD * standard
 
 
-def bounds_of(steps: Steps, most: float) -> tuple[float, ...]:
+def bounds_of(steps: Steps) -> tuple[float, ...]:
     """The fields of :class:`integrable.series.walk.Bounds` for these steps, in the order of that class."""
     wide, order = steps.orders
     # if all terms are floats, the first float terms do not limit the step
@@ -95,7 +95,6 @@ def bounds_of(steps: Steps, most: float) -> tuple[float, ...]:
         log2(steps.rougher),
         *orders,
         steps.agreed,
-        most,
         steps.farthest,
     )
 

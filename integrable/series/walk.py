@@ -17,7 +17,7 @@ from integrable.series.walk_text import TIMES
 if TYPE_CHECKING:
     from numpy import ndarray as Array
 
-__all__ = ["Bounds", "Codes", "Given", "walked"]
+__all__ = ["Bounds", "Codes", "Given", "Layout", "walked"]
 
 LANES = 2
 FARTHEST = 1e300
@@ -49,8 +49,8 @@ class Bounds(NamedTuple):
 
     The first four fields are base-2 logarithms. ``left_out`` bounds the last two terms, ``rounded`` the first two terms
     in floats; ``coarser`` and ``rougher`` are added to these bounds in the second walk. Then come the reciprocals of
-    the orders of these four terms, and the difference up to which rows agree. ``most`` is the largest number of steps,
-    estimated from those taken, and ``farthest`` the farthest time in units of the first step.
+    the orders of these four terms, the difference up to which rows agree, and ``farthest``, the farthest time in units
+    of the first step.
     """
 
     left_out: float
@@ -62,20 +62,18 @@ class Bounds(NamedTuple):
     first_float: float
     second_float: float
     agreed: float
-    most: float
     farthest: float
 
 
-class Given(NamedTuple):
-    """Constants, a state in floats, and the layout of the room.
+class Layout(NamedTuple):
+    """The reciprocals 1/(k + 1) as pairs (hi, lo), and the layout of the room.
 
     The variables are ``parts`` parts (q, p and any others) of ``half`` numbers each. Coefficients begin at ``highs``;
     consecutive orders are ``apart`` vectors apart. Distances and the states at them begin at ``spare``, TIMES floats of
     each.
     """
 
-    constants: Array
-    state: Array
+    units: Array
     half: int
     parts: int
     order: int
@@ -83,6 +81,14 @@ class Given(NamedTuple):
     wide: int
     spare: int
     apart: int
+
+
+class Given(NamedTuple):
+    """Constants and a state in floats; ``most`` is the largest number of steps, estimated from those taken."""
+
+    constants: Array
+    state: Array
+    most: float
 
 
 class Compared(NamedTuple):
@@ -109,7 +115,7 @@ class Place(NamedTuple):
 
 
 def walked(
-    codes: Codes, bounds: Bounds, given: Given, room: Array, units: Array, times: Array, rows: Array, found: Array
+    codes: Codes, bounds: Bounds, layout: Layout, given: Given, room: Array, times: Array, rows: Array, found: Array
 ) -> tuple[int, int, float, int]:
     """The number of ``times`` reached, how many of them are wrong, the largest difference, and the number of steps.
 
@@ -120,7 +126,7 @@ def walked(
     if not in_order(times):
         return -1, 0, 0.0, 0
     start(codes.start, given.constants, given.state, room)
-    unit = begun(codes, given, room, units)
+    unit = begun(codes, layout, room)
     limit, done, behind, steps, seen = len(times), 0, 0, 0, Compared(0, 0, 0, 0, 0.0)
     now, later, ahead = 0.0, 0.0, -1.0 if times[limit - 1] < 0 else 1.0
     first, second = reach(bounds, room, 0), reach(bounds, room, 1)
@@ -128,13 +134,13 @@ def walked(
         return 0, 0, 0.0, 0
     second = BACK * second if second < FARTHEST else second
     while True:
-        done = put_rows(codes, given, room, Place(0, now, first, done), times, limit, unit, rows)
-        if done < limit and not goes_on(first, now, times[limit - 1] / unit, steps, bounds.most):
+        done = put_rows(codes, layout, room, Place(0, now, first, done), times, limit, unit, rows)
+        if done < limit and not goes_on(first, now, times[limit - 1] / unit, steps, given.most):
             limit = done
-        behind = put_rows(codes, given, room, Place(1, later, second, behind), times, limit, unit, rows)
-        if behind < limit and not goes_on(second, later, times[limit - 1] / unit, steps, bounds.most):
+        behind = put_rows(codes, layout, room, Place(1, later, second, behind), times, limit, unit, rows)
+        if behind < limit and not goes_on(second, later, times[limit - 1] / unit, steps, given.most):
             limit = behind
-        seen = compared(given, bounds.agreed, seen, min(done, behind, limit), times, rows, found)
+        seen = compared(layout, bounds.agreed, seen, min(done, behind, limit), times, rows, found)
         if seen.lost > MOST_LOST:
             # later rows may agree by chance
             return seen.first, 0, seen.gap, steps
@@ -169,52 +175,52 @@ def in_order(times: Array) -> bool:
     return True
 
 
-def begun(codes: Codes, given: Given, room: Array, units: Array) -> float:
+def begun(codes: Codes, layout: Layout, room: Array) -> float:
     """Computes the series at the start, and returns their unit of time.
 
     The unit is a power of two near the shortest time scale of q or p. So coefficients stay within the range of floats,
     and steps do not depend on the unit in which the motion is given.
     """
-    put_unit(given, room, units, 1.0)
+    put_unit(layout, room, 1.0)
     series(codes.series, room)
-    unit, shortest = 1.0, shortest_time(given, room)
+    unit, shortest = 1.0, shortest_time(layout, room)
     while unit < shortest < FARTHEST:
         unit *= 2.0
     while unit > shortest:
         unit /= 2.0
     if unit != 1:
-        put_unit(given, room, units, unit)
+        put_unit(layout, room, unit)
         series(codes.series, room)
     return unit
 
 
-def put_unit(given: Given, room: Array, units: Array, unit: float) -> None:
+def put_unit(layout: Layout, room: Array, unit: float) -> None:
     """Writes ``unit``/(k + 1) into the room."""
-    high, low = LANES * UNITS, LANES * (UNITS + given.order)
-    for k in range(given.order):
+    high, low = LANES * UNITS, LANES * (UNITS + layout.order)
+    for k in range(layout.order):
         for lane in range(LANES):
-            room[high + LANES * k + lane] = unit * units[2 * k]
-            if k <= given.wide:
-                room[low + LANES * k + lane] = unit * units[2 * k + 1]
+            room[high + LANES * k + lane] = unit * layout.units[2 * k]
+            if k <= layout.wide:
+                room[low + LANES * k + lane] = unit * layout.units[2 * k + 1]
 
 
-def shortest_time(given: Given, room: Array) -> float:
+def shortest_time(layout: Layout, room: Array) -> float:
     """The shortest time scale of q or p, estimated from their first coefficients in the unit 1."""
     shortest = FARTHEST
-    for begin in (0, given.half):
+    for begin in (0, layout.half):
         for j in range(FIRST):
             # near rest every other coefficient is small, so coefficients two orders apart are compared
-            before, after = largest(given, room, begin, j), largest(given, room, begin, j + 2)
+            before, after = largest(layout, room, begin, j), largest(layout, room, begin, j + 2)
             if 0 < before < FARTHEST and 0 < after < FARTHEST:
                 shortest = min(shortest, exp((log(before) - log(after)) / 2))
     return shortest
 
 
-def largest(given: Given, room: Array, begin: int, k: int) -> float:
+def largest(layout: Layout, room: Array, begin: int, k: int) -> float:
     """The largest coefficient of order k of the part (q or p) that begins at ``begin``."""
     found = 0.0
-    for i in range(begin, begin + given.half):
-        found = max(found, abs(room[LANES * (given.highs + i + k * given.apart)]))
+    for i in range(begin, begin + layout.half):
+        found = max(found, abs(room[LANES * (layout.highs + i + k * layout.apart)]))
     return found
 
 
@@ -238,11 +244,11 @@ def reach(bounds: Bounds, room: Array, lane: int) -> float:
 
 
 def put_rows(
-    codes: Codes, given: Given, room: Array, at: Place, times: Array, limit: int, unit: float, rows: Array
+    codes: Codes, layout: Layout, room: Array, at: Place, times: Array, limit: int, unit: float, rows: Array
 ) -> int:
     """Writes the rows that the series of one walk reach, from its next row on; returns the first row beyond."""
-    width = 2 * given.parts * given.half
-    ahead = room[given.spare : given.spare + (2 + width) * TIMES]
+    width = 2 * layout.parts * layout.half
+    ahead = room[layout.spare : layout.spare + (2 + width) * TIMES]
     lane, now, step, row = at
     fitting = TIMES
     while fitting == TIMES:
@@ -279,14 +285,14 @@ def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bo
 
 
 def compared(
-    given: Given, agreed: float, seen: Compared, limit: int, times: Array, rows: Array, found: Array
+    layout: Layout, agreed: float, seen: Compared, limit: int, times: Array, rows: Array, found: Array
 ) -> Compared:
     """The comparison of both walks up to row ``limit``; the rows of the first walk are rounded into ``found``."""
-    half, width, count = given.half, given.parts * given.half, len(times)
+    half, width, count = layout.half, layout.parts * layout.half, len(times)
     wrong, lost, first_lost, worst = seen.wrong, seen.lost, seen.first, seen.gap
     for row in range(seen.rows, limit):
         off, widest = 0.0, 0.0
-        for part in range(given.parts):
+        for part in range(layout.parts):
             size, gap = 0.0, 0.0
             for i in range(part * half, (part + 1) * half):
                 first, second = 2 * (row * width + i), 2 * ((row + count) * width + i)

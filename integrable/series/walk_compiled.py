@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from integrable.series import walk
-from integrable.series.walk import Bounds, Codes, Given, walked
+from integrable.series.walk import Bounds, Codes, Given, Layout, walked
 from jacobian.native.kinds import FLOAT, FLOATS, INT, NONE, Value, record
 from jacobian.native.library import Library
 from jacobian.native.operators import Operators, real
 from jacobian.native.special import SPECIAL
 
 CODES = record(Codes, INT, INT, INT, INT)
-BOUNDS = record(Bounds, *[FLOAT] * 11)
-GIVEN = record(Given, FLOATS, FLOATS, *[INT] * 7)
+BOUNDS = record(Bounds, *[FLOAT] * 10)
+LAYOUT = record(Layout, FLOATS, *[INT] * 7)
+GIVEN = record(Given, FLOATS, FLOATS, FLOAT)
 
 
 def _call(b: Operators, code: Value, *pointers: str) -> Value:
@@ -51,4 +52,6 @@ STRAIGHT: dict[object, Callable[..., Value]] = {
     walk.advance: lambda b, code, room: _call(b, code, room.parts[0]),
     walk.dense: _dense,
 }
-LIBRARY = Library("walk", {"walked": (walked, (CODES, BOUNDS, GIVEN, *[FLOATS] * 5))}, SPECIAL | NUMBERS | STRAIGHT)
+LIBRARY = Library(
+    "walk", {"walked": (walked, (CODES, BOUNDS, LAYOUT, GIVEN, *[FLOATS] * 4))}, SPECIAL | NUMBERS | STRAIGHT
+)
