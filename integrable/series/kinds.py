@@ -21,7 +21,7 @@ from integrable.series.room import Orders, Room
 from integrable.series.steps import Reached, Steps, bounds_of, inverses, step_cost
 from integrable.series.symbols import SymbolField
 from integrable.series.tape import Tape, recorded
-from integrable.series.walk import LANES, Codes, Layout
+from integrable.series.walk import LANES, WRONG, Codes, Layout
 from integrable.series.walk_text import TIMES, module
 from jacobian.native import kept, machine
 from jacobian.numbers.compiler import interpreted
@@ -30,7 +30,7 @@ LOG = logging.getLogger(__name__)
 MODULES = [
     f"integrable.series.{name}" for name in ("room", "steps_text", "sums_text", "symbols", "tape", "text", "walk_text")
 ]
-ENTRIES = ("start", "series", "advance", "dense")
+ENTRIES = ("start", "series", "ratios", "advance", "dense")
 # alignment of a room in bytes, the length of a cache line
 LINE = 64
 
@@ -89,10 +89,10 @@ class Kind:
 
 # the 64-bit words of all calls with the same steps: codes, bounds, units with their length, half, parts, order, highs,
 # wide, spare, apart
-FIXED = struct.Struct("=4q10dQq7q")
-# the words of one call: constants and state with their lengths, the number of steps, then room, times, rows and found,
-# each with its length; and those that it returns
-WORDS, BACK = struct.Struct("=QqQqd" + "Qq" * 4), struct.Struct("=qqdq")
+FIXED = struct.Struct("=5q10dQq7q")
+# the words of one call: constants and state with their lengths, the number of steps, then room, times, found, both
+# and marks, each with its length; and those that it returns
+WORDS, BACK = struct.Struct("=QqQqd" + "Qq" * 5), struct.Struct("=qqdq")
 from_buffer: Any = c_char.from_buffer
 
 
@@ -120,25 +120,24 @@ class Compiled:
         """The states at times of one sign in ascending size; for times in another order the number reached is −1."""
         fixed = self._fixed.get(steps) or self._fixed.setdefault(steps, self._fixed_words(steps))
         count, known, width = len(times), len(constants), self._count
-        found, rows = np.empty((count, *self._shape)), 4 * count * width
+        found, both = np.empty((count, *self._shape)), 4 * count * width
         floats = FIXED.size + WORDS.size + BACK.size
         first = floats + 8 * (known + width) + LINE
-        memory = bytearray(first + 8 * (self.size + rows))
+        memory = bytearray(first + 8 * (self.size + both + count))
         memory[: FIXED.size] = fixed
         base = addressof(from_buffer(memory))
         struct.pack_into(f"={known + width}d", memory, floats, *constants, *state)
         room = base + first
         room -= room % LINE
+        behind = room + 8 * self.size
+        marks = behind + 8 * both
         WORDS.pack_into(
             memory, FIXED.size, base + floats, known, base + floats + 8 * known, width, most, room, self.size,
-            addressof(from_buffer(times)), count, room + 8 * self.size, rows, addressof(from_buffer(found)), found.size,
+            addressof(from_buffer(times)), count, addressof(from_buffer(found)), found.size, behind, both, marks, count,
         )  # fmt: skip
         self._walked(base)
         reached, wrong, gap, done = BACK.unpack_from(memory, FIXED.size + WORDS.size)
-        off = None
-        if wrong:
-            again = np.frombuffer(memory, count=rows, offset=room + 8 * self.size - base)
-            off = again.reshape(-1, 2 * width)[:reached, 0] != 0
+        off = np.frombuffer(memory, count=reached, offset=marks - base) == WRONG if wrong and reached else None
         return Reached(reached, found, off, gap, done)
 
     def _fixed_words(self, steps: Steps) -> bytes:

@@ -36,7 +36,6 @@ class Series(Sums):
             self._order(k)
         if self._loop < self.order:
             self._rounds()
-        self._put_ratios()
         head = "define void @series(ptr noalias %s) nounwind {\nentry:\n  %word = load i64, ptr %s\n"
         # no room begins with this word; the branch that is never taken keeps LLVM from joining the blocks
         head += "  %never = icmp eq i64 %word, -1\n"
@@ -159,10 +158,11 @@ class Series(Sums):
             return self.text.fmul(rate[0], unit), self.text.fmul(rate[1], unit)
         return self.text.wide_product(rate, (unit, self.text.load(room.lows_of_units + k)))
 
-    def _put_ratios(self) -> None:
-        """Stores the largest ratio of a coefficient to the size of its variable, for the last two orders and the first
-        two in floats; then the largest coefficient of orders 2 and 3.
+    def ratios(self) -> str:
+        """The LLVM function that stores the largest ratio of the last two, and of the first two float, coefficients to
+        the variable's size.
         """
+        self.text = Text(self.room.lanes)
         last, several = self.order, chunks(self._shown)
         orders = [last - 1, last, self.wide + 1, self.wide + 2]
         for first, width in several:
@@ -185,3 +185,4 @@ class Series(Sums):
                 if first:
                     best = self.text.larger(best, self.text.load(RATIOS + m))
                 self.text.store(best, RATIOS + m)
+        return "\n".join(["define void @ratios(ptr noalias %s) nounwind {", *self.text.lines, "  ret void", "}"])

@@ -17,7 +17,7 @@ from integrable.series.walk_text import TIMES
 if TYPE_CHECKING:
     from numpy import ndarray as Array
 
-__all__ = ["Bounds", "Codes", "Given", "Layout", "walked"]
+__all__ = ["WRONG", "Bounds", "Codes", "Given", "Layout", "Outputs", "walked"]
 
 LANES = 2
 FARTHEST = 1e300
@@ -27,12 +27,16 @@ BACK = 0.25
 # steps are multiples of this, in units of time, so that sums of steps are exact up to 2^53 multiples
 GRAIN = 2.0**-36
 MOST_UNITS = 2.0**16
+# least unit of time, and reciprocal of the largest, for which no coefficient in the unit 1 leaves the range of floats
+LEAST_UNIT = 2.0**-8
 # a walk goes on if ``most`` steps of UNEVEN times the present length would reach the last time; after KNOWN steps, if
 # ``most`` steps of EVEN times the mean length would
 UNEVEN, KNOWN, EVEN = 4, 64, 1.25
 # a walk ends after more than MOST_LOST lost rows. A row is lost if it is wrong or, from 1/KNOWN_FROM of the last time
 # on, if the last row's difference predicted from it exceeds HOPELESS times the allowed one
 MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
+# time between compared rows in first steps of a walk; the values of marks
+APART, COMPARED, WRONG = 0.5, 1.0, 2.0
 
 
 class Codes(NamedTuple):
@@ -40,6 +44,7 @@ class Codes(NamedTuple):
 
     start: int
     series: int
+    ratios: int
     advance: int
     dense: int
 
@@ -91,11 +96,24 @@ class Given(NamedTuple):
     most: float
 
 
+class Outputs(NamedTuple):
+    """The output times, the states ``found`` at them, and those of both walks at the times that are compared.
+
+    ``both`` has a row for each time and walk, of high and low parts. ``marks`` says which rows are COMPARED and which
+    of all rows are WRONG, and is 0 for the others.
+    """
+
+    times: Array
+    found: Array
+    both: Array
+    marks: Array
+
+
 class Compared(NamedTuple):
     """The comparison of the first ``rows`` rows of both walks.
 
-    ``wrong`` counts the rows that disagree, ``lost`` also those whose difference predicts that the last row will
-    disagree, and ``first`` is the first lost row. ``gap`` is the largest difference.
+    ``wrong`` counts the comparisons that failed, ``lost`` those that failed or predict that the last one will, and all
+    rows before ``first`` come before these. ``gap`` is the largest difference.
     """
 
     rows: int
@@ -115,14 +133,14 @@ class Place(NamedTuple):
 
 
 def walked(
-    codes: Codes, bounds: Bounds, layout: Layout, given: Given, room: Array, times: Array, rows: Array, found: Array
+    codes: Codes, bounds: Bounds, layout: Layout, given: Given, room: Array, outputs: Outputs
 ) -> tuple[int, int, float, int]:
-    """The number of ``times`` reached, how many of them are wrong, the largest difference, and the number of steps.
+    """The number of times reached, how many comparisons failed, the largest difference, and the number of steps.
 
-    The difference is that of the two walks, relative to the largest component of q, or of p. States go into ``found``.
-    ``times`` must be of one sign and ascend in size; otherwise the first number is −1. In ``rows``, the row of a wrong
-    state begins with a nonzero number.
+    The difference is that of the two walks, relative to the largest component of q, or of p. Times must be of one sign
+    and ascend in size; otherwise the first number is −1.
     """
+    times = outputs.times
     if not in_order(times):
         return -1, 0, 0.0, 0
     start(codes.start, given.constants, given.state, room)
@@ -132,15 +150,16 @@ def walked(
     first, second = reach(bounds, room, 0), reach(bounds, room, 1)
     if not abs(times[limit - 1]) <= bounds.farthest * first * unit:
         return 0, 0, 0.0, 0
+    put_marks(outputs, APART * first * unit)
     second = BACK * second if second < FARTHEST else second
     while True:
-        done = put_rows(codes, layout, room, Place(0, now, first, done), times, limit, unit, rows)
+        done = put_rows(codes, layout, room, Place(0, now, first, done), limit, 1 / unit, outputs)
         if done < limit and not goes_on(first, now, times[limit - 1] / unit, steps, given.most):
             limit = done
-        behind = put_rows(codes, layout, room, Place(1, later, second, behind), times, limit, unit, rows)
+        behind = put_rows(codes, layout, room, Place(1, later, second, behind), limit, 1 / unit, outputs)
         if behind < limit and not goes_on(second, later, times[limit - 1] / unit, steps, given.most):
             limit = behind
-        seen = compared(layout, bounds.agreed, seen, min(done, behind, limit), times, rows, found)
+        seen = compared(layout, bounds.agreed, seen, min(done, behind, limit), outputs)
         if seen.lost > MOST_LOST:
             # later rows may agree by chance
             return seen.first, 0, seen.gap, steps
@@ -148,12 +167,11 @@ def walked(
             break
         to_first = ahead * first if done < limit else 0.0
         to_second = (-ahead if steps == 0 else ahead) * second if behind < limit else 0.0
+        now, later = now + to_first, later + to_second
         both_moved(codes, room, to_first, to_second)
-        now += to_first
-        later += to_second
         first, second = reach(bounds, room, 0), reach(bounds, room, 1)
         steps += 1
-    return limit, seen.wrong, seen.gap, steps
+    return seen.rows, seen.wrong, seen.gap, steps
 
 
 def both_moved(codes: Codes, room: Array, first: float, second: float) -> None:
@@ -161,6 +179,7 @@ def both_moved(codes: Codes, room: Array, first: float, second: float) -> None:
     room[LANES * STEP], room[LANES * STEP + 1] = first, second
     advance(codes.advance, room)
     series(codes.series, room)
+    ratios(codes.ratios, room)
 
 
 def in_order(times: Array) -> bool:
@@ -190,8 +209,25 @@ def begun(codes: Codes, layout: Layout, room: Array) -> float:
         unit /= 2.0
     if unit != 1:
         put_unit(layout, room, unit)
-        series(codes.series, room)
+        if LEAST_UNIT <= unit <= 1 / LEAST_UNIT:
+            to_unit(layout, room, unit)
+        else:
+            series(codes.series, room)
+    ratios(codes.ratios, room)
     return unit
+
+
+def to_unit(layout: Layout, room: Array, unit: float) -> None:
+    """Converts the coefficients of all variables from the unit of time 1 to ``unit``."""
+    begin, apart, power = LANES * layout.highs, LANES * layout.apart, 1.0
+    for k in range(layout.order + 1):
+        for i in range(begin + k * apart, begin + (k + 1) * apart):
+            room[i] *= power
+        if k <= layout.wide:
+            low = begin + (layout.order + 1 + k) * apart
+            for i in range(low, low + apart):
+                room[i] *= power
+        power *= unit
 
 
 def put_unit(layout: Layout, room: Array, unit: float) -> None:
@@ -243,37 +279,61 @@ def reach(bounds: Bounds, room: Array, lane: int) -> float:
     return float(floor(power(min(found, 25.0)) / GRAIN)) * GRAIN if found > -1000 else 0.0
 
 
-def put_rows(
-    codes: Codes, layout: Layout, room: Array, at: Place, times: Array, limit: int, unit: float, rows: Array
-) -> int:
-    """Writes the rows that the series of one walk reach, from its next row on; returns the first row beyond."""
-    width = 2 * layout.parts * layout.half
-    ahead = room[layout.spare : layout.spare + (2 + width) * TIMES]
+def put_marks(outputs: Outputs, apart: float) -> None:
+    """Marks the rows that the walks compare: the last one, and others so that no two are farther ``apart`` in time than
+    two neighbours.
+    """
+    times, last, before = outputs.times, len(outputs.times) - 1, 0.0
+    for row in range(last):
+        outputs.marks[row] = COMPARED if abs(times[row + 1] - before) > apart else 0.0
+        before = times[row] if outputs.marks[row] > 0 else before
+    outputs.marks[last] = COMPARED
+
+
+def put_rows(codes: Codes, layout: Layout, room: Array, at: Place, limit: int, per: float, outputs: Outputs) -> int:
+    """Writes the rows that the series of one walk reach, from its next row on; returns the first row beyond. The second
+    walk has only rows that are compared; ``per`` is the reciprocal of the unit of time.
+    """
+    ahead = room[layout.spare : layout.spare + (2 + 2 * layout.parts * layout.half) * TIMES]
     lane, now, step, row = at
     fitting = TIMES
     while fitting == TIMES:
-        fitting = 0
-        while fitting < TIMES and row + fitting < limit:
-            time = times[row + fitting] / unit
-            left = time - now
-            if not (step > 0 and abs(left) <= step):
-                break
-            # the low part of ``ahead`` is the rounding error of the difference
-            back = left - time
-            ahead[fitting] = left
-            ahead[TIMES + fitting] = (time - (left - back)) - (now + back)
-            fitting += 1
+        fitting, begin = 0, row
+        while fitting < TIMES and row < limit:
+            if lane == 0 or outputs.marks[row] > 0:
+                time = outputs.times[row] * per
+                left = time - now
+                if not (step > 0 and abs(left) <= step):
+                    break
+                # the low part of ``ahead`` is the rounding error of the difference
+                back = left - time
+                ahead[fitting] = left
+                ahead[TIMES + fitting] = (time - (left - back)) - (now + back)
+                fitting += 1
+            row += 1
         if fitting > 0:
             for i in range(fitting, TIMES):
                 ahead[i] = ahead[0]
                 ahead[TIMES + i] = ahead[TIMES]
             dense(codes.dense, room, lane, ahead)
-            for i in range(fitting):
-                place = (lane * len(times) + row + i) * width
-                for part in range(width):
-                    rows[place + part] = ahead[(2 + part) * TIMES + i]
-            row += fitting
+            put_states(layout, ahead, lane, begin, fitting, outputs)
     return row
+
+
+def put_states(layout: Layout, ahead: Array, lane: int, row: int, fitting: int, outputs: Outputs) -> None:
+    """Writes ``fitting`` states of a walk, from ``ahead``, into the rows from ``row`` on."""
+    width = layout.parts * layout.half
+    for i in range(fitting):
+        while lane > 0 and outputs.marks[row] == 0:
+            row += 1
+        if lane == 0:
+            for part in range(width):
+                outputs.found[row * width + part] = ahead[2 * (1 + part) * TIMES + i]
+        if outputs.marks[row] > 0:
+            place = 2 * (lane * len(outputs.times) + row) * width
+            for part in range(2 * width):
+                outputs.both[place + part] = ahead[(2 + part) * TIMES + i]
+        row += 1
 
 
 def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bool:
@@ -284,36 +344,47 @@ def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bo
     return left < UNEVEN * most * step if steps < KNOWN else steps * (gone + left) < EVEN * most * gone
 
 
-def compared(
-    layout: Layout, agreed: float, seen: Compared, limit: int, times: Array, rows: Array, found: Array
-) -> Compared:
-    """The comparison of both walks up to row ``limit``; the rows of the first walk are rounded into ``found``."""
-    half, width, count = layout.half, layout.parts * layout.half, len(times)
-    wrong, lost, first_lost, worst = seen.wrong, seen.lost, seen.first, seen.gap
+def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs: Outputs) -> Compared:
+    """The comparison of both walks up to row ``limit``. A row that is not compared is wrong if the one before or after
+    it that is compared is wrong.
+    """
+    times, marks, last = outputs.times, outputs.marks, abs(outputs.times[len(outputs.times) - 1])
+    rows, wrong, lost, first, worst = seen
     for row in range(seen.rows, limit):
-        off, widest = 0.0, 0.0
-        for part in range(layout.parts):
-            size, gap = 0.0, 0.0
-            for i in range(part * half, (part + 1) * half):
-                first, second = 2 * (row * width + i), 2 * ((row + count) * width + i)
-                found[row * width + i] = rows[first]
-                size = max(size, abs(rows[first]))
-                rest = abs((rows[first] - rows[second]) + (rows[first + 1] - rows[second + 1]))
-                gap = rest if not rest <= gap else gap
-            if not gap <= agreed * size:
-                off = 1.0
-            gap = gap / size if size > 0 else gap
-            widest = gap if not gap <= widest else widest
-        if off > 0:
-            wrong += 1
-        worst = widest if not widest <= worst else worst
-        # the difference of the walks grows at least linearly in time
-        way, last = abs(times[row]), abs(times[count - 1])
-        if off > 0 or (way * KNOWN_FROM > last and not widest * last <= HOPELESS * agreed * way):
-            first_lost = row if lost == 0 else first_lost
-            lost += 1
-        rows[2 * row * width] = off
-    return Compared(limit, wrong, lost, first_lost, worst)
+        if marks[row] > 0:
+            off, widest = row_gap(layout, agreed, row, outputs)
+            if off or (rows > 0 and marks[rows - 1] == WRONG):
+                for i in range(rows, row):
+                    marks[i] = WRONG
+            if off:
+                marks[row] = WRONG
+                wrong += 1
+            worst = widest if not widest <= worst else worst
+            # the difference of the walks grows at least linearly in time
+            way = abs(times[row])
+            if off or (way * KNOWN_FROM > last and not widest * last <= HOPELESS * agreed * way):
+                first = rows if lost == 0 else first
+                lost += 1
+            rows = row + 1
+    return Compared(rows, wrong, lost, first, worst)
+
+
+def row_gap(layout: Layout, agreed: float, row: int, outputs: Outputs) -> tuple[bool, float]:
+    """Whether the walks disagree in a row, and the largest difference relative to the largest number of its part."""
+    half, width, count, both = layout.half, layout.parts * layout.half, len(outputs.times), outputs.both
+    off, widest = False, 0.0
+    for part in range(layout.parts):
+        size, gap = 0.0, 0.0
+        for i in range(part * half, (part + 1) * half):
+            first, second = 2 * (row * width + i), 2 * ((row + count) * width + i)
+            size = max(size, abs(both[first]))
+            rest = abs((both[first] - both[second]) + (both[first + 1] - both[second + 1]))
+            gap = rest if not rest <= gap else gap
+        if not gap <= agreed * size:
+            off = True
+        gap = gap / size if size > 0 else gap
+        widest = gap if not gap <= widest else widest
+    return off, widest
 
 
 # --- the straight-line code of a kind, and logarithms from the bits of a float: single instructions when compiled
@@ -326,6 +397,11 @@ def start(code: int, constants: Array, state: Array, room: Array) -> None:
 
 def series(code: int, room: Array) -> None:
     """Computes the coefficients about the state in a room."""
+    _called(code, room)
+
+
+def ratios(code: int, room: Array) -> None:
+    """Computes the ratios of coefficients in a room that determine a step."""
     _called(code, room)
 
 

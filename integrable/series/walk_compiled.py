@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from integrable.series import walk
-from integrable.series.walk import Bounds, Codes, Given, Layout, walked
+from integrable.series.walk import Bounds, Codes, Given, Layout, Outputs, walked
 from jacobian.native.kinds import FLOAT, FLOATS, INT, NONE, Value, record
 from jacobian.native.library import Library
 from jacobian.native.operators import Operators, real
 from jacobian.native.special import SPECIAL
 
-CODES = record(Codes, INT, INT, INT, INT)
+CODES = record(Codes, *[INT] * 5)
 BOUNDS = record(Bounds, *[FLOAT] * 10)
 LAYOUT = record(Layout, FLOATS, *[INT] * 7)
 GIVEN = record(Given, FLOATS, FLOATS, FLOAT)
+OUTPUTS = record(Outputs, *[FLOATS] * 4)
 
 
 def _call(b: Operators, code: Value, *pointers: str) -> Value:
@@ -49,9 +50,10 @@ NUMBERS = {walk.logarithm: _logarithm, walk.power: _power}
 STRAIGHT: dict[object, Callable[..., Value]] = {
     walk.start: lambda b, code, *rows: _call(b, code, *(row.parts[0] for row in rows)),
     walk.series: lambda b, code, room: _call(b, code, room.parts[0]),
+    walk.ratios: lambda b, code, room: _call(b, code, room.parts[0]),
     walk.advance: lambda b, code, room: _call(b, code, room.parts[0]),
     walk.dense: _dense,
 }
 LIBRARY = Library(
-    "walk", {"walked": (walked, (CODES, BOUNDS, LAYOUT, GIVEN, *[FLOATS] * 4))}, SPECIAL | NUMBERS | STRAIGHT
+    "walk", {"walked": (walked, (CODES, BOUNDS, LAYOUT, GIVEN, FLOATS, OUTPUTS))}, SPECIAL | NUMBERS | STRAIGHT
 )

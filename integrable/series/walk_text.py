@@ -36,7 +36,8 @@ def module(room: Room, start: Tape, count: int) -> str:
     """The LLVM module of a kind; the first ``count`` variables are the state, from which ``start`` computes all
     variables.
     """
-    texts = [_declared(), _growth(), Series(room, count).function(), _advance(room), _dense(room, count)]
+    series = Series(room, count)
+    texts = [_declared(), _growth(), series.function(), series.ratios(), _advance(room), _dense(room, count)]
     return "\n".join([*texts, _start(room, start)])
 
 

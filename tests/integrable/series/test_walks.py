@@ -19,8 +19,8 @@ from integrable.mumford.flow import ROUNDED, Point
 from integrable.mumford.system import MumfordSystem
 from integrable.series.kinds import Formulas, Kind
 from integrable.series.near import walked
-from integrable.series.steps import FINE, FINEST, WIDE, bounds_of, steps_for
-from integrable.series.walk import Bounds, Codes, Given
+from integrable.series.steps import FINE, FINEST, ROUGH, WIDE, bounds_of, steps_for
+from integrable.series.walk import WRONG, Bounds, Codes, Compared, Given, Outputs, compared
 from integrable.series.walk import walked as by_the_readable_loop
 from integrable.series.walk_compiled import LIBRARY
 from jacobian import MP, RR, ArgumentError
@@ -144,14 +144,33 @@ def test_the_compiled_loop_is_the_readable_one() -> None:
     found = []
     for loop in (by_the_readable_loop, LIBRARY.walked):
         bounds = Bounds(*bounds_of(FINE))
-        room, rows, out = np.zeros(walk.size), np.empty(4 * 5 * 4), np.empty(5 * 4)
+        asked = Outputs(times, np.empty(5 * 4), np.empty(4 * 5 * 4), np.zeros(5))
         given = Given(np.zeros(1), np.array([*state.q, *state.p]), 1e3)
-        said = loop(Codes(*walk.codes), bounds, walk.layout, given, room, times, rows, out)
-        found.append(out)
+        said = loop(Codes(*walk.codes), bounds, walk.layout, given, np.zeros(walk.size), asked)
+        found.append(asked.found)
         assert said[0] == 5
         assert said[1] == 0
     # up to logarithms, which the compiled walk computes from the bits
     assert np.abs(found[0] - found[1]).max() <= 4.5e-16
+
+
+def test_rows_that_are_not_compared_are_right_and_wrong_beside_wrong_ones() -> None:
+    system, state = REAL["neumann"](RR, 2)
+    walk, times = system._kind.walk(ROUGH.orders), np.linspace(0, -1, 61)
+    given = system._walk_constants, (*state.q, *state.p)
+    found = walk(*given, times, ROUGH, 1e3)
+    assert (found.reached, found.wrong) == (61, None)
+    true = np.reshape(states_of(system._kind, *given, times), (61, 2, 3))
+    assert off(found.states, true) <= 2.0**-52
+    # without a row on which the walks agree, each is wrong, but the walks must be far from any common error
+    found = walk(*given, times, ROUGH._replace(agreed=1e-30), 1e3)
+    assert found.reached == 0
+    # rows 2, 5 and 6 are compared, and 5 is wrong: so are its neighbours from row 3 on
+    asked = Outputs(np.arange(1.0, 8.0), np.zeros(14), np.ones(56), np.array([0.0, 0, 1, 0, 0, 1, 1]))
+    asked.both[20] = 1 + 1e-9
+    seen = compared(walk.layout._replace(half=1), 1e-12, Compared(0, 0, 0, 0, 0.0), 7, asked)
+    assert (seen.rows, seen.wrong, seen.lost, seen.first) == (7, 1, 1, 3)
+    assert asked.marks.tolist() == [0, 0, 1, WRONG, WRONG, WRONG, 1]
 
 
 @pytest.mark.parametrize("name", ["neumann", "ellipsoid", "lagrange", "pendulum", "veselova"])
