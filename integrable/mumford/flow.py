@@ -47,6 +47,9 @@ RIGHT = 1e-12
 # trying (python -m benchmarks near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(2000, 3), 3: Cost(60_000, 100)}
+# largest time of the finest steps before a torus of genus ≥ 3 is made, as a fraction of its cost: 23 ms of 62 for
+# Neumann's point on S³ to T = 1000
+SHARE_OF_FINEST = 1 / 3
 # from this many times on, additions take at least as long as a torus that additions confirm: 34 ms against 19 where
 # branch points of genus 2 are not real, 72 against 72 in genus 3 (python -m benchmarks real_torus)
 TIMES_TO_THETA = 6
@@ -142,7 +145,8 @@ class MumfordFlow:
         given = times_in(self.system.field, times, "times")
         long = given.dtype == object
         found = filled((self._by_additions,) if long else (self._near, self._on_torus, self._by_additions), given)
-        found.states.setflags(write=False)
+        for array in given, found.states:
+            array.setflags(write=False)
         return Path(given, found.states[:, 0], found.states[:, 1], found.way, max(found.error, ROUNDED))
 
     def _budget(self, count: int) -> float:
@@ -158,6 +162,8 @@ class MumfordFlow:
         """The states at those times that Taylor series reach sooner than the next way would."""
         walked, finished = _walks()
         near = walked(self.system, self.start, times, self._budget(len(times)), self.tolerance)
+        if near.places is not None and self._genus > 2:
+            near = finished(self.system, self.start, times, near, SHARE_OF_FINEST * self._budget(len(times)))
         if near.places is not None and self._torus_for(len(times)) is None:
             near = finished(self.system, self.start, times, near, self._cost_of_additions(len(times)))
         return StatesReached(SERIES, near.states, near.places, near.error)
