@@ -213,15 +213,9 @@ class MumfordSystem(Made):
 
     def state(self, q: Iterable[Value], p: Iterable[Value]) -> Point:
         """The state with these q and p; ArgumentError if it does not satisfy the constraints of the system."""
-        state = Point(self._part(q, "q"), self._part(p, "p"))
+        state = Point(elements(self.field, q, "q", self.size), elements(self.field, p, "p", self.size))
         self._check(state, None if self.field.exact else state)
         return state
-
-    def _part(self, values: Iterable[Value], name: str) -> tuple[Real, ...]:
-        """q or p as elements of the field."""
-        if self.field is RR and _finite_floats(values) and len(values) == self.size:
-            return values
-        return elements(self.field, values, name, self.size)
 
     def _check(self, state: Point, inside: Point | None = None) -> None:
         """ArgumentError if a state violates a constraint; ``inside`` is the state in ``numbers`` if it is known."""
@@ -489,6 +483,8 @@ def _kind_of() -> Callable[[Hashable, Callable[[], Kind | None]], Kind | None]:
 
 def elements(K: FormulaField, values: Iterable[Value], argument: str, count: int, wanted: str = "") -> tuple[Real, ...]:
     """The elements of ``values``, which must be ``count`` numbers; ``wanted`` describes them in an ArgumentError."""
+    if K is RR and _finite_floats(values) and len(values) == count:
+        return values
     wanted = wanted or f"a sequence of {count} numbers"
     given = entries(values, argument, wanted)
     if len(given) != count:
@@ -497,8 +493,9 @@ def elements(K: FormulaField, values: Iterable[Value], argument: str, count: int
 
 
 def _finite_floats(values: object) -> TypeGuard[tuple[float, ...]]:
-    """Whether ``values`` is a tuple of finite floats."""
-    return type(values) is tuple and set(map(type, values)) == {float} and all(map(math.isfinite, values))
+    """Whether ``values`` is a tuple of floats with a finite sum."""
+    # the sum of finite floats may be infinite too, which makes other code look at them one by one
+    return type(values) is tuple and set(map(type, values)) == {float} and math.isfinite(sum(values))
 
 
 def _in_range(found: object) -> bool:
