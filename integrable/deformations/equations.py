@@ -88,7 +88,7 @@ class NearWalk:
         equations, start = Equations(system, physical), Point(gamma, (*M, 0.0, 0.0, 0.0))
         most = self._cost.of(len(times))
         near = walked(equations, start, times, most)
-        if self._cost == BY_STEPS:
+        if self._cost == BY_STEPS and near.begun:
             near = finished(equations, start, times, near, most)
         states = near.states
         if near.places is not None:

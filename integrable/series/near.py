@@ -34,12 +34,14 @@ class Near(NamedTuple):
     """The states (q, p) at those times that were reached, of shape (N, 2, n), and an error estimate.
 
     ``error`` estimates the largest error, relative to the largest component of q, or of p. ``places`` are the indices
-    of the times, None for all times in order.
+    of the times, None for all times in order. ``begun`` is False if the last walk took no step, as the farthest time is
+    beyond its reach; finer steps, each of which costs more, would not reach it either.
     """
 
     places: np.ndarray | None
     states: np.ndarray
     error: float
+    begun: bool = True
 
 
 def walked(system: Walked, state: PhasePoint, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
@@ -87,15 +89,15 @@ def _completed(near: Near, system: Walked, state: PhasePoint, times: np.ndarray,
             reached = walk(system._walk_constants, given, times[order], steps, most / walk.step_cost)
             found.append(_right(reached, order, steps))
     places, states = np.concatenate([x.places for x in found]), np.concatenate([x.states for x in found])
-    return Near(places, states, max(x.error for x in found))
+    return Near(places, states, max(x.error for x in found), any(x.begun for x in found[1:]))
 
 
 def _right(found: Reached, order: np.ndarray, steps: Steps) -> Near:
     """The states that a walk reached and did not mark as wrong; ``order`` are the indices of its times."""
-    count, error = max(found.reached, 0), SPARE * min(found.gap, steps.agreed)
+    count, error, begun = max(found.reached, 0), SPARE * min(found.gap, steps.agreed), found.steps > 0
     if found.wrong is None:
-        return Near(order[:count], found.states[:count], error)
-    return Near(order[:count][~found.wrong], found.states[:count][~found.wrong], error)
+        return Near(order[:count], found.states[:count], error, begun)
+    return Near(order[:count][~found.wrong], found.states[:count][~found.wrong], error, begun)
 
 
 def _nothing(system: Walked) -> Near:
