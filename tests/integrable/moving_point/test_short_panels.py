@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from integrable.moving_point.addition import moving_point, rate_at
 from integrable.moving_point.compiled import SPECIAL
 from integrable.moving_point.problem import START
 from integrable.moving_point.short import LENGTH, first_half, panel_half
+from integrable.moving_point.short_reading import passed
 from integrable.moving_point.short_rows import FINEST, FLOATS, GIVEN, HALF, LOT, MADE, SUMS, WIDES, axes_of, new_room
 from integrable.moving_point.short_start import set_up
 from integrable.moving_point.short_steps import contact_of, framed, levelled, on_pairs, panel_steps
@@ -35,6 +38,16 @@ def test_nodes_are_sums_that_are_done_abreast_and_interpolate_like_chebyshevs() 
     values = lagrange(nodes, 1 / np.prod(nodes[:, None] - nodes + np.eye(len(nodes)), axis=1), between)
     assert values.sum(axis=1) == pytest.approx(1, abs=1e-12)
     assert abs(values).sum(axis=1).max() < 3.6
+
+
+def test_the_time_at_the_end_of_a_panel_is_a_double_double(rng) -> None:
+    """Its error is some rounding units of the small parts of the products, 2^−26 of the whole."""
+    sums, exact = [0.0, 0.0], Fraction(0)
+    for _ in range(50):
+        half, full, rest = float(rng.integers(1, 2**20)) * 2.0**-18, rng.uniform(1, 2), rng.uniform(-1, 1) * 2.0**-53
+        passed(sums, half, full, rest)
+        exact += Fraction(half) * (Fraction(full) + Fraction(rest))
+    assert abs(sum(map(Fraction, sums)) - exact) < exact / 2**72
 
 
 MOTIONS = {

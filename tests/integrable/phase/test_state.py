@@ -12,7 +12,7 @@ import pytest
 
 from integrable import ChaplyginBall
 from integrable.phase.state import State
-from jacobian import GF, MP, QQ, RR
+from jacobian import GF, MP, QQ, RR, ArgumentError
 
 GAMMA, M = ("12/25", "3/5", "16/25"), ("48/125", "32/25", "-186/125")
 
@@ -42,6 +42,15 @@ def test_exact_vectors_are_tuples(K) -> None:
     state = state_over(K)
     assert (state.gamma, state.M) == state.vectors == (tuple(map(K.coerce, GAMMA)), tuple(map(K.coerce, M)))
     assert state.row == (*state.gamma, *state.M)
+
+
+@pytest.mark.parametrize("K", [RR, MP(30), QQ, GF(10007)], ids=str)
+def test_vectors_off_the_phase_space_are_refused(K) -> None:
+    system = ChaplyginBall((1, 2, 3), 0, field=K)
+    with pytest.raises(ArgumentError, match=r"gamma = .* has \(γ, γ\) = .*: γ is a unit vector"):
+        system.state(("13/25", *GAMMA[1:]), M)
+    with pytest.raises(ArgumentError, match=r"M = .* has \(γ, M\) = .*: this system needs \(γ, M\) = 0"):
+        system.state(GAMMA, (*M[:2], "-187/125"))
 
 
 @pytest.mark.parametrize("K", [RR, MP(30), QQ, GF(10007)], ids=str)

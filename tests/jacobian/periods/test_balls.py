@@ -7,9 +7,10 @@ from fractions import Fraction
 from random import Random
 
 import pytest
-from flint import acb, acb_mat, arb, ctx, fmpz_mat
+from flint import acb, acb_mat, arb, ctx, fmpq, fmpz_mat
 
 from jacobian import CC, GF, MP, QQ, ArgumentError, HyperellipticCurve, PrecisionLoss, poly
+from jacobian.periods.balls import BallNumbers
 from jacobian.periods.branched_cover import crossings
 from jacobian.periods.matrix import periods
 from jacobian.periods.proven import period_balls
@@ -25,6 +26,22 @@ def _contain(P, Q):
 
 def _form(g):
     return fmpz_mat([[(j == i + g) - (i == j + g) for j in range(2 * g)] for i in range(2 * g)])
+
+
+def test_numbers_of_every_kind_become_balls_that_contain_them():
+    numbers, third, wide = BallNumbers(80), fmpq(1, 3), MP(60)
+    with numbers.working():
+        assert numbers.convert(7) == acb(7)
+        assert numbers.convert(0.1) == acb(0.1)
+        assert numbers.convert(1 - 0.1j) == acb(1, -0.1)
+        assert numbers.convert(Fraction(1, 3)).contains(acb(third))
+        near = numbers.convert(wide.coerce("1/3"))
+        assert near.contains(acb(third))
+        assert near.real.rad() < 1e-20
+        ball = arb(1, 0.25)
+        for x, of in ((ball, acb(ball)), (acb(ball, 2), acb(ball, 2))):
+            assert numbers.convert(x).contains(of)
+            assert of.contains(numbers.convert(x))
 
 
 @pytest.mark.parametrize("kind", KINDS)
