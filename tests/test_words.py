@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from codeop import compile_command
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -122,6 +123,22 @@ def test_the_front_pages_tell_one_story(page):
     assert "means adding a" in text or "means **adding a" in text
     assert "few additions reach any time" in text
     assert "doublings" not in text
+
+
+TYPED = sorted(path for part in ("start", "howto") for path in (ROOT / "docs" / part).iterdir())
+CELL = re.compile(r"^```\{code-cell\} ipython3\n(?:---\n.*?^---\n)?(.*?)^```", re.M | re.S)
+
+
+@pytest.mark.parametrize("page", TYPED, ids=lambda path: path.stem)
+def test_cells_can_be_typed_at_the_prompt(page):
+    """At Python's prompt an empty line ends a block, and nothing else does."""
+    for cell in CELL.findall(page.read_text(encoding="utf-8")):
+        pending: list[str] = []
+        for line in [*cell.splitlines(), ""]:
+            pending.append(line)
+            if compile_command("\n".join(pending)) is not None:
+                pending = []
+        assert pending == []
 
 
 def test_what_is_too_long_is_found():
