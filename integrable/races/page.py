@@ -120,7 +120,7 @@ def _look(course: Course, name: str) -> tuple[str, str, bool]:
 
 
 def _words(run: Run) -> str:
-    return escape(f"{run.method}, {run.word} {run.setting:g}: error {figure(run.error)}, {duration(run.seconds)}")
+    return escape(f"{run.method}, {run.at}: error {figure(run.error)}, {duration(run.seconds)}")
 
 
 def _bands(course: Course, across: Axis) -> tuple[list[str], list[str]]:
@@ -202,7 +202,7 @@ def _table(course: Course) -> str:
     head = "".join(f"<th>{word}</th>" for word in ("method", "setting", "error", "run time", "once before", "runs"))
     rows = []
     for run in course.runs:
-        cells = [escape(run.method), f"{escape(run.word)} {run.setting:.3g}"]
+        cells = [escape(run.method), escape(run.at)]
         if run.note:
             cells.append(f'</td><td colspan="4" class="note">{escape(run.note)}')
             rows.append(f"<tr><td>{cells[0]}</td><td>{cells[1]}{cells[2]}</td></tr>")

@@ -25,7 +25,7 @@ from integrable.races.page import page
 from integrable.races.records import Course, Results, Run
 from integrable.scene.output import OutputFolder, machine, versions
 from integrable.scene.tables import duration
-from integrable.study.timing import Tick, at_most, interleaved, silent
+from integrable.study.timing import Tick, TooLong, at_most, interleaved, silent
 from jacobian.errors import ArgumentError, one_of, shown
 
 __all__ = ["Race", "pieces_of_race", "race"]
@@ -159,6 +159,8 @@ def _tried(one: Problem, times: np.ndarray, truth: Truth, entrant: Entrant, rung
             return run._replace(note=f"not run: it would take about {duration(whole)}")
         with at_most(2 * limit):
             spent, y = entrant.run(one, times, setting)
+    except TooLong as why:
+        return run._replace(note=str(why))
     except Exception as why:  # an error of a user's function must not stop the other methods
         return run._replace(note=f"{type(why).__name__}: {' '.join(str(why).split())}")
     error = float(one.error(y, truth).max())

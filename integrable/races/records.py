@@ -26,6 +26,11 @@ class Run(NamedTuple):
     runs: int = 0
     note: str = ""
 
+    @property
+    def at(self) -> str:
+        """The setting with its name, as text."""
+        return f"{self.word} {self.setting:.0e}" if self.word == "tolerance" else f"{self.word} {self.setting:.3g}"
+
 
 @dataclass(frozen=True)
 class Course:
@@ -49,14 +54,14 @@ class Course:
         cells = [
             (
                 run.method,
-                f"{run.word} {run.setting:.3g}",
+                run.at,
                 figure(run.error),
                 duration(run.seconds),
                 duration(run.first) if run.first else "–",
             )
             for run in self.runs
         ]
-        notes = [f"{run.method}, {run.word} {run.setting:.3g}: {run.note}" for run in self.runs if run.note]
+        notes = [f"{run.method}, {run.at}: {run.note}" for run in self.runs if run.note]
         lines = [
             f"{self.title} ({self.name}), {len(self.times)} times to {max(self.times, key=abs):g}",
             "",
