@@ -186,6 +186,17 @@ def test_pages_open_in_a_browser(width):
 
 
 @pytest.mark.slow
+def test_the_first_table_of_the_report_is_seen_whole():
+    """On a wide window its last column, the ratio of run times, needs no scrolling."""
+    with opened() as (browser, _):
+        browser.goto((SITE / "measured" / "index.html").as_uri())
+        hidden = (
+            "(() => { const t = document.querySelector('.bd-article table'); return t.scrollWidth - t.clientWidth; })()"
+        )
+        assert browser.evaluate(hidden) <= 0
+
+
+@pytest.mark.slow
 def test_tables_are_sorted_by_a_click():
     """A click sorts by run time, shortest first; a second click puts the longest first."""
     column = """() => { const t = document.querySelector('.sortable table');
