@@ -11,7 +11,7 @@ from integrable.study.findings import Behind, SceneFindings, Standing, Study
 from integrable.study.timing import SCATTER
 
 __all__ = [
-    "BEHIND", "ORBITS", "SCENES", "behind_cells", "horizon_cells", "horizon_name", "named", "once_cells",
+    "BEHIND", "ORBITS", "SCENES", "behind_cells", "factor", "horizon_cells", "horizon_name", "named", "once_cells",
     "orbit_cells", "ratio_cell", "scene_cells", "shortened", "taken", "words",
 ]  # fmt: skip
 
@@ -110,7 +110,12 @@ def ratio_cell(standing: Standing | None) -> str:
         return standing.outcome
     scatters = max(side.get("mad", 0.0) for side in (standing.flow, standing.peer or {})) > SCATTER
     bound = ">" if standing.outcome == "slower" else ""
-    return bound + (f"{ratio:.2g}" if ratio < 100 else f"{ratio:.0f}") + (SCATTERS if scatters else "")
+    return bound + factor(ratio) + (SCATTERS if scatters else "")
+
+
+def factor(value: float) -> str:
+    """A ratio of run times as text, without an exponent where it is large."""
+    return f"{value:.2g}" if value < 100 else f"{value:.0f}"
 
 
 def _way(found: SceneFindings) -> str:

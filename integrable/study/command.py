@@ -143,12 +143,11 @@ def _named(machine: dict[str, Any]) -> str:
 def _write(study: Study, data: dict[str, Any], out: Path, formats: tuple[str, ...]) -> None:
     """Writes the figures, the page as ``report.md``, the summary as ``report.txt``, and all rows as ``report.json``."""
     if formats:
-        from integrable.study.figures import as_bytes, error_against_run_time, floors
+        from integrable.study.figures import as_bytes, drawings
 
         with OutputFolder(out / FIGURES) as folder:
-            drawn = {f.scene.name: error_against_run_time(f) for f in study.findings}
-            for name, drawing in (*drawn.items(), ("floors", floors(study.findings))):
-                for suffix in formats if drawing is not None else ():
+            for name, drawing in drawings(study.findings).items():
+                for suffix in formats:
                     file = f"{portable(name)}.{suffix}"
                     folder.write_bytes(file, as_bytes(drawing, suffix))
                     study.figures[name] = f"{FIGURES}/{file}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from textwrap import wrap
 from typing import Any
 
 from matplotlib import rc_context
@@ -15,11 +16,15 @@ from integrable.study.findings import SCENE_FLOOR_FACTOR, SceneFindings
 from integrable.study.plan import FLOW, INTEGRATED
 from integrable.study.plot import FAINT, FLOOR, STYLE, WIDTH, decades, look_of, new_figure
 
-__all__ = ["as_bytes", "error_against_run_time", "floors"]
+__all__ = ["as_bytes", "drawings", "error_against_run_time", "floors"]
 
 OWN = (FLOW, INTEGRATED)
 DEEP = 1e-17
 """Errors below this come from computations in more than double precision."""
+TITLE = 48
+"""Characters in a line of a title: more would reach the legend beside the axes."""
+RING = 1.5
+"""The mark of compiled floats, a ring, is larger than a dot by this factor: it does not hide one at the same place."""
 
 
 def as_bytes(figure: Any, suffix: str) -> bytes:
@@ -28,6 +33,12 @@ def as_bytes(figure: Any, suffix: str) -> bytes:
     with rc_context(STYLE):
         figure.savefig(content, format=suffix, dpi=160, metadata={"Date": None} if suffix == "svg" else None)
     return content.getvalue()
+
+
+def drawings(findings: Sequence[SceneFindings]) -> dict[str, Any]:
+    """The figures of a study by name: one for each scene, and "floors" for all. Those that are empty are left out."""
+    drawn = {f.scene.name: error_against_run_time(f) for f in findings} | {"floors": floors(findings)}
+    return {name: drawing for name, drawing in drawn.items() if drawing is not None}
 
 
 def error_against_run_time(found: SceneFindings) -> Any:
@@ -65,13 +76,14 @@ def error_against_run_time(found: SceneFindings) -> Any:
         bottom.set_xlabel("run time of a start, seconds")
         top.set_ylabel(f"largest error of {found.scene.letters[0]} over the run")
         figure.legend(handles=handles, loc="outside right upper", frameon=False, fontsize=8)
-        top.set_title(f"{found.scene.title}\n{_span(found)}; lower left is better", fontsize=10, loc="left")
+        title = "\n".join(wrap(found.scene.title, TITLE))
+        top.set_title(f"{title}\n{_span(found)}; lower left is better", fontsize=10, loc="left")
     return figure
 
 
 def _handles(methods: Sequence[str], rows: Sequence[dict[str, Any]], found: SceneFindings) -> list[Line2D]:
     """The entries of the legend: the runs of the flow by their arithmetic, the other methods, and the methods that gave
-    no figure.
+    no result.
     """
     lost = {c["row"]["method"] for c in found.failures if c["row"]["kind"] == "comparator"}
     handles = []
@@ -82,7 +94,7 @@ def _handles(methods: Sequence[str], rows: Sequence[dict[str, Any]], found: Scen
         handles.append(Line2D([], [], linestyle="none", label="† at some settings too slow,\nor it gave up"))
     if silent := sorted(lost - set(methods)):
         names = "\n".join(silent)
-        handles.append(Line2D([], [], linestyle="none", label=f"no figure at any:\n{names}"))
+        handles.append(Line2D([], [], linestyle="none", label=f"no result at any setting:\n{names}"))
     return handles
 
 
@@ -105,20 +117,23 @@ def _series(axes: Any, method: str, rows: list[dict[str, Any]]) -> None:
     for part in parts:
         setting = part[0]["row"]["setting"] if method in OWN else ""
         points = [(c["result"]["total"], c["result"]["error_gamma"]) for c in part]
-        size = {"markersize": 7.5, "zorder": 4} if method in OWN else {"markersize": 5.5, "zorder": 3}
-        axes.plot(*zip(*points, strict=True), **_look(method, setting), **size)
+        look = _look(method, setting, 7.0 if method in OWN else 5.5)
+        axes.plot(*zip(*points, strict=True), **look, zorder=4 if method in OWN else 3)
 
 
 def _handle(method: str, stopped: bool, setting: str = "") -> Line2D:
     """The legend's entry of a method; † marks a method with a setting that gave no figure."""
     name = ", ".join(filter(None, (method, setting))) + (" †" if stopped else "")
-    return Line2D([], [], markersize=6, label=name, **_look(method, setting))
+    return Line2D([], [], label=name, **_look(method, setting, 6.0))
 
 
-def _look(method: str, setting: str) -> dict[str, Any]:
-    """The colour and shape of a method's marks. The marks of the flow show its arithmetic, so points need no labels."""
-    face = {"compiled": {"markerfacecolor": "white"}, "floats": {}, "": {}}.get(setting, {"fillstyle": "bottom"})
-    return {**look_of(method), **(face if method in OWN else {})}
+def _look(method: str, setting: str, size: float) -> dict[str, Any]:
+    """The colour, shape and size of a method's marks. The marks of the flow show its arithmetic, so points need no
+    labels.
+    """
+    ring = {"markerfacecolor": "none", "markersize": RING * size}
+    face = {"compiled": ring, "floats": {}, "": {}}.get(setting, {"fillstyle": "bottom"})
+    return {**look_of(method), "markersize": size, **(face if method in OWN else {})}
 
 
 def _span(found: SceneFindings) -> str:
@@ -128,7 +143,7 @@ def _span(found: SceneFindings) -> str:
 
 
 def floors(findings: Sequence[SceneFindings]) -> Any:
-    """A figure of the flow's error in floats divided by the floor, for γ and M of every scene; None if empty."""
+    """A figure of the flow's error in floats divided by the floor, for γ and M, or q and p; None if empty."""
     shown = [
         (f, f.best, f.floor) for f in findings if f.best is not None and f.floor is not None and f.moved_by_divisors
     ]
@@ -147,15 +162,15 @@ def floors(findings: Sequence[SceneFindings]) -> Any:
         ):
             axes.axvline(x, color=colour, linewidth=1.2, linestyle=dashes, zorder=2)
             place: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "ha": side, "va": "bottom"}
-            axes.text(x, 1.01, label, fontsize=8.5, color=colour, **place)
-        axes.set(xscale="log", xlabel="largest error of the flow in floats / floor;  left is better")
+            axes.text(x, 1.01, label, fontsize=8.5, color=INK, **place)
+        axes.set(xscale="log", xlabel="largest error of the flow in floats / floor; left is better")
         axes.set_yticks(range(0, -len(shown), -1), [f.scene.name for f, _, _ in shown], fontsize=8.5)
         axes.grid(True, which="major", color="#e3e3e3", linewidth=0.6)
         axes.set_axisbelow(True)
         axes.spines[["top", "right"]].set_visible(False)
         handles = [
             Line2D([], [], color=colour, marker=marker, linestyle="none", label=label)
-            for label, colour, marker in (("γ", BLUE, "o"), ("M", ORANGE, "s"))
+            for label, colour, marker in (("γ or q", BLUE, "o"), ("M or p", ORANGE, "s"))
         ]
         figure.legend(handles=handles, loc="outside right upper", frameon=False, fontsize=8.5)
     return figure

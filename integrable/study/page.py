@@ -15,6 +15,7 @@ from integrable.study.columns import (
     SCATTERS,
     SCENES,
     behind_cells,
+    factor,
     horizon_cells,
     horizon_name,
     named,
@@ -96,7 +97,7 @@ def _summary(study: Study) -> list[tuple[str, ...]]:
             *(sum(s.outcome == name for s in found) for name in ("none", "stopped")),
             refused := sum(T in f.refused for f in study.motions),
         )
-        spread = f"{met[0]:.2g} … {met[len(met) // 2]:.2g} … {met[-1]:.2g}" if met else "–"
+        spread = " … ".join(map(factor, (met[0], met[len(met) // 2], met[-1]))) if met else "–"
         rows.append((horizon_name(T), str(len(found) + refused), *map(str, counts), spread))
     return rows
 

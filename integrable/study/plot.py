@@ -39,7 +39,10 @@ FLOOR: dict[str, Any] = {"color": "#555555", "linewidth": 1.2, "linestyle": (0, 
 UNLIKE = (FLOW, INTEGRATED, ADDITIONS)
 """The runs of these methods, in floats or more digits, are not joined."""
 
-STYLE = {"font.size": 10, "axes.edgecolor": INK, "axes.linewidth": 0.8, "text.color": INK, "svg.fonttype": "none"}
+STYLE = {
+    "font.size": 10, "axes.edgecolor": INK, "axes.linewidth": 0.8, "text.color": INK, "svg.fonttype": "none",
+    "svg.hashsalt": "integrable",  # without it the names in an SVG file are other ones each time
+}  # fmt: skip
 LOWER = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 WIDTH = 7.2  # inches: the text width of a page
 CROWDED = 4.0
@@ -89,7 +92,7 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def work_precision(report: Report) -> Figure:
-    """A diagram of run time against the error of γ or q, both logarithmic: down and left is better.
+    """A diagram of run time against the error of γ or q, both logarithmic: lower left is better.
 
     Filled marks are whole runs; an open mark is the same run without its set-up.
     """
@@ -109,16 +112,8 @@ def work_precision(report: Report) -> Figure:
     decades(axes)
     if rows:
         figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=9)
-    axes.set_title(f"{report.title}\n{count} times, t = {first:g} … {plain_power(last)}", fontsize=10.5, loc="left")
-    axes.annotate(
-        "better",
-        (0.035, 0.04),
-        xycoords="axes fraction",
-        xytext=(0.115, 0.135),
-        textcoords="axes fraction",
-        arrowprops={"arrowstyle": "-|>", "color": INK},
-        fontsize=9,
-    )
+    span = f"{count} times, t = {first:g} … {plain_power(last)}; lower left is better"
+    axes.set_title(f"{report.title}\n{span}", fontsize=10.5, loc="left", wrap=True)
     return figure
 
 

@@ -65,7 +65,7 @@ def test_work_precision_shows_every_measured_row_once():
         "floats",
         "50 digits",
     ]
-    assert "better" in texts
+    assert axes.get_title(loc="left").endswith("; lower left is better")
     assert "inputs rounded to doubles: 2e-13" in texts
     shown = {(x, y) for line in axes.lines for x, y in zip(line.get_xdata(), line.get_ydata(), strict=True)}
     assert {(2.5e-3, 4e-13), (5e-4, 4e-13), (2.5, 4e-49), (0.04, 3e-2), (0.4, 1.7e-10)} <= shown

@@ -891,6 +891,36 @@ def test_figures_have_axes_units_a_legend_and_the_floor(done):
         assert as_bytes(drawing, "png").startswith(b"\x89PNG")
 
 
+def test_no_title_of_a_figure_reaches_the_legend(done):
+    from integrable.scene.file import scene_names
+    from integrable.study.figures import error_against_run_time
+
+    found = studied(done).findings[0]
+    longest = max((load_scene(name).title for name in scene_names()), key=len)
+    drawing = error_against_run_time(replace(found, scene=replace(found.scene, title=longest)))
+    drawing.canvas.draw()
+    ends = drawing.axes[0].get_title(loc="left"), drawing.axes[0]._left_title.get_window_extent().x1
+    assert " ".join(ends[0].split("\n")[:-1]) == longest
+    assert ends[1] < drawing.legends[0].get_window_extent().x0
+
+
+def test_a_figure_of_one_report_is_the_same_file_each_time(done):
+    """Else every figure changes with ``docs/publish.py --again``."""
+    from integrable.study.figures import as_bytes, drawings
+
+    first, second = (drawings(studied(done).findings)["top"] for _ in range(2))
+    assert as_bytes(first, "svg") == as_bytes(second, "svg")
+
+
+def test_runs_of_the_flow_at_one_place_are_all_seen():
+    """The mark of compiled floats is drawn last, as a ring that leaves the dot of floats visible."""
+    from integrable.study.figures import _look
+
+    dot, ring = (_look(FLOW, setting, 7.0) for setting in ("floats", "compiled"))
+    assert ring["markerfacecolor"] == "none"
+    assert ring["markersize"] > 1.3 * dot["markersize"]
+
+
 def test_arguments_that_are_wrong_are_named(tmp_path, source, capsys):
     with pytest.raises(ArgumentError, match="jobs: 0 given; at least one process"):
         study_of([source], out=tmp_path, jobs=0)
