@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
 from integrable.ensembles.computing import COLUMNS, computed, held
 from integrable.ensembles.members import Members, broadcast, time_rows, times_of_some
+from integrable.ensembles.paths import PathEnsemble
 from integrable.ensembles.trajectories import Trajectories
+from integrable.mumford.system import MumfordSystem
 from jacobian.element import Numbers, Table
 from jacobian.errors import ArgumentError, flag, shown, whole
 
@@ -22,21 +24,47 @@ __all__ = ["Ensemble", "ensemble"]
 CHUNK_BYTES = 1 << 26
 
 
+@overload
+def ensemble(system: MumfordSystem, gamma: Table, M: Table, *, tolerance: float | None = ...) -> PathEnsemble: ...
+
+
+@overload
 def ensemble(
     system: PhaseSpace[float] | Hamiltonian,
+    gamma: Table,
+    M: Table,
+    *,
+    inertia: Table | None = ...,
+    d: Numbers | None = ...,
+    tilted: bool = ...,
+) -> Ensemble: ...
+
+
+def ensemble(
+    system: PhaseSpace[float] | Hamiltonian | MumfordSystem,
     gamma: Table,
     M: Table,
     *,
     inertia: Table | None = None,
     d: Numbers | None = None,
     tilted: bool = False,
-) -> Ensemble:
+    tolerance: float | None = None,
+) -> Ensemble | PathEnsemble:
     """Many motions of ``system`` over RR, with γ and M of shape (K, 3). If the bodies of members differ, give the
     moments ``inertia``, shape (K, 3), or ``d``, shape (K,); all members of a deformation have one body. Each argument
     may also be one value for all members. A refused member does not affect the others; the results of
     :meth:`Ensemble.at` have the reasons. ArgumentError for another field, shapes that do not broadcast, and ``inertia``
     or ``d`` for a deformation.
+
+    For a system of any genus, such as ``TodaLattice(3)``, give q and p of shape (K, n), and perhaps the ``tolerance``
+    of its flows. The members of the :class:`integrable.ensembles.paths.PathEnsemble` share the system's constants.
     """
+    if isinstance(system, MumfordSystem):
+        if not (inertia is None and d is None and tilted is False):
+            raise ArgumentError(f"inertia, d, tilted: all members have the constants of {system!r}; leave these out")
+        return PathEnsemble(system, gamma, M, tolerance)
+    if tolerance is not None:
+        raise ArgumentError(f"tolerance = {shown(tolerance)}: the flow of a body is right to its last bits; give none")
     return Ensemble(system, broadcast(system, gamma, M, inertia, d), flag(tilted, "tilted"))
 
 

@@ -100,6 +100,7 @@ def values_over(K):
         "isometric step": systems["check"].translation((30, -30)),
         "flow": flow,
         "path": systems["toda"].flow(systems["toda"].state((0, 1, 2), (1, 0, 0))).at([0, 1]),
+        "paths": ensemble(systems["toda"], (0, 1, 2), [(1, 0, 0), (0, 1, 0)]).at([0, 1]),
         "enclosed path": systems["toda"].flow(systems["toda"].state((0, 1, 2), (1, 0, 0))).enclosure([0, 1]),
         "tilted flow": ball.flow(tilted),
         "flow on the layer": systems["ball on the layer"].flow(systems["ball on the layer"].state(GAMMA, M)),

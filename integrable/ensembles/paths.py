@@ -1,0 +1,126 @@
+"""Many motions of one system of any genus, computed member by member on all threads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.ensembles.computing import REFUSED, Said, gathered, held
+from integrable.ensembles.members import common_count, member_number, numbers, time_rows, times_of
+from integrable.ensembles.runs import Runs
+from integrable.mumford.flow import MumfordFlow, Path
+from jacobian import RR
+from jacobian.element import Numbers, Rows, Table
+from jacobian.errors import ArgumentError, JacobianError, chosen, several
+from jacobian.immutable import Record, replaced
+
+if TYPE_CHECKING:
+    from integrable.mumford.system import MumfordSystem
+
+
+class PathEnsemble(Record):
+    """Many motions of one system of any genus over RR, made by :func:`integrable.ensemble`; ``q`` and ``p`` are the
+    starts, of shape (K, n). ``tolerance`` is that of ``system.flow``.
+    """
+
+    def __init__(self, system: MumfordSystem, q: Table, p: Table, tolerance: float | None = None) -> None:
+        if system.field != RR:
+            raise ArgumentError(f"system = {system!r}: an ensemble is of floats; use system.flow(...) for each member")
+        parts = {name: numbers(x, name, system.size) for name, x in (("q", q), ("p", p))}
+        count, self.system, self.tolerance = common_count(parts), system, system._tolerance(tolerance)
+        self.q, self.p = (np.broadcast_to(part, (count, system.size)).copy() for part in parts.values())
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    def __repr__(self) -> str:
+        return f"<PathEnsemble of {len(self)} motions of {self.system!r}>"
+
+    def __getitem__(self, which: Rows) -> Any:
+        """The motion of one member, or the members chosen by a slice, an array of indices or a Boolean mask."""
+        if not several(which):
+            return self.flow(member_number(which, len(self)))
+        places = chosen(which, len(self))
+        return replaced(self, q=self.q[places], p=self.p[places])
+
+    def __iter__(self) -> Iterator[MumfordFlow]:
+        return map(self.flow, range(len(self)))
+
+    def flow(self, member: int) -> MumfordFlow:
+        """The motion of one member; raises an error if the member is refused."""
+        q, p = (tuple(x[member_number(member, len(self))].tolist()) for x in (self.q, self.p))
+        return self.system.flow(self.system.state(q, p), self.tolerance)
+
+    def at(self, times: Numbers) -> Paths:
+        """The states of all members at times of any order, sign and size: shape (N,), the same for all, or (K, N).
+
+        They are those of :meth:`flow` to the bit. A refused member, also one that is refused at a single time, does not
+        affect the others: see :attr:`Paths.status`. ArgumentError for times of another shape and for results larger
+        than the memory.
+        """
+        given = time_rows(times, len(self))
+        count, length = len(self), given.shape[1]
+        held(count, length, 2 * self.system.size, "ask for some of the members, many[:1000]")
+        states, estimates, ways = np.empty((2, count, length, self.system.size)), np.zeros(count), [""] * count
+
+        def part(begin: int, end: int) -> list[Said]:
+            refused = []
+            for k in range(begin, end):
+                try:
+                    path = self.flow(k).at(times_of(given, k))
+                    states[:, k], estimates[k], ways[k] = (path.q, path.p), path.estimate, path.way
+                except JacobianError as error:
+                    states[:, k] = np.nan
+                    refused.append(Said(k, REFUSED, str(error)))
+            return refused
+
+        outcome = gathered(count, length, part)
+        return Paths(self, given, states, (estimates, tuple(ways)), outcome.status, outcome.reasons)
+
+
+class Paths(Runs):
+    """States of K motions of a system at N times: ``q`` and ``p`` have shape (K, N, n), ``ways`` and ``estimates`` K
+    entries, as in :class:`integrable.mumford.flow.Path`.
+
+    ``status``, shape (K,), is 0 for a member that was computed, otherwise n > 0 with the reason ``reasons[n]``; its q
+    and p are NaN. ``runs[k]`` is the Path of one member; a slice or an array gives the Paths of several, :attr:`kept`
+    those of all members with status 0.
+    """
+
+    def __init__(
+        self,
+        ensemble: PathEnsemble,
+        times: np.ndarray,
+        states: np.ndarray,
+        how: tuple[np.ndarray, tuple[str, ...]],
+        status: np.ndarray,
+        reasons: tuple[str, ...],
+    ) -> None:
+        self.ensemble, self._times, (self.q, self.p), self.status, self.reasons = (
+            ensemble,
+            times,
+            states,
+            status,
+            reasons,
+        )
+        self.estimates, self.ways = how
+
+    def __repr__(self) -> str:
+        return self._told(f"motions of {type(self.ensemble.system).__name__}")
+
+    def _one(self, member: int) -> Path:
+        if self.status[member]:
+            raise self._refusal(member)
+        times, estimate = times_of(self._times, member), float(self.estimates[member])
+        return Path(times, self.q[member], self.p[member], self.ways[member], estimate)
+
+    def _of_some(self, places: np.ndarray) -> dict[str, Any]:
+        parts = {name: getattr(self, name)[places] for name in ("q", "p", "estimates")}
+        return {**parts, "ways": tuple(self.ways[k] for k in places.tolist())}
+
+    def _value(self) -> tuple[object, ...]:
+        # NaN, which is unequal to itself, is replaced in refused rows, so that equal results compare as equal
+        states = np.nan_to_num(np.stack([self.q, self.p])).ravel().tolist()
+        return self.ensemble, tuple(self._times.ravel().tolist()), tuple(states), tuple(self.status.tolist())

@@ -1,0 +1,133 @@
+"""Ensembles of systems of any genus agree with single flows, member by member, even if other members are refused."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+from integrable import ChaplyginBall, ensemble
+from integrable.classical.henon_heiles import HenonHeiles
+from integrable.classical.kuzmin_kutuzov import KuzminKutuzov
+from integrable.classical.neumann import Neumann
+from integrable.classical.toda import TodaLattice
+from jacobian import MP, RR, ArgumentError
+from jacobian.numbers.threads import set_threads
+from tests.integrable.classical.rows import REAL
+
+
+def on_sphere(rng, count, size):
+    q, p = rng.normal(size=(2, count, size))
+    q /= np.linalg.norm(q, axis=1)[:, None]
+    return q, p - (p * q).sum(axis=1)[:, None] * q
+
+
+@pytest.fixture(params=[1, 2])
+def threads(request):
+    set_threads(request.param)
+    yield
+    set_threads(None)
+
+
+@pytest.mark.parametrize("name", ["neumann", "toda", "pendulum", "garnier"])
+def test_members_are_single_flows_to_the_bit(name, threads) -> None:
+    rng = np.random.default_rng(3)
+    system, _ = REAL[name](RR, 3)
+    q, p = (
+        on_sphere(rng, 9, system.size) if name in ("neumann", "pendulum") else rng.normal(size=(2, 9, system.size)) / 2
+    )
+    many = ensemble(system, q, p)
+    times = np.array([0.0, -3, 20, 1e5, 1e5 + 1, 2e5, 3e5])
+    found = many.at(times)
+    assert len(many) == len(found) == 9
+    assert found.q.shape == found.p.shape == (9, 7, system.size)
+    for k in range(9):
+        path = system.flow(system.state(q[k], p[k])).at(times)
+        np.testing.assert_array_equal(found.q[k], path.q)
+        np.testing.assert_array_equal(found.p[k], path.p)
+        assert found.ways[k] == path.way
+        assert found[k] == path
+
+
+def test_members_may_have_times_of_their_own() -> None:
+    system = TodaLattice(3)
+    q, p = np.zeros(3), np.array([[1, 0, -1], [0.5, 0.5, -1]])
+    times = np.array([[0, 1.0, 2.0], [5.0, -6.0, 7.0]])
+    many = ensemble(system, q, p)
+    found = many.at(times)
+    np.testing.assert_array_equal(found.times, times)
+    np.testing.assert_array_equal(found[1].q, many[1].at(times[1]).q)
+    np.testing.assert_array_equal(found[1:].times, times[1])
+
+
+def test_a_refused_member_does_not_affect_the_others() -> None:
+    system = Neumann((1, 2, 4))
+    q = np.array([[0.6, 0.48, 0.64], [1.0, 1.0, 0.0], [0.6, 0.48, 0.64]])
+    found = ensemble(system, q, (0.4, -0.5, 0.0)).at([0, 10])
+    assert found.status.tolist() == [0, 1, 0]
+    assert "|q| = 1 is needed" in found.reasons[1]
+    assert np.isnan(found.q[1]).all()
+    np.testing.assert_array_equal(found.q[0], found.q[2])
+    assert len(found.kept) == 2
+    assert found.kept.ways == found.ways[::2]
+    with pytest.raises(ArgumentError, match=r"member 1 was refused: q, p = "):
+        found[1]
+
+
+def test_a_member_refused_at_one_time_is_refused_as_a_whole() -> None:
+    """The far motion of a star that is not bound is unknown."""
+    many = ensemble(KuzminKutuzov((1.5, 1)), (1.1, 0, 0.2), [(0.1, 0.4, 0.35), (2, 1, 1)])
+    assert not many.at([0, 1.0]).status.any()
+    found = many.at([0, 1e6])
+    assert found.status.tolist() == [0, 1]
+    assert "unbound" in found.reasons[1]
+    assert np.isnan(found.p[1]).all()
+    assert np.isfinite(found.p[0]).all()
+    assert found.ways[1] == ""
+
+
+def test_a_tolerance_is_that_of_the_flows() -> None:
+    system = TodaLattice(3)
+    many = ensemble(system, np.zeros(3), np.array([[1, 0, -1], [0.5, 0.5, -1]]), tolerance=1e-9)
+    found, times = many.at([0, 30.0]), [0, 30.0]
+    assert many[0].tolerance == 1e-9
+    np.testing.assert_array_equal(found.q[1], system.flow(system.state((0, 0, 0), (0.5, 0.5, -1)), 1e-9).at(times).q)
+    assert found[1].estimate == found.estimates[1]
+
+
+def test_equal_ensembles_and_results_are_equal_and_can_be_pickled() -> None:
+    system = TodaLattice(2)
+    many, again = (ensemble(system, (0, 0), [(1, 0), (0, 2)]) for _ in range(2))
+    assert many == again == pickle.loads(pickle.dumps(many))
+    assert many != ensemble(system, (0, 0), [(1, 0), (0, 3)])
+    assert many.at([1.0]) == again.at([1.0]) == pickle.loads(pickle.dumps(again.at([1.0])))
+    assert many[:1] == ensemble(system, [(0, 0)], [(1, 0)])
+    assert [flow.start.p for flow in many] == [(1.0, 0.0), (0.0, 2.0)]
+    with pytest.raises(ValueError, match="read-only"):
+        many.q[0] = 1
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: ensemble(Neumann((1, 2, 4), MP(20)), (1, 0, 0), (0, 1, 0)), "an ensemble is of floats"),
+        (lambda: ensemble(TodaLattice(3), (1, 0), (0, 1)), r"q has shape \(2,\): shape \(K, 3\) or \(3,\) is needed"),
+        (lambda: ensemble(TodaLattice(2), np.zeros((3, 2)), np.zeros((2, 2))), "do not broadcast: q has 3, p has 2"),
+        (lambda: ensemble(TodaLattice(2), (0, 0), (0, 1), d=1), "inertia, d, tilted: all members have the constants"),
+        (lambda: ensemble(TodaLattice(2), (0, 0), (0, 1), tolerance=2), "tolerance = 2: a number between"),
+        (lambda: ensemble(ChaplyginBall((1, 2, 3), 1), (0, 0, 1), (0, 1, 0), tolerance=1e-9), "tolerance = 1e-09"),
+        (lambda: ensemble(TodaLattice(2), (0, 0), (0, 1)).at([np.inf]), "finite numbers are needed"),
+        (lambda: ensemble(TodaLattice(2), (0, 0), (0, 1)).at(np.zeros((2, 3, 1))), r"\(N,\) or \(1, N\) is needed"),
+        (lambda: ensemble(HenonHeiles((1,)), (0, 0), np.zeros((10**6, 2))).at(np.zeros(10**7)), "GB; ask for some"),
+    ],
+)
+def test_what_is_refused_by_name(call, said) -> None:
+    with pytest.raises(ArgumentError, match=said):
+        call()
+
+
+def test_no_member_and_no_time() -> None:
+    system = TodaLattice(2)
+    assert ensemble(system, np.zeros((0, 2)), (0, 1)).at([1.0]).q.shape == (0, 1, 2)
+    assert ensemble(system, (0, 0), (0, 1)).at([]).q.shape == (1, 0, 2)
