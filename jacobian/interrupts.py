@@ -10,7 +10,7 @@ it prints the line, silences later output, and ends the process when the main th
 
 from __future__ import annotations
 
-import _signal  # type: ignore[import-not-found]  # the module signal takes as long as all the rest to import
+import _signal  # type: ignore[import-not-found]  # importing signal takes as long as all other imports
 import os
 import sys
 from _thread import allocate_lock, start_new_thread

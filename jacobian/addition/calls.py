@@ -71,7 +71,8 @@ def library(context: type, model: type) -> Library:
 
 
 class WordKernel:
-    """Addition, doubling and multiples of reduced triples on one curve, an ``arithmetic_model`` over a word-size field.
+    """Addition, doubling and multiples of reduced triples on one curve, its own ``arithmetic_model``, over a word-size
+    field.
 
     Sums use Cantor's algorithm; multiples use the explicit formulas of ``equation`` where they apply.
     """
@@ -85,7 +86,7 @@ class WordKernel:
         self._pointed, self._size = (K, curve), 8 * ROWS * (4 * g + 8)
         self._room, self._split, self._middle = bytearray(self._size), C.model == "split", 4 + g
         self._result = Struct(f"{width(g)}q")
-        # one struct for each number of words, up to two classes of full weight and space for the result
+        # struct number ``count`` packs so many words, at most two classes, and pads them to the width of a result
         self._structs = [Struct(f"{count}q{8 * max(0, width(g) - count)}x") for count in range(6 + 2 * (2 * g + 1) + 1)]
 
     def sum_of(self, a: Triple, b: Triple) -> Triple:
@@ -132,7 +133,7 @@ class ExplicitKernel:
         self._K, self._others, self._genus = K, others, C.genus
         self._weight = 0 if C.model == "split" else None
 
-    # if v has g coefficients, u has degree g; classes with a shorter v go to the other kernel
+    # if v has g coefficients, u has degree g; classes with a shorter v go to the kernel ``others``
 
     def sum_of(self, a: Triple, b: Triple) -> Triple:
         """The reduced triple of a + b."""
@@ -188,7 +189,7 @@ class TwoWordKernel(ExplicitKernel):
 
 
 def word_kernel(C: HyperellipticCurve) -> WordKernel | LineKernel:
-    """The compiled kernel of a curve, an ``arithmetic_model`` over GF(p), p < 2^63 odd, or over a TableField."""
+    """The compiled kernel of a curve that is its own ``arithmetic_model``: over GF(p), p < 2^63 odd, or TableField."""
     return WordKernel(C) if short_equation(C, int) is None else LineKernel(C)
 
 

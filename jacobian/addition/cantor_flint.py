@@ -38,7 +38,7 @@ def pays(C: HyperellipticCurve) -> bool:
 
 
 class FlintCantor:
-    """Addition and doubling of reduced triples on one curve, an ``arithmetic_model`` over GF(p), GF(p^k) or QQ."""
+    """Addition and doubling of reduced triples on one curve, its own ``arithmetic_model``, over an exact field."""
 
     def __init__(self, C: HyperellipticCurve) -> None:
         self._into, self._back = conversions(C.field)
@@ -46,7 +46,7 @@ class FlintCantor:
         self.genus, self.split = C.genus, C.model == "split"
         self.limit = C.genus + self.split
         if self.split:
-            # ``parts`` are V₊, V₋ and the leading coefficient of V₊
+            # ``parts`` are V₊ and V₋, ``lead`` is the coefficient of x^(g+1) in V₊
             self.parts = tuple(map(self._into, C.principal_parts))
             self.lead = self._into((C.infinity_plus,))[0]
 

@@ -121,7 +121,7 @@ def is_word_sized(C: HyperellipticCurve) -> bool:
 
 def is_two_words_long(C: HyperellipticCurve) -> bool:
     """Whether compiled formulas exist for C over a field whose elements take two words. In genus 2 they
-    need h = 0 if p is odd, and a monic f if deg f = 5; in genus 3 they exist on y² = x⁷ + … over GF(p).
+    need h = 0 in odd characteristic, and a monic f if deg f = 5; in genus 3 they exist on y² = x⁷ + … over GF(p).
     """
     return has_two_words(C.field) and short_equation(C, int) is not None
 
@@ -142,7 +142,7 @@ def has_two_words(K: Field[Any]) -> bool:
 
 
 def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
-    """The compiled kernel for C, an ``arithmetic_model``; None if there is none, or if compilation is switched off."""
+    """The compiled kernel for C, its own ``arithmetic_model``; None if none exists or compilation is off."""
     if interpreted() or not (is_word_sized(C) or is_two_words_long(C)):
         return None
     from jacobian.addition.calls import TwoWordKernel, word_kernel

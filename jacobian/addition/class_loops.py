@@ -42,7 +42,7 @@ def sum_of(K: Any, C: Any, first: Any, second: Any) -> Any:
 
 
 def double_of(K: Any, C: Any, first: Any) -> Any:
-    """Doubles a class of words; the result has the form of that of :func:`sum_of`."""
+    """Doubles a class of words; returns a pair as :func:`sum_of` does."""
     return from_quotient(K, C, tangent(K, C, first), first, first)
 
 
@@ -75,7 +75,8 @@ def double_class(K: Any, C: Any, u: Any, v: Any) -> Any:
 def multiple_of_class(K: Any, C: Any, u: Any, v: Any, scalar: Any, digits: Any, odd: Any) -> Any:
     """Multiplies a class of weight g by a scalar > 0 in little-endian bytes; returns the triple of :func:`returned`.
 
-    Scratch memory: ``digits`` has a zero for each bit of the scalar and one more, ``odd`` a column for each odd digit.
+    Scratch memory: ``digits`` has a zero for each bit of the scalar and one more, ``odd`` a column for each odd
+    multiple.
     """
     position, first = signed_windows(scalar, 5, digits), encoded(K, C, u, v)
     keep(odd, 0, first)
@@ -213,7 +214,9 @@ def sum_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any) -> None:
 
 
 def multiple_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any, scalar: Any, digits: Any) -> None:
-    """Multiplies the class in ``data`` by ``scalar``. The arguments are those of :func:`multiple_of_class`."""
+    """Multiplies the class in ``data`` by ``scalar``. ``scalar`` and ``digits`` are those of
+    :func:`multiple_of_class`.
+    """
     g, total, other = curve[0], S[TOTAL], S[OTHER]
     width = 2 if len(scalar) < 2 else 4 if len(scalar) < 24 else 5
     position = signed_windows(scalar, width, digits)

@@ -24,7 +24,7 @@ MOST = 4
 
 
 class Size(NamedTuple):
-    """Bounds of a number in units of p: on wide and lazy contexts, and on floats."""
+    """Bounds of a number in units of p: on Wide and Lazy contexts (:mod:`jacobian.numbers.words`), and on floats."""
 
     wide: float
     lazy: float
@@ -63,7 +63,7 @@ class Writer:
                 self.names[i] = self._written(i)
 
     def _repeated(self, results: Sequence[int]) -> Iterable[int]:
-        """The products to write out in each sum that has them: all of these sums have room for one more product."""
+        """Yields the products to write out in each sum that has them: all these sums have room for one more product."""
         parts = {i: self._parts(i) for i in self.live if i in self.named}
         for i in self.named.difference(self.factors, results):
             sums = [products for products, others in parts.values() if i in others]
@@ -99,7 +99,7 @@ class Writer:
             return "K.one"
         products, others = self.parts[i]
         signs = sum(sign for sign, _, _ in products)
-        # a reduced sum of products can be subtracted at the cost of adding it
+        # subtracting a reduced sum of products costs as much as adding it
         turned = signs < 0 and (any(count > 0 for count in others.values()) or len(products) == -signs)
         dots = self._dots([(-sign if turned else sign, x, y) for sign, x, y in products])
         rest = [self.names[x] for x in others.elements()], [self.names[x] for x in (-others).elements()]

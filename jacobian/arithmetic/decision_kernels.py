@@ -63,7 +63,8 @@ def ranges_of(g: int, p: int, a: Any, ranges: Any) -> Any:
     of each row s into ``ranges``. Candidates are a_2 + t·p in genus 2, with one row, and (a_2 + s·p, a_3 + t·p) in
     genus 3.
 
-    The roots of z^g + r_1 z^(g−1) + … are real and at most 2√p in size (:mod:`jacobian.finite.weil`).
+    The bounds hold because the roots of R = z^g + r_1 z^(g−1) + … (:mod:`jacobian.finite.weil`) are real and at most
+    2√p in size.
     """
     a1, a2, a3 = a
     q, r1, root = float(p), float(a1), sqrt(float(p))

@@ -22,8 +22,8 @@ class Desk(NamedTuple):
     """The memory of a search by :mod:`jacobian.arithmetic.decision_kernels`.
 
     It holds the curve; the scratch memory of Cantor's algorithm; classes, of which the first three are p·D, p²·D and
-    (least order)·D; the polynomial F and its translate; the table of baby steps; the ranges of t in each row; the
-    candidates (s, t).
+    c·D, c being the order of J for s = t = 0; the polynomial F and its translate; the table of baby steps; the ranges
+    of t in each row; the candidates (s, t).
     """
 
     curve: Any
@@ -38,8 +38,8 @@ class Desk(NamedTuple):
 
 
 def class_at(K: Any, a: Any, x0: int, desk: Any) -> int:
-    """Writes classes 0, 1 and 2 for the point x_0. Returns 1 if y² = G(t) is isomorphic to the curve, −1 if to the
-    twist, 0 if F(x_0) = 0.
+    """Writes classes 0, 1 and 2 for the point x_0. Returns 1 if y² = G(t) of
+    :mod:`jacobian.arithmetic.decision_kernels` is isomorphic to the curve, −1 if to the twist, 0 if F(x_0) = 0.
     """
     value = model_at(K, x0, desk)
     if value == 0:

@@ -24,7 +24,7 @@ from jacobian.finite.integers import factorization
 from jacobian.periods.endomorphisms import Endomorphisms, Integers
 
 ROOTS_OF_UNITY = 240
-"""A multiple of the order of every root of unity in a field, of degree at most 8, that four conjugate numbers generate.
+"""A multiple of the order of every root of unity in a field of degree at most 8 that four conjugate numbers generate.
 """
 PRIMES = 100
 """The number of L-polynomials that are compared; each is an exact test."""

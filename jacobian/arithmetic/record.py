@@ -25,7 +25,8 @@ class LPolynomials:
     """L_p(T) = 1 + a_1 T + … + a_g T^g + p·a_(g−1) T^(g+1) + … + p^g T^2g at all good primes p ≤ ``bound``.
 
     ``p``: (K,) int64, ascending; ``coefficients``: (K, g) int64, the a_1, …, a_g; ``bad``: the primes up to the bound
-    at which the equation is singular modulo p, or has p in a denominator. Another equation may be good there.
+    at which the equation is singular modulo p, or has p in a denominator. Another equation of the curve may be good
+    there.
     """
 
     curve: HyperellipticCurve

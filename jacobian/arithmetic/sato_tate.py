@@ -37,7 +37,7 @@ too.
 FROM = 200
 """Primes up to this one are left out, because their a_i take few values."""
 SLACK = 0.005
-"""The allowed error of a mean apart from chance, relative to the root of the mean square. With 10^4 primes chance
+"""The allowed error of a mean apart from chance, relative to the standard deviation. With 10^4 primes chance
 contributes twice as much.
 """
 RARE = 0.3

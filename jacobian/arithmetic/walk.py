@@ -102,7 +102,10 @@ def _room(items: int) -> Any:
 
 
 class Group(NamedTuple):
-    """The data of GROUPS·LANES primes p in rows of LANES floats; ``inverses``: 1/p, ``bits``: the bits of p − 2."""
+    """The data of GROUPS·LANES primes p in rows of LANES floats; ``inverses``: 1/p, ``bits``: the bits of p − 2.
+
+    ``plain`` and ``weighted``: f_i/f_0 and i·f_i/2f_0, i = d … 1; ``window``: the coefficients before the walk.
+    """
 
     primes: Any
     inverses: Any

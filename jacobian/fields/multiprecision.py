@@ -158,7 +158,7 @@ def _parts(x: Any) -> Any:
 
 
 def _unpacked(K: MultiprecisionField, parts: Any) -> Any:
-    """The number of :meth:`MultiprecisionField._packed`, in the context of K."""
+    """The number that :meth:`MultiprecisionField._packed` took apart, in the context of K."""
     from mpmath.libmp import MPZ
 
     numbers = [(sign, MPZ(mantissa), exponent, bits) for sign, mantissa, exponent, bits in parts]
@@ -166,7 +166,7 @@ def _unpacked(K: MultiprecisionField, parts: Any) -> Any:
 
 
 multiprecision_fields: dict[tuple[int, bool], MultiprecisionField] = {}
-"""The fields made so far, by digits and kind."""
+"""The fields made so far, by ``dps`` and ``complex``."""
 
 
 def multiprecision_field(dps: int, complex: bool) -> MultiprecisionField:

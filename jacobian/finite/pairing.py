@@ -200,7 +200,7 @@ def _values(J: Any, D: Divisor, at: tuple[Divisor, ...], m: int) -> list[Any]:
 
 
 def _step(law: FlintCantor, composed: Any, places: Any) -> tuple[Flint, list[tuple[Any, Any]]]:
-    """The reduced sum, and at each place the numerator and the denominator of the function of its reduction."""
+    """The reduced sum, and the step's function at each (u, v) of ``places``: numerator and denominator modulo u."""
     u, v, n, cancelled = composed
     total, lines, under = (u, v, n), [], []
     for line, total in law.reductions(u, v, n):

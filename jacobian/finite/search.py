@@ -190,7 +190,7 @@ class Side:
                 progress.add(1)
 
     def grow(self, D: Divisor) -> None:
-        """Adds D, of an order that divides the exponent, to the subgroup whose order is ``divisor``."""
+        """Adds D, of an order that divides ``exponent``, to the known subgroup, whose order enters ``divisor``."""
         for prime, e in factorization(self.exponent).items():
             group = self._groups.setdefault(prime, PrimaryGroup(self.J.zero(), prime))
             group.insert(self.exponent // prime**e * D)
@@ -243,7 +243,7 @@ def _candidates(C: HyperellipticCurve) -> Candidates:
     g = C.genus
     prime = q == C.field.characteristic != 2
     if g == 1:
-        # the search finds the order among 4√q in O(q^(1/4)) steps, so no matrix and no count is needed
+        # the search finds the order among 4√q candidates in O(q^(1/4)) steps, so no matrix and no count is needed
         found = Candidates(q, 1, (1,), (0,), 1)
         _check_size(C, found, f"{C.field.name} in genus 1")
         return found

@@ -50,8 +50,8 @@ def p_rank(C: HyperellipticCurve, chi: Any) -> int:
 
 
 def _two_rank(C: HyperellipticCurve) -> int:
-    """The 2-rank in characteristic 2: one less than the number of points over which y is ramified, the distinct zeros
-    of h as a form of degree g + 1 (Deuring–Shafarevich; Subrao 1975).
+    """The 2-rank in characteristic 2: one less than the number of branch points, which are the distinct zeros of h as
+    a form of degree g + 1 (Deuring–Shafarevich; Subrao 1975).
     """
     return sum(len(P) - 1 for P, _ in factor(C.field, C.h)) + (len(C.h) < C.genus + 2) - 1
 

@@ -133,7 +133,8 @@ def second_polynomial(
 ) -> tuple[Real, Real]:
     """V'' = c0 + c1·x from q·V'' ≡ −p and L·(V'' − V) ≡ −q·W for both summands, modulo U'' = x² + b1·x + b0.
 
-    The three solutions are averaged as in :func:`chord`. Where all are ill-conditioned, see :func:`tangent_polynomial`.
+    The three solutions are averaged as in :func:`chord`. Where all three are ill-conditioned,
+    :func:`tangent_polynomial` computes V''.
     """
     f2, f3, f4, f5 = f[2], f[3], f[4], f[5]
     u0, u1, v0, v1 = first

@@ -1,8 +1,8 @@
 """Projection onto the curve: (U, V) near a divisor of y² = f(x), moved as little as possible so that U divides f − V².
 
 Rounding moves the sums of :mod:`jacobian.inexact.genus2_real` off the curve, and this error need not stay small. Over
-many additions of one divisor it grows, for some steps exponentially (``python -m benchmarks stability``). An occasional
-Newton step prevents that. Numbers are bare reals, as in :mod:`jacobian.inexact.genus2_real`.
+many additions of one divisor it grows, for some divisors exponentially (``python -m benchmarks stability``). An
+occasional Newton step prevents that. Numbers are bare reals, as in :mod:`jacobian.inexact.genus2_real`.
 """
 
 from __future__ import annotations

@@ -43,7 +43,7 @@ from jacobian.inexact.dense import (
 
 Pair = tuple[Coefficients, Coefficients]
 
-# only if p is smaller than U by more than this factor, the digits that p loses count as a remainder above one unit
+# the digits that p loses count as a remainder above one unit only if p is smaller than U by more than this factor
 FEWER = 16
 
 UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"

@@ -5,8 +5,8 @@ where y² + hy − f has two roots modulo P, one where it has a double root and 
 uniform class: draw the degree d of u with weight (2q)^d times the number of n, u uniformly among the monic polynomials
 of that degree, and keep it with probability (number of v)/2^d. Sums of rational points would reach a subgroup only.
 
-About one in 2^g is kept. In large genus a class is instead a sum of random places of a prime degree k, P with its
-conjugates over GF(q^k). P → Σ σ(P) extends to the norm from J(GF(q^k)), which is onto (Lang 1956). So the mean of a
+About one in 2^g is kept. In large genus a class is instead a sum of random places of a prime degree k: a point P over
+GF(q^k) with its conjugates. P → Σ σ(P) extends to the norm from J(GF(q^k)), which is onto (Lang 1956). So the mean of a
 character χ ≠ 1 over these sums is at most ε = ((2g − 2)Q^(1/2) + s)/(Q − 1 − 2gQ^(1/2) − s), where Q = q^k and s counts
 the points over GF(q), which are left out (Weil 1948). The sum of t places is within √#J·ε^t/2 of uniform in total
 variation (Diaconis 1988, chapter 3).

@@ -48,7 +48,7 @@ _ABREAST = {
 
 
 def abreast(kind: Any, lanes: int = LANES) -> Any:
-    """The kind of a vector of ``lanes`` such values; for a tuple, the tuple of its items' vector kinds."""
+    """The kind of a vector of ``lanes`` values of this kind; for a tuple, the tuple of its items' vector kinds."""
     if isinstance(kind, TupleKind):
         return TupleKind(tuple(abreast(item, lanes) for item in kind.items), kind.named)
     if is_abreast(kind) and kind.lanes == lanes:

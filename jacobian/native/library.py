@@ -175,7 +175,7 @@ def flatten(values: Any, forms: tuple[tuple[Any, ...], ...], words: list[Any]) -
         if type(value) is Packed:
             words += value.words
         elif dtype is not None:
-            # arrays are the most common arguments, and this check takes much of the time of a call for a few panels
+            # arrays are the most common arguments, and this check takes much of the time of a short call
             if (value.dtype is not dtype and value.dtype != dtype) or value.ndim != axes:
                 raise _unfit(value, kind)
             try:

@@ -125,7 +125,7 @@ def product_of_words(x: Any, y: Any) -> Any:
 
 
 def inverse(K: Any, x: Any) -> Any:
-    """1/x = x^(2^n − 2) for a word x ≠ 0: x^(2^k − 1), k growing to n − 1 bit by bit (Itoh and Tsujii 1988)."""
+    """1/x = x^(2^n − 2) for a word x ≠ 0, from x^(2^k − 1), k growing bit by bit to n − 1 (Itoh and Tsujii 1988)."""
     bit = 1
     while 2 * bit < K.degree:
         bit *= 2

@@ -90,7 +90,7 @@ class AbelMap(AbelImage):
         return self._checked(result, target)
 
     def _checked(self, D: Divisor, target: Vector) -> Divisor:
-        """D, if its image agrees with the target to all but some digits; else PrecisionLoss. The check is needed
+        """D, if its image agrees with the target to all but 8 digits; else PrecisionLoss. The check is needed
         because the coefficients of D may not determine its points."""
         image = self._image_of(self._points_of(D), self._weight_of(D))
         size = max(abs(c - nearest(c)) for c in self.periods.coordinates(plus(target, image, -1)))

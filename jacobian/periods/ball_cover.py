@@ -16,7 +16,7 @@ from jacobian.periods.balls import BallNumbers, ball_numbers, exact_parts, semi_
 from jacobian.periods.branched_cover import BranchedCover, rough_root
 from jacobian.periods.quadrature import Vector, path_from
 
-# an edge that needs more nodes per digit is integrated from both ends, in pieces
+# an edge that needs more nodes per digit than this is integrated from both ends, in pieces
 NODES_A_DIGIT = 20
 
 

@@ -236,8 +236,8 @@ def legendre_rule(count: int) -> Row:
 def logistic_rule(regular: bool) -> Row:
     """The trapezoidal rule in t = log(v/(1 − v)), for dv/√(v(1 − v)), or dv/√v if the integrand is ``regular`` at 1.
 
-    For real branch points outside [0, 1] the nearest singularities in t are ±iπ, wherever these points are: so the
-    accuracy does not depend on how close they are.
+    If all branch points are real and outside [0, 1], the nearest singularities in t are ±iπ. So the accuracy does not
+    depend on how near the branch points are to [0, 1].
     """
     import gmpy2
 

@@ -253,9 +253,10 @@ def principal_divisor(curve: HyperellipticCurve, a: Any, b: Any = ()) -> FormalS
 def intersection(D: Divisor, E: Divisor) -> Intersection:
     """The curve y = P(x) of lowest degree through two divisors of one group over an exact field, and the divisor y − P.
 
-    In genus two let D and E have weight two and be in general position. Then P is a cubic, and X·Y consists of the
-    points of D, E and −(D + E) (Abel 1841). At a common point the curves are tangent; opposite points are recorded in
-    ``fibres``. If D and E contain no points, the curve is y = 0. FieldError over an inexact field.
+    In genus two let D and E have weight two and be in general position. Then P is a cubic, and y = P(x) meets the curve
+    in the points of D, E and −(D + E) (Abel 1841). At a common point of D and E it is tangent to the curve; opposite
+    points are recorded in ``fibres``. If D and E contain no points, the curve is y = 0. FieldError over an inexact
+    field.
     """
     first, second = (FormalSum.from_divisor(check_divisor(X, name)) for X, name in ((D, "D"), (E, "E")))
     C, K = D._compatible(E).jacobian.curve, first.curve.field

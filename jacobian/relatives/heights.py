@@ -67,7 +67,7 @@ def _height(D: Divisor, digits: int) -> Any:
 def _sum(surface: KummerSurface, x: Sequence[int], terms: int, bound: int, reals: BallReals) -> Any:
     """log |x| + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g), the sum of the first ``terms`` terms.
 
-    The bits and the power of the bound decrease from term to term, because the remaining terms need fewer.
+    The bits and the power of the bound decrease from term to term, because later terms need less precision.
     """
     import gmpy2
     from flint import arb

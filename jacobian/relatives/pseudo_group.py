@@ -1,6 +1,6 @@
 """The pseudo-group of a Kummer surface over GF(p): doublings, sums of points with a known difference, multiples.
 
-On the surface D and −D are one point, so κ(D) and κ(E) have two sums, κ(D + E) and κ(D − E): either determines the
+On the surface D and −D are one point κ(D), so κ(D) and κ(E) have two sums, κ(D + E) and κ(D − E): either determines the
 other. They are the two factors of a symmetric form whose coefficients are biquadratic in κ(D), κ(E) (Cassels & Flynn
 1996, chapter 3). The coefficients are found like the doubling forms of :mod:`jacobian.relatives.kummer`: from classes
 over finite fields, by linear algebra modulo primes and the Chinese remainder theorem. The formulas of addition are in
