@@ -61,7 +61,7 @@ class PrecisionLoss(JacobianError, ArithmeticError):
 
 
 class Infeasible(JacobianError):
-    """The answer exists, but the method at hand would take too long; the message says where its limit lies."""
+    """The result exists, but this package's method would take too long; the message gives its limit."""
 
 
 class NotAMultiple(JacobianError):

@@ -127,7 +127,7 @@ def is_two_words_long(C: HyperellipticCurve) -> bool:
 
 
 def has_two_word_rows(C: HyperellipticCurve) -> bool:
-    """Whether compiled loops exist for arrays of classes of C over a field whose elements take two words. Unlike
+    """Whether C is over a field whose elements take two words and has compiled loops for arrays of classes. Unlike
     in :func:`is_two_words_long`, h and f are arbitrary, since arrays are first moved to a short equation.
     """
     septic = C.genus == 3 and C.model == "ramified" and C.field.characteristic != 2

@@ -93,7 +93,7 @@ def _listed(letter: str, count: int) -> str:
 
 
 def lines_of(tape: Tape, results: dict[int, str], style: OnInts | OnElements, otherwise: str) -> list[str]:
-    """The lines that compute ``results`` (operation: name), and run ``otherwise`` where an inverse does not exist."""
+    """The lines that compute ``results``, {operation: name}, and run ``otherwise`` where an inverse does not exist."""
     live = tape.live(results)
     uses, inverted = tape.uses(live, results), {tape.operands(i)[0] for i in live if tape.operations[i][0] == "inv"}
     factors = inverted.union(*(tape.operands(i) for i in live if tape.operations[i][0] == "mul"))

@@ -39,12 +39,12 @@ def quotient_at(K: Any, C: Any, S: Any, j: Any) -> Any:
 
 
 def class_in(K: Any, C: Any, a: Any) -> Any:
-    """The tuple of words of a class of weight g, read from an array of :mod:`jacobian.addition.cantor_words`."""
+    """A class of weight g as a tuple of words, read from an array of :mod:`jacobian.addition.cantor_words`."""
     return STEPS["class_in"][type(C)](K, C, a)
 
 
 def encoded(K: Any, C: Any, u: Any, v: Any) -> Any:
-    """The tuple of words of a class whose u and v are given as residues."""
+    """A class as a tuple of words, from its u and v as residues."""
     return STEPS["encoded"][type(C)](K, C, u, v)
 
 

@@ -21,9 +21,9 @@ HEAD = 7
 class Desk(NamedTuple):
     """The memory of a search by :mod:`jacobian.arithmetic.decision_kernels`.
 
-    It holds the curve; the scratch memory of Cantor's algorithm; classes, of which the first three are p·D, p²·D and
-    c·D, c being the order of J for s = t = 0; the polynomial F and its translate; the table of baby steps; the ranges
-    of t in each row; the candidates (s, t).
+    It holds the curve; the scratch memory of Cantor's algorithm; ``classes``; the polynomial F and its translate; the
+    table of baby steps; the ranges of t in each row; the candidates (s, t). The first three classes are p·D, p²·D and
+    c·D, where c is the order of J for s = t = 0.
     """
 
     curve: Any

@@ -41,7 +41,7 @@ class Algebra(NamedTuple):
 class Seen(NamedTuple):
     """The algebras of the endomorphisms found from periods.
 
-    ``geometric``, ``rational``: those over ℂ and over QQ; ``primes``: how many L-polynomials agree with them;
+    ``geometric``, ``rational``: the algebras over ℂ and over QQ; ``primes``: how many L-polynomials agree with them;
     ``proven``: whether End = ℤ is proven.
     """
 

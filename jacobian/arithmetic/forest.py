@@ -1,4 +1,4 @@
-"""Windows of coefficients of powers of a polynomial, modulo many primes at once, by an accumulating remainder forest.
+"""Windows of coefficients of f^((p−1)/2), modulo many primes p at once, by an accumulating remainder forest.
 
 With f = Σ f_i x^i of degree d, f_0 ≠ 0, and c_k the coefficients of f^((p−1)/2), modulo p
 

@@ -259,7 +259,7 @@ def sato_tate_groups(L: LPolynomials) -> list[Verdict]:
     """The groups over QQ that L is compatible with, the most probable first; genus 1 and 2.
 
     This is evidence, not proof. It treats the L-polynomials at different primes as independent, and compares the
-    moments of EXPONENTS and the frequencies of a_1 = 0 and of the values ATOMS of a_2/p. Infeasible in genus 3;
+    moments in EXPONENTS, how often a_1 = 0, and how often a_2/p then has each value in ATOMS. Infeasible in genus 3;
     ArgumentError for fewer than 100 primes beyond FROM.
     """
     genus = L.curve.genus

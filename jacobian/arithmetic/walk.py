@@ -118,7 +118,8 @@ class Group(NamedTuple):
 class Room(NamedTuple):
     """The memory of a walk: the coefficients of a round (``states``) and the inverses of its k (``reciprocals``).
 
-    For each group there are also the product of these k, a power of it, and the product over all rounds (``run``).
+    For each group: the product of these k, its power with the exponent p − 2, and the product over all rounds
+    (``run``).
     """
 
     states: Any

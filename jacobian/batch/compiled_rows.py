@@ -23,7 +23,7 @@ from jacobian.numbers.tables import table_context
 from jacobian.numbers.words import Wide32, Wide64, double_context, word_context
 
 SLOW = 1 << 10
-"""The number of rows in one call of a loop of Cantor's algorithm."""
+"""The number of rows in one call of a loop with Cantor's algorithm."""
 
 
 class CompiledRows(StoredRows):

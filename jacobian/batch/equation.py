@@ -1,4 +1,4 @@
-"""The equation on which compiled batches run. It has h = 0 unless the characteristic is 2, and a monic f if f has
+"""The equation on which compiled code adds rows. It has h = 0 unless the characteristic is 2, and a monic f if f has
 degree 5 or 7 in genus 2 or 3.
 
 An :class:`Equation` holds the isomorphism of the given curve to this equation, (x, y) ↦ (cx, c^g·(y + shift(x))). On

@@ -14,7 +14,7 @@ from jacobian.fields.coercion import is_complex, number
 from jacobian.fields.inexact import InexactField
 from jacobian.fields.randomness import random_float
 
-# a power of 2 that scales sums of products of floats into the range of floats
+# a power of 2 by which terms are multiplied if their sum exceeds the range of floats
 DOWN = 2.0**-64
 
 

@@ -9,7 +9,7 @@ from jacobian.fields.finite import FiniteField, FiniteFieldOf
 
 
 class ResidueField(FiniteFieldOf[poly.Poly]):
-    """K[x]/(P): the field that contains the coordinates of the points of a place of degree deg P."""
+    """K[x]/(P): the field of the abscissas x with P(x) = 0."""
 
     zero: poly.Poly = ()
 

@@ -36,8 +36,8 @@ def discrete_log(
 
     With ``interval`` = (low, high) an m in low … high is searched for by baby steps and giant steps up to a width of
     2^32, by kangaroos up to 2^48; no order is needed. Without it m is the least non-negative one, found one prime at a
-    time from a multiple ``order`` of the order of ``base`` (default #J) and its prime factors ``primes`` (default:
-    computed). Infeasible for a prime factor or an interval above 2^48. ``rng`` seeds the kangaroos.
+    time. ``order``: a multiple of the order of ``base``, by default #J; ``primes``: its prime factors, by default
+    computed. Infeasible for a prime factor or an interval above 2^48. ``rng`` seeds the kangaroos.
     """
     if target.jacobian != base.jacobian:
         raise CurveMismatch(f"base and target lie on two curves: {base.jacobian.curve!r} and {target.jacobian.curve!r}")

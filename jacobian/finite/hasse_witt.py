@@ -159,8 +159,8 @@ def recurrence_on_words(ratios: Any, p: int, weights: Any, inverses: Any, window
 
     F·G' = n·F'·G implies k·f_0·G_k = Σ ((n+1)i − k) f_i G_(k−i). Nine products of two residues, p < 2^29, stay below
     2^63. ``window`` contains the start values on entry and the coefficients at the end; ``weights`` are ((n+1)i −
-    k)·f_i/f_0, which fall by f_i/f_0 with each k, and begin with k = 0; ``inverses`` has room for a block of 1/k,
-    inverted together (Montgomery 1987).
+    k)·f_i/f_0, which fall by f_i/f_0 with each k, and begin with k = 0; ``inverses`` is scratch for a block of 1/k,
+    computed by one inversion (Montgomery 1987).
     """
     start, room = 1, 8 * p * p
     while start < p:

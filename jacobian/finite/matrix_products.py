@@ -3,9 +3,9 @@
 A matrix M(k)/k, linear in k, advances the window of d = deg F neighbouring coefficients
 (:mod:`jacobian.finite.hasse_witt`), and Π k = (p − 1)! = −1 is applied at the end (Wilson). For β = 2^m near √p the
 entries of P(x) = M(x + β − 1)·…·M(x + 1) are polynomials of degree β − 1. Doubling gives their values at x = 0, β, 2β,
-…: P_2n(x) = P_n(x + n)·M(x + n)·P_n(x), P_n with n − 1 factors. The values at x + n come from those at x by shifts, as
-do those at later points. A shift is a convolution with 1/(a + t) (Bostan, Gaudry and Schost, theorem 5). No a + t
-vanishes: a is n/β or an integer, and t·β/n ≠ ±1 modulo p for |t| ≤ 2n, n | β/2.
+…: P_2n(x) = P_n(x + n)·M(x + n)·P_n(x), P_n with n − 1 factors. Shifts give the values at x + n and at later points
+from those at x. A shift is a convolution with 1/(a + t) (Bostan, Gaudry and Schost, theorem 5). No a + t vanishes: a is
+n/β or an integer, and t·β/n ≠ ±1 modulo p for |t| ≤ 2n, n | β/2.
 """
 
 from __future__ import annotations

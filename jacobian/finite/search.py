@@ -96,7 +96,7 @@ class Candidates:
         return total
 
     def matching(self, sides: tuple[Side, Side]) -> Iterator[list[int]]:
-        """Yields the R whose two orders are divisible by the known divisors of the orders of both sides."""
+        """Yields the R for which the known ``divisor`` of each side divides the order of that side."""
         first, second = sorted(sides, key=lambda side: -side.divisor)
         for prefix in self.prefixes():
             constant, sign = first.constant(prefix, self.q)
@@ -154,7 +154,7 @@ class Side:
             self.divisor = lcm(self.divisor, self.exponent)
 
     def _annihilator(self, D: Divisor, candidates: Candidates) -> int:
-        """A positive multiple of the order of D among the orders of the candidates."""
+        """A candidate's order that annihilates D, hence a multiple of the order of D."""
         for prefix, value in self._annihilating(D, candidates):
             return self.order([*prefix, value], candidates.q)
         raise AssertionError(f"no order within the Weil bounds annihilates {D} on {self.J.curve!r}")

@@ -76,9 +76,7 @@ class Structure(NamedTuple):
         return tuple(found)
 
     def _primary(self, prime: int, zero: Divisor) -> tuple[PrimaryGroup, list[int]]:
-        """The ℓ-part of the group, and for each of its generators the index of the group's generator of which it is a
-        multiple.
-        """
+        """The ℓ-part of the group, and the indices of those generators of the group whose multiples generate it."""
         group = PrimaryGroup(zero, prime)
         top = self.exponent.bit_length()
         exponents = {place: _valuation(d, prime, top) for place, d in enumerate(self.invariants) if d % prime == 0}

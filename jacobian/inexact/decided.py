@@ -23,7 +23,7 @@ from jacobian.inexact.dense import Coefficients, index_of_largest
 from jacobian.inexact.digits import Digits, MoreDigits, on_curve, places
 from jacobian.inexact.stacked import Pair, Total
 
-# a quantity counts as zero up to this multiple of the effect of a unit in the last place of the summands
+# a quantity counts as zero up to this multiple of its change by a unit in the last place of the summands
 ZERO = 16
 # ROUNDED: error, in units of the last place, of summands that are sums themselves. A quantity is nonzero if it exceeds
 # the effect of such errors by the factor NONZERO where it decides a degree, DISTINCT where it decides if points

@@ -7,8 +7,8 @@ and inner products conjugate their first factor. The polynomial f has a seventh 
 polynomials of the lift, which only real motions need, are left out.
 
 Numbers are ``complex`` or ``float``, which is its own conjugate. Coordinates must be in units that make the
-coefficients of f of moderate size. The result must be of weight two; the leading coefficient of p² − q²f, returned with
-it, tells whether it is.
+coefficients of f of moderate size. The result must be of weight two; it is if the leading coefficient of p² − q²f,
+returned with it, is not small.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 These are the formulas of :mod:`jacobian.inexact.composition` for two divisors of weight two on y² = f(x), deg f ≤ 5,
 unrolled; a quartic f gives the generalized Jacobian with modulus ∞₊ + ∞₋. The summands are D = (U, V) and D' = (U',
 V'), their sum is D'' = (U'', V''), W is (f − V²)/U, and q·y − p with p = q·V + L·U vanishes on both summands.
-Coordinates must be in units that make the coefficients of f and of the moving divisor of moderate size. The result must
+Coordinates must be in units in which the coefficients of f and of the summands are of moderate size. The result must
 be of weight two: the real motions that use this never leave the compact component. Numbers are ``float`` or ``mpf``;
 :mod:`jacobian.native` compiles these functions, for floats and for double-double numbers.
 """
@@ -133,8 +133,7 @@ def second_polynomial(
 ) -> tuple[Real, Real]:
     """V'' = c0 + c1·x from q·V'' ≡ −p and L·(V'' − V) ≡ −q·W for both summands, modulo U'' = x² + b1·x + b0.
 
-    The three solutions are averaged as in :func:`chord`. Where all three are ill-conditioned,
-    :func:`tangent_polynomial` computes V''.
+    The solutions are averaged as in :func:`chord`. If all are ill-conditioned, :func:`tangent_polynomial` computes V''.
     """
     f2, f3, f4, f5 = f[2], f[3], f[4], f[5]
     u0, u1, v0, v1 = first

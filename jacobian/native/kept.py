@@ -91,7 +91,7 @@ def keep(folder: Path, name: str, made_for: str, made: Object) -> None:
 
 
 def _file(folder: Path, name: str) -> Path:
-    # several installations may share a folder, so file names carry a mark of this one
+    # several installations may share a folder, so file names contain a hash of this one's path
     mark = sha256(f"{HERE} {sys.implementation.cache_tag}".encode()).hexdigest()[:8]
     return folder / f"{name}-{mark}.native"
 

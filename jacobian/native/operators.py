@@ -340,7 +340,7 @@ class Operators(Code):
 
     @in_lanes
     def function(self, name: str, x: Value) -> Value:
-        """The result of one of LLVM's functions of one float."""
+        """The value of the LLVM intrinsic ``name`` at a float."""
         return Value(FLOAT, (self.intrinsic(name, self.float_of(x)),))
 
     @in_lanes

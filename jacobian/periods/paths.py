@@ -106,7 +106,7 @@ def to_point(Z: LongField, roots: list[Complex], lead: Complex, halves: list[Vec
     end = factor
     for near, e in zip(path.ends, others, strict=True):
         end *= Z.sqrt((x1 - e) / (near - e))
-    # the sign tells whether continuing y along the path leads to y1 or to −y1
+    # y, continued along the path, ends at y1 or at −y1, which decides the sign
     scale = (1 if abs(end - y1) < abs(end + y1) else -1) * (x1 - r) / factor
     return halves[k][0] + first * scale, halves[k][1] + (r * first + (x1 - r) * second) * scale
 

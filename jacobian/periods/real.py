@@ -14,8 +14,8 @@ def real_period(P: PeriodMatrix) -> Any:
     """The real period Ω = ∫ |ω_0 ∧ … ∧ ω_(g−1)| over J(ℝ), ω_k = x^k dx/(2y + h), a ball.
 
     P must be in balls, of a curve over the reals; else ArgumentError. If the equation is minimal, Ω is the period of
-    Birch and Swinnerton-Dyer's conjecture. Ω is the volume of the lattice of the traces z + z̄ of periods z of the
-    ω_k. A basis of this lattice is known exactly, since conjugation acts on the cycles by an integral matrix.
+    Birch and Swinnerton-Dyer's conjecture. The traces z + z̄ of the periods z of the ω_k form a lattice, whose volume
+    is Ω. A basis of this lattice is known exactly, since conjugation acts on the cycles by an integral matrix.
     """
     from flint import arb_mat, fmpz_mat
 

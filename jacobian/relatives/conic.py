@@ -183,7 +183,7 @@ def parameter(K: Field, pair: tuple[poly.Poly, poly.Poly], x0: Any, y0: Any) -> 
 
 
 def representative(D: Divisor, point: Given) -> Representative:
-    """The member of degree g+1 of the pencil of the class D that contains an affine point Q, over an exact field.
+    """The semi-reduced pair of degree g+1 in the class D that contains an affine point Q, over an exact field.
 
     It is the sum of Q and the reduced divisor of D − Q, and its :meth:`Representative.divisor` is D. NotRepresentable
     where the divisor of D − Q has weight below g or contains the opposite of Q. For almost every Q neither is the case.

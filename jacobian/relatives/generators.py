@@ -46,7 +46,7 @@ def generators(classes: Iterable[Divisor], digits: int = 20) -> Generators:
 
 
 def from_points(J: Any, height: int, digits: int = 20) -> Generators:
-    """Generators, modulo torsion, of the group of the differences of rational points with x of up to this height."""
+    """Generators, modulo torsion, of the group spanned by differences of rational points with x up to this height."""
     points = sorted(J.curve.points(height), key=lambda P: isinstance(P, AffinePoint))
     return generators((J(P, points[0]) for P in points[1:]), digits)
 

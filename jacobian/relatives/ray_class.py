@@ -11,7 +11,7 @@ of D there. If D₁ + D₂ = D₃ + div F, then
     (D₁, c₁) + (D₂, c₂) = (D₃, c₁c₂ · φ₁φ₂/(F φ₃)),
 
 the last factor being a unit over x₀. Functions of x are constant on m and may be dropped. So F is the product of the
-functions y − v of the steps of the reduction. (Déchène 2005 has this in genus 1 and in general position.)
+functions y − v, one for each reduction step. (Déchène 2005 has this in genus 1 and in general position.)
 """
 
 from __future__ import annotations
