@@ -1,1 +1,1 @@
-"""Classical systems whose motions are linear on Jacobians, one file for each."""
+"""Classical systems whose motions are linear on Jacobians."""

@@ -184,7 +184,7 @@ class Gaps(NamedTuple):
 
 
 def _steady(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequence[Real]]:
-    """The numbers and the table of an axis that rotates about the vertical at constant height."""
+    """The numbers and the table of :class:`AxialThetas` for an axis that turns about the vertical without nodding."""
     pace, (m1, m2) = axis.w, axis.m
     down, up = gaps.down[0] - gaps.swing / 2, gaps.up[1] - gaps.swing / 2
     pace = pace + (m1 / (2 * down) if m1 else 0) - (m2 / (2 * up) if m2 else 0)
@@ -195,7 +195,7 @@ def _steady(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Seque
 
 
 def _turning(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequence[Real]]:
-    """The numbers and the table of an axis that nods between x₁ and x₂."""
+    """The numbers and the table of :class:`AxialThetas` for an axis that nods between x₁ and x₂."""
     (down1, down2), (up1, up2), swing = gaps.down, gaps.up, gaps.swing
     wide = swing + gaps.above
     k, (m1, m2) = N.sqrt(swing / wide), axis.m

@@ -109,7 +109,8 @@ class Ellipsoid(SurfaceSystem):
         """The state after a step that agrees with the motion for a time ``h`` to second order and preserves the
         integrals.
 
-        It is the :meth:`step` of the λ < 0 whose ellipsoid the tangent meets at q + hp; h < 0 is a step back.
+        It is the :meth:`step` of the λ < 0 for which q + hp is on the ellipsoid Σy_i²/(a_i − λ) = 1; h < 0 is a step
+        back.
         """
         step = self._time_step(h)
 
@@ -131,8 +132,8 @@ class Ellipsoid(SurfaceSystem):
         return self._settled(read)
 
     def step(self, state: Point, point: Iterable[Value]) -> Point:
-        """The state of D + (λ, μ) − (0, 0), where ``point`` is (λ, μ); the tangents of both states meet the quadric of
-        λ.
+        """The state of D + (λ, μ) − (0, 0), where ``point`` is (λ, μ); the tangents of both states meet the quadric
+        Σy_i²/(a_i − λ) = 1.
 
         The state is real for λ < 0. ArgumentError if the point is not on the curve; NotASquare if a_i/(a_i − λ) has no
         square root; NotRepresentable or PrecisionLoss if there is no such state, as for λ = a_i.
@@ -146,8 +147,8 @@ class Ellipsoid(SurfaceSystem):
         return self._mapped(state, point, formula)
 
     def _moved(self, N: FormulaField, state: Point, x: Real, h: Real) -> Point:
-        """The new state: its tangent, followed backwards, and that of ``state`` meet the quadric of λ = x after the
-        time ``h``.
+        """The new state: its tangent, followed backwards, and that of ``state`` meet the quadric Σy_i²/(a_i − x) = 1
+        after the time ``h``.
         """
         a, slope = self._constants_in(N), x / h
         roots = [N.sqrt(e / (e - x)) for e in a]

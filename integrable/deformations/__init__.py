@@ -1,1 +1,1 @@
-"""The tilde, check, hat and gyroscopic pairs, which deform the ball and the top: integrals, steps and motions."""
+"""Steps and motions of the tilde, check, hat and gyroscopic pairs of integrals, which deform the ball and the top."""

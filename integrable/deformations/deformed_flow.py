@@ -36,7 +36,7 @@ __all__ = ["DeformedFlow"]
 
 GUARD_DIGITS = 18
 ROUNDING = 6
-"""Number of digits that the additions of one period may lose."""
+"""Number of digits that the computation may lose for a τ within one period."""
 # λ_k above this fraction of their terms lose no essential digits in floats
 ORDINARY = 1e-6
 

@@ -129,7 +129,7 @@ def _marched(
     strict: bool,
     unit: float,
 ) -> tuple[list[list[Real]], Exception | None]:
-    """The variables at the times that were reached, and the error that stops the others, None if there is none."""
+    """The variables at the times that were reached, and the error that describes why later times were not, or None."""
     loops, count = kind(field), len(start)
     # a step of radius/e² neglects e^{-2·order}
     order = ceil(digits * log(10) / 2) + 2

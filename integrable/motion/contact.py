@@ -35,13 +35,13 @@ if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
     from integrable.torus.integrals import TorusIntegral
 
-# length of a panel in basic steps
+# length of a panel in basic steps (Setup.step_length)
 PANEL_STEPS = 5
-# with this many panels or more the torus costs less than integrating along the motion
+# with more panels than this the torus costs less than integrating along the motion
 FAR = 50
-# MOST_PANELS panels with states from the torus, or MOST_PRECISE with single states, take about a second
+# MOST_PANELS panels with states from the torus, or MOST_PRECISE with states computed one by one, take about a second
 MOST_PANELS, MOST_PRECISE = 4000, 60
-# in multiprecision the torus costs less from FAR_GAUSS panels on; without a torus MOST_GAUSS panels take minutes
+# in multiprecision the torus costs less beyond FAR_GAUSS panels; without a torus MOST_GAUSS panels take minutes
 FAR_GAUSS, MOST_GAUSS = 4, 40
 # guard digits of the bounded part of the path
 GUARD = 2

@@ -59,7 +59,7 @@ MOST_INTERPRETED = 4096
 MOST_RATES = 16_000
 # digits of the clock that suffice for states in floats at the farthest times that MOST_RATES values of 1/g reach
 CLOCK_DIGITS = 24
-# basic steps per panel of a search for events, so few that its nodes resolve γ and M
+# basic steps (Setup.step_time) per panel of a search for events, so few that its nodes resolve γ and M
 PANEL_STEPS = 6
 
 
@@ -69,8 +69,8 @@ class Flow(BodyMotion):
     The ``kernel`` "python" is the readable loop, "compiled" the same source compiled (floats only), and "auto" chooses
     by the amount of work. With NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done once, when needed;
     :meth:`at` and :meth:`at_tau` may be called any number of times. The same times give the same states, to the last
-    bit, whatever was computed before. ``kernel="compiled"`` uses no short runs. This kernel is faster for a flow that
-    is called repeatedly for single times of some hundreds.
+    bit, whatever was computed before. ``kernel="compiled"`` uses no short runs, which is faster if a flow is called
+    often, each time for a single t of some hundreds.
     """
 
     kernel: str
@@ -206,7 +206,7 @@ class Flow(BodyMotion):
 
     def residual_growth(self, counts: Iterable[int]) -> list[tuple[int, Real]]:
         """The pairs (n, residual) for each n in ``counts``: |f − V² mod U| relative to |f| after n additions of one
-        basic step.
+        basic step (:attr:`Setup.step_length`).
         """
         from integrable.motion.residual import residual_growth
 

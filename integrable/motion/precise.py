@@ -43,9 +43,9 @@ WIDER = 10
 SPARE = 2
 # a motion may lose MOST_LOST digits more than the requested number; on the separatrix this takes half a minute
 MOST_LOST = 400
-# from this many basic steps per digit on, the torus costs less than stepping
+# from this many basic steps (Setup.step_length) per digit on, the torus costs less than stepping
 TORUS_FROM = 20
-# WORK_A_STEP multiplications for the tables of a torus cost as much as one digit of one basic step; the tables of
+# a basic step costs as much as WORK_A_STEP multiplications per digit for the tables of a torus; tables of up to
 # WORK_WITH_ROOM multiplications fit into memory
 WORK_A_STEP, WORK_WITH_ROOM = 20, 1 << 28
 # from ALONE_FROM digits on, the first time is computed without a series of the clock, starting from ROUGH_DIGITS digits
@@ -291,8 +291,8 @@ class BodyCarrier(Carrier):
     """The motion of a body at one internal precision, in bare reals and in the units of ``setup``.
 
     A :class:`~integrable.moving_point.setup.Setup` with more digits is made from ``problem``. ``limits`` bound the cost
-    of the clock: if they are finite, the torus has been tried. ``scouts``, shared by all clocks, measure the decay of
-    the series of 1/g.
+    of the clock; finite ones mean that the torus has failed in floats, and none is tried. ``scouts``, shared by all
+    clocks, measure the decay of the series of 1/g.
     """
 
     def __init__(

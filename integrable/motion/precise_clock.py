@@ -1,8 +1,8 @@
 """Physical time to many digits: t = ∫dτ/g by Gauss–Legendre quadrature on panels of the flow's own time.
 
-A *cell* is an interval of one basic step, centred at a multiple of the step. On it 1/g is stored as a Legendre series,
-which gives t and its inverse. Far from the start one rule integrates nine cells at once, without a series and with
-fewer nodes than nine rules.
+A *cell* is an interval of one basic step (:attr:`Setup.step_length`), centred at a multiple of the step. On it 1/g is
+stored as a Legendre series, which gives t and its inverse. Far from the start one rule integrates nine cells at once,
+without a series and with fewer nodes than nine rules.
 """
 
 from __future__ import annotations
@@ -85,8 +85,8 @@ class RatePanels:
         self._scouts = Scouts(setup, limits.compiled) if scouts is None else scouts
 
     def _at_nodes(self, nodes: list[Real], length: Real) -> Nodes:
-        """The translations T to ``nodes`` of [−1, 1], scaled to ``length`` cells; nodes are symmetric about 0, without
-        0.
+        """The :class:`Nodes` of a panel of ``length`` cells; ``nodes`` lie in [−1, 1], symmetric about 0, and do not
+        contain 0.
         """
         steps = self._setup.translations.at_nodes(nodes, self._sign * length)
         roots, d = None, self._d

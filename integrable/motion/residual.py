@@ -21,7 +21,9 @@ MOST_COUNT = 100_000_000
 
 
 def residual_growth(setup: Setup, counts: Iterable[int], kernel: str) -> list[tuple[int, Real]]:
-    """The pairs (n, residual) for each n in ``counts``, after n additions of one basic step; see :func:`residual`."""
+    """The pairs (n, residual) for each n in ``counts``, after n additions of one basic step
+    (:attr:`Setup.step_length`).
+    """
     wanted = f"a sequence of ints ≥ 0, {MOST_COUNT} at most,"
     given = entries(counts, "counts", wanted)
     counts = [

@@ -106,8 +106,8 @@ class ShortRuns:
         return None if found is None else found[1]
 
     def _run(self, times: np.ndarray, physical: bool, clock: bool) -> RowsAndTimes | None:
-        """(γ and M, other times). With ``physical`` the ``times`` are physical, the others τ. Otherwise ``times`` are
-        τ, and with ``clock`` the others are physical.
+        """(γ and M, other times). If ``physical``, ``times`` are physical and the other times are τ. Otherwise
+        ``times`` are τ, and the other times are physical if ``clock``.
         """
         if len(times) > MOST_TIMES:
             return None
@@ -181,7 +181,7 @@ def compiled_runs(
 
 
 def compiled_run(asked: Asked, times: np.ndarray) -> tuple[int, int, np.ndarray, np.ndarray]:
-    """Runs one motion at ``times`` and returns (status, cost in panels, γ and M, the other times).
+    """Runs one motion at ``times`` and returns (status, cost in panels, γ and M, τ or, with ``clock``, physical times).
 
     The status is 0 or the reason for failure.
     """
@@ -239,8 +239,8 @@ def rule() -> Rule:
 
 
 def lagrange(nodes: np.ndarray, weights: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """The values at ``places`` of the Lagrange polynomials of ``nodes``, shape (places, nodes). No place may be a node
-    (Berrut & Trefethen 2004, 3.3).
+    """The values at ``places`` of the Lagrange polynomials of ``nodes``, shape (places, nodes). ``places`` must not
+    contain a node (Berrut & Trefethen 2004, 3.3).
     """
     apart = places[:, None] - nodes
     found: np.ndarray = np.prod(apart, axis=1)[:, None] * weights / apart

@@ -221,8 +221,7 @@ class Trajectory(Exported):
     def __getitem__(self, which: slice | Sequence[int] | np.ndarray) -> Trajectory: ...
 
     def __getitem__(self, which: object) -> State | Trajectory:
-        """The State of one row, or the Trajectory of the rows that a slice or an array of numbers or truth values
-        chooses.
+        """The State of one row, or the Trajectory of the rows chosen by a slice or by an array of indices or booleans.
 
         NotRepresentable for a single row that was refused.
         """

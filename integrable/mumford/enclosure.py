@@ -41,7 +41,7 @@ class EnclosedTranslations(GroupTranslations):
     """The translations T(τ) of a motion, computed in balls."""
 
     def _reference(self) -> tuple[list[Real], list[Real]]:
-        # the points lie in different ovals, because balls widen more for points far from all branch points
+        # points in the middle of ovals come first, because balls widen more for points far from all branch points
         K, group = self.field, self.group
         xs = [] if K.complex else list(map(K.coerce, middles_of_ovals(group.f)))[: group.genus + 1]
         ys = [K.sqrt(poly.evaluate(K, group.f, x)) for x in xs]

@@ -262,19 +262,21 @@ class MumfordFlow:
         return TorusSection(self.at(times), theta, rotation)
 
     def sensitivity(self, times: Numbers) -> Sensitivity:
-        """The derivatives of q and p at the given times by q(0), p(0) and the constants and parameters of the system.
+        """The derivatives of q and p at the given times with respect to q(0), p(0) and the system's constants and
+        parameters.
 
         ``matrix`` of the result has shape (N, 2n, 2n + m), in the field of the system, with all its digits relative to
-        the largest element; ``columns`` names the inputs. The start varies within its constraints. A barrier of 0 has
-        no column. The derivatives are differences of 4n + 2m motions in more digits (:mod:`integrable.portrait.
-        differences`). PrecisionLoss where they are much larger than the time, as far away next to a separatrix.
+        the largest element; ``columns`` names the inputs. The start varies within its constraints. A barrier l_i = 0
+        has no column. Derivatives are difference quotients of 4n + 2m motions in more digits
+        (:mod:`integrable.portrait.differences`). PrecisionLoss if they are much larger than expected, as at far times
+        next to a separatrix.
         """
         from integrable.portrait.sensitivity import system_sensitivity
 
         return system_sensitivity(self, times)
 
     def _inputs(self) -> tuple[Inputs, tuple[str, ...]]:
-        """The numbers that the motion depends on, and their names."""
+        """The numbers on which the motion depends, the sizes of their changes, and their names."""
         from integrable.portrait.differences import Inputs
 
         (q, p), constants, rate = self.start, self.system._varied, self._fastest or 1.0
@@ -344,11 +346,11 @@ class MumfordFlow:
         return float(min(last - first, PANEL_TURN / fastest)) if fastest else last - first
 
     def _over(self, field: Field) -> Self:
-        """The motion of the same numbers over another field."""
+        """The same motion over another field, to which its numbers are converted."""
         return self if field == self.system.field else self._through(self._numbers, field)
 
     def _through(self, numbers: Iterable[Real], field: Field) -> Self:
-        """The motion over a field with these q, p, constants and parameters."""
+        """The motion over ``field`` with ``numbers`` for q, p, and the system's constants and parameters."""
         n, c, given = self.system.size, len(self.system.constants), tuple(map(field.coerce, numbers))
         q, p, constants, parameters = given[:n], given[n : 2 * n], given[2 * n : 2 * n + c], given[2 * n + c :]
         return type(self)(replaced(self.system, field=field, constants=constants, parameters=parameters), Point(q, p))
@@ -540,7 +542,7 @@ class MumfordFlow:
 
 
 def largest_rate(matrices: Sequence[np.ndarray]) -> float:
-    """The largest modulus of an eigenvalue of some matrices."""
+    """The largest modulus of the eigenvalues of all matrices."""
     import numpy as np
 
     return float(np.abs(np.linalg.eigvals(matrices)).max())

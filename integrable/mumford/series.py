@@ -156,7 +156,7 @@ class PointMotion:
             step = self._solved(missing, middle)
             width = [2 * abs(x).abs_upper() for x in step]
             found = self._solved(missing, [ball_around(x, w) for x, w in zip(middle, width, strict=True)])
-            # the iteration ends when the box adds no more to the radius than rounding, or the radius of the time, does
+            # the iteration ends when the box widens the result no more than rounding and the radius of the time do
             if all(abs(x) <= w and x.rad() <= 2 * y.rad() for x, y, w in zip(found, step, width, strict=True)):
                 return [x + y for x, y in zip(middle, found, strict=True)]
             middle = [(x + y).mid() for x, y in zip(middle, step, strict=True)]

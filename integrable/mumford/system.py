@@ -200,7 +200,7 @@ class MumfordSystem(Made):
 
     @property
     def _varied(self) -> dict[str, float]:
-        """The size of noticeable changes of the constants and parameters, by their names; 0 for fixed ones."""
+        """The size of a noticeable change of each constant and parameter, by name; 0 if it does not vary."""
         given = (value if isinstance(value, tuple) else (value,) for value in self.arguments.values())
         names = [
             f"{name}{i if len(x) > 1 else ''}"

@@ -35,10 +35,10 @@ LEAST = exp(-pi * DEPTH)
 class ThetaSums(NamedTuple):
     """The weights of the theta series of all classes (characteristics).
 
-    ``table`` has the shape ``sizes`` = (classes, rows, columns). Rows are a = e₁, e₁ + 2, …, columns b = e₂, e₂ + 2, ….
-    An entry holds w₊ + w₋ and w₊ − w₋ for the weights w± of (a, ±b), then the same for the derivative along a
-    direction. Entries after ``lengths`` columns of a row are negligible. ``chars`` are e₁, e₂, δ₁, δ₂ of each class.
-    ``inverse`` is that of :func:`integrable.mumford.elliptic_torus.circle`.
+    ``table`` has ``sizes`` = (classes, rows, columns) entries of four numbers, one after the other. Rows are a = e₁, e₁
+    + 2, …, columns b = e₂, e₂ + 2, …. An entry holds w₊ + w₋ and w₊ − w₋ for the weights w± of n = (a, ±b)/2, first of
+    θ, then of its derivative along a direction. Entries after ``lengths`` columns of a row are negligible. ``chars``
+    are e₁, e₂, δ₁, δ₂ of each class. ``inverse`` is that of :func:`integrable.mumford.elliptic_torus.circle`.
     """
 
     table: Row

@@ -161,7 +161,7 @@ class ThetaTorus:
         return Extended((*u, Column(1.0)), v, tuple(found))
 
     def _phases(self, times: np.ndarray) -> np.ndarray:
-        """Both phases in turns, shape (N, 2, 2)."""
+        """Both phases in turns as double-doubles, shape (N, 2, 2)."""
         if self._clock is None:
             turned = [Column(times) * nu for nu in self._frequencies]
         else:
@@ -270,7 +270,9 @@ def pairs_of_columns(columns: Sequence[Column]) -> np.ndarray:
 def rates_on(
     sums: ThetaSums, size: Column, places: Sequence[Column], rate: Rate, grid: tuple[int, int], known: np.ndarray | None
 ) -> np.ndarray:
-    """A rate on a grid of the torus, shape (rows, columns, 2); ``sums`` are the series of its branch point."""
+    """A rate on a grid of the torus, in double-doubles of shape (rows, columns, 2); ``sums`` are the series of its
+    branch point.
+    """
     rows, columns = (np.arange(n) / n for n in grid)
     phases = [x.ravel() for x in np.meshgrid(rows, columns, indexing="ij")]
     out = sums_at(sums, pairs_of_columns([Column(x) + place for x, place in zip(phases, places, strict=True)]))

@@ -34,7 +34,8 @@ def matrices(gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
     The rows are the axes x, y, z of space in the body frame: R γ = (0, 0, 1), R M = (√(|M|² − (γ, M)²), 0, (γ, M)).
     """
     horizontal = M
-    # M is made orthogonal to γ twice (Parlett 1980): one pass leaves a rounding error along γ if the rest is short
+    # the projection is repeated (Parlett 1980): if the horizontal part is short, one pass leaves a rounding error along
+    # γ
     for _ in range(2):
         horizontal = horizontal - np.sum(gamma * horizontal, axis=1)[:, None] * gamma
     x = horizontal / (np.sum(horizontal * horizontal, axis=1) ** 0.5)[:, None]

@@ -5,9 +5,9 @@ The *pair* of axis i is (γ̂_i, n̂_i) = (gγ_i, 2w_i + λγ̂_i) with w = γ×
 
     U = Σ r_i²γ̂_i²(x − a_j)(x − a_k),      V = Σ r_i²γ̂_i n̂_i(x − a_j)(x − a_k),      U | f − V²,
 
-so that (γ̂_i, n̂_i) is the pair of :mod:`jacobian.relatives.signed` at the branch point a_i, with κ_i = r_i²(a_i −
-a_j)(a_i − a_k); the pair at 1/d is (g, λg) with κ = Π r_i²/d². (After Tsiganov, "Integrable discretization and
-deformation of the nonholonomic Chaplygin ball", section 2.1, whose coordinates have square roots.)
+so that (γ̂_i, n̂_i) is the pair of :mod:`jacobian.relatives.signed` at the branch point a_i: U(a_i) = κ_iγ̂_i² with κ_i
+= r_i²(a_i − a_j)(a_i − a_k). The pair at 1/d is (g, λg), with κ = Π r_i²/d². (After Tsiganov, "Integrable
+discretization and deformation of the nonholonomic Chaplygin ball", section 2.1, whose coordinates have square roots.)
 """
 
 from __future__ import annotations

@@ -69,7 +69,7 @@ class Swing(NamedTuple):
 
     @property
     def spread(self) -> Real:
-        """The amplitude δA² of g⁻²."""
+        """The range δA² of g⁻² = r − δA² sin²θ."""
         return self.delta * self.size * self.size
 
     @property

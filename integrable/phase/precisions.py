@@ -1,8 +1,8 @@
 """Decimal digits of floats, and of the computations whose results are rounded to floats."""
 
 FLOAT_DIGITS = 15
-"""Significant digits of a float. A scene is computed in floats if it requests at most these, and a certificate in
-floats confirms at most these.
+"""Significant digits of a float: the most that a scene computed in floats may request, and the most that a certificate
+in floats can confirm.
 """
 EPS_DIGITS = 16
 """The decimal place of a float's last bit, from which the digits lost in a step are counted."""

@@ -1,1 +1,1 @@
-"""Taylor series of motions from formulas: tapes, recurrences, and short runs of any equations in floats."""
+"""Taylor series of motions from formulas: tapes, recurrences, and compiled walks of any equations in floats."""

@@ -72,7 +72,9 @@ def coefficients(
 
 
 def values_at(x: Real, order: int, series: Reals, count: int, out: Reals, place: int) -> None:
-    """Writes the first ``count`` variables at distance ``x`` from their expansion point to ``out[place]`` onward."""
+    """Writes the first ``count`` variables at distance ``x`` from the expansion point to ``out``, from index ``place``
+    on.
+    """
     for i in range(count):
         start = i * (order + 1)
         total = series[start + order]

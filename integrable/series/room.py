@@ -17,7 +17,8 @@ WIDEST = 8 if "+avx512f" in features() else 4
 # largest number of variables in one vector
 ABREAST = 4
 # indices of vectors in a :class:`Room`: from RATIOS on, the coefficient ratios that determine the step; at BENT, the
-# size of the coefficients of orders 2 and 3; from STEP on, the steps; from UNITS on, unit/(k + 1)
+# size of the coefficients of orders 2 and 3; from STEP on, the steps; from UNITS on, unit/(k + 1), where unit is the
+# unit of time
 RATIOS, BENT, STEP, UNITS = 0, 4, 5, 8
 # number of leading coefficients whose largest is taken as the size of a variable
 FIRST = 4

@@ -97,7 +97,7 @@ class Sums:
     def _together(self, text: Text, nodes: Sequence[int], k: int) -> Wide:
         """Coefficients k of several nodes in one vector.
 
-        They are put together in registers, because a load of a vector waits for stores of its parts.
+        The vector is put together in registers, because a load of it would wait for the stores of its parts.
         """
         high = self._joined(text, [self._hi(n, k) for n in nodes])
         if k > self.wide:
@@ -108,8 +108,8 @@ class Sums:
         return fast_two_sum(text, high, low) if k else (high, low)
 
     def _put_sides(self, k: int, of_variables: bool) -> None:
-        """Stores coefficients k of the sides of the vectors of products: of the sides that consist of variables if
-        ``of_variables``, otherwise of the others.
+        """Stores coefficients k of those sides of the vectors of products that consist of variables if
+        ``of_variables``, otherwise of those that do not.
         """
         for nodes, width in self.room.packs.items():
             text = Text(self.room.lanes * width, self.text)

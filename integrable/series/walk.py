@@ -32,8 +32,8 @@ LEAST_UNIT = 2.0**-8
 # a walk goes on if ``most`` steps of UNEVEN times the present length would reach the last time; after KNOWN steps, if
 # ``most`` steps of EVEN times the mean length would
 UNEVEN, KNOWN, EVEN = 4, 64, 1.25
-# a walk ends after more than MOST_LOST lost rows. A row is lost if it is wrong or, from 1/KNOWN_FROM of the last time
-# on, if the last row's difference predicted from it exceeds HOPELESS times the allowed one
+# a walk ends after more than MOST_LOST lost rows. A row is lost if it is wrong, or if it is later than 1/KNOWN_FROM of
+# the last time and predicts a difference in the last row above HOPELESS times the allowed one
 MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
 # time between compared rows in first steps of a walk; the values of marks
 APART, COMPARED, WRONG = 0.5, 1.0, 2.0

@@ -110,7 +110,7 @@ class BodyPath(Immutable):
         return replaced(Path(run.times, run.gamma, run.M, run.way), error=run.error, digits=run.digits)
 
     def sensitivity(self, times: Numbers) -> Sensitivity:
-        """The derivatives of γ and M by γ(0), M(0), I and d that the body's own flow gives."""
+        """The derivatives of γ and M with respect to γ(0), M(0), I and d, as given by the body's own flow."""
         return self._flow.sensitivity(times)
 
     def certify(self, times: Numbers, digits: int | None = None) -> Path:
