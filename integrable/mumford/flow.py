@@ -47,8 +47,8 @@ RIGHT = 1e-12
 # trying (python -m benchmarks near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(2000, 3), 3: Cost(60_000, 100)}
-# largest time of the finest steps before a torus of genus ≥ 3 is made, as a fraction of its cost: 23 ms of 62 for
-# Neumann's point on S³ to T = 1000
+# the finest steps may take this fraction of the cost of a torus of genus ≥ 3 before it is made: 23 ms of 62 for
+# Neumann's point on S³ to t = 1000
 SHARE_OF_FINEST = 1 / 3
 # from this many times on, additions take at least as long as a torus that additions confirm: 34 ms against 19 where
 # branch points of genus 2 are not real, 72 against 72 in genus 3 (python -m benchmarks real_torus)
@@ -447,7 +447,7 @@ class MumfordFlow:
 
     @property
     def _of_a_torus(self) -> bool:
-        """Whether such motions have tori in floats: in genus 1 only if t is linear in τ."""
+        """Whether motions of this system have a torus in floats; in genus 1 only if t is linear in τ."""
         system = self.system
         return not system.complex_data and (not system.clocked or self._genus >= 2)
 
@@ -550,7 +550,7 @@ def largest_rate(matrices: Sequence[np.ndarray]) -> float:
 
 @cache
 def _walks() -> tuple[Callable[..., Near], Callable[..., Near]]:
-    """Two functions of :mod:`integrable.series.near`, a module that loads LLVM."""
+    """The functions ``walked`` and ``finished``, imported on first use because their module loads LLVM."""
     from integrable.series.near import finished, walked
 
     return walked, finished

@@ -475,7 +475,7 @@ class MumfordSystem(Made):
 
 @cache
 def _kind_of() -> Callable[[Hashable, Callable[[], Kind | None]], Kind | None]:
-    """The function :func:`integrable.series.kinds.kind_of`, whose module loads LLVM."""
+    """The function ``kind_of``, imported on first use because its module loads LLVM."""
     from integrable.series.kinds import kind_of
 
     return kind_of
@@ -494,7 +494,7 @@ def elements(K: FormulaField, values: Iterable[Value], argument: str, count: int
 
 def _finite_floats(values: object) -> TypeGuard[tuple[float, ...]]:
     """Whether ``values`` is a tuple of floats with a finite sum."""
-    # the sum of finite floats may be infinite too, which makes other code look at them one by one
+    # finite floats with an infinite sum are rejected here, and are then checked one by one
     return type(values) is tuple and set(map(type, values)) == {float} and math.isfinite(sum(values))
 
 

@@ -117,7 +117,7 @@ def times_in(field: Field, values: Numbers, argument: str) -> np.ndarray:
 
 
 def _array_of(values: object) -> np.ndarray:
-    """The array of a list; an array that is not of floats for anything that :func:`times_in` must look at closer."""
+    """A list as an array; an empty array of objects for other values, and for a list that NumPy rejects."""
     try:
         return np.array(values) if type(values) is list else np.empty(0, dtype=object)
     except (ValueError, TypeError, OverflowError):

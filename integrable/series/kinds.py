@@ -87,11 +87,11 @@ class Kind:
         return Compiled(room, self.count, self.half, machine.loaded(found.code, ENTRIES))
 
 
-# the 64-bit words of all calls with the same steps: codes, bounds, units with their length, half, parts, order, highs,
-# wide, spare, apart
+# the 64-bit words that all calls with the same steps share: codes, bounds, units with their length, half, parts, order,
+# highs, wide, spare, apart
 FIXED = struct.Struct("=5q10dQq7q")
-# the words of one call: constants and state with their lengths, the number of steps, then room, times, found, both
-# and marks, each with its length; and those that it returns
+# the words of one call: constants and state with their lengths, the number of steps, then room, times, found, both and
+# marks, each with its length. BACK are the words of its result
 WORDS, BACK = struct.Struct("=QqQqd" + "Qq" * 5), struct.Struct("=qqdq")
 from_buffer: Any = c_char.from_buffer
 

@@ -31,7 +31,7 @@ class Walked(Protocol):
 
 
 class Near(NamedTuple):
-    """The states (q, p) at those times that were reached, of shape (N, 2, n), and an error estimate.
+    """The states at those times that were reached, of shape (N, parts, n): q, p and any further parts.
 
     ``error`` estimates the largest error, relative to the largest component of q, or of p. ``places`` are the indices
     of the times, None for all times in order. ``begun`` is False if the last walk took no step, as the farthest time is
@@ -56,7 +56,7 @@ def walked(system: Walked, state: PhasePoint, times: np.ndarray, most: float, to
         if walk is None:
             break
         if found is None or not len(found.states):
-            # walks to times in order, as they mostly are
+            # times are mostly in order, so all of them are tried in one walk first
             first = walk(system._walk_constants, given, times, steps, most / walk.step_cost)
             if first.reached == len(times) and first.wrong is None:
                 return Near(None, first.states, SPARE * first.gap)

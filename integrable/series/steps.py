@@ -41,8 +41,8 @@ class Steps(NamedTuple):
 # terms in floats cause nearly as large an error in the finer walk
 WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE, FINEST = Steps(WIDE, 1e-25, 1e-7, 1e1, 1e1, 2.0**-56), Steps(WIDEST, 1e-29, 1e-11, 1e3, 1e3, 2.0**-56)
-# ROUGH takes 4/5 of the time of FINE (python -m benchmarks near); it is for some hundred steps, over which differences
-# seldom grow too much: of eleven motions with 140 to 430 first steps none do, of two with 490 and 570 both
+# ROUGH takes 4/5 of the time of FINE (python -m benchmarks near); it is for some hundred steps. The walks came to
+# differ too much in none of eleven motions of 140 to 430 first steps, and in both of two with 490 and 570
 ROUGH = Steps(Orders(8, 34), 1e-22, 3e-6, 1e1, 1e1, 2.0**-56, 450.0)
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # SHARE (steps in floats) and SHARE_OF_MIDDLE (steps whose first terms are double-doubles) bound truncation errors in

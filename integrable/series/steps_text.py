@@ -159,8 +159,8 @@ class Series(Sums):
         return self.text.wide_product(rate, (unit, self.text.load(room.lows_of_units + k)))
 
     def ratios(self) -> str:
-        """The LLVM function that stores the largest ratio of the last two, and of the first two float, coefficients to
-        the variable's size.
+        """The LLVM function that stores the largest ratio of a coefficient to the size of its variable, for the last
+        two orders and the first two in floats; then the largest coefficient of orders 2 and 3.
         """
         self.text = Text(self.room.lanes)
         last, several = self.order, chunks(self._shown)

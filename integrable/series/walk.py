@@ -27,7 +27,7 @@ BACK = 0.25
 # steps are multiples of this, in units of time, so that sums of steps are exact up to 2^53 multiples
 GRAIN = 2.0**-36
 MOST_UNITS = 2.0**16
-# least unit of time, and reciprocal of the largest, for which no coefficient in the unit 1 leaves the range of floats
+# if the unit of time is between LEAST_UNIT and 1/LEAST_UNIT, no coefficient in the unit 1 leaves the range of floats
 LEAST_UNIT = 2.0**-8
 # a walk goes on if ``most`` steps of UNEVEN times the present length would reach the last time; after KNOWN steps, if
 # ``most`` steps of EVEN times the mean length would
@@ -35,7 +35,7 @@ UNEVEN, KNOWN, EVEN = 4, 64, 1.25
 # a walk ends after more than MOST_LOST lost rows. A row is lost if it is wrong, or if it is later than 1/KNOWN_FROM of
 # the last time and predicts a difference in the last row above HOPELESS times the allowed one
 MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
-# time between compared rows in first steps of a walk; the values of marks
+# APART is the time between compared rows in units of the first step; COMPARED and WRONG are values of marks
 APART, COMPARED, WRONG = 0.5, 1.0, 2.0
 
 
@@ -99,8 +99,8 @@ class Given(NamedTuple):
 class Outputs(NamedTuple):
     """The output times, the states ``found`` at them, and those of both walks at the times that are compared.
 
-    ``both`` has a row for each time and walk, of high and low parts. ``marks`` says which rows are COMPARED and which
-    of all rows are WRONG, and is 0 for the others.
+    ``both`` has a row of high and low parts for each walk and time. ``marks`` is WRONG for wrong rows, COMPARED for
+    compared rows that are right, and 0 for all others.
     """
 
     times: Array
@@ -112,8 +112,8 @@ class Outputs(NamedTuple):
 class Compared(NamedTuple):
     """The comparison of the first ``rows`` rows of both walks.
 
-    ``wrong`` counts the comparisons that failed, ``lost`` those that failed or predict that the last one will, and all
-    rows before ``first`` come before these. ``gap`` is the largest difference.
+    ``wrong`` counts the comparisons that failed, ``lost`` those that failed or predict that the last one will.
+    ``first`` is the row after the comparison that precedes the first lost one. ``gap`` is the largest difference.
     """
 
     rows: int
@@ -280,8 +280,8 @@ def reach(bounds: Bounds, room: Array, lane: int) -> float:
 
 
 def put_marks(outputs: Outputs, apart: float) -> None:
-    """Marks the rows that the walks compare: the last one, and others so that no two are farther ``apart`` in time than
-    two neighbours.
+    """Marks the rows that the walks compare: the last one, and as many others as are needed so that consecutive ones
+    are at most ``apart`` apart in time, or adjacent.
     """
     times, last, before = outputs.times, len(outputs.times) - 1, 0.0
     for row in range(last):
@@ -291,8 +291,8 @@ def put_marks(outputs: Outputs, apart: float) -> None:
 
 
 def put_rows(codes: Codes, layout: Layout, room: Array, at: Place, limit: int, per: float, outputs: Outputs) -> int:
-    """Writes the rows that the series of one walk reach, from its next row on; returns the first row beyond. The second
-    walk has only rows that are compared; ``per`` is the reciprocal of the unit of time.
+    """Writes the rows that the series of one walk reach, from its next row on; returns the first row beyond. For the
+    second walk these are compared rows only. ``per`` is the reciprocal of the unit of time.
     """
     ahead = room[layout.spare : layout.spare + (2 + 2 * layout.parts * layout.half) * TIMES]
     lane, now, step, row = at
@@ -345,8 +345,8 @@ def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bo
 
 
 def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs: Outputs) -> Compared:
-    """The comparison of both walks up to row ``limit``. A row that is not compared is wrong if the one before or after
-    it that is compared is wrong.
+    """The comparison of both walks up to row ``limit``. A row that is not compared is wrong if the nearest compared row
+    before or after it is wrong.
     """
     times, marks, last = outputs.times, outputs.marks, abs(outputs.times[len(outputs.times) - 1])
     rows, wrong, lost, first, worst = seen
