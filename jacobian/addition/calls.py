@@ -30,8 +30,8 @@ from jacobian.numbers.words import Wide64, word_context
 
 def context(K: Any) -> Any:
     """The context of a word-size field: the constants of its compiled arithmetic. All primes share one class of
-    contexts, because loops are compiled separately for each class. A class for small primes would save only a tenth of
-    the time of a multiple.
+    contexts, because loops are compiled separately for each class. A separate class for small primes would save only
+    a tenth of the time of a multiple.
     """
     return table_context(K) if isinstance(K, TableField) else Wide64(*word_context(K.p, 64))
 
@@ -71,8 +71,8 @@ def library(context: type, model: type) -> Library:
 
 
 class WordKernel:
-    """Addition, doubling and multiples of reduced triples on one curve, its own ``arithmetic_model``, over a word-size
-    field.
+    """Addition, doubling and multiples of reduced triples on one curve that is its own ``arithmetic_model``, over a
+    word-size field.
 
     Sums use Cantor's algorithm; multiples use the explicit formulas of ``equation`` where they apply.
     """
@@ -189,7 +189,7 @@ class TwoWordKernel(ExplicitKernel):
 
 
 def word_kernel(C: HyperellipticCurve) -> WordKernel | LineKernel:
-    """The compiled kernel of a curve that is its own ``arithmetic_model``: over GF(p), p < 2^63 odd, or TableField."""
+    """The compiled kernel of a curve that is its own ``arithmetic_model``: over GF(p), 2 < p < 2^63, or TableField."""
     return WordKernel(C) if short_equation(C, int) is None else LineKernel(C)
 
 

@@ -8,10 +8,10 @@ same triples.
 
 The compiled kernels of :mod:`jacobian.addition.calls` are faster than all of these. They exist over fields of word size
 (GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements). Where explicit formulas apply, they also exist over GF(p), 2^63
-< p < 2^128, and GF(2^n), 16 < n < 128. A machine compiles them once, and each process loads them. So a group starts
-with a kernel that is not compiled. It switches once the process has spent as much time on additions in such groups as
-the switch takes: after READY additions if the kernels are on disk (``python -m jacobian compile`` puts them there),
-else after COLD ones. :meth:`jacobian.group.Jacobian.compile` switches at once.
+< p < 2^128, and GF(2^n), 16 < n < 128. Compiling them, once on each machine, and loading them, once in each process,
+takes time. So a group starts with a kernel that is not compiled. It switches once the process has spent as much time on
+additions in such groups as the switch takes: after READY additions if the kernels are on disk (``python -m jacobian
+compile`` puts them there), else after COLD ones. :meth:`jacobian.group.Jacobian.compile` switches at once.
 """
 
 from __future__ import annotations

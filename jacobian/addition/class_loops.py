@@ -1,8 +1,8 @@
 """Sums, doublings and multiples of single classes: loops to be compiled, for every context and equation.
 
 Explicit formulas add two classes in general position. In a special case Cantor's algorithm takes over. Over fields of
-word size it is compiled too (:mod:`jacobian.addition.cantor_words`), so that a multiple continues. In other contexts
-the loop reports the special case to its caller. Without compilation the same functions run in Python.
+word size it is compiled too (:mod:`jacobian.addition.cantor_words`), so that a multiple is computed to its end. In
+other contexts the loop reports the special case to its caller. Without compilation the same functions run in Python.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ PRIMES = 100
 
 
 class Algebra(NamedTuple):
-    """The algebra End ⊗ QQ: its ``name``, such as QQ(√5) or M_2(QQ), its ``dimension`` over QQ, and ``commutative``."""
+    """End ⊗ QQ: its ``name``, such as QQ(√5) or M_2(QQ), its ``dimension`` over QQ, whether it is ``commutative``."""
 
     name: str
     dimension: int

@@ -99,7 +99,9 @@ def combination(J: GroupLaw, scalars: Iterable[int], divisors: Iterable[Divisor]
 
 
 def straus_cost(terms: int, bits: int) -> int:
-    """The number of group operations of :func:`straus`: a table per term, one chain of doublings, and the digits."""
+    """The number of group operations of :func:`straus`: the tables of the terms, one chain of doublings, an addition
+    for each non-zero digit.
+    """
     return bits + terms * ((1 << (WINDOW - 2)) + bits // (WINDOW + 1))
 
 

@@ -3,9 +3,9 @@
 These are the formulas of :mod:`jacobian.inexact.composition` for two divisors of weight two on y² = f(x), deg f ≤ 5,
 unrolled; a quartic f gives the generalized Jacobian with modulus ∞₊ + ∞₋. The summands are D = (U, V) and D' = (U',
 V'), their sum is D'' = (U'', V''), W is (f − V²)/U, and q·y − p with p = q·V + L·U vanishes on both summands.
-Coordinates must be in units in which the coefficients of f and of the summands are of moderate size. The result must
-be of weight two: the real motions that use this never leave the compact component. Numbers are ``float`` or ``mpf``;
-:mod:`jacobian.native` compiles these functions, for floats and for double-double numbers.
+Coordinates must be in units in which the coefficients of f and of the summands are of moderate size. The result must be
+of weight two: the real motions that use these functions stay in a compact set of such classes. Numbers are
+``float`` or ``mpf``; :mod:`jacobian.native` compiles these functions, for floats and for double-double numbers.
 """
 
 from __future__ import annotations

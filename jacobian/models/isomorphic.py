@@ -74,7 +74,7 @@ def _isomorphisms(C: HyperellipticCurve, E: HyperellipticCurve) -> Iterator[Isom
 
 
 def _with_matrix(C: HyperellipticCurve, E: HyperellipticCurve, matrix: Matrix) -> Iterator[Isomorphism]:
-    """Yields the isomorphisms with this matrix: e from F_E(ax + b, cx + d) = e²F_C, t from both completed squares."""
+    """Yields the isomorphisms with this matrix: F_E(ax + b, cx + d) = e²F_C, F = h² + 4f, gives e, both h give t."""
     K, n = C.field, C.genus + 1
     moved = substituted(K, E.discriminant, 2 * n, matrix)
     ratio = K.div(moved[-1], C.discriminant[-1])

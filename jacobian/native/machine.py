@@ -36,8 +36,8 @@ def name() -> str:
 
 
 def object_of(text: str, as_written: bool = False) -> bytes:
-    """The optimized module as an object file. With ``as_written`` optimization is skipped: long straight-line code
-    gains little from it.
+    """The optimized module as an object file. ``as_written`` skips the optimization, from which long straight-line
+    code gains little.
     """
     machine = _target(1 if as_written else 2)
     module = llvm.parse_assembly(text)

@@ -6,8 +6,8 @@ arithmetic). The factors of block b are the same on each level, in the order of 
 processor's cache are finished one after the other. The last four levels run on SIDE blocks of 16 at once and leave the
 values in an interleaved order. Pointwise products and the inverse transform work in that order too.
 
-Numbers may be of size below 4.5·q on entry. :func:`forward` returns sizes below 2·q, :func:`backward` below 4.5·q. The
-caller compiles the functions (:mod:`jacobian.native`).
+Numbers modulo the prime q may be of size below 4.5·q on entry. :func:`forward` returns sizes below 2·q,
+:func:`backward` below 4.5·q. The caller compiles the functions (:mod:`jacobian.native`).
 """
 
 from __future__ import annotations
@@ -24,7 +24,9 @@ CACHED = 1 << 16
 
 
 def _split(Q: Any, a0: Any, a1: Any, a2: Any, a3: Any, outer: Any, inner: Any, other: Any) -> Any:
-    """The residues modulo X^m ∓ W' and X^m ∓ W'' from those modulo X^(4m) − W²: two levels of :func:`forward`."""
+    """The residues modulo X^m ∓ W' and X^m ∓ W'', W'² = W, W''² = −W, from those modulo X^(4m) − W²: two levels of
+    :func:`forward`.
+    """
     a0, a2, a3 = mul(Q, a0, 1.0), mul(Q, a2, outer), mul(Q, a3, outer)
     b1, b3 = mul(Q, a1 + a3, inner), mul(Q, a1 - a3, other)
     return a0 + a2 + b1, a0 + a2 - b1, a0 - a2 + b3, a0 - a2 - b3

@@ -121,7 +121,7 @@ def _genus(facts: Facts) -> Answer:
 
 def discriminant(C: HyperellipticCurve) -> Any:
     """2^(−4(g+1)) times the discriminant of the form h² + 4f of degree 2g + 2 (Lockhart 1994): for minimal equations of
-    genus 2 it is the LMFDB's.
+    genus 2 it is that of the LMFDB.
     """
     F, n = C.discriminant, len(C.discriminant) - 1
     found = poly.resultant(QQ, F, poly.derivative(QQ, F)) / F[-1] * (-1) ** (n * (n - 1) // 2)

@@ -2,8 +2,8 @@
 
 The cycles are the lifts of the edges of the Euclidean minimal spanning tree of the branch points (2g edges), integrated
 by Gauss–Chebyshev quadrature (after Molin and Neurohr 2019, with this tree). Two lifts that share a branch point cross
-there once, in the local parameter Y. No others meet, since the edges of a minimal tree are disjoint. The directions of
-the cycles give the sign of a crossing.
+there once, in the local parameter Y. No other lifts meet, since the edges of a minimal tree are disjoint. The
+directions of the cycles give the sign of a crossing.
 """
 
 from __future__ import annotations
@@ -165,7 +165,7 @@ def _unit(z: Any) -> complex:
 
 
 def rough_root(others: Sequence[tuple[complex, bool]], t: float) -> complex:
-    """Π√(±(t − u)) to a few digits, each root principal; ``others``: pairs of u and whether Re u > 0 (sign −)."""
+    """Π√(±(t − u)) to a few digits, each root principal; ``others``: pairs of u and whether Re u > 0, where ± is −."""
     value = 1 + 0j
     for u, right in others:
         # for t in [−1, 1] the radicand stays off the negative axis

@@ -35,8 +35,8 @@ class Periods(NamedTuple):
 
 
 def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods:
-    """The cycles and the half-periods of five roots, given in the order of a simple polygon. The sheets are chosen so
-    that τ is symmetric with Im τ positive.
+    """The cycles and the half-periods of the curve with these five roots, given in the order of a simple polygon. The
+    sheets are chosen so that τ is symmetric with Im τ positive.
     """
     sides = [along(Z, roots, lead, k) for k in range(4)]
     for signs in product((1, -1), repeat=3):
