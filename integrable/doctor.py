@@ -36,7 +36,7 @@ class Findings(NamedTuple):
 
 
 def findings() -> Findings:
-    """All findings; the first run compiles, and says so."""
+    """All findings. The first run on a machine compiles code, which the time of the first motion includes."""
     kept, no_place = _kept()
     where = machine()
     facts = [

@@ -21,7 +21,7 @@ FULL = {
     errno.EDQUOT: "the quota of the disk is used up",
     errno.EFBIG: "the file would be larger than the limit that the system sets (ulimit -f)",
 }
-"""The meanings of the system's errors for lack of room."""
+"""The meanings of the system's errors for lack of disk space."""
 
 
 def target_of(path: File, wanted: str, argument: str = "path") -> Path:

@@ -42,8 +42,8 @@ class RigidBody(Made):
     """A free rigid body: no torque acts about its centre of mass or, if a point of it is fixed, about that point.
 
     ``inertia`` is its tensor about that point in any axes, or three moments in its principal axes, in kg·m²; ``field``
-    RR or MP(digits). ``moments`` (3) and ``axes`` (3, 3) are the principal moments and, as columns, the axes, in the
-    axes of the tensor.
+    RR or MP(digits). ``moments`` (3,) are the principal moments; the columns of ``axes`` (3, 3) are the principal
+    axes, in the axes of the tensor.
     """
 
     mass: Real | None = None

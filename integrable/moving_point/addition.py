@@ -2,10 +2,10 @@
 
 A *moving point* is (u0, u1, v0, v1, σ1, σ2, σ3, ν1, ν2, ν3): the divisor U = x² + u1·x + u0, V = v1·x + v0, and for
 every axis the pair (σ_i, ν_i), a lift. σ_i carries the sign of γ_i = σ_i/|σ|; κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
-*translation* is the same with κ_i = 1. All numbers are in the flow's units (:mod:`integrable.moving_point.setup`). They
-are ``float`` or ``mpf``, in lists, tuples or numpy rows. ``axes`` is (α1, α2, α3, κ1, κ2, κ3, α, β). For a tilted body
-α and β give the rate of its clock, (α + βñ)/g̃ (:meth:`integrable.phase.upright.ChaplyginTransformation.rate`); for an
-upright one they are (1, 0).
+*translation* is the same with κ_i = 1. All numbers are in the units of
+:class:`integrable.moving_point.problem.Problem`. They are ``float`` or ``mpf``, in lists, tuples or numpy rows.
+``axes`` is (α1, α2, α3, κ1, κ2, κ3, α, β). α and β give the rate of a tilted body's clock (:func:`rate_at`); for an
+upright body they are (1, 0).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from jacobian.inexact.retraction import retracted
 from jacobian.numbers.roots import root
 
 Row = Any
-# with this many terms a series at 1.4·REACH of its radius of convergence has all digits of a float
+# with this many terms a power series at 0.42 of its radius of convergence has all digits of a float
 FLOAT_TERMS = 48
 
 
@@ -114,7 +114,8 @@ def pair(a: Real, kappa: Real, sigma: Real, nu: Real, sigma2: Real, nu2: Real, t
 
 
 def rate_at(axes: Row, point: Row) -> Real:
-    """1/g at a moving point: 1/√Σσ², and for a tilted body (α + βΣ(α_k − α_j)ν_iσ_jσ_k)/√Σσ²."""
+    """1/g at a moving point: 1/√Σσ², and for a tilted body (α + βΣ(α_k − α_j)ν_iσ_jσ_k)/√Σσ², where the
+    sum is over cyclic (i, j, k)."""
     x1, x2, x3 = point[4], point[5], point[6]
     rate = 1 / root(x1 * x1 + x2 * x2 + x3 * x3)
     if axes[7] == 0:
@@ -176,8 +177,8 @@ def near_identity(series: Row, roots: Row, f0: Real, axes: Row, eps: Real, passe
 
 
 def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
-    """The start value of Newton's method for (m, r) of T(eps): their leading order in eps, or for mpf values with the
-    digits of a float.
+    """Start values of Newton's method for (m, r) of T(eps), whose points are at m ± √r. For a float or a tiny eps they
+    are the leading order in eps; otherwise they have the digits of a float.
 
     Compiled code uses the shorter versions in :mod:`integrable.moving_point.compiled`.
     """
@@ -210,7 +211,7 @@ def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> t
 
 
 def leading(x: Row) -> Row:
-    """x unchanged, a number or a row. Compiled code replaces this by the high parts of double-doubles."""
+    """x, a number or a row, unchanged. In compiled code this function gives the high parts of double-doubles."""
     return x
 
 
@@ -251,7 +252,7 @@ def abel_slopes(series: Row, m: Real, r: Real) -> tuple[Real, Real, Real, Real]:
 
 def conjugate_points(roots: Row, f0: Real, axes: Row, eps: Real, m: Real, r: Real) -> Row:
     """The translation whose divisor has points at m ± √r, as a moving point with κ = 1."""
-    # ``even`` is the sum of √(f/f0) at the two points, ``odd`` their difference over 2√r
+    # ``even`` is the sum of the values of √(f/f0) at the two points, ``odd`` their difference divided by 2√r
     c = m * m - r
     s0, s1, c0, c1 = 0 * r, 1 + 0 * r, 2 + 0 * r, 2 * m
     even, odd = 0 * r, 0 * r

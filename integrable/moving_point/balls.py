@@ -168,8 +168,9 @@ class BallTranslations:
 
 
 def _krawczyk(value: Sequence[arb], slope: Sequence[arb], point: Sequence[arb], apart: Sequence[arb]) -> list[arb]:
-    """x − Y·F(x) + (1 − Y·J)(box − x), where Y is an approximate inverse of J. If it lies inside the box, the box
-    contains exactly one zero of F, and this set contains that zero.
+    """x − Y·F(x) + (1 − Y·J)(box − x) for x = ``point``: ``value`` is F(x), ``slope`` the derivative J of F on the box,
+    ``apart`` is box − x, and Y an approximate inverse of J. If the result lies inside the box, the box contains exactly
+    one zero of F, and the result contains it.
     """
     a, b, c, d = (x.mid() for x in slope)
     det = a * d - b * c

@@ -25,11 +25,11 @@ SMALL = 1e-3
 
 
 def first_kind_swing(N: LongDoubles | Multiprecision, x: Array, k: Any, missing: Real) -> Array:
-    """F(x | m) − (2K/π)x for k = √(1 − m) > 0, |x| ≤ π/2. The relative error is of rounding size, although the value
-    itself is only of the order of m.
+    """F(x | m) − (2K/π)x for k = √(1 − m) > 0, |x| ≤ π/2, K = F(π/2 | m). The relative error is of rounding size,
+    although the value itself is only of the order of m.
 
-    ``missing`` = 1 − k. The value is the sum of the changes of x by descending Landen transformations (Abramowitz &
-    Stegun 17.6).
+    ``missing`` = 1 − k. The value is a weighted sum of the changes of x in descending Landen transformations
+    (Abramowitz & Stegun 17.6).
     """
     a, b, difference, total, weight = 1 + 0 * k, k, missing, 0 * x, 1 + 0 * k
     while True:
@@ -98,7 +98,7 @@ def amplitude(N: LongDoubles | Multiprecision, v: Array, k: Real) -> Array:
 
 
 class FirstKind:
-    """F(x | m), |x| ≤ π/2, and its inverse for one k = √(1 − m) > 0, as the mean (2K/π)x plus a swing about it.
+    """F(x | m), |x| ≤ π/2, and its inverse for one k = √(1 − m) > 0. F is (2K/π)x plus a periodic part, the swing.
 
     ``missing`` = 1 − k and ``quarter`` = K are numbers of the same kind as x.
     """
@@ -219,7 +219,7 @@ def mean_slowness(ends: Row, d: Real, r: Real, pi: Real, near: float, area: Real
 
     The invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂). The mean is therefore a determinant of complete elliptic integrals
     ∫x^k dx/((r − dx)√((x − e₁)(x − e₂)(x − e₃)(x − e₄))), where e_i are the ends. They are computed with powers
-    of x − e instead of x, where e is midway between the ovals, so that nothing cancels.
+    of x − ``middle`` instead of x, where ``middle`` is midway between the ovals, so that nothing cancels.
     """
     middle = (ends[1] + ends[2]) / 2
     low0, low1 = slowed((ends[0], ends[1], ends[2], ends[3]), middle, d, r, pi, near)

@@ -29,11 +29,11 @@ Contact = tuple[Vector[Real], Real]
 class Problem(NamedTuple):
     """The motion of a body from γ and M. Numbers are bare reals, balls, floats or mpf.
 
-    ``f`` holds the coefficients of the curve, ascending. ``axes`` and ``start`` are those of
+    ``f`` holds the coefficients of the curve, ascending. ``axes`` and the moving point ``start`` are as in
     :mod:`integrable.moving_point.addition`. The unit of x is X = max a_i; times are τ' = 2X|M|·τ and t' = 2X|M|·t.
     ``ratio`` is H1/(H2·X), ``d`` d·X, ``time_scale`` 2X|M|, ``momentum`` |M| and ``half_step`` half of a basic step.
     ``matrix`` is the inverse of Chaplygin's transformation of a tilted state, else None. ``slowness`` is the constant
-    product of 1/g and √((1 − du₁)(1 − du₂)) of the upright motion.
+    product of 1/g and √((1 − du₁)(1 − du₂)) of the upright motion, where u₁ and u₂ are the roots of U.
     """
 
     f: Row
@@ -161,7 +161,7 @@ def made_upright(
 
 
 def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[Real, Real, Real, Real]:
-    """(k, 1 + kc, s, dkH1) of Chaplygin's transformation from the integrals and |γ × M|²
+    """(k, 1 + kc, s, dkH1) of Chaplygin's transformation, from c = (γ, M), H1, H2, ``square`` = |γ × M|² and d
     (:mod:`integrable.phase.upright`).
     """
     if d == 0:

@@ -80,7 +80,7 @@ class Setup:
 
     @cached_property
     def time_scale(self) -> Mpf:
-        """2X|M| in the wide field: one unit of τ in the flow's own units."""
+        """One unit of the user's τ in the flow's own units, in the wide field."""
         return self.reals.element(self.wide, self.bare.time_scale)
 
     @cached_property
@@ -126,7 +126,7 @@ class Setup:
 
     @property
     def terms(self) -> int:
-        """The number of terms with which a series reaches the wide precision within REACH."""
+        """The number of terms that a power series needs for the wide precision, at 1.4·REACH of its radius."""
         return ceil(self.digits * TERMS_A_DIGIT) + 4 + ceil(1.3 * (self.wide.dps - self.digits))
 
     @cached_property
@@ -140,7 +140,7 @@ class Setup:
         return abs(float(self.step_length * rate_at(problem.axes, problem.start) / self.time_scale))
 
 
-# number of terms per digit of a series within REACH
+# number of terms per digit of a power series at 1.4·REACH of its radius of convergence
 TERMS_A_DIGIT = log(10) / -log(1.4 * REACH)
 
 

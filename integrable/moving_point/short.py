@@ -67,16 +67,15 @@ INTEGRALS, CENTRE = 1e-9, 1e-19
 # short runs leave a motion to the torus if its moments differ by less than 1/CLOSEST of I + d, or if errors of the
 # upright motion grow by a factor of more than 4·STEEPEST in γ or M
 CLOSEST, STEEPEST = 4e4, 25.0
-# the shadow is the same motion from a start changed by OFF_BY; its distance shows how errors have grown, and may be at
-# most APART
+# the largest permitted distance of the shadow, which starts at OFF_BY (:mod:`integrable.moving_point.short_steps`)
 APART = 2.0**-45
 # after PACED panels the time per panel is known up to a factor of UNSTEADY; a run that cannot reach its end at that
 # pace is abandoned
 PACED, UNSTEADY = 32, 1.05
 # a run under way may take 1/SPARE more panels than planned, because giving up near the end would waste them all
 SPARE = 4
-# reasons to abandon a run: rounding in floats, panels that do not converge (UNRESOLVED), too many panels (FAR), too few
-# digits (LOST). UNSORTED times are a reason not to start it
+# reasons to abandon a run: rounding in floats (ROUNDING), panels that do not converge (UNRESOLVED), too many panels
+# (FAR), too few digits (LOST). UNSORTED times are a reason not to start it
 ROUNDING, UNRESOLVED, FAR, LOST, UNSORTED = 1, 2, 3, 4, 5
 
 

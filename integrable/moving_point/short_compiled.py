@@ -23,7 +23,7 @@ def entry(
     times: Row, order: Row, rows: Row, other: Row, work: tuple[Row, Row, Row],
 ) -> None:  # fmt: skip
     """Calls :func:`integrable.moving_point.short.short_run` for every row of ``given``, shape (K, 10). ``work`` comes
-    from :func:`work_room`; ``asked`` are the first fields of a :class:`Request`.
+    from :func:`work_room`; ``asked`` are the first five fields of a :class:`Request`.
 
     γ and M are written to ``rows``, shape (K, 6N), and the ``other`` times, shape (K, N). The integers of ``work`` get
     K statuses (0, or the reason for failure), then K costs in panels. ``times`` and ``order`` have one row per motion,

@@ -139,7 +139,7 @@ def interpolated(room: ShortRoom, rule: Rule, x: float, out: Row, place: int) ->
     for j in range(count // 2):
         k = count - 1 - j
         left, right = x - rule.nodes[j], x - rule.nodes[k]
-        # at a node its own term dominates; the common factor is normalized away in the state
+        # at a node the term of that node dominates, and its large factor cancels when the state is normalized
         left, right = left if left != 0 else 1e-30, right if right != 0 else 1e-30
         # one division serves both nodes
         scale = 1 / (left * right)

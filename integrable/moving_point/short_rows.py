@@ -83,7 +83,7 @@ class FloatMotion(NamedTuple):
     time_unit: float
     """One unit of physical time, in the units of the motion."""
     close: float
-    """I + d over the difference of the largest and the least moment."""
+    """I + d of the largest moment I, divided by the difference of I and the least moment."""
     lift: float
     """A quarter of the factor by which an error of the upright motion may grow in γ or M/|M|; at least 1."""
     half_step: float
@@ -193,6 +193,6 @@ def axes_of(row: Row) -> Row:
 
 
 def unit_axes(row: Row) -> Row:
-    """The same numbers for translations: κ_i = 1, and no tilt."""
+    """``axes`` for translations: κ_i = 1, and no tilt."""
     one = 1 + 0 * row[6]
     return row[6], row[7], row[8], one, one, one, one, 0 * one

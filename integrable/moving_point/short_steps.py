@@ -47,7 +47,8 @@ from jacobian.numbers.roots import root
 # the initial relative distance of the shadow from the motion; it exceeds the error of several additions in
 # double-doubles
 OFF_BY = 2.0**-99
-# at a squared slope of this size, relative to its upper bound, the damped turn of ν is half as long as required
+# in :func:`levelled`: at a squared slope of this size, relative to its upper bound, the damped turn of ν is half as
+# long as required
 LEAST_SLOPE = 2.0**-20
 # sums of quantities divided by Π(α_i − α_j) have too few digits if this product is smaller
 LEAST_KAPPA = 2.0**-33
@@ -235,8 +236,8 @@ def led_on(room: ShortRoom, origin: int, place: int, sign: int, target: int, off
 
 def framed(wide: Row, r: Vector[Real], point: Row) -> tuple[Vector[Real], Vector[Real], Real]:
     """(σ, ν, deviation): the pairs of a point, corrected so that Σrσ² = 1, Σrσν = 0, and Σrν² makes the coefficient of
-    x⁴ in f − V² − UW vanish. Here r_iΠ(α_i − α_j) = κ_i. The deviation is the relative correction of Σrσ² plus that of
-    Σrν².
+    x⁴ in f − V² − UW vanish. W is the cubic with the leading coefficient of f and W(α_i) = −κ_iν_i², where κ_i =
+    r_iΠ(α_i − α_j). The deviation is the relative correction of Σrσ² plus that of Σrν².
     """
     x, y = (point[4], point[5], point[6]), (point[7], point[8], point[9])
     total = wide[6] + wide[7] + wide[8]
@@ -253,7 +254,7 @@ def levelled(wide: Row, r: Vector[Real], x: Vector[Real], y: Vector[Real], off: 
     """ν = ``y`` of a framed pair, turned about σ = ``x`` so that f = V² mod U. Where f − V² mod U hardly depends on the
     turn, no turn achieves this, and the turn is damped. ``off`` is the relative deviation of H1/H2 on the level set.
 
-    The remainder f − V² − UW is a multiple of Π(x − α_i). It is evaluated at c, below the smallest α_i.
+    f − V² − UW, with the W of :func:`framed`, is a multiple of Π(x − α_i). It is evaluated at c, below the least α_i.
     """
     low, high = min(wide[6], wide[7], wide[8]), max(wide[6], wide[7], wide[8])
     c = low - (high - low) / 2

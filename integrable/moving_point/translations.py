@@ -20,8 +20,8 @@ from jacobian.numbers.roots import root
 # the points of T(half step) lie at about this fraction of the distance from x = 0 to the nearest branch point; the
 # terms of the series decrease like its powers
 REACH = 0.3
-# bits gained per term of the series at half a step, where the two points are at most 1.4·REACH away from 0. Each
-# halving of eps gains another bit
+# bits gained per term of the series at half a step, where the two points are at most at 1.4·REACH of that
+# distance from 0. Each halving of eps gains another bit
 TERM_BITS = -log2(1.4 * REACH)
 FLOAT_BITS = 44
 # the radius of an expansion is estimated from SCOUT terms. For more than FEW translations a longer series is computed,
@@ -182,8 +182,7 @@ class Translations:
 
 class Expansion(NamedTuple):
     """Rows for the coefficients of u0, u1, v0/eps and v1·eps of T(eps), power series in z = eps², and for auxiliary
-    series: s0, (v1·eps)², and ``less``, the coefficients of w0 + v1²/z + u1w1 minus those of (v1·eps)² of the next
-    order.
+    series: s0 and ``squares`` = (v1·eps)² (:func:`expand_orders`), and ``less``, the coefficients of w0 + 4/z.
     """
 
     u0: Row

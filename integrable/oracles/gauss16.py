@@ -1,5 +1,5 @@
-"""Gauss–Legendre of order 16, compiled for a kind of system. Of all ordinary integrators in double precision it has
-the smallest error on long runs.
+"""Gauss–Legendre of order 16, compiled for a kind of system. Of the integrators in doubles of
+:mod:`integrable.oracles.methods` it has the smallest error on long runs.
 
 The code reduces rounding errors as Hairer, McLachlan and Razakarivony (2008) do. The eight stages are solved by
 fixed-point iteration until it no longer improves. The weights h·b_i are pairs of floats, so the step has no systematic

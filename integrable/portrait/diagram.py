@@ -70,7 +70,7 @@ class Diagram(Record):
         return inside
 
     def divergence(self, X: Numbers) -> np.ndarray:
-        """The exponent, per unit of t and of √H2, with which nearby motions leave the unstable rotation, 0 ≤ X ≤ 1.
+        """The exponent χ, per unit of t and of √H2, with which nearby motions leave the unstable rotation; 0 ≤ X ≤ 1.
 
         χ = √h̃2·√h(a₂)·P/(πs) with the principal value P = ∫x dx/((x − a₂)√h), h = 4h̃2(1 − d̃x)(x − a₁)(a₃ − x).
         Tildes and s are those of Chaplygin's transformation (:mod:`integrable.phase.upright`).

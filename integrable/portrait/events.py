@@ -37,8 +37,9 @@ NEAR, SHARP = 0.25, 1e-6
 
 
 class Watched(NamedTuple):
-    """A motion that is searched: its states over ``field`` and ``in_floats``, what they are called, and ``panel``, from
-    an interval of time to the length of a part of it in which the motion hardly turns round.
+    """A motion that is searched for events: the functions ``states``, over ``field``, and ``in_floats``; the name of
+    their values in messages; and ``panel``, from the ends of an interval of time to the length of a part of it in which
+    the motion hardly turns round.
     """
 
     field: RealField | MultiprecisionField

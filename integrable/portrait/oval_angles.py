@@ -19,7 +19,7 @@ Array = np.ndarray
 
 
 class OvalAngles(NamedTuple):
-    """The sums of g forms over g points as functions of their angles: Σ_i(means[i]·φ_i + Σ_n waves[i][n]·sin nφ_i).
+    """The sums of g forms over g points at angles φ_i: Σ_i(means[i]·φ_i + Σ_n waves[i][n]·sin nφ_i).
 
     ``means`` has the shape (g, g), for each oval and form; each of ``waves`` has the shape (n, g).
     """

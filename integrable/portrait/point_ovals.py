@@ -22,9 +22,9 @@ DIGITS_A_BIT = math.log10(2)
 
 
 Halves: TypeAlias = "Sequence[tuple[Any, Any]]"
-"""(sin ½φ, cos ½φ) of each point: long numbers, or columns."""
+"""(sin ½φ, cos ½φ) of each point: long numbers, or arrays."""
 Roots = tuple[list[Real], list[tuple[Real, Real]]]
-"""Real roots, and the real and imaginary parts of others."""
+"""The real roots, and (real part, imaginary part) of the complex roots with positive imaginary part."""
 
 
 class Form(NamedTuple):
@@ -44,10 +44,11 @@ class Form(NamedTuple):
 class Separation(NamedTuple):
     """The differential forms whose sums over the points of a pair are known, in numbers of one field.
 
-    The sums of the g ``forms`` grow at the ``rates``. The sum of ``action`` is p dq without the terms of the further
-    angles. ``turns`` has for each further angle the form by which it grows and a constant rate that is added;
-    ``momenta`` are the actions of these angles. ``known`` are branch points that are known exactly. Where time is not
-    such a sum, the rates are per unit of τ, and dt/dτ is the product of ``factor(x)`` over two points.
+    The sums of the g ``forms`` grow at the ``rates``. The sum of ``action`` is p dq without the terms of further
+    angles, those about an axis. ``turns`` has for each further angle the form by which it grows and a constant rate
+    that is added; ``momenta`` are the actions of these angles. ``known`` are branch points that are known exactly.
+    Where time is not such a sum, the rates are per unit of τ, and dt/dτ is the product of ``factor(x)`` over two
+    points.
     """
 
     forms: Sequence[Form]

@@ -75,8 +75,8 @@ class Variation(NamedTuple):
         )
 
     def rates(self) -> tuple[Array, Array]:
-        """The coefficients of ȧ + ρb and ḃ: (N, 2, 4) for changes of the four integrals, and (N, 2, 4) for what changes
-        of I and d add.
+        """The coefficients of ȧ + ρb and ḃ: (N, 2, 4) for changes of the four integrals, and (N, 2, 4) for changes
+        of I and d at fixed integrals.
         """
         left = _left_inverse(self.fields)
         turning = left @ (self.J + self.J.transpose(0, 2, 1)) @ self.inverse

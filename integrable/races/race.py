@@ -39,7 +39,7 @@ LIMIT = 4.0
 TRIAL, LONGER = 0.01, 4
 """The fraction of the time span of a first trial, and the factor to the second; both predict a whole run."""
 REPEAT, PATIENCE = 3, 0.4
-"""The number of runs at each setting, and the seconds of a rung after which no more are begun."""
+"""The number of runs at each setting, and the seconds per method of a rung after which no more runs are begun."""
 
 
 class Race(Results):

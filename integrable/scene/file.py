@@ -221,7 +221,7 @@ def _section(top: Table, place: str, key: str, known: tuple[str, ...]) -> Table:
 
 
 def _read_size(body: Table, system: str) -> dict[str, Any]:
-    """The keys d, mass and radius: d, or mass and radius, for a ball; d for the tilde pair; none for the others."""
+    """The keys d, mass and radius: d, or mass and radius, for a ball; d for a tilde; none for other systems."""
     given = {key: body.number(key) if key in body else None for key in ("d", "mass", "radius")}
     if system == "chaplygin_ball":
         present = [key for key, value in given.items() if value is not None]

@@ -31,7 +31,7 @@ LOOKS: dict[str, tuple[str, str, bool]] = {
     "Moser-Veselov, order 4": ("#AA3377", "s", False),
     "Hirota-Kimura": ("#E7298A", "D", False),
 }
-"""Colour, matplotlib's name of the marker, and whether the marker is filled: those of the discretizations are open."""
+"""Colour, matplotlib's name of the marker, and whether the marker is filled; markers of discretized tops are open."""
 OTHER = ("#666666", "p", False)
 
 

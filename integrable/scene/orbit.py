@@ -71,8 +71,8 @@ def _kind(system: Any) -> Any:
 def orbit(step: Step, state: State, count: int) -> Orbit:
     """The states after 0, 1, …, ``count`` steps.
 
-    Where the map loses digits (:meth:`Step.condition`), the orbit is computed at a higher precision. Each state is then
-    rounded to the map's field, so that rounding does not feed back into the map.
+    Where the map loses digits (:meth:`Step.condition`), the orbit is computed at a higher precision. Its
+    states are rounded to the map's field at the end, so that rounding does not feed back into the map.
     """
     if not isinstance(step, Step):
         raise ArgumentError(f"step = {shown(step)}: give a Step, such as system.translation(points)")

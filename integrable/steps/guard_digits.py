@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 MOST_CONDITION = 30
 """Up to this condition a step is computed in the numbers of its field; it then loses one or two digits."""
 MOST_DRIFT = 16
-"""The allowed relative change of H1 and H2 in such a step, in units of eps times the condition. A larger change shows
-that digits were lost.
+"""The allowed relative change of H1 and H2 in a step computed in the numbers of its field, in units of eps times the
+condition. A larger change shows that digits were lost.
 """
 LARGEST = 1e300
 ATTEMPTS = 3

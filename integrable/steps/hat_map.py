@@ -15,12 +15,12 @@ from jacobian.relatives.signed import reflected
 
 
 class HatMap(Step):
-    """The map (û, p̂) = ρ⁻¹ ∘ (conic through (0, 0)) ∘ ρ at d = 0, with ρ: (u, p) ↦ (u, up). It gives γ̂ = ±Aw/|Aw| and
-    M̂ = Aw × A⁻¹γ.
+    """The map (û, p̂) = ρ⁻¹ ∘ (conic step through (0, 0)) ∘ ρ at d = 0, with ρ: (u, p) ↦ (u, up). It gives γ̂ = ±Aw/|Aw|
+    and M̂ = Aw × A⁻¹γ.
 
     Here w = γ × M. Let y = V(x) be the line through the points (u_k, y_k) of the divisor, and φ(x) = 4Π(a_i − x). For
     suitable h1 and h2 the polynomial x²V² − φ·(h1x + h2) has the roots u_k and û_k, and V̂ = −V. Pairs are mapped by
-    :func:`jacobian.relatives.signed.reflected` with ρ_i = 2|Aw|/a_i.
+    :func:`jacobian.relatives.signed.reflected` with the roots 2|Aw|/a_i.
 
     The map preserves the bracket, but not H1 and H2. It is the keyless map followed by the lift of A
     (:mod:`integrable.phase.isometry`). :func:`integrable.phase.sphere.hat` is the map in the coordinates. ``signs`` are

@@ -19,11 +19,10 @@ from jacobian import Divisor, Jacobian, poly
 from jacobian.element import Element, Real
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, shown
 
-# digits in addition to those of the field, so that a w of moderate size needs no second set-up
+# digits in addition to those of the field, so that a w (:class:`Shift`) of moderate size needs no second set-up
 SPARE = 8
 FARTHEST = 1e100
-"""The largest |w|, in units of the flow's own time. A call still takes milliseconds with the halvings and digits that
-it needs."""
+"""The largest |w|, in units of the flow's own time. A call then still takes milliseconds."""
 
 
 class Shift(Move):

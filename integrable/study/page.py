@@ -35,7 +35,7 @@ BUSY = 1.5
 """A load above this is not due to this study alone."""
 NO_OTHERS = "No row of another method was measured."
 ORDER_TOLERANCE = 0.5
-"""An observed order this near the order in theory agrees with it: step ladders reach few points of the asymptotics."""
+"""An observed order this near the order in theory agrees with it: few of the steps are in the asymptotic range."""
 
 
 def answer(study: Study) -> str:

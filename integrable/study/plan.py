@@ -90,7 +90,7 @@ class Task:
     kernel: str = "auto"
     """The kernel of the flow of a body."""
     label: str = ""
-    """The text of a run's progress bar, and its number of pieces."""
+    """The text of the progress bar; ``pieces`` is the number of pieces of work."""
     pieces: int = 1
 
     @cached_property
