@@ -37,7 +37,7 @@ class Principal(NamedTuple):
 
 
 def principal(K: Field, table: Matrix, eps: Any) -> Principal:
-    """The principal moments and axes of a tensor over K = MP(digits); moments equal up to rounding (``eps``) are joined.
+    """The principal moments and axes of a tensor over K = MP(digits); moments within rounding (``eps``) are joined.
 
     ArgumentError for a tensor that is not symmetric, not positive, or not that of any body.
     """
