@@ -1,3 +1,3 @@
-"""Many motions at once, of many bodies and states of one kind of system; the flows of single members have the same
+"""Many motions at once, of many bodies and states of one kind of system; the flow of each member has the same
 results.
 """

@@ -21,8 +21,8 @@ from jacobian.element import Rows
 from jacobian.errors import ArgumentError, chosen, floats, several, shown, whole
 from jacobian.immutable import Record, replaced
 
-# a member is computed with others only within the fraction HALF of the tolerance of γ and M, and within the fraction
-# FAR_INSIDE of the bounds on moments and d
+# a plain member lies within the fraction HALF of the tolerance of γ and M, and within the fraction FAR_INSIDE of the
+# bounds on moments and d
 HALF, FAR_INSIDE = 0.5, 1e-3
 # DISTINCT is the least difference of the extreme moments, relative to the largest plus d, ASIDE the least distance of M
 # from γ and from a principal axis, relative to |M|

@@ -31,7 +31,7 @@ from jacobian.element import Real, Table, Value
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.fields.protocol import Field
 
-# a set-up has GUARD digits beyond those of MP(digits), a flow INNER
+# over MP(digits) a set-up has GUARD more digits, and a flow INNER more
 GUARD, INNER = 15, 5
 # M counts as vertical if its horizontal part is below VERTICAL rounding units of |M|; if the part is below NEARLY·|M|,
 # floats lose digits
@@ -58,7 +58,7 @@ class RigidBody(Made):
         say_unphysical([float(x) for x in self._principal.moments], RR)
         self.moments = tuple(field.coerce(x) for x in self._principal.moments)
         self._d = self._wide.zero
-        # the moments of the free body whose flow gives a motion; those of a ball with vertical momentum are I + d
+        # the moments of the free body whose flow gives a motion; for a ball with vertical momentum they are I + d
         self._free_moments = self._principal.moments
 
     @property

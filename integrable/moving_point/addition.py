@@ -96,7 +96,8 @@ def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust:
 
 
 def pair(a: Real, kappa: Real, sigma: Real, nu: Real, sigma2: Real, nu2: Real, transfer: Row) -> tuple[Real, Real]:
-    """The pair (σ'', ν'') of the sum of (σ, ν) and (σ', ν') at the branch point a, from the transfer polynomials.
+    """The pair (σ'', ν'') of the sum of two points at the branch point a, from the pairs (σ, ν) and (σ', ν') of both
+    and the ``transfer`` polynomials of their sum.
 
     Two formulas give the pair: one divides by σ', the other by κσ. Their least-squares combination divides by a small
     number only if both points are at the same branch point.

@@ -54,7 +54,7 @@ def drift(setup: Setup, point: Row) -> Real:
         # M = w × γ with γ = σ/|σ|; M, h1 and h2 are relative to the momentum
         M = [w[i - 2] * sigma[i - 1] - w[i - 1] * sigma[i - 2] for i in range(3)]
         h2 = sum(m * m for m in M) / square
-        # g² = |σ|²
+        # σ = gγ stands for γ, so the weight d·g² becomes d
         h1 = energy(alpha, reals.number(setup.problem.d), sigma, M) / square
         return max(abs(h2 - 1), abs(h1 / reals.number(setup.problem.ratio) - 1))
 

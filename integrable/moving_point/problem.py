@@ -61,7 +61,7 @@ class Problem(NamedTuple):
         return (*self.f, *self.axes, *self.start, *numbers, *matrix, self.slowness)
 
     def over(self, number: Callable[[Real], Real]) -> Problem:
-        """The same motion in other numbers, to which ``number`` converts."""
+        """The motion in other numbers; ``number`` converts each."""
         f, axes, start = (tuple(map(number, row)) for row in self[:3])
         matrix = self.matrix and tuple(map(number, self.matrix))
         ratio, d, time_scale, momentum, half_step, slowness = map(number, (*self[3:8], self.slowness))

@@ -63,8 +63,8 @@ class Setup:
 
     @property
     def floats_given(self) -> tuple[np.ndarray, bool] | None:
-        """(moments, d, γ and M in one array; whether the state is tilted), or None if any of these is not a float. In
-        the laboratory frame even a motion given in floats has numbers with more digits.
+        """(moments, d, γ and M in one array; whether the state is tilted), or None if any of these is not a float. A
+        body in the laboratory (:mod:`integrable.laboratory`) has more digits even if it is given in floats.
         """
         given = (*self.body.inertia, self.body.d, *self._gamma, *self._M)
         return (np.array(given), self._tilted) if all(isinstance(x, float) for x in given) else None

@@ -56,7 +56,7 @@ TURN = 1.7
 # a panel is doubled at least this many times or not at all, because doubled panels need wide numbers
 WORTHWHILE = 3
 # upper bounds for a panel: TAIL for its last coefficients of γ, w and 1/g, STEP for the jump from the panel before.
-# WIDE_STEP replaces STEP if the nodes are computed in wide numbers, since those of the panel before may be floats
+# WIDE_STEP replaces STEP if the nodes are computed in wide numbers, since those of the panel before may be in floats
 TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
 # cost of a panel with nodes in wide numbers, in units of one with nodes in floats
@@ -72,7 +72,8 @@ APART = 2.0**-45
 # after PACED panels the time per panel is known up to a factor of UNSTEADY; a run that cannot reach its end at that
 # pace is abandoned
 PACED, UNSTEADY = 32, 1.05
-# a run under way may take 1/SPARE more panels than planned, because giving up near the end would waste them all
+# a run under way may take 1/SPARE more panels than planned, because a run abandoned near its end would waste all
+# its panels
 SPARE = 4
 # reasons to abandon a run: rounding in floats (ROUNDING), panels that do not converge (UNRESOLVED), too many panels
 # (FAR), too few digits (LOST). UNSORTED times are a reason not to start it

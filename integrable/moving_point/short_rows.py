@@ -109,7 +109,7 @@ class ShortRoom(NamedTuple):
     series: Expansion
     """Coefficients of translations (:func:`integrable.moving_point.translations.expand_orders`)."""
     ahead: Row
-    """The next centres and those of the shadow, in wide numbers
+    """The next centres of the motion and of its shadow, in wide numbers
     (:func:`integrable.moving_point.short_steps.go_ahead`).
     """
     made: Row
@@ -138,7 +138,7 @@ class Request(NamedTuple):
     physical: bool
     """Whether times are physical."""
     clock: bool
-    """Whether the other time is requested too."""
+    """Whether ``other`` is requested."""
     most: int
     """The largest number of panels in each direction."""
     drift: float

@@ -1,4 +1,4 @@
-"""numba's ``njit`` for the integrators of this room, which share no compiler with what they check.
+"""numba's ``njit`` for the integrators of this folder, which share no compiler with the flow that they check.
 
 Compiled code is cached on disk: in the folder that NUMBA_CACHE_DIR names, ``__pycache__`` next to the source, or the
 user's cache folder. If none is writable (a read-only installation and no home), every process compiles anew, with one

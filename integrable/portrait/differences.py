@@ -30,8 +30,8 @@ CENTRAL, ONE_SIDED = {1: 1, -1: -1}, {0: -3, 1: 4, 2: -1}
 class Inputs(NamedTuple):
     """The ``numbers`` that a motion depends on: first those of its state, then its constants.
 
-    ``sizes`` are the changes of each that change the motion noticeably, 0 for a number that has no derivatives. Numbers
-    at the indices ``least`` must not decrease.
+    ``sizes`` are changes of the numbers that change the motion noticeably, 0 for a number that has no derivatives.
+    Numbers at the indices ``least`` must not decrease.
     """
 
     numbers: Sequence[Real]

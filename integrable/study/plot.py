@@ -37,7 +37,7 @@ FLOOR: dict[str, Any] = {"color": "#555555", "linewidth": 1.2, "linestyle": (0, 
 """The style of the line for the error of inputs rounded to doubles: no method has a line with such dashes."""
 
 UNLIKE = (FLOW, INTEGRATED, ADDITIONS)
-"""The runs of these methods, in floats or more digits, are not joined."""
+"""The marks of these methods, for floats and for more digits, are not joined by a line."""
 
 STYLE = {
     "font.size": 10, "axes.edgecolor": INK, "axes.linewidth": 0.8, "text.color": INK, "svg.fonttype": "none",

@@ -68,7 +68,7 @@ _KEPT: dict[tuple[str, str], tuple[float, float]] = {}
 
 
 def first_use(task: Task) -> tuple[float, float]:
-    """The seconds that the flow in floats spends once per machine, and those to its first answer, for a kind of system.
+    """The seconds that the flow in floats spends once per machine, and until its first answer, for a kind of system.
 
     Both are measured at the flow's first use in this process, as for rivals. They include imports, and compiling or
     loading compiled code.
@@ -197,7 +197,7 @@ def near_enough(task: Task, truth: Truth, error: float, fastest: float) -> tuple
 
 
 def _cheapest(task: Task) -> float:
-    """Seconds of a whole run, estimated from short ones; 0 where those fail, since a whole run may still succeed."""
+    """Seconds of a whole run, estimated from short ones; 0 if a short one fails, as a whole run may succeed."""
     try:
         return pilot(task)
     except (JacobianError, ArithmeticError, RuntimeError):

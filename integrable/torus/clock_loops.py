@@ -38,8 +38,8 @@ class ClockSeries(NamedTuple):
 class Clock(NamedTuple):
     """t(τ): ``doubled`` are the periods of 1/g in turns.
 
-    The series ``rough`` has the larger modes, ``series`` all, and ``quiet`` all but the largest; these are in ``modes``
-    and ``loud`` (:func:`loud_swing`). ``pace`` has mean rates: the turns of each phase per unit of t, the same per unit
+    The series ``rough`` has the larger modes, ``series`` all, and ``quiet`` all but the largest. The largest modes are
+    in ``modes`` and ``loud`` (:func:`loud_swing`). ``pace`` has mean rates: the turns of each phase per unit of t, the same per unit
     of τ, then dτ/dt and dt/dτ.
     """
 

@@ -93,8 +93,8 @@ class LongClock:
         raise PrecisionLoss("the clock was not inverted: use more digits")
 
     def _shifts(self, starts: list[Real]) -> list[Real]:
-        """The oscillations s of τ about ``starts``: the solutions of mean·s + S(θ + νs) = 0 by Newton's method, in
-        floats first.
+        """The oscillations s of τ about ``starts``: the solutions of mean·s + S(θ + νs) = 0, where S is the series of
+        t, by Newton's method, in floats first.
         """
         angles = [phases(start, self.frequencies, self.wide) for start in starts]
         rough = np.array(angles, dtype=float).reshape(-1, 2)

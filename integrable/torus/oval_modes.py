@@ -11,7 +11,7 @@ u) and R = ±√|A|, analytic along the oval,
 
     Σ(α_k − α_j)ν_iσ_jσ_k = ±Π_{i<j}(α_j − α_i)·(y₁R₂/R₁ + y₂R₁/R₂)/((u₂ − u₁)√|κ₁κ₂κ₃|).
 
-In an elliptic argument of u integrands are periodic and analytic, and the trapezoidal rule converges geometrically.
+As functions of an elliptic argument of u the integrands are periodic and analytic, and the trapezoidal rule converges geometrically.
 Numbers are python-flint's balls, whose radii show the loss from close branch points.
 """
 
@@ -254,7 +254,7 @@ class OvalTorus:
         self._size = size
 
     def upright(self) -> list[list[acb]]:
-        """The coefficients c of α/g̃, without the phase factor of the start."""
+        """The coefficients c of α/g̃, the part of 1/g without tilt term, without the phase factor of the start."""
         first, second = ([oval.integrals(part, 0, 0) for part in oval.moments()] for oval in self.ovals)
         factor = self.constant * self.axes[6]
         return _combined(factor, (first[0], second[1]), (first[1], second[0]), -1)
