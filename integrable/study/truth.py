@@ -42,8 +42,8 @@ PART = 20
 ADDITIONS = "additions"
 """The method of the systems of :mod:`integrable.classical`."""
 COLLOCATED, STEPS_OF_A_SCALE = "Gauss collocation", 4
-"""The integrator that checks the truths of :mod:`integrable.classical`, with half as many stages as digits, and its steps
-per time scale of the motion.
+"""The integrator that checks the truths of :mod:`integrable.classical`, with half as many stages as digits, and its
+steps per time scale of the motion.
 """
 INTEGRATED = "integrated"
 """The method of systems for which no divisor flow is known."""

@@ -39,8 +39,8 @@ class Clock(NamedTuple):
     """t(τ): ``doubled`` are the periods of 1/g in turns.
 
     The series ``rough`` has the larger modes, ``series`` all, and ``quiet`` all but the largest. The largest modes are
-    in ``modes`` and ``loud`` (:func:`loud_swing`). ``pace`` has mean rates: the turns of each phase per unit of t, the same per unit
-    of τ, then dτ/dt and dt/dτ.
+    in ``modes`` and ``loud`` (:func:`loud_swing`). ``pace`` has mean rates: the turns of each phase per unit of t, then
+    per unit of τ, then dτ/dt and dt/dτ.
     """
 
     doubled: tuple[int, int]

@@ -40,7 +40,8 @@ class Tables(NamedTuple):
     """Working memory. ``modes`` has four numbers for each mode, ``pairs`` the (k, m) of the loud ones. Lines and parts
     are those of three :class:`~integrable.torus.clock_loops.ClockSeries`: with all modes, with the larger ones (rough),
     and with all but the loud ones (quiet). ``counts`` has the least m and the numbers of m, of rows and of modes of
-    the first series; the same four numbers of the rough series; the number of loud modes, or −1 − n if the n-th of ``modes`` is in resonance.
+    the first series; the same four numbers of the rough series; the number of loud modes, or −1 − n if the n-th of
+    ``modes`` is in resonance.
     """
 
     modes: Row

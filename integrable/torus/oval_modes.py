@@ -11,8 +11,8 @@ u) and R = ±√|A|, analytic along the oval,
 
     Σ(α_k − α_j)ν_iσ_jσ_k = ±Π_{i<j}(α_j − α_i)·(y₁R₂/R₁ + y₂R₁/R₂)/((u₂ − u₁)√|κ₁κ₂κ₃|).
 
-As functions of an elliptic argument of u the integrands are periodic and analytic, and the trapezoidal rule converges geometrically.
-Numbers are python-flint's balls, whose radii show the loss from close branch points.
+As functions of an elliptic argument of u the integrands are periodic and analytic, and the trapezoidal rule converges
+geometrically. Numbers are python-flint's balls, whose radii show the loss from close branch points.
 """
 
 from __future__ import annotations

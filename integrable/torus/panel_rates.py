@@ -22,8 +22,8 @@ from jacobian.numbers.long_reals import BareReals
 
 # one value in this many, and at least two values, are computed again with all digits
 ONE_IN = 25
-# the numbers of nodes, for a basic step and for a long panel, of the rule that shows how fast Legendre coefficients decrease;
-# coefficients below LEAST_SEEN are not used for this, since they may be rounding
+# the numbers of nodes, for a basic step and for a long panel, of the rule that shows how fast Legendre coefficients
+# decrease; coefficients below LEAST_SEEN are not used for this, since they may be rounding
 SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
 SCOUT_BITS = 240
 # a relative variation of 1/g is measured with many digits if it is below FLAT in floats or below FLATTEST in
@@ -106,7 +106,7 @@ class Scouts:
         self._rules: dict[int, tuple[list[Row], list[list[Real]]]] = {}
 
     def digits_a_node(self, sign: int, length: int) -> float:
-        """The least number of digits gained per Legendre coefficient of 1/g over ``length`` basic steps in a direction."""
+        """The least number of digits gained per Legendre coefficient of 1/g, over ``length`` basic steps."""
         if (sign, length) not in self._found:
             self._found[sign, length] = self._fall(sign, length)
         return self._found[sign, length]
