@@ -116,7 +116,7 @@ def broadcast(system: Any, gamma: Any, M: Any, inertia: Any, d: Any) -> np.ndarr
 
 
 def common_count(parts: dict[str, np.ndarray]) -> int:
-    """The number of members of arrays with one row or one row for each member; ArgumentError where they do not
+    """The number of members, from arrays with one row in all or one for each member; ArgumentError where they do not
     broadcast.
     """
     counts = {name: part.shape[0] for name, part in parts.items() if part.shape[0] != 1}

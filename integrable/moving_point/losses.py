@@ -9,7 +9,7 @@ from integrable.moving_point.setup import Setup
 from integrable.phase.body import energy
 from jacobian.element import Real
 
-# an infinite decimal exponent; −NOTHING means no loss
+# stands for an infinite decimal exponent; −NOTHING means no loss
 NOTHING = 10**9
 
 

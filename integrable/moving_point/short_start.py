@@ -40,7 +40,7 @@ def set_up(given: Row, tilted: bool, wide: Row, point: Row) -> FloatMotion:
     lift = max(
         abs(wide[MATRIX]) + abs(wide[MATRIX + 1]) * spin, (abs(wide[MATRIX + 2]) + wide[MATRIX + 3] * spin) / length
     )
-    # |ω|² ≤ H1/min I, and g ≥ 1
+    # |ω|² ≤ H1/min I bounds the rate of turning, and dτ/dt = g ≥ 1
     radian = 2 * sqrt(max(0.0, float((1 - wide[HEAVINESS]) / wide[RATIO])))
     rate = abs(float(rate_at(axes_of(wide), start)))
     return FloatMotion(
@@ -101,8 +101,8 @@ def at_start(given: Row, tilted: bool, times: Row, out: Row, other: Row) -> None
 
 def fastest(wide: Row, rate: float) -> float:
     """A bound of 1/g from its value ``rate`` at the start. For an upright body 1/g is largest where (1 − du₁)(1 − du₂)
-    is least, at the upper ends of both ovals. The result is 2·``rate`` if the bound exceeds that, or for a tilted body;
-    the run then detects larger values.
+    is least, at the upper ends of both ovals. The result is 2·``rate`` for a tilted body or if the bound is larger;
+    the run itself then detects larger values.
     """
     dX, ratio, first, second, third = (
         float(wide[HEAVINESS]), float(wide[RATIO]), float(wide[6]), float(wide[7]), float(wide[8]),

@@ -352,8 +352,8 @@ def recorded(
         if needed[k] and op not in ("y", "c", "number"):
             for i in args:
                 needed[i] = True
-    # a coefficient is a line independent of the state that is a result or is used by a line with the state; short
-    # numbers are written out instead
+    # a coefficient is a line without the state that is a result or an argument of a line with the state; short
+    # numbers are written into the code instead
     outer = set(results)
     for k, (op, args) in enumerate(nodes):
         if needed[k] and moving[k] and op != "y":

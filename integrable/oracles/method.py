@@ -103,7 +103,7 @@ class Method(ABC):
     kinds: tuple[str, ...] = ()
     """The kinds of systems that it accepts, such as "ball" and "top"; empty: every kind."""
     number: str = "float"
-    """"float", or "any" for methods that also run in the mpf of a system over MP(digits)."""
+    """The number type: "float", or "any" for methods that also compute in the mpf of a system over MP(digits)."""
     module: str = ""
     extra: str = ""
     """The module that it imports, and the optional dependency of this package that installs it."""

@@ -1,5 +1,5 @@
-"""Helpers that reach times of any order and sign, by integrators that need ascending times and by fixed steps in
-plain Python.
+"""Helpers that give states at times of any order and sign: for integrators that need ascending times, and for fixed
+steps in plain Python.
 """
 
 from __future__ import annotations

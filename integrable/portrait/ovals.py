@@ -102,7 +102,7 @@ class Level(NamedTuple):
 
 
 def zeta_through(level: Level, phi: np.ndarray, momentum: np.ndarray) -> np.ndarray:
-    """ζ = q − (q − a₁)M̃_i²/|M̃|² of the motion of the upright body that crosses the section γ̃_i = 0 at φ, with
+    """ζ of the motion of the upright body that crosses the section γ̃_i = 0 at φ: q − (q − a₁)M̃_i²/|M̃|², with
     ``momentum`` M̃_i/|M̃|. The axis i is that of the largest moment, and q(φ) is given in
     :mod:`integrable.portrait.section`. Arguments and result are arrays of floats.
     """

@@ -154,7 +154,7 @@ def system_sensitivity(flow: Any, times: Numbers) -> Sensitivity:
 
 
 def _wanted(field: Any, times: np.ndarray, rate: float) -> tuple[int, float]:
-    """The digits of derivatives over a field, and the approximate size of those of a motion with this rate."""
+    """The digits of derivatives over a field, and their approximate size if ``rate`` is the rate of turning."""
     farthest = max((abs(float(t)) for t in times), default=0.0)
     return ROUNDED_TO_FLOATS if field == RR else field.dps, 1 + 10 * farthest * rate
 

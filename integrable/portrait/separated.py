@@ -160,7 +160,7 @@ class SeparatedTorus:
         return [[of_row(row) for row in rows] for rows in self._values]
 
     def _sums(self, angles: Sequence[Real]) -> list[Real]:
-        """The sums over the points of the integrals of all forms from the lower ends to these angles."""
+        """For each form, the sum over the points of its integral from the lower end to the angle of the point."""
         import gmpy2
 
         found = [self._field.zero] * len(self.means[0])
@@ -339,7 +339,7 @@ class SeparatedTorus:
 
     @cached_property
     def actions(self) -> list[Real] | None:
-        """The actions (1/2π)∮p dq over the cycles of the frequencies; None if the system has no action form."""
+        """The actions (1/2π)∮p dq over the cycles that belong to the frequencies; None without an action form."""
         form = self.separation.action
         if form is None:
             return None

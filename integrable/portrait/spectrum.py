@@ -206,7 +206,7 @@ def torus_states(
 ) -> Sampled:
     """q and p at phases that are linear in t.
 
-    ``ends`` are the branch points at which the state has signs. ``read(halves, turned)`` returns q and p, from
+    ``ends`` are the branch points whose lifts carry signs of the state. ``read(halves, turned)`` returns q and p, from
     (sin ½φ, cos ½φ) of each point and the angles about the axis since the start, all arrays. ``frequencies`` are those
     of the portrait.
     """

@@ -90,8 +90,8 @@ def _section(course: Course) -> str:
 
 
 def diagram(course: Course) -> str:
-    """An SVG element that shows time over error with a line for each method, and bands for the truth's radius and the
-    floor.
+    """An SVG element that shows run time against error with a line for each method, and bands for the truth's radius
+    and the floor.
     """
     drawn = [run for run in course.runs if run.error is not None and run.seconds is not None]
     errors = [max(run.error or 0.0, LEAST) for run in drawn] + [course.floor, max(course.radius, LEAST)]

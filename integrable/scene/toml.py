@@ -33,7 +33,7 @@ def suggestion(word: str, known: Iterable[str]) -> str:
 
 
 class Table:
-    """A TOML table and its place in the file, for messages. A key that is not in ``known`` raises at once.
+    """A TOML table and its place in the file, for messages. A key that is not in ``known`` raises ArgumentError.
 
     ``place`` is the file and the table, such as ``scene ball.toml: [body]``. Numbers are returned as exact fractions,
     whether written as 0.7, "0.7" or "1/3" (parse floats with ``parse_float=Decimal``).

@@ -186,7 +186,7 @@ class Translation(Step):
         return self._upright[1], plain, change
 
     def _move(self, h1: Real, h2: Real) -> tuple[SignedGroup, SignedDivisor]:
-        """The sign-resolved [multiple]D' on the curve of (h1, h2); cached, because an orbit stays on one curve."""
+        """[multiple]D' with its signed roots, on the curve of (h1, h2); cached, because an orbit stays on one curve."""
         group, u, v = self._class(h1, h2)
         assert self._last is not None
         if len(self._last) == 5:

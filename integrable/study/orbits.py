@@ -126,7 +126,7 @@ def _report(scene: Scene, rows: list[OrbitRow], truth_digits: int | None, jump: 
 
 
 def _timed(scene: Scene, digits: int, tick: Callable[[], None]) -> tuple[Orbit, dict[str, Any]]:
-    """An orbit and its cost, each run with a new system and map."""
+    """An orbit and its cost; each run uses a new system and map."""
     steps = scene.steps
     assert steps is not None
 

@@ -48,7 +48,7 @@ NOT_MEASURED = "not measured"
 
 @dataclass(frozen=True)
 class Limits:
-    """The limits of a task: seconds for one run of a method, a whole task and a truth, and repeats of a timing."""
+    """The limits of a task: seconds for a run of a method, a whole task and a truth, and the repeats of a timing."""
 
     run: float
     task: float

@@ -187,7 +187,7 @@ def decades(axes: Any, most: int = 8) -> None:
         decades = np.log10(high / low)
         stride = next(stride for stride in (1, 2, 5, 10, 20, 50, 100, 1000) if decades / stride <= fit)
         axis.set_major_locator(LogLocator(base=10.0**stride, numticks=20))
-        # over more decades minor ticks blur, and take half the time of drawing
+        # over more than four decades minor ticks blur, and take half the time of drawing
         axis.set_minor_locator(LogLocator(base=10.0, subs=range(2, 10) if decades <= 4 else (1.0,), numticks=200))
         within = np.floor(np.log10(high)) < np.ceil(np.log10(low))
         axis.set_minor_formatter(FuncFormatter(lambda x, _: f"{x:g}") if within else NullFormatter())

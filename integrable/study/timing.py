@@ -83,7 +83,7 @@ class Timing(NamedTuple):
     total: float
     """The median run time: the seconds once a start and those of the evaluation."""
     mad: float
-    """The median of |total of a run − median| over the median."""
+    """The median of |total of a run − median|, divided by the median."""
     runs: int
     found: Any
     """The result of the last run."""

@@ -201,7 +201,7 @@ class Judge:
         self.size_of_gamma = (max(map(abs, state.vectors[0])) if classical else 0) or self.context.one
 
     def judge(self, gamma: Any, M: Any) -> dict[str, Any]:
-        """:meth:`errors`, and the "drift" of each integral: its largest change from the start over the rows.
+        """The :meth:`errors`, and the "drift" of each integral: its largest change from the start over the rows.
 
         Drifts are relative to the value at the start; that of (γ, M) is relative to |M|.
         """

@@ -20,7 +20,7 @@ __all__ = ["FRAMES", "shown"]
 
 FRAMES = 600
 TURNS = 12
-"""The number of turns of the body that are shown of a longer motion, at its mean angular velocity."""
+"""Of a longer motion as many turns of the body are shown, counted at the angular velocity of the start."""
 STRAIGHT = 1e-3
 """The largest deviation of the angles from a straight line in τ, in turns: a larger one would be visible, so the torus
 is then not drawn.
