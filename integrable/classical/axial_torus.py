@@ -231,7 +231,7 @@ def _scaled(N: LongField, numbers: Sequence[Real], table: Sequence[Real], axis: 
 
 
 def _waves(nome: Real, angle: Real, count: int) -> tuple[list[tuple[Real, Real]], Real]:
-    """The sum and the difference of the coefficients of e^{±ikv} in θ(v − i·angle), k = 2n + 1, n < ``count``.
+    """The sum and the difference of the coefficients of e^{±ikv} in θ₂(v − i·angle), k = 2n + 1, n < ``count``.
 
     The coefficients are divided by the largest one. The second result is −iθ₂'/θ₂ at −i·angle.
     """

@@ -22,7 +22,7 @@ class Scalars:
     squares = cached_property(lambda q: componentwise(q.gamma, q.gamma))
     Ag = cached_property(lambda q: componentwise(q.a, q.gamma))
     AM = cached_property(lambda q: componentwise(q.a, q.M))
-    # (γ, Aγ), (Aγ, Aγ) and (γ, A^∨γ)
+    # (γ, Aγ), (Aγ, Aγ) and (γ, A^∨γ), where A^∨ = e3·A⁻¹ has the diagonal ``dual``
     s = cached_property(lambda q: dot(q.a, q.squares))
     q2 = cached_property(lambda q: dot(componentwise(q.a, q.a), q.squares))
     sigma = cached_property(lambda q: dot(q.dual, q.squares))

@@ -66,7 +66,7 @@ def _turned(flow: Motion, time: Real, K: MultiprecisionField) -> tuple[Sequence[
 
 
 def _turns(flow: Motion, time: Real, K: MultiprecisionField) -> int:
-    """The number of digits of the turns made until a time, plus some spare ones."""
+    """The number of decimal digits of the number of radians turned until a time, plus some spare ones."""
     # |ω| ≤ |M|/min I
     fastest = sum(abs(K.coerce(m)) for m in flow.state.vectors[1]) / min(map(K.coerce, flow.system.inertia))
     return BESIDE + ceil(K.context.log10(1 + abs(time) * fastest))

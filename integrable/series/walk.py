@@ -24,7 +24,7 @@ FARTHEST = 1e300
 # fraction of its first step that the second walk goes back: with the same expansion point both walks would have the
 # same terms in floats, with the same errors
 BACK = 0.25
-# steps are multiples of this, in units of time, so that sums of steps are exact up to 2^53 multiples
+# steps are multiples of this, in the walk's unit of time, so that sums of steps are exact up to 2^53 multiples
 GRAIN = 2.0**-36
 MOST_UNITS = 2.0**16
 # if the unit of time is between LEAST_UNIT and 1/LEAST_UNIT, no coefficient in the unit 1 leaves the range of floats
