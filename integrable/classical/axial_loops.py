@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from integrable.classical.axial import momentum
-from integrable.mumford.elliptic_torus import circle
+from integrable.torus.theta_series import circle
 from jacobian.element import Real
 from jacobian.native.kinds import BOOL, FLOATS, WIDES, record
 from jacobian.native.library import Library

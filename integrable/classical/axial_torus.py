@@ -20,17 +20,10 @@ from integrable.classical.axial import AxialSystem, Axis, state_of
 from integrable.classical.axial_loops import LIBRARY, AxialThetas, axis_at
 from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.columns import Column, Columns
-from integrable.mumford.elliptic_torus import (
-    first_kind,
-    half_turn,
-    inverse_factorials,
-    long_numbers,
-    means,
-    part_of_round,
-    theta_table,
-)
+from integrable.mumford.elliptic_torus import first_kind, means, part_of_round, theta_table
 from integrable.mumford.flow import MumfordFlow, Point
 from integrable.portrait.separated import SeparatedTorus
+from integrable.torus.theta_series import half_turn, inverse_factorials, long_numbers
 from integrable.torus.witness import TURNS
 from jacobian import RR, poly
 from jacobian.element import Real

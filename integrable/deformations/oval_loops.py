@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from integrable.mumford.elliptic_torus import circle, theta_quotients
+from integrable.mumford.elliptic_torus import theta_quotients
+from integrable.torus.theta_series import circle
 from jacobian.element import Real
 from jacobian.native.kinds import BOOL, FLOAT, FLOATS, WIDES, TupleKind, record
 from jacobian.native.library import Library
@@ -25,7 +26,7 @@ Three = tuple[Real, Real, Real]
 class Track(NamedTuple):
     """One curve; ``table`` is that of :func:`integrable.mumford.elliptic_torus.theta_quotients`.
 
-    ``inverse`` is that of :func:`integrable.mumford.elliptic_torus.circle`. ``numbers`` are the factors of θ₁/θ₄, θ₂/θ₄
+    ``inverse`` is that of :func:`integrable.torus.theta_series.circle`. ``numbers`` are the factors of θ₁/θ₄, θ₂/θ₄
     and θ₃/θ₄ in R_low, R_middle and R_high, the phase of the start counted from Z = e_low, z at the three e_i, and
     1/scale, where Z = scale·z + shift.
     """

@@ -16,16 +16,13 @@ import numpy as np
 
 from integrable.deformations.oval_loops import LIBRARY, Frame, Track
 from integrable.mumford.columns import Column
-from integrable.mumford.elliptic_torus import (
-    half_turn,
-    inverse_factorials,
-    terms_of,
-)
+from integrable.mumford.elliptic_torus import terms_of
 from integrable.torus.access import RateSpectrum, TorusClock, resolved_spectrum
-from integrable.torus.corners import FIRST_SIZE, resolved
+from integrable.torus.body_torus import FIRST_SIZE, resolved
 from integrable.torus.long_clock import RESONANT
 from integrable.torus.loops import CompiledLoops
 from integrable.torus.series import in_resonance
+from integrable.torus.theta_series import half_turn, inverse_factorials
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.fields.multiprecision import Mpf

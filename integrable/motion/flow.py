@@ -1,7 +1,7 @@
 """The exact flow: time is addition on the Jacobian.
 
 D(τ + δ) = D(τ) + T(δ), with T(δ) independent of the state (Abel quadratures; Tsiganov 2017, section 3). On a compact
-torus any τ and any physical time t = ∫dτ/g is two additions away from a table (:mod:`integrable.torus.access`). A few
+torus any τ and any physical time t = ∫dτ/g costs six short series (:mod:`integrable.torus.access`). A few
 turns are computed as a short run, without a torus (:mod:`integrable.motion.short`). Where floats or the torus do not
 suffice, and in multiprecision, states are computed with as many digits as they need (:mod:`integrable.motion.precise`).
 """
@@ -53,9 +53,7 @@ DRIFT = 1e-9
 CHUNK = 8192
 # up to this many states plain floats are faster than arrays
 FEW = 16
-# limits for motions at which compiled loops fail; each is about half a second of work: MOST_INTERPRETED corners or
-# samples of a torus in interpreted loops, MOST_RATES values of 1/g up to a time
-MOST_INTERPRETED = 4096
+# the number of values of 1/g up to a time where a motion has no torus in floats, about half a second of work
 MOST_RATES = 16_000
 # digits of the clock that suffice for states in floats at the farthest times that MOST_RATES values of 1/g reach
 CLOCK_DIGITS = 24
@@ -281,7 +279,7 @@ class Flow(BodyMotion):
 
     @cached_property
     def _torus(self) -> TorusFlow | None:
-        """The torus of the motion; None if it is not compact, or if its corners lose too many digits."""
+        """The torus of the motion; None if it is not compact, or if it loses too many digits."""
         from integrable.torus.access import TorusFlow
         from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
 
@@ -290,7 +288,7 @@ class Flow(BodyMotion):
                 return TorusFlow(self.setup, ReadableLoops(self.setup))
             with suppress(NotClosed):
                 return TorusFlow(self.setup, CompiledLoops())
-            return TorusFlow(self.setup, ReadableLoops(self.setup), MOST_INTERPRETED)
+            return TorusFlow(self.setup, CompiledLoops(), exact=ReadableLoops(self.setup))
         except PrecisionLoss:
             return None
 

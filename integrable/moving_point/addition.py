@@ -18,8 +18,6 @@ from jacobian.inexact.retraction import retracted
 from jacobian.numbers.roots import root
 
 Row = Any
-# with this many terms a power series at 0.42 of its radius of convergence has all digits of a float
-FLOAT_TERMS = 48
 
 
 def shift(f: Row, axes: Row, point: Row, step: Row) -> Row:
@@ -164,37 +162,6 @@ def upright_rates(f: Row, axes: Row, d: Real, point: Row, steps: Row, roots: Row
         q, l1, l0 = chord(curve, first, (step[0], step[1], step[2], step[3]))
         found.append(abs(scale * l1 * size / (q * slope + (d * l0 + l1) * height)))
     return found
-
-
-def near_identity(series: Row, roots: Row, f0: Real, axes: Row, eps: Real, passes: int) -> Row:
-    """T(eps), the translation with Σ∫dx/y = eps and Σ∫x dx/y = 0. eps must lie inside the radius of convergence.
-
-    ``series`` and ``roots`` are the power series of 1/√(f/f0) and √(f/f0) about x = 0. Every quantity is computed
-    relative to eps, so no digit is lost as eps → 0. eps must not be 0.
-    """
-    m, r = estimate(series, f0, eps)
-    m, r = centre(series, f0, eps, m, r, passes)
-    return conjugate_points(roots, f0, axes, eps, m, r)
-
-
-def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
-    """Start values of Newton's method for (m, r) of T(eps), whose points are at m ± √r. For a float or a tiny eps they
-    are the leading order in eps; otherwise they have the digits of a float.
-
-    Compiled code uses the shorter versions in :mod:`integrable.moving_point.compiled`.
-    """
-    r = f0 * eps * eps / 4
-    m = -series[1] * r / 3
-    if isinstance(eps, float) or abs(eps) < 1e-100:
-        return m, r
-    # in this unit the terms of the series stay in the range of floats
-    unit = 1 / abs(series[1])
-    floats, scale = [], 1
-    for coefficient in series[:FLOAT_TERMS]:
-        floats.append(float(coefficient * scale))
-        scale *= unit
-    rough, square = centre(floats, float(f0), float(eps / unit), float(m / unit), float(r / unit**2), 6)
-    return rough * unit, square * unit * unit
 
 
 def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> tuple[Real, Real]:

@@ -137,12 +137,22 @@ def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) ->
     the order of √eps, times the distance to the other branch points.
     """
     one = 1 + 0 * ends[0]
-    points, scale = (ends[0], ends[1], ends[2], ends[3]), 2 * one
     # the coefficients of R, ascending, and its values at the ends
     rest = r * one, -d * one, 0 * one
     values = r - d * ends[0], r - d * ends[1], r - d * ends[2], r - d * ends[3]
-    while apart(points, values, near):
-        points, rest, values, factor = richelot(points, rest, values)
+    points = ends[0], ends[1], ends[2], ends[3]
+    quadratic_periods(points, ends[2] - ends[1], (rest, values), pi, near, out)
+
+
+def quadratic_periods(points: Row, gap: Real, third: tuple[Row, Row], pi: Real, near: Real, out: Row) -> None:
+    """:func:`oval_periods` between these points for any R whose roots lie beyond them.
+
+    ``gap`` is points[2] − points[1], ``third`` are the coefficients of R, ascending, and its values at the points.
+    """
+    rest, values = third
+    scale = 2 + 0 * points[0]
+    while apart(points, gap, values, near):
+        points, gap, rest, values, factor = richelot(points, gap, rest, values)
         scale *= factor
     p1, p2, q1, q2 = points
     r0, r1, r2 = rest
@@ -154,21 +164,21 @@ def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) ->
     out[3] = out[2] * x
 
 
-def apart(points: Row, values: Row, near: Real) -> bool:
+def apart(points: Row, gap: Real, values: Row, near: Real) -> bool:
     """Whether an oval is still too long: R varies over it, or its length is not negligible compared with the distance
     between the ovals.
 
     ``points`` are the ends of the ovals, ``values`` the values of R there.
     """
-    long: bool = max(points[1] - points[0], points[3] - points[2]) > near * (points[2] - points[1])
+    long: bool = max(points[1] - points[0], points[3] - points[2]) > near * gap
     first: bool = abs(values[0] - values[1]) > near * abs(values[0])
     second: bool = abs(values[2] - values[3]) > near * abs(values[2])
     return long or first or second
 
 
-def richelot(points: Row, rest: Row, values: Row) -> tuple[Row, Row, Row, Real]:
-    """One step of :func:`oval_periods`: the ends of the new ovals, the new R, its values there, and 2√|Δ/leads|, where
-    leads is the product of the leading coefficients of U, V and W.
+def richelot(points: Row, gap: Real, rest: Row, values: Row) -> tuple[Row, Real, Row, Row, Real]:
+    """One step of :func:`oval_periods`: the ends of the new ovals, the gap between these, the new R, its values there,
+    and 2√|Δ/leads|, where leads is the product of the leading coefficients of U, V and W.
     """
     (p1, p2, q1, q2), (r0, r1, r2) = points, rest
     one = 1 + 0 * p1
@@ -179,12 +189,14 @@ def richelot(points: Row, rest: Row, values: Row) -> tuple[Row, Row, Row, Real]:
     # Δ is the determinant of the coefficients of P, Q and R, expanded by those of R
     determinant = r0 * w2 - r1 * w1 / 2 + r2 * w0
     # the discriminants are resultants, products of differences of the ends: no other close numbers are subtracted
-    x1, x2 = roots_between(w0, w1, w2, root((p1 - q1) * (p1 - q2) * (p2 - q1) * (p2 - q2)))
+    spread = root((q1 - p1) * (q2 - p1) * gap * (q2 - p2))
+    x1, x2 = roots_between(w0, w1, w2, spread)
+    gap = 2 * spread / abs(w2)
     if u2 == 0:
         # R is constant, and ∞ is a root of U and V
         y1, z1 = -u0 / u1, -v0 / v1
         factor = 2 * root(abs(determinant / (w2 * u1 * v1)))
-        return (z1, x1, x2, y1), (one, 0 * one, 0 * one), (one, one, one, one), factor
+        return (z1, x1, x2, y1), gap, (one, 0 * one, 0 * one), (one, one, one, one), factor
     y1, y2 = roots_between(u0, u1, u2, root(abs(values[2] * values[3])))
     z1, z2 = roots_between(v0, v1, v2, root(abs(values[0] * values[1])))
     ends = (z1, x1, x2, y1)
@@ -194,7 +206,7 @@ def richelot(points: Row, rest: Row, values: Row) -> tuple[Row, Row, Row, Real]:
         (y2 - x2) * (z2 - x2),
         (y2 - y1) * (z2 - y1),
     )
-    return ends, (y2 * z2, -y2 - z2, one), at_ends, 2 * root(abs(determinant / (w2 * u2 * v2)))
+    return ends, gap, (y2 * z2, -y2 - z2, one), at_ends, 2 * root(abs(determinant / (w2 * u2 * v2)))
 
 
 def complete(k: Array, p: Real, a: Real, b: Real, pi: Real, near: float) -> Real:

@@ -40,16 +40,23 @@ class Setup:
         own = field.dps if isinstance(field, MultiprecisionField) and not field.complex else None
         if own is None and field != RR:
             raise ArgumentError(f"field = {field.name}: a flow runs over RR or MP(digits)")
-        wanted = own if digits is None else digits
-        if wanted is None:
-            self.wide, self.digits = MP(SET_UP_DIGITS + digits_of_closeness(body)), EPS_DIGITS
-        else:
-            self.digits = wanted + GUARD_DIGITS
-            self.wide = MP(self.digits + WIDER)
+        self._wanted = own if digits is None else digits
+        self.digits = EPS_DIGITS if self._wanted is None else self._wanted + GUARD_DIGITS
         self.body = body
         self._gamma, self._M, self._tilted = gamma, M, tilted
-        self.reals = BareReals(self.wide.context.prec + GUARD_BITS)
         self._passed: dict[int, tuple[Real, ...]] = {}
+
+    @cached_property
+    def wide(self) -> MultiprecisionField:
+        """The field of results."""
+        if self._wanted is None:
+            return MP(SET_UP_DIGITS + digits_of_closeness(self.body))
+        return MP(self.digits + WIDER)
+
+    @cached_property
+    def reals(self) -> BareReals:
+        """The numbers of long loops."""
+        return BareReals(self.wide.context.prec + GUARD_BITS)
 
     @cached_property
     def bare(self) -> Problem:

@@ -9,8 +9,7 @@ x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are mu
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache
-from math import atan2, factorial, floor, pi
+from math import atan2, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +18,7 @@ from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.branch_points import APART, SMALL, all_real, coincident, long_roots
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import Start
+from integrable.torus.theta_series import circle, half_turn, inverse_factorials, long_numbers
 from integrable.torus.witness import TURNS
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
@@ -34,8 +34,6 @@ Row = np.ndarray
 
 # bits in which a torus is set up
 BITS = 200
-# number of terms of the sine series, and of the cosine series, for angles up to an eighth of a turn
-PAIRS = 15
 # series end at a term below LAST; beyond MOST_TERMS terms double-doubles cannot distinguish the motion from one on a
 # separatrix
 LAST, MOST_TERMS = 2.0**-113, 26
@@ -48,7 +46,7 @@ def elliptic_points(numbers: Row, table: Row, inverse: Row, times: Row, out: Row
 
     ``numbers`` are half turns of the phase per unit time, half turns at the start, and the factors of θ₁/θ₄, θ₂/θ₄ and
     θ₃/θ₄. ``table`` are the coefficients of harmonics 2n + 1 of θ₁ and θ₂, and 2n of θ₃ and θ₄. ``inverse`` is
-    :func:`inverse_factorials`.
+    :func:`integrable.torus.theta_series.inverse_factorials`.
     """
     for i in abreast(0, len(times)):
         c, s = circle((numbers[0] * times[i] + numbers[1]) / 2, inverse)
@@ -72,24 +70,6 @@ def theta_quotients(table: Row | Sequence[Real], cv: Real, sv: Real) -> tuple[Re
         ce, se = ce * c2 - se * s2, ce * s2 + se * c2
     over = 1 / t4
     return t1 * over, t2 * over, t3 * over
-
-
-def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:
-    """The pair (cos, sin) of an angle given in turns."""
-    whole = turns - float(floor(float(turns) + 0.5))
-    quarters = floor(4 * float(whole) + 0.5)
-    y = (whole - quarters / 4) * inverse[0]
-    square = y * y
-    c, s, last = 0 * y, 0 * y, len(inverse) // 2
-    for n in range(1, last + 1):
-        c = inverse[2 * (last - n) + 1] - square * c
-        s = inverse[2 * (last - n) + 2] - square * s
-    s *= y
-    if quarters % 2 != 0:
-        c, s = -s, c
-    if quarters % 4 > 1:
-        c, s = -c, -s
-    return c, s
 
 
 LIBRARY = Library("elliptic", {"elliptic_points": (elliptic_points, (WIDES, WIDES, WIDES, FLOATS, WIDES))}, SPECIAL)
@@ -258,19 +238,6 @@ def first_kind(N: LongField, levels: list[tuple[Real, Real]], sine: Real, cosine
     return part_of_round(N, levels, sine, cosine) / levels[-1][0]
 
 
-@cache
-def long_numbers(bits: int) -> LongField:
-    """The field of long numbers of ``bits`` bits, cached."""
-    return LongField(bits)
-
-
-def half_turn() -> Real:
-    """π at the precision of the field currently entered."""
-    import gmpy2
-
-    return gmpy2.const_pi()
-
-
 def nome_of(N: LongField, levels: list[tuple[Real, Real]], others: list[tuple[Real, Real]]) -> Real:
     """The nome e^(−πK'/K), from the means of 1 and k', and those of 1 and k."""
     import gmpy2
@@ -323,10 +290,3 @@ def theta_rows(N: LongField, nome: Real, count: int) -> tuple[list[Real], tuple[
         sign = 1 - 2 * (n % 2)
         table += [sign * o, o, e, sign * e]
     return table, at_zero
-
-
-@cache
-def inverse_factorials() -> np.ndarray:
-    """2π, then 1/n! for n = 0, 1, …: the ``inverse`` of :func:`circle`."""
-    with long_numbers(BITS) as N:
-        return double_double_row((2 * half_turn(), *(N.one / factorial(n) for n in range(2 * PAIRS))))

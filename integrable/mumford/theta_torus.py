@@ -34,12 +34,11 @@ from integrable.mumford.branch_points import (
     without_root,
 )
 from integrable.mumford.columns import Column
-from integrable.mumford.elliptic_torus import half_turn, long_numbers
 from integrable.mumford.motion import Start
-from integrable.mumford.theta_series import LIBRARY, ThetaSums, theta_sums
 from integrable.torus.access import TorusClock, resolved_spectrum
-from integrable.torus.corners import FIRST_SIZE, resolved
+from integrable.torus.body_torus import FIRST_SIZE, resolved
 from integrable.torus.loops import CompiledLoops
+from integrable.torus.theta_series import ThetaSums, half_turn, long_numbers, theta_sums
 from integrable.torus.witness import witnesses
 from jacobian.element import Complex, Real
 from jacobian.errors import PrecisionLoss
@@ -226,7 +225,10 @@ class ThetaBasis(NamedTuple):
         """The series of the roots with the indices ``places`` and of infinity, and for each of these roots e the ratio
         of √|U(e)| to the quotient of its series by that of infinity.
         """
-        sums, tops = theta_sums(self.tau, [self.chars[i] for i in (*places, 5)], self.along)
+        (t11, t12), (_, t22) = self.tau
+        loops, real = CompiledLoops(), [round(2 * float(x.real)) for x in (t11, t12, t22)]
+        shape = loops.row([*(x.imag for x in (t11, t12, t22)), *self.along])
+        sums, tops = theta_sums(loops, shape, real, [self.chars[i] for i in (*places, 5)])
         *scales, last = (Z.coerce(high) + Z.coerce(low) for high, low in tops.tolist())
         sizes = []
         for i, scale in zip(places, scales, strict=True):
@@ -255,10 +257,10 @@ def theta_basis(Z: LongField, model: PairModel) -> ThetaBasis:
 
 
 def sums_at(sums: ThetaSums, phases: np.ndarray) -> np.ndarray:
-    """The values of :func:`integrable.mumford.theta_series.theta_lifts`, shape (N, width, 2), at phases (N, 2, 2)."""
+    """The values of :func:`integrable.torus.theta_series.theta_lifts`, shape (N, width, 2), at phases (N, 2, 2)."""
     width = 2 * sums.sizes[0] - 1
     out = np.empty((width * len(phases), 2))
-    LIBRARY.theta_lifts(sums, phases.reshape(-1, 2), out)
+    CompiledLoops().theta_lifts(sums, phases.reshape(-1, 2), out)
     return out.reshape(-1, width, 2)
 
 

@@ -175,7 +175,7 @@ def body_states(flow: Any) -> Sampled:
         return {"gamma": gamma, "M": M, "omega": angular_velocities(body, gamma, M)[0]}
 
     # the torus has its own basis of periods, and may count turns in the opposite direction
-    basis = np.array(torus.lattice.chart.basis)
+    basis = np.array(torus.basis)
     own = [sum(x * int(b) for x, b in zip(torus.frequencies, column, strict=True)) for column in basis.T]
     signs = [1 if (x > 0) == (f > 0) else -1 for x, f in zip(own, portrait.wide_frequencies, strict=True)]
     doubled = tuple(2 if (row < 0).any() else 1 for row in torus.turns)

@@ -1,1 +1,1 @@
-"""States at any time without stepping: the real torus of a motion, tables of its corners, and series of its clock."""
+"""States at any time without stepping: the real torus of a motion, its theta functions, and series of its clock."""

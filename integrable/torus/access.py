@@ -1,10 +1,8 @@
-"""Random access to a motion: any τ or t takes two additions from the nearest corner of a cell of the torus.
+"""Random access to a motion: any τ or t takes two phases and the theta functions of three axes.
 
-The moving points at the corners are computed once. A time of the flow gives two phases. Their whole turns change signs
-only; the remainder inside a cell is T(s₁, c₁s₁) + T(s₂, c₂s₂) with T a power series. Compiled loops use double-doubles
-and round once, so no error grows with the time; interpreted loops use more digits. Physical time t = ∫dτ/g is a mean
-rate times τ plus a Fourier series on the torus, inverted by Newton's method. (Fedorov 2009 writes it in theta
-functions.)
+Whole turns of the phases change signs only. Compiled loops use double-doubles and round once, so no error grows with
+the time; interpreted loops use more digits. Physical time t = ∫dτ/g is a mean rate times τ plus a Fourier series on the
+torus, inverted by Newton's method. (Fedorov 2009 writes it in theta functions.)
 """
 
 from __future__ import annotations
@@ -18,21 +16,20 @@ import numpy as np
 
 from integrable.moving_point.addition import Row
 from integrable.moving_point.arithmetic import MOST_TURNS
-from integrable.moving_point.problem import HEAVINESS, TIME_SCALE
+from integrable.moving_point.problem import HALF_STEP, HEAVINESS, TIME_SCALE
+from integrable.torus.body_torus import BodyTorus, Transform
 from integrable.torus.clock_loops import Clock, ClockSeries
 from integrable.torus.clock_modes import MOST_LOUD, Cutoffs, Tables
-from integrable.torus.corners import Corners, Transform
 from integrable.torus.loops import BEYOND, Loops, NotClosed
 from integrable.torus.panels import NODES, Panels, States, panel_length
 from integrable.torus.series import in_resonance
 from integrable.torus.states import Torus
-from integrable.torus.witness import ALIKE, confirmed, witnesses
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.native.library import Packed
 
 if TYPE_CHECKING:
-    from integrable.torus.lattice import TimedSource
+    from integrable.torus.lattice import Source
 
 MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this fraction of its mean are omitted from the series that starts Newton's method
@@ -52,18 +49,22 @@ DENSE_FROM = 5000
 DENSE = 3
 
 
-class TorusFlow(Corners):
+class TorusFlow(BodyTorus):
     """γ and M at any times of a motion, in the user's units, from a :class:`~integrable.moving_point.setup.Setup`.
 
-    PrecisionLoss where the torus is not compact, or needs more than ``most`` cells or samples of 1/g. NotClosed where
-    the loops lose too many digits or a sign (:mod:`integrable.torus.witness`).
+    PrecisionLoss where the torus is not compact, or needs more than ``most`` samples of 1/g. NotClosed where the loops
+    lose too many digits. ``exact`` are loops with more digits for the set-up.
     """
 
     way = "torus"
 
-    def __init__(self, setup: TimedSource, loops: Loops, most: int = MOST_SAMPLES) -> None:
-        super().__init__(setup, loops, most)
-        self._step = float(setup.step_length / setup.time_scale)
+    def __init__(self, setup: Source, loops: Loops, most: int = MOST_SAMPLES, exact: Loops | None = None) -> None:
+        super().__init__(setup, loops, most, exact)
+        time_scale, half_step = loops.floats(self._problem[TIME_SCALE : HALF_STEP + 1])[
+            :: HALF_STEP - TIME_SCALE
+        ].tolist()
+        # a basic step in units of τ
+        self._step = 2 * half_step / time_scale
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
         if self._rolls:
@@ -71,16 +72,10 @@ class TorusFlow(Corners):
             noise = max(self.closure, loops.noise / 64)
             self.clock = TorusClock(loops, spectrum, self.rates[4:], self._scale, noise, self.doubled)
 
-    def _check_walk(self) -> None:
+    def _check(self, found: Row) -> None:
         if not all(map(isfinite, self._of_rates(4 if self._rolls else 6, 8))):
             raise NotClosed(BEYOND)
-        # this check precedes that of the cells' borders, where a wrong sign would look like lost digits
-        tau = witnesses(self._turns)
-        out = np.empty(12 * len(tau))
-        near = self.loops.departure(self.torus, *self._line(tau), out) <= ALIKE
-        if not near and not confirmed(self.setup, tau, *out.reshape(2, -1, 6)):
-            raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
-        super()._check_walk()
+        super()._check(found)
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """γ and M, and τ, at physical times: arrays of shapes (N, 6) and (N,).
@@ -100,7 +95,7 @@ class TorusFlow(Corners):
         """Physical times at values of τ."""
         if not self.clock:
             return tau
-        self._check(tau, self._turns)
+        self._within(tau, self._turns)
         return self.clock.times(tau)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
@@ -154,16 +149,16 @@ class TorusFlow(Corners):
 
     def _rows_of_clock(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         assert self.clock
-        self._check(times, self._of_rates(4, 6))
+        self._within(times, self._of_rates(4, 6))
         return self.clock.at(self.torus, times)
 
     def _rows_at_tau(self, tau: np.ndarray) -> np.ndarray:
         out = np.empty(6 * len(tau))
-        self._check(tau, self._turns)
+        self._within(tau, self._turns)
         self.loops.states_at_tau(self.torus, self.rates[6:8], tau, out)
         return out.reshape(-1, 6)
 
-    def _check(self, times: np.ndarray, rates: list[float]) -> None:
+    def _within(self, times: np.ndarray, rates: list[float]) -> None:
         turns = np.abs(times).max(initial=0) * max(map(abs, rates))
         if turns > MOST_TURNS:
             raise PrecisionLoss(
@@ -225,9 +220,9 @@ def resolved_spectrum(
 class TorusClock:
     """t(τ) and τ(t) of a motion on a torus whose dt/dτ has a ``spectrum``, in the user's units.
 
-    ``rates`` are those of :func:`integrable.torus.survey.surveyed_rates` without the matrix. In a time τ of 1/``scale``
-    the body turns by about a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the periods of
-    dt/dτ in turns. PrecisionLoss where a mode is in resonance.
+    ``rates`` are those of :func:`integrable.torus.theta_setup.surveyed_rates` without the matrix. In a time τ of
+    1/``scale`` the body turns by about a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the
+    periods of dt/dτ in turns. PrecisionLoss where a mode is in resonance.
     """
 
     def __init__(

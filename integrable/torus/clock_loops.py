@@ -8,8 +8,7 @@ from math import cos, floor, pi, sin
 from typing import NamedTuple
 
 from integrable.moving_point.addition import Real, Row
-from integrable.torus.states import Torus, state_at, torus_in_tuples, whole_turns
-from integrable.torus.tables import six
+from integrable.torus.states import Torus, state_at, whole_turns
 from jacobian.numbers.abreast import abreast
 
 # by quadratic convergence the error is below 1e-17 turns after a Newton step of at most this fraction of a turn
@@ -54,7 +53,8 @@ class Clock(NamedTuple):
 
 def clock_in_tuples(clock: Clock) -> Clock:
     """The clock with a tuple for ``pace``, whose numbers compiled loops then hold in registers."""
-    return Clock(clock.doubled, clock.rough, clock.series, clock.quiet, clock.modes, clock.loud, six(clock.pace))
+    pace = clock.pace[0], clock.pace[1], clock.pace[2], clock.pace[3], clock.pace[4], clock.pace[5]
+    return Clock(clock.doubled, clock.rough, clock.series, clock.quiet, clock.modes, clock.loud, pace)
 
 
 def states_at_times(
@@ -66,7 +66,7 @@ def states_at_times(
     ``room`` is memory for powers, and for two phases and their turns at each time.
     """
     (tau, delays, out), (powers, phases, turns) = found, room
-    near, own = torus_in_tuples(torus), clock_in_tuples(clock)
+    own = clock_in_tuples(clock)
     for i in range(len(times)):
         first, second, turn1, turn2, x = phases_at_time(own, times[i], powers)
         tau[i] = float(own.pace[4] * times[i] + x)
@@ -74,7 +74,7 @@ def states_at_times(
         phases[2 * i], phases[2 * i + 1] = first, second
         turns[2 * i], turns[2 * i + 1] = turn1, turn2
     for n in abreast(0, len(times)):
-        state_at(near, phases[2 * n], phases[2 * n + 1], turns[2 * n], turns[2 * n + 1], out, 6 * n)
+        state_at(torus, phases[2 * n], phases[2 * n + 1], turns[2 * n], turns[2 * n + 1], out, 6 * n)
 
 
 def phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Row) -> None:

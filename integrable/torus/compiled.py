@@ -1,5 +1,5 @@
-"""The loops of random access on the torus compiled from :mod:`integrable.torus.walks` and other modules of this room:
-moving points in double-double numbers, Fourier series in floats.
+"""The loops of random access on the torus compiled from :mod:`integrable.torus.states` and other modules of this room:
+theta functions in double-double numbers, Fourier series in floats.
 
 Arrays of numbers are float arrays with a last axis (hi, lo).
 """
@@ -7,33 +7,22 @@ Arrays of numbers are float arrays with a last axis (hi, lo).
 from __future__ import annotations
 
 from integrable.moving_point.compiled import SPECIAL
-from integrable.torus import clock_loops, clock_modes, lattice, states, survey, tables, walks, witness
+from integrable.torus import clock_loops, clock_modes, lattice, states, theta_series, theta_setup
 from integrable.torus.clock_loops import Clock, ClockSeries
 from integrable.torus.clock_modes import Cutoffs, Tables
-from integrable.torus.lattice import Chart
 from integrable.torus.states import Torus
-from integrable.torus.tables import SmallSteps, TableRoom
-from integrable.torus.walks import Curve, Fine, Walk
-from integrable.torus.witness import Line
+from integrable.torus.theta_series import ThetaSums
+from integrable.torus.theta_setup import Limits
 from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, ArrayKind, TupleKind, record
 from jacobian.native.library import Library
 
-_FLAGS, _INTS, _FLOATS = TupleKind((BOOL, BOOL)), TupleKind((INT, INT)), TupleKind((FLOAT, FLOAT))
-_SIGNS = TupleKind((FLOAT,) * 6)
-_CURVE = record(Curve, WIDES, WIDES, WIDES)
-_SMALL = record(SmallSteps, WIDES, _FLOATS, WIDES, INT, WIDES)
+_INTS, _FLOATS, _THREE = TupleKind((INT, INT)), TupleKind((FLOAT, FLOAT)), TupleKind((INT, INT, INT))
 _SERIES = record(ClockSeries, INTS, FLOATS, INT, INT, _FLOATS, FLOAT, FLOAT, FLOAT)
+_SUMS = record(ThetaSums, WIDES, _THREE, INTS, INTS, WIDES)
 KINDS: dict[type[tuple[object, ...]], TupleKind] = {
     kind.named: kind
     for kind in (
-        _CURVE,
-        _SMALL,
-        record(Chart, _FLOATS, _FLOATS, TupleKind((_INTS, _INTS)), _INTS),
-        record(TableRoom, WIDES, WIDES, WIDES, WIDES),
-        record(Line, _CURVE, WIDES, WIDES, WIDES, _FLOATS, BOOL),
-        record(Walk, _INTS, INT, INT, _SIGNS, WIDES, WIDES),
-        record(Fine, _INTS, _INTS, _FLAGS, WIDES, INTS, _INTS, WIDES),
-        record(Torus, _CURVE, WIDES, WIDES, _SMALL, _SIGNS, _INTS),
+        record(Torus, _SUMS, WIDES),
         record(Tables, FLOATS, INTS, FLOATS, INTS, FLOATS, FLOATS, INTS, INTS),
         record(Clock, _INTS, _SERIES, _SERIES, _SERIES, INTS, WIDES, WIDES),
     )
@@ -41,25 +30,25 @@ KINDS: dict[type[tuple[object, ...]], TupleKind] = {
 """The compiled type of each NamedTuple of arrays."""
 
 
-_TORUS, _CLOCK, _WALK, _FINE = KINDS[Torus], KINDS[Clock], KINDS[Walk], KINDS[Fine]
+_TORUS, _CLOCK = KINDS[Torus], KINDS[Clock]
 _PANELS, _ROWS = ArrayKind(FLOAT, 3), ArrayKind(FLOAT, 2)
 LIBRARY = Library(
     "torus",
     {
         "begun": (lattice.begun_rows, (WIDES, BOOL, WIDES, WIDES, WIDES)),
-        "reached": (witness.reached, (KINDS[Line], FLOATS, KINDS[TableRoom], WIDES, FLOATS)),
-        "departure": (witness.departure, (_TORUS, KINDS[Line], FLOATS, KINDS[TableRoom], WIDES, FLOATS)),
-        "seam": (witness.seam, (_TORUS, FLOATS)),
-        "rates": (survey.surveyed_rates, (WIDES, WIDES, WIDES, _FLOATS, _INTS, WIDES)),
-        "about_centre": (survey.about_centre, (WIDES, FLOAT, FLOAT, WIDES)),
-        "survey": (survey.survey, (WIDES, FLOAT, FLOATS, WIDES)),
-        "directions": (
-            tables.directions,
-            (WIDES, KINDS[Chart], WIDES, FLOATS, INT, KINDS[TableRoom], WIDES, WIDES),
+        "periods": (theta_setup.torus_periods, (WIDES, FLOAT, WIDES, WIDES)),
+        "rates": (theta_setup.surveyed_rates, (WIDES, WIDES, WIDES, _FLOATS, _INTS, WIDES)),
+        "placed": (
+            theta_setup.placed,
+            (_TORUS, WIDES, WIDES, WIDES, WIDES, FLOATS, record(Limits, FLOAT, FLOAT, FLOAT), WIDES),
         ),
-        "corners": (walks.corners, (_CURVE, WIDES, _WALK, WIDES, WIDES, WIDES)),
-        "gridded": (walks.gridded, (_CURVE, _SMALL, WIDES, _FINE, WIDES, WIDES)),
-        "sampled": (walks.sampled, (_CURVE, WIDES, _FINE, WIDES, WIDES)),
+        "theta_weights": (
+            theta_series.theta_weights,
+            (WIDES, _THREE, _INTS, FLOAT, _SUMS, WIDES),
+        ),
+        "theta_lifts": (theta_series.theta_lifts, (_SUMS, WIDES, WIDES)),
+        "gridded": (states.gridded, (_TORUS, _INTS, _INTS, WIDES, WIDES, WIDES)),
+        "strayed": (states.strayed, (_TORUS, WIDES, WIDES, FLOATS)),
         "states_at_phases": (states.states_at_phases, (_TORUS, FLOATS, FLOATS)),
         "states_at_tau": (states.states_at_tau, (_TORUS, WIDES, FLOATS, FLOATS)),
         "states_at_times": (

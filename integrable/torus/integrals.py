@@ -5,17 +5,17 @@ torus, in floats, or in multiprecision like that of 1/g in :mod:`integrable.toru
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from operator import mul
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
 from integrable.moving_point.addition import Row
-from integrable.phase.coordinates import directions_of
-from integrable.torus.corners import Corners, resolved
+from integrable.torus.body_torus import BodyTorus, resolved
 from integrable.torus.long_clock import phases
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.series import LongSeries, TorusSeries, long_spectrum, needed_sizes, spectrum, together
-from integrable.torus.states import point_at, turned, whole_turns
+from integrable.torus.states import frame_at, third_of, whole_turns
 from jacobian.element import Complex, Real
 from jacobian.numbers.long_reals import BallReals
 
@@ -78,7 +78,7 @@ class TorusIntegral:
         return [series.swings_and_rates(first, second) for series in self._series]
 
 
-def periods_of(flow: Corners) -> tuple[int, int]:
+def periods_of(flow: BodyTorus) -> tuple[int, int]:
     """The periods, in turns of both phases, of functions that may change sign with an odd number of the γ_i."""
     return 1 + flow.odd[0], 1 + flow.odd[1]
 
@@ -94,7 +94,7 @@ class ResolvedSamples(NamedTuple):
 
 
 def resolved_samples(
-    flow: Corners,
+    flow: BodyTorus,
     function: Function,
     noise: Callable[[np.ndarray], np.ndarray],
     most: int,
@@ -179,24 +179,24 @@ class LongIntegral:
             return [[number(grid[k, m]) for m in range(-most, most + 1)] for k in range(rows)]
 
 
-class LongStates(Corners):
+class LongStates(BodyTorus):
     """A torus whose states have all digits of its loops."""
 
     def __init__(self, setup: Setup, loops: ReadableLoops, most: int) -> None:
         super().__init__(setup, loops, most)
-        # moving points by their phases; whole turns change only the signs
-        self._points = dict[tuple[Real, Real], Row]()
+        # (γ̃, w̃) by their phases; whole turns change only the signs
+        self._frames = dict[tuple[Real, Real], Row]()
 
     def at_phases(self, phases: np.ndarray) -> np.ndarray:
         """γ and M at points of the torus, bare reals, shape (N, 6): ``phases`` are exact, in turns from the start."""
-        number, rows = self.loops.reals.number, []
-        p, q, r, s = self.torus.matrix
+        number, rows, signs = self.loops.reals.number, [], self.turns.tolist()
+        p, q, r, s = self.torus.numbers[:4]
         for (first, turn1), (second, turn2) in (map(whole_turns, pair) for pair in phases.tolist()):
-            if (first, second) not in self._points:
-                self._points[first, second] = point_at(self.torus, number(first), number(second), 0, 0)
-            point = self._points[first, second]
-            for turn, place in ((turn1, 0), (turn2, 3)):
-                point = turned(point, self.signs, place) if turn % 2 else point
-            pairs = list(zip(*directions_of(point), strict=True))
+            if (first, second) not in self._frames:
+                self._frames[first, second] = frame_at(self.torus, number(first), number(second))
+            frame = self._frames[first, second]
+            for turn, own in ((turn1, signs[0]), (turn2, signs[1])):
+                frame = tuple(map(mul, frame, own + own)) if turn % 2 else frame
+            pairs = list(zip(frame[:3], third_of(frame), strict=True))
             rows.append([*(p * x + q * y for x, y in pairs), *(r * x + s * y for x, y in pairs)])
         return np.array(rows, dtype=object).reshape(-1, 6)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from math import ceil, log2, pi
+from collections.abc import Callable, Iterable
+from math import log, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,14 +11,10 @@ import numpy as np
 from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import CONTACT, ROW, START, TIME_SCALE
 from integrable.phase.precisions import FLOAT_DIGITS
-from integrable.torus import clock_modes, walks, witness
-from integrable.torus import survey as torus_survey
+from integrable.torus import clock_modes, states, theta_series, theta_setup
 from integrable.torus.clock_loops import panel_values, states_at_times, times_at_tau
 from integrable.torus.lattice import Beginning, Units
 from integrable.torus.series import half_spectrum
-from integrable.torus.states import states_at_phases, states_at_tau
-from integrable.torus.tables import TableRoom, directions
-from integrable.torus.walks import Curve
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
@@ -27,64 +23,51 @@ from jacobian.numbers.fourier import circle_of
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
-    from integrable.torus.lattice import Chart, Source
-
-
-# one Newton step leads from a float to double-double precision
-NEWTON_PASSES = 1
-# the number of terms of a power series for 32 digits
-SERIES = 95
-# the polynomials of a direction have TERMS terms for 25 digits and TERMS_A_DIGIT more for each further digit; each
-# further term costs BITS_A_TERM bits when values at nodes are turned into coefficients
-TERMS = 19
-TERMS_A_DIGIT = 1.6
-BITS_A_TERM = 1.3
+    from integrable.torus.lattice import Source
 
 
 BEYOND = "periods beyond the range of floats; use more digits"
-# constants of translations: π, three κ, which are 1, and the direction (1, 0)
-_CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0), (1, 0), (1, 0), (1, 0), (0, 0)])
+# π and 1
+_CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0)])
 
 
 # the interpreted loops, with the indices of their arguments that are arrays of floats, which they take as lists
 PLAIN: dict[str, tuple[Callable[..., object], tuple[int, ...]]] = {
-    "about_centre": (torus_survey.about_centre, ()),
     "clock_series": (clock_modes.clock_series, ()),
-    "corners": (walks.corners, ()),
-    "departure": (witness.departure, (2,)),
-    "gridded": (walks.gridded, ()),
-    "offsets": (walks.offsets, ()),
+    "gridded": (states.gridded, ()),
     "panel_values": (panel_values, ()),
-    "rates": (torus_survey.surveyed_rates, ()),
-    "reached": (witness.reached, (1,)),
-    "states_at_phases": (states_at_phases, (1,)),
-    "states_at_tau": (states_at_tau, (2,)),
+    "periods": (theta_setup.torus_periods, ()),
+    "placed": (theta_setup.placed, (5,)),
+    "rates": (theta_setup.surveyed_rates, ()),
+    "states_at_phases": (states.states_at_phases, (1,)),
+    "states_at_tau": (states.states_at_tau, (2,)),
     "states_at_times": (states_at_times, (2,)),
-    "survey": (torus_survey.survey, (2,)),
+    "strayed": (states.strayed, ()),
+    "theta_weights": (theta_series.theta_weights, ()),
     "times_at_tau": (times_at_tau, (1, 3)),
 }
 
 
 class NotClosed(PrecisionLoss):
-    """Walks over whole periods do not return to their start: the loops lose too many digits on this motion."""
+    """The states of a torus are not those of the motion: the loops lose too many digits on it."""
 
 
 class ReadableLoops:
-    """The loops of :mod:`integrable.torus.walks` interpreted, on lists of numbers of the set-up's wide precision;
+    """The loops of :mod:`integrable.torus.states` interpreted, on lists of numbers of the set-up's wide precision;
     results are accurate to ``digits``.
     """
 
     def __init__(self, setup: Setup, digits: int = FLOAT_DIGITS) -> None:
-        self._digits = digits
-        more = max(0, int(TERMS_A_DIGIT * (digits - 25)) + 1)
-        self.terms, bits = TERMS + more, setup.reals.bits + int(BITS_A_TERM * more)
-        self.reals = type(setup.reals)(bits)
-        # a pass of Newton's method doubles the correct bits, of which a float gives at least 46
-        self._passes, self._series = max(1, ceil(log2(bits / 46))), setup.terms
+        self._digits, self.reals = digits, setup.reals
+        bits = self.reals.bits
         # the arithmetic-geometric mean converges quadratically: ovals of this length need no further step
         self.short = float(setup.wide.eps) ** 0.5 / 16
         # the size of rounding errors in 1/g, at which its Fourier series ends
         self.noise = 10.0**-digits
+        self.depth, self.nudge = bits * log(2) / pi, 2.0 ** -(2 * bits // 5)
+        # ovals that are points are opened to this length, relative to all
+        self.closest = 2.0 ** (16 - bits)
+        self.circle = theta_series.circle_numbers(self.reals, bits)
 
     def packed(self, value: Any) -> Any:
         """A NamedTuple for the loops, with lists for arrays, which interpreted loops read faster."""
@@ -95,6 +78,10 @@ class ReadableLoops:
     def row(self, values: Iterable[Real]) -> Row:
         """A row of working numbers from numbers of any kind."""
         return list(self.reals.row(values))
+
+    def integers(self, values: Iterable[int]) -> Row:
+        """A row of integers."""
+        return list(values)
 
     def spectrum(self, samples: np.ndarray, noise: tuple[float, float]) -> tuple[Row, tuple[int, int]]:
         """:func:`integrable.torus.series.half_spectrum` of long doubles as a row of working numbers, and its
@@ -140,28 +127,16 @@ class ReadableLoops:
 
         return inside
 
-    def directions(
-        self, motion: Row, chart: Chart, parts: Row, nodes: Sequence[float], tables: Row, halves: Row
-    ) -> None:
-        """Calls :func:`integrable.torus.tables.directions`."""
-        room = TableRoom(*map(self.room, (self._series, self._series, 9, 10 * (len(nodes) + 2))))
-        with self.reals:
-            directions(motion, chart, parts, nodes, self._passes, room, tables, halves)
-
     def begun(self, setup: Source) -> None:
         """None: the set-up already has all digits."""
-
-    def joined(self, *rows: Row) -> Row:
-        """Rows of numbers, concatenated."""
-        return [x for row in rows for x in row]
 
 
 class CompiledLoops:
     """The compiled loops, on arrays of double-double numbers."""
 
-    terms = TERMS
     noise = 1e-15
     short = EPS**0.5 / 16
+    depth, nudge, closest = theta_series.DEPTH, 2.0**-44, 2.0**-130
 
     def __init__(self) -> None:
         from integrable.torus import compiled
@@ -175,11 +150,18 @@ class CompiledLoops:
             raise AttributeError(name)
         return getattr(self._entries, name)
 
+    @property
+    def circle(self) -> Row:
+        return theta_series.inverse_factorials()
+
     def packed(self, value: Any) -> Any:
         return self._packed(value, self._kinds[type(value)])
 
     def row(self, values: Iterable[Real]) -> Row:
         return double_double_row(values)
+
+    def integers(self, values: Iterable[int]) -> Row:
+        return np.fromiter(values, dtype=np.int64)
 
     def begun(self, setup: Source) -> Beginning | None:
         if setup.floats_given is None:
@@ -190,13 +172,7 @@ class CompiledLoops:
         problem, motion = wide[10 : 10 + ROW], wide[10 + ROW :]
         if not self._entries.begun(wide[:10], tilted, _CONSTANTS, problem, motion):
             return None
-        unit_axes = np.concatenate([problem[6:9], _CONSTANTS[1:]])
-        return Beginning(
-            Units(), motion, Curve(problem[:6], problem[6:14], unit_axes), problem[START:TIME_SCALE], problem[:CONTACT]
-        )
-
-    def joined(self, *rows: Row) -> Row:
-        return np.concatenate(rows)
+        return Beginning(Units(), motion, problem[12:14], problem[START:TIME_SCALE], problem[:CONTACT])
 
     def spectrum(self, samples: np.ndarray, noise: tuple[float, float]) -> tuple[Row, tuple[int, int]]:
         if samples.dtype == np.longdouble:
@@ -222,12 +198,6 @@ class CompiledLoops:
     def samples(self, values: Row, sizes: tuple[int, int]) -> np.ndarray:
         found: np.ndarray = values.reshape(*sizes, 2)
         return found
-
-    def directions(
-        self, motion: Row, chart: Chart, parts: Row, nodes: Sequence[float], tables: Row, halves: Row
-    ) -> None:
-        room = TableRoom(*map(self.room, (SERIES, SERIES, 9, 10 * (len(nodes) + 2))))
-        self._entries.directions(motion, chart, parts, np.array(nodes), NEWTON_PASSES, room, tables, halves)
 
 
 Loops = ReadableLoops | CompiledLoops

@@ -13,11 +13,15 @@ from math import log10
 
 import numpy as np
 
-from integrable.moving_point.addition import Row, opposite, rate_after
+from integrable.moving_point.addition import Row, moving_point, opposite, rate_after
+from integrable.moving_point.compiled import SPECIAL
 from integrable.moving_point.legendre import legendre_transform
 from integrable.moving_point.setup import Setup
 from integrable.moving_point.translations import Translations
 from jacobian.element import Real
+from jacobian.native.kinds import WIDES
+from jacobian.native.library import Library
+from jacobian.numbers.abreast import abreast
 from jacobian.numbers.long_reals import BareReals
 
 # one value in this many, and at least two values, are computed again with all digits
@@ -32,39 +36,35 @@ FLAT, FLATTEST = 1e-6, 1e-16
 SAMPLES = range(0, 512, 61)
 
 
-PackedRates = tuple[
-    tuple[int, int], tuple[int, int], tuple[bool, bool], np.ndarray, np.ndarray, tuple[int, int], np.ndarray
-]
-"""Translations as :meth:`PanelRates.around` takes them: those of a grid of one row (:mod:`integrable.torus.walks`)."""
+def rates_after(f: Row, axes: Row, point: Row, steps: Row, out: Row) -> None:
+    """Writes 1/g after each translation of ``steps``, ten numbers each."""
+    near = moving_point(point)
+    for n in abreast(0, len(out)):
+        out[n] = rate_after(f, axes, near, moving_point(steps, 10 * n))
+
+
+LIBRARY = Library("panel_rates", {"rates_after": (rates_after, (WIDES,) * 5)}, SPECIAL)
 
 
 class PanelRates:
     """1/g around the moving points of a setup; values are right to 10^−``digits``."""
 
     def __init__(self, setup: Setup, digits: float) -> None:
-        from integrable.torus import compiled
-
-        self._setup, self._sampled, self._bound = setup, compiled.LIBRARY.sampled, 10.0**-digits
-        axes = self._packed([setup.bare.axes])[0]
-        self._curve = self._packed([setup.bare.f])[0], axes, axes
+        self._setup, self._bound = setup, 10.0**-digits
+        self._curve = self._packed([setup.bare.f])[0], self._packed([setup.bare.axes])[0]
         self._checked = 0
 
-    def steps(self, steps: Sequence[Row]) -> PackedRates:
-        """Translations as :meth:`around` takes them."""
-        rows = np.zeros((len(steps), 20, 2))
-        rows[:, :10] = self._packed(steps)
-        counts, rest = np.ones(len(steps), dtype=np.int64), np.zeros((2, 2))
-        return (1, 1), (1, len(steps)), (False, False), rows.reshape(-1, 2), counts, (0, 0), rest
+    def steps(self, steps: Sequence[Row]) -> np.ndarray:
+        """Translations as :meth:`around` takes them, ten double-doubles each."""
+        return self._packed(steps).reshape(-1, 2)
 
-    def values(self, point: Row, packed: PackedRates) -> np.ndarray:
+    def values(self, point: Row, packed: np.ndarray) -> np.ndarray:
         """1/g after each translation in ``packed``, which :meth:`steps` made, as double-doubles, shape (N, 2)."""
-        count = packed[1][1]
-        rates, other = np.empty((count, 2)), np.empty((count, 2))
-        self._sampled(self._curve, self._packed([point])[0], packed, rates, other)
-        # the loop begins a grid at its middle, and continues cyclically
-        return np.roll(rates, (count - 1) // 2, axis=0)
+        rates = np.empty((len(packed) // 10, 2))
+        LIBRARY.rates_after(*self._curve, self._packed([point])[0], packed, rates)
+        return rates
 
-    def around(self, point: Row, steps: Sequence[Row], packed: PackedRates) -> np.ndarray | None:
+    def around(self, point: Row, steps: Sequence[Row], packed: np.ndarray) -> np.ndarray | None:
         """The :meth:`values` for ``steps``, given also in packed form; None if double-doubles have too few digits."""
         rates = self.values(point, packed)
         return rates if self._right(point, steps, rates) else None

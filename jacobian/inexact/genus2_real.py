@@ -76,20 +76,6 @@ def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
     return q * scale, l1 * scale, l0 * scale
 
 
-def chord_apart(first: Four, second: Four) -> tuple[Real, Real, Real, bool]:
-    """(q, l1, l0) of any size with L·U ≡ q(V' − V) modulo U', and whether this congruence is well conditioned.
-
-    It is well conditioned if no abscissa of one divisor is near an abscissa of the other. This function takes a seventh
-    of the operations of :func:`chord`.
-    """
-    u0, u1, v0, v1 = first
-    s0, s1, t0, t1 = second
-    a0, a1, r0, r1 = u0 - s0, u1 - s1, t0 - v0, t1 - v1
-    near, far = s1 * a0 * a1, a1 * a1 * s0
-    q = a0 * a0 - near + far
-    return q, r1 * a0 - r0 * a1, r0 * (a0 - s1 * a1) + r1 * a1 * s0, abs(q) > 1e-3 * (a0 * a0 + abs(near) + abs(far))
-
-
 def slope(a: Four, b: Four, r: Four) -> tuple[Real, Real, Real]:
     """(l0, l1, q) with l0·a + l1·b = q·r in the least-squares sense: two Householder reflections."""
     a0, a1, a2, a3 = a

@@ -181,13 +181,12 @@ HEAVY = {
 
 
 @pytest.mark.parametrize("name", HEAVY)
-def test_cells_are_few_where_some_branch_points_are_close(name) -> None:
-    """If all centres were below the branch points, up to 1e9 cells would be needed."""
+def test_series_are_short_where_some_branch_points_are_close(name) -> None:
     inertia, d = HEAVY[name]
-    setup = flow_of(inertia, d).setup
-    torus = TorusFlow(setup, CompiledLoops())
-    assert torus.lattice.cells[0] * torus.lattice.cells[1] <= 4096
-    assert torus.closure < 1e-17
+    torus = TorusFlow(flow_of(inertia, d).setup, CompiledLoops())
+    _, rows, columns = torus.torus[0].sizes
+    assert rows * columns < 200
+    assert torus.closure < 1e-27
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -211,20 +210,19 @@ def test_moments_of_the_largest_ratio_are_answered_or_refused_at_once(seed) -> N
     assert process_time() - began < 10
 
 
-def test_what_takes_too_long_in_floats_is_refused_at_once() -> None:
-    """1/d and two a_i are within 2e-7 of each other, two of them within 1e-10: no torus closes in double-doubles."""
+def test_branch_points_within_a_ten_millionth_and_a_ten_billionth_have_a_torus() -> None:
+    """1/d and two a_i are within 2e-7 of each other, two of them within 1e-10: far times used to be refused."""
 
     def flow_from(d, gamma, M):
         system, gamma = ChaplyginBall((9.8e4, 1e-5, 0.021), d), np.array(gamma) / np.linalg.norm(gamma)
         return system.flow(system.state(gamma.tolist(), (M - gamma * (gamma @ M)).tolist()))
 
     flow = flow_from(160_000, (0.469, 0.717, 0.551), np.array([-0.457, -1.695, -0.799]))
-    assert len(flow.at([10.0, 1000.0]).gamma) == 2
-    began = process_time()
-    with pytest.raises(PrecisionLoss, match=r"values of 1/g, where floats take 1\.6e\+04.*MP\(digits\).*nearer times"):
-        flow.at([0.01, 1e9, -1e5])
-    assert process_time() - began < 10
-    # in multiprecision there is no such bound
+    assert flow.at([10.0, 1e9, -1e5]).way == "torus"
+    tau = np.array([1.0, -1e5, 1e9])
+    truth = np.array(flow._precise.at_tau(tau), dtype=float)
+    assert np.abs(flow._torus.at_tau(tau) - truth).max() < 1e-15
+    # a clock of many digits has no bound of its own
     flow = flow_from(890, (-0.304, 0.947, 0.107), np.array([-0.609, -0.138, -0.507]))
     with pytest.raises(PrecisionLoss, match=r"floats take 100"):
         PreciseFlow(flow.system.body, flow.state, 17, limits=ClockLimits(100)).at([1000.0])
@@ -232,7 +230,7 @@ def test_what_takes_too_long_in_floats_is_refused_at_once() -> None:
     assert float(tau[0]) == pytest.approx(flow.at([10.0]).tau[0], rel=1e-14)
 
 
-def test_the_corners_of_a_very_heavy_ball_close_in_double_doubles() -> None:
+def test_the_torus_of_a_very_heavy_ball_is_that_of_more_digits() -> None:
     """1/d is within 2e-6 of two a_i: far times used to be refused, and near ones needed multiprecision."""
     system, gamma = ChaplyginBall((9.8e4, 1e-5, 0.21), 160_000), np.array((0.469, 0.717, 0.551))
     gamma, M = gamma / np.linalg.norm(gamma), np.array([-0.457, -1.695, -0.799])

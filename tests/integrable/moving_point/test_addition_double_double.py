@@ -13,9 +13,8 @@ import pytest
 from integrable import ChaplyginBall, EulerTop
 from integrable.moving_point import addition
 from integrable.moving_point.compiled import SPECIAL
-from integrable.moving_point.translations import series_of
 from jacobian import MP
-from jacobian.native.kinds import INT, WIDE, WIDES, ArrayKind
+from jacobian.native.kinds import WIDE, WIDES, ArrayKind
 from jacobian.native.library import Library
 from jacobian.numbers import double_double
 
@@ -37,12 +36,6 @@ CASES = {
 }
 
 
-def near_identity(series, roots, f0, axes, eps, passes, out):
-    """T(eps) for every eps ≠ 0 of an array (N, 2), into ``out`` of shape (N, 10, 2)."""
-    for i in range(len(eps)):
-        addition.put(addition.near_identity(series, roots, f0[0], axes, eps[i], passes), out[i], 0)
-
-
 def shifted(f, axes, start, steps, out):
     """The moving point after the translations ``steps`` (N, 10, 2), into ``out`` of shape (10, 2)."""
     point = addition.moving_point(start)
@@ -55,7 +48,6 @@ TABLE = ArrayKind(WIDE, 2, 2)
 LOOPS = Library(
     "test_addition",
     {
-        "near_identity": (near_identity, (WIDES, WIDES, WIDES, WIDES, WIDES, INT, TABLE)),
         "shifted": (shifted, (WIDES, WIDES, WIDES, TABLE, WIDES)),
     },
     SPECIAL,
@@ -120,19 +112,3 @@ def test_additions(name):
         error = assert_as_exact_as_possible(exact(out), loop, inputs, f"{name} {levels}")
         if name in ("easy", "Euler top", "γ2 = 0"):
             assert error < 1e-28
-
-
-@pytest.mark.parametrize("name", [name for name in CASES if "1e8" not in name and "heavy" not in name])
-def test_near_identity(name):
-    """(The terms of the series of very different moments are beyond the range of floats in the flow's own unit.)"""
-    setup = setup_of(name)
-    offsets = [setup.wide.coerce(x) * setup.problem.half_step for x in ("1", "-0.3", "1e-3", "-1e-30")]
-    f, axes = setup.problem.f, setup.problem.axes
-    series, roots = (series_of(f, power, setup.terms) for power in (-1, 1))
-    inputs = [double_double.pack(x) for x in (series, roots, f[0], axes)]
-    out = np.empty((len(offsets), 10, 2))
-    LOOPS.near_identity(*inputs[:2], inputs[2][None], inputs[3], double_double.pack(offsets), 2, out)
-    for row, eps in zip(out, exact(double_double.pack(offsets)), strict=True):
-        true = addition.near_identity(*map(exact, inputs), eps, 6)
-        for x, y in zip(exact(row), true, strict=True):
-            assert abs(x - y) < 1e-27 * abs(y)

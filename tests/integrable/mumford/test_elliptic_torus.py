@@ -8,8 +8,8 @@ import pytest
 from integrable.classical.garnier import Garnier
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
-from integrable.mumford import elliptic_torus
 from integrable.mumford.elliptic_torus import EllipticTorus, elliptic_points
+from integrable.torus.theta_series import inverse_factorials
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
@@ -105,7 +105,7 @@ def test_the_source_interpreted_in_long_numbers_is_what_is_compiled() -> None:
     with reals:
         rows = [
             [reals.number(x) + reals.number(y) for x, y in row.tolist()]
-            for row in (torus._numbers, torus._table, elliptic_torus.inverse_factorials())
+            for row in (torus._numbers, torus._table, inverse_factorials())
         ]
         out = [reals.number(0)] * 9
         elliptic_points(*rows, times, out)

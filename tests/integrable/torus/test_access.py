@@ -14,19 +14,15 @@ from integrable.motion.precise import PreciseFlow
 from integrable.moving_point.problem import TIME_SCALE
 from integrable.oracles.reference import taylor
 from integrable.phase.state import onto_constraints
-from integrable.torus import walks, witness
 from integrable.torus.access import TorusFlow, series_between
+from integrable.torus.body_torus import BodyTorus
 from integrable.torus.clock_loops import swing_and_rate
 from integrable.torus.clock_modes import Cutoffs
-from integrable.torus.corners import Corners, nearest_column
 from integrable.torus.lattice import Units, beginning
-from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
+from integrable.torus.loops import CompiledLoops, ReadableLoops
 from integrable.torus.series import TorusSeries, needed_sizes, spectrum
-from integrable.torus.tables import small_translation
-from integrable.torus.witness import difference
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
-from tests.integrable.torus.translations import directed
 
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
 BALL = ChaplyginBall((1, 2, 3), 0.7)
@@ -155,8 +151,7 @@ def test_many_times_keep_the_integrals() -> None:
 
 
 @pytest.mark.parametrize("name", ["near_separatrix_8", pytest.param("near_separatrix_14", marks=pytest.mark.slow)])
-def test_beside_the_separatrix_corners_are_reached_from_both_sides(name) -> None:
-    """Errors of a walk around the long period grow by the factor with which the motion leaves the unstable rotation."""
+def test_beside_the_separatrix_states_are_those_of_twenty_digits(name) -> None:
     scene = load_scene(name)
     system, state = scene.start(15)
     flow = system.flow(state, kernel="compiled")
@@ -167,65 +162,6 @@ def test_beside_the_separatrix_corners_are_reached_from_both_sides(name) -> None
     truth = precise.vectors(precise.at(times.tolist())[1])
     for gamma, (true, _) in zip(run.gamma.tolist(), truth, strict=True):
         assert max(abs(float(x - y)) for x, y in zip(gamma, true, strict=True)) < 2e-13
-
-
-@pytest.mark.parametrize("name", ["near_separatrix_8", "near_separatrix_14", "1e-14 beside the separatrix"])
-def test_beside_the_separatrix_one_walk_over_the_corners_is_enough(monkeypatch, name) -> None:
-    """The place where the walks must meet is known in advance; a start there is the worst case."""
-    walks, walk = [], Corners._walk
-
-    def counted(corners, forward, most) -> None:
-        walk(corners, forward, most)
-        walks.append((most, corners.closure))
-
-    monkeypatch.setattr(Corners, "_walk", counted)
-    system, state = scene(name)[:2] if name in SCENES else load_scene(name).start(15)
-    flow = system.flow(state, kernel="compiled")
-    assert flow._torus is not None
-    ((most, closure),) = walks
-    assert most == 1
-    assert closure < (1e-13 if name == "near_separatrix_14" else 1e-16)
-
-
-@pytest.mark.parametrize("d", [0.0, 0.25, 0.5])
-@pytest.mark.parametrize("gap", [0.0, 1e-14, 1.0])
-def test_where_walks_meet_is_a_column_whatever_floats_tell_apart(d, gap) -> None:
-    """Ends of ovals that are the same float, a start at a far end, and the root 1/d there."""
-    motion = np.array(
-        [0.0, 1.0, 1.0 + gap, 2.0 + gap, 0.0, 1.0, 2.0 + gap, 1.0 + gap, d, 3.0, d * (2 + gap) or 1.0, 0.0]
-    )
-    for u in ((0.0, 2.0 + gap), (1.0, 1.0 + gap)):
-        start = np.array([u[0] * u[1], -u[0] - u[1], 0.1, 0.2])
-        for columns in (2, 8, 256):
-            for periods in ([1.0, 0.5, 40.0, 41.0], [1.0, 1.0, 1.0, 1.0]):
-                assert 1 <= nearest_column(motion, start, np.array(periods), columns) <= columns
-
-
-def test_the_corners_of_the_cells_close() -> None:
-    """A walk around either period of the torus leads back, up to the truncation error of the polynomials of a
-    translation.
-    """
-    system, state, _, _ = scene("S1")
-    setup = system.flow(state).setup
-    assert TorusFlow(setup, CompiledLoops()).closure < 1e-26
-    assert TorusFlow(setup, ReadableLoops(setup)).closure < 1e-26
-
-
-def test_directions_are_polynomials() -> None:
-    """T(s, cs) from the table compared with Newton's method in the wide precision."""
-    system, state, _, _ = scene("S1")
-    setup = system.flow(state).setup
-    torus = TorusFlow(setup, ReadableLoops(setup))
-    origin = torus.units.origin
-    for k, (centre, reach) in enumerate(zip(torus.lattice.chart.centres, torus.lattice.chart.reaches, strict=True)):
-        for x in (1.0, -0.4, 1e-3):
-            with setup.reals:
-                found = small_translation(torus.small, k, setup.reals.number(x))
-            u0, u1, v0, v1, *pairs = directed(setup, centre + origin, setup.wide.coerce(x) * reach)
-            truth = (u0 + (u1 + origin) * origin, u1 + 2 * origin, v0 + v1 * origin, v1, *pairs)
-            assert (
-                max(abs(float(a) - float(b)) / (1 + abs(float(b))) for a, b in zip(found, truth, strict=True)) < 1e-15
-            )
 
 
 def test_turns_beyond_double_double_numbers_are_refused() -> None:
@@ -314,46 +250,15 @@ def test_a_finer_grid_takes_what_the_coarser_one_knows(d, tilted) -> None:
     state = ball.state((0.48, 0.6, 0.64), (1.104, 2.18, -0.528) if tilted else (0.384, 1.28, -1.488), tilted=tilted)
     setup = ball.flow(state).setup
     for loops in (CompiledLoops(), ReadableLoops(setup)):
-        corners = Corners(setup, loops, 1 << 16)
-        sizes = corners.sizes[0], 2 * corners.sizes[1]
-        coarse = corners.samples(sizes)
-        finer = 2 * sizes[0], sizes[1]
-        known = corners.samples(finer, coarse + 1)
-        anew = corners.samples(finer)
-        assert (known[::2] == coarse + 1).all()
-        assert (known[1::2] == anew[1::2]).all()
-        assert np.abs(in_long(anew[::2]) - in_long(coarse)).max() < 1e-17
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "S1",
-        "S4a, thin",
-        "1e-4 beside the separatrix",
-        "d = 1e-12",
-        "nearly equal moments, 1e-12",
-        "heavy ball, d·max a → 1",
-    ],
-)
-def test_one_over_g_from_a_root_of_f_is_that_from_the_axes(name) -> None:
-    """U'' at the root 1/d, where f vanishes, compared with σ₁, σ₂, σ₃ of the sum; for a thinner ball U loses too many
-    digits.
-    """
-    system, state, _, _ = scene(name)
-    corners = Corners(system.flow(state).setup, CompiledLoops(), 1 << 16)
-    sizes = 4 * corners.sizes[0], 2 * corners.sizes[1]
-    assert corners.loops.floats(corners._rest)[1] > 0
-    by_root = in_long(corners.samples(sizes))
-    corners._rest = corners.loops.room(2)
-    by_axes = in_long(corners.samples(sizes))
-    assert np.abs(by_root / by_axes - 1).max() < 2e-19
-
-
-def test_one_over_g_of_thinner_and_tilted_balls_is_had_from_the_axes() -> None:
-    for name in ("thinner", "(γ, M) = 1.5"):
-        system, state, _, _ = scene(name)
-        assert not Corners(system.flow(state).setup, CompiledLoops(), 1 << 16)._rest.any()
+        torus = BodyTorus(setup, loops, 1 << 16)
+        coarse = torus.samples((8, 128))
+        for k, m in ((2, 1), (1, 4), (2, 2)):
+            known, anew = torus.samples((8 * k, 128 * m), coarse + 1), torus.samples((8 * k, 128 * m))
+            assert (known[::k, ::m] == coarse + 1).all()
+            new = np.ones(known.shape[:2], dtype=bool)
+            new[::k, ::m] = False
+            assert (known[new] == anew[new]).all()
+            assert np.abs(in_long(anew[::k, ::m]) - in_long(coarse)).max() < 1e-17
 
 
 def test_a_tilted_state_without_a_tilt_has_the_clock_of_an_upright_one() -> None:
@@ -365,67 +270,6 @@ def test_a_tilted_state_without_a_tilt_has_the_clock_of_an_upright_one() -> None
     runs = [ball.flow(state, kernel="compiled").at(times) for state in states]
     assert [run.way for run in runs] == ["torus", "torus"]
     assert np.abs(runs[0].gamma - runs[1].gamma).max() < 1e-15
-
-
-@pytest.mark.parametrize("d", [1e4, 1e6, 1e10])
-def test_what_a_torus_of_a_heavy_ball_is_held_against_is_right(d) -> None:
-    """Additions to the start are compared with 40 digits. At d = 10⁶ their error used to be 1, and every torus had to
-    be checked in multiprecision.
-    """
-    ball = ChaplyginBall((1, 2, 3), d)
-    state = ball.state(*START)
-    torus = TorusFlow(ball.flow(state).setup, CompiledLoops())
-    tau = np.array([turns / nu for nu in torus._turns for turns in witness.TURNS])
-    precise = PreciseFlow(ball.body, state, 40)
-    truth = [(*gamma, *M) for gamma, M in precise.vectors(precise.at_tau(tau.tolist()))]
-    found = torus.reached(tau)
-    assert np.abs(found - np.array(truth, dtype=float)).max() < 4e-15
-
-
-class AnotherQuadrant(CompiledLoops):
-    """Loops whose torus gives γ and M the signs of another quadrant."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        right = self.departure
-
-        def departure(torus, line, tau, *rest) -> float:
-            right(torus, line, tau, *rest)
-            found, reached = rest[-1].reshape(2, -1, 6)
-            found *= [-1, -1, 1, -1, -1, 1]
-            return difference(found.ravel(), reached.ravel())
-
-        self.departure = departure
-
-
-def test_a_wrong_torus_of_a_heavy_ball_is_noticed() -> None:
-    """Both the rough comparison and the comparison in multiprecision refuse it."""
-    ball = ChaplyginBall((1, 2, 3), 1e6)
-    setup = ball.flow(ball.state(*START)).setup
-    TorusFlow(setup, CompiledLoops())
-    with pytest.raises(NotClosed, match="does not lead where its translations do"):
-        TorusFlow(setup, AnotherQuadrant())
-
-
-def test_digits_are_asked_only_about_what_double_doubles_left_open(monkeypatch) -> None:
-    """At a distance of 1e-14 from a separatrix, additions lose all but four digits at one of four times."""
-    asked, in_digits = [], witness._in_digits
-
-    def counted(bare, translations, tau):
-        asked.append(tau)
-        return in_digits(bare, translations, tau)
-
-    monkeypatch.setattr(witness, "_in_digits", counted)
-    system, gamma, M, _ = SCENES["1e-14 beside the separatrix"]
-    setup = system.flow(system.state(gamma, M)).setup
-    torus = TorusFlow(setup, CompiledLoops())
-    assert len(asked) == 1
-    # an error in a state that is large enough for both comparisons is noticed
-    tau = witness.witnesses(torus._turns)
-    found, reached = torus._rows_at_tau(tau), torus.reached(tau)
-    assert witness.confirmed(setup, tau, found, reached)
-    found[-1, 0] += 1e-5
-    assert not witness.confirmed(setup, tau, found, reached)
 
 
 def test_rounding_of_samples_is_no_decay_to_wait_for() -> None:
@@ -511,21 +355,6 @@ def test_beside_an_unstable_rotation_that_leans():
     assert abs(found.gamma - truth.gamma.astype(float)).max() < 1e-14
 
 
-def test_cells_that_do_not_fit(monkeypatch):
-    """Errors of 1e-12 in corners are visible on the borders of the cells, and the motion is left to multiprecision."""
-    flow = BALL.flow(BALL.state(*START))
-    walk = Corners._walk
-
-    def rough(self, forward, most):
-        walk(self, forward, most)
-        # the states of every other corner
-        self.states[::20, 0] += 1e-12
-
-    monkeypatch.setattr(Corners, "_walk", rough)
-    with pytest.raises(NotClosed, match="cells of this motion's torus do not fit"):
-        TorusFlow(flow.setup, CompiledLoops())
-
-
 def test_a_torus_of_close_moments_is_right_where_a_coordinate_plane_is_passed():
     """With relative differences of moments of 1e-9, M₂ was wrong by 1e-10 of |M| near γ₂ = 0 if far times were
     requested too. In floats the cells fitted, and H1 and H2 hardly depend on a small M₂.
@@ -557,6 +386,7 @@ def test_what_loops_begin_with_is_what_more_digits_begin_with(system, tilted) ->
     setup = system.flow(state).setup
     quick, exact = beginning(setup, CompiledLoops()), beginning(setup, FromMoreDigits())
     assert quick.units == Units()
+    assert np.abs(quick.tilt - exact.tilt).max() < 1e-16
     assert np.abs(quick.problem - exact.problem)[TIME_SCALE:].max() < 1e-16
     with setup.reals:
         gaps = [
@@ -576,16 +406,3 @@ def test_what_loops_begin_with_is_what_more_digits_begin_with(system, tilted) ->
 def test_branch_points_that_are_close_take_more_digits_to_begin_with(moments, d, start) -> None:
     ball = ChaplyginBall(moments, d)
     assert CompiledLoops().begun(ball.flow(ball.state(*start)).setup) is None
-
-
-def test_what_is_not_a_number_is_not_near() -> None:
-    nan, state = float("nan"), [0.6, 0.0, 0.8, 1.0, 2.0, -0.75]
-    assert difference(state, state) == 0
-    assert difference([0.6, 0.0, 0.8, 1.0, 2.5, -0.75], state) == 0.25
-    for place in range(6):
-        assert not difference([nan if i == place else x for i, x in enumerate(state)], state) <= 1
-    start = [1.0, -2.0, 0.5, 0.0, 0.25, 0.0, 0.5, 0.0, 0.0, 4.0]
-    ends = [*start, *start[:9], 5.0]
-    assert walks.closure(start, ends, [*start, *start]) == 0.25
-    for place in range(10, 20):
-        assert not walks.closure(start, [nan if i == place else x for i, x in enumerate(ends)], [*start, *start]) <= 1

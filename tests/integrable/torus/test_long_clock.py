@@ -1,4 +1,4 @@
-"""The real torus of a motion: its periods, its cells, the clock of multiprecision on it, and motions that have none."""
+"""The real torus of a motion: its periods, the clock of multiprecision on it, and motions that have none."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from integrable.moving_point.setup import Setup
 from integrable.oracles.reference import taylor
 from integrable.torus import ovals as oval_nodes
 from integrable.torus.access import TorusFlow
-from integrable.torus.corners import Corners
-from integrable.torus.lattice import TorusLattice, Units, motion_row
+from integrable.torus.body_torus import BodyTorus
+from integrable.torus.lattice import Units, beginning, motion_row
 from integrable.torus.long_clock import MultiprecisionTorusClock
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.oval_modes import OvalTorus, modes_of_rate
 from integrable.torus.series import LongSeries
+from integrable.torus.theta_setup import FOUND, FREQUENCIES, IMAGINARY
 from jacobian import MP, HyperellipticCurve
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
@@ -232,18 +233,24 @@ def test_directions_add_up() -> None:
 
 
 @pytest.mark.parametrize("ball", [BALL, THIN, ChaplyginBall((1, 1e4, 1e8), 1)], ids=["ball", "thin", "far apart"])
-def test_the_basis_of_the_lattice_is_unimodular_and_cells_are_within_reach(ball) -> None:
+def test_the_basis_of_the_periods_is_unimodular_and_reduced(ball) -> None:
+    """Compared with the periods around either oval; the flow is a sum of both periods."""
     setup = setup_of(ball, *START)
     loops, wide = ReadableLoops(setup), setup.wide
-    lattice = TorusLattice(loops, loops.row(motion_row(setup, Units())))
-    (a, b), (c, d) = lattice.chart.basis
+    units, motion, *_ = beginning(setup, loops)
+    found = loops.room(FOUND)
+    (a, b, c, d) = loops.periods(motion, loops.short, loops.room(4), found)
     assert abs(a * d - b * c) == 1
-    nu, periods = loops.wide(lattice.frequencies, wide), [loops.wide(period, wide) for period in lattice.periods]
-    assert abs(sum(n * p[0] for n, p in zip(nu, periods, strict=True)) - 1) < 1e-35
-    assert abs(sum(n * p[1] for n, p in zip(nu, periods, strict=True))) < 1e-35
-    for parts in (lattice.parts[:2], lattice.parts[2:]):
-        corner = sum(abs(float(part)) / (2 * n) for part, n in zip(parts, lattice.cells, strict=True))
-        assert corner <= 1 + 1e-12
+    first, second = loops.wide(found[:2], wide), loops.wide(found[2:4], wide)
+    origin = setup.reals.element(wide, units.origin)
+    own = [(units.time * x, units.lift * (y - origin * x)) for x, y in (oval.periods for oval in ovals(setup))]
+    for (m, n), period in (((a, b), first), ((c, d), second)):
+        assert max(abs(m * x + n * y - z) for x, y, z in zip(*own, period, strict=True)) < 1e-35
+    nu = loops.wide(found[FREQUENCIES : FREQUENCIES + 2], wide)
+    assert abs(nu[0] * first[0] + nu[1] * second[0] - 1) < 1e-35
+    assert abs(nu[0] * first[1] + nu[1] * second[1] + origin / units.length) < 1e-35
+    y11, y12, y22 = map(float, found[IMAGINARY : IMAGINARY + 3])
+    assert 2 * abs(y12) <= y22 <= y11
 
 
 @pytest.mark.parametrize(
@@ -263,11 +270,10 @@ def test_the_mean_of_the_clock_is_that_of_its_samples(ball, start, tilted) -> No
     state = ball.state(*start, tilted=tilted)
     setup = Setup(ball.body, state.gamma, state.M, tilted, digits=25)
     loops = ReadableLoops(setup, setup.digits)
-    corners = Corners(setup, loops, 1 << 16)
-    coarse, fine = corners.sizes, tuple(4 * n for n in corners.sizes)
+    torus = BodyTorus(setup, loops, 1 << 16)
     with loops.reals:
-        means = [loops.reals.element(setup.wide, corners.samples(sizes).mean()) for sizes in (coarse, fine)]
-    coarse, fine = (abs(float(mean / corners.mean - 1)) for mean in means)
+        means = [loops.reals.element(setup.wide, torus.samples(sizes).mean()) for sizes in ((16, 16), (64, 64))]
+    coarse, fine = (abs(float(mean / torus.mean - 1)) for mean in means)
     assert fine < max(coarse**2, 1e-30)
     assert fine < 1e-15
 
@@ -303,7 +309,7 @@ def test_the_separatrix_has_no_compact_torus_and_is_followed_while_it_pays() -> 
     ball = ChaplyginBall((1, 2, 3), 0.7)
     flow = ball.flow(ball.state((0, 0, 1), (0, 1, 0)))
     with pytest.raises(PrecisionLoss, match="met"):
-        motion_row(flow.setup, Units())
+        motion_row(flow.setup.bare, flow.setup, Units())
     run = flow.at([1.0, 400.0])
     # M rests, and γ turns about the middle axis
     assert np.abs(run.M - [0, 1, 0]).max() < 1e-15

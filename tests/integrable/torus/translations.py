@@ -1,22 +1,25 @@
-"""The real periods of a motion's curve, and translations in any direction, in the wide precision of a flow, without the
-charts, cells and tables of :mod:`integrable.torus`.
+"""The real periods of a motion's curve, and translations in any direction, in the wide precision of a flow, without
+:mod:`integrable.torus`.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from integrable.moving_point.addition import FLOAT_TERMS, near_identity, shift
+from integrable.moving_point.addition import centre, conjugate_points, shift
 from integrable.moving_point.elliptic_integrals import oval_periods
 from integrable.moving_point.translations import series_of
 from integrable.torus.lattice import oval_ends
-from integrable.torus.survey import REACH
 from jacobian import poly
 from jacobian.periods.matrix import Oval
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
+# conjugate points of a translation stay within this fraction of the distance from its centre to the next branch point
+REACH = 0.4
+# number of terms that give a float all its digits, within the reach of a series
+FLOAT_TERMS = 48
 # steps of Newton's method from the leading order to a float, or from a float to a few hundred digits
 PASSES = 6
 
@@ -62,6 +65,16 @@ def directed(setup: Setup, centre: Any, eps: Any) -> tuple[Any, ...]:
     for _ in range(doublings):
         step = combine(setup, step, step)
     return step
+
+
+def near_identity(series: Any, roots: Any, f0: Any, axes: Any, eps: Any, passes: int) -> tuple[Any, ...]:
+    """T(eps), the translation with Σ∫dx/y = eps and Σ∫x dx/y = 0, for eps ≠ 0 inside the radius of convergence.
+
+    ``series`` and ``roots`` are the power series of 1/√(f/f0) and √(f/f0) about x = 0.
+    """
+    r = f0 * eps * eps / 4
+    m, r = centre(series, f0, eps, -series[1] * r / 3, r, passes)
+    return conjugate_points(roots, f0, axes, eps, m, r)
 
 
 def in_floats(setup: Setup, eps: float) -> tuple[Any, ...]:

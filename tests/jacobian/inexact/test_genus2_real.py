@@ -40,21 +40,6 @@ def test_translations_near_the_identity(k):
     assert max(abs(wide.coerce(x) - y) for x, y in zip(found, true, strict=True)) < 1e-14
 
 
-def test_a_chord_between_divisors_that_are_apart_solves_its_congruence():
-    """L·U ≡ q(V' − V) modulo U' for any curve; a common abscissa is reported."""
-    random = Random(11)
-    for _ in range(200):
-        first, second = (tuple(QQ.coerce(random.randint(-9, 9)) for _ in range(4)) for _ in range(2))
-        q, l1, l0, _ = genus2_real.chord_apart(first, second)
-        (u0, u1, v0, v1), (s0, s1, t0, t1) = first, second
-        line, slopes, other = (poly.trim(QQ, x) for x in ((l0, l1), (t0 - v0, t1 - v1), (s0, s1, QQ.one)))
-        gap = poly.sub(QQ, poly.mul(QQ, line, (u0, u1, QQ.one)), poly.scale(QQ, q, slopes))
-        assert not any(poly.mod(QQ, gap, other))
-    # abscissae 2 and 3, and 2 + gap and −1
-    for gap, good in ((1e-1, True), (1e-9, False)):
-        assert genus2_real.chord_apart((6.0, -5.0, 1.0, 2.0), (-2.0 - gap, -1.0 - gap, 0.5, 1.0))[3] == good
-
-
 # --- special cases on rational points -------------------------------------------------------------------------------
 
 

@@ -508,12 +508,12 @@ def test_sources_that_are_compiled_are_looked_at(monkeypatch):
     """
     from integrable.torus.compiled import LIBRARY
 
-    assert LIBRARY.survey
+    assert LIBRARY.periods
     found = kept.find(kept.place(), "torus", LIBRARY._made_for())
-    own = {"integrable.torus.survey", "integrable.torus.walks", "jacobian.inexact.genus2_real"}
+    own = {"integrable.torus.theta_setup", "integrable.torus.states", "jacobian.numbers.fourier"}
     assert own | kept.compiler() <= set(found.modules)
     before = kept.stamps
-    for changed in ("jacobian.numbers.double_double_steps", "integrable.torus.survey"):
+    for changed in ("jacobian.numbers.double_double_steps", "integrable.torus.theta_setup"):
         monkeypatch.setattr(kept, "stamps", lambda modules, changed=changed: before(modules) | {changed: "other"})
         assert not LIBRARY.is_kept()
     monkeypatch.setattr(kept, "stamps", before)

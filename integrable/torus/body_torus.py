@@ -1,0 +1,204 @@
+"""The torus of a motion of the ball or the top: any state, and 1/g on grids, by theta functions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache, cached_property
+from math import ceil, log2, log10
+from typing import TypeVar
+
+import numpy as np
+
+from integrable.moving_point.addition import Row
+from integrable.torus.lattice import Source, beginning
+from integrable.torus.loops import BEYOND, CompiledLoops, Loops, NotClosed
+from integrable.torus.states import CHECKED, NUMBERS, TILT, TOGETHER, Torus
+from integrable.torus.theta_series import ThetaSums, shortest, theta_sums
+from integrable.torus.theta_setup import CLASSES, FOUND, FREQUENCIES, IMAGINARY, MEAN, PLACING, RATES, Limits
+from jacobian.element import Real
+from jacobian.errors import PrecisionLoss
+from jacobian.periods.real_basis import Whole
+
+# a first grid has at least this many points in each direction
+FIRST_SIZE = 16
+# the start is met to CLOSED, and the equations of motion are met to RIGHT of the largest velocity
+CLOSED, RIGHT = 1e-18, 1e-12
+# number of points of a first grid of 1/g per digit, over the Y of that phase: with it most grids are the last
+POINTS = 1.8
+# numbers of nodes of the trapezoidal rule for the phases in floats, before and after the middle of a path, SPACING
+# apart in log(v/(1 − v)): an error of 1e-11. At both ends the next branch point may be e^−80 of the path away
+BEFORE, AFTER, SPACING = 160, 110, 0.75
+
+
+Samples = Callable[[tuple[int, int], "np.ndarray | None"], np.ndarray]
+"""A function that gives values on a grid of given sizes; values on a coarser grid may be known."""
+Found = TypeVar("Found")
+Transform = Callable[[np.ndarray], tuple[Found, tuple[int, int]]]
+"""A function of samples that returns a result of them and the shape of a grid that is fine enough."""
+
+
+class BodyTorus:
+    """The states of a motion on its torus, by loops of :mod:`integrable.torus.loops`.
+
+    ``turns`` are the signs that γ1, γ2, γ3 get over either period, ``basis`` the periods in those of the two ovals as
+    integer rows, ``doubled`` the periods of 1/g in those of the divisor. ``closure`` is the difference between the
+    start and the state at the phases of the start. PrecisionLoss where the torus is not compact. NotClosed where the
+    states are not those of the motion. ``exact`` are loops with more digits for the set-up.
+    """
+
+    def __init__(self, setup: Source, loops: Loops, most: int, exact: Loops | None = None) -> None:
+        self.setup, self.loops, self._most = setup, loops, most
+        made = exact or loops
+        # numbers of the motion, in units of length and time of its own
+        self.units, self._motion, self.tilt, start, self._problem = beginning(setup, made)
+        found = made.room(FOUND)
+        m1, n1, m2, n2 = made.periods(self._motion, made.short, made.room(4), found)
+        self.basis = (m1, n1), (m2, n2)
+        chars = characteristics(made.floats(self._motion[4:8]).tolist(), self.basis)
+        # θ changes its sign over period k where ε_k is 1
+        self.turns = np.array([[1.0 - 2.0 * char[k] for char in chars] for k in (0, 1)])
+        odd = [sum(char[k] for char in chars) % 2 == 1 for k in (0, 1)]
+        self.odd = odd[0], odd[1]
+        # for a tilted body, a sign change of an odd number of γ_i changes 1/g, whose period is then twice the divisor's
+        self.doubled = (1 + odd[0], 1 + odd[1]) if made.floats(self.tilt)[1] != 0 else (1, 1)
+        self.rates = made.room(RATES)
+        units = self.units.length, self.units.lift
+        made.rates(self._problem, found, self._motion, units, self.doubled, self.rates)
+        torus = self._placed(made, start, found, chars)
+        if exact:
+            torus = in_numbers(loops, torus)
+            found, self._motion, self._problem, self.rates = (
+                loops.row(row) for row in (found, self._motion, self._problem, self.rates)
+            )
+        self.torus = loops.packed(torus)
+        self._check(found)
+
+    def _placed(self, loops: Loops, start: Row, found: Row, chars: Sequence[Whole]) -> Torus:
+        """The data of states, with the phases and the signs of the start."""
+        shape = found[IMAGINARY:MEAN]
+        if not np.isfinite(loops.floats(shape)).all():
+            raise NotClosed(BEYOND)
+        self._decay = shortest(loops.floats(shape[:3]).tolist())
+        sums, scales = theta_sums(loops, shape, (0, 0, 0), chars)
+        torus = Torus(sums, loops.room(NUMBERS))
+        torus.numbers[:4], torus.numbers[TILT : TILT + 2] = self.rates[:4], self.tilt
+        limits = Limits(self.units.lift, loops.noise * 1e-10, loops.nudge)
+        self.closure = loops.placed(torus, self._motion, start, found, scales, _rule(), limits, loops.room(PLACING))
+        return torus
+
+    def _check(self, found: Row) -> None:
+        """Raises NotClosed if the states are not those of the motion."""
+        if not self.closure <= CLOSED:
+            raise NotClosed(f"the torus of this motion leads back to {self.closure:.1e} only; use more digits")
+        frequencies = found[FREQUENCIES : FREQUENCIES + 2]
+        if not self.loops.strayed(self.torus, self._motion, frequencies, np.empty(2 * CHECKED)) <= RIGHT:
+            raise NotClosed("the states on the torus of this motion do not obey its equations; use more digits")
+
+    @property
+    def compiled(self) -> bool:
+        """Whether the loops are compiled. A state then takes microseconds, a thousandth of the interpreted time."""
+        return isinstance(self.loops, CompiledLoops)
+
+    @cached_property
+    def frequencies(self) -> tuple[Real, Real]:
+        """Turns of each phase per unit of τ, wide."""
+        nu1, nu2 = self.loops.wide(self.rates[6:8], self.setup.wide)
+        return nu1, nu2
+
+    @cached_property
+    def mean(self) -> Real:
+        """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, independent of samples.
+
+        A tilt does not change it: its term changes sign around an oval with one axis, as an odd number of γ_i do.
+        """
+        return self.loops.wide(self.rates[9:10], self.setup.wide)[0]
+
+    def at_phases(self, phases: np.ndarray) -> np.ndarray:
+        """γ and M at points of the torus, shape (N, 6): ``phases`` in turns from the start, shape (N, 2)."""
+        out = np.empty(6 * len(phases))
+        self.loops.states_at_phases(self.torus, np.ascontiguousarray(phases, dtype=np.float64).ravel(), out)
+        return out.reshape(-1, 6)
+
+    def resolved(self, transformed: Transform[Found]) -> Found:
+        """The spectrum of 1/g on a grid of its periods that resolves it: ``transformed(samples)`` are the spectrum and
+        the shape of a grid that is fine enough.
+        """
+        return resolved(self.samples, transformed, self.first_grid(), self._most)
+
+    def first_grid(self) -> tuple[int, int]:
+        """The first grid."""
+        points = -POINTS * log10(self.loops.noise)
+        first, second = (max(FIRST_SIZE, 2 ** ceil(log2(max(1, points / y)))) for y in self._decay)
+        return first, second
+
+    def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> np.ndarray:
+        """1/g on a grid of its periods, with ``sizes`` points per period of the divisor. Compiled loops give
+        double-doubles with a last axis; interpreted ones give long doubles, or their own numbers where these have more
+        digits. ``known`` are the samples of a coarser grid.
+        """
+        loops, (rows, columns), (down, across) = self.loops, sizes, self.doubled
+        coarser = (0, 0) if known is None else (rows * down // known.shape[0], columns * across // known.shape[1])
+        if coarser[1] > TOGETHER:
+            coarser = 0, 0
+        first, other = loops.room(rows * columns), loops.room(rows * columns)
+        classes, height, _ = self.torus[0].sizes
+        room = loops.room(classes * height * (4 * TOGETHER + 2 * rows))
+        loops.gridded(self.torus, sizes, coarser, room, first, other)
+        table = loops.samples(first, sizes)
+        if self.doubled != (1, 1):
+            beside = loops.samples(other, sizes)
+            whole = np.empty((down, rows, across, columns, *table.shape[2:]), dtype=table.dtype)
+            for i, j in np.ndindex(self.doubled):
+                whole[i, :, j] = beside if (i * self.odd[0] + j * self.odd[1]) % 2 else table
+            table = whole.reshape(down * rows, across * columns, *table.shape[2:])
+        if known is not None:
+            table[:: table.shape[0] // known.shape[0], :: table.shape[1] // known.shape[1]] = known
+        return table
+
+
+def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, int], most: int) -> Found:
+    """The result of a grid that is fine enough, from a first grid of ``sizes``.
+
+    PrecisionLoss beyond ``most`` samples.
+    """
+    known: np.ndarray | None = None
+    while sizes[0] * sizes[1] <= most:
+        known = samples(sizes, known)
+        found, wanted = transformed(known)
+        shape = known.shape[:2]
+        if wanted == shape:
+            return found
+        sizes = (sizes[0] * wanted[0] // shape[0], sizes[1] * wanted[1] // shape[1])
+    raise PrecisionLoss(f"a rate needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
+
+
+def in_numbers(loops: Loops, torus: Torus) -> Torus:
+    """The torus in the numbers of other loops."""
+    table, sizes, lengths, chars, _ = torus.sums
+    sums = ThetaSums(loops.row(table), sizes, loops.integers(lengths), loops.integers(chars), loops.circle)
+    return Torus(sums, loops.row(torus.numbers))
+
+
+def characteristics(points: list[float], basis: tuple[tuple[int, int], tuple[int, int]]) -> list[Whole]:
+    """(ε₁, ε₂, δ₁, δ₂) of the theta functions of the axes; ``points`` are α1, α2, α3 and ζ."""
+    # axes that are equal in floats are distinguished by their index
+    *axes, zeta = points
+    low, middle, high = sorted(range(3), key=lambda i: axes[i])
+    # e₂ is the lesser of the middle axis and ζ
+    classes = {low: CLASSES[0], middle: CLASSES[2 if zeta < axes[middle] else 1], high: CLASSES[3]}
+    # the columns (p, q), (r, s) of the basis in a₁, a₂ − a₁
+    p, q, r, s = basis[0][0] + basis[0][1], basis[0][1], basis[1][0] + basis[1][1], basis[1][1]
+    found = []
+    for i in range(3):
+        e1, e2, d1, d2 = classes[i]
+        # the signs of δ do not matter modulo 2
+        found.append(((p * e1 + q * e2) % 2, (r * e1 + s * e2) % 2, (s * d1 + r * d2) % 2, (q * d1 + p * d2) % 2))
+    return found
+
+
+@cache
+def _rule() -> np.ndarray:
+    """v, 1 − v and the weight of each node of a rule for dv/√v on [0, 1]."""
+    t = SPACING * np.arange(-BEFORE, AFTER + 1)
+    v, rest = 1 / (1 + np.exp(-t)), 1 / (1 + np.exp(t))
+    return np.ascontiguousarray(np.stack([v, rest, SPACING * np.sqrt(v) * rest], axis=1).ravel())

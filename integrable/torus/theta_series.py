@@ -1,0 +1,358 @@
+"""Theta functions of genus 2 on a real torus, as real Fourier series, compiled.
+
+With the characteristic η = (ε, δ), θ[η](z) = Σ e^(πi nτn + 2πi n(z + ½δ)), n in Z² + ½ε. On the torus z = φ + τq with
+half-integral q it is the series at φ with ε + 2q for ε, times a factor that cancels in quotients. That series is real
+up to a constant factor. Its terms of n and −n are combined.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache
+from math import exp, floor, inf, log2, pi
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from integrable.moving_point.addition import Row
+from jacobian.element import Real
+from jacobian.errors import PrecisionLoss
+from jacobian.inexact.long_field import LongField
+from jacobian.numbers.abreast import abreast
+from jacobian.numbers.double_double import double_double_row
+from jacobian.numbers.long_reals import BareReals
+from jacobian.numbers.sums import joined, plus_product
+from jacobian.periods.real_basis import Whole
+
+# largest number of harmonics of a series; beyond it, branch points nearly meet
+MOST_HARMONICS = 40
+# bits of the constants of a circle in double-doubles, and bits to which its series are summed
+BITS, SUMMED = 200, 112
+# e^(−π·DEPTH) is the truncation error of a series relative to its largest term
+DEPTH = 22.0
+
+
+class ThetaSums(NamedTuple):
+    """The weights of the theta series of all classes (characteristics).
+
+    ``table`` has ``sizes`` = (classes, rows, columns) entries of four numbers, one after the other. Rows are a = e₁, e₁
+    + 2, …, columns b = e₂, e₂ + 2, …. An entry holds w₊ + w₋ and w₊ − w₋ for the weights w± of n = (a, ±b)/2, first of
+    θ, then of its derivative along a direction. Entries after ``lengths`` columns of a row are negligible. ``chars``
+    are e₁, e₂, δ₁, δ₂ of each class. ``inverse`` is that of :func:`circle`.
+    """
+
+    table: Row
+    sizes: tuple[int, int, int]
+    lengths: Row
+    chars: Row
+    inverse: Row
+
+
+def theta_lifts(sums: ThetaSums, phases: Row, out: Row) -> None:
+    """Writes θ_∞, that of the last class, for each pair of phases in turns, then σ = θ/θ_∞ and ν = −2∂σ for every other
+    class.
+    """
+    classes = sums.sizes[0]
+    width = 2 * classes - 1
+    for i in abreast(0, len(phases) // 2):
+        c1, s1 = circle(phases[2 * i] / 2, sums.inverse)
+        c2, s2 = circle(phases[2 * i + 1] / 2, sums.inverse)
+        last, slope = theta(sums, classes - 1, (c1, s1), (c2, s2))
+        over = 1 / last
+        lean = slope * over
+        out[width * i] = last
+        for k in range(classes - 1):
+            value, rate = theta(sums, k, (c1, s1), (c2, s2))
+            sigma = value * over
+            out[width * i + 2 * k + 1] = sigma
+            out[width * i + 2 * k + 2] = 2 * (sigma * lean - rate * over)
+
+
+def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real, Real]) -> tuple[Real, Real]:
+    """θ of class k and its derivative, from (cosine, sine) of πφ₁ and of πφ₂."""
+    (c1, s1), rows, zero = first, sums.sizes[1], 0 * first[0]
+    # harmonics advance by twice the angles, and begin at 0 or at one angle
+    ca, sa = c1 * c1 - s1 * s1, 2 * c1 * s1
+    a, b = 1 + zero, zero
+    if sums.chars[4 * k] > 0:
+        a, b = c1, s1
+    value, rate, odd = zero, zero, is_odd(sums.chars, k)
+    for i in range(rows):
+        p, q, dp, dq = row_sums(sums, k, i, second)
+        x, y, u, v = a, -b, b, a
+        if odd:
+            x, y, u, v = u, v, x, y
+        value = plus_product(plus_product(value, x, p), y, q)
+        rate = plus_product(plus_product(rate, u, dp), v, dq)
+        a, b = a * ca - b * sa, a * sa + b * ca
+    return joined(value, zero), joined(rate, zero)
+
+
+def row_sums(sums: ThetaSums, k: int, i: int, second: tuple[Real, Real]) -> tuple[Real, Real, Real, Real]:
+    """The sums over the columns of row i of class k, with cosines and with sines; then the same of the derivative."""
+    (c2, s2), table = second, sums.table
+    _, rows, columns = sums.sizes
+    zero = 0 * c2
+    cs, ss = c2 * c2 - s2 * s2, 2 * c2 * s2
+    c, s = 1 + zero, zero
+    if sums.chars[4 * k + 1] > 0:
+        c, s = c2, s2
+    p, q, dp, dq = zero, zero, zero, zero
+    place = 4 * (k * rows + i) * columns
+    for _ in range(sums.lengths[k * rows + i]):
+        p, q = plus_product(p, table[place], c), plus_product(q, table[place + 1], s)
+        dp, dq = plus_product(dp, table[place + 2], c), plus_product(dq, table[place + 3], s)
+        c, s = c * cs - s * ss, c * ss + s * cs
+        place += 4
+    return joined(p, zero), joined(q, zero), joined(dp, zero), joined(dq, zero)
+
+
+def is_odd(chars: Row, k: int) -> bool:
+    """Whether θ of class k is odd in φ."""
+    odd: bool = (chars[4 * k] * chars[4 * k + 2] + chars[4 * k + 1] * chars[4 * k + 3]) % 2 > 0
+    return odd
+
+
+class Lattice(NamedTuple):
+    """The data of a theta series: e^(−πY₁₁/4), e^(−πY₂₂/4), e^(−πY₁₂/2) and its inverse, Y = Im τ; π times a direction
+    in z; and the integers 2Re τ₁₁, 2Re τ₁₂, 2Re τ₂₂.
+
+    ``least`` are the least e₁² and e₂² of all classes: powers of the first two bases are taken less by these, so that
+    e^(−πY₁₁/4) may be 0. Terms below ``last`` of the largest are negligible.
+    """
+
+    bases: Row
+    along: Row
+    turns: tuple[int, int, int]
+    least: tuple[int, int]
+    last: float
+
+
+def lattice_of(shape: Row, turns: tuple[int, int, int], least: tuple[int, int], last: float, inverse: Row) -> Lattice:
+    """The data of a theta series of this shape."""
+    half = inverse[0] / 2
+    first, second, mixed = half * shape[0] / 4, half * shape[2] / 4, half * shape[1] / 2
+    base = exponential(-first, inverse)
+    if shape[0] == 0:
+        base = 0 * base
+    bases = base, exponential(-second, inverse), exponential(-mixed, inverse), exponential(mixed, inverse)
+    return Lattice(bases, (half * shape[3], half * shape[4]), turns, least, last)
+
+
+def exponential(x: Real, inverse: Row) -> Real:
+    """e^x, from its series at x/2^n below ½; ``inverse`` is that of :func:`circle`."""
+    halvings = 0
+    while abs(float(x)) >= 0.5:
+        x, halvings = x / 2, halvings + 1
+    total = 0 * x
+    for n in range(len(inverse) - 1, 0, -1):
+        total = inverse[n] + x * total
+    for _ in range(halvings):
+        total = total * total
+    return total
+
+
+def theta_weights(
+    shape: Row, turns: tuple[int, int, int], least: tuple[int, int], last: float, sums: ThetaSums, tops: Row
+) -> bool:
+    """Fills the table and the lengths of ``sums``; ``tops`` are the largest terms, by which weights are divided.
+
+    ``shape`` holds Y₁₁, Y₁₂, Y₂₂, Y = Im τ, with 0 for an infinite Y₁₁, and the direction of the derivative. The other
+    arguments are those of :class:`Lattice`. Returns whether the series are real up to a constant factor.
+    """
+    lattice = lattice_of(shape, turns, least, last, sums.inverse)
+    classes, rows, _ = sums.sizes
+    zero, real = 0 * lattice.bases[0], True
+    for n in range(len(sums.table)):
+        sums.table[n] = zero
+    for k in range(classes):
+        e1, e2 = sums.chars[4 * k], sums.chars[4 * k + 1]
+        # Y is reduced: the largest term is one with the least |a| and |m|
+        top, phase = term(lattice, e1, e2), sixteenths(lattice.turns, e1, e2)
+        other = term(lattice, e1, -e2)
+        if other > top:
+            top, phase = other, sixteenths(lattice.turns, e1, -e2)
+        tops[k] = top
+        for i in range(rows):
+            sums.lengths[k * rows + i] = 0
+            for side in range(2):
+                # the terms of n and −n are combined
+                if e1 + 2 * i > 0 or side == 0:
+                    real = put_row(lattice, sums, (k, i), side, top, phase) and real
+    return real
+
+
+def put_row(lattice: Lattice, sums: ThetaSums, place: tuple[int, int], side: int, top: Real, phase: int) -> bool:
+    """Adds the weights of (a, ±b) to row i of class k, (k, i) = ``place``; the sign is + on ``side`` 0.
+
+    ``top`` and ``phase`` are those of the largest term. Returns whether the phases of all are real multiples of it.
+    """
+    (k, i), sign, real = place, 1 - 2 * side, True
+    _, rows, columns = sums.sizes
+    a, e2 = sums.chars[4 * k] + 2 * i, sums.chars[4 * k + 1]
+    # from column to column, m grows by 2 in size
+    w, step, more = term(lattice, a, sign * e2) / top, steps(lattice, a, sign, e2), raised(lattice.bases[1], 8)
+    for j in range(columns):
+        m = sign * (e2 + 2 * j)
+        turned = sixteenths(lattice.turns, a, m) - phase
+        real = real and turned % 8 == 0
+        if m != 0 or side == 0:
+            if w > lattice.last:
+                sums.lengths[k * rows + i] = max(sums.lengths[k * rows + i], j + 1)
+            add_weight(sums, lattice.along, (k, i, 2 * j + side), w * weight_sign(sums.chars, k, turned, a, m))
+        w, step = w * step, step * more
+    return real
+
+
+def steps(lattice: Lattice, a: int, sign: int, e2: int) -> Real:
+    """The ratio of the terms (a, ±(e₂ + 2)) and (a, ±e₂), with this sign."""
+    mixed = raised(lattice.bases[2], 2 * a) if sign > 0 else raised(lattice.bases[3], 2 * a)
+    return raised(lattice.bases[1], 4 * e2 + 4) * mixed
+
+
+def add_weight(sums: ThetaSums, along: Row, place: tuple[int, int, int], w: Real) -> None:
+    """Adds the weight of row i and signed column j of class k, (k, i, j) = ``place``, to its entry."""
+    k, i, j = place
+    _, rows, columns = sums.sizes
+    a, m = sums.chars[4 * k] + 2 * i, signed(sums.chars[4 * k + 1], j)
+    rate = (a * along[0] + m * along[1]) * w
+    if not is_odd(sums.chars, k):
+        rate = -rate
+    sign, start = 1 - 2 * (j % 2), 4 * ((k * rows + i) * columns + j // 2)
+    table = sums.table
+    table[start], table[start + 1] = table[start] + w, table[start + 1] + sign * w
+    table[start + 2], table[start + 3] = table[start + 2] + rate, table[start + 3] + sign * rate
+
+
+def signed(e2: int, j: int) -> int:
+    """The j-th of the column numbers e₂, −e₂, e₂ + 2, −e₂ − 2, …."""
+    m = e2 + 2 * (j // 2)
+    return m if j % 2 == 0 else -m
+
+
+def weight_sign(chars: Row, k: int, turned: int, a: int, m: int) -> int:
+    """The sign of a term of class k, times 2 if the term stands for n and −n."""
+    d = (a * chars[4 * k + 2] + m * chars[4 * k + 3]) % 4
+    sign = 1 if (turned % 16 != 0) == (d == 1 or d == 2) else -1
+    return 2 * sign if a != 0 or m != 0 else sign
+
+
+def sixteenths(turns: tuple[int, int, int], a: int, m: int) -> int:
+    """The phase of a term from Re τ, in sixteenths of a turn."""
+    return a * a * turns[0] + 2 * a * m * turns[1] + m * m * turns[2]
+
+
+def term(lattice: Lattice, a: int, m: int) -> Real:
+    """The size e^(−πnYn) of the term of n = (a, m)/2, over the powers that all terms have."""
+    bases, (first, second) = lattice.bases, lattice.least
+    mixed = raised(bases[2], a * m) if m > 0 else raised(bases[3], -a * m)
+    return raised(bases[0], a * a - first) * raised(bases[1], m * m - second) * mixed
+
+
+def raised(x: Real, n: int) -> Real:
+    """x^n for n ≥ 0."""
+    found = 1 + 0 * x
+    while n > 0:
+        if n % 2 == 1:
+            found = found * x
+        x, n = x * x, n // 2
+    return found
+
+
+class ThetaLoops(Protocol):
+    """The loops by which series are made, :class:`integrable.torus.loops.CompiledLoops` or interpreted ones.
+
+    ``depth`` is −log of the truncation error relative to the largest term, over π; ``circle`` is the ``inverse`` of
+    :func:`circle`.
+    """
+
+    @property
+    def depth(self) -> float: ...
+    @property
+    def circle(self) -> Row: ...
+    @property
+    def theta_weights(self) -> Callable[..., bool]: ...
+    def floats(self, values: Row) -> np.ndarray: ...
+    def room(self, count: int) -> Row: ...
+    def integers(self, values: Iterable[int]) -> Row: ...
+
+
+def theta_sums(loops: ThetaLoops, shape: Row, real: Sequence[int], chars: Sequence[Whole]) -> tuple[ThetaSums, Row]:
+    """The weights of the characteristics ``chars``, and the largest term of each class, by which they are divided.
+
+    ``shape`` is that of :func:`theta_weights`; ``real`` are 2Re τ₁₁, 2Re τ₁₂, 2Re τ₂₂.
+    """
+    depth = loops.depth
+    widest = [2 * (depth / y) ** 0.5 for y in shortest(loops.floats(shape[:3]).tolist())]
+    if max(widest) > 2 * MOST_HARMONICS * max(1, depth / DEPTH) ** 0.5:
+        raise PrecisionLoss("theta functions of this motion have too many terms: branch points nearly meet")
+    sizes = len(chars), int(widest[0]) // 2 + 2, int(widest[1]) // 2 + 2
+    least = min(char[0] for char in chars), min(char[1] for char in chars)
+    count = sizes[0] * sizes[1]
+    sums = ThetaSums(
+        loops.room(4 * count * sizes[2]),
+        sizes,
+        loops.integers([0] * count),
+        loops.integers(x for char in chars for x in char),
+        loops.circle,
+    )
+    tops, turns = loops.room(sizes[0]), (int(real[0]), int(real[1]), int(real[2]))
+    if not loops.theta_weights(shape, turns, least, exp(-pi * depth), sums, tops):
+        raise PrecisionLoss("theta functions of this motion are not real")
+    return sums, tops
+
+
+def shortest(imaginary: Sequence[float]) -> tuple[float, float]:
+    """The least nYn of n = (1, x) and of n = (x, 1) for real x; ``imaginary`` are Y₁₁, Y₁₂ and Y₂₂."""
+    y11, y12, y22 = imaginary
+    return (y11 - y12**2 / y22, y22 - y12**2 / y11) if y11 else (inf, y22)
+
+
+def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:
+    """The pair (cos, sin) of an angle given in turns."""
+    whole = turns - float(floor(float(turns) + 0.5))
+    quarters = floor(4 * float(whole) + 0.5)
+    y = (whole - quarters / 4) * inverse[0]
+    square = y * y
+    c, s, last = 0 * y, 0 * y, len(inverse) // 2
+    for n in range(1, last + 1):
+        c = inverse[2 * (last - n) + 1] - square * c
+        s = inverse[2 * (last - n) + 2] - square * s
+    s *= y
+    if quarters % 2 != 0:
+        c, s = -s, c
+    if quarters % 4 > 1:
+        c, s = -c, -s
+    return c, s
+
+
+@cache
+def long_numbers(bits: int) -> LongField:
+    """The field of long numbers of ``bits`` bits, cached."""
+    return LongField(bits)
+
+
+def half_turn() -> Real:
+    """π at the precision of the field currently entered."""
+    import gmpy2
+
+    return gmpy2.const_pi()
+
+
+def circle_numbers(reals: BareReals, summed: int) -> list[Real]:
+    """2π, then 1/n! for n = 0, 1, …: the ``inverse`` of :func:`circle`, for a cosine and a sine to ``summed`` bits."""
+    with reals:
+        found, term, bits = [2 * half_turn(), reals.number(1)], reals.number(1), 0.0
+        while bits < summed or len(found) % 2 == 0:
+            n = len(found) - 1
+            term = term / n
+            found.append(term)
+            # angles are at most an eighth of a turn
+            bits += log2(n / (pi / 4))
+        return found
+
+
+@cache
+def inverse_factorials() -> Row:
+    """:func:`circle_numbers` in double-doubles."""
+    return double_double_row(circle_numbers(BareReals(BITS), SUMMED))

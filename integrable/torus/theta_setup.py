@@ -1,0 +1,256 @@
+"""The set-up of a torus of the ball or the top: periods, theta functions of the axes and the phases of the start; on
+bare reals, compiled or interpreted.
+
+Let e₁ ≤ e₂ < e₃ ≤ e₄ be the ends of both ovals, α₁, α₂, α₃ the axes, A the periods of (dx/y, x dx/y) around the ovals
+and iY = A⁻¹B, where B are those around the gaps between the ovals and behind the second. The phases are the integrals
+from e₁ and e₃ to the points of the divisor. If d = 0, the root 1/d of f is at infinity, and Y₁₁ is infinite.
+"""
+
+from __future__ import annotations
+
+from math import floor
+from typing import NamedTuple
+
+from integrable.moving_point.addition import Real, Row
+from integrable.moving_point.elliptic_integrals import complete, mean_slowness, oval_periods, quadratic_periods
+from integrable.moving_point.problem import MATRIX, MOMENTUM, SLOWNESS, TIME_SCALE
+from integrable.phase.coordinates import directions_of
+from integrable.torus.states import CONTACT, FACTORS, GAPS, PLACES, TILT, Torus, frame_at
+from jacobian.numbers.abreast import abreast
+from jacobian.numbers.roots import root
+
+# positions in what :func:`torus_periods` finds: two periods, the turns of both phases along the flow, the shape of the
+# theta functions (Y and the turns along (0, 1)) and the mean of 1/g
+FREQUENCIES, IMAGINARY, ALONG, MEAN, FOUND = 4, 6, 9, 11, 12
+# number of :func:`surveyed_rates`
+RATES = 14
+# the characteristics (ε₁, ε₂, δ₁, δ₂) of e₁, e₂, e₃ and e₄ in the basis a₁, a₂ − a₁, where a₁ and a₂ are the ovals
+CLASSES = ((1, 1, 0, 1), (1, 1, 1, 1), (0, 1, 1, 1), (0, 1, 0, 0))
+# largest number of steps of Newton's method; number of numbers in the working memory of :func:`placed`
+MOST_STEPS, PLACING = 100, 24
+# a step of Newton's method by more turns than this has no meaning
+FARTHEST = 1e3
+
+
+def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
+    """Writes 2∫dx/|y| and 2∫x dx/|y| over the gap between the ovals, then over that behind the second oval, to ``out``.
+
+    The latter is infinite if d = 0, and is then left out. In X = S/(c − x), c in the first oval, all six
+    branch points are finite.
+    """
+    e1, e2, e3, e4, d, r = motion[0], motion[1], motion[2], motion[3], motion[8], motion[10]
+    if d == 0:
+        ratio = (e4 - e2) / (e4 - e3)
+        k = root(ratio * (e3 - e1) / (e2 - e1))
+        scale = 4 / root((e4 - e3) * (e2 - e1) * r)
+        middle = (e2 + e3) / 2
+        out[0] = scale * complete(k, ratio, 1 + 0 * k, ratio, pi, near)
+        rest = scale * complete(k, ratio, e2 - middle, ratio * (e3 - middle), pi, near)
+        out[1] = rest + middle * out[0]
+        out[2], out[3] = 0 * k, 0 * k
+        return
+    size, half = e4 - e1, (e2 - e1) / 2
+    d3, d4, c = (e3 - e2) + half, (e4 - e2) + half, e1 + half
+    last = r - d * c
+    x1, x2, x3, x4, x5 = size / half, -(size / half), -(size / d3), -(size / d4), -(d * size / last)
+    # X₁ − X at the ends of both gaps
+    at2, at3, at4 = 2 * size / half, size * (e3 - e1) / (half * d3), size * (e4 - e1) / (half * d4)
+    at5, one = size * (r - d * e1) / (half * last), 1 + 0 * d
+    values = -(x2 * at2), -(x3 * at3), -(x4 * at4), -(x5 * at5)
+    third = (0 * one, -x1, one), values
+    quadratic_periods((x2, x3, x4, x5), size * (e4 - e3) / (d3 * d4), third, pi, near, out)
+    scale = size / (half * root(d3 * d4 * last))
+    for n in range(2):
+        zeroth, first = out[2 * n], out[2 * n + 1]
+        out[2 * n], out[2 * n + 1] = -(scale * first), scale * (size * zeroth - c * first)
+
+
+def torus_periods(motion: Row, near: float, room: Row, out: Row) -> tuple[int, int, int, int]:
+    """Fills ``out``; returns the basis Λ₁, Λ₂ as integer rows (m₁, n₁), (m₂, n₂) in the periods of the two ovals.
+
+    ``out`` gets Λ₁, Λ₂ (four numbers), the turns ν₁, ν₂ per unit of the flow's direction, Y₁₁, Y₁₂, Y₂₂,
+    the turns along (0, 1) and :func:`integrable.moving_point.elliptic_integrals.mean_slowness`. If d = 0, Y₁₁ is
+    infinite and 0 is written.
+    """
+    ends, d, pi, r = (motion[0], motion[1], motion[2], motion[3]), motion[8], motion[9], motion[10]
+    oval_periods(ends, d, r, pi, near, out)
+    gap_periods(motion, pi, near, room)
+    a1, b1, a2, b2 = out[0], out[1], out[2] - out[0], out[3] - out[1]
+    m1, n1, m2, n2, flat = 1, 0, -1, 1, d == 0
+    if flat:
+        a2 = 0 * a2
+    area = a1 * b2 - a2 * b1
+    y11 = (room[0] * b2 - room[1] * a2) / area
+    y12 = (a1 * room[1] - b1 * room[0]) / area
+    y22 = (a1 * room[3] - b1 * room[2]) / area
+    for _ in range(200):
+        if not flat and float(y22) < float(y11) * (1 - 1e-9):
+            a1, b1, a2, b2, y11, y22 = a2, b2, a1, b1, y22, y11
+            m1, n1, m2, n2 = m2, n2, m1, n1
+            area = -area
+        turns = floor(float(y12) / float(y11) + 0.5)
+        if turns == 0:
+            break
+        a1, b1, m1, n1 = a1 + turns * a2, b1 + turns * b2, m1 + turns * m2, n1 + turns * n2
+        y12, y22 = y12 - turns * y11, y22 - turns * (2 * y12 - turns * y11)
+    # the second phase has more harmonics: the rows of a series with long rows are summed faster
+    out[0], out[1], out[2], out[3] = a2, b2, a1, b1
+    # (1, −x₀) is the direction of the flow
+    out[4], out[5] = -((b1 + motion[11] * a1) / area), (b2 + motion[11] * a2) / area
+    out[6], out[7], out[8] = 0 * y22 if flat else y22, y12, y11
+    out[9], out[10] = a1 / area, -(a2 / area)
+    out[11] = mean_slowness(ends, d, r, pi, near, area)
+    return m2, n2, m1, n1
+
+
+def rough_phases(motion: Row, start: Row, found: Row, rule: Row) -> tuple[float, float]:
+    """The phases of the start in floats, in turns. ``rule`` has v, 1 − v and the weight of each node."""
+    u0, u1, v0, v1 = start[0], start[1], start[2], start[3]
+    square = u1 * u1 / 4 - u0
+    half = root(square) if square > 0 else 0 * u1
+    zeroth, first = 0.0, 0.0
+    for k in range(2):
+        begin, end = motion[2 * k], motion[2 * k + 1]
+        x = -u1 / 2 - half if k == 0 else half - u1 / 2
+        x = max(begin, min(end, x))
+        length, rest = float(x - begin), float(end - x)
+        low, high = float(motion[2] - x), float(motion[3] - x)
+        if k == 1:
+            low, high = float(begin - motion[1]), float(begin - motion[0])
+        d, last, origin = float(motion[8]), float(motion[10] - motion[8] * x), float(begin)
+        total, slope = 0.0, 0.0
+        for n in range(len(rule) // 3):
+            v, other, weight = rule[3 * n], rule[3 * n + 1], rule[3 * n + 2]
+            # distances from the other three branch points of the ovals, and the last factor of f
+            if k == 0:
+                product = (low + length * other) * (high + length * other)
+            else:
+                product = (low + length * v) * (high + length * v)
+            product *= (rest + length * other) * (last + d * length * other)
+            part = weight / float(root(product))
+            total += part
+            slope += part * v
+        scale = float(root(length))
+        if float(v0 + v1 * x) < 0:
+            scale = -scale
+        zeroth += scale * total
+        first += scale * (origin * total + length * slope)
+    a1, b1, a2, b2 = float(found[0]), float(found[1]), float(found[2]), float(found[3])
+    area = float(found[0] * found[3] - found[1] * found[2])
+    return (zeroth * b2 - first * a2) / area, (a1 * first - b1 * zeroth) / area
+
+
+class Limits(NamedTuple):
+    """The lift of the units of a motion; the difference from the start at which Newton's method ends, and the step of
+    its quotients of differences, in turns.
+    """
+
+    lift: float
+    enough: float
+    nudge: float
+
+
+def placed(
+    torus: Torus, motion: Row, point: Row, found: Row, scales: Row, rule: Row, limits: Limits, room: Row
+) -> float:
+    """Completes the ``numbers`` of a torus, of which the matrix and (α, β) of the tilt term are given. Returns the
+    largest difference between (γ̃, w̃) of the moving ``point`` at the start and at its phases.
+
+    ``motion`` is a :func:`integrable.torus.lattice.motion_row`, ``found`` that of :func:`torus_periods`; ``scales`` are
+    the numbers by which theta functions are divided; ``rule`` is for :func:`rough_phases`.
+    """
+    numbers, start = torus.numbers, room[18:24]
+    numbers[TILT], numbers[TILT + 1] = numbers[TILT] * limits.lift, numbers[TILT + 1] / (limits.lift * limits.lift)
+    d, r, zeta = motion[8], motion[10], motion[7]
+    for i in range(3):
+        x, y, z = motion[4 + i], motion[4 + (i + 1) % 3], motion[4 + (i + 2) % 3]
+        rest = r - d * x
+        numbers[FACTORS + i] = scales[i] * root(root(abs(x - zeta) / (rest * abs(x - y) * abs(x - z))))
+        numbers[CONTACT + i] = rest
+        numbers[GAPS + i] = z - y
+    start_frame(point, start)
+    first, second = rough_phases(motion, point, found, rule)
+    numbers[PLACES], numbers[PLACES + 1] = 0 * d + first, 0 * d + second
+    return matched(torus, start, limits, room)
+
+
+def start_frame(point: Row, out: Row) -> None:
+    """Writes (γ̃, w̃) of a moving point."""
+    gamma, M = directions_of(point)
+    w = gamma[1] * M[2] - gamma[2] * M[1], gamma[2] * M[0] - gamma[0] * M[2], gamma[0] * M[1] - gamma[1] * M[0]
+    size = 1 / root(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+    for i in range(3):
+        out[i], out[3 + i] = gamma[i], size * w[i]
+
+
+def matched(torus: Torus, start: Row, limits: Limits, room: Row) -> float:
+    """Makes the phases of ``torus``, given in floats, those of the ``start``, (γ̃, w̃), by Newton's method, and gives
+    the factors the signs of the start. Returns the largest difference that is left; NaN if the phases are none.
+    """
+    numbers, nudge = torus.numbers, limits.nudge
+    gap = before = 4.0
+    for n in range(MOST_STEPS):
+        for k in abreast(0, 3):
+            first, second = 0 * numbers[PLACES], 0 * numbers[PLACES]
+            if k == 1:
+                first = first + nudge
+            if k == 2:
+                second = second + nudge
+            x, y, z, p, q, s = frame_at(torus, first, second)
+            room[6 * k], room[6 * k + 1], room[6 * k + 2] = x, y, z
+            room[6 * k + 3], room[6 * k + 4], room[6 * k + 5] = p, q, s
+        # near a separatrix phases in floats may leave the sign of a small γ_i open
+        give_signs(numbers, start, room)
+        gap, move1, move2 = newton_step(start, nudge, room)
+        # NaN ends it too
+        if not gap > limits.enough or not abs(float(move1)) + abs(float(move2)) < FARTHEST:
+            break
+        if n > 2 and gap > before / 2:
+            break
+        before = gap
+        numbers[PLACES], numbers[PLACES + 1] = numbers[PLACES] + move1, numbers[PLACES + 1] + move2
+    return gap
+
+
+def give_signs(numbers: Row, start: Row, room: Row) -> None:
+    """Gives the factors, and the three frames in ``room``, the signs of the start."""
+    for i in range(3):
+        if float(room[i] * start[i] + room[3 + i] * start[3 + i]) < 0:
+            numbers[FACTORS + i] = -numbers[FACTORS + i]
+            for k in range(3):
+                room[6 * k + i], room[6 * k + 3 + i] = -room[6 * k + i], -room[6 * k + 3 + i]
+
+
+def newton_step(start: Row, nudge: float, room: Row) -> tuple[float, Real, Real]:
+    """(the largest difference from the start, the changes of both phases), by least squares: of the six numbers of a
+    frame two are free.
+    """
+    zero, gap = 0 * start[0], 0.0
+    aa, ab, bb, ar, br, rest = zero, zero, zero, zero, zero, 0.0
+    for i in range(6):
+        a, b, off = room[6 + i] - room[i], room[12 + i] - room[i], start[i] - room[i]
+        aa, ab, bb, ar, br = aa + a * a, ab + a * b, bb + b * b, ar + a * off, br + b * off
+        gap, rest = max(gap, abs(float(off))), rest + 0 * float(off)
+    area = aa * bb - ab * ab
+    return gap + rest, nudge * (ar * bb - br * ab) / area, nudge * (aa * br - ab * ar) / area
+
+
+def surveyed_rates(
+    problem: Row, found: Row, motion: Row, units: tuple[float, float], doubled: tuple[int, int], out: Row
+) -> None:
+    """Writes numbers of a motion in the user's units.
+
+    In order: the matrix of a :class:`~integrable.torus.states.Torus` (four numbers). The turns of both phases per unit
+    of t, and per unit of τ. The means of dτ/dt and of dt/dτ. The turns of both ``doubled`` periods per unit of τ, dt/dτ
+    again, 2π.
+
+    ``problem`` is a :func:`~integrable.moving_point.problem.problem_row`, ``found`` is that of :func:`torus_periods`,
+    ``units`` are the length and the lift of those of the motion.
+    """
+    length, lift = units
+    scale, mean = problem[TIME_SCALE] * (length * lift), problem[SLOWNESS] * found[MEAN] / (lift * lift)
+    nu1, nu2 = found[FREQUENCIES] * scale, found[FREQUENCIES + 1] * scale
+    out[0], out[1] = problem[MATRIX], problem[MATRIX + 1] * problem[MOMENTUM]
+    out[2], out[3] = problem[MATRIX + 2], problem[MATRIX + 3] * problem[MOMENTUM]
+    out[4], out[5], out[6], out[7], out[8], out[9] = nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean
+    out[10], out[11], out[12], out[13] = nu1 / doubled[0], nu2 / doubled[1], mean, 2 * motion[9]
