@@ -56,7 +56,8 @@ def write(source: Path, results: dict[str, Any]) -> None:
 
 
 def _page(scene: Any, what: str, content: dict[str, Any] | None, found: Any) -> str:
-    parts = [f"# {scene.title}\n\n{' '.join(scene.description.split())}\n"]
+    heading = scene.title.replace("m r²", "m\u00a0r²")  # one term, not parted at the end of a line
+    parts = [f"# {heading}\n\n{' '.join(scene.description.split())}\n"]
     parts.append(f":::{{figure}} {scene.name}.png\n:alt: {what}, {scene.title}\n:align: left\n\n{what}.\n:::\n")
     commands = f"integrable run {scene.name}\n" + (f"integrable view {scene.name}\n" if content else "")
     parts.append(f"```console\n{commands}```\n")
