@@ -61,7 +61,9 @@ def ensemble(
     """
     if isinstance(system, MumfordSystem):
         if not (inertia is None and d is None and tilted is False):
-            raise ArgumentError(f"inertia, d, tilted: all members have the constants of {system!r}; leave these out")
+            raise ArgumentError(
+                f"inertia, d, tilted: all members have the constants of {shown(system)}; leave these out"
+            )
         return PathEnsemble(system, gamma, M, tolerance)
     if tolerance is not None:
         raise ArgumentError(f"tolerance = {shown(tolerance)}: the flow of a body is right to its last bits; give none")

@@ -13,7 +13,7 @@ from integrable.ensembles.runs import Runs
 from integrable.mumford.flow import MumfordFlow, Path
 from jacobian import RR
 from jacobian.element import Numbers, Rows, Table
-from jacobian.errors import ArgumentError, JacobianError, chosen, several
+from jacobian.errors import ArgumentError, JacobianError, chosen, several, shown
 from jacobian.immutable import Record, replaced
 
 if TYPE_CHECKING:
@@ -27,7 +27,9 @@ class PathEnsemble(Record):
 
     def __init__(self, system: MumfordSystem, q: Table, p: Table, tolerance: float | None = None) -> None:
         if system.field != RR:
-            raise ArgumentError(f"system = {system!r}: an ensemble is of floats; use system.flow(...) for each member")
+            raise ArgumentError(
+                f"system = {shown(system)}: an ensemble is of floats; use system.flow(...) for each member"
+            )
         parts = {name: numbers(x, name, system.size) for name, x in (("q", q), ("p", p))}
         count, self.system, self.tolerance = common_count(parts), system, system._tolerance(tolerance)
         self.q, self.p = (np.broadcast_to(part, (count, system.size)).copy() for part in parts.values())
