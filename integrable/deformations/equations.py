@@ -90,10 +90,10 @@ class NearWalk:
         near = walked(equations, start, times, most)
         if self._cost == BY_STEPS and near.begun:
             near = finished(equations, start, times, near, most)
+        if near.lacks(len(times)):
+            return None
         states = near.states
         if near.places is not None:
-            if len(near.places) != len(times):
-                return None
             states = np.empty_like(near.states)
             states[near.places] = near.states
         flat = states.reshape(len(times), 9)

@@ -162,9 +162,9 @@ class MumfordFlow:
         """The states at those times that Taylor series reach sooner than the next way would."""
         walked, finished = _walks()
         near = walked(self.system, self.start, times, self._budget(len(times)), self.tolerance)
-        if near.places is not None and self._genus > 2:
+        if near.lacks(len(times)) and self._genus > 2:
             near = finished(self.system, self.start, times, near, SHARE_OF_FINEST * self._budget(len(times)))
-        if near.places is not None and self._torus_for(len(times)) is None:
+        if near.lacks(len(times)) and self._torus_for(len(times)) is None:
             near = finished(self.system, self.start, times, near, self._cost_of_additions(len(times)))
         return StatesReached(SERIES, near.states, near.places, near.error)
 

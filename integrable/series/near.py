@@ -41,6 +41,11 @@ class Near(NamedTuple):
     places: np.ndarray | None
     states: np.ndarray
     error: float
+
+    def lacks(self, count: int) -> bool:
+        """Whether some of ``count`` times were not reached."""
+        return self.places is not None and len(self.places) < count
+
     begun: bool = True
 
 
@@ -74,7 +79,7 @@ def finished(system: Walked, state: PhasePoint, times: np.ndarray, near: Near, m
 
 def _completed(near: Near, system: Walked, state: PhasePoint, times: np.ndarray, steps: Steps, most: float) -> Near:
     """Adds to ``near`` the states at remaining times that ``steps`` reach; times have either sign and any order."""
-    if near.places is None:
+    if near.places is None or not near.lacks(len(times)):
         return near
     left = np.setdiff1d(np.arange(len(times)), near.places)
     kind = system._kind
