@@ -87,7 +87,7 @@ class FloatMotion(NamedTuple):
     lift: float
     """A quarter of the factor by which an error of the upright motion may grow in γ or M/|M|; at least 1."""
     half_step: float
-    """Half of a basic step."""
+    """Half of a basic step (:attr:`integrable.moving_point.setup.Setup.step_length`)."""
     radian: float
     """A lower bound of the time in which the body turns by a radian."""
     fastest: float

@@ -69,23 +69,23 @@ class Table:
         return self.content.get(key, default)
 
     def text(self, key: str, default: str = _MISSING) -> str:
-        """A string."""
+        """The string under ``key``."""
         value = self._get(key, default, "a string")
         return value if isinstance(value, str) else self.fail(key, f"{_shown(value)} given; a string is needed")
 
     def flag(self, key: str) -> bool:
-        """true or false; false where it is missing."""
+        """The true or false under ``key``; false where it is missing."""
         value = self.content.get(key, False)
         return value if isinstance(value, bool) else self.fail(key, f"{_shown(value)} given; true or false is needed")
 
     def choice(self, key: str, choices: Iterable[str], default: str = _MISSING) -> str:
-        """One of a few strings."""
+        """The string under ``key``, one of ``choices``."""
         choices = list(choices)
         value = self._get(key, default, "one of " + ", ".join(choices))
         return value if value in choices else self._unknown(key, value, choices)
 
     def choices(self, key: str, choices: Iterable[str], default: tuple[str, ...] = _MISSING) -> tuple[str, ...]:
-        """A list of different strings, each one of a few."""
+        """The different strings in the list under ``key``, each one of ``choices``."""
         value = self._get(key, default, "a list")
         chosen = self._list(key, value)
         choices = list(choices)
@@ -102,30 +102,30 @@ class Table:
         return self.fail(key, f"{given} given; {near}")
 
     def integer(self, key: str, least: int | None, default: int = _MISSING) -> int:
-        """An integer, not below ``least`` if that is given."""
+        """The integer under ``key``, not below ``least`` if that is given."""
         value = self._get(key, default, _integer_wanted(least))
         return self._integer(key, value, least)
 
     def signs(self, key: str) -> tuple[int, ...]:
-        """A list of 1 and -1."""
+        """The list of 1 and -1 under ``key``."""
         chosen = self._list(key, self._get(key, _MISSING, "a list of signs"))
         if any(isinstance(item, bool) or item not in (1, -1) for item in chosen):
             self.fail(key, f"{_shown(chosen)} given; a list of signs 1 and -1 is needed")
         return tuple(int(item) for item in chosen)
 
     def integers(self, key: str, least: int, default: tuple[int, ...] = _MISSING) -> tuple[int, ...]:
-        """A list of integers not below ``least``."""
+        """The list under ``key`` of integers not below ``least``."""
         value = self._get(key, default, f"a list of integers ≥ {least}")
         return tuple(self._integer(key, item, least) for item in self._list(key, value))
 
     def number(self, key: str, default: Fraction = _MISSING) -> Fraction:
-        """A finite number."""
+        """The finite number under ``key``."""
         return self._number(key, self._get(key, default, "a number"))
 
     def numbers(
         self, key: str, length: int | None = None, default: tuple[Fraction, ...] = _MISSING
     ) -> tuple[Fraction, ...]:
-        """A list of finite numbers, of the given length if there is one."""
+        """The list of finite numbers under ``key``, of the given ``length`` unless it is None."""
         needed = "a list of numbers" if length is None else f"a list of {length} numbers"
         value = self._get(key, default, needed)
         if not isinstance(value, list | tuple) or (length is not None and len(value) != length):
@@ -133,7 +133,7 @@ class Table:
         return tuple(self._number(key, item) for item in value)
 
     def number_or_numbers(self, key: str) -> Fraction | tuple[Fraction, ...]:
-        """A finite number, or a list of them."""
+        """The finite number, or the list of finite numbers, under ``key``."""
         value = self._get(key, _MISSING, "a number or a list of numbers")
         return self.numbers(key) if isinstance(value, list) else self.number(key)
 
