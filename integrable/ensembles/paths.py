@@ -58,8 +58,8 @@ class PathEnsemble(Record):
     def at(self, times: Numbers) -> Paths:
         """The states of all members at times of any order, sign and size: shape (N,), the same for all, or (K, N).
 
-        They are those of :meth:`flow` to the bit. A refused member, also one that is refused at a single time, does not
-        affect the others: see :attr:`Paths.status`. ArgumentError for times of another shape and for results larger
+        They are those of :meth:`flow` to the bit. A member that is refused at one of its times has no states, and does
+        not affect the others: see :attr:`Paths.status`. ArgumentError for times of another shape and for results larger
         than the memory.
         """
         given = time_rows(times, len(self))
@@ -83,8 +83,8 @@ class PathEnsemble(Record):
 
 
 class Paths(Runs):
-    """States of K motions of a system at N times: ``q`` and ``p`` have shape (K, N, n), ``ways`` and ``estimates`` K
-    entries, as in :class:`integrable.mumford.flow.Path`.
+    """States of K motions of a system at N times: ``q`` and ``p`` have shape (K, N, n). ``ways`` and ``estimates`` have
+    the ``way`` and the ``estimate`` of each member's :class:`integrable.mumford.flow.Path`.
 
     ``status``, shape (K,), is 0 for a member that was computed, otherwise n > 0 with the reason ``reasons[n]``; its q
     and p are NaN. ``runs[k]`` is the Path of one member; a slice or an array gives the Paths of several, :attr:`kept`

@@ -33,7 +33,7 @@ __all__ = ["Race", "pieces_of_race", "race"]
 MOST_TIMES = 21
 """The largest number of a problem's times that a race requests, including the last."""
 CONDITIONED = 5
-"""The number of the requested times at which the effect of rounding the inputs is computed."""
+"""About the number of requested times at which the effect of rounding the inputs is computed."""
 LIMIT = 4.0
 """Seconds that a run may take by default."""
 TRIAL, LONGER = 0.01, 4

@@ -122,7 +122,7 @@ def _series(axes: Any, method: str, rows: list[dict[str, Any]]) -> None:
 
 
 def _handle(method: str, stopped: bool, setting: str = "") -> Line2D:
-    """The legend's entry of a method; † marks a method with a setting that gave no figure."""
+    """The legend's entry of a method; † marks a method with a setting that gave no result."""
     name = ", ".join(filter(None, (method, setting))) + (" †" if stopped else "")
     return Line2D([], [], label=name, **_look(method, setting, 6.0))
 

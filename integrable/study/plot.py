@@ -41,7 +41,7 @@ UNLIKE = (FLOW, INTEGRATED, ADDITIONS)
 
 STYLE = {
     "font.size": 10, "axes.edgecolor": INK, "axes.linewidth": 0.8, "text.color": INK, "svg.fonttype": "none",
-    "svg.hashsalt": "integrable",  # without it the names in an SVG file are other ones each time
+    "svg.hashsalt": "integrable",  # without it the names in an SVG file change each time
 }  # fmt: skip
 LOWER = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 WIDTH = 7.2  # inches: the text width of a page
