@@ -1,4 +1,4 @@
-"""Random access to a motion: any τ or t takes two phases and the theta functions of three axes.
+"""Random access to a motion: a state at any τ or t takes two phases and three theta functions.
 
 Whole turns of the phases change signs only. Compiled loops use double-doubles and round once, so no error grows with
 the time; interpreted loops use more digits. Physical time t = ∫dτ/g is a mean rate times τ plus a Fourier series on the

@@ -23,10 +23,10 @@ from jacobian.periods.real_basis import Whole
 FIRST_SIZE = 16
 # the start is met to CLOSED, and the equations of motion are met to RIGHT of the largest velocity
 CLOSED, RIGHT = 1e-18, 1e-12
-# number of points of a first grid of 1/g per digit, over the Y of that phase: with it most grids are the last
+# a first grid of 1/g has POINTS points per digit, divided by the :func:`shortest` Y of the phase; it is mostly the last
 POINTS = 1.8
 # numbers of nodes of the trapezoidal rule for the phases in floats, before and after the middle of a path, SPACING
-# apart in log(v/(1 − v)): an error of 1e-11. At both ends the next branch point may be e^−80 of the path away
+# apart in log(v/(1 − v)); the error is 1e-11, even if at an end the next branch point is e^−80 of the path away
 BEFORE, AFTER, SPACING = 160, 110, 0.75
 
 
@@ -40,10 +40,10 @@ Transform = Callable[[np.ndarray], tuple[Found, tuple[int, int]]]
 class BodyTorus:
     """The states of a motion on its torus, by loops of :mod:`integrable.torus.loops`.
 
-    ``turns`` are the signs that γ1, γ2, γ3 get over either period, ``basis`` the periods in those of the two ovals as
-    integer rows, ``doubled`` the periods of 1/g in those of the divisor. ``closure`` is the difference between the
-    start and the state at the phases of the start. PrecisionLoss where the torus is not compact. NotClosed where the
-    states are not those of the motion. ``exact`` are loops with more digits for the set-up.
+    ``turns`` are the signs that γ1, γ2, γ3 get over either period. ``basis`` has the periods as integer rows, in the
+    periods around the two ovals; ``doubled`` are the periods of 1/g in the periods of the divisor. ``closure`` is the
+    difference between the start and the state at the phases of the start. ``exact`` are loops with more digits for the
+    set-up. PrecisionLoss where the torus is not compact. NotClosed where the states are not those of the motion.
     """
 
     def __init__(self, setup: Source, loops: Loops, most: int, exact: Loops | None = None) -> None:
@@ -109,7 +109,7 @@ class BodyTorus:
     def mean(self) -> Real:
         """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, independent of samples.
 
-        A tilt does not change it: its term changes sign around an oval with one axis, as an odd number of γ_i do.
+        A tilt does not change it: the tilt term changes its sign around an oval that contains one α_i.
         """
         return self.loops.wide(self.rates[9:10], self.setup.wide)[0]
 
@@ -126,7 +126,7 @@ class BodyTorus:
         return resolved(self.samples, transformed, self.first_grid(), self._most)
 
     def first_grid(self) -> tuple[int, int]:
-        """The first grid."""
+        """The numbers of points of the first grid, powers of 2."""
         points = -POINTS * log10(self.loops.noise)
         first, second = (max(FIRST_SIZE, 2 ** ceil(log2(max(1, points / y)))) for y in self._decay)
         return first, second
@@ -180,11 +180,11 @@ def in_numbers(loops: Loops, torus: Torus) -> Torus:
 
 
 def characteristics(points: list[float], basis: tuple[tuple[int, int], tuple[int, int]]) -> list[Whole]:
-    """(ε₁, ε₂, δ₁, δ₂) of the theta functions of the axes; ``points`` are α1, α2, α3 and ζ."""
-    # axes that are equal in floats are distinguished by their index
+    """(ε₁, ε₂, δ₁, δ₂) of the theta functions of α1, α2, α3; ``points`` are α1, α2, α3 and ζ."""
+    # α_i that are equal in floats are distinguished by their index
     *axes, zeta = points
     low, middle, high = sorted(range(3), key=lambda i: axes[i])
-    # e₂ is the lesser of the middle axis and ζ
+    # e₂ is the lesser of the middle α_i and ζ
     classes = {low: CLASSES[0], middle: CLASSES[2 if zeta < axes[middle] else 1], high: CLASSES[3]}
     # the columns (p, q), (r, s) of the basis in a₁, a₂ − a₁
     p, q, r, s = basis[0][0] + basis[0][1], basis[0][1], basis[1][0] + basis[1][1], basis[1][1]

@@ -106,8 +106,8 @@ def motion_row(problem: Problem, setup: Source, units: Units) -> tuple[Real, ...
 
 
 def with_open_ovals(problem: Problem, closest: Real) -> Problem:
-    """The motion with ovals of at least the length ``closest``, relative to the largest axis less the least: states
-    move by about its root. An oval that is a point lies between equal axes, or is a rotation about an axis.
+    """The motion with ovals of at least the length ``closest``, relative to the largest difference of the α_i. This
+    moves states by about its root. An oval is a point if two α_i are equal, and for a rotation about an axis.
     """
     axes, zeta = list(problem.axes[:3]), problem.ratio
     low, middle, high = sorted(range(3), key=lambda i: axes[i])

@@ -25,7 +25,7 @@ from jacobian.numbers.sums import joined, plus_product
 PLACES, FACTORS, CONTACT, TILT, GAPS, NUMBERS = 4, 6, 9, 12, 14, 17
 # number of columns of a grid whose sums are computed together, so that they stay in a cache
 TOGETHER = 64
-# number of points at which the equations of motion are checked, and the largest step of a phase for it, in turns: the
+# number of points at which the equations of motion are checked, and the largest step of a phase there, in turns: the
 # error of the quotients of differences is about the fourth power of 2π·STEP times the highest harmonic
 CHECKED, STEP = 8, 2.0**-24
 
@@ -40,7 +40,7 @@ class Torus(NamedTuple):
 
 
 def frame_at(torus: Torus, first: Real, second: Real) -> Row:
-    """(γ̃, w̃) at phases from the start, in turns; below 2, where their digits are kept."""
+    """(γ̃, w̃) at phases from the start, in turns. They must be below 2, so that they keep their digits."""
     sums, numbers = torus.sums, torus.numbers
     one = circle((first + numbers[PLACES]) / 2, sums.inverse)
     two = circle((second + numbers[PLACES + 1]) / 2, sums.inverse)
@@ -136,7 +136,7 @@ def gridded(torus: Torus, sizes: tuple[int, int], coarser: tuple[int, int], room
                     room[place + 2 * TOGETHER], room[place + 3 * TOGETHER] = dp, dq
         for row in range(rows):
             apart = coarser[1] if coarser[0] > 0 and row % coarser[0] == 0 else 0
-            # between columns that are known lie apart − 1 others
+            # apart − 1 new columns lie between two known ones
             new = count if apart == 0 else count // apart * (apart - 1)
             for n in abreast(0, new):
                 j = n if apart == 0 else n + n // (apart - 1) + 1
@@ -214,7 +214,7 @@ def strayed(torus: Torus, motion: Row, frequencies: Row, out: Row) -> float:
     of the equations of motion. ``motion`` is a :func:`integrable.torus.lattice.motion_row`, ``frequencies`` are turns
     of the phases in its time. NaN if one is NaN.
 
-    Signs, periods and frequencies are all in it, at once for all times: theta functions are analytic.
+    The check covers signs, periods and frequencies, for all times, because theta functions are analytic.
     """
     nu1, nu2 = frequencies[0], frequencies[1]
     step = STEP / max(abs(float(nu1)), abs(float(nu2)))

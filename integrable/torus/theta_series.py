@@ -117,8 +117,8 @@ class Lattice(NamedTuple):
     """The data of a theta series: e^(−πY₁₁/4), e^(−πY₂₂/4), e^(−πY₁₂/2) and its inverse, Y = Im τ; π times a direction
     in z; and the integers 2Re τ₁₁, 2Re τ₁₂, 2Re τ₂₂.
 
-    ``least`` are the least e₁² and e₂² of all classes: powers of the first two bases are taken less by these, so that
-    e^(−πY₁₁/4) may be 0. Terms below ``last`` of the largest are negligible.
+    ``least`` are the least e₁² and e₂² of all classes: the exponents of the first two bases are reduced by these, so
+    that e^(−πY₁₁/4) may be 0. Terms below ``last`` of the largest are negligible.
     """
 
     bases: Row
@@ -185,7 +185,7 @@ def theta_weights(
 def put_row(lattice: Lattice, sums: ThetaSums, place: tuple[int, int], side: int, top: Real, phase: int) -> bool:
     """Adds the weights of (a, ±b) to row i of class k, (k, i) = ``place``; the sign is + on ``side`` 0.
 
-    ``top`` and ``phase`` are those of the largest term. Returns whether the phases of all are real multiples of it.
+    ``top`` and ``phase`` are those of the largest term. Returns whether all terms are real multiples of it.
     """
     (k, i), sign, real = place, 1 - 2 * side, True
     _, rows, columns = sums.sizes
@@ -205,7 +205,7 @@ def put_row(lattice: Lattice, sums: ThetaSums, place: tuple[int, int], side: int
 
 
 def steps(lattice: Lattice, a: int, sign: int, e2: int) -> Real:
-    """The ratio of the terms (a, ±(e₂ + 2)) and (a, ±e₂), with this sign."""
+    """The ratio of the terms (a, ±(e₂ + 2)) and (a, ±e₂), where ± is ``sign``."""
     mixed = raised(lattice.bases[2], 2 * a) if sign > 0 else raised(lattice.bases[3], 2 * a)
     return raised(lattice.bases[1], 4 * e2 + 4) * mixed
 
@@ -243,7 +243,7 @@ def sixteenths(turns: tuple[int, int, int], a: int, m: int) -> int:
 
 
 def term(lattice: Lattice, a: int, m: int) -> Real:
-    """The size e^(−πnYn) of the term of n = (a, m)/2, over the powers that all terms have."""
+    """The size e^(−πnYn) of the term of n = (a, m)/2, divided by the powers that all terms have in common."""
     bases, (first, second) = lattice.bases, lattice.least
     mixed = raised(bases[2], a * m) if m > 0 else raised(bases[3], -a * m)
     return raised(bases[0], a * a - first) * raised(bases[1], m * m - second) * mixed
@@ -309,7 +309,7 @@ def shortest(imaginary: Sequence[float]) -> tuple[float, float]:
 
 
 def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:
-    """The pair (cos, sin) of an angle given in turns."""
+    """The pair (cos, sin) of an angle given in turns; ``inverse`` is that of :func:`circle_numbers`."""
     whole = turns - float(floor(float(turns) + 0.5))
     quarters = floor(4 * float(whole) + 0.5)
     y = (whole - quarters / 4) * inverse[0]

@@ -1,9 +1,10 @@
-"""The set-up of a torus of the ball or the top: periods, theta functions of the axes and the phases of the start; on
+"""The set-up of a torus of the ball or the top: periods, theta functions of the α_i and the phases of the start; on
 bare reals, compiled or interpreted.
 
-Let e₁ ≤ e₂ < e₃ ≤ e₄ be the ends of both ovals, α₁, α₂, α₃ the axes, A the periods of (dx/y, x dx/y) around the ovals
-and iY = A⁻¹B, where B are those around the gaps between the ovals and behind the second. The phases are the integrals
-from e₁ and e₃ to the points of the divisor. If d = 0, the root 1/d of f is at infinity, and Y₁₁ is infinite.
+Let e₁ ≤ e₂ < e₃ ≤ e₄ be the ends of both ovals, α₁, α₂, α₃ the roots of f that belong to the axes, and A the periods
+of (dx/y, x dx/y) around the ovals. Let iY = A⁻¹B with the periods B around the gap between the ovals and the gap behind
+the second. The phases are the integrals from e₁ and e₃ to the points of the divisor. If d = 0, the root 1/d of f is at
+infinity, and Y₁₁ is infinite.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from jacobian.numbers.roots import root
 # positions in what :func:`torus_periods` finds: two periods, the turns of both phases along the flow, the shape of the
 # theta functions (Y and the turns along (0, 1)) and the mean of 1/g
 FREQUENCIES, IMAGINARY, ALONG, MEAN, FOUND = 4, 6, 9, 11, 12
-# number of :func:`surveyed_rates`
+# the number of entries that :func:`surveyed_rates` writes
 RATES = 14
 # the characteristics (ε₁, ε₂, δ₁, δ₂) of e₁, e₂, e₃ and e₄ in the basis a₁, a₂ − a₁, where a₁ and a₂ are the ovals
 CLASSES = ((1, 1, 0, 1), (1, 1, 1, 1), (0, 1, 1, 1), (0, 1, 0, 0))
@@ -33,9 +34,9 @@ FARTHEST = 1e3
 
 
 def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
-    """Writes 2∫dx/|y| and 2∫x dx/|y| over the gap between the ovals, then over that behind the second oval, to ``out``.
+    """Writes 2∫dx/|y| and 2∫x dx/|y| over the gap between the ovals, then over the gap behind the second, to ``out``.
 
-    The latter is infinite if d = 0, and is then left out. In X = S/(c − x), c in the first oval, all six
+    For d = 0 the latter is infinite, and 0 is written. In the variable X = S/(c − x), with c in the first oval, all six
     branch points are finite.
     """
     e1, e2, e3, e4, d, r = motion[0], motion[1], motion[2], motion[3], motion[8], motion[10]
@@ -93,9 +94,9 @@ def torus_periods(motion: Row, near: float, room: Row, out: Row) -> tuple[int, i
             break
         a1, b1, m1, n1 = a1 + turns * a2, b1 + turns * b2, m1 + turns * m2, n1 + turns * n2
         y12, y22 = y12 - turns * y11, y22 - turns * (2 * y12 - turns * y11)
-    # the second phase has more harmonics: the rows of a series with long rows are summed faster
+    # the second phase gets more harmonics, since a series with few long rows is summed faster
     out[0], out[1], out[2], out[3] = a2, b2, a1, b1
-    # (1, −x₀) is the direction of the flow
+    # the flow has the direction (1, −motion[11])
     out[4], out[5] = -((b1 + motion[11] * a1) / area), (b2 + motion[11] * a2) / area
     out[6], out[7], out[8] = 0 * y22 if flat else y22, y12, y11
     out[9], out[10] = a1 / area, -(a2 / area)
@@ -156,8 +157,8 @@ def placed(
     """Completes the ``numbers`` of a torus, of which the matrix and (α, β) of the tilt term are given. Returns the
     largest difference between (γ̃, w̃) of the moving ``point`` at the start and at its phases.
 
-    ``motion`` is a :func:`integrable.torus.lattice.motion_row`, ``found`` that of :func:`torus_periods`; ``scales`` are
-    the numbers by which theta functions are divided; ``rule`` is for :func:`rough_phases`.
+    ``motion`` is a :func:`integrable.torus.lattice.motion_row`, ``found`` the result of :func:`torus_periods`;
+    ``scales`` are the numbers by which theta functions are divided; ``rule`` is for :func:`rough_phases`.
     """
     numbers, start = torus.numbers, room[18:24]
     numbers[TILT], numbers[TILT + 1] = numbers[TILT] * limits.lift, numbers[TILT + 1] / (limits.lift * limits.lift)
@@ -184,8 +185,8 @@ def start_frame(point: Row, out: Row) -> None:
 
 
 def matched(torus: Torus, start: Row, limits: Limits, room: Row) -> float:
-    """Makes the phases of ``torus``, given in floats, those of the ``start``, (γ̃, w̃), by Newton's method, and gives
-    the factors the signs of the start. Returns the largest difference that is left; NaN if the phases are none.
+    """Corrects the phases of ``torus``, given in floats, to those of ``start``, which is (γ̃, w̃), by Newton's method,
+    and gives the factors the signs of the start. Returns the largest remaining difference, NaN if a phase is NaN.
     """
     numbers, nudge = torus.numbers, limits.nudge
     gap = before = 4.0
@@ -202,7 +203,7 @@ def matched(torus: Torus, start: Row, limits: Limits, room: Row) -> float:
         # near a separatrix phases in floats may leave the sign of a small γ_i open
         give_signs(numbers, start, room)
         gap, move1, move2 = newton_step(start, nudge, room)
-        # NaN ends it too
+        # NaN ends the loop too
         if not gap > limits.enough or not abs(float(move1)) + abs(float(move2)) < FARTHEST:
             break
         if n > 2 and gap > before / 2:
@@ -240,12 +241,12 @@ def surveyed_rates(
 ) -> None:
     """Writes numbers of a motion in the user's units.
 
-    In order: the matrix of a :class:`~integrable.torus.states.Torus` (four numbers). The turns of both phases per unit
-    of t, and per unit of τ. The means of dτ/dt and of dt/dτ. The turns of both ``doubled`` periods per unit of τ, dt/dτ
-    again, 2π.
+    They are the matrix of a :class:`~integrable.torus.states.Torus` (four numbers); the turns of both phases per unit
+    of t, and per unit of τ; the means of dτ/dt and of dt/dτ; the turns of both ``doubled`` periods per unit of τ; the
+    mean of dt/dτ again; 2π.
 
-    ``problem`` is a :func:`~integrable.moving_point.problem.problem_row`, ``found`` is that of :func:`torus_periods`,
-    ``units`` are the length and the lift of those of the motion.
+    ``problem`` is a :func:`~integrable.moving_point.problem.problem_row`, ``found`` the result of
+    :func:`torus_periods`, ``units`` are the length and the lift of the motion's units.
     """
     length, lift = units
     scale, mean = problem[TIME_SCALE] * (length * lift), problem[SLOWNESS] * found[MEAN] / (lift * lift)

@@ -1,4 +1,4 @@
-"""Times of the flow at which a torus is compared with other ways to the same states."""
+"""Times of the flow at which a torus is compared with other methods for the same states."""
 
 from __future__ import annotations
 
