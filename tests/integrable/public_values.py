@@ -100,7 +100,6 @@ def values_over(K):
         "isometric step": systems["check"].translation((30, -30)),
         "flow": flow,
         "path": systems["toda"].flow(systems["toda"].state((0, 1, 2), (1, 0, 0))).at([0, 1]),
-        "paths": ensemble(systems["toda"], (0, 1, 2), [(1, 0, 0), (0, 1, 0)]).at([0, 1]),
         "enclosed path": systems["toda"].flow(systems["toda"].state((0, 1, 2), (1, 0, 0))).enclosure([0, 1]),
         "tilted flow": ball.flow(tilted),
         "flow on the layer": systems["ball on the layer"].flow(systems["ball on the layer"].state(GAMMA, M)),
@@ -150,5 +149,7 @@ def other_values():
     bodies = laboratory_ensemble(RollingBall((1, 2, 2), 5, 1), [np.eye(3), 2 * np.eye(3)], (1, 2, 3))
     lattice = ClassicalSystem(TodaLattice(3))
     values["run without a body"] = lattice.motion_through(lattice.state((0, 1, 2), (1, 0, 0))).at([0, 1])
+    chains = ensemble(lattice.system, (0, 1, 2), [(1, 0, 0), (0, 1, 0)])
+    values |= {"ensemble of a system": chains, "paths": chains.at([0, 1])}
     values |= {"ensemble in the laboratory": bodies, "runs in the laboratory": bodies.at([0, 1])}
     return values | {"ensemble": many, "trajectories": many.at([0, 1, 1e30])}
