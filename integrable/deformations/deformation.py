@@ -64,8 +64,8 @@ class Deformation(Hamiltonian):
     def divisor(self, state: State) -> TwoPoints:
         """The divisor of a state: two points, one on each elliptic curve (:mod:`integrable.deformations.two_curves`).
 
-        It is available for tilde, check and hat pairs without potential; ArgumentError for the others. The curves of a
-        check or hat pair are those of the tilde pair of A⁻¹; NotASquare if the lift is not defined over the field.
+        ArgumentError except for tilde, check and hat pairs without potential. The curves of a check or hat pair are
+        those of the tilde pair of A⁻¹; NotASquare if the lift is not defined over the field.
         """
         from integrable.deformations import two_curves
 

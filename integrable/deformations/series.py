@@ -1,4 +1,4 @@
-"""Loops that integrate along the Taylor series of a tape, for numbers of any kind, and compiled for double-doubles."""
+"""Loops that integrate the equations of a tape by Taylor series, for numbers of any kind; compiled for double-doubles."""
 
 from __future__ import annotations
 

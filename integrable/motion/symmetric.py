@@ -72,7 +72,6 @@ class SymmetricFlow:
         # g⁻² = μ + |δ|A²cos²θ for δ > 0, otherwise r + |δ|A²sin²θ: a sum of positive numbers
         self._least, self._more = number(mu if delta > 0 else r), number(abs(swing.spread))
         self._spin, self._across = number(swing.spin), number(momentum * size / sqrt(mu))
-        # ``_factors`` are the coefficients of F and Π in φ
         self._thin = number(r3 / r)
         first, third = swing.factors
         self._factors = number(first), number(third)

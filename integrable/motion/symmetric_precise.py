@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from integrable.phase.space import PhaseSpace
     from integrable.phase.state import State
 
-# a computation has GUARD digits beyond those of the field and of the turns. A second one, at the farthest time, has
-# WIDER more, and both must agree to SPARE digits beyond the field's
+# a computation has the field's digits, as many more as the angles have before the decimal point, and GUARD more. A
+# second one, at the farthest time, has WIDER more, and both must agree to SPARE digits beyond the field's
 GUARD = 15
 WIDER = 15
 SPARE = 2

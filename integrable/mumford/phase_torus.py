@@ -20,7 +20,7 @@ from integrable.torus.witness import witnesses
 from jacobian.element import Real
 from jacobian.numbers.double_double import double_double_row
 
-# the table of a circle has PARTS points per half turn; power series between them have the order ORDER
+# the table of cosines and sines has PARTS angles per half turn; the power series about them have the order ORDER
 PARTS, ORDER = 32, 17
 # the table has BITS bits; modes below NEGLIGIBLE of the largest are not needed
 BITS, NEGLIGIBLE = 160, 1e-34

@@ -86,7 +86,7 @@ class Portrait(Immutable):
 
     @property
     def wide_turns(self) -> tuple[Real, Real]:
-        """precession/π and ±spin/π, to the digits of the set-up."""
+        """precession/π, and spin/π times the sign of the start's M̃ along ``axis``; to the digits of the set-up."""
         first, second = self.wide_frequencies
         return (first, second) if self.level.low else (-second, -first)
 

@@ -281,7 +281,7 @@ def _globe(axes: Any, sign: float, depth: int) -> None:
 def residual_growth(report: Report) -> Figure:
     """A diagram of the distance of a divisor from its curve, due to rounding, against the number of additions.
 
-    The scale is that of the polynomials' coefficients, so the rounding of one operation is about 10⁻¹⁶ of it.
+    The distance is relative to the size of the polynomials' coefficients, so one rounding is about 10⁻¹⁶.
     """
     figure = new_figure(5.4, 3.6)
     axes = figure.add_subplot()

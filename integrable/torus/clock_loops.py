@@ -60,8 +60,7 @@ def clock_in_tuples(clock: Clock) -> Clock:
 def states_at_times(
     torus: Torus, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: tuple[Row, Row, Row]
 ) -> None:
-    """Writes the times of the flow at physical times, their distances from the mean, and γ and M, six floats each, into
-    ``found``.
+    """Writes τ at physical times t, τ minus the mean dτ/dt times t, and γ and M, six floats each, into ``found``.
 
     ``room`` is memory for powers, and for two phases and their turns at each time.
     """
@@ -78,8 +77,8 @@ def states_at_times(
 
 
 def phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Row) -> None:
-    """Writes the phases at physical times in turns, including whole turns, to ``phases``, one pair after the other; and
-    the distances of the times of the flow from their mean to ``delays``.
+    """Writes the phases at physical times t in turns, including whole turns, to ``phases``, one pair after the other,
+    and τ minus the mean dτ/dt times t to ``delays``.
     """
     own = clock_in_tuples(clock)
     for i in range(len(times)):

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 # the number of phases at which a long series is summed at once
 TOGETHER = 256
-# a product of up to ONE_THREAD multiplications uses one thread; the threads of larger ones wait in busy loops. With
-# fewer than FEWEST phases at a time, large tables are read too often
+# products of matrices have up to ONE_THREAD multiplications: above that NumPy uses several threads, which wait in busy
+# loops. Where this allows fewer than FEWEST phases at a time, all are summed at once, as large tables are slow to read
 ONE_THREAD, FEWEST = 1 << 15, 4
 # in floats smaller modes may underflow
 TINY = 1e-290

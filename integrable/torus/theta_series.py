@@ -26,7 +26,7 @@ from jacobian.periods.real_basis import Whole
 
 # largest number of harmonics of a series; beyond it, branch points nearly meet
 MOST_HARMONICS = 40
-# bits of the constants of a circle in double-doubles, and bits to which its series are summed
+# bits in which the constants of cosine and sine are computed for double-doubles, and bits to which both are summed
 BITS, SUMMED = 200, 112
 # e^(−π·DEPTH) is the truncation error of a series relative to its largest term
 DEPTH = 22.0

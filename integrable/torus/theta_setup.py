@@ -21,7 +21,7 @@ from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
 # positions in what :func:`torus_periods` finds: two periods, the turns of both phases along the flow, the shape of the
-# theta functions (Y and the turns along (0, 1)) and the mean of 1/g
+# theta functions (Y and the turns of both phases along (0, 1)) and the mean of 1/g
 FREQUENCIES, IMAGINARY, ALONG, MEAN, FOUND = 4, 6, 9, 11, 12
 # the number of entries that :func:`surveyed_rates` writes
 RATES = 14
@@ -69,9 +69,9 @@ def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
 def torus_periods(motion: Row, near: float, room: Row, out: Row) -> tuple[int, int, int, int]:
     """Fills ``out``; returns the basis Λ₁, Λ₂ as integer rows (m₁, n₁), (m₂, n₂) in the periods of the two ovals.
 
-    ``out`` gets Λ₁, Λ₂ (four numbers), the turns ν₁, ν₂ per unit of the flow's direction, Y₁₁, Y₁₂, Y₂₂,
-    the turns along (0, 1) and :func:`integrable.moving_point.elliptic_integrals.mean_slowness`. If d = 0, Y₁₁ is
-    infinite and 0 is written.
+    ``out`` gets Λ₁, Λ₂ (four numbers), the turns ν₁, ν₂ of both phases along the flow's direction, the entries Y₁₁,
+    Y₁₂, Y₂₂ of Y, the turns of both phases along (0, 1), and
+    :func:`integrable.moving_point.elliptic_integrals.mean_slowness`. If d = 0, Y₁₁ is infinite and 0 is written.
     """
     ends, d, pi, r = (motion[0], motion[1], motion[2], motion[3]), motion[8], motion[9], motion[10]
     oval_periods(ends, d, r, pi, near, out)

@@ -131,7 +131,7 @@ def product_of_degree_6(C: Any, quotient: Quotient) -> Any:
 
 
 def cubic_of_degree_6(C: Any, quotient: Quotient, inverse: Any, first: Line) -> Line:
-    """(s₁, s₀, 1/(s₁² + h₃s₁ − f₆), a₁s₁) from the inverse of the product."""
+    """(s₁, s₀, 1/(s₁² + h₃s₁ − f₆), a₁s₁); ``inverse`` is that of :func:`product_of_degree_6`."""
     r, s1, s0 = quotient
     shrink = lead_of_degree_6(C, quotient) * inverse
     s1 = s1 * shrink

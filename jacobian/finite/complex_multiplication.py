@@ -28,8 +28,8 @@ DEGREES = (5, 7)
 
 
 def frobenius_polynomial(C: HyperellipticCurve) -> list[int] | None:
-    """The characteristic polynomial of Frobenius, ascending; None for other curves or p, or where several candidates
-    remain.
+    """The characteristic polynomial of Frobenius, ascending. None for curves or p that this module does not treat, or
+    where several candidates remain.
     """
     K: Any = C.field
     degree = 2 * C.genus + 1

@@ -83,7 +83,7 @@ class Isomorphism(Immutable):
     def __call__(self, what: Any) -> Point: ...
 
     def __call__(self, what: Any) -> Any:
-        """The image of a point or of a divisor class of ``source``; NotOnCurve, CurveMismatch for others."""
+        """The image of a point or class of ``source``; NotOnCurve for other points, CurveMismatch for other classes."""
         if isinstance(what, Divisor):
             return self._divisor(what)
         P = self.source.check_point(what)

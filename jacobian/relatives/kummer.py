@@ -178,7 +178,7 @@ class KummerSurface(Immutable):
 
 
 def kummer_surface(curve: HyperellipticCurve) -> KummerSurface:
-    """The KummerSurface of a curve of genus 2 over QQ or GF(p), p odd; FieldError for others.
+    """The KummerSurface of a curve of genus 2 over QQ or GF(p), p odd; FieldError over other fields.
 
     Calls with equal curves return one object, so that its forms are found once.
     """
