@@ -1,4 +1,6 @@
-"""Loops that integrate the equations of a tape by Taylor series, for numbers of any kind; compiled for double-doubles."""
+"""Loops that integrate the equations of a tape by Taylor series, interpreted for numbers of any kind or compiled for
+double-doubles.
+"""
 
 from __future__ import annotations
 

@@ -79,7 +79,9 @@ def product_of_degree_5(C: Any, quotient: Quotient) -> Any:
 
 
 def cubic_of_degree_5(C: Any, quotient: Quotient, inverse: Any, first: Line) -> Line:
-    """(s₁, s₀/s₁, 1/s₁, 1/s₁²), without the factor r of the quotient, from the inverse of the product."""
+    """(s₁, s₀/s₁, 1/s₁, 1/s₁²), without the factor r of the quotient; ``inverse`` is that of
+    :func:`product_of_degree_5`.
+    """
     r, s1, s0 = quotient
     shrink = r * inverse
     w4 = r * shrink

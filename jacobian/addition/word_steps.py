@@ -77,7 +77,7 @@ def product(K: Any, C: Any, quotient: Any) -> Any:
 
 
 def closed(K: Any, C: Any, quotient: Any, inverse: Any, first: Any, second: Any) -> Any:
-    """The sum, from its quotient and the inverse of the product: the second half of the computation."""
+    """The sum, from its quotient and the inverse of :func:`product`: the second half of the computation."""
     return STEPS["closed"][type(C)](K, C, quotient, inverse, first, second)
 
 
@@ -85,7 +85,7 @@ def closed(K: Any, C: Any, quotient: Any, inverse: Any, first: Any, second: Any)
 
 
 def cubic(K: Any, C: Any, quotient: Any, inverse: Any, first: Any) -> Any:
-    """Four numbers of the cubic through both divisors, from the inverse of the product."""
+    """Four numbers of the cubic through both divisors, from the inverse of :func:`product`."""
     return STEPS["cubic"][type(C)](K, C, quotient, inverse, first)
 
 
@@ -103,7 +103,7 @@ def sum_v(K: Any, C: Any, cubic: Any, u: Any, first: Any) -> Any:
 
 
 def quintic(K: Any, C: Any, quotient: Any, inverse: Any) -> Any:
-    """Four numbers of the quintic through both divisors, from the inverse of the product."""
+    """Four numbers of the quintic through both divisors, from the inverse of :func:`product`."""
     return STEPS["bent"][type(C)](K, C, quotient, inverse)
 
 
