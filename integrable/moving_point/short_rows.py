@@ -24,14 +24,14 @@ WIDE = TIME_UNIT + 1
 # positions in ``point`` after the ten numbers of a moving point: 1/g (RATE), γ and w of the start (from BEGIN on), and
 # the deviation of H2 (OFF)
 RATE, BEGIN, OFF = 10, 11, 17
-# positions in the rows of ``seen``, which describe precomputed centres: the distance of the shadow (SHADOW), and the
-# relative correction after the addition (MOVED)
+# positions in the rows of ``seen``, which describe precomputed centres: the distance from the shadow, the second motion
+# of :mod:`integrable.moving_point.short` (SHADOW), and the relative correction after the addition (MOVED)
 SHADOW, MOVED = 11, 12
 POINT = OFF + 1
 # number of rows of wide points: one for a centre, and one for each level of halving
 POINTS = LEVELS + 1
-# AHEAD centres are computed together, each with its shadow, so that all SIMD lanes are used. The rows of ``ahead`` are
-# these centres, their shadows, and the two starts
+# AHEAD centres of the motion and as many of its shadow are computed together, so that all SIMD lanes are used. The rows
+# of ``ahead`` are these centres, first those of the motion, and the two starts
 AHEAD = 4
 AHEAD_POINTS = 2 * AHEAD + 2
 # rows of wide translations: row HALF has the translation by h, the rows before it those by h/2^l, and the rows from

@@ -170,7 +170,7 @@ class DivisorArray(Immutable, Generic[Element]):
 
     @property
     def n(self) -> Vector | None:
-        """The weight of each row at ∞₊, (N,), on a split model; None on others."""
+        """The weight of each row at ∞₊, (N,), on a split model; None on other models."""
         found = self._engine.weights(self._rows)
         return None if found is None else read_only(found)
 
