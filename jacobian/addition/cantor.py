@@ -27,7 +27,7 @@ def zero(C: HyperellipticCurve) -> Triple:
 
 
 def weight_of_zero(C: HyperellipticCurve) -> int | None:
-    """The weight n of the identity at ∞₊: ⌈g/2⌉ on a split model, None on others."""
+    """The weight n of the identity at ∞₊: ⌈g/2⌉ on a split model, None on other models."""
     return (C.genus + 1) // 2 if C.model == "split" else None
 
 
