@@ -48,7 +48,7 @@ class RateSource(NamedTuple):
     digits: int
 
     def reached(self, sign: int, steps: int) -> tuple[Real, ...]:
-        """Never called: the points would decide a sign on which dt/dτ does not depend."""
+        """Never called: points of the motion would decide only a sign, on which dt/dτ does not depend."""
         raise NotImplementedError
 
 

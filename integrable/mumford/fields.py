@@ -3,7 +3,7 @@ Lectures on Theta II, ch. IIIa; Vanhaecke 1996).
 
 U is monic of degree g, deg V < g, deg f = 2g + 1 or 2g + 2 with any leading coefficient, and W = (f − V²)/U is a
 polynomial. Coefficients are in ascending order. U and V are given and returned with all their coefficients, leading
-zeros included. The first argument of every function is its field: a finite field, jets or balls alike. No function
+zeros included. The first argument of every function is the field, which may be finite, or of jets or balls. No function
 takes a square root.
 
 A *direction* c = (c_0 … c_{g−1}) is the motion with Σ_i x_i^k dx_i/y_i = c_k dτ for the points (x_i, y_i) of the pair.

@@ -50,12 +50,12 @@ ON_TORUS = {1: Cost(300, 3), 2: Cost(2000, 3), 3: Cost(60_000, 100)}
 # the finest steps may take this fraction of the cost of a torus of genus ≥ 3 before it is made: 23 ms of 62 for
 # Neumann's point on S³ to t = 1000
 SHARE_OF_FINEST = 1 / 3
-# from this many times on, additions take at least as long as a torus that additions confirm: 34 ms against 19 where
-# branch points of genus 2 are not real, 72 against 72 in genus 3 (python -m benchmarks real_torus)
+# from this many times on, additions take at least as long as a torus that additions confirm: 34 ms against 19 in genus
+# 2 where branch points are not all real, 72 against 72 in genus 3 (python -m benchmarks real_torus)
 TIMES_TO_THETA = 6
 # rounding error of correctly rounded floats
 ROUNDED = 2.0**-53
-# bits of the periods of a torus in separated coordinates whose states are floats
+# bits in which a torus in separated coordinates is set up for states in floats
 BITS_OF_TORUS = 160
 Angles = Sequence[tuple[Any, Any]]
 """The sine and cosine of half the angle φ of each point, or the cosine and sine of each angle about an axis."""
@@ -265,11 +265,11 @@ class MumfordFlow:
         """The derivatives of q and p at the given times with respect to q(0), p(0) and the system's constants and
         parameters.
 
-        ``matrix`` of the result has shape (N, 2n, 2n + m), in the field of the system, with all its digits relative to
-        the largest element; ``columns`` names the inputs. The start varies within its constraints. A barrier l_i = 0
-        has no column. Derivatives are difference quotients of 4n + 2m motions in more digits
-        (:mod:`integrable.portrait.differences`). PrecisionLoss if they are much larger than expected, as at far times
-        next to a separatrix.
+        ``matrix`` of the result has shape (N, 2n, 2n + m) for n numbers q and m constants and parameters, in the field
+        of the system, with all its digits relative to the largest element; ``columns`` names the inputs. The start
+        varies within its constraints. A barrier l_i = 0 of a Hénon–Heiles system has no column. Derivatives are
+        difference quotients of 4n + 2m motions in more digits (:mod:`integrable.portrait.differences`). PrecisionLoss
+        if they are much larger than expected, as at far times next to a separatrix.
         """
         from integrable.portrait.sensitivity import system_sensitivity
 

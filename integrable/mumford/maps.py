@@ -1,8 +1,9 @@
 """Bäcklund maps of pairs as additions of points: D + P − ∞, D + P − ∞±, D + P − Q, in any genus and over any field.
 
-P = (λ, μ) is a point of y² = f(x). The maps commute with all vector fields of :mod:`integrable.mumford.fields` and with
-each other. For a fixed λ they are canonical for the brackets of that module (Kuznetsov & Vanhaecke 2002). The maps
-divide by U(λ) and take no root. A pair with a point at λ raises ZeroDivisionError over exact fields and jets.
+P = (λ, μ) is a point of y² = f(x), and ℓ the leading coefficient of f. The maps commute with each other and with all
+vector fields of :mod:`integrable.mumford.fields`. For a fixed λ they are canonical for the brackets of that module
+(Kuznetsov & Vanhaecke 2002). The maps divide by U(λ) and take no root. A pair with a point at λ raises
+ZeroDivisionError over exact fields and jets.
 """
 
 from __future__ import annotations

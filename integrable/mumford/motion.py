@@ -35,7 +35,7 @@ class Start(NamedTuple):
     """The start of a motion: f, the pair (u, v) at τ = 0, its ``data``, one for each of ``kinds``, and the direction of
     τ.
 
-    ``further`` are the directions of other times of the same pair.
+    ``further`` are the directions of any other times on which the pair depends.
     """
 
     f: poly.Poly
@@ -216,7 +216,7 @@ class MumfordMotion:
 def settled_digits(read: Callable[[LongField], Vectors], digits: int) -> Vectors:
     """The result of ``read`` in long numbers, with ``digits`` correct digits relative to each vector's size.
 
-    The precision is raised until the result agrees with that at 64 more bits. PrecisionLoss if no precision suffices.
+    The precision is raised until 64 more bits do not change these digits. PrecisionLoss if no precision suffices.
     """
     wanted, extra = _bits(digits), OF_START
     while extra < MOST_BITS:

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
     from integrable.series.kinds import Kind
 
-# allowed violation of the constraints of a state, in units of the effect of a change in the last digits of q and p
+# a constraint may be off by OFF times the effect of a change in the last digits of q and p
 OFF = 2.0**24
 # smallest tolerance that plain steps in floats can meet
 LEAST = 2.0**-50
@@ -146,7 +146,7 @@ class MumfordSystem(Made):
         return rate
 
     def _action(self, N: FormulaField, state: Point) -> Form | None:
-        """Defined by subclasses: the form whose sum over the pair is p dq, without the terms of angles about an axis;
+        """Defined by subclasses: the form whose sum over the points of a pair is p dq, without angles about an axis;
         None if there is none.
         """
         return None
@@ -170,10 +170,10 @@ class MumfordSystem(Made):
     """Whether the data of the motion are complex; if so, ``_start`` and ``_back`` receive complex numbers."""
 
     clocked = False
-    """Whether t is not linear in τ; pairs then have t among their data, and ``_clock`` reads it."""
+    """Whether t is not linear in τ. ``_clock`` then reads t from a pair, unless ``flow_type`` computes τ otherwise."""
 
     def _clock(self, N: FormulaField, D: Extended) -> tuple[Real, Real]:
-        """Defined by subclasses if ``clocked``: (t, dt/dτ) at a divisor of the motion."""
+        """Defined by subclasses whose pairs have t among their data: (t, dt/dτ) at a divisor of the motion."""
         raise NotImplementedError
 
     # --- derived from the table

@@ -9,8 +9,8 @@ where η_i is the odd characteristic of the branch point r_i (Thomae; Mumford 19
 η_0 + 2(q, p), and exactly one of the 16 η_0 makes all η_i odd. All of this is real in a basis whose A spans the real
 periods. Models of degree 6 with real roots are first transformed by x ↦ 1/(E − x), where E is the largest root.
 
-For geodesics dt/dτ is |U| at the root x = 0. The mean of dt/dτ is a determinant of integrals over the ovals, and t is
-this mean times τ plus a Fourier series.
+For geodesics dt/dτ is |U| at the root x = 0. The mean of dt/dτ is a quotient of determinants of integrals over the
+ovals, and t is this mean times τ plus a Fourier series.
 """
 
 from __future__ import annotations
@@ -207,10 +207,11 @@ class ThetaTorus:
 
 
 class ThetaBasis(NamedTuple):
-    """The data of theta functions of a motion: τ, and the characteristics of the five roots and of infinity.
+    """The data of theta functions of a motion: the period matrix ``tau``, and the characteristics
+    of the five roots and of infinity.
 
-    ``places`` are the phases at the start in turns, ``frequencies`` their turns per unit of τ, ``along`` their turns
-    per unit of time along the direction (0, 1).
+    ``places`` are the phases at the start in turns, ``frequencies`` their turns per unit of the flow's own time,
+    ``along`` their turns per unit of time along the direction (0, 1).
     """
 
     roots: list[Complex]

@@ -172,7 +172,7 @@ def unwarned() -> Iterator[None]:
 
 def energy(a: Iterable[Real], weight: Real, gamma: Iterable[Real], M: Iterable[Real]) -> Any:
     """H1 = (ω, M) = (M, AM) + weight·(γ, AM)² with weight = d·g², computed with Python's operators."""
-    # this is written out for speed: every step of a map compares the energies of its image
+    # this is written out for speed: every step of a map computes the energies of its image
     (a1, a2, a3), (x1, x2, x3), (m1, m2, m3) = a, gamma, M
     n1, n2, n3 = a1 * m1, a2 * m2, a3 * m3
     spin = x1 * n1 + x2 * n2 + x3 * n3

@@ -5,9 +5,9 @@ The signs are those of the motion: ẋ = g{x, H1/2}. Borisov and Mamaev (2001) a
 
     {M_i, M_j} = −(M_k/g − d·g(M, Aγ)γ_k),   {M_i, γ_j} = {γ_i, M_j} = −γ_k/g,   {γ_i, γ_j} = 0,
 
-which at d = 0 is the Lie–Poisson bracket of e*(3) with the opposite sign. On (u1, u2, p1, p2) a bracket has the form
-{u_i, p_j} = w_iδ_ij. This bracket is canonical for w_i = 1, is called W for w_i = u_i, and is the second bracket Π' of
-:mod:`integrable.phase.recursion` for w_i = λ_i.
+which at d = 0 is the Lie–Poisson bracket of e*(3) with the opposite sign. On the coordinates (u1, u2, p1, p2) of
+:mod:`integrable.phase.separation` a bracket has the form {u_i, p_j} = w_iδ_ij. It is canonical for w_i = 1, called W
+for w_i = u_i, and the second bracket Π' of :mod:`integrable.phase.recursion` for the eigenvalues w_i = λ_i there.
 
 Derivatives are exact over exact fields, by :mod:`integrable.phase.jets`, and difference quotients elsewhere. A function
 of a state is f(system, state), a function of a tuple of coordinates f(field, point). Both must compute with the field
@@ -165,8 +165,8 @@ def pushed(K: Field, rows: Matrix, matrix: Matrix) -> Matrix:
 def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State) -> tuple[Matrix, Matrix]:
     """Two 6×6 matrices: the brackets of the image of (γ, M) under a step, and :meth:`System.poisson` at the image.
 
-    A Poisson map makes them equal. ``step`` is a function of (system, state), or a Step with ``.over(system)`` as in
-    :mod:`integrable.steps.translation`.
+    They are equal if the step is a Poisson map. ``step`` is a function of (system, state), or a Step with
+    ``.over(system)`` as in :mod:`integrable.steps.translation`.
     """
 
     state = system._checked(state)

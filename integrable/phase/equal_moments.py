@@ -86,7 +86,7 @@ class Swing(NamedTuple):
     def clock(self, upright: Upright) -> tuple[Real, Real]:
         """The pair (Ω', ε) in Ω't = θ − θ₀ − ε(G(cos θ) − G(cos θ₀)), G(c) = ∫_0^c du/√(μ + δA²u²).
 
-        t is the time of the tilted body. For an upright body ε = 0.
+        t is the time of the user's body; ε = 0 if its state is not tilted.
         """
         alpha, beta = upright.clock
         return self.rate / alpha, beta * self.spin * upright.body.a[0] * self.ratio * self.size / alpha
@@ -111,7 +111,7 @@ class Upright(NamedTuple):
     equal, other).
 
     ``columns`` are the positions of the user's axes, ``clock`` is the pair (α, β) of dt/dt̃ = α + βñ, ñ = g̃²(γ̃, AM̃),
-    and ``matrix`` maps back to the tilted body.
+    with tildes for this body, and ``matrix`` maps back to the tilted body.
     """
 
     body: Body

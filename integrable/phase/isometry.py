@@ -1,8 +1,9 @@
 """The isometries that map the geodesic flows (d = 0) of the tilde, check and hat pairs to each other.
 
 The pairs of integrals are those of :mod:`integrable.deformations`. The lift of γ ↦ γ' = Bγ/|Bγ| to (γ, M) = 0 is
-M' = Bγ × B⁻¹(M × γ), a canonical map. The body of A⁻¹ has the moments I'_i = a_i. B² = diag(a_j·a_k) takes the hat pair
-of A to e3 times the tilde pair of A⁻¹, e3 = det A. B² = A takes the check pair of A to −e3 times the same tilde pair.
+M' = Bγ × B⁻¹(M × γ), a canonical map. The body of A⁻¹ has the moments I'_i = a_i. The lift with B² = diag(a_j·a_k)
+takes the hat pair of A to det A times the tilde pair of A⁻¹. The lift with B² = A takes the check pair of A to −det A
+times the tilde pair of A⁻¹.
 """
 
 from __future__ import annotations

@@ -19,8 +19,8 @@ from jacobian.errors import FieldError, NotRepresentable, shown, written
 class Jet:
     """``value`` and its ``slopes`` along the directions of a :class:`JetField`.
 
-    Operators combine it with jets of the same field and with ints, an int m standing for m·1; over an inexact
-    base with floats too.
+    Operators combine it with jets of its field, with ints (m stands for m·1), and over an inexact base field with
+    floats.
     """
 
     __slots__ = ("field", "slopes", "value")
@@ -139,8 +139,8 @@ class JetField:
         return self.constant(poly.integer(self.base, m))
 
     def coerce(self, value: object, argument: str = "value") -> Jet:
-        """A jet of this field unchanged, or the constant jet of a value that the base accepts. FieldError for other
-        jets.
+        """A jet of this field unchanged, or the constant jet of a value that the base accepts. FieldError for a
+        jet with another number of slopes.
         """
         if not isinstance(value, Jet):
             return self.constant(self.base.coerce(value, argument))

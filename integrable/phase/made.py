@@ -24,7 +24,7 @@ class Made(Immutable):
 
     @property
     def arguments(self) -> dict[str, object]:
-        """The arguments of the constructor by name, without the field: numbers and sequences of them."""
+        """The arguments of the constructor by name, without the field: numbers and sequences of numbers."""
         raise NotImplementedError
 
     @property

@@ -1,7 +1,7 @@
 """The free motion on the sphere (d = 0), and steps of divisors by parabolas through points of the plane.
 
 The coordinates (u, p) are those of :mod:`integrable.phase.separation` at d = 0, but φ(x) = 4Π(a_i − x) has the opposite
-sign. H1 = (M, M), H2 = −(M, AM), y_k = φ(u_k)p_k and y² = f(x) = φ(x)(H1·x + H2), so V is minus that of
+sign. H1 = (M, M), H2 = −(M, AM), y_k = φ(u_k)p_k and y² = f(x) = φ(x)(H1·x + H2), so V is minus the V of
 :meth:`System.divisor`. (Tsiganov, "Integrable discretization …", section 4.1.)
 """
 

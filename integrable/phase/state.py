@@ -56,8 +56,8 @@ class State(Immutable, Generic[Element]):
     has the six numbers.
 
     Over an exact field with d ≠ 0 the state has the root ``g`` of g², whose sign distinguishes the divisor D from −D;
-    over the reals g > 0 is understood and ``g`` is None. If ``tilted``, (γ, M) may differ from 0; divisors, steps and
-    the flow then use :mod:`integrable.phase.upright`.
+    over the reals g > 0 is understood and ``g`` is None. If ``tilted``, the product (γ, M) may differ from 0; divisors,
+    steps and the flow then use :mod:`integrable.phase.upright`.
     """
 
     gamma: _Part = _Part(0)

@@ -41,8 +41,8 @@ class Steps(NamedTuple):
 # terms in floats cause nearly as large an error in the finer walk
 WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE, FINEST = Steps(WIDE, 1e-25, 1e-7, 1e1, 1e1, 2.0**-56), Steps(WIDEST, 1e-29, 1e-11, 1e3, 1e3, 2.0**-56)
-# ROUGH takes 4/5 of the time of FINE (python -m benchmarks near); it is for some hundred steps. The walks came to
-# differ too much in none of eleven motions of 140 to 430 first steps, and in both of two with 490 and 570
+# ROUGH takes 4/5 of the time of FINE (python -m benchmarks near); it is for some hundred steps. The walks disagreed
+# in none of eleven motions as long as 140 to 430 first steps, and in both that were as long as 490 and 570
 ROUGH = Steps(Orders(8, 34), 1e-22, 3e-6, 1e1, 1e1, 2.0**-56, 450.0)
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # SHARE (steps in floats) and SHARE_OF_MIDDLE (steps whose first terms are double-doubles) bound truncation errors in
@@ -63,9 +63,9 @@ def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
 
 
 class Reached(NamedTuple):
-    """The number of times reached (−1 if they are not in order), the states there, and which rows are wrong, or None.
+    """The number of times reached (−1 if they are not in order), the states there, and which rows are ``wrong``.
 
-    ``gap`` is the largest difference of the two walks relative to q or p, ``steps`` the number of steps.
+    ``wrong`` is None if no row is. ``gap`` is the largest difference of the two walks relative to q or p, ``steps`` the number of steps.
     """
 
     reached: int

@@ -74,8 +74,7 @@ class Sums:
         return self._hi(n, k), self._lo(n, k) if k <= self.wide else ""
 
     def _put(self, n: int, k: int, x: Wide) -> None:
-        # where sums cancel, their parts overlap, and products of them would have only float accuracy. Later operations
-        # that use values from before the renormalization need not wait for it
+        # where sums cancel, their parts overlap, and products of them would have only float accuracy
         cancels = self.wide >= CAREFUL and self.tape.kinds[n] in (SUM, DIFFERENCE)
         if x[1] and (k == 0 or cancels):
             x = fast_two_sum(self.text, *x)

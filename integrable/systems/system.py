@@ -53,7 +53,7 @@ class System(PhaseSpace[Element]):
         return Translation(self, points, sheets, signs, multiple)
 
     def torsion(self, signs: Sequence[int] | None = None) -> Translation:
-        """The 2-torsion map D ↦ D + (1/d, 0) − ∞ (d ≠ 0), Tsiganov's Proposition 2; on (γ, M) its square is (−γ, M)."""
+        """The 2-torsion map D ↦ D + (1/d, 0) − ∞ (d ≠ 0), Tsiganov's Proposition 2. Its square is (γ, M) ↦ (−γ, M)."""
         if not self.body.rolls:
             raise ArgumentError("d = 0: the branch point 1/d is at infinity; the 2-torsion map needs d ≠ 0")
         middle: Any = self.field.inv(self.d)
