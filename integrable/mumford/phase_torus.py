@@ -32,7 +32,7 @@ HalfAngles = list[tuple[Column, Column]]
 class PhaseTorus:
     """A motion in double-doubles: :meth:`at` evaluates the function ``read`` at any times.
 
-    ``torus`` has the periods in long numbers, whose field must be entered. ``read(halves, turned)`` is called with (sin
+    ``torus`` has the periods in long numbers; their field must be entered. ``read(halves, turned)`` is called with (sin
     ½φ, cos ½φ) of each point and (cos, sin) of each angle about an axis since the start, as columns.
     """
 

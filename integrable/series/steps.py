@@ -65,7 +65,8 @@ def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
 class Reached(NamedTuple):
     """The number of times reached (−1 if they are not in order), the states there, and which rows are ``wrong``.
 
-    ``wrong`` is None if no row is. ``gap`` is the largest difference of the two walks relative to q or p, ``steps`` the number of steps.
+    ``wrong`` is None if no row is. ``gap`` is the largest difference of the two walks relative to q or p, ``steps`` the
+    number of steps.
     """
 
     reached: int

@@ -107,8 +107,8 @@ class Sums:
         return fast_two_sum(text, high, low) if k else (high, low)
 
     def _put_sides(self, k: int, of_variables: bool) -> None:
-        """Stores coefficients k of those sides of the vectors of products that consist of variables if
-        ``of_variables``, otherwise of those that do not.
+        """Stores coefficients k of the factors of products, as vectors: of the sides that consist of variables if
+        ``of_variables``, else of all other sides.
         """
         for nodes, width in self.room.packs.items():
             text = Text(self.room.lanes * width, self.text)
