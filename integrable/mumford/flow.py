@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from integrable.portrait.torus_section import TorusSection
     from integrable.series.near import Near
 
-# a torus is rejected if its states differ by more than this, relatively, from states by another method
+# largest relative difference allowed between states on a torus and states by another method
 RIGHT = 1e-12
 # costs in microseconds: BY_ADDITIONS of additions, ON_TORUS of a torus by genus, LONGEST of the longest series worth
 # trying (python -m benchmarks near, real_torus)

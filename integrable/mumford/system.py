@@ -146,8 +146,8 @@ class MumfordSystem(Made):
         return rate
 
     def _action(self, N: FormulaField, state: Point) -> Form | None:
-        """Defined by subclasses: the form whose sum over the points of a pair is p dq, without angles about an axis;
-        None if there is none.
+        """Defined by subclasses: the form whose sum over the points of a pair is p dq, up to terms of angles about an
+        axis; None if there is none.
         """
         return None
 

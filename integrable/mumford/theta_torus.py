@@ -207,8 +207,8 @@ class ThetaTorus:
 
 
 class ThetaBasis(NamedTuple):
-    """The data of theta functions of a motion: the period matrix ``tau``, and the characteristics
-    of the five roots and of infinity.
+    """The data of theta functions of a motion: the period matrix ``tau``, and the characteristics of the five
+    roots and of infinity.
 
     ``places`` are the phases at the start in turns, ``frequencies`` their turns per unit of the flow's own time,
     ``along`` their turns per unit of time along the direction (0, 1).
