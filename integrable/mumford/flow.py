@@ -239,7 +239,7 @@ class MumfordFlow:
         """The spectral lines of q and p (:mod:`integrable.portrait.spectrum`), in floats.
 
         The uniform motion of a centre of mass is subtracted. NotRepresentable over a field other than RR, if the points
-        of the pair do not turn in g real ovals, or if t is not a sum of integrals over these points; PrecisionLoss if a
+        of the pair do not turn in g real ovals, or if t is not a sum of integrals over these points. PrecisionLoss if a
         grid on the torus would be too fine.
         """
         from integrable.portrait.spectrum import lines_of, torus_states
