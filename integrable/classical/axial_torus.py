@@ -1,4 +1,4 @@
-"""Far states of Lagrange's top and the spherical pendulum in closed form: the constants of their motions, and the flow.
+"""Far states of Lagrange's top and the spherical pendulum in closed form.
 
 The constants of :mod:`integrable.classical.axial_loops` are computed once, in long numbers.
 
@@ -96,7 +96,7 @@ class AxialFlow(MumfordFlow):
     def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Arrays, Arrays]]:
         """The function that returns q and p, with g = C·e^{iδ}√|z − 1|√|z + 1|, δ the angle about the vertical.
 
-        A root that can vanish is replaced by a lift, which has its sign.
+        A root that can vanish is replaced by a lift, which changes sign there.
         """
         system, inner, ends, K = self.system, self._inner(RR), self._ends(N), Columns()
         axis, top = system._axis(RR, inner), system._top(RR, inner)

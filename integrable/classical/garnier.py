@@ -26,7 +26,7 @@ class Garnier(QuadricSystem):
 
     Example: ``system = Garnier((0, 1, 3))``, ``system.flow(system.state(q, p)).at(times)``.
 
-    The squared frequencies at rest are −αa_i − β.
+    The squared frequencies of small oscillations about q = 0 are −αa_i − β.
     """
 
     def __init__(self, a: Iterable[Value], alpha: Value = 1, beta: Value = 0, field: Field = RR) -> None:

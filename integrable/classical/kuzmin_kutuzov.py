@@ -1,16 +1,16 @@
 """Stars in the galaxy of Kuzmin and Kutuzov (1962; Dejonghe & de Zeeuw 1988), by spheroidal coordinates.
 
-With P = √(a²c² + c²R² + a²z²) and S = √(R² + z² + a² + c² + 2P) the potential is −GM/S. S and P are the sum and the
-product of √λ and √ν, the values of s, where λ and ν are the roots of R²/(τ − a²) + z²/(τ − c²) = 1. With A = (q, p),
-B = c²(xẋ + yẏ) + a²zż and the integrals E, L about the axis, and I = ½(L_x² + L_y²) + (a² − c²)(½ż² + GM z²/(S(c² + cS
-+ P))),
+With R² = x² + y², P = √(a²c² + c²R² + a²z²) and S = √(R² + z² + a² + c² + 2P) the potential is −GM/S. S and P are the
+sum and the product of √λ and √ν, the values of s; λ and ν are the roots of R²/(τ − a²) + z²/(τ − c²) = 1. With A = (q,
+p), B = c²(xẋ + yẏ) + a²zż, the energy E, the angular momentum L about the axis, and I = ½(L_x² + L_y²) + (a² − c²)(½ż²
++ GM z²/(S(c² + cS + P))),
 
     U = s² − Ss + P,   V = ASs − AP − B,   f = 2(s² − c²)P₄,
     P₄ = E(s² − a²)(s² − c²) + GM(s − c)(s² − a²) − ½L²(s² − c²) − I(s² − a²).
 
 The genus is 2, Σs ds/y = 0 and dt = Σs(s² − c²)ds/y, which is −PS dτ in the direction e_0. The azimuth grows by LΣs(s²
-− c²)/(s² − a²) ds/y, and the rest of p dq is Σs y ds/((s² − a²)(s² − c²)). z has the sign of a lift at s = c. If L = 0,
-R has the sign of a lift at s = a.
+− c²)/(s² − a²) ds/y, and p dq without the azimuth's part is Σs y ds/((s² − a²)(s² − c²)). z has the sign of a lift at
+s = c. If L = 0, R has the sign of a lift at s = a.
 """
 
 from __future__ import annotations

@@ -26,8 +26,8 @@ class Neumann(SurfaceSystem, QuadricSystem):
     """The motion on S^n in the potential ½Σa_i q_i², n + 1 = len(a) ≥ 2, with different a_i.
 
     Example: ``system = Neumann((1, 2, 4))``, ``system.flow(system.state(q, p)).at(times)``. Time is physical, and the
-    a_i are in 1/time². ``step`` is the discretization of Moser and Veselov (1991); for λ → −∞ its time step is about
-    1/√−λ.
+    a_i are in 1/time². ``step`` by a point (λ, μ) is the discretization of Moser and Veselov (1991); for λ → −∞ its
+    time step is about 1/√−λ.
     """
 
     def __init__(self, a: Iterable[Value], field: Field = RR) -> None:
@@ -60,5 +60,5 @@ class Neumann(SurfaceSystem, QuadricSystem):
         step = self._time_step(h)
         sign = 1 if (step > 0) == (genus % 2 == 0) else -1
         new = self.step(state, self.curve_point(state, -1 / (step * step), sign))
-        # for a negative step the roots are negative
+        # ``step`` takes positive square roots; for h < 0 they are negative, which changes the signs of q and p
         return new if step > 0 else Point(tuple(-x for x in new.q), tuple(-y for y in new.p))

@@ -5,7 +5,7 @@ H = ½Σp_k² + Σe^{q_{k+1} − q_k}, indices modulo n: q' = p, p_k' = e^{q_{k+
     L_k = [[x + p_k, e^{q_k}], [−e^{−q_k}, 0]],   L_n⋯L_1 = [[A, B], [C, D]],   Δ = A + D
 
 the curve is y² = Δ² − 4 of genus n − 1. U is B divided by its leading coefficient, V = (A − D) mod U, and the direction
-is −e_{g−1}. Conversely A = ½(Δ + V + (x + β)U), β = Δ_{n−1} − u_{n−2}. Euclid's algorithm on (A, U) has the quotients x
+is −e_{n−2}. Conversely A = ½(Δ + V + (x + β)U), β = Δ_{n−1} − u_{n−2}. Euclid's algorithm on (A, U) has the quotients x
 + p_1, x + p_2, … and the remainders −e^{q_{k+1} − q_k} times monic polynomials. The centre of mass moves uniformly.
 """
 
@@ -167,7 +167,8 @@ class TodaLattice(MumfordSystem):
         return Point(tuple(x + shift for x in new.q), new.p)
 
     def step(self, state: Point, point: Iterable[Value], sheet: int = 1) -> Point:
-        """A step in discrete time: the state of D + P − ∞₊, P = (λ, μ), or of D + P − ∞₋ for ``sheet`` −1 (Suris 2003).
+        """A step in discrete time to (q̃, p̃), the state of D + P − ∞₊, P = (λ, μ), or D + P − ∞₋ for ``sheet`` −1 (Suris
+        2003).
 
         p_k + λ = e^{q̃_k − q_k} + e^{q_k − q̃_{k−1}}, p̃_k + λ = e^{q̃_k − q_k} + e^{q_{k+1} − q̃_k}; for ``sheet`` −1,
         p_k + λ = e^{q̃_{k+1} − q_k} + e^{q_k − q̃_k}, p̃_k + λ = e^{q̃_k − q_{k−1}} + e^{q_k − q̃_k}. The state is real

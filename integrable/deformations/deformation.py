@@ -27,7 +27,7 @@ class Deformation(Hamiltonian):
         For the tilde, check and hat pairs without potential it is a
         :class:`integrable.deformations.separated_flow.SeparatedFlow`. For the tilde pair at d = 0 whose potential has
         only repelling poles, b_i > 0, it is a :class:`integrable.deformations.pole_flow.PoleFlow`. ArgumentError for
-        all others.
+        all other pairs and potentials.
         """
         if self.separates:
             from integrable.deformations.separated_flow import SeparatedFlow
@@ -65,7 +65,7 @@ class Deformation(Hamiltonian):
         """The divisor of a state: two points, one on each elliptic curve (:mod:`integrable.deformations.two_curves`).
 
         ArgumentError except for tilde, check and hat pairs without potential. The curves of a check or hat pair are
-        those of the tilde pair of A⁻¹; NotASquare if the lift is not defined over the field.
+        those of the tilde pair of A⁻¹; NotASquare if the isometry to this pair is not defined over the field.
         """
         from integrable.deformations import two_curves
 

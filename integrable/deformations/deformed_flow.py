@@ -61,7 +61,7 @@ class CurvesCarrier(Carrier):
 
     ``system`` and ``start`` are over wide numbers: MP(digits), or LongNumbers in whose context it is created.
     Changes of H and K are relative to ``sizes``, the error of M relative to ``momentum`` if M = 0. A point moves on
-    each of ``curves`` for ``speed``·τ; ``tracks`` and ``frame`` give the state, with the axes in ``order``.
+    each of ``curves`` for the time ``speed``·τ; ``tracks`` and ``frame`` give the state, with the axes in ``order``.
     """
 
     system: Any

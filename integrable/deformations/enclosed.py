@@ -160,7 +160,7 @@ class _March:
         return float(abs(self.reals.number(end)) / (abs(self._now) + 2.0**-1000))
 
     def _check(self, end: Real) -> None:
-        """Counts a step; raises Infeasible if the last time would take too many."""
+        """Counts a step; raises Infeasible if the way to ``end`` takes too many."""
         self._steps += 1
         expected = self._steps * self.left(end) if self._steps >= KNOWN_FROM else 0
         if expected > MOST_STEPS:
@@ -181,7 +181,7 @@ class _March:
     # --- one step
 
     def _around(self, radius: float) -> _Around:
-        """The motion around the present time; ``radius`` is a first guess of that of the disc, 0 for none."""
+        """The motion around the present time; ``radius`` is a first guess of the radius of its disc, 0 for no guess."""
         radius, reach = self._disc(radius)
         return _Around(self._now, self._series(self._point, self._order, self._flint.arb), radius, reach)
 

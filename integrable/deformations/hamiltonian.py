@@ -1,7 +1,7 @@
 """The common base of the deformations of the ball and the top: states, integrals, brackets, equations of motion.
 
-A deformation is a Hamiltonian H on the phase space of the ball at (γ, M) = 0, quadratic in M up to a potential, with a
-second integral K, {H, K} = 0. The motion is (γ̇, Ṁ) = g{(γ, M), H/2} with the bracket of the ball, in the ball's
+A deformation is a Hamiltonian H on the phase space of the ball at (γ, M) = 0, of degree 2 in M, with a second
+integral K, {H, K} = 0. The motion is (γ̇, Ṁ) = g{(γ, M), H/2} with the bracket of the ball, in the ball's
 orientation and time (:mod:`integrable.phase.brackets`). Formulas are written with operators and run on floats, mpf, and
 over exact fields on :class:`integrable.phase.jets.Jet`. (Tsiganov, "Integrable discretization and deformation of the
 nonholonomic Chaplygin ball", with the corrections of docs/errata.md.)

@@ -38,9 +38,9 @@ class IntegratedMotion(EnclosedMotion):
     """The motion of a deformation through a state, by Taylor series of ``system.vector_field``, over RR or MP(digits).
 
     Everything is computed with guard digits, in double-doubles for floats. Each step is accurate to the last digit, and
-    results are rounded once. The work grows with the time: Infeasible if it would take about a second in floats, or
-    half a minute in MP(digits). PrecisionLoss if the motion ends in finite time at an attracting pole, or if H and K
-    are not preserved to the requested digits.
+    results are rounded once. The work grows with the time: Infeasible if it would take more than about a second in
+    floats, or half a minute in MP(digits). PrecisionLoss if the motion ends in finite time at an attracting pole, or
+    if H and K are not preserved to the requested digits.
     """
 
     method = "integrated"

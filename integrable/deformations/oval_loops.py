@@ -170,7 +170,7 @@ def state_in_poles(b: Row, p: Three, q: Three, first: Track, second: Track) -> t
     """
     u1, u2 = height(first, p), height(second, q)
     gap = u2 - u1
-    # y1 and y2 are those of V(x) = −(y1(u2 − x) + y2(x − u1))/gap
+    # y_k = ũ_k'/gap, so that V(x) = −y1(u2 − x) − y2(x − u1)
     y1, y2 = 2 * p[0] * p[1] * p[2] * first.numbers[7] / gap, 2 * q[0] * q[1] * q[2] * second.numbers[7] / gap
     h2 = (b[12] - b[13]) / gap
     x0, w0 = component_in_poles(b[0] - u1, b[0] - u2, y1, y2, h2, b[3], b[6], b[9])

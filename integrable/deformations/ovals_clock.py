@@ -88,8 +88,8 @@ def modes_of_pace(motion: Any, digits: int, field: Any) -> Modes:
 def series_sizes(motion: Any, digits: int) -> tuple[int, int]:
     """The number of modes in either phase: c_mn decay as e^(−m·strip) if 1/g has no singularity in the strip.
 
-    z has a pole at the imaginary half-period of either curve. g² vanishes where Σ|λ_k|(1 + dz_k) does. On the second
-    curve, where z < 0, this zero is as far from the real axis as the pole; on the first curve it is nearer.
+    z has a pole at the imaginary half-period of either curve. A zero of g² is at a z < 0. On the second curve, where
+    Z = μ2·z is then positive, it is as far from the real axis as the pole; on the first curve it is nearer.
     """
     d, (one, two) = motion.system.d, motion.curves
     share = motion.weights[1] / motion.weights[0]

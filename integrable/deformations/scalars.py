@@ -38,7 +38,7 @@ class Scalars:
     # tr A − s and (Aγ, Aγ) − s²
     tau = cached_property(lambda q: q.e1 - q.s)
     t2 = cached_property(lambda q: q.q2 - q.s * q.s)
-    # G = g² = 1/(1 − ds), and κ = G(s − d·q2) = tr A − u1 − u2
+    # G = g² = 1/(1 − ds), and κ = G(s − d·q2)
     G = cached_property(lambda q: 1 / (1 - q.d * q.s))
     kappa = cached_property(lambda q: q.G * (q.s - q.d * q.q2))
     # (ω, M)

@@ -1,4 +1,4 @@
-"""Integration of rational vector fields by Taylor series, to any number of digits, with variable steps.
+"""Integration of vector fields by Taylor series, to any number of digits, with variable steps.
 
 The recurrences of :mod:`integrable.series.recurrences` give the coefficients, interpreted for numbers of any precision
 or compiled for double-doubles. The last two coefficients determine the step (Jorba & Zou 2005).

@@ -47,7 +47,7 @@ class TwoPoints(NamedTuple):
 class _Image(NamedTuple):
     """The image of a state: ũ, y = dũ/dτ and λ of both curves, and the pairs (w_i, N_i).
 
-    w_iN_i = V(a_i)/c_i, where V(ũ_k) = y_k.
+    w_iN_i = V(a_i)/c_i, where V is linear with V(ũ_k) = y_k, and c_i = (a_j − a_i)(a_k − a_i).
     """
 
     u: list[Real]

@@ -38,7 +38,8 @@ def _vectors(flow: Motion, times: list[Real], K: MultiprecisionField) -> Pairs:
     if body.rolls and state.tilted and symmetry_axis(flow.system.inertia) is not None:
         if len(set(flow.system.inertia)) == 1:
             return [_turned(flow, t, K) for t in times]
-        # for two equal moments the clock has no torus, so that its cost grows with the time
+        # with two equal moments the clock has no torus, and its cost grows with the time; moments slightly apart
+        # have one
         body = _beside(flow, max(map(abs, times), default=K.zero), K)
     finer = PreciseFlow(body, state, K.dps)
     return finer.vectors(finer.at(times)[1])

@@ -120,7 +120,8 @@ class Rolling:
         2).
 
         The middle a_i is subtracted from A, because the a_i of heavy bodies hardly differ; as (M, γ×M) = (γ, γ×M) = 0,
-        this changes nothing. n minus its mean is ñ·g/(p·g̃), ñ = g̃²(γ̃, AM̃), by Chaplygin's transformation.
+        this changes nothing. With p of Chaplygin's transformation to an upright body (tildes), n minus its mean is
+        ñ·g/(p·g̃), ñ = g̃²(γ̃, AM̃).
         """
         gamma, M = rows[:, :3], rows[:, 3:]
         w = np.cross(gamma, M)

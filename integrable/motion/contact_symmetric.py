@@ -1,7 +1,8 @@
 """The path of a rolling body with two equal moments, as a function of its state.
 
-Let I be the two equal moments and axis 3 the symmetry axis, q_i = 1 − d·a_i, Δ = (I_3 − I)a·a_3 and w = γ × M. Then
-γ̇_3 = a·w_3, M_3 = K/g − (dc/I)γ_3 with K constant (Routh 1905, article 244), and ẋ is a total derivative:
+Axis 3 is the symmetry axis, q_i = 1 − d·a_i, and I, a, q belong to the other two axes. Let Δ = (I_3 − I)a·a_3, w = γ ×
+M, m = |w|, c = (γ, M) and n = (γ, ω). Then γ̇_3 = a·w_3, M_3 = K/g − (dc/I)γ_3 with K constant (Routh 1905, article
+244), and ẋ is a total derivative:
 
     x = −(Δ·q·K/(a·m)) ∫ dγ_3/√(q + d·Δ·γ_3²).
 

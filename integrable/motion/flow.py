@@ -53,7 +53,7 @@ DRIFT = 1e-9
 CHUNK = 8192
 # up to this many states plain floats are faster than arrays
 FEW = 16
-# the number of values of 1/g up to a time where a motion has no torus in floats, about half a second of work
+# largest number of values of 1/g on the way to a time, if the motion has no torus in floats: about half a second
 MOST_RATES = 16_000
 # digits of the clock that suffice for states in floats at the farthest times that MOST_RATES values of 1/g reach
 CLOCK_DIGITS = 24
@@ -185,9 +185,9 @@ class Flow(BodyMotion):
         return sensitivity(self, times)
 
     def section(self, count: int, axis: str = "largest") -> Section:
-        """The next ``count`` crossings of the Poincaré section of the axis of the "largest" or the "least" moment: γ̃
-        (γ where (γ, M) = 0) is orthogonal to that axis. The crossings are computed in closed form
-        (:mod:`integrable.portrait.section`).
+        """The next ``count`` crossings of a Poincaré section, in closed form: γ is orthogonal to the axis of the
+        "largest" or the "least" moment. For a tilted state, γ̃ of Chaplygin's transformation takes the place of γ.
+        (:mod:`integrable.portrait.section`)
         """
         from integrable.portrait.section import section
 

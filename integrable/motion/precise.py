@@ -291,7 +291,7 @@ class BodyCarrier(Carrier):
     """The motion of a body at one internal precision, in bare reals and in the units of ``setup``.
 
     A :class:`~integrable.moving_point.setup.Setup` with more digits is made from ``problem``. ``limits`` bound the cost
-    of the clock; finite ones mean that the torus has failed in floats, and none is tried. ``scouts``, shared by all
+    of the clock; finite limits mean that the torus has failed in floats, and none is tried. ``scouts``, shared by all
     clocks, measure the decay of the series of 1/g.
     """
 
@@ -460,8 +460,8 @@ class PreciseFlow(ManyDigits):
     ) -> None:
         self._problem = body, *state.vectors, state.tilted
         self._limits = limits
-        # a limited clock belongs to a motion that loses digits in floats: extra digits now cost less than a second
-        # set-up
+        # a limited clock belongs to a motion that loses digits in floats: extra digits now cost less than another
+        # set-up later
         setup = setup or Setup(*self._problem, digits=digits + (self.expected if limits.most < inf else 0))
         self._scouts = Scouts(setup, limits.compiled)
         super().__init__(digits, BodyCarrier(setup, self._problem, limits, self._scouts))

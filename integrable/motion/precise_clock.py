@@ -35,7 +35,7 @@ UNEVEN = 4
 # long panels are used only if each coefficient gains more than this many decimal digits
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
-# 1/g is computed from U(1/d) if 1 − dα_i is at least this for every axis i; this costs up to three guard digits
+# 1/g is computed from U(1/d) if 1 − dα_i is at least LIGHT for every axis i; this costs up to three guard digits
 LIGHT = 1e-3
 # the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so the start value of τ needs more correct digits
 # than that; Newton's method takes at most END_STEPS steps on the panel

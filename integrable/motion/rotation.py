@@ -1,7 +1,8 @@
 """Rotations about principal axis i, with M along that axis and γ orthogonal to it: closed form, at any time.
 
-Then (γ, AM) = 0, so ω = a_iM is constant, and γ_j + iγ_k = e^(∓iθ) with θ = θ₀ + a_i|M|t. This holds for the unstable
-middle axis too. With g⁻² = r_j cos²θ + r_k sin²θ, r = 1 − da, τ is an elliptic integral of the first kind.
+Then (γ, AM) = 0, so ω = a_iM is constant, and γ_j = cos θ, γ_k = −sin θ with θ = θ₀ + a_iM_it and (i, j, k) cyclic.
+This holds for the unstable middle axis too. With g⁻² = r_j cos²θ + r_k sin²θ, r_i = 1 − da_i, τ is an elliptic
+integral of the first kind.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ oscillation of the size of m. Where the moments are of very different sizes, φ 
 computed from the time since the start.
 
 Chaplygin (1903) integrates the ball with theta functions; with equal moments his curve has a double point, and the
-formulas above are the limit. The formulas are derived from γ̇ = γ×ω with the integral gM₃. At d = 0 both integrals are
+formulas above are the limit. The formulas are derived from γ̇ = γ×ω with the integral gM₃. At d = 0 F and Π are
 elementary: the free symmetric top. Chaplygin's transformation brings a tilted body to (γ, M) = 0; its time is t plus a
 function of θ, so θ(t) solves an equation like Kepler's.
 """
@@ -205,7 +205,7 @@ class SymmetricFlow:
         for _ in range(PASSES):
             s, c = self._angle_at(gap)
             root0, root = (N.sqrt(1 + self._bulge * y * y) for y in (c0, c))
-            # by the addition theorem G(cos θ) − G(cos θ₀) is G of one argument
+            # by the addition theorem G(cos θ) − G(cos θ₀), with G of :meth:`_lean`, is G of one argument
             alike = c0 * c > 0
             below = np.where(alike, c * root0 + c0 * root, 1)
             difference = np.where(alike, self._change_of_square(gap) / below, c * root0 - c0 * root)
