@@ -69,7 +69,7 @@ class Check(IsometricDeformation):
 
 
 class Hat(IsometricDeformation):
-    """H = α·m1 − (σ + ατ)m2, K = (σξ + τζ)²(w, Aw) on e*(3), (γ, M) = 0, with a_i = 1/I_i.
+    """H = α·m1 − (σ + ατ)m2 = λ1 + λ2, K = (σξ + τζ)²(w, Aw) = −e3·λ1λ2 on e*(3), (γ, M) = 0, with a_i = 1/I_i.
 
     α = σ·tr A⁻¹ − 2τ, τ = tr A − s, w = γ × M, A^∨ = e3·A⁻¹; the other letters are those of :class:`Scalars`.
     ``potential`` = (a, b, β_1, β_2, β_3) adds aS + b(S³ − tr A⁻¹·S²) + Σβ_i(1/a_j + 1/a_k − 2S)σ/(a_ja_kγ_i²), S =

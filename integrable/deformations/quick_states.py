@@ -39,7 +39,7 @@ MOST_LOST = 1e-20
 MOST_OFF = 4e-14
 # modes of 1/g below this, relative to its mean, are omitted; larger ones would affect the last bit of τ
 NOISE = 4e-18
-# largest ratio of the rotation rate of a body, with large d, to the rate of its phases
+# largest ratio of a body's rotation rate, where d is large, to the rate of its phases
 SWIFT = 100
 # number of samples of 1/g beyond which the series of integrable.deformations.ovals_clock is cheaper
 MOST_SAMPLES = 1 << 14
