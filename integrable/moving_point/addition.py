@@ -2,7 +2,7 @@
 
 A *moving point* is (u0, u1, v0, v1, σ1, σ2, σ3, ν1, ν2, ν3): the divisor U = x² + u1·x + u0, V = v1·x + v0, and for
 every axis the pair (σ_i, ν_i), a lift. σ_i carries the sign of γ_i = σ_i/|σ|; κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
-*translation* is the same with κ_i = 1. All numbers are in the units of
+*translation* is such a tuple with κ_i = 1. All numbers are in the units of
 :class:`integrable.moving_point.problem.Problem`. They are ``float`` or ``mpf``, in lists, tuples or numpy rows.
 ``axes`` is (α1, α2, α3, κ1, κ2, κ3, α, β). α and β give the rate of a tilted body's clock (:func:`rate_at`); for an
 upright body they are (1, 0).
@@ -79,8 +79,8 @@ def settled_pair(
 def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust: Real) -> tuple[Real, Real]:
     """The correction of :func:`settled` for one pair: one Gauss–Newton step.
 
-    ``trust`` is the squared ratio of the noise of U, V, W to that of the uncorrected pair. Where κ is small (nearly
-    equal moments) the pair hardly changes.
+    ``trust`` is the squared ratio of the noise of U, V, W to the noise of the uncorrected pair. Where κ is small
+    (nearly equal moments) the pair hardly changes.
     """
     x, y = kappa * sigma, kappa * nu
     e1, e2, e3 = leading(u - x * sigma), leading(v - x * nu), leading(-w - y * nu)

@@ -61,8 +61,8 @@ TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
 # cost of a panel with nodes in wide numbers, in units of one with nodes in floats
 CAREFUL = 10
-# INTEGRALS is the relative tolerance of the integrals of returned states, CENTRE that of H2 at centres: near a cluster
-# of branch points double-doubles lose most digits there, and panels that share a centre show no jump
+# INTEGRALS is the relative tolerance of H1 and H2 of returned states, CENTRE the tolerance of H2 at centres: near a
+# cluster of branch points centres lose most digits, and panels that share a centre show no jump
 INTEGRALS, CENTRE = 1e-9, 1e-19
 # short runs leave a motion to the torus if its moments differ by less than 1/CLOSEST of I + d, or if errors of the
 # upright motion grow by a factor of more than 4·STEEPEST in γ or M
@@ -246,8 +246,8 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
 
 
 def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
-    """(the largest of the last coefficients, the largest of earlier ones) of γ, w and, for physical times, of 1/g
-    divided by four times its mean. Both are multiplied by the amplification of errors.
+    """(the largest of the last coefficients, the largest of earlier ones) of γ, w and, with a clock, of 1/g divided
+    by four times its mean. Both are multiplied by the motion's ``lift``.
     """
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):
@@ -282,7 +282,7 @@ def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
 
 def stepless(room: ShortRoom, rule: Rule) -> float:
     """The largest jump of γ or w between the right end of the previous panel and the left end of this one, times the
-    amplification of errors.
+    motion's ``lift``.
     """
     worst = 0.0
     for e in range(6):

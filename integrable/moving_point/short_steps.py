@@ -387,7 +387,7 @@ def evened(r: tuple[Real, ...], point: tuple[Real, ...]) -> Real:
 
 def gamma_and_w(point: tuple[Real, ...], values: Row, place: int, stride: int) -> None:
     """Writes γ and w = γ × M/|M| of the upright motion at a moving point, six floats ``stride`` apart. ν is w plus a
-    multiple of σ, which may be large for thin balls.
+    multiple of σ, which may be large if a moment is small compared with d.
     """
     scale = 1 / root(point[4] * point[4] + point[5] * point[5] + point[6] * point[6])
     x, y, z = point[4] * scale, point[5] * scale, point[6] * scale

@@ -119,7 +119,7 @@ class Translations:
     def level(self, k: int) -> tuple[int, tuple[Real, ...]]:
         """(n, the translation by n basic steps): n = 1 for k = 0, and about 2n for the next k.
 
-        The next n is that of 2n − 1, 2n and 2n + 1 whose translation loses the fewest digits in an addition.
+        The next n is the one among 2n − 1, 2n and 2n + 1 whose translation loses the fewest digits in an addition.
         """
         for i in range(len(self._levels), k + 1):
             (n, last), (_, first) = self._levels[i - 1], self._levels[0]

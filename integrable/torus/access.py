@@ -2,7 +2,7 @@
 
 Whole turns of the phases change signs only. Compiled loops use double-doubles and round once, so no error grows with
 the time; interpreted loops use more digits. Physical time t = ∫dτ/g is a mean rate times τ plus a Fourier series on the
-torus, inverted by Newton's method. (Fedorov 2009 writes it in theta functions.)
+torus, inverted by Newton's method. (Fedorov 2009 writes t in theta functions.)
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ class TorusFlow(BodyTorus):
         return self._rows_at_tau(tau) if panels is None else panels.at(tau, self.loops.panel_values)
 
     def phases(self, times: np.ndarray, physical: bool, periods: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-        """Both phases at physical times, or at values of τ unless ``physical``, each divided by its number of
+        """Both phases at physical times, or at values of τ unless ``physical``, each divided by its entry of
         ``periods``, modulo 1. They keep the digits that a rounded τ has lost.
         """
         rates: Sequence[Real]
@@ -202,11 +202,11 @@ def resolved_spectrum(
     scale: float,
     noise: float,
 ) -> RateSpectrum:
-    """The spectrum of dt/dτ to ``noise`` of its largest mode, with more digits in slow directions, where it is divided
-    by a small frequency.
+    """The spectrum of dt/dτ to ``noise`` of its largest mode, with more digits in the direction of a slow phase, since
+    slow modes are divided by their frequencies.
 
-    ``resolved(transformed)`` returns the result of ``transformed`` on a grid that is fine enough. ``turns`` are those
-    of both phases per unit of τ, ``scale`` is as for :class:`TorusClock`.
+    ``resolved(transformed)`` returns the result of ``transformed`` on a grid that is fine enough. ``turns`` are the
+    turns of both phases per unit of τ, ``scale`` is as for :class:`TorusClock`.
     """
     first, second = (min(noise, max(EXTENDED, SLOW * abs(nu) / scale)) for nu in turns)
 
@@ -220,7 +220,7 @@ def resolved_spectrum(
 class TorusClock:
     """t(τ) and τ(t) of a motion on a torus whose dt/dτ has a ``spectrum``, in the user's units.
 
-    ``rates`` are those of :func:`integrable.torus.theta_setup.surveyed_rates` without the matrix. In a time τ of
+    ``rates`` are what :func:`integrable.torus.theta_setup.surveyed_rates` writes after the matrix. In a time τ of
     1/``scale`` the body turns by about a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the
     periods of dt/dτ in turns. PrecisionLoss where a mode is in resonance.
     """

@@ -23,10 +23,11 @@ from jacobian.periods.real_basis import Whole
 FIRST_SIZE = 16
 # the start is met to CLOSED, and the equations of motion are met to RIGHT of the largest velocity
 CLOSED, RIGHT = 1e-18, 1e-12
-# a first grid of 1/g has POINTS points per digit, divided by the :func:`shortest` Y of the phase; it is mostly the last
+# a first grid of 1/g has POINTS·digits/(the :func:`shortest` nYn) points in each direction; mostly no finer one follows
 POINTS = 1.8
 # numbers of nodes of the trapezoidal rule for the phases in floats, before and after the middle of a path, SPACING
-# apart in log(v/(1 − v)); the error is 1e-11, even if at an end the next branch point is e^−80 of the path away
+# apart in log(v/(1 − v)), v the fraction of the path; the error is 1e-11, even if the next branch point is only e^−80
+# of the path beyond an end
 BEFORE, AFTER, SPACING = 160, 110, 0.75
 
 
@@ -173,7 +174,7 @@ def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, 
 
 
 def in_numbers(loops: Loops, torus: Torus) -> Torus:
-    """The torus in the numbers of other loops."""
+    """The torus in the numbers of ``loops``."""
     table, sizes, lengths, chars, _ = torus.sums
     sums = ThetaSums(loops.row(table), sizes, loops.integers(lengths), loops.integers(chars), loops.circle)
     return Torus(sums, loops.row(torus.numbers))
@@ -184,9 +185,9 @@ def characteristics(points: list[float], basis: tuple[tuple[int, int], tuple[int
     # α_i that are equal in floats are distinguished by their index
     *axes, zeta = points
     low, middle, high = sorted(range(3), key=lambda i: axes[i])
-    # e₂ is the lesser of the middle α_i and ζ
+    # e₂, the end of the first oval, is the lesser of the middle α_i and ζ
     classes = {low: CLASSES[0], middle: CLASSES[2 if zeta < axes[middle] else 1], high: CLASSES[3]}
-    # the columns (p, q), (r, s) of the basis in a₁, a₂ − a₁
+    # the basis is p·a₁ + q·(a₂ − a₁), r·a₁ + s·(a₂ − a₁) with the periods a₁ and a₂ of the ovals
     p, q, r, s = basis[0][0] + basis[0][1], basis[0][1], basis[1][0] + basis[1][1], basis[1][1]
     found = []
     for i in range(3):

@@ -21,7 +21,7 @@ class ClockSeries(NamedTuple):
     ``lines`` has three numbers for each k = 0, 1, …: its first m, counted from ``least``, and where its coefficients
     begin and end. For k > 0 coefficients are doubled, to account for −k. ``parts`` are the real parts of all
     coefficients of S, then the imaginary parts, then both for dS/dτ. ``least`` is the least m, ``width`` the number of
-    m, ``bound`` a bound of |S|, ``origin`` minus the sum of the modes at the start, ``mean`` the mean rate.
+    m, ``bound`` a bound of |S|. S is ``origin`` plus the modes. ``mean`` is the mean rate of τ + S: 1 up to errors.
     """
 
     lines: Row
@@ -184,7 +184,7 @@ def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room:
 
 
 def swing_and_rate(series: ClockSeries, a: float, b: float, room: Row) -> tuple[float, float]:
-    """(S, mean rate + dS/dτ) at the phases (a, b) in turns. ``room`` holds two floats for each m."""
+    """(S, ``mean`` + dS/dτ) at the phases (a, b) in turns. ``room`` holds two floats for each m."""
     lines, count, least, swing, rate = series.lines, series.width, series.least, series.origin, series.mean
     total = len(series.parts) // 4
     real, imaginary = series.parts[:total], series.parts[total : 2 * total]

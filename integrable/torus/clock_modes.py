@@ -1,8 +1,8 @@
 """The series of a clock from the spectrum of 1/g, on bare reals, compiled unchanged.
 
 A spectrum is a flat array: for k = 0, …, rows/2 the coefficients of all (k, m) in the order of a discrete transform,
-with real and imaginary parts alternating (:func:`integrable.torus.series.half_spectrum`). ``grid`` is the shape of the
-samples, powers of 2.
+with real and imaginary parts alternating (:func:`integrable.torus.series.half_spectrum`). ``grid`` is the shape
+(rows, columns) of the samples, powers of 2.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ class Cutoffs(NamedTuple):
 class Tables(NamedTuple):
     """Working memory. ``modes`` has four numbers for each mode, ``pairs`` the (k, m) of the loud ones. Lines and parts
     are those of three :class:`~integrable.torus.clock_loops.ClockSeries`: with all modes, with the larger ones (rough),
-    and with all but the loud ones (quiet). ``counts`` has the least m and the numbers of m, of rows and of modes of
-    the first series; the same four numbers of the rough series; the number of loud modes, or −1 − n if the n-th of
-    ``modes`` is in resonance.
+    and with all but the loud ones (quiet). ``counts`` has four numbers of the first series (the least m; how many m,
+    rows and modes), then four of the rough series, then the number of loud modes, or −1 − n if the n-th of ``modes``
+    is in resonance.
     """
 
     modes: Row
@@ -124,10 +124,10 @@ def size_wanted(modes: Row, size: int, noise: float) -> int:
 def clock_series(
     values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tables: Tables, loud: Row
 ) -> tuple[float, float, float, float]:
-    """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``. Returns a bound of S,
-    minus the sum of all modes at the start, minus that of the quiet modes, and the samples' mean over the mean of 1/g.
+    """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``. Returns a bound
+    of |S|; −(sum of all modes at the start); −(sum of the quiet modes there); (mean of the samples)/(mean of 1/g).
 
-    ``rates`` are the frequencies of both phases of 1/g, its mean, and 2π; ``loud`` is filled for
+    ``rates`` are the frequencies of both phases, the mean of 1/g, and 2π; ``loud`` is filled for
     :func:`integrable.torus.clock_loops.loud_swing`.
     """
     columns = grid[1]
@@ -163,7 +163,7 @@ def clock_series(
 
 
 def swing_of(values: Row, columns: int, k: int, m: int, rates: Row) -> tuple[Real, Real]:
-    """The coefficient of S for the modes ±(k, m): that of 1/g over the rate of the mode and the mean."""
+    """The coefficient of S for the modes ±(k, m): the coefficient of 1/g over the mode's rate and the mean of 1/g."""
     n = 2 * (k * columns + (m if m >= 0 else m + columns))
     factor = 2 / (rates[3] * (k * rates[0] + m * rates[1]) * rates[2])
     return values[n + 1] * factor, -values[n] * factor
@@ -214,7 +214,7 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tabl
 def packed_modes(
     tables: Tables, grid: tuple[int, int], least: float, lines: Row, parts: Row
 ) -> tuple[int, int, int, int]:
-    """Packs the modes that :func:`swings` left and whose slope is above ``least`` as in
+    """Packs the modes left by :func:`swings` whose part of dS/dτ exceeds ``least``, in the layout of
     :class:`~integrable.torus.clock_loops.ClockSeries`. Returns (least m, the number of m, rows, modes in all).
     """
     (height, columns), modes = (grid[0] // 2, grid[1]), tables.modes

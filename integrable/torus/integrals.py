@@ -1,5 +1,5 @@
 """Integrals along a motion, to any time, of functions of its state with mean 0. They are Fourier series on the real
-torus, in floats, or in multiprecision like that of 1/g in :mod:`integrable.torus.long_clock`.
+torus, in floats, or in multiprecision as for 1/g in :mod:`integrable.torus.long_clock`.
 """
 
 from __future__ import annotations
@@ -47,8 +47,9 @@ class TimedRun(Protocol):
 class TorusIntegral:
     """∫_0^τ F dτ for F with mean 0.
 
-    F may change sign with an odd number of the γ_i: its periods are then twice those of the divisor. ``least``, shape
-    (m,), is the size of rounding errors in F. PrecisionLoss where no grid of at most MOST_COMPILED points resolves F.
+    F may change sign with an odd number of the γ_i: it has the periods :func:`periods_of`. ``least``, shape (m,), is
+    the size of rounding errors in F. PrecisionLoss where no grid of at most MOST_COMPILED points (MOST_INTERPRETED for
+    interpreted states) resolves F.
     """
 
     def __init__(self, flow: TorusFlow, function: Function, least: np.ndarray) -> None:

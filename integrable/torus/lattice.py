@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from jacobian.numbers.long_reals import BareReals
 
 
-# if α1, α2 and α3 differ by at most this, the abscissa has an origin and a unit of its own
+# sizes above this keep the unit 1
 CLOSE = 2.0**-6
 # with the origin 0 a motion has enough digits if neighbouring branch points differ by more than the fraction APART of
 # the larger one, and |γ × M|² is more than this part of |M|²
@@ -53,8 +53,9 @@ class Source(Protocol):
 
 
 class Units(NamedTuple):
-    """A torus's own abscissa ξ: x = origin + length·ξ, y = length²·lift·η, so that η² is f(ξ) with the last
-    factor (r − dξ), (r, d) = (1 − d·origin, d·length)/lift². Length and lift are powers of two, so nothing is rounded.
+    """A torus's own abscissa ξ: x = origin + length·ξ, y = length²·lift·η, so that η² is f with its roots in ξ and
+    the last factor r − d'ξ, (r, d') = (1 − d·origin, d·length)/lift². Length and lift are powers of two, so nothing is
+    rounded.
     """
 
     origin: Real = 0
@@ -93,7 +94,7 @@ def _near_power(x: float) -> float:
 
 def motion_row(problem: Problem, setup: Source, units: Units) -> tuple[Real, ...]:
     """The motion as :mod:`integrable.torus.theta_setup` takes it, in bare reals: the ends of both ovals, α1, α2, α3, ζ,
-    d, π, r and x/ξ at the origin, in the given units.
+    d' (elsewhere d), π, r and origin/length, in :class:`Units`.
 
     PrecisionLoss where the torus is not compact.
     """
@@ -121,7 +122,7 @@ def with_open_ovals(problem: Problem, closest: Real) -> Problem:
 
 
 def best_origin(problem: Problem) -> Real:
-    """The origin, 0 or one of the a_i, that keeps the most digits of the distances between close branch
+    """The origin, 0 or one of the α_i, that keeps the most digits of the distances between close branch
     points.
     """
     points = problem.branch_points

@@ -93,8 +93,8 @@ class LongClock:
         raise PrecisionLoss("the clock was not inverted: use more digits")
 
     def _shifts(self, starts: list[Real]) -> list[Real]:
-        """The oscillations s of τ about ``starts``: the solutions of mean·s + S(θ + νs) = 0, where S is the series of
-        t, by Newton's method, in floats first.
+        """The oscillations s of τ about ``starts``: the solutions of mean·s + S(θ + νs) = 0 by Newton's method, in
+        floats first. S is the series of t, θ are the phases of a start, ν the frequencies; mean includes slow modes.
         """
         angles = [phases(start, self.frequencies, self.wide) for start in starts]
         rough = np.array(angles, dtype=float).reshape(-1, 2)
@@ -147,7 +147,7 @@ class MultiprecisionTorusClock(LongClock):
     those of the set-up. If ``after`` is less, the oscillation of t has only ``after`` digits; its mean rate has all.
 
     Raises the errors of :func:`~integrable.torus.oval_modes.modes_of_rate` if the torus is degenerate or nearly so.
-    Such motions are left to the clock that counts steps.
+    Such motions need a clock of panels (:class:`integrable.motion.precise_clock.PanelClock`).
     """
 
     def __init__(

@@ -1,8 +1,8 @@
 """The Fourier coefficients of 1/g on a torus, from integrals over each oval, without a grid of states.
 
-The phases of a divisor are the sums of those of its two points, the invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂), and
-1/g is a constant over √((1 − du₁)(1 − du₂)). So a coefficient, the mean of (1/g)·e^(−2πi(kθ₁ + mθ₂)), is a determinant
-of integrals over one oval each,
+The phases of a divisor are the sums of the phases of its two points, the invariant measure is
+(u₂ − u₁)du₁du₂/(y₁y₂), and 1/g is a constant over √((1 − du₁)(1 − du₂)). So a coefficient, the mean of
+(1/g)·e^(−2πi(kθ₁ + mθ₂)), is a determinant of integrals over one oval each,
 
     constant·(P₀Q₁ − P₁Q₀)/(area of the lattice),  P_j, Q_j = ∮ u^j e^(−2πi(kθ₁ + mθ₂)) du/(y√(1 − du)),
 
@@ -48,7 +48,7 @@ class Modes(NamedTuple):
     only.
 
     Phases count from the start, in turns of ``doubled`` periods; ``frequencies`` are the turns of these per unit of the
-    set-up's τ. They and ``mean`` are wide.
+    set-up's τ. ``frequencies`` and ``mean`` are wide.
     """
 
     rows: list[list[acb]]
@@ -223,7 +223,7 @@ class OvalTorus:
             strict=True,
         )
         # an angle is lost on a tiny oval. The integrals then hardly depend on it, except in the tilt term of an oval
-        # between two a_i
+        # between two α_i
         if count > 1 and not blurs[self.low] < 10.0**-self.digits:
             raise PrecisionLoss("two moments of this body are equal, or all but equal, to these digits; use more")
         sums = [oval.node(angle).sums for oval, angle in zip(self.ovals, angles, strict=True)]
@@ -254,7 +254,7 @@ class OvalTorus:
         self._size = size
 
     def upright(self) -> list[list[acb]]:
-        """The coefficients c of α/g̃, the part of 1/g without tilt term, without the phase factor of the start."""
+        """The coefficients of 1/g less its tilt term, without the phase factor of the start."""
         first, second = ([oval.integrals(part, 0, 0) for part in oval.moments()] for oval in self.ovals)
         factor = self.constant * self.axes[6]
         return _combined(factor, (first[0], second[1]), (first[1], second[0]), -1)
@@ -302,8 +302,8 @@ class OvalTorus:
 def _combined(
     factor: arb, first: tuple[IntegralTable, IntegralTable], second: tuple[IntegralTable, IntegralTable], sign: int
 ) -> list[list[acb]]:
-    """factor·(w·x ± y·z), elementwise, for real matrices (w, x) = ``first`` and (y, z) = ``second``; each may stand for
-    −i times itself.
+    """factor·(w·x + sign·y·z), elementwise, for real matrices (w, x) = ``first`` and (y, z) = ``second``; each matrix
+    may stand for −i times itself.
     """
     import flint
 

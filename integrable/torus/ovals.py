@@ -1,4 +1,4 @@
-"""One oval of a motion's curve as a circle of nodes: its periods, and integrals over it with the phases of a torus.
+"""One oval of a motion's curve as a circle of nodes: its periods, and integrals of functions times Fourier modes.
 
 :mod:`integrable.torus.oval_modes` uses the ovals and defines R. Numbers are python-flint's balls.
 """
@@ -18,15 +18,15 @@ if TYPE_CHECKING:
 
 # −NOTHING is the decimal exponent of 0
 NOTHING = 1e9
-# the decay is at most this, since integrands that decay faster need few nodes anyway
+# harmonics of integrands fall like e^(−decay·n); a decay beyond this counts as this, since few nodes suffice anyway
 LARGEST_DECAY = 40.0
 
 IntegralTable: TypeAlias = "tuple[list[list[arb]], bool]"
-"""A real matrix X, and whether X itself is meant; otherwise it is −iX."""
+"""A real matrix X, and whether X itself is meant; otherwise −iX is."""
 
 
 class OvalPair(Protocol):
-    """The data of both ovals that each one needs: d, whether ζ is below the middle a_i, and how integrals become
+    """The data of both ovals that each one needs: d, whether ζ is below the middle α_i, and how integrals become
     phases.
     """
 
@@ -87,7 +87,7 @@ class Oval:
         self._integrate(ceil((pair.digits + 4) * log(10) / self.decay) + 2)
 
     def _integrate(self, count: int) -> None:
-        """The cosine series of 1/Y and u/Y, to this many terms."""
+        """The cosine series of 1/Y and u/Y, to ``count`` terms."""
         arb, mat = self.flint.arb, self.flint.arb_mat
         self.harmonics = count
         waves = [(arb(i) / count).cos_pi() for i in range(2 * count)]
@@ -157,7 +157,7 @@ class Oval:
         if self._nome is None:
             return arb(0), 1.0
         light = (1 - self._d * u).sqrt()
-        # sine and cosine are those of twice the amplitude; near the ends y has the digits that u lacks
+        # sine and cosine of twice the amplitude of sn; near the ends y has the digits that u lacks
         if self._first:
             sine = 2 * y / (light * ((others[0] - u) * (others[1] - u)).sqrt() * length)
             cosine = ((b - u) - (u - a)) / length
@@ -171,7 +171,7 @@ class Oval:
         return found / self._quarter, float(max(sine.rad(), cosine.rad()))
 
     def turn(self, pair: OvalPair, size: tuple[int, int]) -> None:
-        """Make tables of e^(2πikθ₁), k ≤ rows, and e^(2πimθ₂), m ≤ columns, at the nodes."""
+        """Make tables at the nodes of e^(2πikθ₁) for k ≤ size[0], and of e^(2πimθ₂) for m ≤ size[1]."""
         acb, mat = self.flint.acb, self.flint.arb_mat
         self._size, angles = size, [pair.phases(*node.sums) for node in self.nodes]
         self._halves = [[acb(x.cos_pi(), x.sin_pi()) for x in row] for row in zip(*angles, strict=True)]
@@ -210,7 +210,7 @@ class Oval:
 
     @property
     def _at_end(self) -> bool:
-        """Whether R vanishes at b only, as on a second oval that begins at ζ and not at an a_i."""
+        """Whether R vanishes at b only, as on a second oval that begins at ζ and not at an α_i."""
         return not (self._first or self._low)
 
     def sign(self, angle: arb) -> int:
@@ -222,7 +222,7 @@ class Oval:
         others, first, second = self._others, [], []
         for u, below, above, light, slow, _ in self.nodes:
             if self._first == self._low:
-                # one end is ζ, the other an a_i
+                # one end is ζ, the other an α_i
                 axis, ratio = (below, above) if self._first else (above, below)
                 square = axis * abs((u - others[0]) * (u - others[1]))
             else:

@@ -1,9 +1,9 @@
-"""1/g around moving points in multiprecision, compiled, for a clock that integrates 1/g panel by panel, and the number
-of nodes that it needs.
+"""1/g around moving points, in compiled double-doubles, for a multiprecision clock that integrates 1/g panel by panel;
+and the number of nodes that such a clock needs.
 
-A moving point has all its digits however it was reached, so a value of 1/g near it loses no more than one addition
-does. Double-double numbers leave at least 28 digits, at a fortieth of the time. One value in some twenty is computed
-again with all digits; if it differs by more than the clock's tolerance, double-doubles are no longer used.
+A moving point has all its digits, so 1/g near it loses only the digits of one addition. Double-doubles keep at least 28
+digits, in a fortieth of the time of multiprecision. Some values are computed again with all digits; if one differs by
+more than the clock's tolerance, double-doubles are no longer used.
 """
 
 from __future__ import annotations
@@ -96,7 +96,8 @@ class PanelRates:
 class Scouts:
     """How fast the Legendre coefficients of 1/g decrease along a motion: measured once, for clocks of any precision.
 
-    They are computed in double-doubles if ``compiled``, else in floats; or in many bits where 1/g is nearly constant.
+    Coefficients are computed in double-doubles if ``compiled``, else in floats; where 1/g is nearly constant, in many
+    bits.
     """
 
     def __init__(self, setup: Setup, compiled: bool) -> None:
@@ -106,7 +107,7 @@ class Scouts:
         self._rules: dict[int, tuple[list[Row], list[list[Real]]]] = {}
 
     def digits_a_node(self, sign: int, length: int) -> float:
-        """The least number of digits gained per Legendre coefficient of 1/g, over ``length`` basic steps."""
+        """The least number of digits gained per Legendre coefficient of 1/g on panels of ``length`` basic steps."""
         if (sign, length) not in self._found:
             self._found[sign, length] = self._fall(sign, length)
         return self._found[sign, length]

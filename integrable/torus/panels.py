@@ -85,8 +85,8 @@ class Panels:
 
 
 def panel_length(states: States, start: float, end: float, least: float) -> float:
-    """A length at which most panels between two times converge, found by halving that of the interval or
-    1024·``least``.
+    """A length at which most panels between two times converge, found by halving the length of the
+    interval, or 1024·``least`` if that is less.
     """
     length = min(end - start, 1024 * least)
     places = start + (end - start) * (np.arange(PROBES) + 0.5) / PROBES

@@ -94,7 +94,7 @@ class TorusSeries:
         return self._sums(first, second, self._swing)[0] - self.origin
 
     def on_grid(self, sizes: tuple[int, int]) -> np.ndarray:
-        """S at the phases (i/rows, j/columns), an array of that shape."""
+        """S at the phases (i/rows, j/columns), an array of shape ``sizes`` = (rows, columns)."""
         rows, columns = self._swing.shape
         left = np.exp(2j * pi / sizes[0] * (np.outer(np.arange(sizes[0]), np.arange(rows)) % sizes[0]))
         right = np.exp(
@@ -148,9 +148,9 @@ class SeriesLevel(NamedTuple):
 
 
 class LongSeries:
-    """S in many digits, at many points at once; ``rough`` is the same in floats.
+    """S in many digits, at many points at once; ``rough`` is the series in floats.
 
-    ``rows[k]`` are the modes of F for k ≥ 0 and m = −most, …, most, in python-flint's complex balls. Those below
+    ``rows[k]`` are the modes of F for k ≥ 0 and m = −most, …, most, in python-flint's complex balls. Modes below
     ``noise`` times the largest are left out. ``field`` is the MP field of the frequencies.
     """
 
@@ -214,7 +214,7 @@ class LongSeries:
         return sums
 
     def _level(self, digits: int | None) -> SeriesLevel:
-        """The modes for that many digits: modes are dropped, or left to floats, while their total error stays a
+        """The modes for this many digits: small ones are dropped, or left to floats, while their total error stays a
         fraction of the noise.
         """
         noise = self._noise if digits is None else 10.0**-digits
@@ -362,7 +362,7 @@ def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int
 
 
 def needed_size(modes: np.ndarray, noise: float) -> int:
-    """:func:`needed_sizes` in one direction, from the largest modes of each row, relative to the largest of all."""
+    """:func:`needed_sizes` in one direction, from the largest mode of each row, relative to the largest of all."""
     half = len(modes) // 2
     folded = np.maximum(modes[: half + 1], np.roll(modes[::-1], 1)[: half + 1])
     return size_wanted(folded.tolist(), len(modes), noise)

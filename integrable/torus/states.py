@@ -5,8 +5,8 @@ At the axis α_i
 
     γ̃_i ∝ C_iθ_i(φ),   w̃ = γ̃ × M̃/|M̃| ∝ −C_i∂θ_i(φ) less its part along γ̃,   C_i⁴ = |α_i − ζ|/((1 − dα_i)Π|α_i − α_j|)
 
-where θ_i is the theta function of the branch point α_i, ∂ the derivative along (0, 1) and ζ = H1/(H2·max a) (Thomae;
-Mumford 1984). γ̃ and M̃ are those of the upright body, (γ̃, M̃) = 0.
+where θ_i is the theta function of the branch point α_i, ∂ the derivative in the direction (0, 1) and
+ζ = H1/(H2·max a) (Thomae; Mumford 1984). γ̃ and M̃ are those of the upright body, (γ̃, M̃) = 0.
 """
 
 from __future__ import annotations
@@ -20,8 +20,9 @@ from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 from jacobian.numbers.sums import joined, plus_product
 
-# positions in ``numbers`` of a :class:`Torus`: the matrix, the phases at the start in turns, the factors of the theta
-# functions, r_i = I_i/(I_i + d) in the units of the set-up, α and β of the tilt term of 1/g, and α_k − α_j
+# positions in ``numbers`` of a :class:`Torus`, after the matrix: the phases of the start in turns, the factors of the
+# theta functions, r − dα_i (:func:`integrable.torus.lattice.motion_row`), α and β of the tilt term of 1/g, and
+# α_k − α_j for cyclic (i, j, k)
 PLACES, FACTORS, CONTACT, TILT, GAPS, NUMBERS = 4, 6, 9, 12, 14, 17
 # number of columns of a grid whose sums are computed together, so that they stay in a cache
 TOGETHER = 64
@@ -31,8 +32,8 @@ CHECKED, STEP = 8, 2.0**-24
 
 
 class Torus(NamedTuple):
-    """The data from which states are computed: the theta functions of the three axes, and ``numbers``. The first four
-    are a matrix (p, q, r, s) with γ = pγ̃ + q·w̃×γ̃ and M = rγ̃ + s·w̃×γ̃.
+    """The data from which states are computed: the theta functions of the three axes, and ``numbers``, whose first
+    four are a matrix (p, q, r, s) with γ = pγ̃ + q·w̃×γ̃ and M = rγ̃ + s·w̃×γ̃.
     """
 
     sums: ThetaSums
@@ -40,7 +41,7 @@ class Torus(NamedTuple):
 
 
 def frame_at(torus: Torus, first: Real, second: Real) -> Row:
-    """(γ̃, w̃) at phases from the start, in turns. They must be below 2, so that they keep their digits."""
+    """(γ̃, w̃) at phases in turns from the start, below 2: larger phases would lose digits."""
     sums, numbers = torus.sums, torus.numbers
     one = circle((first + numbers[PLACES]) / 2, sums.inverse)
     two = circle((second + numbers[PLACES + 1]) / 2, sums.inverse)
@@ -112,11 +113,11 @@ def states_at_tau(torus: Torus, frequencies: Row, tau: Row, out: Row) -> None:
 
 
 def gridded(torus: Torus, sizes: tuple[int, int], coarser: tuple[int, int], room: Row, rates: Row, others: Row) -> None:
-    """Writes 1/g on a grid of one turn of either phase from the start, and to ``others`` 1/g with an odd number of γ_i
-    reversed, which differs for a tilted body.
+    """Writes 1/g on a grid of one turn of either phase from the start to ``rates``, and to ``others`` 1/g with an odd
+    number of γ_i reversed, which differs for a tilted body. ``sizes`` are the rows and columns of the grid.
 
     Points of a coarser grid, whose rows and columns are ``coarser`` apart (0: there is none), are left out. ``room`` is
-    memory for 4·TOGETHER + 2·rows numbers per row of each theta function.
+    memory for 4·TOGETHER + 2·rows numbers per harmonic of φ₁ in each theta series.
     """
     sums, numbers = torus.sums, torus.numbers
     classes, height, _ = sums.sizes
@@ -146,8 +147,8 @@ def gridded(torus: Torus, sizes: tuple[int, int], coarser: tuple[int, int], room
 
 
 def put_harmonics(sums: ThetaSums, angle: tuple[Real, Real], room: Row, place: int, rows: int) -> None:
-    """Writes (cosine, sine) of the harmonics of φ₁ in each row of each theta function to room[place …], 2·``rows``
-    numbers apart.
+    """Writes (cosine, sine) of the harmonics of φ₁ in each theta series to room[place …], 2·``rows`` numbers apart.
+    ``angle`` is (cosine, sine) of πφ₁.
     """
     classes, height, _ = sums.sizes
     c, s = angle
@@ -163,8 +164,8 @@ def put_harmonics(sums: ThetaSums, angle: tuple[Real, Real], room: Row, place: i
 
 
 def rates_in(torus: Torus, room: Row, circles: tuple[int, int], j: int) -> tuple[Real, Real]:
-    """1/g in column j, from what :func:`gridded` has put into ``room``, and 1/g with an odd number of γ_i reversed.
-    ``circles`` are the position of the first harmonic and the distance of the next.
+    """1/g in column j, and 1/g with an odd number of γ_i reversed, from what :func:`gridded` has put into ``room``.
+    ``circles`` are the position of the first harmonic and the distance from each harmonic to the next.
     """
     sums, numbers = torus.sums, torus.numbers
     tilted = numbers[TILT + 1] != 0
@@ -187,7 +188,7 @@ def rates_in(torus: Torus, room: Row, circles: tuple[int, int], j: int) -> tuple
 def column_values(
     sums: ThetaSums, k: int, room: Row, circles: tuple[int, int], j: int, tilted: bool
 ) -> tuple[Real, Real]:
-    """θ of class k in column j, and its derivative if it is needed."""
+    """θ of class k in column j, and its derivative for a ``tilted`` body, else 0."""
     height, odd = sums.sizes[1], is_odd(sums.chars, k)
     zero = 0 * room[j]
     value, slope = zero, zero
@@ -212,7 +213,7 @@ def column_values(
 def strayed(torus: Torus, motion: Row, frequencies: Row, out: Row) -> float:
     """The largest difference, relative to the largest velocity, between velocities of the states on the torus and those
     of the equations of motion. ``motion`` is a :func:`integrable.torus.lattice.motion_row`, ``frequencies`` are turns
-    of the phases in its time. NaN if one is NaN.
+    of the phases per unit of its time. NaN if a velocity is NaN.
 
     The check covers signs, periods and frequencies, for all times, because theta functions are analytic.
     """

@@ -1,8 +1,8 @@
 """Theta functions of genus 2 on a real torus, as real Fourier series, compiled.
 
-With the characteristic η = (ε, δ), θ[η](z) = Σ e^(πi nτn + 2πi n(z + ½δ)), n in Z² + ½ε. On the torus z = φ + τq with
-half-integral q it is the series at φ with ε + 2q for ε, times a factor that cancels in quotients. That series is real
-up to a constant factor. Its terms of n and −n are combined.
+With the period matrix τ and the characteristic η = (ε, δ), θ[η](z) = Σ e^(πi nτn + 2πi n(z + ½δ)), n in Z² + ½ε. On
+the torus z = φ + τq with real φ and half-integral q it is the series at φ with ε + 2q for ε, times a factor that
+cancels in quotients. That series is real up to a constant factor. Its terms of n and −n are combined.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ class ThetaSums(NamedTuple):
 
 
 def theta_lifts(sums: ThetaSums, phases: Row, out: Row) -> None:
-    """Writes θ_∞, that of the last class, for each pair of phases in turns, then σ = θ/θ_∞ and ν = −2∂σ for every other
-    class.
+    """Writes θ_∞, the function of the last class, for each pair of phases in turns, then σ = θ/θ_∞ and ν = −2∂σ for
+    every other class.
     """
     classes = sums.sizes[0]
     width = 2 * classes - 1
@@ -89,7 +89,7 @@ def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real,
 
 
 def row_sums(sums: ThetaSums, k: int, i: int, second: tuple[Real, Real]) -> tuple[Real, Real, Real, Real]:
-    """The sums over the columns of row i of class k, with cosines and with sines; then the same of the derivative."""
+    """The sums over the columns of row i of class k, with cosines and with sines; then both sums of the derivative."""
     (c2, s2), table = second, sums.table
     _, rows, columns = sums.sizes
     zero = 0 * c2
@@ -129,7 +129,7 @@ class Lattice(NamedTuple):
 
 
 def lattice_of(shape: Row, turns: tuple[int, int, int], least: tuple[int, int], last: float, inverse: Row) -> Lattice:
-    """The data of a theta series of this shape."""
+    """The :class:`Lattice` of a ``shape`` as in :func:`theta_weights`."""
     half = inverse[0] / 2
     first, second, mixed = half * shape[0] / 4, half * shape[2] / 4, half * shape[1] / 2
     base = exponential(-first, inverse)
@@ -211,7 +211,7 @@ def steps(lattice: Lattice, a: int, sign: int, e2: int) -> Real:
 
 
 def add_weight(sums: ThetaSums, along: Row, place: tuple[int, int, int], w: Real) -> None:
-    """Adds the weight of row i and signed column j of class k, (k, i, j) = ``place``, to its entry."""
+    """Adds the weight w of row i and signed column j of class k, (k, i, j) = ``place``, to its entry."""
     k, i, j = place
     _, rows, columns = sums.sizes
     a, m = sums.chars[4 * k] + 2 * i, signed(sums.chars[4 * k + 1], j)

@@ -36,8 +36,8 @@ FARTHEST = 1e3
 def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
     """Writes 2∫dx/|y| and 2∫x dx/|y| over the gap between the ovals, then over the gap behind the second, to ``out``.
 
-    For d = 0 the latter is infinite, and 0 is written. In the variable X = S/(c − x), with c in the first oval, all six
-    branch points are finite.
+    For d = 0 the latter is infinite, and 0 is written. In the variable X = (e₄ − e₁)/(c − x), with c in the first oval,
+    all six branch points are finite.
     """
     e1, e2, e3, e4, d, r = motion[0], motion[1], motion[2], motion[3], motion[8], motion[10]
     if d == 0:
@@ -69,7 +69,7 @@ def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
 def torus_periods(motion: Row, near: float, room: Row, out: Row) -> tuple[int, int, int, int]:
     """Fills ``out``; returns the basis Λ₁, Λ₂ as integer rows (m₁, n₁), (m₂, n₂) in the periods of the two ovals.
 
-    ``out`` gets Λ₁, Λ₂ (four numbers), the turns ν₁, ν₂ of both phases along the flow's direction, the entries Y₁₁,
+    ``out`` gets Λ₁, Λ₂ (four numbers), the turns ν₁, ν₂ of both phases per unit of the flow's time, the entries Y₁₁,
     Y₁₂, Y₂₂ of Y, the turns of both phases along (0, 1), and
     :func:`integrable.moving_point.elliptic_integrals.mean_slowness`. If d = 0, Y₁₁ is infinite and 0 is written.
     """
