@@ -92,8 +92,8 @@ class Setup:
 
     @cached_property
     def step_length(self) -> Mpf:
-        """A basic step in the flow's own time, in the wide field. The points of T(half a step) lie at REACH of the
-        distance from x = 0 to the nearest branch point.
+        """A basic step in the flow's own time, in the wide field. The points of the translation by half a step lie at
+        REACH of the distance from x = 0 to the nearest branch point.
         """
         return 2 * self.reals.element(self.wide, self.bare.half_step)
 

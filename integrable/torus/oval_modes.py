@@ -109,8 +109,8 @@ class FoundModes(NamedTuple):
 
     def wanted(self, digits: int, held: int) -> tuple[int, int]:
         """The numbers of modes in both directions beyond which modes are below 10^(−digits) of the mean: ``size`` if
-        that holds already. The rate of decay is measured where modes exceed 10^(−``held``). PrecisionLoss where the
-        last modes are rounding, so that more modes are no smaller.
+        its last modes are that small. The rate of decay is measured where modes exceed 10^(−``held``). PrecisionLoss
+        where the last modes are rounding, so that more modes are no smaller.
         """
         rows, columns = self.size
         tables = [self.upright] if self.leaning is None else [self.upright, self.leaning]
@@ -269,7 +269,7 @@ class OvalTorus:
         return modes._replace(frequencies=(nu[0], nu[1]), mean=mean)
 
     def leaning(self) -> list[list[acb]] | None:
-        """The coefficients of the tilt term, at k + ½ or m + ½, without the phase factor; None for an upright body."""
+        """The coefficients of the tilt term, at k + ½ or m + ½, without the start's phases; None for an upright body."""
         if self.axes[7].mid() == 0:
             return None
         half = (1, 0) if self.low else (0, 1)

@@ -3,8 +3,8 @@ bare reals, compiled or interpreted.
 
 Let e₁ ≤ e₂ < e₃ ≤ e₄ be the ends of both ovals, α₁, α₂, α₃ the roots of f that belong to the axes, and A the periods
 of (dx/y, x dx/y) around the ovals. Let iY = A⁻¹B with the periods B around the gap between the ovals and the gap behind
-the second. The phases are the integrals from e₁ and e₃ to the points of the divisor. If d = 0, the root 1/d of f is at
-infinity, and Y₁₁ is infinite.
+the second oval. The phases are the integrals from e₁ and e₃ to the points of the divisor. If d = 0, the root 1/d of f
+is at infinity, and Y₁₁ is infinite.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from integrable.torus.states import CONTACT, FACTORS, GAPS, PLACES, TILT, Torus,
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
-# positions in what :func:`torus_periods` finds: two periods, the turns of both phases along the flow, the shape of the
-# theta functions (Y and the turns of both phases along (0, 1)) and the mean of 1/g
+# positions in what :func:`torus_periods` finds: two periods, the turns of both phases per unit of the flow's time, the
+# shape of the theta functions (Y and the turns of both phases along (0, 1)) and the mean of 1/g
 FREQUENCIES, IMAGINARY, ALONG, MEAN, FOUND = 4, 6, 9, 11, 12
 # the number of entries that :func:`surveyed_rates` writes
 RATES = 14
