@@ -269,7 +269,7 @@ class OvalTorus:
         return modes._replace(frequencies=(nu[0], nu[1]), mean=mean)
 
     def leaning(self) -> list[list[acb]] | None:
-        """The coefficients of the tilt term, at k + ½ or m + ½, without the start's phases; None for an upright body."""
+        """The tilt term's coefficients, at k + ½ or m + ½, without the phase factor of the start; None if upright."""
         if self.axes[7].mid() == 0:
             return None
         half = (1, 0) if self.low else (0, 1)
