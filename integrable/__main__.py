@@ -58,7 +58,9 @@ A scene of your own is a file of ten lines: docs/scenes.md. In Python: import in
 
 
 def _folded(text: str) -> str:
-    """The text with long lines folded to the terminal's width; continuations of an explanation start below it."""
+    """The text with long lines folded to the terminal's width; continuations of an explanation are aligned with its
+    start.
+    """
     lines, width = [], get_terminal_size((120, 24)).columns
     for line in text.splitlines():
         hang = len(match[0]) if (match := re.match(r" *\S+(?: \S+)* {2,}", line)) else 4 * line.startswith(" ")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 class PathEnsemble(Record):
     """Many motions of one system of any genus over RR, made by :func:`integrable.ensemble`; ``q`` and ``p`` are the
-    starts, of shape (K, n). ``tolerance`` is that of ``system.flow``.
+    starts, of shape (K, n). ``tolerance`` is passed to ``system.flow``.
     """
 
     def __init__(self, system: MumfordSystem, q: Table, p: Table, tolerance: float | None = None) -> None:
@@ -58,9 +58,9 @@ class PathEnsemble(Record):
     def at(self, times: Numbers) -> Paths:
         """The states of all members at times of any order, sign and size: shape (N,), the same for all, or (K, N).
 
-        They are those of :meth:`flow` to the bit. A member that is refused at one of its times has no states, and does
-        not affect the others: see :attr:`Paths.status`. ArgumentError for times of another shape and for results larger
-        than the memory.
+        They equal the states of :meth:`flow` to the bit. A member that is refused at one of its times has no states,
+        and does not affect the others: see :attr:`Paths.status`. ArgumentError for times of another shape and for
+        results larger than the memory.
         """
         given = time_rows(times, len(self))
         count, length = len(self), given.shape[1]

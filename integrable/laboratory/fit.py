@@ -1,9 +1,9 @@
 """The motion of a free body fitted to measured orientations: ratios of its moments, its start, their covariance.
 
 SciPy's least squares (Levenberg 1944, Marquardt 1963) minimizes the rotations from the computed orientations to the
-measured ones. The derivatives of these rotations come from those of γ and M (:mod:`integrable.portrait.sensitivity`),
-which are both fixed in space. A turn ψ of the body in its own axes changes γ by γ × ψ and M by M × ψ; changes of ω and
-I change the momentum of the start.
+measured ones. The derivatives of these rotations follow from the derivatives of γ and M, which are both fixed in space
+(:mod:`integrable.portrait.sensitivity`). A turn ψ of the body in its own axes changes γ by γ × ψ and M by M × ψ;
+changes of ω and I change the momentum of the start.
 """
 
 from __future__ import annotations

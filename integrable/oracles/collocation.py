@@ -41,7 +41,7 @@ def gauss_rule(stages: int, digits: int) -> GaussRule:
     context.dps = digits + 10 + stages
     nodes = [_zero(context, context.mpf(float(x)), stages) for x in np.polynomial.legendre.leggauss(stages)[0]]
     nodes = [(1 + x) / 2 for x in nodes]
-    # integrals of monomials give those of the Lagrange polynomials
+    # Lagrange polynomials are integrated as sums of monomials
     vandermonde = context.matrix([[x**k for x in nodes] for k in range(stages)])
     inverse = vandermonde**-1  # row j: coefficients of the j-th Lagrange polynomial
 

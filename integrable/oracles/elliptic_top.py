@@ -1,7 +1,7 @@
 """The Euler top in closed form (Jacobi 1850; Whittaker 1904, §69): elliptic functions, and for γ an elliptic integral
 of the third kind.
 
-Name the axes so that M circles the third axis and the second is the middle one. Then
+Name the axes so that M circles the third axis and the second is the middle one. Then, with constants A_i, λ, u_0 and n,
 
     M = (A_1 cn u, A_2 sn u, A_3 dn u),  u = λt + u_0,  φ = |M|a_3t + (|M|(a_1 − a_3)/λ)·(Π(n; am u) − Π(n; am u_0)).
 

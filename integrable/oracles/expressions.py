@@ -279,7 +279,7 @@ class Numbers:
             return x
         if isinstance(x, int) or x == 0:
             return self.zero + x if isinstance(x, int) else self.zero
-        # constants are compared by identity: those equal in one system may differ in another of the same kind
+        # constants are compared by identity: equal constants of one system may differ in another of the same kind
         found = next((i for i, known in enumerate(self.constants) if known is x), None)
         return self.constant(x) if found is None else self.book.line("c", found, value=x)
 
@@ -352,8 +352,8 @@ def recorded(
         if needed[k] and op not in ("y", "c", "number"):
             for i in args:
                 needed[i] = True
-    # a coefficient is a line without the state that is a result or an argument of a line with the state; short
-    # numbers are written into the code instead
+    # a coefficient is a line that does not depend on the state, and is a result or an argument of a line that does;
+    # short numbers are written into the code instead
     outer = set(results)
     for k, (op, args) in enumerate(nodes):
         if needed[k] and moving[k] and op != "y":

@@ -79,7 +79,7 @@ class Spent(NamedTuple):
 
     @property
     def counted(self) -> float:
-        """The run time, of which ratios are formed: the seconds once a start and those of the evaluation."""
+        """The run time, of which ratios are formed: the sum of ``start`` and ``evaluation``."""
         return self.start + self.evaluation
 
     @property

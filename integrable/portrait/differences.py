@@ -19,8 +19,7 @@ from jacobian.progress import Progress
 FlowMap = Callable[[np.ndarray, MultiprecisionField], np.ndarray]
 """From inputs in a field to rows of numbers, first the states at the times: shape (N, m)."""
 
-# GUARD digits are added to those lost to the step and the derivatives; at most ATTEMPTS attempts are made if
-# derivatives are larger than expected
+# extra digits of the motions, and the most attempts: each expects derivatives of the size that the previous one found
 GUARD, ATTEMPTS = 8, 6
 # the weights of values in quotients of second order, by the number of steps: an input that must not decrease has
 # one-sided quotients
@@ -42,8 +41,8 @@ class Inputs(NamedTuple):
 def differences(motion: FlowMap, inputs: Inputs, digits: int, size: float) -> np.ndarray:
     """The derivatives of the rows of ``motion`` by its inputs, (N, m, inputs), in mpf to ``digits``.
 
-    They are quotients of differences with a step small enough for that many digits. ``size`` estimates the largest, in
-    units of ``inputs.sizes``. PrecisionLoss where the derivatives are much larger than expected.
+    They are quotients of differences with a step small enough for that many digits. ``size`` estimates the largest
+    derivative, in units of ``inputs.sizes``. PrecisionLoss where the derivatives are much larger than expected.
     """
     sizes = [float(size) for size in inputs.sizes if size]
     spread = ceil(log10(max(sizes) / min(sizes)))

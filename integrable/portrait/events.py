@@ -27,7 +27,7 @@ TOLERANCE = 1e-12
 # if neighbouring floats are farther apart than this fraction of a panel, the states at rounded times form no smooth
 # series
 COARSEST = 1e-7
-# a zero outside the interval by at most this many roundings of a half panel counts as at its end
+# a zero is kept if it lies outside the interval by at most ROUNDING·eps half panels
 ROUNDING = 1e3
 # the largest number of steps of Newton's method; a step with a slope in floats gains twelve digits
 MOST_STEPS = 100
@@ -37,9 +37,9 @@ NEAR, SHARP = 0.25, 1e-6
 
 
 class Watched(NamedTuple):
-    """A motion that is searched for events: the functions ``states``, over ``field``, and ``in_floats``; the name of
-    their values in messages; and ``panel``, from the ends of an interval of time to the length of a part of it in which
-    the motion hardly turns round.
+    """A motion that is searched for events. ``states`` (over ``field``) and ``in_floats`` give its states, which
+    messages call ``named``. ``panel`` maps the ends of an interval of time to the length of a part of the interval in
+    which the motion hardly turns round.
     """
 
     field: RealField | MultiprecisionField

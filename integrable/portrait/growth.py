@@ -1,7 +1,7 @@
 """The secular part of the derivatives of the states x = (γ, M) of a motion, to many digits: t·[ẋ ⊗ α + (Y − σẋ) ⊗ β].
 
 Y is the field of H2/2 (:mod:`integrable.portrait.variations`), and σ the integral of Y(1/g) over τ with mean 0. For a
-mode F·e^(2πik·θ) of 1/g, σ has the mode F·(k·η)/(k·ν), with the frequencies ν in τ.
+mode F·e^(2πik·θ) of 1/g, σ has the mode F·(k·η)/(k·ν), with the frequencies ν in τ and the rates η below.
 
 Phases that are linear in t move at the constant rates η = (B0, −A0)/(2D) along Y − σẋ, with A0, B0 and D of
 :mod:`integrable.portrait.ovals`. So the derivatives ∂f_k = f_kα + η_kβ of both frequencies f_k determine α and β.

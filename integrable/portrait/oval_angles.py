@@ -10,7 +10,7 @@ import numpy as np
 from jacobian.errors import PrecisionLoss
 
 # largest numbers of Newton steps and of halvings of a step. After a step below LAST the error is about its square; a
-# gap below ROUNDED may be rounding
+# difference from the given phases below ROUNDED may be rounding
 MOST_STEPS, MOST_HALVINGS, LAST, ROUNDED = 60, 30, 1e-8, 1e-12
 # number of sines summed in one array operation
 SINES = 1 << 20

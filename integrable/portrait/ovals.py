@@ -4,7 +4,7 @@ Let y = √|f| with f = 4(1 − d̃x)Π(a_i − x)(x·h̃2 − h1), the curve of
 (:mod:`integrable.phase.upright`). Let a₁ < a₂ < a₃ be the sorted a_i and ζ = h1/h̃2. The abscissa u1 moves in the oval
 [a₁, min(ζ, a₂)] and u2 in [max(ζ, a₂), a₃]. The integrals are
 
-    A_k = ∫x^k dx/y over the first, B_k over the second oval,  K_k and L_k the integrals of x^k dx/((1 − d̃x)^½·y).
+    A_k = ∫x^k dx/y and K_k = ∫x^k dx/((1 − d̃x)^½·y) over the first oval, B_k and L_k over the second.
 
 The integrals are computed by the arithmetic-geometric mean (:mod:`integrable.moving_point.elliptic_integrals`); an oval
 that has shrunk to a point gives residues.

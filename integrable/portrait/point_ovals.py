@@ -44,11 +44,10 @@ class Form(NamedTuple):
 class Separation(NamedTuple):
     """The differential forms whose sums over the points of a pair are known, in numbers of one field.
 
-    The sums of the g ``forms`` grow at the ``rates``. The sum of ``action`` is p dq without the terms of further
-    angles, those about an axis. ``turns`` has for each further angle the form by which it grows and a constant rate
-    that is added; ``momenta`` are the actions of these angles. ``known`` are branch points that are known exactly.
-    Where time is not such a sum, the rates are per unit of τ, and dt/dτ is the product of ``factor(x)`` over two
-    points.
+    The sums of the g ``forms`` grow at the ``rates``. The sum of ``action`` is p dq without the terms of angles about
+    an axis. ``turns`` has for each such angle the form by which it grows and a constant rate that is added; ``momenta``
+    are the actions of these angles. ``known`` are branch points that are known exactly. Where time is not such a sum,
+    the rates are per unit of τ, and dt/dτ is the product of ``factor(x)`` over two points.
     """
 
     forms: Sequence[Form]
@@ -61,9 +60,10 @@ class Separation(NamedTuple):
 
 
 class PointOval(NamedTuple):
-    """The oval x = middle − radius·cos φ; f is −lead·(x − a)(b − x)Π((x − re)² + im²) over ``others`` (re, im²).
+    """The oval x = middle − radius·cos φ from a to b; f is −lead·(x − a)(b − x)Π((x − re)² + im²) over ``others``.
 
-    A real root has one factor x − re, and im² is None. ``place`` is the number of real roots below the oval.
+    ``others`` are (re, im²). A real root has one factor x − re, and im² is None. ``place`` is the number of real roots
+    below the oval.
     """
 
     place: int

@@ -2,9 +2,9 @@
 
 The component of γ̃ along the axis of the largest moment vanishes where u1 = a₁; the component along the axis of the
 least moment vanishes where u2 = a₃. Every motion crosses these surfaces transversally, once per turn of u1 or of u2.
-The crossings are those of :mod:`integrable.portrait.torus_section`, in τ. The map of the first section rotates the
-phase of the other point by −A1/B1, that of the second section by B1/A1. On the section γ̃ is (0, cos φ, sin φ) in the
-sorted axes, and each motion lies on its own curve,
+Their τ come from :mod:`integrable.portrait.torus_section`. From one crossing of the first section to the next the phase
+of u2 turns by −A1/B1; from one crossing of the second to the next the phase of u1 turns by B1/A1. On the section γ̃ is
+(0, cos φ, sin φ) in the sorted axes, and each motion lies on its own curve,
 
     M̃₁²/h̃2 = (q − ζ)/(q − a₁),   q = (a₃cos²φ + a₂sin²φ − d̃a₂a₃)/(1 − d̃(a₂cos²φ + a₃sin²φ)).
 """
@@ -38,7 +38,7 @@ class Section(Record):
     """The crossings of a motion with a surface γ̃_i = 0. Get one from ``flow.section(count)``.
 
     ``axis`` (0, 1 or 2) is i; ``tau`` (N,) are the values of τ at the crossings, ``run`` is the Trajectory there;
-    ``phi`` and ``momentum`` (N,) are the coordinates on the section: the angle of γ̃ from the next of the sorted axes,
+    ``phi`` and ``momentum`` (N,) are the coordinates on the section: the angle of γ̃ from the axis of the middle moment,
     and M̃_i/|M̃|. ``theta`` (N,) is the angle, in turns, in which the map is a rotation by ``rotation``.
     """
 

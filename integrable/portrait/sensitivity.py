@@ -2,9 +2,9 @@
 parts.
 
 On a compact torus :mod:`integrable.portrait.variations` reduces the derivatives to integrals of functions of the state.
-Each is a mean rate times τ plus a Fourier series (:mod:`integrable.torus.series`). Let ẋ, Y, a and b be those of that
-module, w₁ and w₂ its right-hand sides, and σ the integral of Y(1/g) over τ with mean 0. With a = a' − σb, da'/dτ = (w₁
-+ σw₂)/g and db/dτ = w₂/g the derivatives are
+Each is a mean rate times τ plus a Fourier series (:mod:`integrable.torus.series`). Let ẋ, Y, a and b be as in
+``variations``, w₁ and w₂ its right-hand sides, and σ the integral of Y(1/g) over τ with mean 0. With a = a' − σb,
+da'/dτ = (w₁ + σw₂)/g and db/dτ = w₂/g the derivatives are
 
     S(t) = t·[ẋ ⊗ α + (Y − σẋ) ⊗ β] + bounded,
 

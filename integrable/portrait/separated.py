@@ -41,8 +41,8 @@ MOST_NODES = 1 << 13
 NEGLIGIBLE = 1e-18
 # number of correct bits after Newton's method in floats
 FLOAT_BITS = 40
-# an oval has SPARE_NODES extra nodes, and π DIGITS_BEYOND extra digits; the radius of an oval is more than rounding if
-# it has SPARE_BITS bits
+# an oval has SPARE_NODES extra nodes, and π DIGITS_BEYOND extra digits; the radius of an oval is more than rounding
+# above 2^SPARE_BITS·eps, relative to the largest branch point
 SPARE_NODES, DIGITS_BEYOND, SPARE_BITS = 8, 5, 20
 
 

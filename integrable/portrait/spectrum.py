@@ -48,8 +48,8 @@ class Sampled(NamedTuple):
 
     ``read`` gives the values of each quantity, (N, components), at phases (N, n) in turns from the start. The values
     return after ``doubled`` turns of each phase. The frequency of the k-th phase is the product of ``turns[k]``, a row
-    of integers, and ``frequencies``. The last directions of a grid have the sizes ``given``; the other sizes are those
-    that resolve the quantities.
+    of integers, and ``frequencies``. The last directions of a grid have the sizes ``given``; the first directions get
+    sizes that resolve the quantities.
     """
 
     read: Callable[[np.ndarray], dict[str, np.ndarray]]
@@ -206,9 +206,9 @@ def torus_states(
 ) -> Sampled:
     """q and p at phases that are linear in t.
 
-    ``ends`` are the branch points whose lifts carry signs of the state. ``read(halves, turned)`` returns q and p, from
-    (sin ½φ, cos ½φ) of each point and the angles about the axis since the start, all arrays. ``frequencies`` are those
-    of the portrait.
+    ``ends`` are the branch points e whose signed √|U(e)| the state depends on. ``read(halves, turned)`` returns q and
+    p, from (sin ½φ, cos ½φ) of each point and the angles about the axis since the start, all arrays. ``frequencies``
+    are the portrait's.
     """
     genus, further = len(torus.ovals), len(frequencies) - len(torus.ovals)
     places = {torus.place_of(e) for e in ends}

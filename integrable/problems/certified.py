@@ -1,6 +1,6 @@
 """Certified trajectories: motions with proven bounds at 50 times, for testing integrators.
 
-The data come from the flow in ball arithmetic (:mod:`integrable.motion.enclosure`); those of deformations come from
+The data come from the flow in ball arithmetic (:mod:`integrable.motion.enclosure`); the data of deformations come from
 Taylor series in ball arithmetic (:mod:`integrable.deformations.enclosed`). ``python -m benchmarks.make_certified``
 makes the data.
 """
@@ -26,7 +26,7 @@ class Certified(NamedTuple):
 
     The true motion starts at ``gamma[0]``, ``M[0]`` and differs from the strings by at most ``bound[k]``, M relative to
     |M|. ``inertia``, ``d``, ``times`` and, for deformations that have them, ``potential`` and ``c`` are doubles and
-    exact. The unit of time is the unit of the moments divided by that of M; for deformations it is that of their
+    exact. The unit of time is the unit of the moments divided by that of M; for deformations it is the unit of their
     equations.
     """
 

@@ -19,9 +19,7 @@ __all__ = ["Rows", "UnitMotion"]
 Rows = list[list[Any]]
 
 GUARD, FINER, LEAST = 8, 12, 25
-"""For two runs: the digits of the first beyond the requested ones, the digits of the second beyond those of the first,
-and the least digits of the first.
-"""
+"""The first of two runs has GUARD digits more than requested, and at least LEAST; the second has FINER more digits."""
 MOST_ATTEMPTS = 6
 
 

@@ -114,7 +114,7 @@ def diagram(course: Course) -> str:
 
 
 def _look(course: Course, name: str) -> tuple[str, str, bool]:
-    """Colour and marker of a method. A user's own methods receive theirs in the order of the race."""
+    """Colour and marker of a method. A user's methods have the colours of OWN, in the order of the race."""
     own = [method for method in dict.fromkeys(run.method for run in course.runs) if method not in LOOKS]
     return (OWN[own.index(name) % len(OWN)], "p", True) if name in own else look(name)
 

@@ -33,11 +33,11 @@ __all__ = ["Race", "pieces_of_race", "race"]
 MOST_TIMES = 21
 """The largest number of a problem's times that a race requests, including the last."""
 CONDITIONED = 5
-"""About the number of requested times at which the effect of rounding the inputs is computed."""
+"""The approximate number of requested times at which the effect of rounding the inputs is computed."""
 LIMIT = 4.0
 """Seconds that a run may take by default."""
 TRIAL, LONGER = 0.01, 4
-"""The fraction of the time span of a first trial, and the factor to the second; both predict a whole run."""
+"""The first trial's part of the time span, and how many times longer the second is; both predict a whole run."""
 REPEAT, PATIENCE = 3, 0.4
 """The number of runs at each setting, and the seconds per method of a rung after which no more runs are begun."""
 

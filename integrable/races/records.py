@@ -13,8 +13,8 @@ __all__ = ["Course", "Results", "Run"]
 class Run(NamedTuple):
     """The result of a method at one setting.
 
-    ``error`` is that of :meth:`Problem.error`, ``seconds`` the median time of a start with its evaluation. ``first`` is
-    the time spent only once, such as for compilation, and ``note`` the reason for missing figures.
+    ``error`` is that of :meth:`Problem.error`, ``seconds`` the median time of set-up and evaluation. ``first`` is the
+    time spent only once, such as for compilation, and ``note`` the reason for missing figures.
     """
 
     method: str

@@ -94,7 +94,7 @@ class Times:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The settings of a report: the digits of its runs, those of the truth, and repeats of each timing."""
+    """The settings of a report: the digits of its runs and of the truth, tolerances, and repeats of each timing."""
 
     digits: tuple[int, ...]
     tolerances: tuple[Fraction, ...]

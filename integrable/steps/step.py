@@ -38,7 +38,7 @@ class Step(Immutable):
         raise NotImplementedError
 
     def over(self, system: Any) -> Step:
-        """The same map on the same system over another field, such as jets over its own."""
+        """The same map on the same system over another field, such as the jets over the system's field."""
         return replaced(self, system=system)
 
     def wider(self, system: Any) -> Step:

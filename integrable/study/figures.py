@@ -24,7 +24,7 @@ DEEP = 1e-17
 TITLE = 48
 """Characters in a line of a title: more would reach the legend beside the axes."""
 RING = 1.5
-"""The mark of compiled floats, a ring, is larger than a dot by this factor: it does not hide one at the same place."""
+"""The mark of compiled floats, a ring, is larger than a dot by this factor, so both are visible at one place."""
 
 
 def as_bytes(figure: Any, suffix: str) -> bytes:
@@ -42,7 +42,7 @@ def drawings(findings: Sequence[SceneFindings]) -> dict[str, Any]:
 
 
 def error_against_run_time(found: SceneFindings) -> Any:
-    """A figure of the largest error of γ (or q) against the run time of a start, one line per method; None if empty.
+    """A figure of the largest error of γ (or q) against the run time, one line per method; None if empty.
 
     Errors below 10⁻¹⁷, which are those of multiprecision rows, are in a separate panel below.
     """

@@ -45,7 +45,7 @@ class Behind:
     scene: str
     row: dict[str, Any]
     flow_error: float | None
-    """The least error of the flow in that time; None where none of its rows is so fast."""
+    """The least error of the flow in at most the row's run time; None where no row of the flow is so fast."""
     first: dict[str, Any] | None
     """The fastest row of the flow, None where it has none."""
     overtaken: float | None
@@ -64,7 +64,7 @@ class Standing:
     T: float | None
     """The time, in time scales of the motion; None: all times of the scene."""
     flow: dict[str, Any]
-    """The flow's "total", the seconds of a start with its evaluation, and its "error_gamma"."""
+    """The flow's "total", the seconds of set-up and evaluation, and its "error_gamma"."""
     peer: dict[str, Any] | None
     """The other method's "total" and "error_gamma", "method" and "setting"; None where no method was accurate enough.
     """

@@ -1,8 +1,8 @@
 """Measures one task, according to its kind. The result is plain data for JSON, or an exception that the row quotes.
 
 Run times are medians of ``time.perf_counter``, split as :class:`integrable.oracles.method.Spent` defines; "total" is
-the time of a start with its evaluation. Every run starts from a new system and state. ``tick(label)`` is called between
-the pieces of a task.
+the time of set-up and evaluation. Every run starts from a new system and state. ``tick(label)`` is called between the
+pieces of a task.
 """
 
 from __future__ import annotations

@@ -141,7 +141,7 @@ def _more_room_left(rows: list[Row], floor: float) -> bool:
 def _series(axes: Any, rows: list[Row], side: int) -> None:
     """Draws the runs of one method, each labelled with its setting on the right or on the left.
 
-    Runs of an integrator are joined by a line in the order of their settings. Those of the flow are not joined: floats,
+    Runs of an integrator are joined by a line in the order of their settings. Runs of the flow are not joined: floats,
     compiled floats and numbers of more digits are not values of one parameter.
     """
     rows = sorted(rows, key=lambda row: -(row.error_gamma or 0))

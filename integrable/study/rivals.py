@@ -1,7 +1,7 @@
 """Comparison of the flow with the fastest other method that is accurate enough, at one time or all times of a scene.
 
 Each method is first run once at each of its settings. The flow and the methods of similar run time then run in turn, so
-their ratio is measured in one process on one machine. Both run times are those of set-up and evaluation.
+their ratio is measured in one process on one machine. Run times include set-up and evaluation.
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ class Timing(NamedTuple):
     spent: Spent
     """The costs of the median run. The cost once a machine is the largest one, that of the first run."""
     total: float
-    """The median run time: the seconds once a start and those of the evaluation."""
+    """The median run time: the seconds of set-up and evaluation."""
     mad: float
     """The median of |total of a run − median|, divided by the median."""
     runs: int

@@ -34,7 +34,7 @@ class Ovals(NamedTuple):
 
 
 class Oval:
-    """One oval a ≤ x ≤ b of y² = f(x), x = m − h·cos φ: dx/y = dφ/√q with f = (x − a)(b − x)q."""
+    """One oval a ≤ x ≤ b of y² = f(x), x = middle − half·cos φ: dx/y = dφ/√q with f = (x − a)(b − x)q."""
 
     def __init__(self, a: float, b: float, others: list[float], scale: float, d: float) -> None:
         self.middle, self.half = (a + b) / 2, (b - a) / 2

@@ -20,7 +20,7 @@ __all__ = ["FRAMES", "shown"]
 
 FRAMES = 600
 TURNS = 12
-"""Of a longer motion as many turns of the body are shown, counted at the angular velocity of the start."""
+"""The most turns of the body that are shown, counted at the angular velocity of the start."""
 STRAIGHT = 1e-3
 """The largest deviation of the angles from a straight line in τ, in turns: a larger one would be visible, so the torus
 is then not drawn.
@@ -35,7 +35,8 @@ def shown(given: Scene | str | Path, until: float | None = None, frames: int = F
 
     ``turning`` has the body's axes in space, nine numbers a frame; ``missing`` gives the reasons for absent data.
     ``until`` is the last time, by default that of the scene or of TURNS turns, whichever is less. There are ``frames``
-    equally spaced times, or for an orbit that many first states. ArgumentError over finite fields and without a body.
+    equally spaced times, or for an orbit the first ``frames`` states. ArgumentError over finite fields and without a
+    body.
     """
     scene = given if isinstance(given, Scene) else load_scene(given)
     frames = whole(frames, "frames", "give an int from 2 to 20000", 2, 20000)
