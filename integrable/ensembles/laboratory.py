@@ -284,7 +284,7 @@ class LaboratoryRuns(Runs, Exported):
         return read_only(np.concatenate([flat, np.where(np.isnan(flat[..., :1]), np.nan, height)], axis=-1))
 
     def concatenated(self, *others: LaboratoryRuns) -> LaboratoryRuns:
-        """These members, then those of the ``others``, which have the same body and the same number of times."""
+        """These members, then the members of ``others``, which have the same body and the same number of times."""
         for other in others:
             same = isinstance(other, LaboratoryRuns) and other.ensemble.body == self.ensemble.body
             if not same or other._times.shape[1] != self._times.shape[1]:

@@ -88,7 +88,7 @@ class Paths(Runs):
 
     ``status``, shape (K,), is 0 for a member that was computed, otherwise n > 0 with the reason ``reasons[n]``; its q
     and p are NaN. ``runs[k]`` is the Path of one member; a slice or an array gives the Paths of several, :attr:`kept`
-    those of all members with status 0.
+    the Paths of all members with status 0.
     """
 
     def __init__(

@@ -29,7 +29,7 @@ class Trajectories(Runs, Exported):
     ``status``, shape (K,), is 0 for a member all of whose states were computed, otherwise n > 0 with the reason
     ``reasons[n]``. γ, M and τ of refused rows are NaN, and :meth:`row_status` tells which rows these are. ``runs[k]``
     is one member, a :class:`integrable.motion.trajectory.Trajectory`; a slice or an array gives the Trajectories of
-    several, :attr:`kept` those of all members with status 0.
+    several, :attr:`kept` the Trajectories of all members with status 0.
     """
 
     def __init__(self, ensemble: Members, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> None:

@@ -32,7 +32,7 @@ class OrientationFit(Record):
 
     ``motion`` is the fitted motion. ``ratios`` (2,) are the moments of the first two principal axes over the third.
     ``omega`` (3,) is ω of the start in the laboratory, in rad/s, ``rms`` the root mean square of the residual angles,
-    in rad. ``covariance`` (8, 8), estimated from these angles, is that of :data:`NAMES`: a turn of the start in the
+    in rad. ``covariance`` (8, 8) of :data:`NAMES` is estimated from these angles: a turn of the start in the
     laboratory, ω of the start along the principal axes, and the logarithms of the ratios.
     """
 

@@ -39,7 +39,7 @@ class Principal(NamedTuple):
 def principal(K: Field, table: Matrix, eps: Any) -> Principal:
     """The principal moments and axes of a tensor over K = MP(digits); moments within rounding (``eps``) are joined.
 
-    ArgumentError for a tensor that is not symmetric, not positive, or not that of any body.
+    ArgumentError for a tensor that is not symmetric, not positive, or belongs to no body.
     """
     off = abs(table - table.T)
     size = abs(table).max()

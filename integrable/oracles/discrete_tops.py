@@ -100,7 +100,7 @@ def kahan_rotation(moments: Sequence[Any], x: Sequence[Any], M: Sequence[Any], n
 
 def hirota_kimura_integrals(moments: Sequence[Any], M: Sequence[Any], step: Any) -> Vector:
     """The integrals of the Hirota–Kimura map: (q_2/q_3, q_3/q_1, q_1/q_2) with q_1 = 1 − e²α_2α_3M_1², cyclic; e and α
-    are those of :func:`hirota_kimura_step`.
+    are defined in :func:`hirota_kimura_step`.
     """
     q = hirota_kimura_factors(moments, M, step)
     return [q[1] / q[2], q[2] / q[0], q[0] / q[1]]

@@ -9,7 +9,7 @@ and G = F·S, which is known from the start and the parameters. Then
 
     S = N·G + ẋ ⊗ a + Y ⊗ b,   (ȧ + ρb, ḃ) = (EᵀE)⁻¹Eᵀ[(J + Jᵀ)NG + P],   ρ = g·Y(1/g),
 
-so only integrals of functions of the state remain. Numbers are floats; the first axis of arrays is that of the states.
+so only integrals of functions of the state remain. Numbers are floats; the first axis of arrays numbers the states.
 """
 
 from __future__ import annotations

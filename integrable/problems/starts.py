@@ -19,7 +19,7 @@ LARGEST = 64
 
 
 def another(motion: UnitMotion, rng: np.random.Generator) -> list[float]:
-    """A random start whose q and p have about the size of those at the start of ``motion``."""
+    """A random start whose q and p have about the size of q and p at the start of ``motion``."""
     q, p = ([float(x) for x in part] for part in (motion.scene.gamma, motion.scene.M))
     unit = motion.unit
     if unit is None:

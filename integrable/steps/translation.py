@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class Translation(Step):
-    """The map that adds the divisor [multiple](Σ (x_k, y_k) − points at infinity) to that of a state.
+    """The map that adds the divisor [multiple](Σ (x_k, y_k) − points at infinity) to a state's divisor.
 
     ``points`` are one or two abscissas, real or a complex-conjugate pair, or functions x'(h1, h2) of the integrals,
     written with operators. ``sheets`` are the signs of y_k = ±√f(x_k); ``signs`` are those of the roots √U'(a_i), which
@@ -37,8 +37,8 @@ class Translation(Step):
     the double, ``-step`` the inverse, and ``@`` composes.
 
     H1 and H2 are always preserved. The bracket of :meth:`System.poisson` is preserved for points of fixed abscissa, the
-    branch points a_i, 1/d and h1/h2 (:func:`moving_branch_point`), :func:`on_line`, and sums of these. A generic
-    x'(h1, h2) changes it. The map commutes with the flow in τ, but not with that in t (d ≠ 0).
+    branch points a_i, 1/d and h1/h2 (:func:`moving_branch_point`), :func:`on_line`, and their sums. A generic x'(h1,
+    h2) changes it. The map commutes with the flow in τ, but not with the flow in t (d ≠ 0).
     """
 
     _caches = ("_last", "_upright")

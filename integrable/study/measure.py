@@ -110,7 +110,7 @@ def flow_run(task: Task, tick: Tick) -> tuple[Data, Any]:
 def _backlund(task: Task, kept: Data | None, tick: Tick) -> Data:
     """The result of moving by successive additions of the pair {±iη}, the H1 flow to second order in η.
 
-    The additions go from each τ of the scene's times to the next. These τ are those of the truth, since the map has no
+    The additions go from each τ of the scene's times to the next. These τ come from the truth, since the map has no
     physical time; so an error of the clock does not enter. Other systems move by steps of their own discretization.
     """
     truth = _truth_of(task, kept)

@@ -61,7 +61,7 @@ def page(study: Study) -> str:
 
 
 def in_one_minute(study: Study) -> str:
-    """The summary: where the flow is faster and by how much, where others are faster, and where none is as accurate."""
+    """The summary: where the flow is faster and by how much, where other methods are, and where none is as accurate."""
     text = (
         "States are requested at one time T, in time scales of the motion (a body turns by about a radian in one), or "
         "at all times of the scene. The flow is compared with the fastest other method whose error is at most the "
@@ -103,7 +103,7 @@ def _summary(study: Study) -> list[tuple[str, ...]]:
 
 
 def _exceptions(study: Study) -> str:
-    """A text that says where others are faster, where no other method is as accurate, and where the flow refused."""
+    """A text that says where other methods are faster, where none is as accurate, and where the flow refused."""
     far = [s for f in study.motions for s in f.standings if s.outcome == "met" and s.ratio < 1]
     faster = sorted({T for T in (s.T for s in far) if T is not None})
     said = (

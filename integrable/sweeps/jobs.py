@@ -39,7 +39,7 @@ class SceneJob(NamedTuple):
 class Part(NamedTuple):
     """The states of k members at N times: γ, M and τ of shape (k, N, 7), and each row's status of shape (k, N).
 
-    ``ways``, shape (k,), is the way of each member; ``reasons`` are those of the refusals.
+    ``ways``, shape (k,), is the way of each member; ``reasons`` say why rows were refused.
     """
 
     rows: np.ndarray

@@ -20,7 +20,7 @@ __all__ = ["FRAMES", "shown"]
 
 FRAMES = 600
 TURNS = 12
-"""The most turns of the body that are shown, counted at the angular velocity of the start."""
+"""The most turns of the body that are shown by default, counted at the angular velocity of the start."""
 STRAIGHT = 1e-3
 """The largest deviation of the angles from a straight line in τ, in turns: a larger one would be visible, so the torus
 is then not drawn.
