@@ -83,9 +83,9 @@ class Diagram(Record):
         return found
 
     def rotation_numbers(self, count: int = 40) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(X, Z, rotation number) on a grid in X and ζ, each of shape (count, 2·count), for contours.
+        """(X, Z, rotation number) on a grid in X and ζ, for contours.
 
-        The ζ are denser near the separatrix, which is excluded.
+        Shapes are (count, 2·count) for different moments. The ζ are denser near the separatrix, which is excluded.
         """
         count = whole(count, "count", f"an int from 2 to {MOST_COUNT}", 2, MOST_COUNT)
         a1, a2, a3 = sorted(self.system.a)

@@ -80,7 +80,7 @@ class Spectrum(Record):
     ``modes`` (L, n) are m_k, ``frequencies`` (L,) ½Σm_k f_k ≥ 0 in turns per unit time, with the f of
     ``flow.portrait``. Every other attribute is a quantity named in ``quantities``: ``gamma``, ``M`` and ``omega`` of a
     body, ``q`` and ``p`` of other systems. It has complex amplitudes a, (L, components): the quantity at time t is the
-    real part of Σ a·e^(2πift). The line 0 is the mean.
+    real part of Σ a·e^(2πift). The line of frequency 0 is the mean.
     """
 
     gamma: np.ndarray

@@ -37,8 +37,8 @@ class Translation(Step):
     the double, ``-step`` the inverse, and ``@`` composes.
 
     H1 and H2 are always preserved. The bracket of :meth:`System.poisson` is preserved for points of fixed abscissa, the
-    branch points a_i, 1/d and h1/h2 (:func:`moving_branch_point`), :func:`on_line`, and their sums. A generic x'(h1,
-    h2) changes it. The map commutes with the flow in τ, but not with the flow in t (d ≠ 0).
+    branch points a_i, 1/d and h1/h2 (:func:`moving_branch_point`), :func:`on_line`, and their sums. A generic
+    x'(h1, h2) changes it. The map commutes with the flow in τ, but not with the flow in t (d ≠ 0).
     """
 
     _caches = ("_last", "_upright")
