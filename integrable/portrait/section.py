@@ -37,7 +37,7 @@ ROUGH_DIGITS = 12
 class Section(Record):
     """The crossings of a motion with a surface γ̃_i = 0. Get one from ``flow.section(count)``.
 
-    ``axis`` (0, 1 or 2) is i; ``tau`` (N,) are the values of τ at the crossings, ``run`` is the Trajectory there;
+    ``axis`` (0, 1 or 2) is i. ``tau`` (N,) are the values of τ at the crossings, ``run`` is the Trajectory there.
     ``phi`` and ``momentum`` (N,) are the coordinates on the section: the angle of γ̃ from the axis of the middle moment,
     and M̃_i/|M̃|. ``theta`` (N,) is the angle, in turns, in which the map is a rotation by ``rotation``.
     """
