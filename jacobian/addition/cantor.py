@@ -123,8 +123,8 @@ def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
     """The reduced triple equivalent to (u, v, n) on a split model, for deg u ≤ g+1.
 
     Each step adds a multiple of u to v, so that v has the leading terms of V₋ or V₊ (``C.principal_parts``), and
-    reflects at y − v. V₋ raises n by g+1−deg u' ≥ 1, and V₊ lowers it by g+1−deg u ≥ 0; the weight at the other point
-    at infinity stays non-negative.
+    reflects at y − v. For n < 0, V₋ raises n by g+1−deg u' ≥ 1; for n > g − deg u, V₊ lowers n by g+1−deg u ≥ 0.
+    In both cases the weight at the opposite point at infinity stays non-negative.
     """
     K, g = C.field, C.genus
     while not (0 <= n <= g - (len(u) - 1)):
@@ -137,7 +137,7 @@ def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
 
 
 def reflect(C: HyperellipticCurve, u: Poly, v: Poly, n: int | None) -> Triple:
-    """The same class, written with the other zeros of y − v: u' = (f − hv − v²)/u, v' = −v − h modulo u'.
+    """The class of (u, v, n) by the zeros of y − v outside div(u, v): u' = (f − hv − v²)/u, v' = −v − h modulo u'.
 
     y − v has a pole of order a₊ at ∞₊, so div(u, v) ~ div(u', v') + (a₊ − deg u')∞₊ + (a₋ − deg u')∞₋. A pole is of
     order max(deg v, g+1) unless v and y agree in their leading terms there; then a₊ + a₋ = deg u + deg u' gives this

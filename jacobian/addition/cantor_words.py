@@ -248,7 +248,7 @@ def negate_class(K: Any, curve: Any, S: Any, first: Any, result: Any) -> Any:
 
 
 def _close(K: Any, curve: Any, S: Any, first: Any, second: Any, nk: Any, weights: Any, result: Any) -> Any:
-    """Sets result to the reduced class of (u₁u₂, v + u₂·(k mod u₁)), k in row 9. u₁ and u₂ are coprime or equal."""
+    """Sets result to the reduced class of (u₁u₂, v + u₂·(k mod u₁)), k in row 9."""
     (u1, n1), (u2, n2, v, nv) = first, second
     k, u, total = S[9], S[15], S[16]
     _, nk = _divide(K, S[6], k, nk, u1, n1)

@@ -214,9 +214,7 @@ def sum_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any) -> None:
 
 
 def multiple_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any, scalar: Any, digits: Any) -> None:
-    """Multiplies the class in ``data`` by ``scalar``. ``scalar`` and ``digits`` are those of
-    :func:`multiple_of_class`.
-    """
+    """Multiplies the class in ``data``; ``scalar`` and ``digits`` are as in :func:`multiple_of_class`."""
     g, total, other = curve[0], S[TOTAL], S[OTHER]
     width = 2 if len(scalar) < 2 else 4 if len(scalar) < 24 else 5
     position = signed_windows(scalar, width, digits)

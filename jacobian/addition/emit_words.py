@@ -1,8 +1,8 @@
 """Writes Python code from formulas, in the operations of :mod:`jacobian.numbers.words`, for loops to be compiled.
 
 :func:`texts` returns the code, one function for each step of the formulas; :func:`functions` returns these functions. A
-sum of up to four products is reduced once. The writer bounds all numbers, in units of p, for contexts with spare bits,
-for contexts without, and for floats. It reduces a number where an operation would exceed its bound. Binary fields and
+sum of up to four products is reduced once. The writer bounds all numbers, in units of p, for words with and without
+spare bits, and for floats. It reduces a number where an operation would exceed its bound. Binary fields and
 tables need no such reductions; tables of odd characteristic run the code for primes.
 """
 
@@ -39,7 +39,7 @@ NEAR = Size(1, 1.5, 4.5)
 
 
 def within(size: Size, limit: Size) -> bool:
-    """Whether no bound of ``size`` exceeds that of ``limit``."""
+    """Whether each bound of ``size`` is at most the bound in ``limit``."""
     return all(x <= y for x, y in zip(size, limit, strict=True))
 
 
@@ -63,7 +63,7 @@ class Writer:
                 self.names[i] = self._written(i)
 
     def _repeated(self, results: Sequence[int]) -> Iterable[int]:
-        """Yields the products to write out in each sum that has them: all these sums have room for one more product."""
+        """Yields the products that are recomputed in every sum that uses them, since each such sum has room for one."""
         parts = {i: self._parts(i) for i in self.live if i in self.named}
         for i in self.named.difference(self.factors, results):
             sums = [products for products, others in parts.values() if i in others]

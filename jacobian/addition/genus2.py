@@ -79,9 +79,7 @@ def product_of_degree_5(C: Any, quotient: Quotient) -> Any:
 
 
 def cubic_of_degree_5(C: Any, quotient: Quotient, inverse: Any, first: Line) -> Line:
-    """(s₁, s₀/s₁, 1/s₁, 1/s₁²), without the factor r of the quotient; ``inverse`` is that of
-    :func:`product_of_degree_5`.
-    """
+    """(s₁, s₀/s₁, 1/s₁, 1/s₁²), without the quotient's factor r, from the inverse of :func:`product_of_degree_5`."""
     r, s1, s0 = quotient
     shrink = r * inverse
     w4 = r * shrink
@@ -133,7 +131,7 @@ def product_of_degree_6(C: Any, quotient: Quotient) -> Any:
 
 
 def cubic_of_degree_6(C: Any, quotient: Quotient, inverse: Any, first: Line) -> Line:
-    """(s₁, s₀, 1/(s₁² + h₃s₁ − f₆), a₁s₁); ``inverse`` is that of :func:`product_of_degree_6`."""
+    """(s₁, s₀, 1/(s₁² + h₃s₁ − f₆), a₁s₁), from the inverse of :func:`product_of_degree_6`."""
     r, s1, s0 = quotient
     shrink = lead_of_degree_6(C, quotient) * inverse
     s1 = s1 * shrink

@@ -1,5 +1,5 @@
-"""Composition with built-in reduction for large genus. Its cost is quadratic in g, that of step-by-step reduction
-cubic.
+"""Composition with built-in reduction for large genus. Its cost grows like g², the cost of step-by-step reduction
+like g³.
 
 Let d and k be those of :func:`jacobian.addition.cantor.compose`, A = u₁/d and B = u₂/d. A composition is (A·B, v₂ +
 B·(k mod A)), of degree up to 2g. Cantor's reduction lowers this degree by two a step. Here the Euclidean algorithm on A
@@ -9,9 +9,9 @@ composition. Its norm divided by A·B is N = rM₁ + cM₂, of degree about g, w
 
     u = N,    v = −h − (w + εc'N)/c modulo N,
 
-where c' and r' are the values of the previous step, ε = ±1 and εAB = cw' − c'w. The division by c is exact. Shanks
-found the method for quadratic forms (NUCOMP 1989); for curves see Jacobson and van der Poorten 2002, and Jacobson,
-Scheidler and Stein 2007.
+where c' and w' are c and w one step earlier, ε = ±1 and εAB = cw' − c'w. The division by c is exact. Shanks found the
+method for quadratic forms (NUCOMP 1989); for curves see Jacobson and van der Poorten 2002, and Jacobson, Scheidler and
+Stein 2007.
 
 The weight at infinity follows from the pole of w − cy at ∞₊ as in :func:`jacobian.addition.cantor.reflect`.
 """

@@ -5,7 +5,7 @@ selects the code: :data:`STEPS` holds the functions that :mod:`jacobian.addition
 Loops with these steps run in Python and compiled. Tests run all steps on intervals to show that no word overflows.
 
 A class of weight g is a tuple of 2g words, u and v from the highest coefficient down. An array stores it as a
-column in the order u₀ … u_{g−1}, v₀ … v_{g−1}. Single classes are passed and returned as residues in that order.
+column in the order u₀ … u_{g−1}, v₀ … v_{g−1}. Single classes are passed and returned as residues, ascending.
 """
 
 from __future__ import annotations

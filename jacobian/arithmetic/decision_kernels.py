@@ -1,11 +1,11 @@
 """L-polynomials from their coefficients modulo p, for one prime after another, by the group law: loops to be compiled.
 
 If a_1 is known, and a_2 and a_3 modulo p, the order of J(GF(p)) is c + p·t + p(p + 1)·s with a known c and small s and
-t; in genus 2, s = 0. The same holds for the quadratic twist, whose a_1 and a_3 have the other sign. A point x_0 gives a
-class D, and no square root is needed: D is ∞₊ − ∞₋ on y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0). This curve is
-isomorphic to the given one if F(x_0) is a square modulo p, else to its twist. Baby steps and giant steps along p·D give
-all (s, t) whose orders annihilate D; further points eliminate all but one. The right one is never eliminated, so a
-single survivor is proven.
+t; in genus 2, s = 0. For the quadratic twist, a_1 and a_3 change signs. A point x_0 gives a class D, and no square root
+is needed: D is ∞₊ − ∞₋ on y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0). This curve is isomorphic to the given
+curve if F(x_0) is a square modulo p, else to its twist. Baby steps and giant steps along p·D give all pairs (s, t)
+whose orders annihilate D; further points eliminate wrong pairs. The right pair is never eliminated, so a single
+survivor is proven.
 
 The classes are those of :mod:`jacobian.arithmetic.desk`.
 """
@@ -133,7 +133,7 @@ def baby_steps(K: Any, rows: int, desk: Any) -> Any:
     """Writes the baby steps 0, −pD, −2pD, … and their hash table; returns their number and the size of the table.
 
     The step after the last is written to class 6. The number of steps is about the square root of the number of
-    candidates. If pD has a smaller order, the steps are a full cycle, and the giant step is 0.
+    candidates. If the order of pD is smaller than this number, the steps are a full cycle, and the giant step is 0.
     """
     classes, table, total, baby, size = desk.classes, desk.table, 0, 1, 4
     for s in range(rows):

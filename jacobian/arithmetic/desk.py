@@ -1,7 +1,7 @@
 """Divisor classes on curves modulo p, for one prime after another: loops to be compiled.
 
-Classes are arrays as in :mod:`jacobian.addition.cantor_words`. In genus 2, explicit formulas add them where these
-apply.
+Classes are arrays as in :mod:`jacobian.addition.cantor_words`. In genus 2, explicit formulas add classes in
+general position.
 """
 
 from __future__ import annotations

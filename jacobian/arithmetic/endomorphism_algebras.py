@@ -3,10 +3,11 @@
 Let E ⊂ End⁰(J) over QQ be a field of degree 2, or QQ × QQ in genus 2. The Tate module is free over E, so L_p is a norm
 from E[T]. Moreover End⁰(J) embeds into End⁰ of a reduction, which the roots of L_p determine (Tate 1966).
 
-A curve of genus 2 has End(J) = ℤ over the algebraic closure if two ordinary primes have fields QQ(π) of degree 4, the
-same for all powers of π, each with one quadratic subfield, and these two subfields differ. Indeed End⁰(J) lies in both
-fields, and if it were larger than QQ it would contain both subfields (the idea of Lombardo 2019; Costa, Mascot,
-Sijsling & Voight 2019). In genus 1 two different fields QQ(π) suffice.
+Let π be a root of Frobenius at an ordinary prime. A curve of genus 2 has End(J) = ℤ over the algebraic closure if at
+two such primes QQ(π) has degree 4, is the same for all powers of π and has one quadratic subfield, and the two
+subfields differ. Indeed End⁰(J) lies in both fields QQ(π), and if it were larger than QQ it would contain both
+subfields (the idea of Lombardo 2019; Costa, Mascot, Sijsling & Voight 2019). In genus 1 two different fields QQ(π)
+suffice.
 """
 
 from __future__ import annotations
@@ -232,7 +233,7 @@ def _centres(polynomials: Sequence[tuple[int, Sequence[int]]]) -> set[int]:
         elif len(L) == 5 and L[2] % p:
             a, b = L[1:3]
             inner, outer = a * a - 4 * b + 8 * p, (b + 2 * p) ** 2 - 4 * p * a * a
-            # if QQ(π) is not biquadratic, its real subfield is its only quadratic one
+            # if QQ(π) is not biquadratic, its real subfield is its only quadratic subfield
             if isqrt(inner) ** 2 != inner and isqrt(outer) ** 2 != outer:
                 factors = _power(L, ROOTS_OF_UNITY).factor()[1]
                 found |= {squarefree(inner)} if len(factors) == factors[0][1] == 1 else set()

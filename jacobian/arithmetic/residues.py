@@ -27,11 +27,11 @@ PART = 4096
 def integral_equation(C: HyperellipticCurve) -> list[int]:
     """The coefficients of F: h² + 4f times the square of the common denominator of f and h, divided by a power of 4.
 
-    y² = F(x) is the curve modulo all p that divide neither the denominator nor 2.
+    Modulo every odd p that does not divide the denominator, y² = F(x) is the curve.
     """
     scale = lcm(*(c.denominator for c in (*C.f, *C.h)))
     F = [int(c * scale * scale) for c in C.discriminant]
-    # square factors 4 are removed, such as that of F = 4f for h = 0
+    # factors 4 are squares and are removed; for h = 0 there is at least one, since F = 4f
     while all(c % 4 == 0 for c in F):
         F = [c // 4 for c in F]
     return F

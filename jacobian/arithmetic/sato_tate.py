@@ -5,10 +5,10 @@ In genus 2 there are 52 groups (Fité, Kedlaya, Rotger and Sutherland 2012). A c
 two angles α, β with L_p(T/√p) = Π (1 − 2cos α·T + T²)(1 − 2cos β·T + T²), a_1 = −2cos α − 2cos β, a_2 = 2 + 4·cos α·cos
 β, or by a law of a_2 alone where a_1 = 0. No table of moments is copied.
 
-A group with identity component U(1) is given by a group H of rotations, in the notation of that paper. It has the
-elements of H without J, or all of them without J and with J, or, for a subgroup H′ of index 2, those of H′ without J
-and the others with J. For u in U(1) and a rotation A of angles ±θ, u·A has α, β = φ ± θ with φ uniform, and J·u·A has
-a_1 = 0, a_2 = −2cos 2θ. Moments are integrals of trigonometric polynomials, computed exactly by sums over enough
+A group with identity component U(1) is given by a group H of rotations and an element J (notation of the 2012 paper).
+It has a component for each A in H; or for each A and each J·A; or, for a subgroup H′ of index 2, for each A in H′ and
+each J·A with A outside H′. For u in U(1) and a rotation A of angles ±θ, u·A has α, β = φ ± θ with φ uniform, and J·u·A
+has a_1 = 0, a_2 = −2cos 2θ. Moments are integrals of trigonometric polynomials, computed exactly by sums over enough
 points.
 
 Over QQ the endomorphisms of a factor with complex multiplication are never all rational, which leaves the groups of
@@ -141,11 +141,11 @@ def _unitary() -> dict[str, list[Part]]:
     for n, half in NEXT.items():
         odd = [pi * k / n for k in range(1, n, 2)]
         found[f"C{n},1"] = parts(_rotations(f"C{half}"), odd)
-        # H′ is D_(n/2): every second rotation about the main axis, and those about every second one of the other axes
+        # H′ is D_(n/2): every second rotation about the main axis and half turns about every second perpendicular axis
         found[f"D{n},1"] = parts(_rotations(f"C{half}") + [pi / 2] * half, odd + [pi / 2] * half)
     for n in (3, 4, 6):
         found[f"D{n},2"] = parts(_rotations(f"C{n}"), [pi / 2] * n)
-    # the rotations of the tetrahedron are taken without J, the other twelve of the octahedron, by π or π/2, with J
+    # without J: the twelve rotations of the tetrahedron; with J: the octahedron's other rotations, by π or π/2
     found["O,1"] = parts(_rotations("T"), [pi / 2] * 6 + [pi / 4] * 6)
     return found
 
@@ -158,7 +158,7 @@ def _others() -> dict[str, list[Part]]:
         plain = [_about(haar, _at(pi * k / n)) for k in range(n)]
         found[f"E{n}"] = plain
         found[f"J(E{n})"] = plain + [_even((2 * haar[0], haar[1]))] * n
-    # F is U(1)²; one angle is π/2 in the components of a and b, and both are in that of ab; c exchanges the angles
+    # F is U(1)²; one angle is π/2 in the components of a and b, both are in component ab; c exchanges the angles
     F, a, ab, ac = _of_angles(circle, circle), _of_angles(quarter, circle), _of_angles(quarter, quarter), _even(quarter)
     found |= {"F": [F], "Fa": [F, a], "Fab": [F, ab], "Fa,b": [F, a, a, ab], "Fac": [F, ac, ab, ac]}
     mixed, both = _of_angles(circle, haar), _of_angles(haar, haar)
@@ -178,10 +178,10 @@ def groups(genus: int) -> dict[str, list[Part]]:
 def over_the_rationals(genus: int) -> list[str]:
     """The names of the groups that are possible over QQ, where complex conjugation acts on complex multiplication.
 
-    So groups with identity component U(1) contain J, and those with U(1)² contain an element that inverts both factors.
-    The latter groups have four components: two factors with one field of complex multiplication would be isogenous, and
-    a CM field of degree 4 is contained in the field of definition of the endomorphisms. Groups with U(1) × SU(2) have
-    two. Not all of these groups occur.
+    So groups with identity component U(1) contain J, and groups with U(1)² contain an element that inverts both
+    factors. Groups with U(1)² have four components: two factors with one field of complex multiplication would be
+    isogenous, and a CM field of degree 4 is contained in the field of definition of the endomorphisms. Groups with
+    U(1) × SU(2) have two components. Not all of these groups occur.
     """
     never = {
         "U(1)",
@@ -201,8 +201,8 @@ def with_endomorphisms(genus: int, geometric: int, commutative: bool, rational: 
     """The names of the groups over QQ of Jacobians whose endomorphisms have the ranks ``geometric`` over ℂ and
     ``rational`` over QQ; ``commutative``: whether the endomorphism ring over ℂ is commutative.
 
-    That ring determines the identity component (Fité, Kedlaya, Rotger and Sutherland 2012). The rank over QQ is the
-    mean of a_1² (Costa, Fité and Sutherland 2019).
+    The ring over ℂ determines the identity component (Fité, Kedlaya, Rotger and Sutherland 2012). The rank over QQ is
+    the mean of a_1² (Costa, Fité and Sutherland 2019).
     """
     if genus == 1:
         return ["SU(2)"] if geometric == 1 else ["N(U(1))"]
@@ -292,7 +292,7 @@ def _square(off: Any, covariance: Any, count: int, root: float) -> float:
 
 
 def _telling(genus: int, first: str, other: str) -> int:
-    """About how many primes separate the second group from the first by χ² = APART; 0 if no number does."""
+    """About how many primes separate the group ``other`` from ``first`` by χ² = APART; 0 if none does."""
     (a, _), (b, covariance) = _expected(genus, first), _expected(genus, other)
     count = 100
     while first != other and count < 10**8:

@@ -21,7 +21,7 @@ EVERY = 5.0
 
 
 def path_of(path: File, argument: str = "path") -> Path:
-    """The Path of a file name; ArgumentError if it is none."""
+    """``path`` as a Path; ArgumentError if it does not name a file."""
     if not names_a_file(path):
         raise ArgumentError(f"{argument} = {shown(path)}: give the name of a file")
     return Path(path)

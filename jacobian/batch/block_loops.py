@@ -32,8 +32,8 @@ from jacobian.numbers.words import canonical, inverse, mul
 
 BLOCK = 256
 CHAINS = 32
-# where the parts of the scratch array begin: two divisors, the quotient (later the cubic or the quintic) and its
-# product, the other points on the quintic of genus 3, and the chains
+# where the parts of the scratch array begin: two divisors; the quotient (later the cubic or the quintic) and its
+# product; the sum in genus 2, u' of jacobian.addition.genus3 in genus 3; and the chains
 FIRST, SECOND, MIDDLE, PRODUCT, MEETING = 0, 6 * BLOCK, 12 * BLOCK, 16 * BLOCK, 17 * BLOCK
 BEFORE, TAIL = 21 * BLOCK, 22 * BLOCK
 SCRATCH = TAIL + CHAINS
@@ -126,7 +126,7 @@ def _of_genus(two: Any, three: Any) -> dict[type, Any]:
 STEPS: dict[Any, dict[type, Any]] = {divisor: _of_genus(line, row), close: _of_genus(close_lines, close_rows)}
 """For each step, the function of each equation; the choice is made at compile time."""
 SUMS = _of_genus(MEETING, SECOND)
-"""The offset of a block's sums in the scratch array. In genus 2 they do not overwrite the summands."""
+"""The offset of a block's sums in the scratch array. In genus 3 the sums overwrite the second summands."""
 
 
 # --- a block

@@ -1,5 +1,5 @@
-"""The equation on which compiled code adds rows. It has h = 0 unless the characteristic is 2, and a monic f if f has
-degree 5 or 7 in genus 2 or 3.
+"""The equation on which compiled code adds rows. It has h = 0 unless the characteristic is 2, and a monic f if deg f
+is 5 in genus 2 or 7 in genus 3.
 
 An :class:`Equation` holds the isomorphism of the given curve to this equation, (x, y) ↦ (cx, c^g·(y + shift(x))). On
 Mumford pairs it replaces v by v + shift modulo u, then u_i by c^(deg u − i)·u_i and v_i by c^(g − i)·v_i.

@@ -28,8 +28,8 @@ OPPOSITE = 2.0**-30
 # floats), or if the leading coefficient of p² − q²f in genus2_complex is below FLATTEST times the other coefficients
 FLATTEST_CHORD = 2.0**-12
 FLATTEST = 2.0**-20
-# f at the smallest point, and its leading term at the largest, must be at least this, relative to f at the largest
-# point: two fifths of 53 bits remain
+# f at the smallest point, and its leading term at the largest point, must be at least this fraction of f at the largest
+# point: then 21 of 53 bits remain
 EVEN = 2.0**-32
 TINY = 1e-300
 

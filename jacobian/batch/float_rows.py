@@ -196,7 +196,7 @@ class FloatRows:
         return self.add(x, x)
 
     def negate(self, x: Rows) -> Rows:
-        """The rows −x_i, with −(v + h) modulo u for v."""
+        """The rows −x_i: v becomes −(v + h) modulo u."""
         u0, u1, v0, v1 = x.data
         h0, h1, h2, h3 = self._h
         high = h2 - u1 * h3
@@ -236,7 +236,7 @@ class FloatRows:
         return result
 
     def _chosen(self, mask: Any, first: Rows, second: Rows) -> Rows:
-        """The rows of ``first`` where ``mask`` is true, else those of ``second``."""
+        """The rows of ``first`` where ``mask`` is true, else the rows of ``second``."""
         return _rows(np.where(mask, first.data, second.data), np.where(mask, first.kinds, second.kinds))
 
 

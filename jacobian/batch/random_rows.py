@@ -2,7 +2,7 @@
 
 Let P₁ … P_k be independent uniform affine points of a curve of genus g over GF(q), which has N such points and m
 rational points at infinity. For every character χ ≠ 1 of the Jacobian, the sum over the affine points satisfies |Σ
-χ(P)| ≤ (2g − 2)√q + m. Indeed, the sum over all points, with those at infinity, is the linear coefficient of the
+χ(P)| ≤ (2g − 2)√q + m. Indeed, the sum over all rational points, also at infinity, is the linear coefficient of the
 L-function of χ, a polynomial of degree 2g − 2 whose roots are of size 1/√q (Weil 1948).
 
 Consequently the mean of χ(P₁ + … + P_k) is at most ε^k, ε = ((2g − 2)√q + m)/N. By Cauchy and Parseval the sum is

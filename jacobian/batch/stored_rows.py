@@ -50,7 +50,7 @@ class StoredRows:
     """The operations on rows of one Jacobian.
 
     ``K`` is the context of the explicit formulas, ``words`` the context of all other loops: both store numbers in the
-    same form unless rows are floats. ``dtype`` is the dtype of rows, ``numbers`` that of arrays of field elements.
+    same form unless rows are floats. ``dtype`` is the dtype of rows, ``numbers`` the dtype of arrays of field elements.
     ``formulas`` is the short equation that the explicit formulas use, or None. One call of a loop adds at most ``step``
     rows.
     """
@@ -350,7 +350,7 @@ class StoredRows:
         return self.repeat(self.from_divisors([self.jacobian.zero()]), count)
 
     def replaced(self, x: Rows, index: Any, part: Rows) -> Rows:
-        """A copy of x in which the rows whose indices are in ``index``, an array of ints, are those of ``part``."""
+        """A copy of x in which the rows at ``index``, an array of ints, are replaced by the rows of ``part``."""
         out = Rows(x.data.copy(), x.degree.copy(), x.weight.copy())
         self.put(out, index, part)
         return out

@@ -65,7 +65,7 @@ class TwoWordRows(StoredRows):
         return words.view(WORDS)[..., 0]
 
     def uniform(self, draw: np.random.Generator, count: int) -> Any:
-        """The words of uniform random elements of a prime field: those of ``count`` draws that are below p."""
+        """The words of uniform random elements of a prime field: the numbers below p among ``count`` draws."""
         p = self.field.p
         low, high = draw.integers(1 << 64, size=(2, count), dtype=np.uint64)
         mask = (1 << p.bit_length()) - 1

@@ -110,7 +110,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
         return matches[0], next(z for z in roots if z is not matches[0])
 
     def _check_infinity(self, z: Element) -> None:
-        """Raises SingularCurve if at a double root z the other partial derivative, f_{2g+1} − h_g z, vanishes too."""
+        """Raises SingularCurve if f_{2g+1} − h_g z, the chart's derivative by t up to sign, is 0 at a double root z."""
         K: Any = self.field
         g = self.genus
         linear, product = coefficient(K, self.f, 2 * g + 1), K.mul(coefficient(K, self.h, g), z)
@@ -286,8 +286,8 @@ class HyperellipticCurve(CurveQuestions[Element]):
         return points[0]
 
     def points(self, bound: int | None = None) -> Iterator[Point[Element]]:
-        """All rational points, those at infinity first. Over QQ, a sieve over small primes finds those with numerator
-        and denominator of x up to ``bound``, at most 10,000.
+        """All rational points, first the points at infinity. Over QQ, a sieve over small primes finds the points with
+        numerator and denominator of x up to ``bound``, at most 10,000.
 
         Over a finite field the time is proportional to its order, and the logger ``jacobian.progress`` reports the
         remaining time. ArgumentError over RR, CC and MP.
@@ -330,7 +330,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
         # about half of the x carry points; a small field may have none at all
         for _ in range(0 if K.order is None and K.exact else 10000):
             found = self.lift_x(K.random(rng), all=True)
-            # some x have two points, others one: a single one is kept half of the time, so that all are equally likely
+            # some x have two points, others one: a single one is kept half of the time: all points are equally likely
             choice = random_below(rng, 2)
             if choice < len(found):
                 return found[choice]

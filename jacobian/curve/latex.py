@@ -8,7 +8,7 @@ from typing import Any
 from jacobian import poly
 from jacobian.fields.protocol import Field
 
-# a long int is shown as its first and last digits, with their number
+# a long int is shown as its first and last digits and the number of all its digits
 _INT = r"\d+(?:…\d+\[\d+ digits\])?"
 
 
@@ -36,7 +36,7 @@ def equation(K: Field, f: poly.Poly, h: poly.Poly) -> str:
 
 
 def term_of_y(K: Field, h: poly.Poly, written: str, bracketed: str, times: str) -> str:
-    """The term hy as text, after y²: y² − 2x·y, y² + (x + 1)·y. An h with several terms or inner signs is bracketed."""
+    """The term hy as text, after y²: y² − 2x·y, y² + (x + 1)·y. Brackets enclose an h with inner + − / j."""
     if not h:
         return ""
     if h == (K.one,):

@@ -1,7 +1,7 @@
 """Methods of a curve for its equation over other fields, its twist, and its points over finite fields.
 
 They belong to the base class of :class:`jacobian.curve.curve.HyperellipticCurve`. Methods that need the arithmetic of
-the Jacobian call those of :class:`jacobian.finite.group.FiniteGroup`.
+the Jacobian call methods of :class:`jacobian.finite.group.FiniteGroup`.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ class CurveQuestions(Immutable, Generic[Element]):
         equation: :class:`jacobian.arithmetic.record.LPolynomials` (Harvey and Sutherland 2014, 2016).
 
         ``file``: where the state of a long run is saved; the same call resumes from it. ``progress``: show a bar (tqdm,
-        in the extra app). FieldError over other fields, Infeasible in other genera or for bound > 2^24.
+        of the extra ``app``). FieldError over other fields, Infeasible in other genera or for bound > 2^24.
         """
         return self.jacobian().l_polynomials(bound, file, progress)
 

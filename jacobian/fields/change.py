@@ -62,8 +62,8 @@ class Embedding:
         return self.large.coefficients(y) if self.large.degree > 1 else [y]
 
     def _echelon(self) -> list[tuple[int, list[int], list[int]]]:
-        """The reduced echelon form of the coordinates of 1, b, …, b^(k−1), where b is the image of a: (pivot, row, the
-        row as a combination of these powers).
+        """The reduced echelon form of the coordinates of 1, b, …, b^(k−1), b the image of K's generator: (pivot, row,
+        the row as a combination of these powers).
         """
         k, size = len(self._powers), self.large.degree
         rows = [[*self._digits(power), *(int(i == j) for j in range(k))] for i, power in enumerate(self._powers)]

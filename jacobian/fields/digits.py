@@ -1,4 +1,4 @@
-"""GF(p^k) of any size: elements are split into base-p digits; products of digits are reduced by the modulus."""
+"""GF(p^k) of any size: an element's base-p digits are a polynomial, and products are reduced by the modulus."""
 
 from __future__ import annotations
 

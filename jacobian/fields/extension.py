@@ -47,7 +47,7 @@ class ExtensionField(FiniteField):
 
     def coerce(self, value: object, argument: str = "value") -> int:
         """The element given by a whole number in [0, p^k), ascending coefficients [c0, c1, …], or a galois scalar; else
-        FieldError. Fractions are read only as coefficients: [1/2] is the inverse of 2.
+        FieldError. Fractions are read only as coefficients: ["1/2"] is the inverse of 2.
         """
         if hasattr(type(value), "irreducible_poly") and hasattr(type(value), "order"):
             return self._coerce_galois(value, argument)

@@ -151,7 +151,7 @@ class FiniteFieldOf(Immutable, Generic[Element]):
     def artin_schreier(self, c: Element) -> Element:
         """One z with z² + z = c in characteristic 2, or NotASquare when the absolute trace of c is 1.
 
-        With Tr θ = 1, z = Σ_{i<j} c^(2^i) θ^(2^j) (IEEE P1363, A.4.7; for odd degree θ = 1 would give the half-trace).
+        With Tr θ = 1, z = Σ_{i<j} c^(2^i) θ^(2^j) (IEEE P1363, A.4.7). In odd degree θ = 1, and z is the half-trace.
         """
         degree = self.order.bit_length() - 1
         theta = self._trace_one

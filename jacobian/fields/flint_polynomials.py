@@ -60,7 +60,7 @@ def _extension_conversions(K: Any) -> Conversions:
 
 @cache
 def _extension_ring(p: int, modulus: tuple[int, ...]) -> tuple[Any, Any]:
-    """The field GF(p)[a]/modulus and its polynomials."""
+    """The field GF(p)[a]/modulus, and the ring of polynomials over it."""
     import flint
 
     field = flint.fq_default_ctx(modulus=prime_ring(p)(list(modulus)), var="a")
