@@ -119,7 +119,7 @@ def signed_windows(scalar: Any, width: int, digits: Any) -> Any:
     return last
 
 
-# --- over fields of word size: classes as arrays of :mod:`jacobian.addition.cantor_words`, and their curve
+# --- over fields of word size: classes and curve are arrays of :mod:`jacobian.addition.cantor_words`
 
 
 def plus(K: Any, C: Any, curve: Any, S: Any, a: Any, b: Any, result: Any) -> None:

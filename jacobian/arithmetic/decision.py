@@ -59,7 +59,7 @@ def _desk(g: int, p: int) -> Any:
     from jacobian.arithmetic.desk import HEAD, Desk
 
     n = 2 * g + 3
-    # baby steps: about the square root of the number of candidates, in genus 3 at most 20 rows of 40√p
+    # baby steps: the square root of the number of candidates; genus 3 has at most 20 rows of 40√p candidates
     steps = isqrt(1000 * isqrt(p)) if g == 3 else 4
     sizes = (HEAD + n + 2 * (g + 2), (ROWS, 4 * g + 8), (8, width(g)), n, n, (steps, width(g)), 4 * steps + 4, (24, 2))
     return Desk(*(np.zeros(size, np.int64) for size in (*sizes, (MOST, 2))))

@@ -5,7 +5,7 @@ rational points at infinity. For every character χ ≠ 1 of the Jacobian, the s
 χ(P)| ≤ (2g − 2)√q + m. Indeed, the sum over all rational points, also at infinity, is the linear coefficient of the
 L-function of χ, a polynomial of degree 2g − 2 whose roots are of size 1/√q (Weil 1948).
 
-Consequently the mean of χ(P₁ + … + P_k) is at most ε^k, ε = ((2g − 2)√q + m)/N. By Cauchy and Parseval the sum is
+Consequently the mean of χ(P₁ + … + P_k) has size at most ε^k, ε = ((2g − 2)√q + m)/N. By Cauchy and Parseval the sum is
 within ½·√#J·ε^k of the uniform distribution, in total variation (Farashahi, Fouque, Shparlinski, Tibouchi and Voloch
 2013, theorem 7). The number k of points is chosen to make this distance less than 2^-50: four at q = 2^61 in genus 2,
 six in genus 3. Where ε is too large, as for q < 9 in genus 2, classes are drawn one by one
