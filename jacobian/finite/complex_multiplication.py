@@ -1,5 +1,5 @@
-"""Frobenius of y² = bx^ℓ + a, ℓ = 2g + 1 = 5 or 7, over GF(p) for p of any size. The primes p ≡ 2 or 4 modulo 7, which
-have order 3, are excluded.
+"""Frobenius of y² = bx^ℓ + a, ℓ = 2g + 1 = 5 or 7, over GF(p) for p of any size. For ℓ = 7 the primes p ≡ 2 or 4
+modulo 7, which have order 3, are excluded.
 
 The automorphism x → ζx, ζ an ℓ-th root of unity, makes Z[ζ] act on the Jacobian. For p ≡ 1 modulo ℓ Frobenius is an
 element π of Z[ζ] with ππ̄ = p (Weil 1952). The ideal of π is that of α₁·…·α_g, where α generates a prime ideal over p

@@ -1,7 +1,8 @@
 """The number of points of a curve over small fields, and the Frobenius polynomial that follows from it.
 
-Over GF(q^i) of up to 2^20 elements, tables of logarithms show whether h² + 4f is a square, or give f/h², whose trace
-decides in characteristic 2. If q is an odd prime, numpy decides by the norm to GF(q), for up to 10^7 elements.
+Over GF(q^i) of up to 2^20 elements, tables of logarithms show whether h² + 4f is a square, or, in characteristic 2,
+give f/h², whose trace shows whether y exists. If q is an odd prime, the norm to GF(q) shows it, for up to 10^7
+elements.
 """
 
 from __future__ import annotations
@@ -157,7 +158,7 @@ def _count_by_norms(C: HyperellipticCurve, degree: int) -> int:
 def _norm(value: list[Any], frobenius: list[poly.Poly], modulus: poly.Poly, p: int) -> Any:
     norm = conjugate = value
     for _ in range(len(value) - 1):
-        # x^p = Σ c_i (a^i)^p, the images of the basis being the rows of ``frobenius``
+        # the p-th power of Σ c_i a^i is Σ c_i (a^i)^p, and row i of ``frobenius`` is (a^i)^p
         rows = [(*row, *[0] * (len(value) - len(row))) for row in frobenius]
         conjugate = [sum(c * row[j] for c, row in zip(conjugate, rows, strict=True)) % p for j in range(len(value))]
         norm = _multiply(norm, conjugate, modulus, p)

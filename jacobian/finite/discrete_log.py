@@ -142,7 +142,7 @@ def _hunt(base: Divisor, target: Divisor, low: int, width: int, rng: Rng) -> int
     mean = isqrt(width) // 2 + 1
     lengths = [1 + random_below(rng, 2 * mean) for _ in range(32)]
     jumps = [length * base for length in lengths]
-    # traps lie about √width/32 apart, so a few hundred of them are stored
+    # about one class in √width/32 is a trap, so a few hundred traps are stored
     mask = (1 << max(0, mean.bit_length() - 5)) - 1
     start = low + width // 2 + random_below(rng, mean)
     positions, distances = [start * base, target], [start, 0]

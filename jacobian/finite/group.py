@@ -94,7 +94,7 @@ class FiniteGroup(GroupLaw[Element]):
         return sum(self.frobenius_polynomial())
 
     def order_bounds(self) -> tuple[int, int]:
-        """The least and the largest #J that Weil's theorem allows over this field, of any size."""
+        """The least and the largest #J that Weil's theorem allows over this finite field."""
         from jacobian.finite.weil import order_bounds
 
         if self.field.order is None:

@@ -1,8 +1,8 @@
 """The characteristic polynomial of Frobenius modulo p, from the Cartier–Manin matrix (odd characteristic).
 
 For y² = F(x) the matrix has the coefficients of x^(ip−j) in F^((p−1)/2), 1 ≤ i, j ≤ g (Manin 1961; Yui 1978). Over
-extension fields and for small p python-flint raises F to that power. For larger p the coefficients obey a linear
-recurrence in the index (Bostan, Gaudry and Schost 2007), which divides by the index and so stops at p. It gives the
+extension fields and for small p python-flint raises F to that power. For larger p a linear recurrence in the
+index is used (Bostan, Gaudry and Schost 2007), which divides by the index and so stops at p. It gives the
 coefficients with i = 1 in O(g·p) operations, or, over GF(p) with p > 2^20, in Õ(√p) by
 :mod:`jacobian.finite.matrix_products`. The coefficients of g translates F(x + a) determine the matrix (Harvey and
 Sutherland 2016).
@@ -68,7 +68,7 @@ def _of_odd_degree(C: HyperellipticCurve) -> HyperellipticCurve:
 
 def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
     """The matrix A_ji = coefficient of x^(ip−j) in F^((p−1)/2), F = h² + 4f; None over GF(p) beyond COMPILED_FROM
-    without g elements F(a) ≠ 0.
+    without g elements a where F(a) ≠ 0.
     """
     K: Any = C.field
     g, p = C.genus, C.field.characteristic
@@ -99,7 +99,7 @@ def _by_translations(K: Any, F: poly.Poly, g: int) -> list[list[Any]] | None:
     """The Cartier–Manin matrix over GF(p) from the first columns of the matrices of g translates.
 
     A translation x → x + a maps A to B⁻¹·A·B^(p) with the binomial matrix B_jk = C(j−1, k−1)a^(j−k), so that
-    A·(a^p(j−1))_j = B·(first column of the translate's matrix).
+    A·(a^(p(j−1)))_j = B·(first column of the translate's matrix).
     """
     shifts = _translations(K, F, g)
     if shifts is None:

@@ -41,7 +41,7 @@ def order_of(D: Divisor, multiple: int | None = None, primes: Iterable[int] | No
 
 
 def reduce_order(D: Divisor, factors: dict[int, int]) -> int:
-    """The order of D from a factored multiple of it."""
+    """The order of D from a factored multiple of the order."""
     multiple = 1
     for prime, exponent in factors.items():
         multiple *= prime**exponent

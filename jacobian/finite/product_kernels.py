@@ -1,8 +1,8 @@
 """The loops of :mod:`jacobian.finite.matrix_products`, compiled: residues modulo p < 2^49 as floats within ±p/2.
 
-A matrix M(k) has the first row ((n + 1)i·c_i − k·c_i), i = 1 … d, with c_i = f_i/f_0, and k on its subdiagonal. A
-product of d × d matrices at many points is an array (d², points): its entry (r, c) at point i is ``values[d·r + c,
-i]``.
+A matrix M(k) has the first row ((n + 1)i·c_i − k·c_i), i = 1 … d, with c_i = f_i/f_0 and n = (p − 1)/2, and k on its
+subdiagonal. A product of d × d matrices at many points is an array (d², points): its entry (r, c) at point i is
+``values[d·r + c, i]``.
 """
 
 from __future__ import annotations

@@ -261,7 +261,7 @@ def _candidates(C: HyperellipticCurve) -> Candidates:
     excess = [_excess(C, residues)]
     candidates = _with_counts(C, excess, residues)
     # the points over one more extension are counted where that is fast, or faster than a search without this count: a
-    # step of the search takes about as long as counting this many elements
+    # step of the search takes about as long as counting ``step`` elements
     step = 1000 if q == C.field.characteristic != 2 else 8
     while (i := len(excess) + 1) <= g and q**i <= limit:
         if q**i > counting_is_quick(C) and q**i > step * isqrt(candidates.size()):

@@ -57,7 +57,8 @@ def _two_rank(C: HyperellipticCurve) -> int:
 
 
 def is_supersingular(C: HyperellipticCurve, chi: Any) -> bool:
-    """Whether the Newton polygon of χ over GF(p^k) is the line of slope k/2: p^⌈ik/2⌉ | a_i. ``chi`` computes χ.
+    """Whether the Newton polygon of χ over GF(p^k) is the line of slope k/2: p^⌈ik/2⌉ divides the coefficient of
+    T^(2g−i) for all i. ``chi`` computes χ.
 
     In characteristic 2 and genus 1 or 2 the p-rank decides, because it is 0 for no other polygon.
     """

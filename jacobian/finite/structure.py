@@ -70,13 +70,13 @@ class Structure(NamedTuple):
                 raise NotAMultiple(f"D = {shown(D)} is no sum of multiples of the generators")
             for place, c, exponent in zip(places, coordinates, group.exponents, strict=True):
                 part, whole = prime**exponent, self.invariants[place]
-                # the generator of the ℓ-part is whole/part times that of the group
+                # the generator of the ℓ-part, ℓ = prime, is whole/part times the generator of the group
                 c = c * pow(self.exponent // power, -1, part) % part
                 found[place] = (found[place] + c * (whole // part)) % whole
         return tuple(found)
 
     def _primary(self, prime: int, zero: Divisor) -> tuple[PrimaryGroup, list[int]]:
-        """The ℓ-part of the group, and the indices of those generators of the group whose multiples generate it."""
+        """The ℓ-part of the group, ℓ = ``prime``, and the indices of the generators whose multiples generate it."""
         group = PrimaryGroup(zero, prime)
         top = self.exponent.bit_length()
         exponents = {place: _valuation(d, prime, top) for place, d in enumerate(self.invariants) if d % prime == 0}
@@ -100,7 +100,10 @@ def _combinations(start: Any, steps: Any, counts: Any) -> Iterator[tuple[tuple[i
 
 
 class PrimaryGroup:
-    """A group of ℓ-power order with independent ``generators`` of orders ℓ^``exponents``, descending; starts as {0}."""
+    """A group of ℓ-power order, ℓ = ``prime``, with independent ``generators`` of orders ℓ^``exponents``, descending.
+
+    It starts as {0}.
+    """
 
     def __init__(self, zero: Divisor, prime: int) -> None:
         self.zero = zero

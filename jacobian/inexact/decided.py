@@ -4,7 +4,7 @@ The summands are moved onto the curve, within their last bits, and count as exac
 the sum. The first takes these summands, the second moves them by some hundred units of the last working bit, the third
 by a few units of the last bit *of the field*. The second and third pass repeat the decisions of the first: which
 quantities are zero, and which column is the largest. The second pass shows the error of the working precision, the
-third the effect of the field's own rounding of the summands, for any algorithm.
+third the effect of the field's own rounding of the summands.
 
 At first only a quantity that vanishes at every precision counts as zero. If the sum is then known to all but its last
 digits, it is returned. Otherwise a point of the sum may be at infinity, or points of the summands may be opposite, up

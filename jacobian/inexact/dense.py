@@ -82,7 +82,7 @@ def absolute(a: Sequence[Number]) -> Coefficients:
 def bound(monic: Sequence[Number]) -> Coefficients:
     """The modulus x^m − Σ |u_i|x^i for a monic u of degree m.
 
-    For a polynomial a, the remainder of Σ |a_i|x^i modulo it bounds that of a modulo u, because nothing cancels.
+    For a polynomial a, the remainder of Σ |a_i|x^i modulo this one bounds the remainder of a modulo u: nothing cancels.
     """
     return [-abs(c) for c in monic[:-1]] + [abs(monic[-1])]
 

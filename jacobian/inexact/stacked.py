@@ -9,7 +9,7 @@ The first congruence alone is the classical one; it loses all digits when D' = (
 second fails when D' approaches −D. Together, with q kept as an unknown, they determine p/q wherever the sum depends
 continuously on the summands; q → 0 means that a point of D' meets the opposite of a point of D. The sum has U'' ∝
 (p² − q²f)/(U·U'). V'' solves a system stacked in the same way, to which the equation of the curve is added, each row
-weighted by its rounding noise.
+divided by its rounding noise.
 
 Sizes are compared directly, since :mod:`jacobian.inexact.composition` chooses units in which the points are at |x| ≤ 1
 and f is of size 1. Numbers are those of a field, or have more bits. The argument ``field`` decides which numbers are
@@ -43,7 +43,7 @@ from jacobian.inexact.dense import (
 
 Pair = tuple[Coefficients, Coefficients]
 
-# the digits that p loses count as a remainder above one unit only if p is smaller than U by more than this factor
+# a p smaller than U has lost digits; the loss counts as a remainder above one unit only beyond this factor
 FEWER = 16
 
 UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
@@ -68,8 +68,8 @@ def compose(
     """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² = f(x), and a remainder.
 
     The remainder is the largest one of the divisions that are exact but for rounding, relative to its terms. ``plus``
-    is that of :class:`jacobian.inexact.at_infinity.Infinity`; without it NotRepresentable is raised where a point goes
-    to infinity.
+    is described in :class:`jacobian.inexact.at_infinity.Infinity`; without it NotRepresentable is raised where a point
+    goes to infinity.
     """
     (u1, v1), (u2, v2) = first, second
     f, (w1, _), both = list(f), residue(f, u1, v1), product(u1, u2)
@@ -199,7 +199,7 @@ def _second_polynomial(
     for slope, v, w in summands:
         noise = added(product(absolute(slope), absolute(v)), [abs(q * c) for c in w])
         stack(slope, added(product(slope, v), [-q * c for c in w]), noise)
-    # these rows are below the noise of the others. If opposite points leave many solutions, they select a small one
+    # these rows are below the noise of the rows above; if opposite points leave many solutions, they select a small one
     small = field.eps / (unit or 1)
     rows.extend([small if i == j else field.zero for j in range(m)] for i in range(m))
     right.extend([field.zero] * m)

@@ -158,7 +158,7 @@ def _reduced(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: Des
 
 
 def _inexact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None) -> Divisor:
-    """The class of Σ P_i minus infinity over an inexact field, whose kernel adds parts of at most g points. On a split
+    """The class of Σ P_i minus infinity over an inexact field, as a sum of parts of at most g points. On a split
     model the points must form one part whose weight is in range.
     """
     from jacobian.law.inexact_points import in_order

@@ -3,12 +3,13 @@
 An isomorphism maps the branch points, the roots of the form F = h² + 4f of degree 2g + 2, to branch points, and is
 determined by the images of three. So factors of F with three or more roots in total are chosen, and these roots are
 mapped in every possible way to roots of factors of the same degrees. Each choice gives a linear system over the field
-for (a : b : c : d).
+for (a : b : c : d) in x' = (ax + b)/(cx + d).
 
-Over QQ the same is done modulo a prime p of good reduction. The result is lifted to F'(ax + b, cx + d) = λF modulo
-powers of p, digit by digit, until the residues determine rational numbers. With integral F and F' the height of
-(a : b : c : d) is at most 6(‖F‖‖F'‖)³. Its entries are minors of rows (α, 1, −αβ, −β). The heights of α and β are at
-most the Mahler measures of F and F', and these are at most the norms (Landau 1905).
+Over QQ the same is done modulo a prime p of good reduction. The result is lifted to a solution of
+F'(ax + b, cx + d) = λF modulo powers of p, digit by digit, until the residues determine rational numbers. With
+integral F and F' the height of (a : b : c : d) is at most 6(‖F‖‖F'‖)³. Its entries are minors of rows
+(α, 1, −αβ, −β), α a root of F and β its image. The heights of α and β are at most the Mahler measures of F and F',
+which are at most the norms (Landau 1905).
 """
 
 from __future__ import annotations

@@ -251,7 +251,7 @@ class Expressions(Operators):
             raise CompileError(f"an item of {row.kind}")
         if index.is_known:
             return row.item(index.known())
-        # the items of such a tuple are of one kind
+        # the items of a tuple with a variable index are of one kind
         found, choose = row.item(0), self.chosen
         if is_abreast(index.kind):
             found, choose = self.cast(found, abreast(found.kind)), self.blended

@@ -46,7 +46,7 @@ def object_of(text: str, as_written: bool = False) -> bytes:
     if as_written:
         return bytes(machine.emit_object(module))
     options = llvm.create_pipeline_tuning_options(speed_level=2)
-    # SLP vectorisation, unlike that of loops, slows straight-line scalar code down
+    # SLP vectorisation, unlike loop vectorisation, slows straight-line scalar code down
     options.loop_vectorization, options.slp_vectorization = True, False
     builder = llvm.create_pass_builder(machine, options)
     builder.getModulePassManager().run(module, builder)

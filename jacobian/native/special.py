@@ -25,8 +25,8 @@ def adds_nothing(b: Operators, small: Value, large: Value) -> Value:
 
 @in_lanes
 def one_more(b: Operators, total: Value, x: Value, y: Value) -> Value:
-    """Instructions for :func:`jacobian.numbers.sums.plus_product`, in the form for overlapping parts if all arguments
-    are double-doubles."""
+    """Instructions for :func:`jacobian.numbers.sums.plus_product`; if all arguments are double-doubles, the two parts
+    of the total may overlap."""
     if any(v.kind is not WIDE for v in (total, x, y)):
         return b.binary("Add", total, b.binary("Mult", x, y))
     return Value(WIDE, step_of_sum(b, *total.parts, *x.parts, *y.parts))
@@ -34,7 +34,7 @@ def one_more(b: Operators, total: Value, x: Value, y: Value) -> Value:
 
 @in_lanes
 def both(b: Operators, x: Value, y: Value) -> Value:
-    """Instructions for :func:`jacobian.numbers.sums.joined`, for overlapping parts if both are double-doubles."""
+    """Instructions for :func:`jacobian.numbers.sums.joined`; the two parts of a double-double argument may overlap."""
     if any(v.kind is not WIDE for v in (x, y)):
         return b.binary("Add", x, y)
     return Value(WIDE, joined_steps(b, *x.parts, *y.parts))
