@@ -2,10 +2,11 @@
 
 A matrix M(k)/k, M linear in k, advances the window of d = deg F neighbouring coefficients
 (:mod:`jacobian.finite.hasse_witt`). The denominators have the product (p − 1)! = −1 (Wilson), so the start value is
-negated and M(k) is used alone. For β = 2^m near √p the entries of P(x) = M(x + β − 1)·…·M(x + 1) are polynomials of degree β − 1.
-Doubling gives their values at x = 0, β, 2β, …: P_2n(x) = P_n(x + n)·M(x + n)·P_n(x), P_n with n − 1 factors. Shifts
-give the values at x + n and at later points from the values at x. A shift is a convolution with 1/(a + t) (Bostan,
-Gaudry and Schost, theorem 5). No a + t vanishes: a is n/β or an integer, and t·β/n ≠ ±1 modulo p for |t| ≤ 2n, n | β/2.
+negated and M(k) is used alone. For β = 2^m near √p the entries of P(x) = M(x + β − 1)·…·M(x + 1) are polynomials of
+degree β − 1. Doubling gives their values at x = 0, β, 2β, …: P_2n(x) = P_n(x + n)·M(x + n)·P_n(x), P_n with n − 1
+factors. Shifts give the values at x + n and at later points from the values at x. A shift is a convolution with
+1/(a + t) (Bostan, Gaudry and Schost, theorem 5). No a + t vanishes: a is n/β or an integer, and t·β/n ≠ ±1 modulo p
+for |t| ≤ 2n, n | β/2.
 """
 
 from __future__ import annotations

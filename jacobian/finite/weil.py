@@ -1,7 +1,7 @@
 """Forms of the characteristic polynomial of Frobenius.
 
 χ(T) = T^2g + a_1 T^(2g−1) + … + q^g = T^g·R(T + q/T), R(z) = z^g + r_1 z^(g−1) + … + r_g; the roots of R are real and
-at most 2√q in size (Weil 1948). #J = χ(1) = R(1 + q), and χ(−1) is the order of the quadratic twist.
+at most 2√q in size (Weil 1948). #J = χ(1) = R(1 + q), and χ(−1) is #J of the quadratic twist.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ class Library:
     ``functions`` maps each entry's name to the function and the kinds of its arguments. ``library.name(…)`` calls it.
     ``special``, in addition to :data:`jacobian.native.special.SPECIAL`, maps functions to instructions that replace
     them. Sums in ``fast`` functions may be reordered. LLVM vectorises a loop only if the functions that it calls are
-    inlined. So functions whose loops are all unrolled are inlined, except ``inlined_but``; if that is None, LLVM decides.
+    inlined. So functions whose loops all unroll are inlined, except ``inlined_but``; if that is None, LLVM decides.
     Arrays are NumPy arrays; double-doubles have a last axis (hi, lo). An argument may be :class:`Packed`. Calls
     release Python's lock. The logger of this module reports when a library is not on disk and has to be compiled.
     """

@@ -33,8 +33,8 @@ class Instance(NamedTuple):
 
 class Program:
     """An LLVM module. ``special`` maps functions to writers of the instructions that replace them; if a writer returns
-    None, the function is compiled as it stands. Sums in ``fast`` functions may be reordered. Functions whose loops are all
-    unrolled are inlined, except ``inlined_but``; if that is None, LLVM decides.
+    None, the function is compiled as it stands. Sums in ``fast`` functions may be reordered. Functions whose loops are
+    all unrolled are inlined, except ``inlined_but``; if that is None, LLVM decides.
 
     Float operations may be contracted, but not in functions that take double-doubles.
     """
