@@ -34,7 +34,7 @@ def one_more(b: Operators, total: Value, x: Value, y: Value) -> Value:
 
 @in_lanes
 def both(b: Operators, x: Value, y: Value) -> Value:
-    """Instructions for :func:`jacobian.numbers.sums.joined`; the two parts of a double-double argument may overlap."""
+    """Instructions for :func:`jacobian.numbers.sums.joined`; if both are double-doubles, their parts may overlap."""
     if any(v.kind is not WIDE for v in (x, y)):
         return b.binary("Add", x, y)
     return Value(WIDE, joined_steps(b, *x.parts, *y.parts))
