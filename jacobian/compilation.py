@@ -58,8 +58,8 @@ def libraries() -> Iterator[Library]:
 
 
 def compile_all() -> Iterator[tuple[str, float]]:
-    """Compiles the libraries one after the other; yields (name, seconds) of each. Loading one from disk takes about 10
-    ms.
+    """Compiles the libraries one after the other; yields (name, seconds) of each. Loading a library from disk takes
+    about 10 ms.
     """
     for library in libraries():
         begun = perf_counter()

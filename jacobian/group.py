@@ -34,7 +34,9 @@ if TYPE_CHECKING:
     from jacobian.fields.protocol import Field
 
 LONG_OVER_Q, LONG_SCALAR = 20, 4096
-"""A scalar with more bits is first reduced modulo an order: over QQ that of the class, else that of the group."""
+"""Scalars of more bits are first reduced: over QQ modulo the order of the class, over a small finite field modulo the
+order of the group.
+"""
 COUNTED_AT_ONCE = 1 << 20
 """The largest estimate q^g of a group's size for which computing the order takes less time than a long multiple."""
 
@@ -58,7 +60,7 @@ class Jacobian(FiniteGroup[Element]):
         self.weight_of_zero = cantor.weight_of_zero(curve)
         model = curve.arithmetic_model
         self._model = model
-        # divisors move to the arithmetic model by v → v − z₀x^(g+1)
+        # divisors move to the arithmetic model by v → v − infinity_plus·x^(g+1)
         self._move = None if model is curve else poly.monomial(self.field, curve.infinity_plus, curve.genus + 1)
         if self.field.exact:
             self._adopt(kernel(model, self._adopt))
@@ -71,8 +73,8 @@ class Jacobian(FiniteGroup[Element]):
     def compile(self) -> None:
         """Adds with compiled code from now on, where the field has it (:mod:`jacobian.addition.choice`).
 
-        This happens automatically after some work; call this method to wait now instead. After ``python -m jacobian
-        compile`` the wait is about a second.
+        Compilation happens automatically after some work; call this method to wait for it now. After ``python -m
+        jacobian compile`` the wait is about a second.
         """
         chosen = compiled_kernel(self._model) if self.field.exact else None
         if chosen is not None:
@@ -114,7 +116,7 @@ class Jacobian(FiniteGroup[Element]):
         A pair with deg u ≤ g is stored with v taken modulo u; a semi-reduced pair with deg u > g is reduced. ``n``, the
         weight at ∞₊ on a split model, lies in 0 … g − deg u, and may be any int where deg u > g; the default ⌈(g − deg
         u)/2⌉ shares the weight evenly. On other models it must be None. Raises ArgumentError, FieldError, NotOnCurve
-        with the remainder, PrecisionLoss where its terms exceed the range of floats.
+        with the remainder of v² + hv − f, PrecisionLoss where that remainder exceeds the range of floats.
         """
         self._check_representable()
         u = self._check_monic(poly.coerce(self.field, u, "u"))

@@ -22,8 +22,8 @@ class Immutable:
     """Attributes can be set only while ``__init__`` runs (``_open`` is set meanwhile); afterwards AttributeError is
     raised.
 
-    Cached results go into ``vars(self)``, as those of ``cached_property`` do; a class names its other caches in
-    ``_caches`` and gives them a default. Comparison, hash and pickles leave them out: values are equal when they have
+    Cached results go into ``vars(self)``, where ``cached_property`` puts them; a class names its other caches in
+    ``_caches`` and gives them a default. Comparison, hash and pickles leave caches out: values are equal when they have
     the same type and the same :meth:`_value`. A copy is the value itself. A class without ``__dict__`` sets its slots
     by their descriptors.
     """
@@ -132,7 +132,7 @@ if TYPE_CHECKING:
 else:
 
     class quick_property(cached_property):
-        """A ``cached_property`` without a lock: Python 3.11's lock takes longer than the computation of these values.
+        """A ``cached_property`` without a lock: Python 3.11's lock takes longer than a short computation.
 
         Several threads may compute the value at the same time; their results are equal.
         """

@@ -1,6 +1,6 @@
 """Which distribution owns the package ``jacobian``: PyPI has another one with a package of this name.
 
-If both are installed into one folder, the files of the later one overwrite those of the other.
+If both are installed into one folder, the later installation overwrites files of the earlier one.
 """
 
 from __future__ import annotations

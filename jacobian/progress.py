@@ -18,7 +18,7 @@ FIRST, LONG, SAID_AGAIN = 0.5, 5.0, 5.0
 class Progress:
     """Reports the completed part of ``work`` and the remaining time every few seconds, at level INFO. One message is a
     warning, which Python shows by default: the first at which the remaining or the elapsed time is long. ``part``: the
-    number of parts before this one, and the number of all parts.
+    numbers of earlier parts and of all parts of the computation.
     """
 
     def __init__(self, name: str, work: float, part: tuple[int, int] = (0, 1)) -> None:

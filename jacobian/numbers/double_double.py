@@ -84,7 +84,7 @@ def _split_mpfr(x: Any) -> tuple[float, float]:
 
 @lru_cache(16)
 def _context(precision: int) -> Any:
-    """A gmpy2 context in which the difference of a number of that precision and a float near it is exact."""
+    """A gmpy2 context in which the difference of a number of this precision and a float near it is exact."""
     import gmpy2
 
     return gmpy2.context(precision=max(precision, 53) + 1)
@@ -108,7 +108,7 @@ def _split_any_mpf(x: Any) -> tuple[float, float]:
 def pack(numbers: Any) -> np.ndarray:
     """Nested sequences of numbers, or an array, as a float array of the same shape and a last axis (hi, lo).
 
-    The numbers and the exceptions are those of :func:`split`.
+    Numbers and exceptions are as in :func:`split`.
     """
     table = np.asarray(numbers)
     if table.dtype == np.float64 and np.isfinite(table).all():

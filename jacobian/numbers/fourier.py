@@ -79,7 +79,7 @@ def transformed(values: Row, rows: int, width: int, circle: Row, other: Row) -> 
 
 
 def pass_over(values: Row, out: Row, size: int, stride: int, circle: Row) -> None:
-    """Writes one level of the transform :func:`transformed` from ``values`` to ``out``."""
+    """Writes one level of :func:`transformed` from ``values`` to ``out``."""
     half, step = size // 2, len(circle) // size
     for p in range(half):
         begin, far, place = 2 * p * stride, 2 * (p + half) * stride, 4 * p * stride

@@ -10,7 +10,7 @@ from functools import lru_cache
 from math import sqrt
 from typing import Any
 
-Real = Any  # float, or the mpf of one context
+Real = Any  # float, mpf, long real or double-double
 
 
 def root(x: Real) -> Real:

@@ -24,8 +24,8 @@ CACHED = 1 << 16
 
 
 def _split(Q: Any, a0: Any, a1: Any, a2: Any, a3: Any, outer: Any, inner: Any, other: Any) -> Any:
-    """The residues modulo X^m ∓ W' and X^m ∓ W'', W'² = W, W''² = −W, from those modulo X^(4m) − W²: two levels of
-    :func:`forward`.
+    """The residues modulo X^m ∓ W' and X^m ∓ W'', W'² = W, W''² = −W, from residues modulo X^(4m) − W²: two levels
+    of :func:`forward`.
     """
     a0, a2, a3 = mul(Q, a0, 1.0), mul(Q, a2, outer), mul(Q, a3, outer)
     b1, b3 = mul(Q, a1 + a3, inner), mul(Q, a1 - a3, other)
@@ -167,8 +167,8 @@ def combined(P: Any, Q: Any, c: Any, residues: Any, begin: Any, scale: Any, out:
     """Sets out = scale·N modulo p, canonical. N is the integer of least size with the residues residues[i]·c[i]
     (Garner 1959).
 
-    ``Q``: the contexts of three primes. ``residues`` (2 or 3, size): those modulo the first two or all three; used from
-    column ``begin`` on. ``c``: a factor for each prime; 1/q₁ mod q₂, q₁ mod p, 1/q₁ and 1/q₂ mod q₃, q₁q₂ mod p.
+    ``Q``: the contexts of three primes q₁, q₂, q₃. ``residues`` (2 or 3, size): a row for each of the first two or all
+    three primes, used from column ``begin`` on. ``c``: a factor for each prime; 1/q₁ mod q₂, q₁ mod p, 1/q₁ and 1/q₂ mod q₃, q₁q₂ mod p.
     """
     first, second, third = Q
     for j in range(len(out)):

@@ -3,7 +3,7 @@
 An element ``a`` is represented by a·2^128 modulo p, an int in [0, p). Least residues need no spare bits, so one context
 serves every prime of two words. A sum is computed as the difference x − (p − y), and p is added if it is negative.
 Montgomery's reduction (1985) subtracts: with m = T/p modulo 2^128 the low halves of T and mp are equal, and the
-difference of the high ones lies between −p and p. Sums of products add up modulo 2^128·p before they are reduced.
+difference of the high halves lies between −p and p. Sums of products add up modulo 2^128·p before they are reduced.
 
 The functions of :mod:`jacobian.numbers.words` accept a :class:`TwoWords` too: in Python unchanged, and compiled by
 :mod:`jacobian.native.modular`. Formulas written with them therefore run on one word and on two.
@@ -96,7 +96,7 @@ def inverse(K: Any, x: Any) -> Any:
             v >>= zeros
             r <<= zeros
         k += zeros
-    # s·2^(256 − k) is 2^256/x. A doubling leaves 2^(255 − k), k ≥ 1, the product of two powers below 2^128
+    # s·2^(256 − k) is 2^256/x. Once s is doubled, 2^(255 − k), k ≥ 1, is a product of two powers below 2^128
     rest = 2 * BITS - 1 - k
     half = rest >> 1
     lifted = mul(K, add(K, s, s), long(1) << half)

@@ -121,7 +121,7 @@ def _genus(facts: Facts) -> Answer:
 
 def discriminant(C: HyperellipticCurve) -> Any:
     """2^(−4(g+1)) times the discriminant of the form h² + 4f of degree 2g + 2 (Lockhart 1994): for minimal equations of
-    genus 2 it is that of the LMFDB.
+    genus 2 it is the discriminant in the LMFDB.
     """
     F, n = C.discriminant, len(C.discriminant) - 1
     found = poly.resultant(QQ, F, poly.derivative(QQ, F)) / F[-1] * (-1) ** (n * (n - 1) // 2)
@@ -275,7 +275,7 @@ def _sato_tate(facts: Facts) -> Answer | None:
 
 def _quotient(facts: Facts) -> Answer | None:
     """Ω·Reg/#torsion². By the conjecture of Birch and Swinnerton-Dyer this is L^(r)(1)/r! divided by #Ш and the
-    Tamagawa numbers, if the classes generate J(QQ) and the equation is minimal.
+    Tamagawa numbers, if the generators found generate J(QQ) modulo torsion and the equation is minimal.
     """
     if facts.curve.genus != 2 or not facts.torsion.proven:
         return None

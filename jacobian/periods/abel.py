@@ -68,7 +68,7 @@ class AbelMap(AbelImage):
         """The divisor class, in the Jacobian of ``curve``, whose image is z modulo periods; z: g numbers of any size.
 
         It is the identity for z in the lattice (to half the digits), otherwise a class of weight g. PrecisionLoss where
-        the class has less weight or nearly coinciding points, where some hundred Newton steps do not reach it, or where
+        the class has less weight or nearly coinciding points, where Newton's method does not reach it, or where
         the result is off the curve or has another image.
         """
         given = self.check_image(z)

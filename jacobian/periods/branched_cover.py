@@ -22,7 +22,7 @@ from jacobian.periods.roots import check_separated, conjugated, simple_roots
 class Edge(NamedTuple):
     """An edge of the tree from branch point i to j, with its integrals ∫ x^k dx/Y.
 
-    The unit directions of its cycle at i and j are those of Y/√F'.
+    ``directions``: those of Y/√F' along the edge's cycle at i and at j, as numbers of modulus 1.
     """
 
     i: int
@@ -100,8 +100,8 @@ class BranchedCover:
     def edge(self, i: int, j: int, count: int | None = None) -> Edge:
         """The edge from branch point i to j with its integrals of x^k dx/Y, k < ``count`` (by default g), on one sheet.
 
-        They are computed by Gauss–Chebyshev quadrature. With x = m + dt, Y = c·√(1−t²)·Π√(±(t − u_k)), each factor
-        being holomorphic near [−1, 1].
+        They are computed by Gauss–Chebyshev quadrature. With x = middle + half·t and the ``others`` u_k, Y =
+        c·√(1−t²)·Π√(±(t − u_k)), where each √(±(t − u_k)) is holomorphic near [−1, 1].
         """
         numbers = self.numbers
         a, b = self.roots[i], self.roots[j]
@@ -122,12 +122,12 @@ class BranchedCover:
         return Edge(i, j, integrals, (start, end))
 
     def _moments(self, others: Vector, count: int) -> Vector:
-        """∫ t^m/Π√(±(t − u_k)) dt/(π√(1−t²)) over [−1, 1], m < ``count``."""
+        """∫ t^m/Π√(±(t − u_k)) dt/(π√(1−t²)) over [−1, 1], m < ``count``; ``others``: the u_k."""
         n = self.numbers.node_count(2 * min((ellipse(complex(u)) for u in others), default=8))
         return self._means(others, n, count)
 
     def _means(self, others: Vector, n: int, count: int) -> Vector:
-        """The mean of t^m/Π√(±(t − u_k)) over the n Chebyshev nodes, m < ``count``."""
+        """The mean of t^m/Π√(±(t − u_k)) over the n Chebyshev nodes, m < ``count``; ``others``: the u_k."""
         numbers, moments = self.numbers, [self.numbers.real(0)] * count
         real = all(u.imag == 0 for u in others)
         right, left = ([u for u in others if (u.real > 0) == side] for side in (True, False))

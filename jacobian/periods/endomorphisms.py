@@ -43,7 +43,7 @@ class Endomorphisms(NamedTuple):
     digits: int
 
     def over_the_rationals(self) -> list[Integers]:
-        """A QQ-basis of the endomorphisms over QQ, as matrices of the same kind."""
+        """A QQ-basis of the endomorphisms over QQ, each as a matrix of its action on the cycles."""
         size = range(len(self.matrices[0]))
         return [
             tuple(tuple(sum(m * R[i][j] for m, R in zip(c, self.matrices, strict=True)) for j in size) for i in size)

@@ -149,7 +149,7 @@ def reduced(found: Periods) -> Periods:
         if y22 < y11 * (1 - 1e-9):
             a1, a2, b1, b2 = a2, a1, b2, b1
         elif turns:
-            # A → AU, B → BU⁻ᵀ, U = (1 0; n 1)
+            # A → AU, B → BU⁻ᵀ, U = (1 0; turns 1)
             a1 = a1[0] + turns * a2[0], a1[1] + turns * a2[1]
             b2 = b2[0] - turns * b1[0], b2[1] - turns * b1[1]
         else:

@@ -17,7 +17,7 @@ from jacobian.periods.quadrature import Vector
 
 @dataclass(frozen=True, eq=False)
 class SecondKind:
-    """The differentials ρ_1 … ρ_g and their periods, numbers of the same kind as those of the PeriodMatrix.
+    """The differentials ρ_1 … ρ_g and their periods, in the numbers of the PeriodMatrix.
 
     ``polynomials``: the r_j, ascending, j = 1 … g; ``A`` and ``B``: g×g tuples of rows, A[j][i] = ∮ ρ_(j+1) along a_i
     of the PeriodMatrix. The η and η′ of Weierstrass and Baker are −A/2, −B/2.

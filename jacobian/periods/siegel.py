@@ -1,5 +1,5 @@
 """Period matrices reduced by Sp(2g, ℤ) so that theta series converge fast (Siegel 1964; Deconinck and others 2004, with
-LLL's reduction of Im τ).
+the LLL reduction of Im τ).
 """
 
 from __future__ import annotations

@@ -191,7 +191,7 @@ class ExtendedGroup(Immutable):
         K, g = self.field, len(D.u) - 1
         w, rest = poly.divide(K, poly.sub(K, self.f, poly.mul(K, D.v, D.v)), D.u)
         # x is of size 2^size at the points of the pair, and f of size 4^height. A column is scaled by the size of the
-        # coefficient of V or U that it moves, a row by that of f
+        # coefficient of V or U that it moves, a row by the size of f
         exponents = list(map(K.exponent, D.u[:-1]))
         size = max((-(-e // (g - i)) for i, e in enumerate(exponents) if e is not None), default=1)
         height = max(e + size * i for i, e in enumerate(map(K.exponent, self.f)) if e is not None) // 2

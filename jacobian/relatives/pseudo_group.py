@@ -38,7 +38,7 @@ INDICES = list(combinations_with_replacement(range(4), 2))
 """The indices (i, j), i ≤ j, of the forms b_ij and of the quadratic monomials of a point."""
 TERMS = list(combinations_with_replacement(range(len(INDICES)), 2))
 LEADING = TERMS.index((INDICES.index((0, 0)), INDICES.index((3, 3))))
-"""The index of the term ξ₁²η₄² + ξ₄²η₁², which has the coefficient 1 in b₁₁."""
+"""The index of the term ξ₁²η₄² + ξ₄²η₁² of two points ξ and η, which has the coefficient 1 in b₁₁."""
 CLASSES = 2 * len(TERMS) + 6
 STEP = 1 << 8
 """The number of points in one call of a loop over points."""
@@ -294,7 +294,7 @@ def biquadratic(surface: KummerSurface) -> list[list[int]]:
 def biquadratic_modulo(surface: KummerSurface, J: Jacobian) -> list[int]:
     """The coefficients of :func:`biquadratic` modulo a prime of 61 bits, in one list.
 
-    The ratio of b₁₁ to b₁₂ determines these two, and b₁₁ the others.
+    The ratio of b₁₁ to b₁₂ determines these two forms, and b₁₁ determines all other forms.
     """
     from flint import nmod_mat
 

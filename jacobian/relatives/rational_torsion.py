@@ -32,7 +32,7 @@ from jacobian.relatives.torsion_lifts import grow
 Subgroups = dict[int, PrimaryGroup]
 """The Sylow subgroups by their primes."""
 
-# the reductions modulo REDUCTIONS primes bound the group, or fewer if the next has more than MOST_CLASSES classes
+# the reductions modulo REDUCTIONS primes bound the group, or fewer if the next J(GF(p)) is larger than MOST_CLASSES
 REDUCTIONS, MOST_CLASSES = 8, 10**7
 # sums and differences of the first SUMMED points are tried, and u with coefficients of size at most SMALL
 SUMMED, SMALL = 12, 6

@@ -201,7 +201,7 @@ class RayClassGroup(Immutable):
         if poly.evaluate(K, u, x0) != K.zero:
             return []
         if poly.evaluate(K, cantor.cofactor(model, u, v), x0) == K.zero:
-            # y − v vanishes to too high an order at the point of D; y − v − u does not, as it is not a branch point
+            # y − v vanishes to too high an order at the point of D; y − v − u does not, as this is no branch point
             v = poly.add(K, v, u)
         return [self._minus(v)]
 
