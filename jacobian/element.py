@@ -91,11 +91,11 @@ class Arithmetic(Protocol[Element]):
         """The element that ``value`` stands for, or a FieldError that names ``argument``.
 
         Every field reads rational numbers (:func:`jacobian.fields.coercion.rational`): ints of any kind, fractions,
-        Decimals, and strings such as "3", "-1/3", "0.25" and "1e3". GF(p) takes rational numbers whose denominator p does
-        not divide. GF(p^k) writes its elements as ints, so it takes only whole numbers and lists of coefficients. RR,
-        CC and MP round a rational number once, and read floats too; CC and MP(dps, complex=True) also read complex numbers; exact
-        fields refuse floats, because 0.1 is not 1/10. An array without dimensions counts as its number. NaN,
-        infinities, bytes, sequences and other arrays are refused.
+        Decimals, and strings such as "3", "-1/3", "0.25" and "1e3". GF(p) takes rational numbers whose denominator p
+        does not divide. GF(p^k) writes its elements as ints, so it takes only whole numbers and lists of coefficients.
+        RR, CC and MP round a rational number once, and read floats too; CC and MP(dps, complex=True) also read complex
+        numbers; exact fields refuse floats, because 0.1 is not 1/10. An array without dimensions counts as its number.
+        NaN, infinities, bytes, sequences and other arrays are refused.
         """
         ...
 

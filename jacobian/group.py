@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from jacobian.fields.protocol import Field
 
 LONG_OVER_Q, LONG_SCALAR = 20, 4096
-"""Scalars of more bits are first reduced: over QQ modulo the order of the class, over a small finite field modulo the
-order of the group.
+"""Scalars of more bits than these are first reduced: over QQ modulo the order of the class, in a small finite group
+modulo its order.
 """
 COUNTED_AT_ONCE = 1 << 20
 """The largest estimate q^g of a group's size for which computing the order takes less time than a long multiple."""
@@ -116,7 +116,7 @@ class Jacobian(FiniteGroup[Element]):
         A pair with deg u ≤ g is stored with v taken modulo u; a semi-reduced pair with deg u > g is reduced. ``n``, the
         weight at ∞₊ on a split model, lies in 0 … g − deg u, and may be any int where deg u > g; the default ⌈(g − deg
         u)/2⌉ shares the weight evenly. On other models it must be None. Raises ArgumentError, FieldError, NotOnCurve
-        with the remainder of v² + hv − f, PrecisionLoss where that remainder exceeds the range of floats.
+        with the remainder of v² + hv − f, PrecisionLoss where terms of this remainder exceed the range of floats.
         """
         self._check_representable()
         u = self._check_monic(poly.coerce(self.field, u, "u"))

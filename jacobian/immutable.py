@@ -25,7 +25,7 @@ class Immutable:
     Cached results go into ``vars(self)``, where ``cached_property`` puts them; a class names its other caches in
     ``_caches`` and gives them a default. Comparison, hash and pickles leave caches out: values are equal when they have
     the same type and the same :meth:`_value`. A copy is the value itself. A class without ``__dict__`` sets its slots
-    by their descriptors.
+    by their descriptors or by ``object.__setattr__``.
     """
 
     # the flag is not in __dict__, which would make later reads slower

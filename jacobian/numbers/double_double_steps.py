@@ -1,11 +1,11 @@
 """The algorithms of double-double numbers, as instructions (:mod:`jacobian.native.code` writes them).
 
 Without underflow and overflow the relative errors are at most, with u = 2^-53: sum 3u² + 13u³, product 4u², quotient
-9.8u² (Joldes, Muller & Popescu 2017, algorithms 6, 12, 18; product: Muller & Rideau 2022). If the second operand is a float, the
-bounds are 2u², 2u², 3u² (algorithms 4, 9, 15). The bound of the square root is 25u²/8 (Lefèvre, Louvet, Muller, Picot &
-Rideau 2023, algorithm SQRTDWtoDW). The error-free sums are Knuth's (two_sum) and Dekker's; the product is by fused
-multiplication (Hida, Li & Bailey 2001). No instruction may carry a fast-math flag, which would take the error terms for
-zero.
+9.8u² (Joldes, Muller & Popescu 2017, algorithms 6, 12, 18; product: Muller & Rideau 2022). If y is a float, the bounds
+of x + y, xy, x/y are 2u², 2u², 3u² (algorithms 4, 9, 15). The bound of the square root is 25u²/8 (Lefèvre, Louvet,
+Muller, Picot & Rideau 2023, algorithm SQRTDWtoDW). The error-free sums are Knuth's (two_sum) and Dekker's; the product
+is by fused multiplication (Hida, Li & Bailey 2001). No instruction may carry a fast-math flag, which would take the
+error terms for zero.
 """
 
 from __future__ import annotations

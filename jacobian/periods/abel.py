@@ -32,7 +32,7 @@ class AbelMap(AbelImage):
     """The Abel–Jacobi map D ↦ Σ ∫ x^k dx/(y + h/2), k = 0 … g−1, of a curve over RR, CC or MP(dps).
 
     ``periods``: its PeriodMatrix; ``curve``: the curve over the complex field, whose Jacobian contains the results of
-    ``inverse``. ``roots``: those of f + h²/4, if known. Raises the exceptions of
+    ``inverse``. ``roots``: the roots of f + h²/4, if known. Raises the exceptions of
     :func:`jacobian.periods.matrix.periods`.
     """
 

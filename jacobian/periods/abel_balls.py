@@ -74,7 +74,7 @@ class AbelBalls(Immutable):
         return self._at_some_precision(image, "the image")
 
     def inverse(self, z: Sequence[Any]) -> BallDivisor:
-        """The divisor of weight g with the image z, in balls that provably contain one for every z in the given balls.
+        """The divisor of weight g with the image z, in balls that provably contain it for every z in the given balls.
 
         ``z``: g balls, or numbers taken as exact, modulo periods. PrecisionLoss where the class has, or may have, less
         weight, where points nearly coincide with each other, with a branch point or with infinity, or where z is not

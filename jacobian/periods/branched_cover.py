@@ -81,7 +81,7 @@ class BranchedCover:
         return self.curve.field.coerce(e, argument)
 
     def rounded(self, matrix: Sequence[Vector]) -> tuple[tuple[Any, ...], ...]:
-        """Rows of working numbers as numbers of the complex field that contains the curve's."""
+        """Rows of working numbers as numbers of the complex field that contains the field of the curve."""
         field = complex_field(self.curve.field)
         return tuple(tuple(field.coerce(x) for x in row) for row in matrix)
 

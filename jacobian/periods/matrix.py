@@ -28,7 +28,7 @@ class Oval(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PeriodMatrix(Immutable):
-    """Periods of x^k dx/(y + h/2), k < g, as numbers of the complex field that contains the curve's, or as balls.
+    """Periods of x^k dx/(y + h/2), k < g, as numbers of a complex field or as balls.
 
     ``A`` and ``B``: g×g tuples of rows, A[k][j] = ∮ of differential k along a_j, with a_i·b_j = δ_ij and no other
     crossings. ``cover``, ``edges``, ``working``: branch points, half-periods and (A, B) in working numbers.

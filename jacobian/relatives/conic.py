@@ -1,12 +1,13 @@
 """The conic Picard group: the pencil of semi-reduced divisors of degree g+1 in one class, and steps along it.
 
 A semi-reduced pair (U, V) of degree N = g+1 has one parameter more than a class of the Jacobian: each class contains a
-pencil of them. With P = V + cU, the function y − P has N zeros besides the points of (U, V). The opposites of these N zeros
+pencil of pairs. With P = V + cU, the function y − P has N zeros besides the points of (U, V). The opposites of these N
+zeros
 
     Ũ = (P² + hP − f)/U, made monic,    Ṽ = −P − h mod Ũ
 
-form another member of the pencil, and every c gives one. The *step* through a plane point (x₀, y₀) takes c = (y₀ − V(x₀))/U(x₀),
-so that the curve y = P(x) passes through that point, or c = y₀ for x₀ = ∞ (Tsiganov's addition in Pic Y is the step
+form another member of the pencil, one for every c. The *step* through a plane point (x₀, y₀) takes c = (y₀ −
+V(x₀))/U(x₀), so that the curve y = P(x) passes through that point, or c = y₀ for x₀ = ∞ (Tsiganov's addition in Pic Y is the step
 through (0, 0)). Since y − P has the value y − y₀ over x₀, the step adds the class of y − y₀ in the generalized Jacobian
 with modulus π*(x₀), and leaves the class in the Jacobian unchanged. Hence steps at one x₀ compose by the group law of
 :class:`jacobian.relatives.fibre.FibreGroup`,

@@ -9,7 +9,7 @@ A pair (U, V) on y² = f(x) carries any of these, each a group extension:
 * on a model of odd degree the second-kind datum Ω = Σ∫x^g dx/y, with its pole at ∞;
 * on a model of even degree with leading coefficient r² the third-kind datum Z = exp(rΣ∫x^g dx/y), modulus ∞₊ + ∞₋.
 
-A composition adds or multiplies these data. A reduction step, f − V² = κ·U·U', V' = −V mod U', changes them according
+A composition adds or multiplies these data. A reduction step, f − V² = −c·U·U', V' = −V mod U', changes them according
 to the function y − V. These two operations suffice for every degree and genus, and no root is taken. Over inexact
 fields the degrees are assumed to be those of summands in general position, and the caller compares two precisions. The
 sign-resolved group of :mod:`jacobian.relatives.signed` is the case of genus 2 with lifts; it has steps at infinity too.

@@ -251,7 +251,7 @@ def principal_divisor(curve: HyperellipticCurve, a: Any, b: Any = ()) -> FormalS
 
 
 def intersection(D: Divisor, E: Divisor) -> Intersection:
-    """The curve y = P(x) of lowest degree through two divisors of one group over an exact field.
+    """The curve y = P(x) of lowest degree through two divisors of one group over an exact field, as an Intersection.
 
     In genus two let D and E have weight two and be in general position. Then P is a cubic, and y = P(x) meets the curve
     in the points of D, E and −(D + E) (Abel 1841). At a common point of D and E it is tangent to the curve; opposite

@@ -51,8 +51,8 @@ class SignedGroup(Immutable):
     """The group of divisors on y² = f(x) with pairs at the given branch points.
 
     The weight of the divisors is two for deg f = 5, the Jacobian of a curve of genus 2, and for deg f = 4, the
-    generalized Jacobian of an elliptic curve with modulus ∞₊ + ∞₋. The weight is one for deg f = 3, an elliptic curve. Summands
-    of weight one are admitted for deg f = 5 and 3 if the field contains √(leading coefficient).
+    generalized Jacobian of an elliptic curve with modulus ∞₊ + ∞₋. The weight is one for deg f = 3, an elliptic curve.
+    Summands of weight one are admitted for deg f = 5 and 3 if the field contains √(leading coefficient).
     """
 
     def __init__(self, curve: HyperellipticCurve, branch_points: Sequence[Any]) -> None:
@@ -112,7 +112,7 @@ class SignedGroup(Immutable):
         return D._replace(v=poly.neg(K, D.v), pairs=pairs)
 
     def double(self, D: SignedDivisor) -> SignedDivisor:
-        """D + D, with κ = 1 (−1 for weight one): the sum's κ is a square, whose root is moved into σ and ν."""
+        """D + D, with κ = 1 (−1 for weight one): since the sum has ±κ², the κ of D is moved into σ and ν."""
         K = self.field
         total, sign = self.add(D, D), K.one if self.weight == 2 else K.neg(K.one)
         scales = [K.mul(sign, k) for k in D.kappas]
