@@ -22,7 +22,7 @@ from jacobian.periods.roots import check_separated, conjugated, simple_roots
 class Edge(NamedTuple):
     """An edge of the tree from branch point i to j, with its integrals ∫ x^k dx/Y.
 
-    ``directions``: those of Y/√F' along the edge's cycle at i and at j, as numbers of modulus 1.
+    ``directions``: the direction of Y/√F' on the edge's cycle at i and at j, a number of modulus 1.
     """
 
     i: int
