@@ -211,7 +211,7 @@ class AbelMap(AbelImage):
 
 
 def complexified(curve: HyperellipticCurve, field: Any) -> HyperellipticCurve:
-    """The same curve over a complex field, with the same point named ∞₊."""
+    """``curve`` over a complex field; the point ∞₊ stays ∞₊."""
     machine = field.dps is None
 
     def move(c: Any) -> Any:

@@ -37,7 +37,7 @@ class AbelImage(Immutable):
         return self.periods.cover
 
     def check_divisor(self, D: Any) -> Divisor:
-        """D, if it is a divisor class of one of the curves; else CurveMismatch."""
+        """D, if it is a divisor class of ``curve`` or ``given``; else CurveMismatch."""
         if not isinstance(D, Divisor) or D.jacobian.curve not in (self.curve, self.given):
             raise CurveMismatch(f"D = {shown(D)} is not a divisor class of {self.given!r}")
         return D

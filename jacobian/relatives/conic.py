@@ -7,8 +7,8 @@ zeros
     Ũ = (P² + hP − f)/U, made monic,    Ṽ = −P − h mod Ũ
 
 form another member of the pencil, one for every c. The *step* through a plane point (x₀, y₀) takes c = (y₀ −
-V(x₀))/U(x₀), so that the curve y = P(x) passes through that point, or c = y₀ for x₀ = ∞ (Tsiganov's addition in Pic Y
-is the step through (0, 0)). Since y − P has the value y − y₀ over x₀, the step adds the class of y − y₀ in the
+V(x₀))/U(x₀), so that the curve y = P(x) passes through that point, or c = y₀ for x₀ = ∞. (Tsiganov's addition in Pic Y
+is the step through (0, 0).) Since y − P has the value y − y₀ over x₀, the step adds the class of y − y₀ in the
 generalized Jacobian with modulus π*(x₀), and leaves the class in the Jacobian unchanged. Hence steps at one x₀ compose
 by the group law of :class:`jacobian.relatives.fibre.FibreGroup`,
 

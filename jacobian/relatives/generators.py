@@ -85,7 +85,7 @@ def _euclid(rows: list[tuple[list[int], Divisor]]) -> list[Divisor]:
 
 
 def _reduced(basis: list[Divisor], digits: int) -> list[Divisor]:
-    """A basis of the same lattice with small heights, found by LLL, sorted by height."""
+    """A basis with small heights of the lattice that ``basis`` spans, found by LLL and sorted by height."""
     from flint import fmpz_mat
 
     if not basis:

@@ -85,7 +85,7 @@ class GeneralizedJacobian(Jacobian):
         return Divisor(self, u, v if self.field.exact else (*v, self.field.zero)[:2], None)
 
     def change_ring(self, K: Field[Other]) -> GeneralizedJacobian:
-        """The same group of the curve over the field K."""
+        """The generalized Jacobian of the curve over the field K."""
         return GeneralizedJacobian(self.curve.change_ring(K))
 
     def random(self, rng: Rng | None = None, size: int | None = None) -> Any:
