@@ -41,7 +41,7 @@ class BallDivisor(NamedTuple):
 class AbelBalls(Immutable):
     """The Abel–Jacobi map D ↦ Σ ∫ x^k dx/(y + h/2), k = 0 … g−1, of a curve over QQ, RR, CC or MP(dps), in balls.
 
-    Radii are at most 10^−digits times the largest period. Conventions are those of AbelMap, which is this map in floats.
+    Radii are at most 10^−digits times the largest period. Conventions are those of AbelMap, the map in floats.
     Exceptions are those of :func:`jacobian.periods.proven.period_balls`.
     """
 

@@ -55,7 +55,7 @@ def endomorphisms(C: HyperellipticCurve, digits: int = 100) -> Endomorphisms:
     """The endomorphisms of the Jacobian of a curve over QQ, found from periods in balls with this many digits.
 
     They are numerical evidence: A·Π = Π·R holds to some four fifths of the digits, relative to the largest entries that
-    R may have, which have a quarter of the digits. PrecisionLoss if a small relation does not hold;
+    R may have, at most a quarter of the digits long. PrecisionLoss if a small relation does not hold;
     FieldError over other fields, Infeasible beyond genus 4.
     """
     if C.field != QQ:
