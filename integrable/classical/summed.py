@@ -19,7 +19,7 @@ class SummedFlow(MumfordFlow):
     """The motion, at any times, of a state whose pair has one point in each of g ovals."""
 
     _takes_theta = False
-    # where double-doubles do not resolve the motion, the sums are computed in long numbers
+    # states in long numbers come from the same sums, so their way has the torus's name
     _long_way = TORUS
 
     def _budget(self, count: int) -> float:

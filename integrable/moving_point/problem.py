@@ -107,7 +107,7 @@ def problem_row(given: Row, tilted: bool, out: Row) -> None:
     out[TIME_SCALE], out[RATIO], out[HEAVINESS], out[MOMENTUM] = 2 * top * spin, ratio, e * top, spin
     out[HALF_STEP] = 2 * REACH * min(out[6], out[7], out[8], ratio) / root(-out[0])
     out[MATRIX], out[MATRIX + 1], out[MATRIX + 2], out[MATRIX + 3] = across, -(s * k), across * rise, s
-    # g² is Σσ², and (1 − du₁)(1 − du₂) = g²·Π(1 − dα_i)
+    # r_i = 1 − dα_i, and Πr_i = (1 − du₁)(1 − du₂)/g²
     out[SLOWNESS] = s * root(r[0] * r[1] * r[2])
     out[CONTACT], out[CONTACT + 1], out[CONTACT + 2] = r
     out[INVARIANTS], out[INVARIANTS + 1] = h1, h2

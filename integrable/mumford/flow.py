@@ -47,7 +47,7 @@ RIGHT = 1e-12
 # trying (python -m benchmarks near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(2000, 3), 3: Cost(60_000, 100)}
-# the finest steps may take this fraction of the cost of a torus of genus ≥ 3 before it is made: 23 ms of 62 for
+# series in FINEST steps may cost this fraction of a torus of genus ≥ 3 before it is made: 23 ms of 62 for
 # Neumann's point on S³ to t = 1000
 SHARE_OF_FINEST = 1 / 3
 # from this many times on, additions take at least as long as a torus that additions confirm: 34 ms against 19 in genus

@@ -273,9 +273,7 @@ def pairs_of_columns(columns: Sequence[Column]) -> np.ndarray:
 def rates_on(
     sums: ThetaSums, size: Column, places: Sequence[Column], rate: Rate, grid: tuple[int, int], known: np.ndarray | None
 ) -> np.ndarray:
-    """A rate on a grid of the torus, in double-doubles of shape (rows, columns, 2); ``sums`` are the series of its
-    branch point.
-    """
+    """dt/dτ on a grid of the torus, double-doubles of shape (rows, columns, 2); ``sums`` are series at ``rate.e``."""
     rows, columns = (np.arange(n) / n for n in grid)
     phases = [x.ravel() for x in np.meshgrid(rows, columns, indexing="ij")]
     out = sums_at(sums, pairs_of_columns([Column(x) + place for x, place in zip(phases, places, strict=True)]))

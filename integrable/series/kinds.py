@@ -31,7 +31,7 @@ MODULES = [
     f"integrable.series.{name}" for name in ("room", "steps_text", "sums_text", "symbols", "tape", "text", "walk_text")
 ]
 ENTRIES = ("start", "series", "ratios", "advance", "dense")
-# alignment of a room in bytes, the length of a cache line
+# alignment of memory in bytes, the length of a cache line
 LINE = 64
 
 

@@ -41,9 +41,7 @@ class Side(NamedTuple):
 
 
 class Room:
-    """The memory of a compiled walk, called a room: the positions of a tape's coefficients, in vectors of ``lanes``
-    floats.
-    """
+    """The memory of a compiled walk: the positions of a tape's coefficients, in vectors of ``lanes`` floats."""
 
     def __init__(self, tape: Tape, count: int, orders: Orders, lanes: int) -> None:
         self.tape, self.count, self.orders, self.lanes = tape, count, orders, lanes
@@ -59,7 +57,7 @@ class Room:
         self.begin = begin + -begin % ABREAST
         self.apart = count + -count % ABREAST
         begin = self.begin + (order + max(wide, 0) + 2) * self.apart
-        # a room has only the coefficients of order 0, as hi and lo, of constants and of factors that are no variables
+        # only the coefficients of order 0 are kept, as hi and lo, of constants and of factors that are no variables
         kept = {n for n, kind in enumerate(tape.kinds) if kind == CONSTANT}.union(*self.factors.values())
         self._highs = {n: begin + 2 * i for i, n in enumerate(sorted(kept - set(range(count))))}
         begin += 2 * len(self._highs)

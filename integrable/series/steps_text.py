@@ -20,7 +20,7 @@ BLOCK = 150
 
 
 class Series(Sums):
-    """The LLVM text that computes the coefficients of a room."""
+    """The LLVM text that computes a walk's coefficients."""
 
     def __init__(self, room: Room, count: int) -> None:
         super().__init__(room)
@@ -30,7 +30,7 @@ class Series(Sums):
         self._blocks = 0
 
     def function(self) -> str:
-        """The LLVM function; the room must hold its constants, units and coefficients of order 0 before the call."""
+        """The LLVM function; constants, units and coefficients of order 0 must be in memory before the call."""
         text = self.text
         for k in range(min(self._loop, self.order)):
             self._built.clear()
@@ -38,7 +38,7 @@ class Series(Sums):
         if self._loop < self.order:
             self._rounds()
         head = "define void @series(ptr noalias %s) nounwind {\nentry:\n  %word = load i64, ptr %s\n"
-        # no room begins with this word; the branch that is never taken keeps LLVM from joining the blocks
+        # the first word is never −1; the branch that is never taken keeps LLVM from joining the blocks
         head += "  %never = icmp eq i64 %word, -1\n"
         return "\n".join([head, *text.lines, "  ret void", "out:", "  ret void", "}"])
 
@@ -160,8 +160,8 @@ class Series(Sums):
         return self.text.wide_product(rate, (unit, self.text.load(room.lows_of_units + k)))
 
     def ratios(self) -> str:
-        """The LLVM function that stores the largest ratio of a coefficient to the size of its variable, for the last
-        two orders and the first two in floats; then the largest coefficient of orders 2 and 3.
+        """The LLVM function that stores maxima over the variables: of the ratio of a coefficient to its variable's
+        size, at the last two orders and the first two in floats; then of coefficients 2 and 3.
         """
         self.text = Text(self.room.lanes)
         last, several = self.order, chunks(self._shown)

@@ -24,7 +24,7 @@ Term = tuple[int, int, int]
 
 
 class Sums:
-    """The LLVM text that loads the coefficients of a room and sums products of them."""
+    """The LLVM text that loads a walk's coefficients and sums products of them."""
 
     def __init__(self, room: Room) -> None:
         self.room, self.tape = room, room.tape

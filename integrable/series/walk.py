@@ -71,7 +71,7 @@ class Bounds(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """The reciprocals 1/(k + 1) as pairs (hi, lo), and the layout of the room.
+    """The reciprocals 1/(k + 1) as pairs (hi, lo), and the memory's layout.
 
     The variables are ``parts`` parts (q, p and any others) of ``half`` numbers each. Coefficients begin at ``highs``;
     consecutive orders are ``apart`` vectors apart. Distances and the states at them begin at ``spare``, TIMES floats of
@@ -231,7 +231,7 @@ def to_unit(layout: Layout, room: Array, unit: float) -> None:
 
 
 def put_unit(layout: Layout, room: Array, unit: float) -> None:
-    """Writes ``unit``/(k + 1) into the room."""
+    """Writes ``unit``/(k + 1) to memory."""
     high, low = LANES * UNITS, LANES * (UNITS + layout.order)
     for k in range(layout.order):
         for lane in range(LANES):
@@ -391,22 +391,22 @@ def row_gap(layout: Layout, agreed: float, row: int, outputs: Outputs) -> tuple[
 
 
 def start(code: int, constants: Array, state: Array, room: Array) -> None:
-    """Writes the constants and the state into a room."""
+    """Writes the constants and the state to memory."""
     _called(code, constants, state, room)
 
 
 def series(code: int, room: Array) -> None:
-    """Computes the coefficients about the state in a room."""
+    """Computes the coefficients about the state in memory."""
     _called(code, room)
 
 
 def ratios(code: int, room: Array) -> None:
-    """Computes the ratios of coefficients in a room that determine a step."""
+    """Computes the ratios of coefficients that determine a step."""
     _called(code, room)
 
 
 def advance(code: int, room: Array) -> None:
-    """Advances the state in a room by a step."""
+    """Advances the state in memory by a step."""
     _called(code, room)
 
 

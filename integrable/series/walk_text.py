@@ -1,4 +1,4 @@
-"""Straight-line code of a walk other than its series: it fills a room from a state, takes a step, and reads states."""
+"""Straight-line code of a walk other than its series: it fills memory from a state, takes a step, and reads states."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ def _dense(room: Room, count: int) -> str:
 
 
 def _start(room: Room, start: Tape) -> str:
-    """The function that fills a room with the constants and variables of both walks, from a system's constants and
+    """The function that fills memory with the constants and variables of both walks, from a system's constants and
     state.
     """
     text, wide, rates = Text(room.lanes), room.orders.wide, room.tape

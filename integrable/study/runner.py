@@ -77,7 +77,7 @@ def run_tasks(
 
 
 def _kept(task: Task, store: Store) -> dict[str, Any] | None:
-    """The stored row of a task, or None. A timed row of another day does not count, since it is of another run."""
+    """The stored row of a task, or None. A timed row a day old does not count, since it is of another run."""
     content = store.read(task.key, task.stamp)
     if content is None or not task.timed:
         return content

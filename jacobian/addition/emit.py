@@ -45,7 +45,7 @@ class OnInts:
         return f"{text(x, SUM)} {SIGNS[name]} {text(y, SUM if name == 'add' else PRODUCT)}", SUM
 
     def factor(self, index: int, found: Written, result: bool) -> Written:
-        """The text of an operation as a factor or a ``result``: reduced, unless it is a factor of degree 1."""
+        """The text ``found`` of a factor or a ``result``, reduced unless it is a factor of degree 1."""
         if self.degrees.get(index, 1) == 1 and not result:
             return found
         self.degrees[index] = 1
@@ -74,7 +74,7 @@ class OnElements:
         return f"{name}({', '.join(text(x, SUM) for x in operands)})", NAME
 
     def factor(self, index: int, found: Written, result: bool) -> Written:
-        """The text of an operation as a factor or a ``result``: unchanged."""
+        """``found``, since elements of a field need no reduction."""
         return found
 
     def inverse(self, x: str) -> str:

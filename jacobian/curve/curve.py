@@ -110,7 +110,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
         return matches[0], next(z for z in roots if z is not matches[0])
 
     def _check_infinity(self, z: Element) -> None:
-        """Raises SingularCurve if f_{2g+1} − h_g z, the chart's derivative by t up to sign, is 0 at a double root z."""
+        """Raises SingularCurve if f_{2g+1} = h_g z for a double value z of y/x^(g+1) at infinity."""
         K: Any = self.field
         g = self.genus
         linear, product = coefficient(K, self.f, 2 * g + 1), K.mul(coefficient(K, self.h, g), z)

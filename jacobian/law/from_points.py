@@ -94,7 +94,7 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
     C = J.curve
     pairs = _equal_pairs(C, points) if descent is None else {}
     if pairs:
-        # n falls by 1 for every two points, so omitting 2k points adds k; the class of a pair has its own weight
+        # n contains −(number of points)/2, so omitting 2k points adds k; a pair's class has its own weight
         rest = list((Counter(points) - Counter({point: 2 * k for point, k in pairs.items()})).elements())
         total = _exact_sum(J, rest, None if n is None else n + sum(pairs.values()), None)
         for point, k in pairs.items():

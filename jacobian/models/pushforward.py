@@ -93,8 +93,8 @@ class Family:
         return [*a, *[self.field.zero] * (2 - len(a))]
 
 
-# a function of a field L ⊇ K, the map K → L for coefficients of the correspondence, u and v: it returns the Family of
-# the images of the points of (u, v), or None
+# arguments: a field L ⊇ K, the map K[x] → L[x] for the correspondence, u, v; result: the Family of the images of the
+# points of (u, v), or None
 Families = Callable[[Any, Callable[[poly.Poly], poly.Poly], poly.Poly, poly.Poly], "Family | None"]
 
 
