@@ -209,7 +209,7 @@ def _not_ahead(study: Study) -> str:
 
 def _horizons(study: Study) -> str:
     text = (
-        "Each cell is the run time (once a start + evaluation) of the fastest sufficiently accurate competitor "
+        "Each cell is the run time, set-up of the start included, of the fastest sufficiently accurate competitor "
         "divided by that of the flow in floats: above 1 the flow is faster. A competitor is sufficiently accurate if "
         'its error is at most the flow\'s, or at most the effect of rounding the inputs. ">x" means that no '
         'competitor finished in x times the flow\'s time, and "none" that no method that was run reached that '

@@ -18,7 +18,7 @@ from jacobian.native.modular import CONTEXT
 from jacobian.numbers.words import add, decode, dot2, dot4, encode, inverse, mul, sub
 
 Forms = namedtuple("Forms", "first second ends place begin coefficient")
-Forms.__doc__ = """Forms in tables: i < 4 has b_i1 … b_i4, 4 has b_41 … b_44 at (a, a), 5 the surface's equation.
+Forms.__doc__ = """Forms in tables: i < 4 has b_(i+1)1 … b_(i+1)4, 4 has b_41 … b_44 at (a, a), 5 the equation.
 
 Term n is q_k(a)q_l(b) + q_l(a)q_k(b) with k = ``first``[n] and l = ``second``[n]. The second product is left out for
 k = l, and in tables 4 and 5. Table i has the terms from ``ends``[i] to ``ends``[i + 1]. The summands m of its form j
