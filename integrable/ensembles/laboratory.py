@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
 from integrable.ensembles.computing import REFUSED, Said, gathered, held, short_runs
-from integrable.ensembles.members import common_count, member_number, numbers, plain, time_rows, times_of
+from integrable.ensembles.members import Many, common_count, numbers, plain, time_rows, times_of
 from integrable.ensembles.runs import Runs, joined_times
 from integrable.files.exported import Exported
 from integrable.files.frame import Frame
@@ -23,14 +23,12 @@ from integrable.motion.short import MOST_TIMES
 from integrable.phase import attitude
 from integrable.phase.body import Body
 from jacobian import RR
-from jacobian.element import Numbers, Real, Rows, Table
-from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, chosen, floats, several, shown, whole
-from jacobian.immutable import Record, read_only, replaced
+from jacobian.element import Numbers, Real, Table
+from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, floats, shown, whole
+from jacobian.immutable import read_only, replaced
 from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from scipy.spatial.transform import Rotation
 
 __all__ = ["LaboratoryEnsemble", "LaboratoryRuns", "laboratory_ensemble"]
@@ -74,7 +72,7 @@ def _rotations(orientation: Any) -> np.ndarray:
     return found.reshape(-1, 3, 3)
 
 
-class LaboratoryEnsemble(Record):
+class LaboratoryEnsemble(Many[LaboratoryMotion]):
     """The result of :func:`laboratory_ensemble`: ``orientations`` (K, 3, 3), ``omega`` (K, 3) and ``contacts`` (K, 2)
     at time 0.
     """
@@ -94,16 +92,8 @@ class LaboratoryEnsemble(Record):
         heads = ["member", "ω_x, rad/s", "ω_y, rad/s", "ω_z, rad/s"]
         return table(repr(self), heads, [(k, *row) for k, row in enumerate(self.omega.tolist())])
 
-    def __iter__(self) -> Iterator[LaboratoryMotion]:
-        return map(self.motion, range(len(self)))
-
-    def __getitem__(self, which: Rows) -> Any:
-        """The motion of one member, or the members chosen by a slice, an array of indices or a Boolean mask."""
-        if not several(which):
-            return self.motion(member_number(which, len(self)))
-        which = chosen(which, len(self))
-        parts = {name: getattr(self, name)[which] for name in ("orientations", "omega", "contacts")}
-        return replaced(self, **parts)
+    def _some(self, places: np.ndarray) -> Self:
+        return replaced(self, **{name: getattr(self, name)[places] for name in ("orientations", "omega", "contacts")})
 
     def _joined(self, others: Iterable[LaboratoryEnsemble]) -> LaboratoryEnsemble:
         """An ensemble of these members, followed by the members of ``others``."""
@@ -113,7 +103,9 @@ class LaboratoryEnsemble(Record):
 
     def motion(self, member: int) -> LaboratoryMotion:
         """The motion of one member; raises an error if the member is refused."""
-        member = whole(member, "member", f"the members are 0 … {len(self) - 1}", 0, len(self) - 1)
+        return self._one(whole(member, "member", f"the members are 0 … {len(self) - 1}", 0, len(self) - 1))
+
+    def _one(self, member: int) -> LaboratoryMotion:
         place = () if self.body.radius is None else (self.contacts[member],)
         found: LaboratoryMotion = self.body.motion(self.orientations[member], self.omega[member], *place)
         return found

@@ -7,7 +7,7 @@ members at once. A member within them is never refused, and a short run of compi
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Generic, Self, TypeVar
 
 import numpy as np
 
@@ -29,7 +29,34 @@ HALF, FAR_INSIDE = 0.5, 1e-3
 DISTINCT, ASIDE = 1e-12, 1e-10
 
 
-class Members(Record):
+One = TypeVar("One")
+
+
+class Many(Record, Generic[One]):
+    """K members, which are counted, chosen and iterated: ``many[k]`` is one, a slice or an array gives several."""
+
+    def __len__(self) -> int:
+        raise NotImplementedError
+
+    def __getitem__(self, which: Rows) -> Any:
+        """One member, or the members chosen by a slice, an array of indices or a Boolean mask."""
+        if several(which):
+            return self._some(np.arange(len(self))[chosen(which, len(self))])
+        return self._one(member_number(which, len(self)))
+
+    def __iter__(self) -> Iterator[One]:
+        return map(self._one, range(len(self)))
+
+    def _one(self, member: int) -> One:
+        """The member with this number, 0 … K − 1; raises an error if it is refused."""
+        raise NotImplementedError
+
+    def _some(self, places: np.ndarray) -> Self:
+        """The members with these numbers."""
+        raise NotImplementedError
+
+
+class Members(Many[Motion]):
     """Bodies and states of many motions. ``members`` has the moments, d, γ and M of each, shape (K, 10)."""
 
     def __init__(self, system: Any, members: np.ndarray, tilted: bool) -> None:
@@ -46,15 +73,6 @@ class Members(Record):
 
         heads = ["I1", "I2", "I3", "d", "γ1", "γ2", "γ3", "M1", "M2", "M3"]
         return table(repr(self), ["member", *heads], [(k, *row) for k, row in enumerate(self.members.tolist())])
-
-    def __getitem__(self, which: Rows) -> Any:
-        """The motion of one member, or the members chosen by a slice, an array of indices or a Boolean mask."""
-        if not several(which):
-            return self.flow(member_number(which, len(self)))
-        return replaced(self, members=self.members[chosen(which, len(self))])
-
-    def __iter__(self) -> Iterator[Motion]:
-        return map(self.flow, range(len(self)))
 
     @property
     def inertia(self) -> np.ndarray:
@@ -79,7 +97,13 @@ class Members(Record):
     def flow(self, member: int) -> Motion:
         """The motion of one member; raises an error if the member is refused."""
         member = whole(member, "member", f"the members are 0 … {len(self) - 1}", 0, len(self) - 1)
+        return self._one(member)
+
+    def _one(self, member: int) -> Motion:
         return motion_of(self.system, self.members[member], self.tilted)
+
+    def _some(self, places: np.ndarray) -> Self:
+        return replaced(self, members=self.members[places])
 
 
 def member_number(member: Any, count: int) -> int:

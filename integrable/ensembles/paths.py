@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from integrable.ensembles.computing import REFUSED, Said, gathered, held
-from integrable.ensembles.members import common_count, member_number, numbers, time_rows, times_of
+from integrable.ensembles.members import Many, common_count, member_number, numbers, time_rows, times_of
 from integrable.ensembles.runs import Runs
 from integrable.mumford.flow import MumfordFlow, Path
 from jacobian import RR
-from jacobian.element import Numbers, Rows, Table
-from jacobian.errors import ArgumentError, JacobianError, chosen, several, shown
-from jacobian.immutable import Record, replaced
+from jacobian.element import Numbers, Table
+from jacobian.errors import ArgumentError, JacobianError, shown
+from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
     from integrable.mumford.system import MumfordSystem
 
 
-class PathEnsemble(Record):
+class PathEnsemble(Many[MumfordFlow]):
     """Many motions of one system of any genus over RR, made by :func:`integrable.ensemble`; ``q`` and ``p`` are the
     starts, of shape (K, n). ``tolerance`` is passed to ``system.flow``.
     """
@@ -40,20 +39,16 @@ class PathEnsemble(Record):
     def __repr__(self) -> str:
         return f"<PathEnsemble of {len(self)} motions of {self.system!r}>"
 
-    def __getitem__(self, which: Rows) -> Any:
-        """The motion of one member, or the members chosen by a slice, an array of indices or a Boolean mask."""
-        if not several(which):
-            return self.flow(member_number(which, len(self)))
-        places = chosen(which, len(self))
-        return replaced(self, q=self.q[places], p=self.p[places])
-
-    def __iter__(self) -> Iterator[MumfordFlow]:
-        return map(self.flow, range(len(self)))
-
     def flow(self, member: int) -> MumfordFlow:
         """The motion of one member; raises an error if the member is refused."""
-        q, p = (tuple(x[member_number(member, len(self))].tolist()) for x in (self.q, self.p))
+        return self._one(member_number(member, len(self)))
+
+    def _one(self, member: int) -> MumfordFlow:
+        q, p = (tuple(x[member].tolist()) for x in (self.q, self.p))
         return self.system.flow(self.system.state(q, p), self.tolerance)
+
+    def _some(self, places: np.ndarray) -> Self:
+        return replaced(self, q=self.q[places], p=self.p[places])
 
     def at(self, times: Numbers) -> Paths:
         """The states of all members at times of any order, sign and size: shape (N,), the same for all, or (K, N).
@@ -71,7 +66,7 @@ class PathEnsemble(Record):
             refused = []
             for k in range(begin, end):
                 try:
-                    path = self.flow(k).at(times_of(given, k))
+                    path = self._one(k).at(times_of(given, k))
                     states[:, k], estimates[k], ways[k] = (path.q, path.p), path.estimate, path.way
                 except JacobianError as error:
                     states[:, k] = np.nan
@@ -100,14 +95,8 @@ class Paths(Runs):
         status: np.ndarray,
         reasons: tuple[str, ...],
     ) -> None:
-        self.ensemble, self._times, (self.q, self.p), self.status, self.reasons = (
-            ensemble,
-            times,
-            states,
-            status,
-            reasons,
-        )
-        self.estimates, self.ways = how
+        self.ensemble, self._times, self.status, self.reasons = ensemble, times, status, reasons
+        (self.q, self.p), (self.estimates, self.ways) = states, how
 
     def __repr__(self) -> str:
         return self._told(f"motions of {type(self.ensemble.system).__name__}")

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any, TypeVar
+from collections.abc import Sequence
+from typing import Any, Self
 
 import numpy as np
 
-from integrable.ensembles.members import member_number, times_of_some
+from integrable.ensembles.members import Many, times_of_some
 from integrable.files.frame import Column
-from jacobian.element import Rows
-from jacobian.errors import ArgumentError, chosen, several
-from jacobian.immutable import Record, read_only, replaced
-
-Kind = TypeVar("Kind", bound="Runs")
+from jacobian.errors import ArgumentError
+from jacobian.immutable import read_only, replaced
 
 
-class Runs(Record):
+class Runs(Many[Any]):
     """K motions of an ``ensemble`` at N times each.
 
     ``status``, shape (K,), is 0 for a member without refusals, else the number of a reason in ``reasons``. ``runs[k]``
@@ -48,18 +45,9 @@ class Runs(Record):
         return self._times if len(self._times) > 1 else read_only(self._times[0])
 
     @property
-    def kept(self: Kind) -> Kind:
+    def kept(self) -> Self:
         """The runs of the members with status 0."""
         return self._some(np.flatnonzero(self.status == 0))
-
-    def __getitem__(self, which: Rows) -> Any:
-        """One member (an error if it is refused as a whole), or the members chosen by a slice or an array."""
-        if several(which):
-            return self._some(np.arange(len(self))[chosen(which, len(self))])
-        return self._one(member_number(which, len(self)))
-
-    def __iter__(self) -> Iterator[Any]:
-        return map(self.__getitem__, range(len(self)))
 
     def _dimensions(self) -> tuple[tuple[str, str], dict[str, Column]]:
         """The dimensions of a frame, "member" and "time" (or "row" where every member has its own times), and the
@@ -81,7 +69,7 @@ class Runs(Record):
     def _refusal(self, member: int) -> ArgumentError:
         return ArgumentError(f"member {member} was refused: {self.reasons[self.status[member]]}")
 
-    def _some(self: Kind, places: np.ndarray) -> Kind:
+    def _some(self, places: np.ndarray) -> Self:
         parts = {"_times": times_of_some(self._times, places), "status": self.status[places], **self._of_some(places)}
         return replaced(self, ensemble=self.ensemble[places], **parts)
 
