@@ -41,12 +41,11 @@ class Near(NamedTuple):
     places: np.ndarray | None
     states: np.ndarray
     error: float
+    begun: bool = True
 
     def lacks(self, count: int) -> bool:
         """Whether some of ``count`` times were not reached."""
         return self.places is not None and len(self.places) < count
-
-    begun: bool = True
 
 
 def walked(system: Walked, state: PhasePoint, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
