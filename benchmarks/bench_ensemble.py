@@ -6,9 +6,9 @@ and M/|M| against the torus of 20 members. ``memory`` is the growth of the proce
 heyoka runs batches of the processor's width at tolerance 1e-15 on as many threads, compiled before (``pip install
 'jacobian-integrable[peers]'``). The benchmark takes two minutes on an idle machine.
 
-The last rows are of 1,000 starts of Neumann's point on S² and of three particles of Toda's lattice at T = 100, in
-processor time on one thread: ``÷ one by one`` is the ratio to heyoka built once, at tolerance 1e-15, and ``÷ batches``
-that of a tolerance of 1e-12 to its batch mode at this tolerance.
+The last rows are of systems of any genus: 1,000 starts of Neumann's point on S², and of three particles of Toda's
+lattice, at T = 100. Times are processor times on one thread. ``÷ one by one`` compares our default with heyoka, built
+once, at tolerance 1e-15. ``÷ batches`` compares our tolerance 1e-12 with heyoka's batch mode at the same tolerance.
 """
 
 from __future__ import annotations

@@ -25,9 +25,9 @@ FIRST_SIZE = 16
 CLOSED, RIGHT = 1e-18, 1e-12
 # a first grid of 1/g has POINTS·digits/(the :func:`shortest` nYn) points in each direction; mostly no finer one follows
 POINTS = 1.8
-# numbers of nodes of the trapezoidal rule for the phases in floats, before and after the middle of a path, SPACING
-# apart in log(v/(1 − v)), v the fraction of the path; the error is 1e-11, even if the next branch point is only e^−80
-# of the path beyond an end
+# the phases in floats are integrals along a path, by the trapezoidal rule in log(v/(1 − v)) for the fraction v of the
+# path: BEFORE and AFTER nodes before and after its middle, SPACING apart. The error is 1e-11, even if the next branch
+# point is only e^−80 of the path beyond an end
 BEFORE, AFTER, SPACING = 160, 110, 0.75
 
 

@@ -7,10 +7,10 @@ zeros
     Ũ = (P² + hP − f)/U, made monic,    Ṽ = −P − h mod Ũ
 
 form another member of the pencil, one for every c. The *step* through a plane point (x₀, y₀) takes c = (y₀ −
-V(x₀))/U(x₀), so that the curve y = P(x) passes through that point, or c = y₀ for x₀ = ∞. (Tsiganov's addition in Pic Y
-is the step through (0, 0).) Since y − P has the value y − y₀ over x₀, the step adds the class of y − y₀ in the
-generalized Jacobian with modulus π*(x₀), and leaves the class in the Jacobian unchanged. Hence steps at one x₀ compose
-by the group law of :class:`jacobian.relatives.fibre.FibreGroup`,
+V(x₀))/U(x₀), so that the curve y = P(x) passes through that point, or c = y₀ for x₀ = ∞. The step through (0, 0) is
+Tsiganov's addition in Pic Y. Over x₀ the function y − P has the value y − y₀. The step therefore adds the class of
+y − y₀ in the generalized Jacobian with modulus π*(x₀). It leaves the class in the Jacobian unchanged. Steps at one x₀
+compose by the group law of :class:`jacobian.relatives.fibre.FibreGroup`,
 
     y₀ ∘ y₁ = (f(x₀) + y₀y₁)/(y₀ + y₁ + h(x₀)).
 
