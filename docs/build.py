@@ -81,7 +81,7 @@ def write(source: Path, page: str, origin: Path) -> None:
         return
     text = origin.read_text(encoding="utf-8")
     target.write_text(
-        re.sub(r"(?<=\]\()([^)#\s:]*\.(?:md|png))", lambda found: _moved(found[1], origin, page), text),
+        re.sub(r"(?<=\]\()([^)#\s:]*\.(?:md|png|toml))", lambda found: _moved(found[1], origin, page), text),
         encoding="utf-8",
     )
 
@@ -89,6 +89,9 @@ def write(source: Path, page: str, origin: Path) -> None:
 def _moved(link: str, origin: Path, page: str) -> str:
     """A link of the file ``origin`` as one from ``page``, its place in the site."""
     inside = (origin.parent / link).resolve().relative_to(ROOT).as_posix()
+    if inside.startswith("integrable/scenes/"):
+        # the site shows a scene's page in the gallery in place of its file
+        inside = f"gallery/{Path(inside).stem}.md"
     places = {**OTHERS, "docs/README.md": "index.md", "docs/error_against_run_time.md": "measured/index.md"}
     return os.path.relpath(places.get(inside, inside.removeprefix("docs/")), os.path.dirname(page) or ".")
 

@@ -83,7 +83,7 @@ class Jacobian(FiniteGroup[Element]):
     def explain(self) -> str:
         """A text that names the current kernel, the reason for it, and what may replace it."""
         if not self.field.exact:
-            return f"the stacked orthogonal system of jacobian.inexact.composition: {self.field.name} rounds"
+            return f"orthogonal transformations of a linear system (jacobian.inexact.stacked): {self.field.name} rounds"
         return explained(self._model, self._sum_of)
 
     def __repr__(self) -> str:

@@ -184,3 +184,15 @@ def test_our_own_words_are_in_the_glossary():
     terms = re.search(r"Use the field's term where there is one: ([^.]*)\.", guide)[1].split(", ")
     assert len(terms) >= 8
     assert set(terms) <= set(field)
+
+
+def test_links_between_files_lead_to_a_file():
+    pages = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "benchmarks").glob("*.md")]
+    dead = [
+        f"{path.relative_to(ROOT)}: {link}"
+        for path in pages
+        for link in re.findall(r"\]\(([^)\s#:]+)(?:#[^)]*)?\)", path.read_text(encoding="utf-8"))
+        if not (path.parent / link).exists()
+    ]
+    assert len(pages) > 50
+    assert dead == []

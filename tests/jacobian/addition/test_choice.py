@@ -237,7 +237,7 @@ EXPLAINED = [
     (GF(2**89 - 1), [1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 1], "python-flint's polynomials"),
     (GF(2**89 - 1), [1, 2, 0, 0, 0, 0, 0, 1], "gmpy2's integers: genus 3"),
     (GF(10007), [1, 2, 0, 0, 0, 0, 0, 1], "explicit formulas on ints: genus 3 over GF(p), p of less than 32 bits"),
-    (RR, [1, 2, 0, 0, 0, 1], "stacked orthogonal system"),
+    (RR, [1, 2, 0, 0, 0, 1], "orthogonal transformations"),
 ]
 
 
