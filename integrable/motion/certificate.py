@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from integrable.motion.precise import PreciseFlow
 from integrable.motion.trajectory import Motion
-from integrable.phase.body import Body
-from integrable.phase.equal_moments import symmetry_axis
+from integrable.phase.body import Body, symmetry_axis
 from integrable.portrait.certificate import Pairs, agreement
 from jacobian import MP
 from jacobian.element import Numbers, Real

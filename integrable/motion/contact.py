@@ -22,8 +22,7 @@ import numpy as np
 
 from integrable.motion.trajectory import BodyMotion
 from integrable.moving_point.legendre import integral
-from integrable.phase.body import cross
-from integrable.phase.equal_moments import symmetry_axis
+from integrable.phase.body import cross, symmetry_axis
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
 from integrable.torus.panels import Panels, panel_integrals

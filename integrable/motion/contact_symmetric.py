@@ -20,8 +20,7 @@ from __future__ import annotations
 import numpy as np
 
 from integrable.motion.trajectory import BodyMotion
-from integrable.phase.body import cross
-from integrable.phase.equal_moments import symmetry_axis
+from integrable.phase.body import cross, symmetry_axis
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
 from jacobian import RR

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from integrable.phase.equal_moments import symmetry_axis
+from integrable.phase.body import symmetry_axis
 from integrable.phase.space import PhaseSpace
 from jacobian.errors import ArgumentError
 

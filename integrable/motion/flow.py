@@ -19,8 +19,7 @@ from integrable.motion.domain import check_domain
 from integrable.motion.short import ShortRuns
 from integrable.motion.trajectory import BodyMotion, Trajectory
 from integrable.moving_point.setup import Setup
-from integrable.phase.body import Body
-from integrable.phase.equal_moments import symmetry_axis
+from integrable.phase.body import Body, symmetry_axis
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State, rotation_axis
@@ -265,13 +264,11 @@ class Flow(BodyMotion):
         """The closed form of a body with equal moments, or of a rotation about a principal axis."""
         if not self._equal and rotation_axis(self.state) is None:
             return None
-        from integrable.motion.rotation import PrincipalRotation
         from integrable.motion.symmetric import SymmetricFlow
         from integrable.motion.symmetric_precise import PreciseClosedForm
 
-        form = SymmetricFlow if self._equal else PrincipalRotation
-        floats = self.system.field == RR
-        return form(self.system, self.state) if floats else PreciseClosedForm(self.system, self.state, form)
+        form: type[SymmetricFlow | PreciseClosedForm] = SymmetricFlow if self.system.field == RR else PreciseClosedForm
+        return form(self.system, self.state)
 
     @property
     def _equal(self) -> bool:

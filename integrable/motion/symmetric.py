@@ -1,4 +1,5 @@
-"""The motion of a body with two or three equal moments in closed form, rolling or not, at any time.
+"""The motion of a body in closed form, rolling or not, at any time: two or three equal moments, or a rotation about a
+principal axis.
 
 Axis 3 is the symmetry axis, a = a₁ = a₂, r_i = 1 − d·a_i, r = r₁ = r₂, δ = d(a₃ − a) = r − r₃ and (γ, M) = 0. Then gM₃
 is constant, and γ₃ oscillates harmonically in *physical* time:
@@ -20,21 +21,25 @@ Chaplygin (1903) integrates the ball with theta functions; with equal moments hi
 formulas above are the limit. The formulas are derived from γ̇ = γ×ω with the integral gM₃. At d = 0 F and Π are
 elementary: the free symmetric top. Chaplygin's transformation brings a tilted body to (γ, M) = 0; its time is t plus a
 function of θ, so θ(t) solves an equation like Kepler's.
+
+If M lies along a principal axis i and γ is orthogonal to it, (γ, AM) = 0 and ω = a_iM is constant, also for the
+unstable middle axis. γ and M are then those above with κ = 0, A = 1, constant φ and θ̇ = a_iM_i, where axis 2 is i and
+the moments of the axes 1 and 3 may differ.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import gmpy2
 import numpy as np
 
+from integrable.motion.swing import Swing, Upright
 from integrable.moving_point.arithmetic import LONG, PASSES, LongDoubles, Multiprecision
 from integrable.moving_point.elliptic_integrals import FirstKind, carlson_j, complete
 from integrable.moving_point.newton import step_inside
-from integrable.phase.equal_moments import Swing, Upright
 from integrable.phase.space import PhaseSpace
 from jacobian.element import Real
-from jacobian.numbers.long_reals import BareReals
 
 if TYPE_CHECKING:
     from integrable.phase.state import State
@@ -44,8 +49,8 @@ NEARBY = 0.75
 
 
 class SymmetricFlow:
-    """γ and M at any times from a state of a body that has a :func:`symmetry_axis`, in the arithmetic N of
-    :mod:`integrable.moving_point.arithmetic`: long doubles, rounded to floats, or bare reals.
+    """γ and M at any times from a state with a :func:`rotation_axis` or of a body with a :func:`symmetry_axis`, in the
+    arithmetic N of :mod:`integrable.moving_point.arithmetic`: long doubles, rounded to floats, or bare reals.
 
     Constants are computed in wide numbers. PrecisionLoss for so many turns that N does not resolve a fraction of one.
     """
@@ -53,20 +58,20 @@ class SymmetricFlow:
     way = "closed form"
 
     def __init__(self, system: PhaseSpace, state: State, N: LongDoubles | Multiprecision = LONG) -> None:
-        self.numbers, K = N, N.field
-        self._rolls = system.body.rolls
-        upright = Upright.of(system, state, K)
-        self._columns, self._matrix = upright.columns, [N.number(x) for x in upright.matrix]
-        swing = Swing.of(upright.body, upright.gamma, upright.M)
-        self._shape(swing)
-        self._phases(swing, *swing.clock(upright))
+        self.numbers, self._rolls = N, system.body.rolls
+        with N.field as K:
+            upright = Upright.of(system, state, K)
+            self._columns, self._matrix = upright.columns, [N.number(x) for x in upright.matrix]
+            swing = Swing.of(upright)
+            self._shape(swing)
+            self._phases(swing, *swing.clock(upright))
 
     def _shape(self, swing: Swing) -> None:
         """Sets the constants of the formulas for γ and M, other than the phases θ and φ."""
         r, r3, delta, _, momentum, kappa, size, mu = swing[:8]
-        number, sqrt = self.numbers.number, self.numbers.field.sqrt
-        # at d = 0 and for three equal moments F is θ, and Π cancels the arctangent
-        self._flat = bool(delta == 0)
+        number, sqrt = self.numbers.number, gmpy2.sqrt
+        # at d = 0 and for three equal moments F is θ, and Π cancels the arctangent; at κ = 0 φ is constant
+        self._flat = bool(delta == 0 or kappa == 0)
         self._kappa, self._size, self._root3 = map(number, (kappa, size, sqrt(r3)))
         self._delta, self._bulge, self._root_mu = map(number, (delta, swing.spread / mu, sqrt(mu)))
         # g⁻² = μ + |δ|A²cos²θ for δ > 0, otherwise r + |δ|A²sin²θ: a sum of positive numbers
@@ -80,28 +85,28 @@ class SymmetricFlow:
         """Sets the rates of θ and φ in turns per unit of t and of τ, the turn of φ by Π per half turn of θ, and the
         start.
         """
-        N, K = self.numbers, self.numbers.field
-        pi, number = K.context.pi, N.number
+        N, number, pi, near = self.numbers, self.numbers.number, gmpy2.const_pi(), self.numbers.field.root_of_eps
         self._kepler, self._rate = number(kepler / (2 * pi)), rate / (2 * pi)
         # ``modulus`` is k = √(1 − m), and ``missing`` is 1 − k, computed without cancellation
-        modulus = K.sqrt(swing.mu / swing.r)
+        one, modulus = N.field.one, gmpy2.sqrt(swing.mu / swing.r)
         missing = swing.spread / swing.r / (1 + modulus)
-        quarter = complete_over(K, modulus, K.one)
+        quarter = complete(modulus, one, one, one, pi, near)
         self._first_kind = FirstKind(N, number(modulus), number(missing), number(quarter))
-        self._flow_rate = swing.rate * K.sqrt(swing.r) / (4 * quarter)
+        self._flow_rate = swing.rate * gmpy2.sqrt(swing.r) / (4 * quarter)
         # ``_advance`` is the part of φ due to F, in turns per turn of θ; ``_turning`` is the same per unit of t and of
         # τ
         first, third = swing.factors
         self._advance = -first * 2 * quarter / pi
         self._turning = self._advance * self._rate, self._advance * self._flow_rate
-        self._third_advance = K.zero
-        if swing.kappa and not self._flat:
-            pole = complete_over(K, modulus, swing.kappa * swing.kappa)
+        self._paces = number(self._rate / self._flow_rate), number(self._flow_rate / self._rate)
+        self._third_advance = 0 * pi
+        if not self._flat:
+            pole = complete(modulus, swing.kappa * swing.kappa, one, one, pi, near)
             self._third_advance = ((pi if swing.kappa > 0 else -pi) - 2 * third * pole) / (2 * pi)
-        count = int(K.context.nint(swing.theta / pi))
+        count = N.field.nearest(swing.theta / pi)
         x: Any = number(swing.theta - count * pi)
         self._start_count, self._start_x = count, x
-        self._start_angle = number(K.context.sin(swing.theta)), number(K.context.cos(swing.theta))
+        self._start_angle = number(gmpy2.sin(swing.theta)), number(gmpy2.cos(swing.theta))
         self._start_lean = self._lean(N.cos(x) * (-1) ** count)
         self._start = swing.theta / (2 * pi) - N.wide(self._kepler * self._start_lean)
         self._start_swing = self._first_kind.swing(x)
@@ -113,11 +118,11 @@ class SymmetricFlow:
         """The approximate number of radians by which all angles turn until a physical time, or until a time of the
         flow.
         """
-        turns = abs(t) * (self._flow_rate if of_flow else self._rate)
+        turns = abs(t * (self._flow_rate if of_flow else self._rate))
         factors = (
             abs(self._advance) + 2 * abs(self._third_advance) + sum(abs(self.numbers.wide(x)) for x in self._factors)
         )
-        return 2 * self.numbers.field.context.pi * turns * (1 + factors) + 1
+        return 2 * gmpy2.const_pi() * turns * (1 + factors) + 1
 
     # --- states at given times
 
@@ -126,21 +131,21 @@ class SymmetricFlow:
         N, number = self.numbers, self.numbers.number
         count, x = self._at_times(times)
         delay, swing = self._delay(count, x), self._first_kind.swing(x) - self._start_swing
-        _, turns = N.turns_of(times, self._turning[0], N.field.zero)
+        _, turns = N.turns_of(times, self._turning[0], 0)
         turned = turns + number(self._advance) * delay - self._factors[0] * swing / (2 * N.pi)
         gap = N.pi * (count - self._start_count) + (x - self._start_x)
         rows = self._rows(count, x, self._turned_nearby(times, gap, turned))
         if not self._rolls:
             return rows, times
         gap = (delay + swing / (4 * self._first_kind.quarter)) / number(self._flow_rate)
-        return rows, N.result(times * number(self._rate / self._flow_rate) + gap)
+        return rows, N.result(times * self._paces[0] + gap)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """γ and M side by side at values of τ: shape (N, 6)."""
         if not self._rolls:
             return self.at(tau)[0]
         N = self.numbers
-        return self._rows(*self._at_tau(tau), N.turns_of(tau, self._turning[1], N.field.zero)[1])
+        return self._rows(*self._at_tau(tau), N.turns_of(tau, self._turning[1], 0)[1])
 
     def times(self, tau: np.ndarray) -> np.ndarray:
         """The physical times t(τ) at values of τ: shape (N,)."""
@@ -149,7 +154,7 @@ class SymmetricFlow:
         N, number = self.numbers, self.numbers.number
         count, x = self._at_tau(tau)
         gap = (self._first_kind.swing(x) - self._start_swing) / (4 * self._first_kind.quarter) + self._delay(count, x)
-        times: np.ndarray = N.result(tau * number(self._flow_rate / self._rate) - gap / number(self._rate))
+        times: np.ndarray = N.result(tau * self._paces[1] - gap / number(self._rate))
         return times
 
     def _delay(self, count: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -240,7 +245,9 @@ class SymmetricFlow:
         return 2 * whole + N.result(half), self._first_kind.inverse(2 * self._first_kind.quarter * part)
 
     def _lean(self, c: np.ndarray) -> np.ndarray:
-        """G(c) = ∫_0^c du/√(μ + δA²u²)."""
+        """G(c) = ∫_0^c du/√(μ + δA²u²); 0 for an upright body, whose clock has no such part."""
+        if not self._kepler:
+            return 0 * c
         y, N = self._bulge * c * c, self.numbers
         # below ``small`` three terms of the series are right to the last digit
         small = N.eps ** (1 / 3)
@@ -253,7 +260,7 @@ class SymmetricFlow:
 
     def _turned(self, x: np.ndarray) -> np.ndarray:
         """φ(x) − φ(0) as a function of θ, without the contribution of F."""
-        if self._flat or self._kappa == 0:
+        if self._flat:
             return 0 * x
         # at θ = π/2 the arctangent and Π each change by half a turn within about κ; cos ≥ 0 keeps both on the same side
         N = self.numbers
@@ -282,17 +289,6 @@ class SymmetricFlow:
         rows += [e * g + d * m for g, m in zip(gamma, M, strict=True)]
         found: np.ndarray = N.result(np.stack(rows, axis=1))
         return found
-
-
-def complete_over(K: Any, modulus: Real, p: Real) -> Real:
-    """The complete integral :func:`~integrable.moving_point.elliptic_integrals.complete` with a = b = 1, over K. It is
-    computed in bare reals, which are faster.
-    """
-    reals = BareReals(K.context.prec)
-    with reals as numbers:
-        one = numbers.number(1)
-        k, pole, pi, near = map(numbers.number, (modulus, p, +K.context.pi, K.eps**0.5))
-        return numbers.element(K, complete(k, pole, one, one, pi, near))
 
 
 def half_turns(N: LongDoubles | Multiprecision, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

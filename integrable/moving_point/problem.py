@@ -91,14 +91,7 @@ def problem_row(given: Row, tilted: bool, out: Row) -> None:
     matrix.
     """
     d = given[3]
-    a = (1 / (given[0] + d), 1 / (given[1] + d), 1 / (given[2] + d))
-    length = 1 / root(given[4] * given[4] + given[5] * given[5] + given[6] * given[6])
-    gamma, M = (given[4] * length, given[5] * length, given[6] * length), (given[7], given[8], given[9])
-    h1, h2 = energies(a, (given[0] * a[0], given[1] * a[1], given[2] * a[2]), d, gamma, M)
-    (r, e), gamma, M, (k, s, p, rise) = made_upright(given, a, gamma, M, (h1, h2), tilted)
-    x, y, u = gamma
-    tilt = x * M[0] + y * M[1] + u * M[2]
-    M = (M[0] - tilt * x, M[1] - tilt * y, M[2] - tilt * u)
+    a, (r, e), gamma, M, (k, s, p, rise), (h1, h2) = upright_motion(given, tilted)
     top, spin = max(a[0], a[1], a[2]), root(M[0] * M[0] + M[1] * M[1] + M[2] * M[2])
     ratio = put_curve(given, a, (r, e), gamma, M, out)
     moving_start(a, (r, e), gamma, M, spin, out)
@@ -111,6 +104,24 @@ def problem_row(given: Row, tilted: bool, out: Row) -> None:
     out[SLOWNESS] = s * root(r[0] * r[1] * r[2])
     out[CONTACT], out[CONTACT + 1], out[CONTACT + 2] = r
     out[INVARIANTS], out[INVARIANTS + 1] = h1, h2
+
+
+def upright_motion(
+    given: Row, tilted: bool
+) -> tuple[Vector[Real], Contact, Vector[Real], Vector[Real], tuple[Real, Real, Real, Real], tuple[Real, Real]]:
+    """(a_i, (r_i, d), γ, M, (k, s, p, dkH1), (H1, H2)) from the moments, d, γ and M in ``given``: the upright motion to
+    the last digit, the constants of Chaplygin's transformation, and the integrals of the given motion.
+    """
+    d = given[3]
+    a = (1 / (given[0] + d), 1 / (given[1] + d), 1 / (given[2] + d))
+    length = 1 / root(given[4] * given[4] + given[5] * given[5] + given[6] * given[6])
+    gamma, M = (given[4] * length, given[5] * length, given[6] * length), (given[7], given[8], given[9])
+    h1, h2 = energies(a, (given[0] * a[0], given[1] * a[1], given[2] * a[2]), d, gamma, M)
+    body, gamma, M, change = made_upright(given, a, gamma, M, (h1, h2), tilted)
+    x, y, u = gamma
+    tilt = x * M[0] + y * M[1] + u * M[2]
+    M = (M[0] - tilt * x, M[1] - tilt * y, M[2] - tilt * u)
+    return a, body, gamma, M, change, (h1, h2)
 
 
 def check(gamma: Row, M: Row, tilted: bool, bits: int) -> None:

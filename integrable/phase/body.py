@@ -42,6 +42,13 @@ class Integrals(NamedTuple, Generic[Element]):
     H2: Element
 
 
+def symmetry_axis(inertia: Vector) -> int | None:
+    """The index of the symmetry axis: the moments of the two other axes are equal. None if all three moments differ."""
+    # this is written out for speed, since every new flow calls it twice
+    x, y, z = inertia
+    return 0 if y == z else 1 if z == x else 2 if x == y else None
+
+
 @dataclass(frozen=True)
 class Body(Generic[Element]):
     """Principal moments of inertia and d = m r² over a field; d = 0 is the free rigid body.

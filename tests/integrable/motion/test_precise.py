@@ -13,12 +13,12 @@ from integrable.motion import precise
 from integrable.motion.flow import Flow
 from integrable.motion.precise import BodyCarrier, PreciseFlow
 from integrable.motion.precise_clock import LONG, NEAR_CELLS, ClockLimits, OneTime, PanelClock, RatePanels
+from integrable.motion.swing import Swing
 from integrable.moving_point import setup as setups
 from integrable.moving_point.addition import rate_after
 from integrable.moving_point.legendre import gauss_legendre, legendre_rule
 from integrable.moving_point.losses import digits_of, lost_digits
 from integrable.moving_point.setup import Setup
-from integrable.phase.equal_moments import Swing
 from integrable.torus.panel_rates import PanelRates
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss

@@ -6,7 +6,7 @@ import pytest
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion.flow import Flow
 from integrable.motion.precise import PreciseFlow
-from integrable.motion.rotation import PrincipalRotation
+from integrable.motion.symmetric import SymmetricFlow
 from integrable.oracles.reference import taylor
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
@@ -24,7 +24,7 @@ STATES = {
 def test_near_the_start_it_is_what_a_taylor_series_gives(system, start):
     state = system.state(*start)
     flow = system.flow(state)
-    assert flow.at([1.0]).way == PrincipalRotation.way
+    assert flow.at([1.0]).way == SymmetricFlow.way
     run, true = flow.at([3.0, -7.0]), taylor(system, state, [3.0, -7.0], digits=25)
     assert abs(run.gamma - true.gamma.astype(float)).max() < 1e-15
     assert abs(run.M - true.M.astype(float)).max() < 1e-14
