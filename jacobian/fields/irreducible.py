@@ -45,16 +45,27 @@ def default_modulus(base: PrimeField, k: int) -> tuple[int, ...]:
         )
     # galois's table has no p near 64 bits, and its look-up fails there
     if base.p.bit_length() < 64:
-        import galois
-
         with suppress(LookupError):
-            return tuple(int(c) for c in galois.conway_poly(base.p, k).coeffs[::-1])
+            return _conway(base.p, k)
     if k**3 * base.p.bit_length() > MOST_WORK:
         raise Infeasible(
             f"k = {k}: to look for an irreducible polynomial over GF(p), p of {base.p.bit_length()} bits, takes "
             "minutes or hours; give a modulus"
         )
     return first_irreducible(base, k)
+
+
+def _conway(p: int, k: int) -> tuple[int, ...]:
+    """The Conway polynomial of galois's table; LookupError where it has none."""
+    import galois
+
+    try:
+        # galois.conway_poly compiles arithmetic of GF(p) before it returns, which takes a second for each p
+        from galois._databases import ConwayPolyDatabase
+    except ImportError:
+        return tuple(int(c) for c in galois.conway_poly(p, k).coeffs[::-1])
+    found = dict(zip(*ConwayPolyDatabase().fetch(p, k), strict=True))
+    return tuple(found.get(i, 0) for i in range(k + 1))
 
 
 def first_irreducible(base: PrimeField, k: int) -> tuple[int, ...]:

@@ -1,6 +1,7 @@
 """Fields: axioms on raw elements, square roots, coercion of users' values, randomness, identity and pickling."""
 
 import pickle
+import sys
 from fractions import Fraction
 from random import Random
 
@@ -12,7 +13,7 @@ import pytest
 from jacobian import CC, GF, MP, QQ, RR, ArgumentError, Field, FieldError, NotASquare, PrecisionLoss
 from jacobian.errors import Infeasible
 from jacobian.fields.digits import DigitField
-from jacobian.fields.irreducible import is_irreducible, prime_ring
+from jacobian.fields.irreducible import default_modulus, is_irreducible, prime_ring
 from jacobian.fields.primality import is_prime, prime_power
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.fields.residue import ResidueField
@@ -229,6 +230,15 @@ def test_what_is_not_a_prime(p):
 def test_degree_of_a_field(k):
     with pytest.raises(ArgumentError, match=r"^k = "):
         GF(7, k)
+
+
+def test_the_default_modulus_is_the_conway_polynomial_of_galois(monkeypatch):
+    """Also where galois's table is elsewhere, as it may be in another version."""
+    found = {(p, k): default_modulus(GF(p), k) for p, k in ((2, 8), (3, 1), (7, 2), (7, 10))}
+    monkeypatch.setitem(sys.modules, "galois._databases", None)
+    for (p, k), modulus in found.items():
+        conway = galois.conway_poly(p, k)
+        assert modulus == default_modulus(GF(p), k) == tuple(int(c) for c in conway.coeffs[::-1])
 
 
 @pytest.mark.parametrize(
