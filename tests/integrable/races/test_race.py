@@ -9,6 +9,7 @@ import pytest
 
 from integrable.__main__ import main
 from integrable.problems import problem
+from integrable.races import entrants as entrants_of_races
 from integrable.races.entrants import entrants, loaded
 from integrable.races.race import MOST_TIMES, pieces_of_race, race
 from jacobian import ArgumentError
@@ -71,8 +72,9 @@ def test_a_function_that_fails_keeps_its_line_and_is_not_tried_again(run) -> Non
     assert "wrong, tolerance 1e-04: ArgumentError" in found.table()
 
 
-def test_what_is_spent_before_the_first_run_is_not_its_run_time() -> None:
+def test_what_is_spent_before_the_first_run_is_not_its_run_time(monkeypatch) -> None:
     own_solvers.CALLS.clear()
+    monkeypatch.setattr(entrants_of_races, "perf_counter", own_solvers.clock)
     found = race([short()], {"compiling": own_solvers.compiling}, rivals=(), limit=1.0)
     first, *others = rows(found, "compiling")
     assert first.first > 0.45

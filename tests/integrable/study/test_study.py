@@ -286,7 +286,7 @@ def test_what_a_stopped_worker_has_started_ends_with_it(source, tmp_path):
     finally:
         worker.stop()
         worker.let_go(store)
-    until = time.monotonic() + 5
+    until = time.monotonic() + 60
     while started() and time.monotonic() < until:
         time.sleep(0.01)
     assert not started()

@@ -63,7 +63,7 @@ def test_workers_end_with_their_parent(script, tmp_path) -> None:
         assert workers
         assert all(map(runs, workers))
         parent.send_signal(signal.SIGKILL)
-    until = time.monotonic() + 10
+    until = time.monotonic() + 60
     while any(map(runs, workers)) and time.monotonic() < until:
         time.sleep(0.01)
     left = [worker for worker in workers if runs(worker)]

@@ -3,7 +3,6 @@
 from collections import Counter
 from fractions import Fraction
 from random import Random
-from time import process_time
 
 import galois
 import pytest
@@ -148,11 +147,9 @@ def test_many_equal_points_are_a_multiple(row, rng):
 
 
 def test_equal_points_over_the_rationals_are_a_multiple():
-    """Added one after the other, 400 of them took 1.3 s, and 2000 never ended."""
+    """Added one after the other, 2000 of them never ended; their partial sums are too long to write down."""
     J = HyperellipticCurve(QQ, [1, 2, 0, 0, 0, 1]).jacobian()
-    begun = process_time()
-    assert J.from_points([(0, 1)] * 200 + [(0, -1)] * 7) == 193 * J((0, 1))
-    assert process_time() - begun < 0.2
+    assert J.from_points([(0, 1)] * 2000 + [(0, -1)] * 1993) == 7 * J((0, 1))
 
 
 @pytest.mark.parametrize("model", [[1, 2, 0, 0, 0, 1], pytest.param([1, 0, 3, 0, 0, 0, 1], marks=pytest.mark.slow)])
