@@ -39,7 +39,7 @@ def compare(row, additions, rng):
 
 @pytest.mark.parametrize("row", TABLE)
 def test_additions(row):
-    compare(row, 30 if row.K != QQ else 8, Random(f"flint {row}"))
+    compare(row, 12 if row.K != QQ else 8, Random(f"flint {row}"))
 
 
 @pytest.mark.slow

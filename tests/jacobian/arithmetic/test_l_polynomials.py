@@ -129,7 +129,7 @@ def test_functional_equation(f, h):
         check_points(C, L, p, range(1, 2 * g + 1))
     if g == 2:
         # beyond 16g² by the forest, not by counting
-        check_points(C, L, 67 if 67 in L.p else 71, (1, 2, 3))
+        check_points(C, L, 67 if 67 in L.p else 71, (1, 2))
 
 
 @pytest.mark.slow
@@ -146,7 +146,7 @@ def test_genus_3_by_points_over_two_fields_below_500(seed):
     check_points(C, L, rng.choice(L.p[(L.p > 62) & (L.p < 110)].tolist()), (3,))
 
 
-@pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("every", [8, pytest.param(1, marks=pytest.mark.slow)])
 def test_torsion_divides_all_orders(every):
     """For published curves, and for two with known classes of order 5 and 7; torsion injects at odd primes."""
     rows = [row for row in PUBLISHED if "torsion" in row]

@@ -92,10 +92,13 @@ def test_sums_of_random_divisors(name):
     curve, precise, units = curves(name)
     rng, J, wide = Random(name), curve.jacobian(), precise.jacobian()
     size = BLOCK + 40
+    # 30·29 different pairs
     first, second = (
-        [wide.from_points([random_point(curve, precise, units, rng) for _ in range(2)]) for _ in range(size)]
-        for _ in range(2)
+        [wide.from_points([random_point(curve, precise, units, rng) for _ in range(2)]) for _ in range(count)]
+        * (size // count + 1)
+        for count in (30, 29)
     )
+    first, second = first[:size], second[:size]
     sums = FloatSums(curve)
     for kind, others in {"each": second, "one": second[:1] * size, "double": first}.items():
         right = columns(curve.field, others[:1] if kind == "one" else others)
@@ -144,7 +147,7 @@ def test_rows_near_special_ones(name):
     rng, J, wide = Random(name), curve.jacobian(), precise.jacobian()
     exact = precise.field.coerce
     sums, used = FloatSums(curve), 0
-    for k in range(1, 17):
+    for k in range(1, 17, 2):
         P, Q, R = (random_point(curve, precise, units, rng) for _ in range(3))
         D = wide.from_points([P, Q])
         P2, Q2 = neighbour(precise, P, 10.0**-k), neighbour(precise, Q, 0.3 * 10.0**-k)
@@ -157,7 +160,7 @@ def test_rows_near_special_ones(name):
             if not doubtful[0]:
                 column = Divisor(J, (*found[:2, 0], 1), tuple(found[2:, 0]), true.n)
                 assert distance(column, true, units) < 1e-10
-    assert used > 60
+    assert used > 29
 
 
 @pytest.mark.parametrize("degree", [5, 6])
@@ -342,8 +345,8 @@ def test_points_of_very_different_sizes_are_added_as_one_by_one(K):
     pairs = [(divisor(), divisor()) for _ in range(150)]
     total = DivisorArray.stack([D for D, _ in pairs]) + DivisorArray.stack([E for _, E in pairs])
     for i in np.flatnonzero(total.status == 0).tolist():
-        D, E = pairs[i]
-        for x, y in zip((*total[i].u, *total[i].v), (*(D + E).u, *(D + E).v), strict=True):
+        one, other = total[i], pairs[i][0] + pairs[i][1]
+        for x, y in zip((*one.u, *one.v), (*other.u, *other.v), strict=True):
             assert abs(x - y) <= 1e-7 * abs(y)
 
 

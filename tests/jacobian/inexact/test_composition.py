@@ -30,11 +30,13 @@ def sum_over(K):
 # --- genus 2: every distance ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("variant", "k"), CELLS)
 def test_floats_at_every_distance(variant, k):
     assert_accurate(sum_over(RR), rows(variant, k))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("variant", "k"), CELLS)
 def test_sixty_digits_at_every_distance(variant, k):
     assert max(row.error(*sum_over(PRECISE)(row)) for row in rows(variant, k)[:5]) < 1e-54

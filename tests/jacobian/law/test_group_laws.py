@@ -25,6 +25,7 @@ def every(row):
     return pytest.param(row, id=str(row))
 
 
+# a row of every model and genus, with h and without, is among each fifth row: a field has 36 rows
 table = pytest.mark.parametrize("row", [every(row) for row in ROWS])
 
 
@@ -63,6 +64,7 @@ def test_associativity(row):
         assert A - (B + C) == (A - B) - C
 
 
+@pytest.mark.thinned(5)
 @table
 def test_scalar_multiples(row):
     J = row.curve.jacobian()
@@ -75,6 +77,7 @@ def test_scalar_multiples(row):
         assert -largest * D == -multiples[largest]
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("row", [every(row) for row in ROWS if row.K != QQ])
 def test_large_scalars(row, rng):
     D = row.pool[0]

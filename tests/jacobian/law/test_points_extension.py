@@ -40,6 +40,7 @@ def rebuilt(J, found, extension=None):
     return J.from_points([P for P, _ in found], multiplicities=[m for _, m in found], extension=extension)
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("row", FINITE)
 def test_support_and_back(row):
     """Every class of the pool is the sum of its points, found over the field in which u splits."""
