@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+from functools import cache
 
 import numpy as np
 import pytest
@@ -13,8 +14,15 @@ from jacobian.immutable import Immutable, Record
 from tests.integrable.public_values import FIELDS, GAMMA, M, other_values, systems_over, values_over
 from tests.jacobian.test_values import assert_sealed, descendants
 
-VALUES = {f"{name} over {kind}": value for kind, K in FIELDS.items() for name, value in values_over(K).items()}
-VALUES |= other_values()
+KINDS = (*FIELDS, "others")
+
+
+@cache
+def values(kind):
+    """{what: value} of a field of FIELDS, or those of other fields. They take seconds, so none is made on import."""
+    return values_over(FIELDS[kind]) if kind in FIELDS else other_values()
+
+
 # internal number types, never returned to users
 INSIDE = {"Balls", "Columns", "_Operators", "SymbolField"}
 ARRAYS = ("times", "tau", "gamma", "M", "omega", "attitude", "quaternion", "contact", "error", "digits", "radius")
@@ -35,7 +43,7 @@ ARRAYS += (
 
 
 def test_the_table_holds_every_public_class():
-    kinds = {type(value) for value in VALUES.values()}
+    kinds = {type(value) for kind in KINDS for value in values(kind).values()}
     for name in integrable.__all__:
         named = getattr(integrable, name)
         assert not isinstance(named, type) or named in kinds, name
@@ -44,33 +52,35 @@ def test_the_table_holds_every_public_class():
     assert ours - INSIDE <= {kind.__name__ for kind in kinds}
 
 
-@pytest.mark.parametrize("what", VALUES)
-def test_pickles_and_copies_are_equal(what):
-    value = VALUES[what]
-    for again in (pickle.loads(pickle.dumps(value)), copy.deepcopy(value), copy.copy(value)):
-        assert type(again) is type(value)
-        assert (again == value) is True
-        assert hash(again) == hash(value)
-    assert (value == "something else") is False
+@pytest.mark.parametrize("kind", KINDS)
+def test_pickles_and_copies_are_equal(kind):
+    for what, value in values(kind).items():
+        for again in (pickle.loads(pickle.dumps(value)), copy.deepcopy(value), copy.copy(value)):
+            assert type(again) is type(value), what
+            assert (again == value) is True, what
+            assert hash(again) == hash(value), what
+        assert (value == "something else") is False, what
 
 
-@pytest.mark.parametrize("what", VALUES)
-def test_nothing_can_be_set_or_deleted(what):
-    assert_sealed(VALUES[what])
+@pytest.mark.parametrize("kind", KINDS)
+def test_nothing_can_be_set_or_deleted(kind):
+    for value in values(kind).values():
+        assert_sealed(value)
 
 
-@pytest.mark.parametrize(
-    "what", [what for what, value in VALUES.items() if isinstance(value, Record) or "orbit" in what]
-)
-def test_arrays_of_results_cannot_be_written_to(what):
-    for run in (VALUES[what], pickle.loads(pickle.dumps(VALUES[what]))):
-        found = [_asked(run, name) for name in ARRAYS]
-        if isinstance(run, Trajectory):
-            found += [*run.integrals]
-        for array in found:
-            if array is not None:
-                with pytest.raises(ValueError, match="read-only"):
-                    array[0] = array[0]
+@pytest.mark.parametrize("kind", KINDS)
+def test_arrays_of_results_cannot_be_written_to(kind):
+    results = {what: value for what, value in values(kind).items() if isinstance(value, Record) or "orbit" in what}
+    assert results
+    for value in results.values():
+        for run in (value, pickle.loads(pickle.dumps(value))):
+            found = [_asked(run, name) for name in ARRAYS]
+            if isinstance(run, Trajectory):
+                found += [*run.integrals]
+            for array in found:
+                if array is not None:
+                    with pytest.raises(ValueError, match="read-only"):
+                        array[0] = array[0]
 
 
 def _asked(run, name):
@@ -98,8 +108,8 @@ def test_what_went_in_may_change_afterwards(kind):
     runs = [flow.at(times), flow.at_tau(times), systems_over(K)["tilde"].flow(state).at(times)]
     kept = pickle.dumps([run.times for run in runs])
     inertia[0], gamma[0], momentum[0], times[:] = 7, K.zero, K.zero, K.zero
-    assert ball == VALUES[f"ball over {kind}"]
-    assert state == VALUES[f"state over {kind}"]
+    assert ball == values(kind)["ball"]
+    assert state == values(kind)["state"]
     assert pickle.dumps([run.times for run in runs]) == kept
 
 
@@ -120,7 +130,7 @@ def test_motions_and_runs_that_differ_compare_as_different():
 
 
 def test_a_flow_in_another_process_goes_on():
-    flow = VALUES["flow over RR"]
+    flow = values("RR")["flow"]
     again = pickle.loads(pickle.dumps(flow))
     assert again is not flow
     assert (again.at([3.0, 100.0]).gamma == flow.at([3.0, 100.0]).gamma).all()
