@@ -1,5 +1,7 @@
 """States of the pairs in compiled double-doubles compared with the readable additions; the two share no code."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -164,3 +166,17 @@ def test_a_rate_that_is_off_goes_the_readable_way(place, monkeypatch) -> None:
     flow = system.flow(system.state(*START))
     found = flow.at(TAU)
     assert np.array_equal(np.hstack([found.gamma, found.M]), truth)
+
+
+def test_the_quick_clock_holds_and_another_rate_is_noticed(monkeypatch) -> None:
+    said, holds = [], quick_states.QuickClock.holds
+
+    def asked(clock, carrier, *where):
+        twice = SimpleNamespace(curves=carrier.curves, z=carrier.z, pace=lambda *z: 2 * carrier.pace(*z))
+        said.append((holds(clock, carrier, *where), holds(clock, twice, *where)))
+        return said[-1][0]
+
+    monkeypatch.setattr(quick_states.QuickClock, "holds", asked)
+    system = PAIRS["tilde, rolling"]
+    system.flow(system.state(*START)).at([1e4, 1e5])
+    assert said == [(True, False)]

@@ -14,7 +14,7 @@ import pytest
 from integrable.oracles.methods import METHODS
 from integrable.scene.looks import LOOKS
 from integrable.scene.tables import plain_power
-from integrable.study.plot import FLOOR, FORMATS, draw, residual_growth, sphere, work_precision
+from integrable.study.plot import FLOOR, FORMATS, draw, look_of, residual_growth, sphere, work_precision
 from integrable.study.report import Report, Row, TruthCheck
 from jacobian.errors import ArgumentError
 
@@ -137,3 +137,7 @@ def test_unlike_runs_of_the_flow_are_not_joined():
 @pytest.mark.parametrize(("value", "words"), [(1e12, "10¹²"), (2e-9, "2·10⁻⁹"), (1000.0, "1000"), (0.5, "0.5")])
 def test_powers_are_written_one_way(value, words):
     assert plain_power(value) == words
+
+
+def test_marks_that_are_illegible_on_white_alone_have_an_edge() -> None:
+    assert [name for name in LOOKS if "markeredgecolor" in look_of(name)] == ["closed elliptic form"]

@@ -40,6 +40,12 @@ def test_translations_near_the_identity(k):
     assert max(abs(wide.coerce(x) - y) for x, y in zip(found, true, strict=True)) < 1e-14
 
 
+def test_a_newton_step_along_which_nothing_changes_is_not_made():
+    """For (lean, 1) = (b0, 1) and c0 = c1 the derivative modulo U'' is 0 if b1 = b0 + 1."""
+    f = (0.0, 0.0, 1.0, 2.0, 3.0, 1.0)
+    assert genus2_real.newton_step(f, 0.5, 1.5, 0.25, 0.25, 0.5, 1e-32) == (0.25, 0.25)
+
+
 # --- special cases on rational points -------------------------------------------------------------------------------
 
 
