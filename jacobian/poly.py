@@ -223,6 +223,11 @@ def evaluate(K: Arithmetic[Element], a: Poly[Element], x: Element) -> Element:
     return value
 
 
+def size_at(a: Poly[Any], x: Any) -> Any:
+    """Σ|aᵢ|xⁱ for x ≥ 0, over an inexact field: the size of the terms of a at points of modulus x."""
+    return sum(abs(c) * x**i for i, c in enumerate(a))
+
+
 def derivative(K: Arithmetic[Element], a: Poly[Element]) -> Poly[Element]:
     """The derivative a'."""
     result = [K.mul(integer(K, i), a[i]) for i in range(1, len(a))]

@@ -52,6 +52,9 @@ class EnclosedTranslations(GroupTranslations):
         # divisors stay as they are: a better midpoint would not narrow a ball
         return D
 
+    def _with_true_lifts(self, D: Extended) -> Extended:
+        return D
+
 
 def middles_of_ovals(f: poly.Poly) -> list[float]:
     """The midpoints of the bounded intervals where f > 0, between real roots computed in floats."""

@@ -518,7 +518,7 @@ class MumfordFlow:
     def _walked(self, times: np.ndarray) -> StatesReached:
         """The states at those times that Taylor series reach sooner than additions would."""
         walked, finished = _walks()
-        most = len(times) * BY_ADDITIONS.each
+        most = self._cost_of_additions(len(times))
         near = finished(self.system, self.start, times, walked(self.system, self.start, times, most), most)
         return StatesReached(SERIES, near.states, near.places)
 

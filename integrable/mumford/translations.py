@@ -22,7 +22,9 @@ from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift
 # h is about 2^−PART of the time in which a point reaches the boundary of its disc, so each term of a series gains at
 # least PART − 1 bits; T(2^k h) is in general position from about k = FRACTION on
 PART, FRACTION = 6, 8
-# T is in general position if the largest root of its U is at most this many times as large as that of E
+# T is in general position if the largest root of its U is at most NEAR times as large as that of E, and V at this size
+# at most NEAR times as large as √f. V is large if two points of T are nearly P + ιP. A short shift along (1, 0, …)
+# in genus 4 has two such pairs near x = 0, and their sums lose hundreds of bits
 NEAR = 4
 
 
@@ -53,6 +55,7 @@ class GroupTranslations:
         self._doubles: dict[int, Extended] = {}
         self._singles: dict[int, Extended | None] = {}
         self._size = group.size_of_x(pair[0])
+        self._height = poly.size_at(group.f, self._size)
         # the first k for which the growth of T(2^k h) has not been checked
         self._unseen = FRACTION
 
@@ -116,8 +119,8 @@ class GroupTranslations:
     def _with_single(self, D: Extended, S: Extended) -> Extended:
         """The divisor D + S, where S is a result of :meth:`_single`."""
         total = self.group.add(D, S, *self._with)
-        # on models of odd degree, sums in general position do not drift off the curve
-        return self._settled(total if self.group.odd else self._on_curve(total))
+        # on models of odd degree, sums in general position do not drift off the curve, but their lifts do
+        return self._settled(self._with_true_lifts(total) if self.group.odd else self._on_curve(total))
 
     def _settled(self, D: Extended) -> Extended:
         """The divisor D with the original κ of its lifts, since two sums in odd genus divide κ by ℓ², ℓ = lead(f)."""
@@ -133,6 +136,9 @@ class GroupTranslations:
 
     def _on_curve(self, D: Extended) -> Extended:
         return self.group.retracted(D)
+
+    def _with_true_lifts(self, D: Extended) -> Extended:
+        return self.group.with_true_lifts(D)
 
     def _double(self, k: int) -> Extended:
         """E_k = E + T(2^k h)."""
@@ -154,7 +160,8 @@ class GroupTranslations:
         return self._singles.get(k)
 
     def _is_general(self, D: Extended) -> bool:
-        return bool(self.group.size_of_x(D.u) < NEAR * self._size)
+        flat = poly.size_at(D.v, self._size) ** 2 < NEAR**2 * self._height
+        return bool(self.group.size_of_x(D.u) < NEAR * self._size and flat)
 
     def _near(self, time: Real) -> Extended:
         """The divisor E(time), with its data."""
@@ -185,7 +192,7 @@ class GroupTranslations:
 
 def part_at(K: Any, a: poly.Poly, e: Real) -> Real:
     """|a(e)| relative to the sum of the absolute values of its terms; 0 for the zero polynomial."""
-    size = sum(abs(c) * abs(e) ** i for i, c in enumerate(a))
+    size = poly.size_at(a, abs(e))
     return abs(poly.evaluate(K, a, e)) / size if size > 0 else abs(K.zero)
 
 

@@ -27,6 +27,9 @@ from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, show
 from jacobian.immutable import Immutable
 from jacobian.linear import pivoted
 
+# a value of a polynomial is far from zero if it is this fraction of the sum of its terms; it then has lost 20 bits
+NEAR_ZERO = 2.0**-20
+
 
 class Extended(NamedTuple):
     """A Mumford pair (u, v) and ``data``, one datum for each of the group's kinds."""
@@ -215,7 +218,15 @@ class ExtendedGroup(Immutable):
         weights = self._solved(rows)
         move = [K.doubled(K.dot(column, weights), unit) for column, unit in zip(columns, units, strict=True)]
         v = tuple(map(K.add, D.v, move[:g]))
-        return D._replace(u=(*map(K.add, D.u[:-1], move[g:]), K.one), v=v)
+        return self.with_true_lifts(D._replace(u=(*map(K.add, D.u[:-1], move[g:]), K.one), v=v))
+
+    def with_true_lifts(self, D: Extended) -> Extended:
+        """The pair with its lifts moved onto κσ² = U(e), κσν = V(e), over a :class:`LongField`.
+
+        Each sum multiplies the distance of a lift from these values, by up to 2^20 where branch points differ in size.
+        """
+        data = (x.nearest(self, D, a) if isinstance(x, Lift) else a for x, a in zip(self.kinds, D.data, strict=True))
+        return D._replace(data=tuple(data))
 
     def size_of_x(self, u: poly.Poly) -> Any:
         """The approximate size of the largest root of u."""
@@ -258,6 +269,22 @@ class Lift(NamedTuple):
         sigma = K.one if sigma is None else sigma
         kappa = K.div(value, K.mul(sigma, sigma))
         return kappa, sigma, K.div(poly.evaluate(K, v, self.e), K.mul(kappa, sigma))
+
+    def nearest(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any:
+        """The datum moved by a Newton step onto κσ² = U(e), and κσν = V(e); near a zero of U onto κν² = −W(e). It is
+        left where V and W vanish too.
+        """
+        K, e, (kappa, sigma, nu) = group.field, self.e, datum
+        value, slope = (poly.evaluate(K, a, e) for a in (D.u, D.v))
+        if abs(value) > NEAR_ZERO * poly.size_at(D.u, abs(e)):
+            sigma = (sigma + value / (kappa * sigma)) / 2
+            return kappa, sigma, slope / (kappa * sigma)
+        w = group.cofactor(D.u, D.v)
+        value = poly.evaluate(K, w, e)
+        if abs(value) > NEAR_ZERO * poly.size_at(w, abs(e)):
+            nu = (nu - value / (kappa * nu)) / 2
+            sigma = slope / (kappa * nu)
+        return kappa, sigma, nu
 
     def scaled(self, group: ExtendedGroup, datum: Any, c: Any) -> Any:
         """The same datum as (κ/c², cσ, cν)."""

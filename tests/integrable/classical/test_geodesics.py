@@ -13,6 +13,7 @@ from integrable.classical.inverse import joining
 from integrable.mumford.flow import Point
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError
+from tests.integrable.ways import forced
 
 KARNEY = json.loads((Path(__file__).parents[2] / "data" / "geodesics.json").read_text("utf-8"))
 EARTH = (40681077.7, 40680197.6, 40408308.7)  # squares of semi-axes, km²
@@ -144,3 +145,42 @@ def test_short_geodesics_are_found_to_all_digits_and_enclosed(length):
     rough, fine = (flow.tau_near(length, digits) for digits in (20, 40))
     assert abs(rough - fine) < 1e-19 * abs(fine)
     assert flow.enclosure([length]).radius[0] <= 1e-15
+
+
+# found by tests.fuzz systems --seed 20261128 (kind "far ellipsoid", cases 1056 and 2776), and an ordinary geodesic of
+# genus 6. In genus ≥ 3 a short translation along (1, 0, …) has pairs of nearly opposite points, and their sums lost
+# hundreds of bits; each sum also multiplied the distance of a lift from √U(e), so additions refused these times
+HIGH = [
+    (
+        (50.18451992832398, 606.0440147350414, 18.36201608409908, 110.23846642976197, 902.097118820239),
+        (0.9677081389088577, 0.0, -2.871584967611813, -3.434516059947503, -19.586298090718667),
+        (-16.64112462650171, -3.9271830790359776, 17.073115519485253, -86.07166784587766, -14.24637603522183),
+        (-300.43144794048715, 86587.95110034801),
+    ),
+    (
+        (7.549015124122469, 1217.7834115682572, 1.4913391983497433, 1.5242713061048445, 0.08920146742027844),
+        (1.5036930373025168, 12.308288211803747, -0.8217916524889156, 0.3939754835738728, -0.04369581354288206),
+        (9.215443459463337, 0.4676004806111075, 88.82996240572501, 139.31010679991914, -22.66288402432342),
+        (1571.3647565757253,),
+    ),
+    (
+        (1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0),
+        (0.3, 0.5, -0.6, 0.5, -0.7, 0.8, 0.7),
+        (1.0, -0.5, 0.25, 0.5, 0.75, -0.25, 0.5),
+        (-2.5,),
+    ),
+]
+
+
+@pytest.mark.parametrize(("squares", "q", "p", "times"), HIGH)
+def test_additions_reach_the_times_of_a_geodesic_in_many_dimensions(squares, q, p, times):
+    a, q, p = map(np.array, (squares, q, p))
+    q /= np.sqrt((q * q / a).sum())
+    p -= (q / a) * (p @ (q / a)) / ((q / a) @ (q / a))
+    system = Ellipsoid(squares)
+    flow = system.flow(system.state(tuple(q), tuple(p)))
+    # series of the equations of motion reach the last time; the torus of genus 6 takes ten times as long
+    other = forced(flow, "torus").at(times) if len(squares) < 7 else flow.at(times)
+    found = forced(flow, "additions").at(times)
+    for x, y in ((found.q, other.q), (found.p, other.p)):
+        assert abs(x - y).max() < 4e-15 * abs(y).max()

@@ -9,11 +9,14 @@ import pytest
 
 from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
+from integrable.classical.veselova import Veselova
 from integrable.moving_point.elliptic_integrals import oval_periods
 from integrable.mumford import theta_torus
+from integrable.mumford.bodies import BodyFlow
 from integrable.mumford.branch_points import PairModel, long_roots, opened, without_root
 from integrable.mumford.flow import TIMES_TO_THETA
 from integrable.mumford.theta_torus import ThetaTorus, sums_at
+from integrable.series.near import walked
 from integrable.torus.loops import CompiledLoops
 from integrable.torus.theta_series import half_turn, theta, theta_lifts, theta_sums
 from jacobian import MP, HyperellipticCurve, PrecisionLoss
@@ -273,3 +276,19 @@ def test_an_oval_that_is_a_point_is_opened_and_no_other() -> None:
             else:
                 with pytest.raises(PrecisionLoss, match="not told apart"):
                     opened(N, model, {low})
+
+
+@compiled
+def test_series_confirm_the_torus_of_very_unequal_moments(monkeypatch):
+    """Additions took minutes there, since τ at a time is computed by quadrature along the motion (tests.fuzz systems
+    --seed 20261128, kind "veselova", case 596).
+    """
+    system = Veselova((0.0009987571475752288, 0.00026160301755309814, 703.5566441873931))
+    gamma = (0.0, 0.5181471586469594, 0.8552914836393981)
+    state = system.state(gamma, (342.9930926679658, -0.0010356803675919657, 0.000627429186422798))
+    monkeypatch.delattr(BodyFlow, "_places")
+    times = [-7.344171024925524e-08, -8.380193915832079e-07, -2.7884953249485633e-05]
+    far, near = system.flow(state).at([*times, 1.0]), walked(system, state, np.array(times), 1e6)
+    assert far.way == "series, torus"
+    assert abs(far.q[:3] - near.states[:, 0]).max() < 1e-15
+    assert abs(far.p[:3] - near.states[:, 1]).max() < 1e-12

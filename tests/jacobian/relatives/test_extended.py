@@ -184,6 +184,32 @@ def test_a_pair_comes_back_onto_its_curve() -> None:
         assert sizes[4] < 1e-75
 
 
+def test_a_lift_comes_back_onto_its_curve() -> None:
+    """A lift moved by 2⁻⁴⁰ comes back to κσ² = U(e), κσν = V(e) and κν² = −W(e), at a zero of U too."""
+    with LongField(300) as L:
+        roots = tuple(map(L.coerce, (-1, 0, 1, 2, 3, 5, 8)))
+        group = ExtendedGroup(L, poly.from_roots(L, roots), tuple(map(Lift, roots)))
+        xs = [L.coerce(x) for x in (0, 10, 12)]
+        u, v = poly.from_roots(L, xs), (L.zero,) * 3
+        for x in xs[1:]:
+            others = poly.from_roots(L, [z for z in xs if z is not x])
+            scale = L.sqrt(poly.evaluate(L, group.f, x)) / poly.evaluate(L, others, x)
+            v = tuple(a + scale * b for a, b in zip(v, others, strict=True))
+        w, lifts = group.cofactor(u, v), []
+        for e in roots:
+            above, slope, below = (poly.evaluate(L, a, e) for a in (u, v, w))
+            # κ = 4·sign, so that σ² = |U(e)|/4
+            kappa = 4 * (L.one if above > 0 or (above == 0 and below < 0) else -L.one)
+            sigma = L.sqrt(above / kappa)
+            lifts.append((kappa, sigma, slope / (kappa * sigma) if sigma else -L.sqrt(-below / kappa)))
+        near = 1 + L.coerce(2.0**-40)
+        found = Extended(u, v, tuple((k, s * near + (near - 1), n * near) for k, s, n in lifts))
+        for _ in range(3):
+            found = group.with_true_lifts(found)
+        for true, back in zip(lifts, found.data, strict=True):
+            assert max(abs(x - y) for x, y in zip(true, back, strict=True)) < 1e-80
+
+
 def test_what_is_refused() -> None:
     with pytest.raises(ArgumentError, match="f = "):
         ExtendedGroup(K, [1, 1])
