@@ -35,9 +35,8 @@ import gmpy2
 import numpy as np
 
 from integrable.motion.swing import Swing, Upright
-from integrable.moving_point.arithmetic import LONG, PASSES, LongDoubles, Multiprecision
+from integrable.moving_point.arithmetic import LONG, PASSES, LongDoubles, Multiprecision, step_inside
 from integrable.moving_point.elliptic_integrals import FirstKind, carlson_j, complete
-from integrable.moving_point.newton import step_inside
 from integrable.phase.space import PhaseSpace
 from jacobian.element import Real
 

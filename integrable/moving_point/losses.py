@@ -7,6 +7,7 @@ from math import ceil, log, log10
 from integrable.moving_point.addition import Row
 from integrable.moving_point.setup import Setup
 from integrable.phase.body import energy
+from integrable.phase.coordinates import directions_of
 from jacobian.element import Real
 
 # stands for an infinite decimal exponent; −NOTHING means no loss
@@ -46,16 +47,11 @@ def drift(setup: Setup, point: Row) -> Real:
     """The larger of the relative changes of H1 and H2 at a moving point of bare reals."""
     reals = setup.reals
     with reals:
-        alpha = setup.bare.axes[:3]
-        sigma, nu = point[4:7], point[7:10]
-        square = sum(x * x for x in sigma)
-        lean = sum(x * y for x, y in zip(sigma, nu, strict=True)) / square
-        w = [y - lean * x for x, y in zip(sigma, nu, strict=True)]
-        # M = w × γ with γ = σ/|σ|; M, h1 and h2 are relative to the momentum
-        M = [w[i - 2] * sigma[i - 1] - w[i - 1] * sigma[i - 2] for i in range(3)]
-        h2 = sum(m * m for m in M) / square
+        # M, h1 and h2 are relative to the momentum
+        _, M = directions_of(tuple(point))
+        h2 = sum(m * m for m in M)
         # σ = gγ stands for γ, so the weight d·g² becomes d
-        h1 = energy(alpha, reals.number(setup.problem.d), sigma, M) / square
+        h1 = energy(setup.bare.axes[:3], reals.number(setup.problem.d), point[4:7], M)
         return max(abs(h2 - 1), abs(h1 / reals.number(setup.problem.ratio) - 1))
 
 

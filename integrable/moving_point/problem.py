@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 from integrable.moving_point.addition import Real, Row
 from integrable.moving_point.translations import REACH
-from integrable.phase.body import Vector
+from integrable.phase.body import Vector, energies
 from integrable.phase.coordinates import directions_of
-from integrable.phase.upright import parallel
+from integrable.phase.upright import parallel, transformation
 from jacobian.errors import ArgumentError
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
@@ -135,19 +135,6 @@ def check(gamma: Row, M: Row, tilted: bool, bits: int) -> None:
         raise parallel(float(x * a + y * b + z * c))
 
 
-def energies(
-    a: Vector[Real], contact: Vector[Real], d: Real, gamma: Vector[Real], M: Vector[Real]
-) -> tuple[Real, Real]:
-    """H1 and H2."""
-    xi, square, h1, h2 = 0 * d, 0 * d, 0 * d, 0 * d
-    for i in range(3):
-        xi += gamma[i] * a[i] * M[i]
-        square += contact[i] * gamma[i] * gamma[i]
-        h1 += a[i] * M[i] * M[i]
-        h2 += M[i] * M[i]
-    return h1 + d * xi * xi / square, h2
-
-
 def made_upright(
     given: Row, a: Vector[Real], gamma: Vector[Real], M: Vector[Real], energies: tuple[Real, Real], tilted: bool
 ) -> tuple[Contact, Vector[Real], Vector[Real], tuple[Real, Real, Real, Real]]:
@@ -169,25 +156,6 @@ def made_upright(
         less = d * k * c
         I0, I1, I2, e = I0 - less, I1 - less, I2 - less, d * rest
     return ((I0 * a[0], I1 * a[1], I2 * a[2]), e), (x, y, u), (m0, m1, m2), (k, s, p, rise)
-
-
-def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[Real, Real, Real, Real]:
-    """(k, 1 + kc, s, dkH1) of Chaplygin's transformation, from c = (γ, M), H1, H2, ``square`` = |γ × M|² and d
-    (:mod:`integrable.phase.upright`).
-    """
-    if d == 0:
-        return -(c / h2), square / h2, 1 + 0 * c, 0 * c
-    rolling, double = d * h1, 2 * c
-    rest = h2 - rolling
-    whole = root(rest * rest + double * double * rolling)
-    # (whole + rest)(whole − rest) = 4c²dH1, and a similar identity below, replace the differences in which digits
-    # cancel
-    total = rest + whole if rest > 0 else double * double * rolling / (whole - rest)
-    k = -(double / total)
-    below = rest - double * c
-    left = 1 + k * c if below > 0 else double * double * square / ((whole - below) * total)
-    rise = k * rolling
-    return k, left, 1 / root(1 + k * rise), rise
 
 
 def put_curve(given: Row, a: Vector[Real], body: Contact, gamma: Vector[Real], M: Vector[Real], out: Row) -> Real:

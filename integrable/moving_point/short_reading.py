@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import sqrt
 
 from integrable.moving_point.addition import Row
-from integrable.moving_point.problem import energies
 from integrable.moving_point.short_rows import LOT, RATE, FloatMotion, Request, Rule, ShortRoom
+from integrable.phase.body import energies
 from jacobian.numbers.abreast import abreast
 
 # Newton's iteration ends after a step smaller than this

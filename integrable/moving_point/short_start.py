@@ -19,7 +19,7 @@ from integrable.moving_point.problem import (
     problem_row,
 )
 from integrable.moving_point.short_rows import AHEAD, BEGIN, TIME_UNIT, FloatMotion, axes_of
-from integrable.moving_point.short_steps import OFF_BY, contact_of, framed, gamma_and_w, levelled, on_pairs
+from integrable.moving_point.short_steps import OFF_BY, contact_of, framed, levelled, on_pairs, put_gamma_and_w
 from jacobian.numbers.roots import root
 
 
@@ -33,7 +33,7 @@ def set_up(given: Row, tilted: bool, wide: Row, point: Row) -> FloatMotion:
     # time is scaled by s, so that α = 1 in :func:`~integrable.moving_point.addition.rate_at`
     wide[12], wide[13] = 1 + 0 * s, wide[13] / s
     wide[TIME_UNIT] = wide[TIME_SCALE] / s
-    gamma_and_w(start, point, BEGIN, 1)
+    put_gamma_and_w(start, point, BEGIN, 1)
     total = given[0] + d, given[1] + d, given[2] + d
     least, most = min(given[0], given[1], given[2]), max(given[0], given[1], given[2])
     length = root(given[7] * given[7] + given[8] * given[8] + given[9] * given[9])

@@ -40,6 +40,7 @@ from integrable.moving_point.short_rows import (
 )  # fmt: skip
 from integrable.moving_point.translations import Expansion, expand_orders, high_parts
 from integrable.phase.body import Vector
+from integrable.phase.coordinates import gamma_and_w
 from jacobian.element import Real
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
@@ -338,10 +339,7 @@ def looked_at(wide: Row, points: Row, target: int, point: Row, place: int) -> No
     for i in range(10):
         point[place + i] = float(points[10 * target + i])
     point[place + RATE] = float(rate_at(axes_of(wide), there))
-    x, y, z, n0, n1, n2 = there[4], there[5], there[6], there[7], there[8], there[9]
-    square = x * x + y * y + z * z
-    lean = (x * n0 + y * n1 + z * n2) / square
-    x, y, z = n0 - lean * x, n1 - lean * y, n2 - lean * z
+    _, (x, y, z) = gamma_and_w(there)
     # the deviation from |w| = 1
     point[place + OFF] = abs(float(x * x + y * y + z * z - 1))
 
@@ -373,7 +371,7 @@ def node_values(
         k = place + 10 * (count - 1 - j if mirrored else j)
         there = carried(f, axes, point, moving_point(steps, k))
         rates[j] = float(rate_at(axes, there) * evened(r, there))
-        gamma_and_w(there, values, j, count)
+        put_gamma_and_w(there, values, j, count)
 
 
 def evened(r: tuple[Real, ...], point: tuple[Real, ...]) -> Real:
@@ -385,14 +383,9 @@ def evened(r: tuple[Real, ...], point: tuple[Real, ...]) -> Real:
     return 1 + off / 2
 
 
-def gamma_and_w(point: tuple[Real, ...], values: Row, place: int, stride: int) -> None:
-    """Writes γ and w = γ × M/|M| of the upright motion at a moving point, six floats ``stride`` apart. ν is w plus a
-    multiple of σ, which may be large if a moment is small compared with d.
-    """
-    scale = 1 / root(point[4] * point[4] + point[5] * point[5] + point[6] * point[6])
-    x, y, z = point[4] * scale, point[5] * scale, point[6] * scale
-    lean = x * point[7] + y * point[8] + z * point[9]
+def put_gamma_and_w(point: tuple[Real, ...], values: Row, place: int, stride: int) -> None:
+    """Writes γ and w of the upright motion at a moving point, six floats ``stride`` apart."""
+    (x, y, z), (w1, w2, w3) = gamma_and_w(point)
     values[place], values[place + stride], values[place + 2 * stride] = float(x), float(y), float(z)
-    values[place + 3 * stride] = float(point[7] - lean * x)
-    values[place + 4 * stride] = float(point[8] - lean * y)
-    values[place + 5 * stride] = float(point[9] - lean * z)
+    place += 3 * stride
+    values[place], values[place + stride], values[place + 2 * stride] = float(w1), float(w2), float(w3)

@@ -130,10 +130,8 @@ class Body(Generic[Element]):
 
     def energies(self, gamma: Iterable[Real], M: Iterable[Real]) -> tuple[Real, Real]:
         """H1 and H2, computed with Python's operators: γ and M are three real numbers each or three arrays each."""
-        (r1, r2, r3), (x1, x2, x3), (m1, m2, m3) = self.contact, gamma, M
-        weight = self.d / (r1 * x1 * x1 + r2 * x2 * x2 + r3 * x3 * x3)
-        a: Vector = self.a
-        return energy(a, weight, gamma, M), m1 * m1 + m2 * m2 + m3 * m3
+        constants: tuple[Any, Any, Any] = self.a, self.contact, self.d
+        return energies(*constants, gamma, M)
 
     def polynomial(self, h1: Element, h2: Element) -> poly.Poly[Element]:
         """Coefficients, ascending, of f(x) = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x h2 − h1): degree 5, or 4 at d = 0."""
@@ -184,6 +182,15 @@ def energy(a: Iterable[Real], weight: Real, gamma: Iterable[Real], M: Iterable[R
     n1, n2, n3 = a1 * m1, a2 * m2, a3 * m3
     spin = x1 * n1 + x2 * n2 + x3 * n3
     return m1 * n1 + m2 * n2 + m3 * n3 + weight * spin * spin
+
+
+def energies(
+    a: Iterable[Real], contact: Iterable[Real], d: Real, gamma: Iterable[Real], M: Iterable[Real]
+) -> tuple[Real, Real]:
+    """H1 and H2 from a_i, r_i = 1 − d·a_i, d, γ and M; compiled unchanged."""
+    (r1, r2, r3), (x1, x2, x3), (m1, m2, m3) = contact, gamma, M
+    weight = d / (r1 * x1 * x1 + r2 * x2 * x2 + r3 * x3 * x3)
+    return energy(a, weight, gamma, M), m1 * m1 + m2 * m2 + m3 * m3
 
 
 def triple(field: Field, values: Any, argument: str) -> Vector:

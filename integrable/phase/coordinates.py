@@ -99,13 +99,19 @@ def directions_of(point: tuple[Real, ...]) -> tuple[tuple[Real, Real, Real], tup
     """γ and M/|M| of a moving point whose last six numbers are σ = γ̂ and ν = n̂/(2|M|). This is :func:`from_pairs` for
     bare reals: floats, mpf, balls, or double-doubles when compiled.
     """
+    (x, y, z), (w1, w2, w3) = gamma_and_w(point)
+    return (x, y, z), (w2 * z - w3 * y, w3 * x - w1 * z, w1 * y - w2 * x)
+
+
+def gamma_and_w(point: tuple[Real, ...]) -> tuple[tuple[Real, Real, Real], tuple[Real, Real, Real]]:
+    """γ and w = γ × M/|M| of the moving point of :func:`directions_of`. ν is w plus a multiple of σ, which may be large
+    if a moment is small compared with d.
+    """
     s1, s2, s3, n1, n2, n3 = point[4], point[5], point[6], point[7], point[8], point[9]
-    square = s1 * s1 + s2 * s2 + s3 * s3
-    lean = (s1 * n1 + s2 * n2 + s3 * n3) / square
-    scale = 1 / root(square)
-    n1, n2, n3 = n1 - lean * s1, n2 - lean * s2, n3 - lean * s3
-    s1, s2, s3 = s1 * scale, s2 * scale, s3 * scale
-    return (s1, s2, s3), (n2 * s3 - n3 * s2, n3 * s1 - n1 * s3, n1 * s2 - n2 * s1)
+    scale = 1 / root(s1 * s1 + s2 * s2 + s3 * s3)
+    x, y, z = s1 * scale, s2 * scale, s3 * scale
+    lean = x * n1 + y * n2 + z * n3
+    return (x, y, z), (n1 - lean * x, n2 - lean * y, n3 - lean * z)
 
 
 def to_mumford(body: Body, pairs: tuple[Pair, ...]) -> tuple[poly.Poly, poly.Poly]:

@@ -17,6 +17,7 @@ from integrable.phase.body import Body, Integrals, Vector, cross, square_root
 from integrable.phase.state import State
 from jacobian.element import Real
 from jacobian.errors import NotRepresentable
+from jacobian.numbers.roots import root
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,11 @@ class ChaplyginTransformation:
         """
         K = body.field
         integrals, square = body.integrals(gamma, M), leaning(K, gamma, M)
-        k, rest = _root(body, integrals, square)
+        if K.exact:
+            k = _exact_root(body, integrals)
+            rest = K.add(K.one, K.mul(k, integrals.C2))
+        else:
+            k, rest, _, _ = transformation(*integrals[1:], square, body.d)
         if rest == K.zero:
             raise parallel(integrals.C2)
         shift = K.mul(body.d, K.mul(k, integrals.H1))
@@ -120,28 +125,41 @@ def leaning(K: Any, gamma: Vector, M: Vector) -> Real:
     return square
 
 
-def _root(body: Body, integrals: Integrals, square: Real) -> tuple[Real, Real]:
-    """(k, 1 + kc) with k = −2c/((H2 − dH1) + √((H2 − dH1)² + 4c²dH1)); ``square`` is |γ × M|².
-
-    Over an exact field the other sign of the square root is used if the denominator vanishes.
+def _exact_root(body: Body, integrals: Integrals) -> Real:
+    """k over an exact field: −2c/((H2 − dH1) + √((H2 − dH1)² + 4c²dH1)), with the other sign of the square root if the
+    denominator vanishes.
     """
     K, (_, c, h1, h2) = body.field, integrals
     if not body.rolls:
-        return K.neg(K.div(c, h2)), K.div(square, h2)
+        return K.neg(K.div(c, h2))
     rolling, two = K.mul(body.d, h1), K.add(K.one, K.one)
     rest, double = K.sub(h2, rolling), K.mul(two, c)
     root = square_root(K, K.add(K.mul(rest, rest), K.mul(K.mul(double, double), rolling)), "(H2 − dH1)² + 4c²dH1")
     total = K.add(rest, root)
-    if K.exact and total == K.zero:
+    if total == K.zero:
         total = K.sub(rest, root)
     if total == K.zero:
         raise parallel(c)
-    k = K.neg(K.div(double, total))
-    below = K.sub(rest, K.mul(double, c))
-    if K.exact or below > 0:
-        return k, K.add(K.one, K.mul(k, c))
-    # (below + root)(root − below) = 4c²|γ × M|²: no cancellation near M ∥ γ
-    return k, double * double * square / ((root - below) * total)
+    return K.neg(K.div(double, total))
+
+
+def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[Real, Real, Real, Real]:
+    """(k, 1 + kc, s, dkH1) of Chaplygin's transformation, from c = (γ, M), H1, H2, ``square`` = |γ × M|² and d;
+    on real numbers, compiled unchanged.
+    """
+    if d == 0:
+        return -(c / h2), square / h2, 1 + 0 * c, 0 * c
+    rolling, double = d * h1, 2 * c
+    rest = h2 - rolling
+    whole = root(rest * rest + double * double * rolling)
+    # (whole + rest)(whole − rest) = 4c²dH1, and a similar identity below, replace the differences in which digits
+    # cancel
+    total = rest + whole if rest > 0 else double * double * rolling / (whole - rest)
+    k = -(double / total)
+    below = rest - double * c
+    left = 1 + k * c if below > 0 else double * double * square / ((whole - below) * total)
+    rise = k * rolling
+    return k, left, 1 / root(1 + k * rise), rise
 
 
 def parallel(c: Real) -> NotRepresentable:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from integrable.moving_point.newton import step_inside
+from integrable.moving_point.arithmetic import step_inside
 from integrable.torus.oval_modes import MOST_WORK, modes_of_rate
 from integrable.torus.series import LongSeries
 from jacobian import RR
