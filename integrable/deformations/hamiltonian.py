@@ -17,8 +17,7 @@ from integrable.deformations.scalars import Potential, Scalars, dot, product
 from integrable.phase.body import Body, Vector, unwarned
 from integrable.phase.jets import JetField
 from integrable.phase.made import Made
-from integrable.phase.space import check_state
-from integrable.phase.state import State
+from integrable.phase.state import State, check_state
 from integrable.systems.chaplygin_ball import ChaplyginBall
 from jacobian import RR
 from jacobian.element import Element, Real, Value

@@ -74,7 +74,7 @@ class Flow(BodyMotion):
 
     @at_once
     def __init__(self, system: PhaseSpace, state: State, kernel: str = "auto") -> None:
-        field = system.field
+        field = system.body.field
         if type(kernel) is not str or kernel not in KERNELS:
             kernel = one_of(kernel, "kernel", KERNELS, CHOOSE)
         if kernel == "compiled" and field != RR:
@@ -226,7 +226,7 @@ class Flow(BodyMotion):
             return None
 
     def _ways(self) -> Iterator[Way]:
-        floats, turns = self.system.field == RR, rotation_axis(self.state) is not None
+        floats, turns = self.system.body.field == RR, rotation_axis(self.state) is not None
         # closed forms are faster for rotations, and for equal moments where nothing is compiled
         if floats and self.kernel != "compiled" and not turns and (not self._equal or self._compiled):
             yield self._near
@@ -272,7 +272,7 @@ class Flow(BodyMotion):
 
     @property
     def _equal(self) -> bool:
-        return symmetry_axis(self.system.inertia) is not None
+        return symmetry_axis(self.system.body.inertia) is not None
 
     @cached_property
     def _torus(self) -> TorusFlow | None:

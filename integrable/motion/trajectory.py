@@ -135,7 +135,7 @@ class Motion(Immutable):
         )
 
     def _checked(self, values: Numbers, argument: str) -> np.ndarray:
-        return times_in(self.system.field, values, argument)
+        return times_in(self.system.body.field, values, argument)
 
 
 def _computed(way: InOrder, values: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray]:

@@ -16,24 +16,13 @@ from jacobian.numbers.long_reals import BallReals, BareReals
 # a function that needs more nodes per digit than this is taken as not smooth on the interval
 MOST_NODES = 20
 
-QuadratureRule = tuple[list[Real], list[list[Real]], list[Real]]
-
 
 @lru_cache(maxsize=32)
-def legendre_rule(K: MultiprecisionField, count: int) -> QuadratureRule:
-    """(nodes, matrix, weights) on [−1, 1], in K = MP(digits). The square matrix maps values at the nodes to the
-    coefficients of a Legendre series; the weights give the integral from 0 to 1. The nodes ascend.
-    """
+def legendre_rule(K: MultiprecisionField, count: int) -> tuple[list[Real], list[list[Real]]]:
+    """:func:`legendre_transform` in K = MP(digits)."""
     reals = BareReals(K.context.prec + 16)
-    with reals:
-        nodes, rows = legendre_transform(reals, count)
-        ends = _half_integrals(reals, count)
-        right = [sum(end * row[i] for end, row in zip(ends, rows, strict=True)) for i in range(count)]
-    return (
-        list(reals.elements(K, nodes)),
-        [list(reals.elements(K, row)) for row in rows],
-        list(reals.elements(K, right)),
-    )
+    nodes, rows = legendre_transform(reals, count)
+    return list(reals.elements(K, nodes)), [list(reals.elements(K, row)) for row in rows]
 
 
 def integral(
@@ -45,7 +34,7 @@ def integral(
     """
     half, middle, count = (last - first) / 2, (last + first) / 2, K.dps + 16
     while True:
-        nodes, rows, _ = legendre_rule(K, count)
+        nodes, rows = legendre_rule(K, count)
         series = np.array(rows, dtype=object) @ function(np.array([middle + half * x for x in nodes]))
         if np.abs(series[-2:]).max() * abs(half) <= K.eps * loss * max(1, np.abs(series).max() * abs(half)):
             result: np.ndarray = 2 * half * series[0]
@@ -119,10 +108,3 @@ def legendre_polynomials(one: Real, x: Real, count: int) -> list[Real]:
     for k in range(1, count - 1):
         values.append(((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1))
     return values[:count]
-
-
-def _half_integrals(reals: BareReals, count: int) -> list[Real]:
-    """∫_0^1 P_k for k < count."""
-    one = reals.number(1)
-    values = legendre_polynomials(one, 0 * one, count + 1)
-    return [one, *((values[k - 1] - values[k + 1]) / (2 * k + 1) for k in range(1, count))]

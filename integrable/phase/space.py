@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any, Generic
 
 from integrable.phase.body import Body, Integrals, Vector, cross, triple
 from integrable.phase.made import Made
-from integrable.phase.state import State
+from integrable.phase.state import State, check_state
 from jacobian import Field, poly
 from jacobian.element import Element, Value
 from jacobian.errors import (
     ArgumentError,
-    FieldError,
     NotASquare,
     NotRepresentable,
     PrecisionLoss,
@@ -277,20 +276,6 @@ class PhaseSpace(Made, Generic[Element]):
 
         facts = [("principal moments", self.inertia), ("1/(I + d)", self.a), ("field", self.field.name)]
         return named(type(self).__name__, [*facts, ("d", self.d)] if self.body.rolls else facts)
-
-
-def check_state(system: Made, state: object) -> State:
-    """``state`` unchanged. Raises ArgumentError, with a hint on how to make a state, if the argument is not a State,
-    and FieldError if its numbers are of another field.
-    """
-    if not isinstance(state, State):
-        raise ArgumentError(f"state = {shown(state)}: give a State, made by {type(system).__name__}.state(gamma, M)")
-    first = state.vectors[0][0]
-    if system.field.exact and (isinstance(first, (float, complex)) or hasattr(first, "_mpf_")):
-        raise FieldError(
-            f"state = {shown(state)}: its numbers are not of {system.field.name}, the field of {shown(system)}"
-        )
-    return state
 
 
 def check_moving(K: Field[Element], h2: Element) -> None:

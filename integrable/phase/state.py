@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Generic, overload
 
 from integrable.phase.body import Vector
 from jacobian.element import Element
-from jacobian.errors import written
+from jacobian.errors import ArgumentError, FieldError, shown, written
 from jacobian.immutable import Immutable, at_once
 
 if TYPE_CHECKING:
@@ -125,3 +125,15 @@ def rotation_axis(state: State) -> int | None:
     if m.count(0) != 2:
         return None
     return next((i for i in range(3) if m[i] != 0 and m[i - 1] == m[i - 2] == x[i] == 0), None)
+
+
+def check_state(system: Any, state: object) -> State:
+    """``state`` unchanged. Raises ArgumentError, with a hint on how to make a state, if the argument is not a State,
+    and FieldError if its numbers are of another field.
+    """
+    if not isinstance(state, State):
+        raise ArgumentError(f"state = {shown(state)}: give a State, made by {type(system).__name__}.state(gamma, M)")
+    field, first = system.body.field, state.vectors[0][0]
+    if field.exact and (isinstance(first, (float, complex)) or hasattr(first, "_mpf_")):
+        raise FieldError(f"state = {shown(state)}: its numbers are not of {field.name}, the field of {shown(system)}")
+    return state

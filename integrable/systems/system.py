@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from integrable.phase.space import PhaseSpace
-from integrable.phase.state import State
+from integrable.phase.state import State, check_state
 from jacobian.element import Element, Real
 from jacobian.errors import ArgumentError
 
@@ -97,7 +97,7 @@ class System(PhaseSpace[Element]):
         only."""
         from integrable.motion.flow import Flow
 
-        return Flow(self, self._checked(state), kernel)
+        return Flow(self, check_state(self, state), kernel)
 
     def diagram(self) -> Diagram:
         """All motions of the body by energy and momentum (:class:`integrable.portrait.diagram.Diagram`); RR only."""

@@ -26,9 +26,6 @@ class RealField(InexactField[float]):
     one = 1.0
     eps = sys.float_info.epsilon
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, RealField)
-
     def __hash__(self) -> int:
         return hash("RR")
 
@@ -92,9 +89,6 @@ class ComplexField(InexactField[complex]):
 
     def __init__(self) -> None:
         self.complex = True
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, ComplexField)
 
     def __hash__(self) -> int:
         return hash("CC")

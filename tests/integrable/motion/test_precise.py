@@ -391,13 +391,12 @@ def test_gauss_legendre_is_exact_for_polynomials(count, kind) -> None:
 
 def test_the_legendre_rule_recovers_a_polynomial() -> None:
     K = MP(40)
-    x, rows, right = legendre_rule(K, 6)
+    x, rows = legendre_rule(K, 6)
     values = [t**5 - 2 * t for t in x]
     series = [sum(c * v for c, v in zip(row, values, strict=True)) for row in rows]
     # t⁵ = (8P₅ + 28P₃ + 27P₁)/63
     expected = [0, K.coerce(27) / 63 - 2, 0, K.coerce(28) / 63, 0, K.coerce(8) / 63]
     assert max(abs(a - b) for a, b in zip(series, expected, strict=True)) < 1e-38
-    assert abs(sum(c * v for c, v in zip(right, values, strict=True)) - (K.one / 6 - 1)) < 1e-38
 
 
 @pytest.mark.parametrize(("x", "exponent"), [(1.0, 0), (0.09, -1), (1e-300, -300), (float("nan"), 10**9)])
