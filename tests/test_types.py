@@ -199,8 +199,8 @@ PUBLIC = {
 # arguments that other rooms or packages made, or that are read whatever they are
 ANYTHING = {
     "random.K", "check_scalars.scalars", "DivisorArray.__init__.rows", "DivisorArray.from_arrays.u",
-    "DivisorArray.from_arrays.v", "DivisorArray.from_arrays.n", "DivisorArray.__getitem__.key", "check_state.system",
-    "check_state.state", "check_moving.h2", "Motion.__init__.system", "Trajectory.__init__.flow",
+    "DivisorArray.from_arrays.v", "DivisorArray.from_arrays.n", "DivisorArray.__getitem__.key", "check_moving.h2",
+    "Motion.__init__.system", "Trajectory.__init__.flow",
     "Trajectory.__getitem__.which", "uhlenbeck.a", "uhlenbeck.first",
     "all_of.N", "all_of.spectral", "MumfordFlow.__init__.system", "long_digits.K", "element.K", "element.x",
     "LaboratoryMotion.__init__.body", "LaboratoryMotion.__init__.contact", "LaboratoryRun.__getitem__.which",
