@@ -146,13 +146,19 @@ def short_runs(
     return which[had], rows[had], tau[had] if rolls else times_of_some(times, had)
 
 
-def gathered(count: int, length: int, part: Callable[[int, int], list[Said]], most: int | None = None) -> Outcome:
+def gathered(
+    count: int,
+    length: int,
+    part: Callable[[int, int], list[Said]],
+    most: int | None = None,
+    members: int = MEMBERS,
+) -> Outcome:
     """The outcome of ``count`` members at ``length`` times, from ``part(begin, end)`` for ranges of them, on all
-    threads or on ``most``.
+    threads or on ``most``. A range has at most ``members``.
 
     Members that ``part`` does not report have all their states, from short runs.
     """
-    size = max(1, min(MEMBERS, STATES // max(1, length)))
+    size = max(1, min(members, STATES // max(1, length)))
     return _outcome(count, [said for found in in_ranges(count, size, part, most) for said in found])
 
 

@@ -1,22 +1,30 @@
-"""Many motions of one system of any genus, computed member by member on all threads."""
+"""Many motions of one system of any genus on all threads, near their starts as lanes of one vector, else one by one."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Self
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
 from integrable.ensembles.computing import REFUSED, Said, gathered, held
-from integrable.ensembles.members import Many, common_count, member_number, numbers, time_rows, times_of
+from integrable.ensembles.members import Many, common_count, member_number, numbers, time_rows, times_of, times_of_some
 from integrable.ensembles.runs import Runs
-from integrable.mumford.flow import MumfordFlow, Path
+from integrable.mumford.flow import ROUNDED, SERIES, MumfordFlow, Path
 from jacobian import RR
 from jacobian.element import Numbers, Table
 from jacobian.errors import ArgumentError, JacobianError, shown
 from jacobian.immutable import replaced
+from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
     from integrable.mumford.system import MumfordSystem
+    from integrable.series.many import NearMany
+
+# from this number of members on, walks run together: their code takes a second to compile, once per kind of systems and
+# machine. AT_A_TIME members are the unit of work of a thread
+MANY, AT_A_TIME = 64, 256
 
 
 class PathEnsemble(Many[MumfordFlow]):
@@ -60,21 +68,62 @@ class PathEnsemble(Many[MumfordFlow]):
         given = time_rows(times, len(self))
         count, length = len(self), given.shape[1]
         held(count, length, 2 * self.system.size, "ask for some of the members, many[:1000]")
-        states, estimates, ways = np.empty((2, count, length, self.system.size)), np.zeros(count), [""] * count
+        work = _Work(self, given, np.empty((count, length, 2, self.system.size)), np.zeros(count), [""] * count)
+        outcome = gathered(count, length, work.part, members=AT_A_TIME)
+        return Paths(self, given, work.states, (work.estimates, tuple(work.ways)), outcome.status, outcome.reasons)
 
-        def part(begin: int, end: int) -> list[Said]:
-            refused = []
-            for k in range(begin, end):
-                try:
-                    path = self._one(k).at(times_of(given, k))
-                    states[:, k], estimates[k], ways[k] = (path.q, path.p), path.estimate, path.way
-                except JacobianError as error:
-                    states[:, k] = np.nan
-                    refused.append(Said(k, REFUSED, str(error)))
-            return refused
 
-        outcome = gathered(count, length, part)
-        return Paths(self, given, states, (estimates, tuple(ways)), outcome.status, outcome.reasons)
+class _Work(NamedTuple):
+    """The times of K members, and the arrays for their states, estimates and ways."""
+
+    many: PathEnsemble
+    times: np.ndarray
+    states: np.ndarray
+    estimates: np.ndarray
+    ways: list[str]
+
+    def part(self, begin: int, end: int) -> list[Said]:
+        """Computes the members of a range, and returns the refused ones."""
+        flows: dict[int, MumfordFlow] = {}
+        refused: list[Said] = []
+        for k in range(begin, end):
+            with self.refusing(k, refused):
+                flows[k] = self.many._one(k)
+        near = self.near(flows)
+        for i, (k, flow) in enumerate(flows.items()):
+            if near and near.reached[i].all():
+                self.put(k, near.states[i], SERIES, max(near.errors[i], ROUNDED))
+                continue
+            with self.refusing(k, refused):
+                times = times_of(self.times, k)
+                path = flow.at(times) if near is None else flow._after(near.of(i), times)
+                self.put(k, np.stack([path.q, path.p], axis=1), path.way, path.estimate)
+        return refused
+
+    def near(self, flows: dict[int, MumfordFlow]) -> NearMany | None:
+        """The states near the start, computed for several members at once; None for few members."""
+        kind, length = self.many.system._kind, self.times.shape[1]
+        if len(self.many) < MANY or not (flows and length) or kind is None or interpreted():
+            return None
+        from integrable.series.many import walked_by_many
+
+        starts = np.array([(*flow.start.q, *flow.start.p) for flow in flows.values()])
+        times = np.broadcast_to(times_of_some(self.times, list(flows)), (len(flows), length))
+        most = np.array([flow._budget(length) for flow in flows.values()])
+        return walked_by_many(kind, self.many.system._walk_constants, starts, times, most, self.many.tolerance)
+
+    def put(self, member: int, states: np.ndarray, way: str, estimate: float) -> None:
+        """Stores the states of a member."""
+        self.states[member], self.ways[member], self.estimates[member] = states, way, estimate
+
+    @contextmanager
+    def refusing(self, member: int, refused: list[Said]) -> Iterator[None]:
+        """A member whose computation is refused has no states, and its reason is added to ``refused``."""
+        try:
+            yield
+        except JacobianError as error:
+            self.states[member] = np.nan
+            refused.append(Said(member, REFUSED, str(error)))
 
 
 class Paths(Runs):
@@ -96,7 +145,7 @@ class Paths(Runs):
         reasons: tuple[str, ...],
     ) -> None:
         self.ensemble, self._times, self.status, self.reasons = ensemble, times, status, reasons
-        (self.q, self.p), (self.estimates, self.ways) = states, how
+        (self.q, self.p), (self.estimates, self.ways) = (states[:, :, part] for part in (0, 1)), how
 
     def __repr__(self) -> str:
         return self._told(f"motions of {type(self.ensemble.system).__name__}")

@@ -143,8 +143,19 @@ class MumfordFlow:
         calls return the same bits, whatever was requested before. ArgumentError for times that are not numbers.
         """
         given = times_in(self.system.field, times, "times")
-        long = given.dtype == object
-        found = filled((self._by_additions,) if long else (self._near, self._on_torus, self._by_additions), given)
+        return self._path(given, (self._by_additions,) if given.dtype == object else (self._near, *self._far))
+
+    @property
+    def _far(self) -> tuple[Callable[[np.ndarray], StatesReached | None], ...]:
+        """The ways to states in floats that are not near the start."""
+        return self._on_torus, self._by_additions
+
+    def _after(self, near: Near, given: np.ndarray) -> Path:
+        """The states at times in floats, of which ``near`` has those that Taylor series reach."""
+        return self._path(given, (lambda times: self._completed(near, times), *self._far))
+
+    def _path(self, given: np.ndarray, ways: Iterable[Callable[[np.ndarray], StatesReached | None]]) -> Path:
+        found = filled(ways, given)
         for array in given, found.states:
             array.setflags(write=False)
         return Path(given, found.states[:, 0], found.states[:, 1], found.way, max(found.error, ROUNDED))
@@ -160,8 +171,12 @@ class MumfordFlow:
 
     def _near(self, times: np.ndarray) -> StatesReached:
         """The states at those times that Taylor series reach sooner than the next way would."""
-        walked, finished = _walks()
-        near = walked(self.system, self.start, times, self._budget(len(times)), self.tolerance)
+        walked, _ = _walks()
+        return self._completed(walked(self.system, self.start, times, self._budget(len(times)), self.tolerance), times)
+
+    def _completed(self, near: Near, times: np.ndarray) -> StatesReached:
+        """The states in ``near``, and those that finer steps reach sooner than the next way would."""
+        _, finished = _walks()
         if near.lacks(len(times)) and self._genus > 2:
             near = finished(self.system, self.start, times, near, SHARE_OF_FINEST * self._budget(len(times)))
         if near.lacks(len(times)) and self._torus_for(len(times)) is None:

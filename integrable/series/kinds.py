@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from integrable.series.room import Orders, Room
-from integrable.series.steps import Reached, Steps, bounds_of, inverses, step_cost
+from integrable.series.room import WALKS, Orders, Room
+from integrable.series.steps import Reached, ReachedByMany, Steps, bounds_of, inverses, step_cost
 from integrable.series.symbols import SymbolField
 from integrable.series.tape import Tape, recorded
-from integrable.series.walk import LANES, WRONG, Codes, Layout
+from integrable.series.walk import WRONG, Bounds, Codes, Layout, Many, Outputs, Slots
 from integrable.series.walk_text import TIMES, module
 from jacobian.native import kept, machine
 from jacobian.numbers.compiler import interpreted
@@ -64,20 +64,24 @@ class Kind:
         said = f"{self.rates} {self.start} {self.count}".encode()
         self.name = f"walk_{name.lower()}_{sha256(said).hexdigest()[:16]}"
         self._lock = threading.Lock()
-        self._walks: dict[Orders, Compiled] = {}
+        self._walks: dict[tuple[Orders, int], Compiled] = {}
 
-    def walk(self, orders: Orders) -> Compiled | None:
-        """The compiled walk, made on first use unless it is on disk; None where nothing is compiled."""
-        found = self._walks.get(orders)
+    def walk(self, orders: Orders, lanes: int = WALKS) -> Compiled | None:
+        """The compiled walk, made on first use unless it is on disk; None where nothing is compiled.
+
+        With ``lanes`` = :data:`integrable.series.room.WIDEST` it is of several motions at once.
+        """
+        key = orders, lanes
+        found = self._walks.get(key)
         if found is None and not interpreted():
             with self._lock:
-                found = self._walks.get(orders) or self._walks.setdefault(orders, self._loaded(orders))
+                found = self._walks.get(key) or self._walks.setdefault(key, self._loaded(orders, lanes))
         return found
 
-    def _loaded(self, orders: Orders) -> Compiled:
-        folder, name = kept.place(), f"{self.name}_{orders.wide}_{orders.order}"
+    def _loaded(self, orders: Orders, lanes: int) -> Compiled:
+        folder, name = kept.place(), f"{self.name}_{orders.wide}_{orders.order}_{lanes}"
         found = None if folder is None else kept.find(folder, name, machine.name())
-        room = Room(self.rates, self._variables, orders, LANES)
+        room = Room(self.rates, self._variables, orders, lanes)
         if found is None:
             LOG.info("compiling %s, once", self.name.replace("_", " "))
             code = machine.object_of(module(room, self.start, self.count), as_written=True)
@@ -88,8 +92,8 @@ class Kind:
 
 
 # the 64-bit words that all calls with the same steps share: codes, bounds, units with their length, half, parts, order,
-# highs, wide, spare, apart
-FIXED = struct.Struct("=5q10dQq7q")
+# highs, wide, spare, apart, lanes
+FIXED = struct.Struct("=5q10dQq8q")
 # the words of one call: constants and state with their lengths, the number of steps, then room, times, found, both and
 # marks, each with its length. BACK are the words of its result
 WORDS, BACK = struct.Struct("=QqQqd" + "Qq" * 5), struct.Struct("=qqdq")
@@ -106,9 +110,9 @@ class Compiled:
         self.step_cost = step_cost(room.tape, room.orders)
         self.codes = Codes(*(entries[name].address for name in ENTRIES))
         begin = -(-room.size // 8) * 8
-        self.spare, self.size = LANES * begin, LANES * begin + (2 + 2 * count) * TIMES
+        self.spare, self.size = room.lanes * begin, room.lanes * begin + (2 + 2 * count) * TIMES
         self.units = inverses(room.orders.order)
-        sizes = half, count // half, room.orders.order, room.begin, room.orders.wide, self.spare, room.apart
+        sizes = half, count // half, room.orders.order, room.begin, room.orders.wide, self.spare, room.apart, room.lanes
         self.layout = Layout(self.units, *sizes)
         self._layout_words = self.units.ctypes.data, len(self.units), *sizes
         self._walked = LIBRARY.walked.entry.call
@@ -139,6 +143,21 @@ class Compiled:
         reached, wrong, gap, done = BACK.unpack_from(memory, FIXED.size + WORDS.size)
         off = np.frombuffer(memory, count=reached, offset=marks - base) == WRONG if wrong and reached else None
         return Reached(reached, found, off, gap, done)
+
+    def of_many(self, many: Many, times: np.ndarray, steps: Steps) -> ReachedByMany:
+        """The states of K motions, each at its own times, as :meth:`__call__` returns them for each."""
+        from integrable.series.walk_compiled import LIBRARY
+
+        count, slots, width = len(many.most), self.layout.lanes // WALKS, self._count
+        longest = int(np.diff(many.ends).max())
+        found, marks, results = np.empty((len(times), *self._shape)), np.empty(len(times)), np.empty((count, 4))
+        both, room = np.empty(slots * 2 * WALKS * width * longest), np.zeros(self.size + LINE // 8)
+        room = room[-room.ctypes.data % LINE // 8 :]
+        outputs = Outputs(times, found.reshape(-1), both, marks)
+        at_work = Slots(np.full(slots, -1), np.zeros(8 * slots, dtype=np.int64), np.zeros(4 * slots))
+        walk = self.codes, Bounds(*bounds_of(steps)), self.layout
+        LIBRARY.walked_abreast(*walk, many, room, outputs, at_work, results.reshape(-1))
+        return ReachedByMany(results, found, marks == WRONG)
 
     def _fixed_words(self, steps: Steps) -> bytes:
         return FIXED.pack(*self.codes, *bounds_of(steps), *self._layout_words)

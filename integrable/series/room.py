@@ -14,7 +14,9 @@ from jacobian.native.machine import features
 
 # number of floats in a vector register
 WIDEST = 8 if "+avx512f" in features() else 4
-# largest number of variables in one vector
+# number of walks of a motion: the walk itself and the one that it is compared with
+WALKS = 2
+# largest number of variables of a motion in one vector
 ABREAST = 4
 # indices of vectors in a :class:`Room`: from RATIOS on, the coefficient ratios that determine the step; at BENT, the
 # size of the coefficients of orders 2 and 3; from STEP on, the steps; from UNITS on, unit/(k + 1), where unit is the
@@ -32,12 +34,15 @@ class Orders(NamedTuple):
 
 
 class Side(NamedTuple):
-    """The left or the right factors of a vector of products, and the position of their coefficients in memory, in units
-    of the vector's width.
+    """The left or the right factors of a vector of products; the position of their coefficients in memory and the
+    distance between orders, in units of the vector's ``width``. ``shared`` says that the variables are stored there.
     """
 
     factors: tuple[int, ...]
+    width: int
     place: int
+    apart: int = 1
+    shared: bool = False
 
 
 class Room:
@@ -48,14 +53,22 @@ class Room:
         wide, order = orders
         self.lows_of_units = UNITS + order
         begin = self.lows_of_units + wide + 1
-        self.groups = [(nodes, square) for nodes, square in _abreast(tape, WIDEST // lanes)]
-        squares = {nodes: len(nodes) for nodes, square in self.groups if square}
         self.factors = _factors(tape)
+        groups = _abreast(tape, WIDEST // WALKS)
+        squares = [nodes for nodes, square in groups if square]
         within = {n for nodes in squares for n in nodes}
-        self.packs = _packs([n for n in self.factors if n not in within], WIDEST // lanes) | squares
+        packs = _parts([n for n in self.factors if n not in within], min(4, WIDEST // WALKS))
+        # products of a group that is a pack: they are summed at once. Results do not depend on ``lanes``
+        self.at_once = within.union(*[nodes for nodes, _ in groups if nodes in packs])
+        most = max(1, WIDEST // lanes)
+        groups = [(part, square) for nodes, square in groups for part in _parts(nodes, most)]
+        squares = [nodes for nodes, square in groups if square]
+        packs = [part for each in [*packs, *squares] for part in _parts(each, most)]
+        self.packs = {nodes: 1 << (len(nodes) - 1).bit_length() for nodes in packs}
         # the variables are contiguous, because a step advances all of them at once
-        self.begin = begin + -begin % ABREAST
-        self.apart = count + -count % ABREAST
+        self.abreast = ABREAST * WALKS // lanes
+        self.begin = begin + -begin % self.abreast
+        self.apart = count + -count % self.abreast
         begin = self.begin + (order + max(wide, 0) + 2) * self.apart
         # only the coefficients of order 0 are kept, as hi and lo, of constants and of factors that are no variables
         kept = {n for n, kind in enumerate(tape.kinds) if kind == CONSTANT}.union(*self.factors.values())
@@ -64,8 +77,14 @@ class Room:
         divided = [n for n, kind in enumerate(tape.kinds) if kind in (QUOTIENT, ROOT)]
         self.inverses = {n: begin + 2 * i for i, n in enumerate(divided)}
         self.size = begin + 2 * len(divided)
-        self.sides = {nodes: self._placed(nodes, width, nodes in squares) for nodes, width in self.packs.items()}
-        self.members = {n: nodes for nodes, _ in self.groups for n in nodes}
+        self._sides: dict[tuple[int, ...], Side] = {}
+        self.sides: dict[tuple[int, ...], list[Side]] = {}
+        for nodes, width in self.packs.items():
+            left, right = zip(*[self.factors[n] for n in nodes], strict=True)
+            # a square has one side
+            self.sides[nodes] = [self._placed(each, width) for each in ([left] if nodes in squares else [left, right])]
+        self.placed = tuple(self._sides.values())
+        self.members = {n: nodes for nodes, _ in groups for n in nodes}
         self.pack_of = {n: nodes for nodes in self.packs for n in nodes}
 
     def high(self, n: int, k: int) -> int:
@@ -81,15 +100,28 @@ class Room:
         """Whether coefficient k of node n is stored by itself."""
         return n < self.count or (k == 0 and n in self._highs)
 
-    def _placed(self, nodes: tuple[int, ...], width: int, square: bool) -> tuple[Side, ...]:
-        """The sides of a vector of products; a square has one."""
-        wide, order = self.orders
-        found = []
-        for side in range(1 if square else 2):
-            self.size += -self.size % width
-            found.append(Side(tuple(self.factors[n][side] for n in nodes), self.size // width))
-            self.size += width * (order + 1 + max(wide, 0) + 1)
-        return tuple(found)
+    def chunks(self, count: int) -> list[tuple[int, int]]:
+        """The first ``count`` variables in groups that fit one vector: for each group, its first index and its size."""
+        found, first, width = [], 0, self.abreast
+        while first < count:
+            while first + width > count:
+                width //= 2
+            found.append((first, width))
+            first += width
+        return found
+
+    def _placed(self, factors: tuple[int, ...], width: int) -> Side:
+        """The side of a vector of products with these factors."""
+        if factors not in self._sides:
+            first, (wide, order) = factors[0], self.orders
+            if first % width == 0 and factors == tuple(range(first, min(first + width, self.count))):
+                own = Side(factors, width, (self.begin + first) // width, self.apart // width, True)
+            else:
+                self.size += -self.size % width
+                own = Side(factors, width, self.size // width)
+                self.size += width * (order + 1 + max(wide, 0) + 1)
+            self._sides[factors] = own
+        return self._sides[factors]
 
 
 def _factors(tape: Tape) -> dict[int, tuple[int, int]]:
@@ -101,11 +133,9 @@ def _factors(tape: Tape) -> dict[int, tuple[int, int]]:
     return found
 
 
-def _packs(nodes: Sequence[int], most: int) -> dict[tuple[int, ...], int]:
-    """Nodes whose sums of earlier coefficients are independent and computed in one vector, and the vector's width."""
-    width = min(most, 4)
-    found = [tuple(nodes[i : i + width]) for i in range(0, len(nodes), width)]
-    return {each: 1 << (len(each) - 1).bit_length() for each in found}
+def _parts(nodes: Sequence[int], most: int) -> list[tuple[int, ...]]:
+    """The nodes in groups of ``most``."""
+    return [tuple(nodes[i : i + most]) for i in range(0, len(nodes), most)]
 
 
 def _abreast(tape: Tape, most: int) -> list[tuple[tuple[int, ...], bool]]:
@@ -117,17 +147,8 @@ def _abreast(tape: Tape, most: int) -> list[tuple[tuple[int, ...], bool]]:
                 n for n, (kind, p, q) in enumerate(tape.nodes)
                 if kind == PRODUCT and levels[n] == level and (p == q) == square
             ]  # fmt: skip
-            while len(nodes) > 1 and most > 1:
+            while len(nodes) > 1:
                 width = min(most, 4 if len(nodes) > 3 else 2)
                 found.append((tuple(nodes[:width]), square))
                 nodes = nodes[width:]
-    return found
-
-
-def chunks(count: int) -> list[tuple[int, int]]:
-    """The variables in groups that fit one vector: for each group, its first index and its size."""
-    found = [(first, ABREAST) for first in range(0, count - ABREAST + 1, ABREAST)]
-    for width in (2, 1):
-        if count & width:
-            found.append((count - count % (2 * width), width))
     return found

@@ -76,6 +76,16 @@ class Reached(NamedTuple):
     steps: int
 
 
+class ReachedByMany(NamedTuple):
+    """The results of K walks: for each the number of times reached, of wrong rows, the gap, and the number of steps, as
+    in :class:`Reached`; the states at all times, and which rows are wrong.
+    """
+
+    results: np.ndarray
+    states: np.ndarray
+    wrong: np.ndarray
+
+
 def step_cost(tape: Tape, orders: Orders) -> float:
     """The approximate time of a step in microseconds, as measured by ``python -m benchmarks near``."""
     wide, order = orders

@@ -9,7 +9,7 @@ fetching them would take most of the time.
 
 from __future__ import annotations
 
-from integrable.series.room import FIRST, RATIOS, UNITS, Room, chunks
+from integrable.series.room import FIRST, RATIOS, UNITS, Room
 from integrable.series.sums_text import AT_ONCE, Sums
 from integrable.series.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, ROOT, SUM, VARIABLE
 from integrable.series.text import Text, Wide
@@ -164,7 +164,7 @@ class Series(Sums):
         size, at the last two orders and the first two in floats; then of coefficients 2 and 3.
         """
         self.text = Text(self.room.lanes)
-        last, several = self.order, chunks(self._shown)
+        last, several = self.order, self.room.chunks(self._shown)
         orders = [last - 1, last, self.wide + 1, self.wide + 2]
         for first, width in several:
             text = Text(self.room.lanes * width, self.text)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from integrable.series.room import Room, Side, chunks
+from integrable.series.room import Room, Side
 from integrable.series.tape import CONSTANT, DIFFERENCE, SUM
 from integrable.series.text import Text, Wide, joined_lanes
 from jacobian.numbers.double_double_steps import fast_two_sum
@@ -21,6 +21,8 @@ AT_ONCE = 4
 CAREFUL = 10
 Term = tuple[int, int, int]
 """(factor, j, k − j), for the term factor·p_j q_{k−j}."""
+Factor = tuple[str, Side, int]
+"""The coefficients of a side at an order, counted from a pointer."""
 
 
 class Sums:
@@ -46,7 +48,7 @@ class Sums:
 
     def _begin_round(self, done: str) -> None:
         """Begins a round of the loop, which is ``done`` orders after the first one."""
-        strides = {1, self.room.apart, *self.room.packs.values()}
+        strides = {1, self.room.apart, *(side.width * side.apart for side in self.room.placed)}
         self._moving = {n: self._further("%s", done, n * self.room.lanes) for n in sorted(strides)}
         # registers do not outlast a round
         self._recent, self._built = {}, {}
@@ -86,7 +88,7 @@ class Sums:
 
     def _put_variables(self, k: int) -> None:
         """Stores coefficients k of all variables."""
-        for first, width in chunks(self.room.count):
+        for first, width in self.room.chunks(self.room.count):
             text = Text(self.room.lanes * width, self.text)
             for part, y in enumerate(self._together(text, range(first, first + width), k)):
                 if y:
@@ -110,18 +112,18 @@ class Sums:
         """Stores coefficients k of the factors of products, as vectors: of the sides that consist of variables if
         ``of_variables``, else of all other sides.
         """
-        for nodes, width in self.room.packs.items():
-            text = Text(self.room.lanes * width, self.text)
-            for factors, place in self.room.sides[nodes]:
-                if of_variables != (max(factors) < self.room.count):
-                    continue
-                for part, y in enumerate(self._together(text, factors, k)):
-                    if y:
-                        self._built[place, k, part] = y
-                        text.store(y, self._place(place, k, part), self._base(k, width))
+        for side in self.room.placed:
+            if of_variables != (max(side.factors) < self.room.count):
+                continue
+            text = Text(self.room.lanes * side.width, self.text)
+            for part, y in enumerate(self._together(text, side.factors, k)):
+                if y:
+                    self._built[side.place, k, part] = y
+                    if not side.shared:
+                        text.store(y, self._place(side, k, part), self._base(k, side.width * side.apart))
 
-    def _place(self, place: int, k: int, part: int) -> int:
-        return place + part * (self.order + 1) + k
+    def _place(self, side: Side, k: int, part: int) -> int:
+        return side.place + (part * (self.order + 1) + k) * side.apart
 
     # --- sums of products
 
@@ -155,7 +157,7 @@ class Sums:
     def _group(self, nodes: tuple[int, ...], k: int) -> dict[int, Wide]:
         """The coefficients k of several products, computed in one vector."""
         text = Text(self.room.lanes * len(nodes), self.text)
-        if nodes in self.room.sides:
+        if nodes[0] in self.room.at_once:
             sides = self.room.sides[nodes]
             return self._apart(text, nodes, self._products(text, sides, _terms(len(sides) == 1, 0, k + 1, k), k))
         sums = [self._sum_of_earlier(n, k) for n in nodes]
@@ -194,8 +196,8 @@ class Sums:
 
         In a square the terms j and k − j are equal, so only j up to the middle are summed.
         """
-        text, (sides, width) = self._vector(nodes), (self.room.sides[nodes], self.room.packs[nodes])
-        left, right, square = sides[0].place, sides[-1].place, len(sides) == 1
+        text, sides = self._vector(nodes), self.room.sides[nodes]
+        left, right, square = sides[0], sides[-1], len(sides) == 1
         at_once, last = (AT_ONCE // 2, (self._loop - 1) // 2) if square else (AT_ONCE, self._loop - 1)
         # terms with j ≤ ``first`` are added after the loop: they include the newest, and leave a multiple of
         # ``at_once`` terms to the loop
@@ -203,18 +205,19 @@ class Sums:
         sums = [text.real(0.0)] * AT_ONCE
         if square:
             done = self.text.write(f"lshr i64 {done}, 1")
-            sums = self._middles(text, (self._further("%s", done, width * self.room.lanes), left), last)
-        name, lines, kind = f"sum{left}", self.text.lines, text.types.double
+            sums = self._middles(text, left, self._further("%s", done, self._floats(left)), last)
+        name, lines, kind = f"sum{nodes[0]}", self.text.lines, text.types.double
         lines += [f"  br label %{name}_begin", f"{name}_begin:"]
         end = text.write(f"add i64 {done}, {last - first}")
         lines += [f"  br label %{name}", f"{name}:"]
         count, further, known, here = text.fresh(), text.fresh(), [text.fresh() for _ in sums], len(lines)
         more = text.write(f"icmp slt i64 {count}, {end}")
         lines += [f"  br i1 {more}, label %{name}_terms, label %{name}_end", f"{name}_terms:"]
-        floats, later = width * self.room.lanes, list(known)
-        up, down = self._further("%s", count, floats), self._further(self._moving[width], count, -floats)
+        later, here_right = list(known), self._base(self._loop, right.width * right.apart)
+        up = self._further("%s", count, self._floats(left))
+        down = self._further(here_right, count, -self._floats(right))
         for j in range(first + 1, first + at_once + 1):
-            self._add(text, later, AT_ONCE, (up, left + j), (down, right + self._loop - j), square)
+            self._add(text, later, AT_ONCE, (up, left, j), (down, right, self._loop - j), square)
         lines += [f"  {further} = add i64 {count}, {at_once}", f"  br label %{name}", f"{name}_end:"]
         places = f"%{name}_begin ], [ ", f"%{name}_terms ]"
         lines[here:here] = [
@@ -225,34 +228,36 @@ class Sums:
             ),
         ]
         for j in range(first, 0, -1):
-            self._add(text, known, j, ("%s", left + j), (self._moving[width], right + self._loop - j), square)
+            self._add(text, known, j, ("%s", left, j), (here_right, right, self._loop - j), square)
         return known
 
-    def _middles(self, text: Text, side: tuple[str, int], last: int) -> list[str]:
+    def _floats(self, side: Side) -> int:
+        """The number of floats between consecutive orders of a side."""
+        return side.width * side.apart * self.room.lanes
+
+    def _middles(self, text: Text, side: Side, base: str, last: int) -> list[str]:
         """For each order k of a round, Σ p_j p_{k−j} over the j between ``last`` and k − ``last``.
 
-        The pointer of ``side`` advances half as fast as the order.
+        The pointer ``base`` advances half as fast as the order.
         """
-        base, place = side
         sums = []
         for k in range(self._loop, self._loop + AT_ONCE):
             total = text.real(0.0)
             for j in range(last + 1, k // 2 + 1):
-                x, y = text.load(place + j, base), text.load(place + k - j, base)
+                x, y = (text.load(self._place(side, i, 0), base) for i in (j, k - j))
                 total = text.fma(x if 2 * j == k else text.fadd(x, x), y, total)
             sums.append(total)
         return sums
 
-    def _add(
-        self, text: Text, sums: list[str], count: int, left: tuple[str, int], right: tuple[str, int], twice: bool
-    ) -> None:
+    def _add(self, text: Text, sums: list[str], count: int, left: Factor, right: Factor, twice: bool) -> None:
         """Adds the products of one left factor with consecutive right ones, doubled if ``twice``, to the first
         ``count`` sums.
         """
-        x = text.load(left[1], left[0])
+        (up, side, j), (down, other, i) = left, right
+        x = text.load(self._place(side, j, 0), up)
         x = text.fadd(x, x) if twice else x
         for m in range(min(count, AT_ONCE)):
-            y = text.load(right[1] + m, right[0])
+            y = text.load(self._place(other, i + m, 0), down)
             sums[m] = text.fma(x, y, sums[m])
 
     def _of_round(self, text: Text, nodes: tuple[int, ...], k: int) -> str:
@@ -285,7 +290,7 @@ class Sums:
             if all((n, k, part) in self._recent for n in side.factors):
                 self._built[key] = self._joined(text, [self._recent[n, k, part] for n in side.factors])
             else:
-                return text.load(self._place(*key), self._base(k, text.lanes // self.room.lanes))
+                return text.load(self._place(side, k, part), self._base(k, side.width * side.apart))
         return self._built[key]
 
 

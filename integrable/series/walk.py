@@ -2,7 +2,8 @@
 
 The loop is compiled once for all kinds (:mod:`integrable.series.walk_compiled`). Two walks run together as lanes of one
 vector. The second walk takes its own coarser steps, from a start changed by about a rounding unit; its first step is
-short and backwards. The difference of the walks estimates the error of a row.
+short and backwards. The difference of the walks estimates the error of a row. A wider vector holds the walks of several
+motions, which do not affect each other.
 """
 
 from __future__ import annotations
@@ -11,15 +12,14 @@ import ctypes
 from math import exp, floor, log, log2
 from typing import TYPE_CHECKING, NamedTuple
 
-from integrable.series.room import BENT, FIRST, STEP, UNITS
+from integrable.series.room import BENT, FIRST, STEP, UNITS, WALKS
 from integrable.series.walk_text import TIMES
 
 if TYPE_CHECKING:
     from numpy import ndarray as Array
 
-__all__ = ["WRONG", "Bounds", "Codes", "Given", "Layout", "Outputs", "walked"]
+__all__ = ["WRONG", "Bounds", "Codes", "Given", "Layout", "Many", "Outputs", "Slots", "walked", "walked_abreast"]
 
-LANES = 2
 FARTHEST = 1e300
 # fraction of its first step that the second walk goes back: with the same expansion point both walks would have the
 # same terms in floats, with the same errors
@@ -74,8 +74,8 @@ class Layout(NamedTuple):
     """The reciprocals 1/(k + 1) as pairs (hi, lo), and the memory's layout.
 
     The variables are ``parts`` parts (q, p and any others) of ``half`` numbers each. Coefficients begin at ``highs``;
-    consecutive orders are ``apart`` vectors apart. Distances and the states at them begin at ``spare``, TIMES floats of
-    each.
+    consecutive orders are ``apart`` vectors of ``lanes`` floats apart. Distances and the states at them begin at
+    ``spare``, TIMES floats of each.
     """
 
     units: Array
@@ -86,6 +86,7 @@ class Layout(NamedTuple):
     wide: int
     spare: int
     apart: int
+    lanes: int
 
 
 class Given(NamedTuple):
@@ -132,6 +133,42 @@ class Place(NamedTuple):
     row: int
 
 
+class Course(NamedTuple):
+    """The progress of a motion: its unit of time, the number of rows to be reached, the number of steps, then the time
+    and the next row of the walk, those of the second walk, and the comparison of both.
+    """
+
+    unit: float
+    limit: int
+    steps: int
+    now: float
+    done: int
+    later: float
+    behind: int
+    seen: Compared
+
+
+class Many(NamedTuple):
+    """The states of K motions with the same constants. ``ends`` are the indices of their first times, then the number
+    of all times. ``most`` is as in :class:`Given`.
+    """
+
+    constants: Array
+    states: Array
+    ends: Array
+    most: Array
+
+
+class Slots(NamedTuple):
+    """The motions whose walks are in the lanes of a vector: their numbers, −1 for none, and the integers and the floats
+    of their :class:`Course`, eight and four for each.
+    """
+
+    members: Array
+    counts: Array
+    floats: Array
+
+
 def walked(
     codes: Codes, bounds: Bounds, layout: Layout, given: Given, room: Array, outputs: Outputs
 ) -> tuple[int, int, float, int]:
@@ -140,43 +177,123 @@ def walked(
     The difference is that of the two walks, relative to the largest component of q, or of p. Times must be of one sign
     and ascend in size; otherwise the first number is −1.
     """
-    times = outputs.times
-    if not in_order(times):
-        return -1, 0, 0.0, 0
-    start(codes.start, given.constants, given.state, room)
-    unit = begun(codes, layout, room)
-    limit, done, behind, steps, seen = len(times), 0, 0, 0, Compared(0, 0, 0, 0, 0.0)
-    now, later, ahead = 0.0, 0.0, -1.0 if times[limit - 1] < 0 else 1.0
-    first, second = reach(bounds, room, 0), reach(bounds, room, 1)
-    if not abs(times[limit - 1]) <= bounds.farthest * first * unit:
-        return 0, 0, 0.0, 0
-    put_marks(outputs, APART * first * unit)
-    second = BACK * second if second < FARTHEST else second
-    while True:
-        done = put_rows(codes, layout, room, Place(0, now, first, done), limit, 1 / unit, outputs)
-        if done < limit and not goes_on(first, now, times[limit - 1] / unit, steps, given.most):
-            limit = done
-        behind = put_rows(codes, layout, room, Place(1, later, second, behind), limit, 1 / unit, outputs)
-        if behind < limit and not goes_on(second, later, times[limit - 1] / unit, steps, given.most):
-            limit = behind
-        seen = compared(layout, bounds.agreed, seen, min(done, behind, limit), outputs)
-        if seen.lost > MOST_LOST:
-            # later rows may agree by chance
-            return seen.first, 0, seen.gap, steps
-        if done >= limit and behind >= limit:
-            break
-        to_first = ahead * first if done < limit else 0.0
-        to_second = (-ahead if steps == 0 else ahead) * second if behind < limit else 0.0
-        now, later = now + to_first, later + to_second
-        both_moved(codes, room, to_first, to_second)
-        first, second = reach(bounds, room, 0), reach(bounds, room, 1)
-        steps += 1
-    return seen.rows, seen.wrong, seen.gap, steps
+    course = begun(codes, bounds, layout, given, room, 0, outputs)
+    goes = course.limit > 0
+    while goes:
+        course, goes = onward(codes, bounds, layout, given.most, room, 0, course, outputs)
+        if goes:
+            all_moved(codes, room)
+    return course.seen.rows, course.seen.wrong, course.seen.gap, course.steps
 
 
-def both_moved(codes: Codes, room: Array, first: float, second: float) -> None:
-    """Advances both walks by a step each, and computes the series there."""
-    room[LANES * STEP], room[LANES * STEP + 1] = first, second
+def walked_abreast(
+    codes: Codes, bounds: Bounds, layout: Layout, many: Many, room: Array, outputs: Outputs, slots: Slots, found: Array
+) -> None:
+    """Writes the results of :func:`walked` for K motions, four numbers for each. Two lanes hold the walks of a motion;
+    as soon as these end, those of the next motion begin.
+    """
+    following, going = 0, True
+    while going:
+        going = False
+        for slot in range(len(slots.members)):
+            member, lane, course, goes = slots.members[slot], WALKS * slot, course_in(slots, slot), False
+            if member >= 0:
+                own = of_member(layout, many, member, slot, outputs)
+                course, goes = onward(codes, bounds, layout, many.most[member], room, lane, course, own)
+                put_result(found, member, course)
+            while following < len(many.most) and not goes:
+                member, following = following, following + 1
+                own, given = of_member(layout, many, member, slot, outputs), given_of(layout, many, member)
+                course = begun(codes, bounds, layout, given, room, lane, own)
+                if course.limit > 0:
+                    course, goes = onward(codes, bounds, layout, given.most, room, lane, course, own)
+                put_result(found, member, course)
+            slots.members[slot] = member if goes else -1
+            put_course(slots, slot, course)
+            going = going or goes
+        if going:
+            all_moved(codes, room)
+
+
+def given_of(layout: Layout, many: Many, member: int) -> Given:
+    """The constants and the state of a motion."""
+    width = layout.parts * layout.half
+    return Given(many.constants, many.states[member * width : (member + 1) * width], many.most[member])
+
+
+def of_member(layout: Layout, many: Many, member: int, slot: int, outputs: Outputs) -> Outputs:
+    """The part of ``outputs`` for a motion; ``both`` is shared by the motions of a slot."""
+    width, begin, end = layout.parts * layout.half, many.ends[member], many.ends[member + 1]
+    share = len(outputs.both) // (layout.lanes // WALKS)
+    both = outputs.both[slot * share : slot * share + 2 * WALKS * width * (end - begin)]
+    return Outputs(outputs.times[begin:end], outputs.found[begin * width : end * width], both, outputs.marks[begin:end])
+
+
+def put_result(found: Array, member: int, course: Course) -> None:
+    """Writes the result of a motion."""
+    row = found[4 * member : 4 * member + 4]
+    row[0], row[1], row[2], row[3] = course.seen.rows, course.seen.wrong, course.seen.gap, course.steps
+
+
+def course_in(slots: Slots, slot: int) -> Course:
+    """The progress of the motion in a slot."""
+    n, x = slots.counts[8 * slot : 8 * slot + 8], slots.floats[4 * slot : 4 * slot + 4]
+    return Course(x[0], n[0], n[1], x[1], n[2], x[2], n[3], Compared(n[4], n[5], n[6], n[7], x[3]))
+
+
+def put_course(slots: Slots, slot: int, course: Course) -> None:
+    """Stores the progress of the motion in a slot."""
+    n, x, seen = slots.counts[8 * slot : 8 * slot + 8], slots.floats[4 * slot : 4 * slot + 4], course.seen
+    x[0], x[1], x[2], x[3] = course.unit, course.now, course.later, seen.gap
+    n[0], n[1], n[2], n[3] = course.limit, course.steps, course.done, course.behind
+    n[4], n[5], n[6], n[7] = seen.rows, seen.wrong, seen.lost, seen.first
+
+
+def begun(
+    codes: Codes, bounds: Bounds, layout: Layout, given: Given, room: Array, lane: int, outputs: Outputs
+) -> Course:
+    """The progress of a motion whose walks begin in this lane; no row is to be reached if the walks do not begin."""
+    times, unit, limit, rows = outputs.times, 1.0, 0, 0
+    if in_order(times):
+        start(codes.start, given.constants, given.state, room, lane)
+        unit = unit_of(codes, layout, room, lane)
+        first = unit * reach(bounds, layout, room, lane)
+        if abs(times[len(times) - 1]) <= bounds.farthest * first:
+            limit = len(times)
+            put_marks(outputs, APART * first)
+    else:
+        rows = -1
+    return Course(unit, limit, 0, 0.0, 0, 0.0, 0, Compared(rows, 0, 0, 0, 0.0))
+
+
+def onward(
+    codes: Codes, bounds: Bounds, layout: Layout, most: float, room: Array, lane: int, course: Course, outputs: Outputs
+) -> tuple[Course, bool]:
+    """Writes the rows that the series of both walks reach, and the next steps to memory; whether there are any."""
+    unit, limit, steps, now, done, later, behind, seen = course
+    times, ahead = outputs.times, -1.0 if outputs.times[len(outputs.times) - 1] < 0 else 1.0
+    first, second = reach(bounds, layout, room, lane), reach(bounds, layout, room, lane + 1)
+    second = BACK * second if steps == 0 and second < FARTHEST else second
+    done = put_rows(codes, layout, room, Place(lane, now, first, done), limit, 1 / unit, outputs)
+    if done < limit and not goes_on(first, now, times[limit - 1] / unit, steps, most):
+        limit = done
+    behind = put_rows(codes, layout, room, Place(lane + 1, later, second, behind), limit, 1 / unit, outputs)
+    if behind < limit and not goes_on(second, later, times[limit - 1] / unit, steps, most):
+        limit = behind
+    seen = compared(layout, bounds.agreed, seen, min(done, behind, limit), outputs)
+    if seen.lost > MOST_LOST:
+        # later rows may agree by chance
+        seen, limit = Compared(seen.first, 0, seen.lost, seen.first, seen.gap), 0
+    to_first = ahead * first if done < limit else 0.0
+    to_second = (-ahead if steps == 0 else ahead) * second if behind < limit else 0.0
+    room[layout.lanes * STEP + lane], room[layout.lanes * STEP + lane + 1] = to_first, to_second
+    goes = done < limit or behind < limit
+    steps += 1 if goes else 0
+    return Course(unit, limit, steps, now + to_first, done, later + to_second, behind, seen), goes
+
+
+def all_moved(codes: Codes, room: Array) -> None:
+    """Advances all walks by a step each, and computes the series there."""
     advance(codes.advance, room)
     series(codes.series, room)
     ratios(codes.ratios, room)
@@ -194,59 +311,61 @@ def in_order(times: Array) -> bool:
     return True
 
 
-def begun(codes: Codes, layout: Layout, room: Array) -> float:
+def unit_of(codes: Codes, layout: Layout, room: Array, lane: int) -> float:
     """Computes the series at the start, and returns their unit of time.
 
     The unit is a power of two near the shortest time scale of q or p. So coefficients stay within the range of floats,
-    and steps do not depend on the unit in which the motion is given.
+    and steps do not depend on the unit in which the motion is given. The series of other motions stay as they are.
     """
-    put_unit(layout, room, 1.0)
+    put_unit(layout, room, lane, 1.0)
     series(codes.series, room)
-    unit, shortest = 1.0, shortest_time(layout, room)
+    unit, shortest = 1.0, shortest_time(layout, room, lane)
     while unit < shortest < FARTHEST:
         unit *= 2.0
     while unit > shortest:
         unit /= 2.0
     if unit != 1:
-        put_unit(layout, room, unit)
+        put_unit(layout, room, lane, unit)
         if LEAST_UNIT <= unit <= 1 / LEAST_UNIT:
-            to_unit(layout, room, unit)
+            to_unit(layout, room, lane, unit)
         else:
             series(codes.series, room)
     ratios(codes.ratios, room)
     return unit
 
 
-def to_unit(layout: Layout, room: Array, unit: float) -> None:
-    """Converts the coefficients of all variables from the unit of time 1 to ``unit``."""
-    begin, apart, power = LANES * layout.highs, LANES * layout.apart, 1.0
+def to_unit(layout: Layout, room: Array, lane: int, unit: float) -> None:
+    """Converts the coefficients of all variables of a motion from the unit of time 1 to ``unit``."""
+    lanes, apart, power = layout.lanes, layout.lanes * layout.apart, 1.0
     for k in range(layout.order + 1):
-        for i in range(begin + k * apart, begin + (k + 1) * apart):
-            room[i] *= power
-        if k <= layout.wide:
-            low = begin + (layout.order + 1 + k) * apart
-            for i in range(low, low + apart):
-                room[i] *= power
+        high = lanes * layout.highs + k * apart + lane
+        low = high + (layout.order + 1) * apart
+        for i in range(layout.apart):
+            for walk in range(WALKS):
+                room[high + i * lanes + walk] *= power
+                if k <= layout.wide:
+                    room[low + i * lanes + walk] *= power
         power *= unit
 
 
-def put_unit(layout: Layout, room: Array, unit: float) -> None:
+def put_unit(layout: Layout, room: Array, lane: int, unit: float) -> None:
     """Writes ``unit``/(k + 1) to memory."""
-    high, low = LANES * UNITS, LANES * (UNITS + layout.order)
+    lanes = layout.lanes
+    high, low = lanes * UNITS + lane, lanes * (UNITS + layout.order) + lane
     for k in range(layout.order):
-        for lane in range(LANES):
-            room[high + LANES * k + lane] = unit * layout.units[2 * k]
+        for walk in range(WALKS):
+            room[high + lanes * k + walk] = unit * layout.units[2 * k]
             if k <= layout.wide:
-                room[low + LANES * k + lane] = unit * layout.units[2 * k + 1]
+                room[low + lanes * k + walk] = unit * layout.units[2 * k + 1]
 
 
-def shortest_time(layout: Layout, room: Array) -> float:
+def shortest_time(layout: Layout, room: Array, lane: int) -> float:
     """The shortest time scale of q or p, estimated from their first coefficients in the unit 1."""
     shortest = FARTHEST
     for begin in (0, layout.half):
         for j in range(FIRST):
             # near rest every other coefficient is small, so coefficients two orders apart are compared
-            before, after = largest(layout, room, begin, j), largest(layout, room, begin, j + 2)
+            before, after = largest(layout, room[lane:], begin, j), largest(layout, room[lane:], begin, j + 2)
             if 0 < before < FARTHEST and 0 < after < FARTHEST:
                 shortest = min(shortest, exp((log(before) - log(after)) / 2))
     return shortest
@@ -256,23 +375,23 @@ def largest(layout: Layout, room: Array, begin: int, k: int) -> float:
     """The largest coefficient of order k of the part (q or p) that begins at ``begin``."""
     found = 0.0
     for i in range(begin, begin + layout.half):
-        found = max(found, abs(room[LANES * (layout.highs + i + k * layout.apart)]))
+        found = max(found, abs(room[layout.lanes * (layout.highs + i + k * layout.apart)]))
     return found
 
 
-def reach(bounds: Bounds, room: Array, lane: int) -> float:
+def reach(bounds: Bounds, layout: Layout, room: Array, lane: int) -> float:
     """The step that the series of a walk allow; 0 if a ratio is not finite, or if all ratios underflow to 0.
 
     FARTHEST if the motion is exactly linear in time.
     """
-    left_out, rounded = bounds.left_out, bounds.rounded
-    if lane > 0:
+    left_out, rounded, lanes = bounds.left_out, bounds.rounded, layout.lanes
+    if lane % WALKS > 0:
         left_out, rounded = left_out + bounds.coarser, rounded + bounds.rougher
-    before, last, odd, even = room[lane], room[LANES + lane], room[2 * LANES + lane], room[3 * LANES + lane]
+    before, last, odd, even = room[lane], room[lanes + lane], room[2 * lanes + lane], room[3 * lanes + lane]
     if not (before < FARTHEST and last < FARTHEST and odd < FARTHEST and even < FARTHEST):
         return 0.0
     if before == 0 and last == 0 and odd == 0 and even == 0:
-        return FARTHEST if room[LANES * BENT + lane] == 0 else 0.0
+        return FARTHEST if room[lanes * BENT + lane] == 0 else 0.0
     found = min((left_out - logarithm(before)) * bounds.last_but_one, (left_out - logarithm(last)) * bounds.last)
     found = min(found, (rounded - logarithm(odd)) * bounds.first_float)
     found = min(found, (rounded - logarithm(even)) * bounds.second_float)
@@ -300,7 +419,7 @@ def put_rows(codes: Codes, layout: Layout, room: Array, at: Place, limit: int, p
     while fitting == TIMES:
         fitting, begin = 0, row
         while fitting < TIMES and row < limit:
-            if lane == 0 or outputs.marks[row] > 0:
+            if lane % WALKS == 0 or outputs.marks[row] > 0:
                 time = outputs.times[row] * per
                 left = time - now
                 if not (step > 0 and abs(left) <= step):
@@ -322,15 +441,15 @@ def put_rows(codes: Codes, layout: Layout, room: Array, at: Place, limit: int, p
 
 def put_states(layout: Layout, ahead: Array, lane: int, row: int, fitting: int, outputs: Outputs) -> None:
     """Writes ``fitting`` states of a walk, from ``ahead``, into the rows from ``row`` on."""
-    width = layout.parts * layout.half
+    width, second = layout.parts * layout.half, lane % WALKS
     for i in range(fitting):
-        while lane > 0 and outputs.marks[row] == 0:
+        while second > 0 and outputs.marks[row] == 0:
             row += 1
-        if lane == 0:
+        if second == 0:
             for part in range(width):
                 outputs.found[row * width + part] = ahead[2 * (1 + part) * TIMES + i]
         if outputs.marks[row] > 0:
-            place = 2 * (lane * len(outputs.times) + row) * width
+            place = 2 * (second * len(outputs.times) + row) * width
             for part in range(2 * width):
                 outputs.both[place + part] = ahead[(2 + part) * TIMES + i]
         row += 1
@@ -390,9 +509,9 @@ def row_gap(layout: Layout, agreed: float, row: int, outputs: Outputs) -> tuple[
 # --- the straight-line code of a kind, and logarithms from the bits of a float: single instructions when compiled
 
 
-def start(code: int, constants: Array, state: Array, room: Array) -> None:
-    """Writes the constants and the state to memory."""
-    _called(code, constants, state, room)
+def start(code: int, constants: Array, state: Array, room: Array, lane: int) -> None:
+    """Writes the constants and the state of a motion to memory."""
+    _called(code, constants, state, room[lane:])
 
 
 def series(code: int, room: Array) -> None:

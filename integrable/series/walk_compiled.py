@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from integrable.series import walk
-from integrable.series.walk import Bounds, Codes, Given, Layout, Outputs, walked
-from jacobian.native.kinds import FLOAT, FLOATS, INT, NONE, Value, record
+from integrable.series.walk import Bounds, Codes, Given, Layout, Many, Outputs, Slots, walked, walked_abreast
+from jacobian.native.kinds import FLOAT, FLOATS, INT, INTS, NONE, Value, record
 from jacobian.native.library import Library
 from jacobian.native.operators import Operators, real
 from jacobian.native.special import SPECIAL
 
 CODES = record(Codes, *[INT] * 5)
 BOUNDS = record(Bounds, *[FLOAT] * 10)
-LAYOUT = record(Layout, FLOATS, *[INT] * 7)
+LAYOUT = record(Layout, FLOATS, *[INT] * 8)
 GIVEN = record(Given, FLOATS, FLOATS, FLOAT)
+MANY = record(Many, FLOATS, FLOATS, INTS, FLOATS)
+SLOTS = record(Slots, INTS, INTS, FLOATS)
 OUTPUTS = record(Outputs, *[FLOATS] * 4)
 
 
@@ -24,8 +26,9 @@ def _call(b: Operators, code: Value, *pointers: str) -> Value:
     return Value(NONE, ())
 
 
-def _dense(b: Operators, code: Value, room: Value, lane: Value, ahead: Value) -> Value:
-    return _call(b, code, b.write(f"getelementptr double, ptr {room.parts[0]}, i64 {lane.parts[0]}"), ahead.parts[0])
+def _in_lane(b: Operators, room: Value, lane: Value) -> str:
+    """The pointer to the first number of a lane."""
+    return b.write(f"getelementptr double, ptr {room.parts[0]}, i64 {lane.parts[0]}")
 
 
 def _logarithm(b: Operators, x: Value) -> Value:
@@ -48,12 +51,20 @@ def _power(b: Operators, x: Value) -> Value:
 
 NUMBERS = {walk.logarithm: _logarithm, walk.power: _power}
 STRAIGHT: dict[object, Callable[..., Value]] = {
-    walk.start: lambda b, code, *rows: _call(b, code, *(row.parts[0] for row in rows)),
+    walk.start: lambda b, code, constants, state, room, lane: _call(
+        b, code, constants.parts[0], state.parts[0], _in_lane(b, room, lane)
+    ),
     walk.series: lambda b, code, room: _call(b, code, room.parts[0]),
     walk.ratios: lambda b, code, room: _call(b, code, room.parts[0]),
     walk.advance: lambda b, code, room: _call(b, code, room.parts[0]),
-    walk.dense: _dense,
+    walk.dense: lambda b, code, room, lane, ahead: _call(b, code, _in_lane(b, room, lane), ahead.parts[0]),
 }
+WALK = CODES, BOUNDS, LAYOUT
 LIBRARY = Library(
-    "walk", {"walked": (walked, (CODES, BOUNDS, LAYOUT, GIVEN, FLOATS, OUTPUTS))}, SPECIAL | NUMBERS | STRAIGHT
+    "walk",
+    {
+        "walked": (walked, (*WALK, GIVEN, FLOATS, OUTPUTS)),
+        "walked_abreast": (walked_abreast, (*WALK, MANY, FLOATS, OUTPUTS, SLOTS, FLOATS)),
+    },
+    SPECIAL | NUMBERS | STRAIGHT,
 )

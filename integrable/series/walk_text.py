@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from math import factorial
 
-from integrable.series.room import STEP, WIDEST, Room, chunks
+from integrable.series.room import STEP, WALKS, WIDEST, Room
 from integrable.series.steps_text import Series
 from integrable.series.symbols import Key, key_of
 from integrable.series.tape import CONSTANT, DIFFERENCE, GROWTH, MULTIPLE, PRODUCT, QUOTIENT, ROOT, VARIABLE, Tape
@@ -43,7 +43,7 @@ def module(room: Room, start: Tape, count: int) -> str:
 
 def _declared() -> str:
     found = []
-    for text in (Text(1), Text(2), Text(4), Text(8)):
+    for text in map(Text, (1, 2, 4, 8, 16, 32)):
         double, suffix = text.types.double, text.types.suffix
         for name, count in (("fma", 3), ("sqrt", 1), ("fabs", 1)):
             found.append(f"declare {double} @llvm.{name}.{suffix}({', '.join([double] * count)})")
@@ -55,10 +55,10 @@ def _advance(room: Room) -> str:
     single = Text(room.lanes)
     # lanes are gathered in registers: a load of the vector would wait for the stores of its lanes just before
     lanes = [_float_at(single, "%s", room.lanes * STEP + lane) for lane in range(room.lanes)]
-    step = single.gathered(lanes) if room.lanes > 1 else lanes[0]
+    step = single.gathered(lanes)
     square = single.fmul(step, step)
     powers = step, square, single.fmul(square, square)
-    parts = [(first, width, Text(room.lanes * width, single)) for first, width in chunks(room.count)]
+    parts = [(first, width, Text(room.lanes * width, single)) for first, width in room.chunks(room.count)]
     steps = {width: [joined_lanes(text, [x] * width, room.lanes) for x in powers] for _, width, text in parts}
     # the variables are interleaved, so that the latency of one is hidden by the others
     for _ in zip(*[_further(room, text, steps[width], first, width) for first, width, text in parts], strict=True):
@@ -150,9 +150,10 @@ def _dense(room: Room, count: int) -> str:
 
 def _start(room: Room, start: Tape) -> str:
     """The function that fills memory with the constants and variables of both walks, from a system's constants and
-    state.
+    state. The lanes of the walks begin at %s.
     """
-    text, wide, rates = Text(room.lanes), room.orders.wide, room.tape
+    text, wide, rates = Text(WALKS), room.orders.wide, room.tape
+    apart = room.lanes // WALKS
     single = Text(1, text)
     known: dict[Key, Wide] = {}
     results = _values(single, start, known)
@@ -165,16 +166,9 @@ def _start(room: Room, start: Tape) -> str:
         # constants of a walk in floats have no low part, so their change must show in the high part
         both = kind == CONSTANT and wide < 0
         highs = [single.fadd(high, low), single.fadd(high, again)] if both else [high]
-        text.store(_gathered(text, highs), room.high(n, 0))
-        text.store(_gathered(text, [low, again]), room.low(n, 0))
+        text.store(text.gathered((highs * WALKS)[:WALKS]), apart * room.high(n, 0))
+        text.store(text.gathered([low, again]), apart * room.low(n, 0))
     return _function("start", "ptr noalias %constants, ptr noalias %state, ptr noalias %s", text)
-
-
-def _gathered(text: Text, parts: list[str]) -> str:
-    """A vector of the given numbers; the last one fills all remaining lanes."""
-    if text.lanes == 1:
-        return parts[0]
-    return text.gathered((parts + [parts[-1]] * text.lanes)[: text.lanes])
 
 
 def _values(text: Text, tape: Tape, known: dict[Key, Wide]) -> list[Wide]:

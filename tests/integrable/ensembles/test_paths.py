@@ -12,6 +12,8 @@ from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.kuzmin_kutuzov import KuzminKutuzov
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
+from integrable.ensembles import paths
+from integrable.mumford.flow import MumfordFlow
 from jacobian import MP, RR, ArgumentError
 from jacobian.numbers.threads import set_threads
 from tests.integrable.classical.rows import REAL
@@ -48,6 +50,29 @@ def test_members_are_single_flows_to_the_bit(name, threads) -> None:
         np.testing.assert_array_equal(found.p[k], path.p)
         assert found.ways[k] == path.way
         assert found[k] == path
+
+
+@pytest.mark.parametrize(
+    ("name", "tolerance", "times"),
+    [
+        ("neumann", None, np.linspace(0, 400, 41)),
+        ("neumann", 1e-12, np.linspace(0, -60, 31)),
+        ("toda", None, np.array([3.0, -2, 0, 70, -90, 5, 5, 0.25])),
+        ("toda", 1e-12, np.random.default_rng(1).uniform(-40, 40, (11, 5))),
+    ],
+)
+def test_members_that_walk_together_are_single_flows_to_the_bit(name, tolerance, times, monkeypatch) -> None:
+    """They take steps of other lengths, and some of them walks in finer steps or a torus."""
+    rng = np.random.default_rng(5)
+    system, _ = REAL[name](RR, 2)
+    q, p = on_sphere(rng, 11, system.size) if name == "neumann" else rng.normal(size=(2, 11, system.size)) / 2
+    many = ensemble(system, q, p, tolerance=tolerance)
+    alone = [many.flow(k).at(times if times.ndim == 1 else times[k]) for k in range(11)]
+    monkeypatch.setattr(paths, "MANY", 2)
+    monkeypatch.setattr(MumfordFlow, "at", None)
+    assert list(many.at(times)) == alone
+    if times.max() == 400:
+        assert {path.way for path in alone} == {"series", "series, torus"}
 
 
 def test_members_may_have_times_of_their_own() -> None:
