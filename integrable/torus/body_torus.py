@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cache, cached_property
 from math import ceil, log2, log10
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from integrable.moving_point.addition import Row
-from integrable.torus.lattice import Source, beginning
 from integrable.torus.loops import BEYOND, CompiledLoops, Loops, NotClosed
 from integrable.torus.states import CHECKED, NUMBERS, TILT, TOGETHER, Torus
 from integrable.torus.theta_series import ThetaSums, shortest, theta_sums
@@ -18,6 +17,9 @@ from integrable.torus.theta_setup import CLASSES, FOUND, FREQUENCIES, IMAGINARY,
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.periods.real_basis import Whole
+
+if TYPE_CHECKING:
+    from integrable.torus.lattice import Source
 
 # a first grid has at least this many points in each direction
 FIRST_SIZE = 16
@@ -51,7 +53,7 @@ class BodyTorus:
         self.setup, self.loops, self._most = setup, loops, most
         made = exact or loops
         # numbers of the motion, in units of length and time of its own
-        self.units, self._motion, self.tilt, start, self._problem = beginning(setup, made)
+        self.units, self._motion, self.tilt, start, self._problem = made.begun(setup)
         found = made.room(FOUND)
         m1, n1, m2, n2 = made.periods(self._motion, made.short, made.room(4), found)
         self.basis = (m1, n1), (m2, n2)

@@ -163,12 +163,7 @@ class Beginning(NamedTuple):
 
 
 def beginning(setup: Source, loops: Any) -> Beginning:
-    """The rows of a motion. The loops compute them if branch points are well separated; otherwise numbers with more
-    digits are used.
-    """
-    found: Beginning | None = loops.begun(setup)
-    if found is not None:
-        return found
+    """The rows of a motion for ``loops``, computed in the bare reals of the set-up."""
     row = loops.row
     with setup.reals:
         problem = with_open_ovals(setup.bare, setup.reals.number(loops.closest))

@@ -13,7 +13,7 @@ from integrable.moving_point.problem import CONTACT, ROW, START, TIME_SCALE
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.torus import clock_modes, states, theta_series, theta_setup
 from integrable.torus.clock_loops import panel_values, states_at_times, times_at_tau
-from integrable.torus.lattice import Beginning, Units
+from integrable.torus.lattice import Beginning, Units, beginning
 from integrable.torus.series import half_spectrum
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
@@ -127,8 +127,9 @@ class ReadableLoops:
 
         return inside
 
-    def begun(self, setup: Source) -> None:
-        """None: the set-up already has all digits."""
+    def begun(self, setup: Source) -> Beginning:
+        """The rows of a motion."""
+        return beginning(setup, self)
 
 
 class CompiledLoops:
@@ -163,16 +164,16 @@ class CompiledLoops:
     def integers(self, values: Iterable[int]) -> Row:
         return np.fromiter(values, dtype=np.int64)
 
-    def begun(self, setup: Source) -> Beginning | None:
-        if setup.floats_given is None:
-            return None
-        given, tilted = setup.floats_given
-        wide = np.zeros((10 + ROW + 12, 2))
-        wide[:10, 0] = given
-        problem, motion = wide[10 : 10 + ROW], wide[10 + ROW :]
-        if not self._entries.begun(wide[:10], tilted, _CONSTANTS, problem, motion):
-            return None
-        return Beginning(Units(), motion, problem[12:14], problem[START:TIME_SCALE], problem[:CONTACT])
+    def begun(self, setup: Source) -> Beginning:
+        """The rows of a motion, in more digits unless branch points are well separated."""
+        if setup.floats_given is not None:
+            given, tilted = setup.floats_given
+            wide = np.zeros((10 + ROW + 12, 2))
+            wide[:10, 0] = given
+            problem, motion = wide[10 : 10 + ROW], wide[10 + ROW :]
+            if self._entries.begun(wide[:10], tilted, _CONSTANTS, problem, motion):
+                return Beginning(Units(), motion, problem[12:14], problem[START:TIME_SCALE], problem[:CONTACT])
+        return beginning(setup, self)
 
     def spectrum(self, samples: np.ndarray, noise: tuple[float, float]) -> tuple[Row, tuple[int, int]]:
         if samples.dtype == np.longdouble:
