@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from jacobian.element import Arithmetic, Element, Rng
+from jacobian.element import Arithmetic, Element, Real, Rng
 from jacobian.errors import FieldError, entries, shown, written
 
 Poly = tuple[Element, ...]
@@ -223,9 +223,11 @@ def evaluate(K: Arithmetic[Element], a: Poly[Element], x: Element) -> Element:
     return value
 
 
-def size_at(a: Poly[Any], x: Any) -> Any:
-    """Σ|aᵢ|xⁱ for x ≥ 0, over an inexact field: the size of the terms of a at points of modulus x."""
-    return sum(abs(c) * x**i for i, c in enumerate(a))
+def size_at(a: Poly[Real], x: Real) -> Real:
+    """Σ|aᵢ||x|ⁱ, over an inexact field: the size of the terms of a(x)."""
+    size: Any = abs(x)
+    found: Real = sum(abs(c) * size**i for i, c in enumerate(a))
+    return found
 
 
 def derivative(K: Arithmetic[Element], a: Poly[Element]) -> Poly[Element]:

@@ -192,7 +192,7 @@ class GroupTranslations:
 
 def part_at(K: Any, a: poly.Poly, e: Real) -> Real:
     """|a(e)| relative to the sum of the absolute values of its terms; 0 for the zero polynomial."""
-    size = poly.size_at(a, abs(e))
+    size = poly.size_at(a, e)
     return abs(poly.evaluate(K, a, e)) / size if size > 0 else abs(K.zero)
 
 

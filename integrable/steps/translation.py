@@ -128,7 +128,7 @@ class Translation(Step):
         group, u, v = self._class(h1, h2)
         K, f = group.field, group.curve.f
         x = [apply(K, x, h1, h2) if callable(x) else _own(K, x) for x in self.points]
-        found = [_size_at(f, y) / abs(poly.evaluate(K, f, y)) for y in x if not self._is_branch(y, h1, h2)]
+        found = [poly.size_at(f, y) / abs(poly.evaluate(K, f, y)) for y in x if not self._is_branch(y, h1, h2)]
         worst = max((float(y) ** 0.5 for y in found), default=1.0)
         if len(x) == 2 and x[0] != x[1]:
             worst = max(worst, float((abs(x[0]) + abs(x[1])) / abs(x[0] - x[1])))
@@ -139,10 +139,10 @@ class Translation(Step):
             for e in group.branch_points
             for value in (poly.evaluate(K, u, e),)
         )
-        worst = max(worst, near * float(radius**2 / _size_at(f, radius) ** 0.5))
+        worst = max(worst, near * float(radius**2 / poly.size_at(f, radius) ** 0.5))
         # three more causes of loss: cancellation in U'(a_i), a distant branch point, and cancellation where the a_i are
         # close together
-        values = [(_size_at(u, e), abs(poly.evaluate(K, u, e))) for e in self.system.a]
+        values = [(poly.size_at(u, e), abs(poly.evaluate(K, u, e))) for e in self.system.a]
         worst = max([worst, *(float(size / value) for size, value in values if value)])
         worst = max([worst, *(float(abs(y) / radius) for y in x if self._is_branch(y, h1, h2))])
         worst *= body_condition(self.system)
@@ -327,8 +327,3 @@ def _abscissas(system: PhaseSpace, points: Iterable[Abscissa]) -> tuple[Any, ...
 def _own(K: Any, x: Any) -> Any:
     """An abscissa as a number of K; a complex number is taken as exact."""
     return K.context.mpc(x) if not K.exact and K.dps and (isinstance(x, complex) or hasattr(x, "_mpc_")) else x
-
-
-def _size_at(f: poly.Poly, x: Any) -> Any:
-    """The sum Σ |f_i||x|^i, which is the scale of rounding errors in f(x)."""
-    return sum(abs(c) * abs(x) ** i for i, c in enumerate(f))

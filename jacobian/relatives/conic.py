@@ -174,7 +174,7 @@ def parameter(K: Field, pair: tuple[poly.Poly, poly.Poly], x0: Any, y0: Any) -> 
         return y0
     u, v = pair
     value = poly.evaluate(K, u, x0)
-    size = None if K.exact else sum(abs(c) * abs(x0) ** i for i, c in enumerate(u))
+    size = None if K.exact else poly.size_at(u, x0)
     if K.is_zero(value, size):
         raise NotRepresentable(
             f"x0 = {written(x0)}: the divisor ({poly.text(K, u)}, {poly.text(K, v)}) has a point there, no curve y = "

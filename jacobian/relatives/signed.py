@@ -221,9 +221,9 @@ class SignedGroup(Immutable):
         second = K.add(K.mul(poly.evaluate(K, lower, e), sigma), K.mul(poly.evaluate(K, last, e), nu))
         if K.exact:
             return Row(divisor, first, 0), Row(divisor, second, 0)
-        terms = _size_at(slope, e) * abs(sigma) + abs(q * nu)
+        terms = poly.size_at(slope, e) * abs(sigma) + abs(q * nu)
         return Row(divisor, first, terms), Row(
-            divisor, second, _size_at(lower, e) * abs(sigma) + _size_at(last, e) * abs(nu)
+            divisor, second, poly.size_at(lower, e) * abs(sigma) + poly.size_at(last, e) * abs(nu)
         )
 
     def _combine(self, e: Any, rows: list[tuple[Row, Row]]) -> Pair:
@@ -260,14 +260,6 @@ def reflected(K: Field, pairs: Sequence[Pair], roots: Sequence[Any]) -> tuple[Pa
     step along the pencil of :mod:`jacobian.relatives.conic`, and −f₅(x − x') for the addition of the point (x', P(x')).
     """
     return tuple((K.div(nu, rho), K.neg(K.mul(rho, sigma))) for (sigma, nu), rho in zip(pairs, roots, strict=True))
-
-
-def _size_at(a: poly.Poly, e: Any) -> Any:
-    """Σ |a_i||e|^i, the size of the terms of a(e)."""
-    total, size = 0, abs(e)
-    for c in reversed(a):
-        total = total * size + abs(c)
-    return total
 
 
 def _mean(rows: Sequence[Row]) -> Any:
