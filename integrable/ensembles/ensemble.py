@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
-from integrable.ensembles.computing import COLUMNS, computed, held
-from integrable.ensembles.members import Members, broadcast, time_rows, times_of_some
+from integrable.ensembles.bodies import COLUMNS, STATES, broadcast, computed, motion_of
+from integrable.ensembles.computing import OF_BODIES, Outcome
+from integrable.ensembles.members import Contents, Starts
 from integrable.ensembles.paths import PathEnsemble
 from integrable.ensembles.trajectories import Trajectories
+from integrable.files.frame import Column
+from integrable.files.quantities import AXES, about, stamp
+from integrable.motion.trajectory import Motion
 from integrable.mumford.system import MumfordSystem
 from jacobian.element import Numbers, Table
-from jacobian.errors import ArgumentError, flag, shown, whole
+from jacobian.errors import ArgumentError, flag, shown
 
 if TYPE_CHECKING:
     from integrable.deformations.hamiltonian import Hamiltonian
     from integrable.phase.space import PhaseSpace
 
 __all__ = ["Ensemble", "ensemble"]
-
-CHUNK_BYTES = 1 << 26
 
 
 @overload
@@ -70,37 +71,67 @@ def ensemble(
     return Ensemble(system, broadcast(system, gamma, M, inertia, d), flag(tilted, "tilted"))
 
 
-class Ensemble(Members):
-    """Many motions of one kind of system, made by :func:`ensemble`."""
+class Ensemble(Starts[Motion, Trajectories]):
+    """Many motions of bodies, made by :func:`ensemble`. ``members`` has the moments, d, γ and M of each, shape (K, 10).
 
-    def at(self, times: Numbers, *, out: np.ndarray | None = None) -> Trajectories:
-        """The states of all members at physical times of any order, sign and size.
+    A state has γ, M and τ. Motions over a few turns are short runs, whose times have an error of at most 2·10⁻¹³ plus
+    4·10⁻¹⁶ of the time; others come from :meth:`flow`.
+    """
 
-        Times have shape (N,), the same for all members, or (K, N). Motions over a few turns are short runs, whose times
-        have an error of at most 2·10⁻¹³ plus 4·10⁻¹⁶ of the time; others come from :meth:`flow`. A refused member or
-        time does not affect the others: see :attr:`Trajectories.status`. ``out``, shape (K, N, 7), receives γ, M and τ
-        and is used in the result. For results larger than memory give a ``numpy.memmap``, or use :meth:`chunks`.
-        """
-        given = time_rows(times, len(self))
-        shape = (len(self), given.shape[1], COLUMNS)
-        if out is None:
-            held(*shape, "take .chunks(times), or out=numpy.memmap(...)")
-            out = np.empty(shape)
-        elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != np.float64:
-            raise ArgumentError(f"out = {shown(out)}: an array of float64 of shape {shape} is needed")
-        elif not out.flags.writeable:
-            raise ArgumentError("out is read-only: an array that can be written to is needed")
-        return Trajectories(self, given, out, computed(self.system, self.members, self.tilted, given, out))
+    _columns, _arrays = COLUMNS, ("members",)
 
-    def chunks(self, times: Numbers, members: int | None = None) -> Iterator[Trajectories]:
-        """Yields the results of :meth:`at` for ``members`` members at a time, in order.
+    def __init__(self, system: PhaseSpace[float] | Hamiltonian, members: np.ndarray, tilted: bool) -> None:
+        self.system, self.members, self.tilted = system, members, tilted
 
-        Memory is needed for one such chunk only, 64 MB by default.
-        """
-        given = time_rows(times, len(self))
-        if members is None:
-            members = max(1, CHUNK_BYTES // (8 * COLUMNS * max(1, given.shape[1])))
-        members = whole(members, "members", "an int ≥ 1 is needed", 1)
-        for begin in range(0, len(self), members):
-            part = slice(begin, begin + members)
-            yield self[part].at(times_of_some(given, part))
+    def __repr__(self) -> str:
+        return f"<Ensemble of {len(self)} motions of {type(self.system).__name__}>"
+
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import table
+
+        heads = ["I1", "I2", "I3", "d", "γ1", "γ2", "γ3", "M1", "M2", "M3"]
+        return table(repr(self), ["member", *heads], [(k, *row) for k, row in enumerate(self.members.tolist())])
+
+    @property
+    def inertia(self) -> np.ndarray:
+        """The moments of inertia of each member, shape (K, 3)."""
+        return self.members[:, :3]
+
+    @property
+    def d(self) -> np.ndarray:
+        """d of each member, shape (K,)."""
+        return self.members[:, 3]
+
+    @property
+    def gamma(self) -> np.ndarray:
+        """γ at time 0, shape (K, 3)."""
+        return self.members[:, 4:7]
+
+    @property
+    def M(self) -> np.ndarray:
+        """M at time 0, shape (K, 3)."""
+        return self.members[:, 7:]
+
+    @property
+    def _contents(self) -> Contents:
+        parameters = {
+            "inertia": Column(("member", "axis"), self.inertia, "kg m2", "principal moments of inertia", AXES),
+            "d": Column(("member",), self.d, "kg m2", "mass times square of the radius"),
+            "gamma_start": Column(("member", "axis"), self.gamma, "1", "gamma at time 0", AXES),
+            "M_start": Column(("member", "axis"), self.M, "kg m2 s-1", "M at time 0", AXES),
+        }
+        attributes = about(self.system, tilted=int(self.tilted))
+        return Contents(STATES, parameters, attributes, [stamp(self.system), self.tilted], OF_BODIES.words)
+
+    def flow(self, member: int) -> Motion:
+        """The motion of one member; raises an error if the member is refused."""
+        return self._alone(member)
+
+    def _one(self, member: int) -> Motion:
+        return motion_of(self.system, self.members[member], self.tilted)
+
+    def _computed(self, times: np.ndarray, out: np.ndarray, most: int | None = None) -> Outcome:
+        return computed(self.system, self.members, self.tilted, times, out, most)
+
+    def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> Trajectories:
+        return Trajectories(self, times, rows, outcome)

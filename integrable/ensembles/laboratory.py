@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from integrable.ensembles.computing import REFUSED, Said, gathered, held, short_runs
-from integrable.ensembles.members import Many, common_count, numbers, plain, time_rows, times_of
-from integrable.ensembles.runs import Runs, joined_times
-from integrable.files.exported import Exported
+from integrable.ensembles.bodies import plain, short_runs
+from integrable.ensembles.computing import Outcome, Said, gathered
+from integrable.ensembles.members import Starts, common_count, numbers, times_of
+from integrable.ensembles.runs import Runs
 from integrable.files.frame import Frame
-from integrable.files.quantities import reasons_text, status_column
+from integrable.files.quantities import status_column
 from integrable.laboratory.bodies import NEARLY, RigidBody
 from integrable.laboratory.in_files import about_body, columns_of, usual
 from integrable.laboratory.motion import LaboratoryMotion, LaboratoryRun, going_on
 from integrable.laboratory.tensor import ORTHOGONAL, Orientation, matrices_of
-from integrable.motion.refusals import common_reasons
 from integrable.motion.short import MOST_TIMES
 from integrable.phase import attitude
 from integrable.phase.body import Body
 from jacobian import RR
-from jacobian.element import Numbers, Real, Table
-from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, floats, shown, whole
+from jacobian.element import Table
+from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, floats, shown
 from jacobian.immutable import read_only, replaced
 from jacobian.numbers.compiler import interpreted
 
@@ -72,16 +72,18 @@ def _rotations(orientation: Any) -> np.ndarray:
     return found.reshape(-1, 3, 3)
 
 
-class LaboratoryEnsemble(Many[LaboratoryMotion]):
+class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
     """The result of :func:`laboratory_ensemble`: ``orientations`` (K, 3, 3), ``omega`` (K, 3) and ``contacts`` (K, 2)
     at time 0.
+
+    A state has the nine entries of an orientation and ω in the axes of the tensor. Motions over a few turns are short
+    runs of compiled code, as in :class:`integrable.ensembles.ensemble.Ensemble`; others come from :meth:`motion`.
     """
+
+    _columns, _arrays = COLUMNS, ("orientations", "omega", "contacts")
 
     def __init__(self, body: RigidBody, orientations: np.ndarray, omega: np.ndarray, contacts: np.ndarray) -> None:
         self.body, self.orientations, self.omega, self.contacts = body, orientations, omega, contacts
-
-    def __len__(self) -> int:
-        return len(self.omega)
 
     def __repr__(self) -> str:
         return f"<LaboratoryEnsemble of {len(self)} motions of {self.body!r}>"
@@ -92,41 +94,24 @@ class LaboratoryEnsemble(Many[LaboratoryMotion]):
         heads = ["member", "ω_x, rad/s", "ω_y, rad/s", "ω_z, rad/s"]
         return table(repr(self), heads, [(k, *row) for k, row in enumerate(self.omega.tolist())])
 
-    def _some(self, places: np.ndarray) -> Self:
-        return replaced(self, **{name: getattr(self, name)[places] for name in ("orientations", "omega", "contacts")})
-
-    def _joined(self, others: Iterable[LaboratoryEnsemble]) -> LaboratoryEnsemble:
-        """An ensemble of these members, followed by the members of ``others``."""
-        every = (self, *others)
-        names = ("orientations", "omega", "contacts")
-        return replaced(self, **{name: np.concatenate([getattr(many, name) for many in every]) for name in names})
-
     def motion(self, member: int) -> LaboratoryMotion:
         """The motion of one member; raises an error if the member is refused."""
-        return self._one(whole(member, "member", f"the members are 0 … {len(self) - 1}", 0, len(self) - 1))
+        return self._alone(member)
 
     def _one(self, member: int) -> LaboratoryMotion:
         place = () if self.body.radius is None else (self.contacts[member],)
         found: LaboratoryMotion = self.body.motion(self.orientations[member], self.omega[member], *place)
         return found
 
-    def at(self, times: Numbers) -> LaboratoryRuns:
-        """Orientations and ω of all members at times in s, in any order, of any sign and size: shape (N,), the same for
-        all, or (K, N).
+    def _computed(self, times: np.ndarray, out: np.ndarray, most: int | None = None) -> Outcome:
+        return gathered(len(self), times.shape[1], _Work.of(self, times, out).part, most)
 
-        Motions over a few turns are short runs of compiled code, as in
-        :meth:`integrable.ensembles.ensemble.Ensemble.at`; others come from :meth:`motion`. A refused member does not
-        affect the others.
-        """
-        given = time_rows(times, len(self))
-        held(len(self), given.shape[1], COLUMNS, "take parts of the members, such as [:1000]")
-        work = _Work.of(self, given)
-        found = gathered(len(self), given.shape[1], work.part)
-        return LaboratoryRuns(self, given, work.matrices, work.omega, found.status, found.reasons)
+    def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> LaboratoryRuns:
+        return LaboratoryRuns(self, times, rows, outcome)
 
 
 class _Work(NamedTuple):
-    """The inputs of K members, and the arrays ``matrices`` and ``omega`` for their results.
+    """The inputs of K members, and the arrays ``matrices`` and ``omega`` for their results, parts of ``out``.
 
     ``members``, shape (K, 10), has the moments, d, γ and M in principal axes. ``frames`` are the rotations from the
     axes of :mod:`integrable.phase.attitude` to the laboratory. ``quick`` says which members may have short runs.
@@ -141,13 +126,12 @@ class _Work(NamedTuple):
     omega: np.ndarray
 
     @staticmethod
-    def of(many: LaboratoryEnsemble, times: np.ndarray) -> _Work:
-        shape = len(many), times.shape[1]
+    def of(many: LaboratoryEnsemble, times: np.ndarray, out: np.ndarray) -> _Work:
         with np.errstate(all="ignore"):
             members, frames, quick = _principal(many)
         if interpreted() or times.shape[1] > MOST_TIMES:
             quick = np.zeros_like(quick)
-        return _Work(many, members, frames, quick, times, np.empty((*shape, 3, 3)), np.empty((*shape, 3)))
+        return _Work(many, members, frames, quick, times, out[..., :9].reshape(*out.shape[:2], 3, 3), out[..., 9:])
 
     def part(self, begin: int, end: int) -> list[Said]:
         """Computes the members of a range, and returns the refused ones with their reasons."""
@@ -159,7 +143,7 @@ class _Work(NamedTuple):
             self.put(had, rows)
             left[had - begin] = False
         found = ((k, self.one(k)) for k in (begin + np.flatnonzero(left)).tolist())
-        return [Said(k, REFUSED, why) for k, why in found if why]
+        return [Said(k, "", why) for k, why in found if why]
 
     def put(self, which: np.ndarray, rows: np.ndarray) -> None:
         """Writes orientations and ω of the H members ``which``; ``rows`` are their γ and M, shape (H, N, 6)."""
@@ -208,29 +192,26 @@ def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.nda
     return rows, frames, quick & plain(rows, rolls)
 
 
-class LaboratoryRuns(Runs, Exported):
-    """Orientations and ω of K motions at N times each, ``times`` in s.
-
-    ``matrices`` (K, N, 3, 3) take vectors from the axes of the tensor to the laboratory. ``omega_body`` (K, N, 3) is ω
-    in the axes of the tensor. ``status`` (K,) is 0, or for a refused member the index of its reason in ``reasons``; its
-    orientations and ω are NaN. ``runs[k]`` is one member, a :class:`integrable.laboratory.motion.LaboratoryRun`;
-    :attr:`kept` are the members with status 0.
+class LaboratoryRuns(Runs):
+    """Orientations and ω of K motions at N times each, ``times`` in s. ``runs[k]`` is one member, a
+    :class:`integrable.laboratory.motion.LaboratoryRun`; a refused member has no row.
     """
 
-    def __init__(
-        self,
-        ensemble: LaboratoryEnsemble,
-        times: np.ndarray,
-        matrices: np.ndarray,
-        omega_body: np.ndarray,
-        status: np.ndarray,
-        reasons: tuple[str, ...],
-    ) -> None:
-        self.ensemble, self._times, self.matrices, self.omega_body = ensemble, times, matrices, omega_body
-        self.status, self.reasons = status, reasons
+    _shared = ("body",)
 
-    def __repr__(self) -> str:
-        return self._told("motions")
+    @property
+    def _motions(self) -> str:
+        return "motions"
+
+    @property
+    def matrices(self) -> np.ndarray:
+        """The matrices, (K, N, 3, 3), that take vectors from the axes of the tensor to the laboratory."""
+        return self._rows[..., :9].reshape(*self._rows.shape[:2], 3, 3)
+
+    @property
+    def omega_body(self) -> np.ndarray:
+        """The angular velocity in the axes of the tensor, (K, N, 3), in rad/s."""
+        return self._rows[..., 9:]
 
     @property
     def orientation(self) -> Rotation:
@@ -275,20 +256,6 @@ class LaboratoryRuns(Runs, Exported):
         height = np.full((*flat.shape[:2], 1), self.ensemble.body.radius)
         return read_only(np.concatenate([flat, np.where(np.isnan(flat[..., :1]), np.nan, height)], axis=-1))
 
-    def concatenated(self, *others: LaboratoryRuns) -> LaboratoryRuns:
-        """These members, then the members of ``others``, which have the same body and the same number of times."""
-        for other in others:
-            same = isinstance(other, LaboratoryRuns) and other.ensemble.body == self.ensemble.body
-            if not same or other._times.shape[1] != self._times.shape[1]:
-                raise ArgumentError(f"others: {shown(other)} given; the same body and number of times are needed")
-        every = (self, *others)
-        numbers, reasons = common_reasons([runs.reasons for runs in every])
-        status = np.concatenate([mine[runs.status] for mine, runs in zip(numbers, every, strict=True)])
-        matrices = np.concatenate([runs.matrices for runs in every])
-        omega_body = np.concatenate([runs.omega_body for runs in every])
-        ensemble = self.ensemble._joined(runs.ensemble for runs in others)
-        return LaboratoryRuns(ensemble, joined_times(every), matrices, omega_body, status, reasons)
-
     def _one(self, member: int) -> LaboratoryRun:
         run = LaboratoryRun(self.ensemble.motion(member), times_of(self._times, member))
         if self.status[member]:
@@ -300,17 +267,7 @@ class LaboratoryRuns(Runs, Exported):
         return usual(self.ensemble.body)
 
     def _frame(self, quantities: Iterable[str] | None) -> Frame:
-        dims, coordinates = self._dimensions()
-        variables = columns_of(dims, self, quantities)
-        variables["status"] = status_column(dims[:1], self.status, self.reasons)
-        said = about_body(self.ensemble.body, reasons=reasons_text(self.reasons))
-        return Frame(dims, coordinates, variables, said)
-
-    def _value(self) -> tuple[Real, ...]:
-        # refused members hold NaN, which differs even from itself: they are left out
-        kept = self.status == 0
-        arrays = self._times, self.matrices[kept], self.omega_body[kept], self.status
-        return self.ensemble, self.reasons, *(part for x in arrays for part in (x.shape, tuple(x.ravel().tolist())))
-
-    def _of_some(self, places: np.ndarray) -> dict[str, Any]:
-        return {name: getattr(self, name)[places] for name in ("matrices", "omega_body")}
+        found = self._frame_of(columns_of(self._dims, self, quantities), about_body(self.ensemble.body))
+        status = status_column(self._dims[:1], self.status, self.reasons)
+        variables = {name: x for name, x in found.variables.items() if name != "way"} | {"status": status}
+        return replace(found, variables=variables)

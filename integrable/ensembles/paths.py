@@ -2,35 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import combinations
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from integrable.ensembles.computing import REFUSED, Said, gathered, held
-from integrable.ensembles.members import Many, common_count, member_number, numbers, time_rows, times_of, times_of_some
+from integrable.ensembles.computing import Names, Outcome, Said, gathered
+from integrable.ensembles.members import AT, Contents, Starts, common_count, numbers, times_of, times_of_some
 from integrable.ensembles.runs import Runs
-from integrable.mumford.flow import ROUNDED, SERIES, MumfordFlow, Path
+from integrable.files.frame import Column, Frame
+from integrable.files.quantities import Quantity, checked, columns, made_of
+from integrable.motion.refusals import kept_rows
+from integrable.mumford.flow import ADDITIONS, ROUNDED, SERIES, TORUS, MumfordFlow, Path
 from jacobian import RR
-from jacobian.element import Numbers, Table
-from jacobian.errors import ArgumentError, JacobianError, shown
-from jacobian.immutable import replaced
+from jacobian.element import Table
+from jacobian.errors import ArgumentError, Infeasible, JacobianError, NotRepresentable, shown
 from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
     from integrable.mumford.system import MumfordSystem
     from integrable.series.many import NearMany
+    from integrable.series.near import Near
 
 # from this number of members on, walks run together: their code takes a second to compile, once per kind of systems and
 # machine. AT_A_TIME members are the unit of work of a thread
 MANY, AT_A_TIME = 64, 256
+# the ways of paths
+WAYS = SERIES, TORUS, ADDITIONS
+OF_SYSTEMS = Names(tuple(", ".join(words) for n in (1, 2, 3) for words in combinations(WAYS, n)), SERIES)
+PARTS = ("q", "p")
 
 
-class PathEnsemble(Many[MumfordFlow]):
+class PathEnsemble(Starts[MumfordFlow, "Paths"]):
     """Many motions of one system of any genus over RR, made by :func:`integrable.ensemble`; ``q`` and ``p`` are the
     starts, of shape (K, n). ``tolerance`` is passed to ``system.flow``.
+
+    A state has q and p. States are those of :meth:`flow` to the bit.
     """
+
+    _arrays = ("q", "p")
 
     def __init__(self, system: MumfordSystem, q: Table, p: Table, tolerance: float | None = None) -> None:
         if system.field != RR:
@@ -41,64 +53,71 @@ class PathEnsemble(Many[MumfordFlow]):
         count, self.system, self.tolerance = common_count(parts), system, system._tolerance(tolerance)
         self.q, self.p = (np.broadcast_to(part, (count, system.size)).copy() for part in parts.values())
 
-    def __len__(self) -> int:
-        return len(self.q)
+    @property
+    def _columns(self) -> int:
+        return 2 * int(self.system.size)
 
     def __repr__(self) -> str:
         return f"<PathEnsemble of {len(self)} motions of {self.system!r}>"
 
+    @property
+    def _contents(self) -> Contents:
+        size, empty = self.system.size, np.empty(0)
+        states, starts = (columns(dims, dict.fromkeys(PARTS, empty), self._quantities) for dims in (AT, AT[:1]))
+        parts = {"q": slice(size), "p": slice(size, 2 * size)}
+        parameters = {f"{name}_start": replace(x, values=getattr(self, name)) for name, x in starts.items()}
+        attributes = made_of(self.system, self.system.arguments)
+        identity = [attributes["system_stamp"], self.tolerance]
+        return Contents(
+            {name: (parts[name], states[name]) for name in PARTS}, parameters, attributes, identity, OF_SYSTEMS.words
+        )
+
+    @property
+    def _quantities(self) -> dict[str, Quantity]:
+        parts, names = tuple(map(str, range(self.system.size))), {"q": "position", "p": "momentum or velocity"}
+        return {name: Quantity("coordinate", parts, "1", said) for name, said in names.items()}
+
     def flow(self, member: int) -> MumfordFlow:
         """The motion of one member; raises an error if the member is refused."""
-        return self._one(member_number(member, len(self)))
+        return self._alone(member)
 
     def _one(self, member: int) -> MumfordFlow:
         q, p = (tuple(x[member].tolist()) for x in (self.q, self.p))
         return self.system.flow(self.system.state(q, p), self.tolerance)
 
-    def _some(self, places: np.ndarray) -> Self:
-        return replaced(self, q=self.q[places], p=self.p[places])
+    def _computed(self, times: np.ndarray, out: np.ndarray, most: int | None = None) -> Outcome:
+        work = _Work(self, times, out)
+        return gathered(len(self), times.shape[1], work.part, most, OF_SYSTEMS, AT_A_TIME)
 
-    def at(self, times: Numbers) -> Paths:
-        """The states of all members at times of any order, sign and size: shape (N,), the same for all, or (K, N).
-
-        They equal the states of :meth:`flow` to the bit. A member that is refused at one of its times has no states,
-        and does not affect the others: see :attr:`Paths.status`. ArgumentError for times of another shape and for
-        results larger than the memory.
-        """
-        given = time_rows(times, len(self))
-        count, length = len(self), given.shape[1]
-        held(count, length, 2 * self.system.size, "ask for some of the members, many[:1000]")
-        work = _Work(self, given, np.empty((count, length, 2, self.system.size)), np.zeros(count), [""] * count)
-        outcome = gathered(count, length, work.part, members=AT_A_TIME)
-        return Paths(self, given, work.states, (work.estimates, tuple(work.ways)), outcome.status, outcome.reasons)
+    def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> Paths:
+        return Paths(self, times, rows, outcome)
 
 
 class _Work(NamedTuple):
-    """The times of K members, and the arrays for their states, estimates and ways."""
+    """The times of K members, and the array for their states."""
 
     many: PathEnsemble
     times: np.ndarray
-    states: np.ndarray
-    estimates: np.ndarray
-    ways: list[str]
+    out: np.ndarray
 
     def part(self, begin: int, end: int) -> list[Said]:
-        """Computes the members of a range, and returns the refused ones."""
+        """Computes the members of a range, and returns their outcome."""
         flows: dict[int, MumfordFlow] = {}
-        refused: list[Said] = []
+        found: list[Said] = []
         for k in range(begin, end):
-            with self.refusing(k, refused):
+            try:
                 flows[k] = self.many._one(k)
+            except JacobianError as error:
+                self.out[k] = np.nan
+                found.append(Said(k, "", str(error)))
         near = self.near(flows)
         for i, (k, flow) in enumerate(flows.items()):
-            if near and near.reached[i].all():
-                self.put(k, near.states[i], SERIES, max(near.errors[i], ROUNDED))
-                continue
-            with self.refusing(k, refused):
-                times = times_of(self.times, k)
-                path = flow.at(times) if near is None else flow._after(near.of(i), times)
-                self.put(k, np.stack([path.q, path.p], axis=1), path.way, path.estimate)
-        return refused
+            if near is not None and near.reached[i].all():
+                self.out[k] = near.states[i].reshape(-1, self.out.shape[2])
+                found.append(Said(k, SERIES, [], max(float(near.errors[i]), ROUNDED)))
+            else:
+                found.append(self.one(k, flow, None if near is None else near.of(i)))
+        return found
 
     def near(self, flows: dict[int, MumfordFlow]) -> NearMany | None:
         """The states near the start, computed for several members at once; None for few members."""
@@ -112,43 +131,54 @@ class _Work(NamedTuple):
         most = np.array([flow._budget(length) for flow in flows.values()])
         return walked_by_many(kind, self.many.system._walk_constants, starts, times, most, self.many.tolerance)
 
-    def put(self, member: int, states: np.ndarray, way: str, estimate: float) -> None:
-        """Stores the states of a member."""
-        self.states[member], self.ways[member], self.estimates[member] = states, way, estimate
+    def one(self, member: int, flow: MumfordFlow, near: Near | None) -> Said:
+        """Computes the states of one member, of which ``near`` has some, and returns the outcome."""
+        times, way, estimate = times_of(self.times, member), "", 0.0
 
-    @contextmanager
-    def refusing(self, member: int, refused: list[Said]) -> Iterator[None]:
-        """A member whose computation is refused has no states, and its reason is added to ``refused``."""
+        def computed(given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            nonlocal way, estimate
+            try:
+                path = flow._after(near, given) if near is not None and len(given) == len(times) else flow.at(given)
+            except NotRepresentable as error:
+                # near times may have states where far ones have none
+                raise Infeasible(str(error)) from error
+            way, estimate = path.way, path.estimate
+            return np.hstack([path.q, path.p]), given
+
         try:
-            yield
+            self.out[member], _, status, reasons = kept_rows(computed, times, np.nan, self.out.shape[2])
         except JacobianError as error:
-            self.states[member] = np.nan
-            refused.append(Said(member, REFUSED, str(error)))
+            self.out[member] = np.nan
+            return Said(member, "", str(error))
+        whys = [] if status is None else [reasons[n] for n in status.tolist()]
+        return Said(member, "", whys[0]) if len(times) and all(whys) else Said(member, way, whys, estimate)
 
 
 class Paths(Runs):
-    """States of K motions of a system at N times: ``q`` and ``p`` have shape (K, N, n). ``ways`` and ``estimates`` have
-    the ``way`` and the ``estimate`` of each member's :class:`integrable.mumford.flow.Path`.
-
-    ``status``, shape (K,), is 0 for a member that was computed, otherwise n > 0 with the reason ``reasons[n]``; its q
-    and p are NaN. ``runs[k]`` is the Path of one member; a slice or an array gives the Paths of several, :attr:`kept`
-    the Paths of all members with status 0.
+    """States of K motions of a system at N times each. ``runs[k]`` is one member, a
+    :class:`integrable.mumford.flow.Path`, if none of its rows was refused. ``ways`` and
+    ``estimates``, shape (K,), are those of the paths.
     """
 
-    def __init__(
-        self,
-        ensemble: PathEnsemble,
-        times: np.ndarray,
-        states: np.ndarray,
-        how: tuple[np.ndarray, tuple[str, ...]],
-        status: np.ndarray,
-        reasons: tuple[str, ...],
-    ) -> None:
-        self.ensemble, self._times, self.status, self.reasons = ensemble, times, status, reasons
-        (self.q, self.p), (self.estimates, self.ways) = (states[:, :, part] for part in (0, 1)), how
+    _arrays, _shared = (*Runs._arrays, "estimates"), ("system", "tolerance")
 
-    def __repr__(self) -> str:
-        return self._told(f"motions of {type(self.ensemble.system).__name__}")
+    def __init__(self, ensemble: PathEnsemble, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> None:
+        super().__init__(ensemble, times, rows, outcome)
+        self.estimates = outcome.estimates
+
+    @property
+    def q(self) -> np.ndarray:
+        """The positions, shape (K, N, n)."""
+        return self._rows[..., : self.ensemble.system.size]
+
+    @property
+    def p(self) -> np.ndarray:
+        """The momenta or velocities, shape (K, N, n)."""
+        return self._rows[..., self.ensemble.system.size :]
+
+    @property
+    def _usual(self) -> tuple[str, ...]:
+        return PARTS
 
     def _one(self, member: int) -> Path:
         if self.status[member]:
@@ -156,11 +186,8 @@ class Paths(Runs):
         times, estimate = times_of(self._times, member), float(self.estimates[member])
         return Path(times, self.q[member], self.p[member], self.ways[member], estimate)
 
-    def _of_some(self, places: np.ndarray) -> dict[str, Any]:
-        parts = {name: getattr(self, name)[places] for name in ("q", "p", "estimates")}
-        return {**parts, "ways": tuple(self.ways[k] for k in places.tolist())}
-
-    def _value(self) -> tuple[object, ...]:
-        # NaN, which is unequal to itself, is replaced in refused rows, so that equal results compare as equal
-        states = np.nan_to_num(np.stack([self.q, self.p])).ravel().tolist()
-        return self.ensemble, tuple(self._times.ravel().tolist()), tuple(states), tuple(self.status.tolist())
+    def _frame(self, quantities: Iterable[str]) -> Frame:
+        system, dims, among = self.ensemble.system, self._dims, self.ensemble._quantities
+        arrays = {name: getattr(self, name) for name in checked(quantities, among)}
+        estimate = Column(dims[:1], self.estimates, "1", "estimate of the largest error relative to q or p")
+        return self._frame_of({**columns(dims, arrays, among), "estimate": estimate}, made_of(system, system.arguments))

@@ -25,15 +25,15 @@ class Rows(NamedTuple):
     reasons: tuple[str, ...] = ("",)
 
 
-def kept_rows(compute: Compute, values: np.ndarray, nan: Real) -> Rows:
-    """The rows and τ of ``compute(values)``; rows that it refuses are ``nan``.
+def kept_rows(compute: Compute, values: np.ndarray, nan: Real, width: int = 6) -> Rows:
+    """The rows of ``width`` numbers and τ of ``compute(values)``; rows that it refuses are ``nan``.
 
     A time that is too far is refused in any call. So bisection over single rows finds the first refused distance in
     each direction, and the rows before it are computed together.
     """
     status, reasons = np.zeros(len(values), dtype=np.intp), [""]
     left = np.arange(len(values))
-    rows, tau = np.full((len(values), 6), nan, values.dtype), np.full(len(values), nan, values.dtype)
+    rows, tau = np.full((len(values), width), nan, values.dtype), np.full(len(values), nan, values.dtype)
     while True:
         try:
             rows[left], tau[left] = compute(values[left])

@@ -8,21 +8,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from integrable.ensembles.computing import COLUMNS, Outcome, computed, computed_singly, statuses
+from integrable.ensembles.bodies import COLUMNS, computed_singly
+from integrable.ensembles.computing import Outcome, statuses
+from integrable.ensembles.members import Starts
 from integrable.motion.trajectory import Motion
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.sweeps.grid import INERTIA, POTENTIAL, C, D, M
 
-__all__ = ["BodyJob", "Part", "SceneJob", "done"]
+__all__ = ["EnsembleJob", "Part", "SceneJob", "done"]
 
 
-class BodyJob(NamedTuple):
+class EnsembleJob(NamedTuple):
     """Members of an ensemble, or of a scene with a ball or top."""
 
-    system: Any
-    members: np.ndarray
-    tilted: bool
+    many: Starts[Any, Any]
     times: np.ndarray
 
 
@@ -37,7 +37,7 @@ class SceneJob(NamedTuple):
 
 
 class Part(NamedTuple):
-    """The states of k members at N times: γ, M and τ of shape (k, N, 7), and each row's status of shape (k, N).
+    """The states of k members at N times, of shape (k, N, C), and each row's status of shape (k, N).
 
     ``ways``, shape (k,), is the way of each member; ``reasons`` say why rows were refused.
     """
@@ -48,11 +48,11 @@ class Part(NamedTuple):
     reasons: tuple[str, ...]
 
 
-def done(job: BodyJob | SceneJob) -> Part:
+def done(job: EnsembleJob | SceneJob) -> Part:
     """The states of a job, computed on one thread, since other workers compute other chunks."""
-    if isinstance(job, BodyJob):
-        out = np.empty((len(job.members), len(job.times), COLUMNS))
-        return _part(out, computed(job.system, job.members, job.tilted, job.times[None], out, most=1))
+    if isinstance(job, EnsembleJob):
+        out = np.empty((len(job.many), len(job.times), job.many._columns))
+        return _part(out, job.many._computed(job.times[None], out, most=1))
     out = np.empty((len(job.rows), len(job.times), COLUMNS))
     return _part(out, computed_singly(lambda k: _motion(job.scene, job.rows[k]), job.times[None], out))
 

@@ -18,10 +18,10 @@ from zipfile import BadZipFile
 import numpy as np
 from filelock import FileLock, Timeout
 
-from integrable.ensembles.computing import WORDS
+from integrable.ensembles.members import AT, Contents
 from integrable.extras import needed
 from integrable.files.frame import Column
-from integrable.files.quantities import columns, reasons_text, status_column
+from integrable.files.quantities import reasons_text, status_column
 from integrable.files.whole import Patient, replacing, said, target_of
 from integrable.files.writing import scaled
 from integrable.sweeps.jobs import Part
@@ -41,7 +41,7 @@ DAMAGED = (OSError, EOFError, KeyError, ValueError, TypeError, BadZipFile, Runti
 
 @dataclass(frozen=True)
 class Layout:
-    """The layout of a sweep's file: number of members, times, chunk size, parameters of the members, common attributes.
+    """The layout of a sweep's file: number of members, times, chunk size, and what the file has.
 
     ``stamp`` is a hash of everything that the states depend on.
     """
@@ -49,8 +49,7 @@ class Layout:
     count: int
     times: np.ndarray
     chunk: int
-    parameters: dict[str, Column]
-    attributes: dict[str, Any]
+    contents: Contents
     stamp: str
 
     @property
@@ -123,10 +122,8 @@ class Store:
         numbers = {reason: n for n, reason in enumerate(self.reasons)}
         own = np.array([numbers.setdefault(reason, len(numbers)) for reason in part.reasons], dtype=np.int32)
         status = own[part.status]
-        arrays = {
-            "gamma": part.rows[:, :, :3], "M": part.rows[:, :, 3:6], "tau": part.rows[:, :, 6], "status": status,
-            "way": (part.ways + 1).astype(np.int32),
-        }  # fmt: skip
+        arrays = {name: part.rows[..., place] for name, (place, _) in self.layout.contents.states.items()}
+        arrays |= {"status": status, "way": (part.ways + 1).astype(np.int32)}
         with said(self.path, "out"):
             self._format.put(chunk, arrays)
             self.reasons = list(numbers)
@@ -137,7 +134,12 @@ class Store:
     def finish(self) -> None:
         """Makes the sweep's file from all chunks."""
         reasons = reasons_text(self.reasons)
-        attributes = {**self.layout.attributes, "reasons": reasons, "refused": self.refused, "stamp": self.layout.stamp}
+        attributes = {
+            **self.layout.contents.attributes,
+            "reasons": reasons,
+            "refused": self.refused,
+            "stamp": self.layout.stamp,
+        }
         with said(self.path, "out"):
             self._format.finish(self.path, attributes, described(self.layout, self.reasons))
         self._lock.release()
@@ -190,25 +192,22 @@ def refused(status: np.ndarray) -> int:
 
 def described(layout: Layout, reasons: list[str]) -> dict[str, Column]:
     """The columns of the file by name. The columns of the states have no values yet."""
-    dims, none = ("member", "time"), np.empty(0)
+    none = np.empty(0)
     return {
         "member": Column(("member",), np.arange(layout.count), "1", "number of the member"),
         "time": Column(("time",), layout.times, "s", "physical time t"),
-        **layout.parameters,
-        **columns(dims, {"gamma": none, "M": none}),
-        "tau": Column(dims, none, "s", "time of the flow, dτ = g dt"),
-        "status": status_column(dims, none, reasons),
-        "way": Column(("member",), none, "1", "what has computed the member", (), ("refused", *WORDS)),
+        **layout.contents.parameters,
+        **{name: column for name, (_, column) in layout.contents.states.items()},
+        "status": status_column(AT, none, reasons),
+        "way": Column(("member",), none, "1", "what has computed the member", (), ("refused", *layout.contents.words)),
     }
 
 
 def shapes(layout: Layout, count: int) -> dict[str, tuple[tuple[int, ...], type]]:
     """Shapes and types of the arrays that are written in chunks, for ``count`` members."""
-    rows = (count, len(layout.times))
-    return {
-        "gamma": ((*rows, 3), np.float64), "M": ((*rows, 3), np.float64), "tau": (rows, np.float64),
-        "status": (rows, np.int32), "way": (rows[:1], np.int32),
-    }  # fmt: skip
+    rows, columns = (count, len(layout.times)), [(name, x) for name, (_, x) in layout.contents.states.items()]
+    states = {name: ((*rows, len(x.parts)) if x.parts else rows, np.float64) for name, x in columns}
+    return {**states, "status": (rows, np.int32), "way": (rows[:1], np.int32)}
 
 
 class _Zarr:

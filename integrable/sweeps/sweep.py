@@ -15,16 +15,19 @@ from typing import Any
 
 import numpy as np
 
+from integrable.ensembles.bodies import STATES
+from integrable.ensembles.computing import OF_BODIES
 from integrable.ensembles.ensemble import Ensemble
-from integrable.ensembles.members import time_rows
+from integrable.ensembles.members import Contents, time_rows
+from integrable.ensembles.paths import PathEnsemble
 from integrable.extras import needed, without
 from integrable.files.frame import Column, version
-from integrable.files.quantities import AXES, about, stamp
+from integrable.files.quantities import about
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.file import load_scene
 from integrable.sweeps.grid import Grid
-from integrable.sweeps.jobs import BodyJob, SceneJob, done
+from integrable.sweeps.jobs import EnsembleJob, SceneJob, done
 from integrable.sweeps.orphans import processes
 from integrable.sweeps.store import Layout, Store
 from jacobian.element import File, Numbers, Value
@@ -68,7 +71,7 @@ class Swept:
 
 
 def sweep(
-    what: Scene | Ensemble | str | os.PathLike[str],
+    what: Scene | Ensemble | PathEnsemble | str | os.PathLike[str],
     *,
     vary: Mapping[str, str | Iterable[Value]] | None = None,
     times: Numbers | None = None,
@@ -113,7 +116,7 @@ class _Source:
 
     @staticmethod
     def of(what: Any, vary: Any, times: Any) -> _Source:
-        if isinstance(what, Ensemble):
+        if isinstance(what, (Ensemble, PathEnsemble)):
             if vary is not None:
                 raise ArgumentError(f"vary = {shown(vary)}: an ensemble has its members; leave vary out")
             return _OfEnsemble(what, times)
@@ -130,28 +133,21 @@ class _Source:
 
     def layout(self, chunk: int) -> Layout:
         """The layout of the file, with ``chunk`` members in each chunk."""
-        arrays = {"times": self.times, **{name: column.values for name, column in self.parameters().items()}}
+        contents = self.contents()
+        arrays = {"times": self.times, **{name: column.values for name, column in contents.parameters.items()}}
         known = {name: [array.shape, _digest(array.tobytes())] for name, array in arrays.items()}
-        whole = _digest(json.dumps([version(), chunk, self.identity(), known]).encode())
-        return Layout(len(self), self.times, chunk, self.parameters(), self.attributes(), whole)
+        whole = _digest(json.dumps([version(), chunk, contents.identity, known]).encode())
+        return Layout(len(self), self.times, chunk, contents, whole)
 
     def __len__(self) -> int:
         raise NotImplementedError
 
-    def job(self, begin: int, end: int) -> BodyJob | SceneJob:
+    def job(self, begin: int, end: int) -> EnsembleJob | SceneJob:
         """The job for members ``begin`` to ``end`` − 1."""
         raise NotImplementedError
 
-    def identity(self) -> Any:
-        """Everything that the states depend on, except times and parameters."""
-        raise NotImplementedError
-
-    def parameters(self) -> dict[str, Column]:
-        """The parameters of all members, as columns by name."""
-        raise NotImplementedError
-
-    def attributes(self) -> dict[str, Any]:
-        """The attributes of the file, which hold for all members."""
+    def contents(self) -> Contents:
+        """The content of the file."""
         raise NotImplementedError
 
 
@@ -160,7 +156,7 @@ def _digest(content: bytes) -> str:
 
 
 class _OfEnsemble(_Source):
-    def __init__(self, many: Ensemble, times: Any) -> None:
+    def __init__(self, many: Ensemble | PathEnsemble, times: Any) -> None:
         self.many, self.name = many, type(many.system).__name__
         if times is None:
             raise ArgumentError("times = None: an ensemble is swept at times of shape (N,)")
@@ -172,23 +168,11 @@ class _OfEnsemble(_Source):
     def __len__(self) -> int:
         return len(self.many)
 
-    def job(self, begin: int, end: int) -> BodyJob:
-        return BodyJob(self.many.system, np.array(self.many.members[begin:end]), self.many.tilted, self.times)
+    def job(self, begin: int, end: int) -> EnsembleJob:
+        return EnsembleJob(self.many[begin:end], self.times)
 
-    def identity(self) -> Any:
-        return [stamp(self.many.system), self.many.tilted]
-
-    def parameters(self) -> dict[str, Column]:
-        dims, many = ("member",), self.many
-        return {
-            "inertia": Column((*dims, "axis"), many.inertia, "kg m2", "principal moments of inertia", AXES),
-            "d": Column(dims, many.d, "kg m2", "mass times square of the radius"),
-            "gamma_start": Column((*dims, "axis"), many.gamma, "1", "gamma at time 0", AXES),
-            "M_start": Column((*dims, "axis"), many.M, "kg m2 s-1", "M at time 0", AXES),
-        }
-
-    def attributes(self) -> dict[str, Any]:
-        return about(self.many.system, tilted=int(self.many.tilted))
+    def contents(self) -> Contents:
+        return self.many._contents
 
 
 class _OfScene(_Source):
@@ -201,30 +185,22 @@ class _OfScene(_Source):
     def __len__(self) -> int:
         return len(self.grid)
 
-    def job(self, begin: int, end: int) -> BodyJob | SceneJob:
+    def job(self, begin: int, end: int) -> EnsembleJob | SceneJob:
         rows = self.grid.rows(begin, end)
         if self.scene.rolls_or_spins:
-            members = np.nan_to_num(rows[:, :10])
-            return BodyJob(self.system, members, self.scene.tilted, self.times)
+            return EnsembleJob(Ensemble(self.system, np.nan_to_num(rows[:, :10]), self.scene.tilted), self.times)
         return SceneJob(self.scene, rows, self.times)
 
-    def identity(self) -> Any:
-        content = self.scene.describe()
-        return {
-            key: content[key]
-            for key in content
-            if key not in ("title", "reference", "description", "report", "pictures")
-        }
-
-    def parameters(self) -> dict[str, Column]:
-        return {
+    def contents(self) -> Contents:
+        said, left_out = self.scene.describe(), ("title", "reference", "description", "report", "pictures")
+        parameters = {
             name.replace(".", "_"): Column(("member",), values, "1", f"{name} of the scene, varied")
             for name, values in self.grid.values(0, len(self)).items()
         }
-
-    def attributes(self) -> dict[str, Any]:
-        scene = json.dumps(self.scene.describe(), ensure_ascii=False)
-        return about(self.system, scene=scene, tilted=int(self.scene.tilted), grid=list(self.grid.shape) or [1])
+        scene, shape = json.dumps(said, ensure_ascii=False), list(self.grid.shape) or [1]
+        attributes = about(self.system, scene=scene, tilted=int(self.scene.tilted), grid=shape)
+        identity = {key: said[key] for key in said if key not in left_out}
+        return Contents(STATES, parameters, attributes, identity, OF_BODIES.words)
 
 
 def _fill(source: _Source, store: Store, pool: Executor, workers: int, tick: Any) -> None:

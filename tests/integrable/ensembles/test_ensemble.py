@@ -176,7 +176,7 @@ def test_few_members_and_none():
 
 
 def test_where_nothing_is_compiled(monkeypatch):
-    monkeypatch.setattr("integrable.ensembles.computing.interpreted", lambda: True)
+    monkeypatch.setattr("integrable.ensembles.bodies.interpreted", lambda: True)
     many = ensemble(BALL, GAMMA, M)
     found = many.at([1])
     assert abs(found.gamma[0] - many.flow(0).at([1]).gamma).max() < 1e-14

@@ -124,7 +124,7 @@ def test_rotations_of_scipy_in_and_out():
         (lambda: laboratory_ensemble(BODIES["ball"], STARTS, OMEGA).at([np.nan]), "finite numbers"),
         (
             lambda: laboratory_ensemble(BODIES["ball"], UP, [OMEGA[0]] * 10**5).at(np.ones(10**6)),
-            "times: 100000 members at 1000000 times are 9600 GB; take parts of the members",
+            "times: 100000 members at 1000000 times are 9600 GB; take .chunks",
         ),
         (lambda: laboratory_ensemble(BODIES["ball"], STARTS, OMEGA).motion(9), "0 … 8"),
         (lambda: ensemble(BODIES["ball"], UP[0], UP[1]), "laboratory_ensemble"),

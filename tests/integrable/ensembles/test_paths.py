@@ -7,7 +7,7 @@ import pickle
 import numpy as np
 import pytest
 
-from integrable import ChaplyginBall, ensemble
+from integrable import ChaplyginBall, ensemble, sweep
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.kuzmin_kutuzov import KuzminKutuzov
 from integrable.classical.neumann import Neumann
@@ -100,16 +100,77 @@ def test_a_refused_member_does_not_affect_the_others() -> None:
         found[1]
 
 
-def test_a_member_refused_at_one_time_is_refused_as_a_whole() -> None:
+def test_rows_that_are_refused_stop_no_other() -> None:
     """The far motion of a star that is not bound is unknown."""
     many = ensemble(KuzminKutuzov((1.5, 1)), (1.1, 0, 0.2), [(0.1, 0.4, 0.35), (2, 1, 1)])
-    assert not many.at([0, 1.0]).status.any()
-    found = many.at([0, 1e6])
+    near = many.at([0, 1.0])
+    assert not near.status.any()
+    found = many.at([0, 1e6, 1.0])
     assert found.status.tolist() == [0, 1]
+    assert found.row_status(1).tolist() == [0, 1, 0]
     assert "unbound" in found.reasons[1]
-    assert np.isnan(found.p[1]).all()
+    assert np.isnan(found.p[1, 1]).all()
+    np.testing.assert_array_equal(found.q[1, [0, 2]], near.q[1])
     assert np.isfinite(found.p[0]).all()
-    assert found.ways[1] == ""
+    assert found.ways == [found.ways[0], "series"]
+    with pytest.raises(ArgumentError, match=r"member 1 was refused: .*unbound"):
+        found[1]
+    far = many.at([1e6])
+    assert far.ways[1] == ""
+    assert far[::-1].status.tolist() == [1, 0]
+
+
+def test_results_go_to_an_array_in_chunks_and_joined(tmp_path) -> None:
+    system, times = TodaLattice(2), [1.0, 2.0, 30.0]
+    many = ensemble(system, (0, 0), np.random.default_rng(1).normal(size=(5, 2)))
+    whole, room = many.at(times), np.lib.format.open_memmap(tmp_path / "states.npy", "w+", float, (5, 3, 4))
+    found = many.at(times, out=room)
+    assert found == whole
+    np.testing.assert_array_equal(np.load(tmp_path / "states.npy"), np.concatenate([whole.q, whole.p], axis=2))
+    parts = list(many.chunks(times, 2))
+    assert [len(part) for part in parts] == [2, 2, 1]
+    joined = parts[0].concatenated(*parts[1:])
+    assert joined == whole
+    assert joined.ensemble == many
+    assert joined.estimates.tolist() == whole.estimates.tolist()
+    with pytest.raises(ArgumentError, match="Paths of the same system and number of times are needed"):
+        whole.concatenated(ensemble(system, (0, 0), (0, 1), tolerance=1e-9).at(times))
+    with pytest.raises(ArgumentError, match=r"float64 of shape \(5, 3, 4\) is needed"):
+        many.at(times, out=np.empty((5, 3, 7)))
+
+
+def test_files_have_q_and_p_their_status_way_and_estimate(tmp_path) -> None:
+    system = Neumann((1, 2, 4))
+    found = ensemble(system, [(0.6, 0.48, 0.64), (1, 1, 0)], (0.4, -0.5, 0.0)).at([0, 10])
+    data = found.to_xarray()
+    assert data.q.dims == ("member", "time", "coordinate")
+    np.testing.assert_array_equal(data.p.values[0], found.p[0])
+    assert data.status.values.tolist() == [[0, 0], [1, 1]]
+    assert data.way.values.tolist() == [1, 0]
+    assert list(data.attrs["a"]) == [1, 2, 4]
+    assert data.estimate.values[0] == found.estimates[0]
+    table = found.to_dataframe(["q"])
+    assert [name for name in table if name.startswith(("q", "p"))] == ["q_0", "q_1", "q_2"]
+    found.save(tmp_path / "paths.csv")
+    assert "|q| = 1 is needed" in (tmp_path / "paths.csv").read_text()
+
+
+@pytest.mark.parametrize("suffix", [".zarr", ".h5"])
+def test_a_sweep_has_the_states_of_the_ensemble(suffix, tmp_path) -> None:
+    pytest.importorskip("zarr" if suffix == ".zarr" else "h5netcdf")
+    many = ensemble(KuzminKutuzov((1.5, 1)), (1.1, 0, 0.2), [(0.1, 0.4, 0.35), (2, 1, 1), (0.1, 0.4, 0.3)])
+    times = [0, 1.0, 1e6]
+    found, out = many.at(times), tmp_path / f"stars{suffix}"
+    swept = sweep(many, times=times, out=out, executor="threads", chunk=2)
+    assert (swept.members, swept.refused) == (3, 1)
+    data = swept.to_xarray()
+    np.testing.assert_array_equal(data.q.values, found.q)
+    np.testing.assert_array_equal(data.p.values, found.p)
+    np.testing.assert_array_equal(data.p_start.values, many.p)
+    assert data.status.values.tolist() == [found.row_status(k).tolist() for k in range(3)]
+    assert [data.way.attrs["flag_meanings"].split("; ")[way] for way in data.way.values] == found.ways
+    with pytest.raises(ArgumentError, match="another file is there"):
+        sweep(ensemble(many.system, many.q, many.p, tolerance=1e-9), times=times, out=out, executor="threads", chunk=2)
 
 
 def test_a_tolerance_is_that_of_the_flows() -> None:
@@ -144,7 +205,8 @@ def test_equal_ensembles_and_results_are_equal_and_can_be_pickled() -> None:
         (lambda: ensemble(ChaplyginBall((1, 2, 3), 1), (0, 0, 1), (0, 1, 0), tolerance=1e-9), "tolerance = 1e-09"),
         (lambda: ensemble(TodaLattice(2), (0, 0), (0, 1)).at([np.inf]), "finite numbers are needed"),
         (lambda: ensemble(TodaLattice(2), (0, 0), (0, 1)).at(np.zeros((2, 3, 1))), r"\(N,\) or \(1, N\) is needed"),
-        (lambda: ensemble(HenonHeiles((1,)), (0, 0), np.zeros((10**6, 2))).at(np.zeros(10**7)), "GB; ask for some"),
+        (lambda: ensemble(HenonHeiles((1,)), (0, 0), np.zeros((10**6, 2))).at(np.zeros(10**7)), "GB; take .chunks"),
+        (lambda: ensemble(TodaLattice(2), (0, 0), (0, 1)).flow(-1), r"member = -1: the members are 0 … 0"),
     ],
 )
 def test_what_is_refused_by_name(call, said) -> None:
