@@ -1,4 +1,6 @@
-"""Motions by a chosen method instead of the flow's own choice; only this module knows how to force one."""
+"""Motions by a chosen method instead of the flow's own choice, and starts that are put on the constraints of a system;
+only this module knows how.
+"""
 
 from __future__ import annotations
 
@@ -48,3 +50,23 @@ def made_torus(flow: MumfordFlow) -> Any:
 def confirmed(flow: MumfordFlow, torus: Any) -> bool:
     """Whether the flow accepts this torus."""
     return flow._confirmed(torus)
+
+
+def torus_of(flow: Any) -> Any:
+    """The torus that a flow of a ball or a top uses for far times, or None."""
+    return flow._torus
+
+
+def precise_of(flow: Any) -> Any:
+    """The many-digit motion beside a flow of a ball or a top in floats."""
+    return flow._precise
+
+
+def constrained(system: Any, state: Any, K: Any = None) -> Any:
+    """A state with numbers of K, or of the system's field, put on the constraints to all of its digits."""
+    return system._constrained(K or system.field, state)
+
+
+def inside(system: Any, state: Any, K: Any = None) -> Any:
+    """A state in the numbers of K, or of the system's field."""
+    return system._inside(K or system.field, state)

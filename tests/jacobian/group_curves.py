@@ -4,7 +4,7 @@ from random import Random
 
 import pytest
 
-from jacobian import GF, ArgumentError, HyperellipticCurve, poly
+from jacobian import GF, ArgumentError, Divisor, HyperellipticCurve, poly
 
 SMALL = {
     "GF(2)": GF(2),
@@ -41,6 +41,29 @@ def genus_two_rows(fields):
 def triple(D):
     """The representation that :mod:`jacobian.addition.cantor` computes with."""
     return D.u, D.v, D.n
+
+
+def inside(D):
+    """The triple of a class on the arithmetic model of its curve."""
+    return inner(D.jacobian, *triple(D))
+
+
+def inner(J, u, v, n):
+    """(u, v, n) on the arithmetic model of the curve, where v is v − z₀x^(g+1) mod u."""
+    return u, _moved(J, u, v, poly.sub), n
+
+
+def outside(J, found):
+    """The class with a triple on the arithmetic model of the curve."""
+    u, v, n = found
+    return Divisor(J, u, _moved(J, u, v, poly.add), n)
+
+
+def _moved(J, u, v, way):
+    C, K = J.curve, J.field
+    if C.arithmetic_model is C:
+        return v
+    return poly.mod(K, way(K, v, poly.monomial(K, C.infinity_plus, C.genus + 1)), u)
 
 
 def random_curve(K, genus, seed, *, model=None, with_h=False):

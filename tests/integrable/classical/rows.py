@@ -21,6 +21,7 @@ from integrable.mumford.flow import Point, element
 from integrable.systems.on_layer import BodyOnLayer
 from jacobian.inexact.long_field import LongField
 from tests.integrable.exact_points import attempt
+from tests.integrable.ways import constrained
 
 
 def different(K, rng, count):
@@ -174,7 +175,7 @@ def ellipsoid(K, n):
     system = Ellipsoid([i * i + 2 for i in range(n + 1)], K)
     rng = Random(n)
     q, p = ([K.coerce(rng.randint(-9, 9) or 1) for _ in range(n + 1)] for _ in range(2))
-    start = system._constrained(K, Point(tuple(q), tuple(p)))
+    start = constrained(system, Point(tuple(q), tuple(p)), K)
     speed = K.sqrt(K.dot(start.p, start.p))
     return system, system.state(start.q, [y / speed for y in start.p])
 

@@ -13,11 +13,10 @@ from integrable.classical.axial_torus import AxialTorus
 from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.mumford.flow import Point
-from jacobian import RR
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
-from tests.integrable.ways import forced, has_torus
+from tests.integrable.ways import constrained, forced, has_torus
 
 pytestmark = pytest.mark.skipif(interpreted(), reason="the closed form is compiled")
 
@@ -53,7 +52,7 @@ MOTIONS = {
 
 def started(name):
     system, q, p = MOTIONS[name]
-    return system, system._constrained(RR, Point(tuple(map(float, q)), tuple(map(float, p))))
+    return system, constrained(system, Point(tuple(map(float, q)), tuple(map(float, p))))
 
 
 @pytest.mark.parametrize("name", MOTIONS)

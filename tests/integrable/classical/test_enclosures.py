@@ -23,6 +23,7 @@ from jacobian.numbers.long_reals import BallReals
 from jacobian.relatives.extended import PointLift
 from tests.integrable.classical.rows import CASES, REAL
 from tests.integrable.mumford.picard import taylor
+from tests.integrable.ways import inside
 
 REALS = BallReals(300)
 # digits of the numbers that balls are compared with
@@ -36,7 +37,7 @@ def truth(system, state, times):
     """The states at 60 digits; the inputs count as exact."""
     fine = system.over(MP(DIGITS))
     # not checked: floats meet the constraints to their own digits only
-    return MumfordFlow(fine, fine._inside(fine.field, state)).at([fine.field.coerce(t) for t in times])
+    return MumfordFlow(fine, inside(fine, state)).at([fine.field.coerce(t) for t in times])
 
 
 def contained(found, path) -> bool:

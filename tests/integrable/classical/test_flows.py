@@ -20,7 +20,7 @@ from integrable.systems.on_layer import BodyOnLayer
 from jacobian import CC, GF, MP, QQ, RR, ArgumentError, FieldError, NotRepresentable, PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from tests.integrable.classical.rows import REAL, distance, extrapolated, integrated, over_cases
-from tests.integrable.ways import forced, has_torus
+from tests.integrable.ways import constrained, forced, has_torus, inside
 
 REST = Point((1.0, 0.0), (0.0, 0.0))
 
@@ -54,7 +54,7 @@ def test_floats_against_forty_digits(name, n, time) -> None:
     K = MP(40)
     fine = system.over(K)
     # the same floats, which meet |q| = 1 to their own digits only; for the ball, additions besides its own flow
-    start = fine._constrained(K, fine._inside(K, state))
+    start = constrained(fine, inside(fine, state))
     exact = getattr(fine, "by_additions" if name == "ball" else "flow")(start).at([time])
     # the compiled flow of a body rounds more than once
     bound = 2e-15 if name in ("ball", "top") else 4e-16
@@ -242,7 +242,7 @@ def test_a_cubic_potential_is_left_and_entered_again() -> None:
 def test_special_positions_of_axes(system, q, p) -> None:
     path = system.flow(system.state(q, p)).at([1.5, 3.0])
     fine = system.over(MP(30))
-    start = fine._constrained(fine.field, fine._inside(fine.field, system.state(q, p)))
+    start = constrained(fine, inside(fine, system.state(q, p)))
     expected = integrated(fine, start, 1.5, 12, 10)
     assert distance(RR, (path.q[0], path.p[0]), [[float(x) for x in a] for a in expected]) < 2e-14
 
@@ -262,7 +262,7 @@ def test_special_positions_of_axes(system, q, p) -> None:
 def test_special_positions_of_veselova(q, p) -> None:
     """If an oval is a point, the clock is still a series; if the two ovals have met, it is a quadrature."""
     system, fine = Veselova((1, 2, 4)), Veselova((1, 2, 4), MP(30))
-    start = fine._constrained(fine.field, Point(*(tuple(map(fine.field.coerce, x)) for x in (q, p))))
+    start = constrained(fine, Point(*(tuple(map(fine.field.coerce, x)) for x in (q, p))))
     path = system.flow(system.state(*(list(map(float, x)) for x in start))).at([1.5, -1.5])
     for row, time in enumerate((1.5, -1.5)):
         expected = integrated(fine, start, time, 12, 10)
@@ -335,7 +335,7 @@ def test_a_coordinate_ellipse_closes() -> None:
 def test_both_points_of_a_pair_at_one_branch_point(system, q, p) -> None:
     """A double root of f, to rounding: the separatrix of the ellipsoid and of its relatives."""
     fine = system.over(MP(30))
-    start = fine._constrained(fine.field, Point(*(tuple(map(fine.field.coerce, x)) for x in (q, p))))
+    start = constrained(fine, Point(*(tuple(map(fine.field.coerce, x)) for x in (q, p))))
     path = system.flow(system.state(*(list(map(float, x)) for x in start))).at([1.5])
     expected = integrated(fine, start, 1.5, 12, 10)
     assert distance(RR, (path.q[0], path.p[0]), [[float(x) for x in a] for a in expected]) < 1e-14
@@ -355,7 +355,7 @@ def test_a_geodesic_on_the_triaxial_earth() -> None:
     axes = ("40681077.7", "40680197.6", "40408308.7")
     fine = Ellipsoid(axes, MP(30))
     q, p = (("4000", "3000", "4000"), ("0.3", "0.5", "-0.8"))
-    start = fine._constrained(fine.field, Point(tuple(map(fine.field.coerce, q)), tuple(map(fine.field.coerce, p))))
+    start = constrained(fine, Point(tuple(map(fine.field.coerce, q)), tuple(map(fine.field.coerce, p))))
     path = fine.flow(start).at([10000])
     assert distance(fine.field, (path.q[0], path.p[0]), integrated(fine, start, 10000, 10, 14)) < 1e-20
     system = Ellipsoid(axes)
@@ -479,7 +479,7 @@ def test_bad_input_is_named(call, words) -> None:
 @pytest.mark.parametrize("size", [2.0**-60, 1.0, 2.0**60])
 def test_states_are_states_in_any_unit(size) -> None:
     system = Ellipsoid([e * size * size for e in (1, 2, 4)])
-    state = Ellipsoid((1, 2, 4))._constrained(RR, Point((0.5, 0.6, 0.9), (0.3, -0.8, 0.2)))
+    state = constrained(Ellipsoid((1, 2, 4)), Point((0.5, 0.6, 0.9), (0.3, -0.8, 0.2)))
     assert system.state([size * x for x in state.q], state.p).p == state.p
 
 
@@ -511,7 +511,7 @@ def test_small_steps_along_geodesics_keep_their_speed(h) -> None:
 def test_steps_to_infinity_are_refused() -> None:
     """The quadric of λ = a_i is a plane, whose points are those at infinity of the ellipsoid."""
     floats, exact = Ellipsoid((1, 2, 4)), Ellipsoid((1, 4), QQ)
-    state = floats._constrained(RR, Point((0.5, 0.6, 0.9), (0.3, -0.8, 0.2)))
+    state = constrained(floats, Point((0.5, 0.6, 0.9), (0.3, -0.8, 0.2)))
     with pytest.raises(PrecisionLoss, match="special position"):
         floats.step(state, (1, 0))
     with pytest.raises(NotRepresentable, match=re.escape("point = (4, 0)")):

@@ -13,7 +13,7 @@ from integrable.classical.inverse import joining
 from integrable.mumford.flow import Point
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError
-from tests.integrable.ways import forced
+from tests.integrable.ways import constrained, forced
 
 KARNEY = json.loads((Path(__file__).parents[2] / "data" / "geodesics.json").read_text("utf-8"))
 EARTH = (40681077.7, 40680197.6, 40408308.7)  # squares of semi-axes, km²
@@ -39,7 +39,7 @@ def test_lengths_and_directions_are_those_of_geographiclib(case):
     q, north, east = on_spheroid(c, a, b, given["lat1"], given["lon1"])
     azimuth = c.radians(given["azi1"])
     p = tuple(c.cos(azimuth) * x + c.sin(azimuth) * y for x, y in zip(north, east, strict=True))
-    path = earth.flow(earth._constrained(K, Point(q, p))).at([given["s12"]])
+    path = earth.flow(constrained(earth, Point(q, p))).at([given["s12"]])
     end, north, east = on_spheroid(c, a, b, given["lat2"], given["lon2"])
     assert max(abs(x - y) for x, y in zip(path.q[0], end, strict=True)) < 2e-8
     turned = c.degrees(c.atan2(K.dot(path.p[0], east), K.dot(path.p[0], north)))
@@ -54,7 +54,7 @@ def departing(earth, rng, length):
     p -= q / a * (p @ (q / a)) / ((q / a) @ (q / a))
     K = earth.field
     state = Point(*(tuple(map(K.coerce, v)) for v in (q.tolist(), (p * length / np.linalg.norm(p)).tolist())))
-    state = earth._constrained(K, state)
+    state = constrained(earth, state)
     return state, earth.flow(state).at([K.one]).q[0]
 
 

@@ -10,6 +10,7 @@ from integrable.phase.jets import Jet, JetField
 from jacobian import poly
 from tests.integrable.classical.rows import EXACT, over_formulas
 from tests.integrable.exact_points import over_fields
+from tests.integrable.ways import inside
 
 
 def moving(K, state, rate):
@@ -112,7 +113,7 @@ def test_a_chain_comes_back_from_its_pair(K, n) -> None:
     K = K()
     system, state = EXACT["toda"](K, Random(n), n)
     N = system.numbers
-    inner = system._inside(N, state)
+    inner = inside(system, state, N)
     _, u, v = system._spectral(N, inner)
     p, links = system._chain(N, inner, (u, v))
     assert [x.value for x in p] == list(state.p)

@@ -5,6 +5,7 @@ import pytest
 from integrable.classical.kowalevski import KowalevskiTop
 from jacobian import MP, NotRepresentable
 from tests.integrable.classical.rows import integrated
+from tests.integrable.ways import constrained, inside
 
 
 def test_divisors_run_along_a_straight_line() -> None:
@@ -28,7 +29,7 @@ def test_floats_are_right_far_away() -> None:
 def states(start):
     """The same floats over RR and, on the sphere to all digits, over MP."""
     fine = KowalevskiTop(MP(40))
-    inner = fine._constrained(fine.field, fine._inside(fine.field, KowalevskiTop().state(*start)))
+    inner = constrained(fine, inside(fine, KowalevskiTop().state(*start)))
     return ((), start), ((fine.field,), inner)
 
 

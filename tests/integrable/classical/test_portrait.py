@@ -14,6 +14,7 @@ from integrable.mumford.flow import Point
 from jacobian import MP, RR
 from jacobian.errors import NotRepresentable, PrecisionLoss
 from tests.integrable.classical.rows import REAL
+from tests.integrable.ways import constrained
 
 K, FINE = MP(20), MP(50)
 CASES = [
@@ -59,7 +60,7 @@ def moved(name, system, state, step, rng):
     if name == "toda":
         rest = sum(p) - sum(state.p)
         p = [x - rest / len(p) for x in p]
-    found = system._constrained(system.field, Point(tuple(q), tuple(p)))
+    found = constrained(system, Point(tuple(q), tuple(p)))
     if name == "lagrange":
         rest = system.field.dot(*state) - system.field.dot(*found)
         found = Point(found.q, tuple(y + rest * x for x, y in zip(found.q, found.p, strict=True)))

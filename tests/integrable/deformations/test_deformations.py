@@ -267,7 +267,9 @@ def test_the_integrals_are_conserved_to_thirty_digits(name) -> None:
         system = type(system)(*_arguments(system), potential=("0.1", "0.05", *poles), field=system.field)
     if name == "hat, potential":
         start = system.state(start.gamma, [x / 4 for x in start.M])
-    y = extrapolate(motion(system), [*start.gamma, *start.M], system.field.coerce(3), pieces=40 if name == "hat, potential" else 20)
+    y = extrapolate(
+        motion(system), [*start.gamma, *start.M], system.field.coerce(3), pieces=40 if name == "hat, potential" else 20
+    )
     after = system.integrals(State(tuple(y[:3]), tuple(y[3:])))
     before = system.integrals(start)
     assert max(abs(x - z) / max(1, abs(z)) for x, z in zip(after, before, strict=True)) <= 1e-25

@@ -19,6 +19,7 @@ from integrable.torus.access import TorusFlow
 from integrable.torus.loops import CompiledLoops
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
+from tests.integrable.ways import precise_of, torus_of
 
 GAMMA, M = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
 ULP = 2.0**-52
@@ -216,8 +217,8 @@ def test_branch_points_within_a_ten_millionth_and_a_ten_billionth_have_a_torus()
     flow = flow_from(160_000, (0.469, 0.717, 0.551), np.array([-0.457, -1.695, -0.799]))
     assert flow.at([10.0, 1e9, -1e5]).way == "torus"
     tau = np.array([1.0, -1e5, 1e9])
-    truth = np.array(flow._precise.at_tau(tau), dtype=float)
-    assert np.abs(flow._torus.at_tau(tau) - truth).max() < 1e-15
+    truth = np.array(precise_of(flow).at_tau(tau), dtype=float)
+    assert np.abs(torus_of(flow).at_tau(tau) - truth).max() < 1e-15
     # a clock of many digits has no bound of its own
     flow = flow_from(890, (-0.304, 0.947, 0.107), np.array([-0.609, -0.138, -0.507]))
     with pytest.raises(PrecisionLoss, match=r"floats take 100"):
@@ -232,12 +233,12 @@ def test_the_torus_of_a_very_heavy_ball_is_that_of_more_digits() -> None:
     gamma, M = gamma / np.linalg.norm(gamma), np.array([-0.457, -1.695, -0.799])
     flow = system.flow(system.state(gamma.tolist(), (M - gamma * (gamma @ M)).tolist()))
     assert len(flow.at([1e9, -1e5]).gamma) == 2
-    assert flow._torus is not None
-    assert flow._torus.compiled
+    assert torus_of(flow) is not None
+    assert torus_of(flow).compiled
     tau = np.array([1.0, 1e6, -1e9, 3e12])
-    assert np.abs(flow._torus.at_tau(tau) - flow._precise.at_tau(tau)).max() < 1e-15
+    assert np.abs(torus_of(flow).at_tau(tau) - precise_of(flow).at_tau(tau)).max() < 1e-15
     times = np.array([10.0, 1000.0])
-    assert np.abs(flow._torus.at(times)[0] - flow._precise.at(times)[0]).max() < 1e-15
+    assert np.abs(torus_of(flow).at(times)[0] - precise_of(flow).at(times)[0]).max() < 1e-15
 
 
 def test_the_command_says_it_in_one_line(tmp_path, capsys) -> None:

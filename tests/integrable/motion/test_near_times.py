@@ -13,6 +13,7 @@ from integrable.motion.short import ShortRuns
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
 from jacobian import MP, PrecisionLoss
+from tests.integrable.ways import precise_of
 
 # moments, d, γ, M, tilted, t: in each case the first step or the intermediate steps lose digits
 LOSING = {
@@ -145,7 +146,7 @@ def test_beside_a_separatrix_panels_in_double_doubles_lose_no_more_than_inputs(n
     system, gamma, M, t = (SEPARATRIX | BESIDE)[name]
     state = system.state(gamma, M)
     times, runs = np.array([t, 0.6 * t, -0.4 * t]), ShortRuns(system, state)
-    true = system.flow(state)._precise.at(times)[0]
+    true = precise_of(system.flow(state)).at(times)[0]
     found = runs.at(times)
     assert found is not None
     assert abs(found[0] - true)[:, :3].max() < 2e-14
@@ -179,7 +180,7 @@ def test_translations_by_many_panels_lead_off_no_level(name) -> None:
     ball = ChaplyginBall(inertia, 30.0)
     state = ball.state(gamma, M)
     times = t * np.array([0.33, 0.7, 0.9, 1.0])
-    true = ball.flow(state)._precise.at(times)[0]
+    true = precise_of(ball.flow(state)).at(times)[0]
     found = [ShortRuns(ball, state).at(time) for time in times[:, None]]
     assert found[2] is not None
     for row, pair in zip(true, found, strict=True):

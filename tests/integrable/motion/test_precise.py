@@ -23,6 +23,7 @@ from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.immutable import replaced
 from jacobian.numbers.long_reals import BallReals, BareReals
+from tests.integrable.ways import precise_of, torus_of
 from tests.jacobian.numbers.mpmath_reals import MpmathReals
 
 KINDS = (BareReals, BallReals, MpmathReals)
@@ -59,7 +60,7 @@ def test_a_heavy_ball_is_told_the_time_by_its_torus() -> None:
     times = [1e5, 3e6]
     flow = system.flow(state)
     run = flow.at(times)
-    assert flow._precise.many.carrier._torus
+    assert precise_of(flow).many.carrier._torus
     floats = ChaplyginBall((1, 2, 3), 1000)
     rounded = floats.state(*([float(x) for x in v] for v in START))
     other = floats.flow(rounded).at(times)
@@ -167,7 +168,7 @@ def test_what_floats_leave_to_more_digits_has_the_digits_of_a_slower_way() -> No
     flow = system.flow(system.state(*HEAVY_START))
     times = [380.1479591886898, -5045549.602646869, -2516822.66596671, -93769.63370811127]
     # a short run reaches these times too
-    rows, found = flow._precise.at(np.array(times))
+    rows, found = precise_of(flow).at(np.array(times))
     slow = PreciseFlow(system.body, flow.state, 20)
     tau, points = slow.at(times[2:])
     truth = np.array([[float(x) for x in gamma] for gamma, _ in slow.vectors(points)])
@@ -440,7 +441,7 @@ def test_a_body_of_very_different_moments_has_a_torus_and_its_clock_of_steps_too
     )
     flow = ball.flow(state)
     with pytest.raises(PrecisionLoss, match="values of 1/g"):
-        flow._precise.at(np.array([-915.4078022169451]))
+        precise_of(flow).at(np.array([-915.4078022169451]))
     times = np.array([1e-3, -1e-2])
-    assert np.abs(flow._torus.at(times)[0] - flow._precise.at(times)[0]).max() < 1e-15
+    assert np.abs(torus_of(flow).at(times)[0] - precise_of(flow).at(times)[0]).max() < 1e-15
     assert flow.at([-915.4078022169451]).way == "torus"

@@ -14,6 +14,7 @@ from integrable.steps.guard_digits import widened
 from jacobian import MP, RR
 from tests.fuzz.closed_forms import EqualMoments, SymmetricTop
 from tests.fuzz.distributions import equal_moments, motion, symmetric_moments
+from tests.integrable.ways import precise_of
 
 K = MP(30)
 UPRIGHT, TILTED = ("0.384", "1.28", "-1.488"), ("1", "1.28", "-1.488")
@@ -50,7 +51,7 @@ def test_near_the_start_it_is_what_additions_give(name) -> None:
     """The additions of :mod:`integrable.motion.precise` do not treat equal moments specially."""
     flow, times = _flow(name), [K.coerce(x) for x in ("0.5", "-3.25", "7")]
     run = flow.at(times)
-    rows, tau = flow._precise.at(np.array(times, dtype=object))
+    rows, tau = precise_of(flow).at(np.array(times, dtype=object))
     assert abs(np.hstack([run.gamma, run.M]) - rows).max() <= 1e-29
     assert abs(run.tau - tau).max() <= 1e-28
     # and back

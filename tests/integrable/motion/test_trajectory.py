@@ -15,6 +15,7 @@ from integrable.phase.state import State
 from integrable.scene.orbit import orbit
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError, FieldError, Infeasible, NotRepresentable, PrecisionLoss
+from tests.integrable.ways import torus_of
 
 START = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
 DECIMALS = ("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488")
@@ -236,7 +237,7 @@ def test_many_refused_rows_are_found_by_bisection() -> None:
 
 def test_a_state_off_the_level_set_is_refused_alone(monkeypatch) -> None:
     flow = motion(BALL)
-    way = flow._torus
+    way = torus_of(flow)
 
     def spoilt(times):
         rows, tau = type(way).at(way, times)

@@ -24,6 +24,7 @@ from jacobian.native.kinds import FLOATS as FLOAT_ROW
 from jacobian.native.kinds import WIDES as WIDE_ROW
 from jacobian.native.library import Library
 from jacobian.numbers.long_reals import BareReals
+from tests.integrable.ways import precise_of
 
 
 def test_nodes_are_sums_that_are_done_abreast_and_interpolate_like_chebyshevs() -> None:
@@ -106,7 +107,7 @@ def test_all_but_equal_moments_are_gone_through_too(apart) -> None:
     times = np.array([-60.0, 20.0, 100.0])
     found = ShortRuns(ball, state).at(times)
     assert found is not None
-    assert abs(found[0] - ball.flow(state)._precise.at(times)[0]).max() < 5e-14
+    assert abs(found[0] - precise_of(ball.flow(state)).at(times)[0]).max() < 5e-14
 
 
 @pytest.mark.parametrize("name", MOTIONS)

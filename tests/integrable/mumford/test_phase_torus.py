@@ -17,7 +17,7 @@ from integrable.mumford.phase_torus import PhaseTorus, circles
 from integrable.portrait.separated import SeparatedTorus
 from jacobian import MP
 from jacobian.numbers.compiler import interpreted
-from tests.integrable.ways import confirmed, forced, has_torus, made_torus
+from tests.integrable.ways import confirmed, forced, has_torus, inside, made_torus
 
 pytestmark = pytest.mark.skipif(interpreted(), reason="far states in floats are those of compiled loops")
 MANY = 200
@@ -75,7 +75,7 @@ def test_against_forty_digits() -> None:
     flow = neumann()
     times = np.linspace(-1e6, 1e6, MANY)
     path, system = flow.at(times), Neumann((1, 2, 3, 4), MP(40))
-    truth = MumfordFlow(system, system._inside(MP(40), flow.start)).at(times[[0, 77]].tolist())
+    truth = MumfordFlow(system, inside(system, flow.start, MP(40))).at(times[[0, 77]].tolist())
     assert np.abs(path.q[[0, 77]] - truth.q.astype(float)).max() < 1e-15
 
 

@@ -14,11 +14,10 @@ from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
 from integrable.mumford.flow import Point
 from integrable.mumford.theta_torus import ThetaTorus
-from jacobian import RR
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import SecondKind, ThirdKind
-from tests.integrable.ways import forced, has_torus
+from tests.integrable.ways import constrained, forced, has_torus, inside
 
 pytestmark = pytest.mark.skipif(interpreted(), reason="the loops of the torus are compiled")
 
@@ -65,7 +64,7 @@ GEODESICS = [
 
 def geodesic(a, q, p):
     system = Ellipsoid(a)
-    return system, system._constrained(RR, Point(tuple(map(float, q)), tuple(map(float, p))))
+    return system, constrained(system, Point(tuple(map(float, q)), tuple(map(float, p))))
 
 
 CASES += [geodesic(*case) for case in GEODESICS]
@@ -100,7 +99,7 @@ def with_datum(system, state, kind, value):
     """The start of a motion that carries one more datum."""
 
     def place(N):
-        start = system._start(N, system._constrained(N, system._inside(N, state)))
+        start = system._start(N, constrained(system, inside(system, state, N), N))
         return start._replace(kinds=(*start.kinds, kind), data=(*start.data, N.coerce(value)))
 
     return place
@@ -165,7 +164,7 @@ def test_a_torus_says_what_it_does_not_take():
     system = Neumann((1, 2, 4, 7))
     state = system.state((0.5, 0.5, 0.5, 0.5), (0.3, -0.4, 0.2, -0.1))
     with pytest.raises(PrecisionLoss, match="genus 2"):
-        ThetaTorus(lambda N: system._start(N, system._inside(N, state)))
+        ThetaTorus(lambda N: system._start(N, inside(system, state, N)))
 
 
 @pytest.mark.parametrize("case", [0, 7, 11, len(CASES) - 1])

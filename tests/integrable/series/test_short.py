@@ -28,6 +28,7 @@ from integrable.series.steps import FINE, ROUGH, WIDE
 from integrable.series.tape import CONSTANT, VARIABLE, recorded
 from jacobian import MP, RR, ArgumentError
 from tests.integrable.classical.rows import CASES, REAL
+from tests.integrable.ways import constrained, inside
 
 SERIES = [case for case in CASES if case[0] not in ("ball", "top")]
 # unsorted, of both signs, one of them twice
@@ -38,7 +39,7 @@ def by_additions(system: MumfordSystem, state: Point, times):
     """States from the same floats in 40 digits, rounded."""
     K = MP(40)
     fine = system.over(K)
-    path = fine.flow(fine._constrained(K, fine._inside(K, state))).at(times)
+    path = fine.flow(constrained(fine, inside(fine, state))).at(times)
     return path.q.astype(float), path.p.astype(float)
 
 

@@ -27,6 +27,7 @@ from jacobian import MP, RR, ArgumentError
 from jacobian.native import machine
 from tests.integrable.classical.rows import REAL
 from tests.integrable.series.readable import states_of
+from tests.integrable.ways import constrained, inside
 
 SOME = [("neumann", 2), ("toda", 3), ("pendulum", 3), ("lagrange", 3), ("garnier", 3), ("veselova", 3)]
 over_some = pytest.mark.parametrize(("name", "n"), SOME)
@@ -202,7 +203,7 @@ def test_the_edges_of_a_walk(name) -> None:
     state, K, times = system.state(q, p), MP(40), [time, -time / 3, 0.0]
     path = system.flow(state).at(times)
     fine = system.over(K)
-    true = both(fine.flow(fine._constrained(K, fine._inside(K, state))).at(times)).astype(float)
+    true = both(fine.flow(constrained(fine, inside(fine, state))).at(times)).astype(float)
     size = np.abs(true).max(axis=-1)
     assert (np.abs(both(path) - true).max(axis=-1) <= 2.3e-16 * size).all()
 
@@ -280,7 +281,7 @@ def test_barriers_of_nothing_are_none() -> None:
     assert (found.reached, found.wrong) == (11, None)
     K = MP(30)
     fine = system.over(K)
-    true = both(fine.flow(fine._constrained(K, fine._inside(K, state))).at(times)).astype(float)
+    true = both(fine.flow(constrained(fine, inside(fine, state))).at(times)).astype(float)
     assert off(found.states, true) <= 2.3e-16
 
 

@@ -23,6 +23,7 @@ from integrable.torus.loops import CompiledLoops, ReadableLoops
 from integrable.torus.series import TorusSeries, needed_sizes, spectrum
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
+from tests.integrable.ways import torus_of
 
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
 BALL = ChaplyginBall((1, 2, 3), 0.7)
@@ -157,7 +158,7 @@ def test_beside_the_separatrix_states_are_those_of_twenty_digits(name) -> None:
     flow = system.flow(state, kernel="compiled")
     times = np.array([50.0, 1000.0])
     run = flow.at(times)
-    assert flow._torus is not None
+    assert torus_of(flow) is not None
     precise = PreciseFlow(system.body, state, 20)
     truth = precise.vectors(precise.at(times.tolist())[1])
     for gamma, (true, _) in zip(run.gamma.tolist(), truth, strict=True):

@@ -14,6 +14,7 @@ from integrable.torus.lattice import beginning
 from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
 from integrable.torus.states import PLACES, velocity
 from integrable.torus.theta_setup import ALONG, FREQUENCIES, IMAGINARY, start_frame
+from tests.integrable.ways import torus_of
 
 GAMMA, UPRIGHT, LEANING = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), (1.104, 2.18, -0.528)
 MOST = 1 << 16
@@ -106,7 +107,7 @@ def test_a_flow_without_a_torus_to_trust_goes_the_next_way(monkeypatch) -> None:
     exact = ball.flow(state, kernel="compiled").at(when)
     monkeypatch.setattr(body_torus, "characteristics", lambda points, basis: [(1, 0, 1, 0)] * 3)
     flow = ball.flow(state, kernel="compiled")
-    assert flow._torus is None
+    assert torus_of(flow) is None
     assert np.abs(flow.at(when).gamma - exact.gamma).max() < 1e-14
 
 
@@ -130,7 +131,7 @@ def test_a_set_up_in_more_digits_serves_compiled_states() -> None:
     flow = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)))
     with pytest.raises(NotClosed, match="leads back to"):
         TorusFlow(flow.setup, CompiledLoops())
-    torus = flow._torus
+    torus = torus_of(flow)
     assert torus.compiled
     assert torus.closure < 1e-30
     true = PreciseFlow(ball, flow.state, 30)
@@ -144,8 +145,8 @@ def test_a_flow_takes_more_digits_where_double_doubles_do_not_close(monkeypatch)
     exact = ball.flow(ball.state(GAMMA, UPRIGHT)).at([1e6])
     monkeypatch.setattr(body_torus, "CLOSED", 1e-32)
     flow = ball.flow(ball.state(GAMMA, UPRIGHT))
-    assert flow._torus.compiled
-    assert flow._torus.closure < 1e-32
+    assert torus_of(flow).compiled
+    assert torus_of(flow).closure < 1e-32
     assert np.abs(flow.at([1e6]).gamma - exact.gamma).max() < 1e-16
 
 

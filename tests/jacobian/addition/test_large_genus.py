@@ -9,7 +9,7 @@ from jacobian import GF, QQ
 from jacobian.addition import cantor, nucomp
 from jacobian.addition.choice import NUCOMP_GENUS, python_kernel
 from jacobian.fields.factor import roots
-from tests.jacobian.group_curves import next_curve, triple
+from tests.jacobian.group_curves import inside, next_curve, outside, triple
 from tests.jacobian.jacobian_rows import FIELDS, ROWS, moved
 
 GENERA = (5, 6, 7, 8, 10, 13, 20, 30)
@@ -118,6 +118,6 @@ def test_moved_models_of_large_genus():
     C = moved(next_curve(GF(101), 9, rng, model="ramified", with_h=True), 17)
     J = C.jacobian()
     A, B = (J.from_points([C.random_point(rng) for _ in range(9)]) for _ in range(2))
-    through_cantor = J._out(cantor.sum_of(J._model, J._in(A), J._in(B)))
+    through_cantor = outside(J, cantor.sum_of(J.curve.arithmetic_model, inside(A), inside(B)))
     assert through_cantor == A + B
     assert 12 * A - 5 * A == 7 * A

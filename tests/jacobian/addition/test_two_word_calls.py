@@ -14,7 +14,7 @@ from jacobian.addition.choice import python_kernel
 from jacobian.addition.class_loops import add_classes, double_class, multiple_of_class
 from jacobian.addition.short import short_equation
 from jacobian.batch.equation import Equation
-from tests.jacobian.group_curves import random_curve, triple
+from tests.jacobian.group_curves import inside, random_curve, triple
 from tests.jacobian.two_words import LONG, MODELS, SMALL, special_classes
 
 
@@ -76,7 +76,7 @@ def test_special_classes_of_long_fields(name, model):
     classes = [torsion, *special_classes(given, rng)]
     if model != "inert":
         classes.append(J.from_points(points[:1]))
-    triples = [J._in(D) for D in classes]
+    triples = [inside(D) for D in classes]
     for a, b in product(triples, repeat=2):
         assert kernel.sum_of(a, b) == cantor.sum_of(C, a, b), (a, b)
     for a in triples:
@@ -98,7 +98,7 @@ def test_sums_and_multiples(name, seed, m, n):
     # few points, so that classes have points in common
     points = [C.random_point(rng) for _ in range(3)]
     count = (0, 2) if C.model == "inert" else (0, 1, 2)
-    a, b = (J._in(J.from_points(rng.choices(points, k=rng.choice(count)))) for _ in range(2))
+    a, b = (inside(J.from_points(rng.choices(points, k=rng.choice(count)))) for _ in range(2))
     for _ in range(4):
         total = kernel.sum_of(a, b)
         assert total == cantor.sum_of(C, a, b)
