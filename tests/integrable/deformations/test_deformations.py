@@ -259,7 +259,7 @@ def motion(system):
     "name", [pytest.param(n, marks=pytest.mark.slow if "potential" in n else ()) for n in SYSTEMS if n not in GEODESIC]
 )
 def test_the_integrals_are_conserved_to_thirty_digits(name) -> None:
-    """An extrapolation integrator drifts by 1e-25 at most up to T = 3; the geodesic flows are in the next test."""
+    """An extrapolation integrator drifts by 1e-25 at most up to T = 1; the geodesic flows are in the next test."""
     system, start = in_digits(SYSTEMS[name], 34)
     if "potential" in name:
         # the kinetic energies are indefinite: with the other sign the poles attract, and γ_i reaches 0 in finite time
@@ -267,9 +267,8 @@ def test_the_integrals_are_conserved_to_thirty_digits(name) -> None:
         system = type(system)(*_arguments(system), potential=("0.1", "0.05", *poles), field=system.field)
     if name == "hat, potential":
         start = system.state(start.gamma, [x / 4 for x in start.M])
-    y = extrapolate(
-        motion(system), [*start.gamma, *start.M], system.field.coerce(3), pieces=40 if name == "hat, potential" else 20
-    )
+    pieces = 14 if name == "hat, potential" else 7
+    y = extrapolate(motion(system), [*start.gamma, *start.M], system.field.coerce(1), pieces)
     after = system.integrals(State(tuple(y[:3]), tuple(y[3:])))
     before = system.integrals(start)
     assert max(abs(x - z) / max(1, abs(z)) for x, z in zip(after, before, strict=True)) <= 1e-25
@@ -366,15 +365,14 @@ def test_a_pole_that_attracts_ends_the_motion_with_a_named_error() -> None:
         system.motion_through(_generic(system)).at([1.0])
 
 
-@pytest.mark.parametrize("d", [0, pytest.param(0.3, marks=pytest.mark.slow)])
-def test_fast_motions_turn_back_before_a_pole(d) -> None:
+def test_fast_motions_turn_back_before_a_pole() -> None:
     """Fast motions were refused with "the motion ends" since coefficients of their series exceeded the range of
     floats. In another unit of time, M, V and t are multiplied by a number, its square and its inverse.
     """
     inertia, terms = (0.9, 15.5, 3.6), (-0.004, 0.7, 0.7, 0.02, 0.05)
     gamma, unit = (0.48, 0.05, -0.87), 2.0**24
-    fast = Tilde(inertia, d, potential=terms)
-    slow = Tilde(inertia, d, potential=[x / unit**2 for x in terms])
+    fast = Tilde(inertia, potential=terms)
+    slow = Tilde(inertia, potential=[x / unit**2 for x in terms])
     for w in ((0.1, -0.1, 0.6), (-0.7, -0.2, -0.7)):
         x = np.array(gamma) / np.linalg.norm(gamma)
         M = np.cross(x, w)
