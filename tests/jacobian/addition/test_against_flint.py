@@ -11,7 +11,7 @@ from tests.jacobian.group_curves import inside
 from tests.jacobian.jacobian_rows import ROWS
 
 TABLE = [pytest.param(row, id=str(row)) for row in ROWS]
-ADDITIONS = 100_000
+ADDITIONS = 40_000
 
 
 def compare(row, additions, rng):

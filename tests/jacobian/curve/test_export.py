@@ -68,7 +68,7 @@ def test_texts():
     assert "R.base_ring()([2, 1])" in C.to_sage()
 
 
-@pytest.mark.parametrize("count", [2, pytest.param(125, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [2, pytest.param(40, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("K", "genera"),
     [(GF(p), (1, 2, 3)) for p in (3, 5, 7, 11, 23)]
