@@ -32,6 +32,8 @@ def test_numbers_of_every_kind_become_balls_that_contain_them():
     numbers, third, wide = BallNumbers(80), fmpq(1, 3), MP(60)
     with numbers.working():
         assert numbers.convert(7) == acb(7)
+        assert numbers.ten(3) == arb(1000)
+        assert numbers.ten(-2).contains(arb(fmpq(1, 100)))
         assert numbers.convert(0.1) == acb(0.1)
         assert numbers.convert(1 - 0.1j) == acb(1, -0.1)
         assert numbers.convert(Fraction(1, 3)).contains(acb(third))
