@@ -8,7 +8,7 @@ from functools import cached_property
 from integrable.mumford.flow import ON_TORUS, TORUS, MumfordFlow, Point
 from integrable.mumford.motion import Vectors, settled_digits
 from integrable.mumford.phase_torus import PhaseTorus
-from integrable.phase.enclosure import EnclosedPath
+from integrable.phase.enclosure import Enclosure
 from integrable.portrait.separated import SeparatedTorus
 from jacobian.element import Number, Numbers
 from jacobian.errors import ArgumentError, shown
@@ -48,10 +48,10 @@ class SummedFlow(MumfordFlow):
         sine, cosine = gmpy2.sin_cos(turned[0])
         return read(N, [gmpy2.sin_cos(phi / 2) for phi in angles], [(cosine, sine)])
 
-    def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
+    def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
         """Raises ArgumentError: the sums over ovals have no proven bounds."""
         raise ArgumentError(f"times = {shown(times)}: the sums of {self.system!r} over ovals have no proven bounds")
 
-    def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> EnclosedPath:
+    def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> Enclosure:
         """Raises ArgumentError: the sums over ovals have no proven bounds in τ either."""
         return self.enclosure(tau, digits)

@@ -184,7 +184,7 @@ class Paths(Runs):
         if self.status[member]:
             raise self._refusal(member)
         times, estimate = times_of(self._times, member), float(self.estimates[member])
-        return Path(times, self.q[member], self.p[member], self.ways[member], estimate)
+        return Path(times, np.hstack([self.q[member], self.p[member]]), self.ways[member], estimate)
 
     def _frame(self, quantities: Iterable[str]) -> Frame:
         system, dims, among = self.ensemble.system, self._dims, self.ensemble._quantities

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
 from integrable.files.exported import Exported
 from integrable.motion.refusals import Rows, common_reasons, kept_rows, refused_rows
 from integrable.moving_point.setup import Setup
+from integrable.phase.run import Run
 from integrable.phase.state import State
 from integrable.phase.ways import InOrder, Way, times_in
 from jacobian import RR
@@ -19,11 +20,8 @@ from jacobian.errors import (
     ArgumentError,
     NotRepresentable,
     PrecisionLoss,
-    chosen,
     flag,
-    several,
     shown,
-    whole,
 )
 from jacobian.immutable import Immutable, at_once, read_only, replaced
 
@@ -167,8 +165,11 @@ class BodyMotion(Motion):
         raise NotImplementedError
 
 
-class Trajectory(Exported):
+class Trajectory(Run[State], Exported):
     """States of a motion at given times; every quantity is computed on first use.
+
+    ``run[k]`` is the State of a row, NotRepresentable if the row was refused; a slice or an array of indices or
+    booleans gives a Trajectory.
 
     ``times`` has shape (N,), vectors (N, 3); floats give float64 arrays, multiprecision object arrays of mpf. ``tau``
     is the time of the flow, dτ = g dt. ``way`` names the method that computed the rows, by a word of :data:`WAYS`.
@@ -178,15 +179,11 @@ class Trajectory(Exported):
 
     flow: Any
     reasons: tuple[str, ...]
-    way: str
     report: Any
-    error: np.ndarray | None
-    digits: np.ndarray | None
-    _times: np.ndarray | None
     _tau: np.ndarray
-    _rows: np.ndarray
     # None if no row was refused
     _status: np.ndarray | None
+    _arrays = *Run._arrays, "_tau", "_status"
 
     @at_once
     def __init__(
@@ -211,27 +208,6 @@ class Trajectory(Exported):
             error=None, digits=None,
         )  # fmt: skip
 
-    def __len__(self) -> int:
-        return len(self._rows)
-
-    @overload
-    def __getitem__(self, which: int | np.integer) -> State: ...
-
-    @overload
-    def __getitem__(self, which: slice | Sequence[int] | np.ndarray) -> Trajectory: ...
-
-    def __getitem__(self, which: object) -> State | Trajectory:
-        """The State of one row, or the Trajectory of the rows chosen by a slice or by an array of indices or booleans.
-
-        NotRepresentable for a single row that was refused.
-        """
-        if several(which):
-            return self._some(np.arange(len(self))[chosen(which, len(self))])
-        return self._state(whole(which, "row", f"the rows are 0 … {len(self) - 1}", -len(self), len(self) - 1))
-
-    def __iter__(self) -> Iterator[State]:
-        return map(self._state, range(len(self)))
-
     def _state(self, row: int) -> State:
         if self._status is not None and self._status[row]:
             raise NotRepresentable(f"row {row} was refused: {self.reasons[self._status[row]]}")
@@ -249,13 +225,10 @@ class Trajectory(Exported):
 
         return trajectory_frame(self, quantities)
 
-    def _some(self, places: np.ndarray) -> Trajectory:
-        """A Trajectory of the rows at ``places``."""
-        names = ("_times", "_tau", "_rows", "_status", "error", "digits")
-        parts = {name: value[places] for name in names if (value := getattr(self, name)) is not None}
-        if "_status" in parts and not parts["_status"].any():
-            parts.update(_status=None, reasons=("",))
-        return replaced(self, report=None, **parts)
+    def _some(self, places: np.ndarray) -> Self:
+        found = replaced(super()._some(places), report=None)
+        had = found._status is None or found._status.any()
+        return found if had else replaced(found, _status=None, reasons=("",))
 
     def _value(self) -> tuple[object, ...]:
         if self._status is None:
@@ -290,7 +263,7 @@ class Trajectory(Exported):
         return read_only(np.zeros(len(self), dtype=np.intp)) if self._status is None else self._status
 
     @property
-    def kept(self) -> Trajectory:
+    def kept(self) -> Self:
         """A Trajectory of the rows with status 0."""
         if self._status is None:
             return self
@@ -320,12 +293,12 @@ class Trajectory(Exported):
     @property
     def gamma(self) -> VectorArray:
         """The vertical γ in the body frame, shape (N, 3)."""
-        return self._rows[:, :3]
+        return self.q
 
     @property
     def M(self) -> VectorArray:
         """The angular momentum M in the body frame, about the contact point (top: centre of mass), shape (N, 3)."""
-        return self._rows[:, 3:]
+        return self.p
 
     @cached_property
     def omega(self) -> VectorArray:

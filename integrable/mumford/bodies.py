@@ -36,7 +36,7 @@ from jacobian.numbers.long_reals import BareReals
 from jacobian.relatives.extended import Extended, Lift
 
 if TYPE_CHECKING:
-    from integrable.phase.enclosure import EnclosedPath
+    from integrable.phase.enclosure import Enclosure
 
 # guard digits of τ; far times get more, in steps of DIGITS_APART, so that few series are computed
 GUARD, DIGITS_APART = 6, 4
@@ -80,7 +80,7 @@ class BodyFlow(MumfordFlow):
         self._clocks = {digits: clock}
         return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
 
-    def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
+    def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
         """Raises ArgumentError: the series of this clock have no proven bounds; use :meth:`enclosure_at_tau`."""
         raise ArgumentError(
             f"times = {shown(times)}: the clock of {self.system!r} has no proven bounds; enclosure_at_tau has them, at "

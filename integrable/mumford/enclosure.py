@@ -16,7 +16,7 @@ from integrable.moving_point.balls import time_after
 from integrable.mumford.balls import Balls
 from integrable.mumford.motion import Placed, Start
 from integrable.mumford.translations import GroupTranslations, reference
-from integrable.phase.enclosure import EnclosedPath, Precisions, ball_digits, exact_times, widest
+from integrable.phase.enclosure import Enclosure, Precisions, ball_digits, exact_times, widest
 from jacobian import poly
 from jacobian.element import Real
 from jacobian.inexact.long_field import LongField
@@ -83,7 +83,7 @@ def lost_bits(genus: int, farthest: float) -> int:
     return genus * (OF_GENUS + OF_DOUBLING * max(0, frexp(farthest)[1]))
 
 
-def enclosed_path(flow: Any, times: Sequence[Real], digits: int | None, in_tau: bool = False) -> EnclosedPath:
+def enclosed_path(flow: Any, times: Sequence[Real], digits: int | None, in_tau: bool = False) -> Enclosure:
     """Enclosures of the states of a ``MumfordFlow`` at times, or with ``in_tau`` at values of τ.
 
     ``times`` are elements of the flow's field.
@@ -98,7 +98,7 @@ def enclosed_path(flow: Any, times: Sequence[Real], digits: int | None, in_tau: 
         farthest = abs(float(time if guess is None else guess))
         (tau, q, p), radius = motion.narrow(partial(_state, flow, time, guess), lost_bits(flow._genus, farthest))
         rows.append((tau, q, p, radius))
-    return EnclosedPath(None if in_tau and system.clocked else exact_times(list(times)), rows, system.size)
+    return Enclosure(None if in_tau and system.clocked else exact_times(list(times)), rows, system.size)
 
 
 def _state(flow: Any, time: Real, guess: Real | None, place: EnclosedPlace) -> tuple[Vectors, arb]:

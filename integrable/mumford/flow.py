@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Self
 
 from integrable.mumford.motion import MumfordMotion, Start, Vectors, settled_digits
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.phase.run import ROUNDED, Run
 from integrable.phase.ways import Cost, StatesReached, filled, times_in
 from jacobian import RR
 from jacobian.element import Element, FormulaField, Number, Numbers, Real
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.fields.protocol import Field
-from jacobian.immutable import Record, at_once, quick_property, read_only, replaced
+from jacobian.immutable import at_once, quick_property, read_only, replaced
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended, Lift
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from integrable.mumford.elliptic_torus import EllipticTorus
     from integrable.mumford.phase_torus import PhaseTorus
     from integrable.mumford.theta_torus import ThetaTorus
-    from integrable.phase.enclosure import EnclosedPath
+    from integrable.phase.enclosure import Enclosure
     from integrable.portrait.differences import Inputs
     from integrable.portrait.events import Condition
     from integrable.portrait.sensitivity import Sensitivity
@@ -53,8 +54,6 @@ SHARE_OF_FINEST = 1 / 3
 # from this many times on, additions take at least as long as a torus that additions confirm: 34 ms against 19 in genus
 # 2 where branch points are not all real, 72 against 72 in genus 3 (python -m benchmarks real_torus)
 TIMES_TO_THETA = 6
-# rounding error of correctly rounded floats
-ROUNDED = 2.0**-53
 # bits in which a torus in separated coordinates is set up for states in floats
 BITS_OF_TORUS = 160
 Angles = Sequence[tuple[Any, Any]]
@@ -73,7 +72,7 @@ class Point(NamedTuple, Generic[Element]):
     p: tuple[Element, ...]
 
 
-class Path(Record):
+class Path(Run[Point[Any]]):
     """States at ``times``: ``q`` and ``p`` are arrays of shape (N, n), of floats, or of objects over MP(digits).
 
     ``way`` is the method that computed them: "series", "torus", "additions", or several of these. ``estimate`` is an
@@ -82,23 +81,18 @@ class Path(Record):
     """
 
     times: np.ndarray
-    q: np.ndarray
-    p: np.ndarray
-    way: str
-    estimate: float
-    error: np.ndarray | None
-    digits: np.ndarray | None
 
     @at_once
-    def __init__(
-        self, times: np.ndarray, q: np.ndarray, p: np.ndarray, way: str = ADDITIONS, estimate: float = ROUNDED
-    ) -> None:
+    def __init__(self, times: np.ndarray, rows: np.ndarray, way: str = ADDITIONS, estimate: float = ROUNDED) -> None:
+        """``rows`` are q and p side by side, shape (N, 2n)."""
         vars(self).update(
-            times=read_only(times), q=read_only(q), p=read_only(p), way=way, estimate=estimate, error=None, digits=None
+            times=read_only(times), _rows=read_only(rows), way=way, estimate=estimate, error=None, digits=None
         )
 
-    def __len__(self) -> int:
-        return len(self.times)
+    _arrays = "times", *Run._arrays[1:]
+
+    def _state(self, row: int) -> Point:
+        return Point(*map(tuple, self._rows[row].reshape(2, -1).tolist()))
 
 
 class MumfordFlow:
@@ -158,7 +152,8 @@ class MumfordFlow:
         found = filled(ways, given)
         for array in given, found.states:
             array.setflags(write=False)
-        return Path(given, found.states[:, 0], found.states[:, 1], found.way, max(found.error, ROUNDED))
+        rows = found.states.reshape(len(given), 2 * self.system.size)
+        return Path(given, rows, found.way, max(found.error, ROUNDED))
 
     def _budget(self, count: int) -> float:
         """The microseconds that the next method in floats takes for ``count`` times, its set-up included."""
@@ -208,7 +203,7 @@ class MumfordFlow:
         """Whether compiled loops may be used for the motion."""
         return bool(self.system.field == RR and not interpreted())
 
-    def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
+    def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
         """Enclosures of the states at times: balls that provably contain them, of relative radius at most 10^(−digits).
 
         The radius is relative to the largest component of q, or of p, at the start or at that time. The inputs count as
@@ -220,7 +215,7 @@ class MumfordFlow:
 
         return enclosed_path(self, times_in(self.system.field, times, "times").tolist(), digits)
 
-    def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> EnclosedPath:
+    def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> Enclosure:
         """:meth:`enclosure` at values of τ, in which the motion has the direction ``system.direction``.
 
         ``times`` of the result is None if t is not linear in τ.
@@ -237,7 +232,7 @@ class MumfordFlow:
         """
         from integrable.portrait.torus_portrait import TorusPortrait
 
-        return TorusPortrait(self.system, self.start)
+        return TorusPortrait(self)
 
     def _settled_on_torus(self, read: Callable[[SeparatedTorus], Vectors]) -> list[list[Real]]:
         """The result of ``read`` for the torus in separated coordinates, to the digits of the field."""

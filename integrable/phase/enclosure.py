@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from math import ceil
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -31,57 +31,43 @@ MOST_LOST_BITS, MOST_ATTEMPTS = 2**15, 8
 SPARE_BITS = 16
 
 
-class BallRows(Record):
-    """States at ``times`` as balls (``flint.arb``): the base class for bodies and for systems of any genus.
+class Enclosure(Record):
+    """Balls (``flint.arb``) that contain the states of a motion: ``q`` and ``p`` of shape (N, n), for a body ``gamma``
+    and ``M``.
 
-    ``tau`` and ``times`` have shape (N,). ``radius``, shape (N,), is the largest radius in each row, relative to the
-    size of its vector, as a float rounded up and at least 2.2e-308.
+    ``tau`` and ``times`` have shape (N,); ``times`` is None where τ was given and t is not linear in τ. ``radius``,
+    shape (N,), is the largest radius in each row, as a float rounded up and at least 2.2e-308. It is relative to |γ|
+    and |M|; for other systems to the largest number of q, or of p, at the start or at that time.
     """
 
-    _names: ClassVar[tuple[str, str]]
-    """The names of the two vectors of a state; each has ``size`` numbers."""
-
     def __init__(self, times: Sequence[arb] | np.ndarray | None, rows: Sequence[Row], size: int = 3) -> None:
-        self.size = size
         self.times = None if times is None else _array(times)
         self.tau = _array([row[0] for row in rows])
-        for k, name in enumerate(self._names, 1):
-            setattr(self, name, np.array([row[k] for row in rows], dtype=object).reshape(len(rows), size))
+        self.q = _array([x for row in rows for x in row[1]]).reshape(len(rows), size)
+        self.p = _array([x for row in rows for x in row[2]]).reshape(len(rows), size)
         self.radius = np.array([row[3] for row in rows], dtype=float)
+
+    @property
+    def gamma(self) -> np.ndarray:
+        """γ of a body, the same array as ``q``."""
+        return self.q
+
+    @property
+    def M(self) -> np.ndarray:
+        """M of a body, the same array as ``p``."""
+        return self.p
 
     def __len__(self) -> int:
         return len(self.tau)
 
     def _value(self) -> tuple[object, ...]:
         # flint's balls are equal only if they are points, and cannot be pickled
-        columns = (self.times, self.tau, *(getattr(self, name) for name in self._names))
+        columns = (self.times, self.tau, self.q, self.p)
         balls = (None if a is None else tuple(map(_ends, a.ravel())) for a in columns)
-        return (self.size, *balls, tuple(self.radius.tolist()))
+        return (self.q.shape[1], *balls, tuple(self.radius.tolist()))
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _rebuilt, (type(self), *self._value())
-
-
-class Enclosure(BallRows):
-    """Balls that contain the motion of a body: ``gamma`` and ``M`` of shape (N, 3).
-
-    ``times`` is None where τ was given and d ≠ 0; radii of M are relative to |M|.
-    """
-
-    _names = ("gamma", "M")
-    gamma: np.ndarray
-    M: np.ndarray
-
-
-class EnclosedPath(BallRows):
-    """Balls that contain the motion of a system of any genus: ``q`` and ``p`` of shape (N, n).
-
-    Radii are relative to the largest number of q, or of p, at the start or at that time.
-    """
-
-    _names = ("q", "p")
-    q: np.ndarray
-    p: np.ndarray
+        return _rebuilt, self._value()
 
 
 Enclosed = TypeVar("Enclosed")
@@ -190,16 +176,14 @@ def _ball(ends: Ends) -> arb:
     return arb(middle, arb(ends[1]))
 
 
-def _rebuilt(
-    kind: type[BallRows], size: int, times: Column | None, tau: Column, first: Column, second: Column, radius: Sizes
-) -> BallRows:
+def _rebuilt(size: int, times: Column | None, tau: Column, first: Column, second: Column, radius: Sizes) -> Enclosure:
     def balls(values: Column) -> list[arb]:
         with BallReals(64).at(max((m.bit_length() for (m, _), _ in values), default=1) + 64):
             return list(map(_ball, values))
 
     vectors = (zip(*[iter(balls(values))] * size, strict=True) for values in (first, second))
     rows = list(zip(balls(tau), *vectors, radius, strict=True))
-    return kind(None if times is None else balls(times), rows, size)
+    return Enclosure(None if times is None else balls(times), rows, size)
 
 
 def _array(values: Sequence[arb] | np.ndarray) -> np.ndarray:

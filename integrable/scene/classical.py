@@ -12,7 +12,7 @@ from typing import Any
 
 from integrable.mumford.flow import Path, Point
 from integrable.mumford.system import MumfordSystem
-from integrable.phase.enclosure import EnclosedPath
+from integrable.phase.enclosure import Enclosure
 from integrable.phase.state import State
 from jacobian.element import Number, Numbers, Value
 from jacobian.fields.protocol import Field
@@ -26,16 +26,7 @@ class ClassicalRun(Path):
 
     report: Any = None
     tau = None
-
-    @property
-    def gamma(self) -> Any:
-        """The vector q of every state, shape (N, n)."""
-        return self.q
-
-    @property
-    def M(self) -> Any:
-        """The vector p of every state, shape (N, n)."""
-        return self.p
+    gamma, M = Path.q, Path.p
 
 
 class ClassicalSystem:
@@ -113,9 +104,9 @@ class ClassicalMotion:
     def at(self, times: Numbers) -> ClassicalRun:
         """The states at times."""
         found = self._flow.at(times)
-        return ClassicalRun(found.times, found.q, found.p, found.way)
+        return ClassicalRun(found.times, found._rows, found.way)
 
-    def enclosure(self, times: Numbers, digits: int | None = None) -> EnclosedPath:
+    def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
         """Proven bounds of the states at times, from the system's flow."""
         return self._flow.enclosure(times, digits)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class Orbit(Trajectory):
     def _state(self, row: int) -> State:
         return self.states[row]
 
-    def _some(self, places: np.ndarray) -> Trajectory:
+    def _some(self, places: np.ndarray) -> Self:
         return replaced(super()._some(places), states=tuple(self.states[i] for i in places.tolist()))
 
     @property

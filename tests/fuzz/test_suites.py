@@ -57,7 +57,7 @@ def test_a_wrong_state_of_a_system_is_noticed(monkeypatch, capsys):
 
     def wrong(self, times):
         found = right(self, times)
-        return Path(found.times, found.q, found.p * (1 + 1e-6))
+        return Path(found.times, np.hstack([found.q, found.p * (1 + 1e-6)]))
 
     monkeypatch.setattr(MumfordFlow, "at", wrong)
     assert main(["systems", "--cases", "2", "--kind", "pendulum", "--seed", "5"]) == 1

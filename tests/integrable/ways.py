@@ -29,7 +29,7 @@ class Forced:
         else:
             assert self._way == "additions"
             states = flow._by_additions(given).states
-        return Path(given, states[:, 0], states[:, 1], self._way)
+        return Path(given, states.reshape(len(given), -1), self._way)
 
 
 def forced(flow: MumfordFlow, way: str) -> Forced:

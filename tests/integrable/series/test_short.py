@@ -162,7 +162,7 @@ def test_steps_are_short_enough_for_terms_in_floats() -> None:
     near = finished(system, state, times, walked(system, state, times, 3e4), 3e4)
     assert list(near.places) == [0, 1]
     expected = by_additions(system, state, times)
-    assert_rounded(Path(times, near.states[:, 0], near.states[:, 1]), expected)
+    assert_rounded(Path(times, near.states.reshape(2, -1)), expected)
 
 
 def test_what_an_instability_has_blown_up_is_not_handed_out() -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from integrable import ChaplyginBall
-from integrable.mumford.flow import MumfordFlow
+from integrable.classical.toda import TodaLattice
+from integrable.mumford.flow import MumfordFlow, Path
 from integrable.systems.on_layer import BodyOnLayer
-from jacobian.errors import ArgumentError
 
 STATE = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
 
@@ -15,30 +15,37 @@ STATE = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
 @pytest.mark.parametrize("d", [0, 0.7])
 def test_the_flow_of_a_body_has_what_every_flow_of_the_layer_has(d) -> None:
     system = BodyOnLayer((1, 2, 3), d)
-    state = system.state(*STATE)
-    flow = system.flow(state)
-    names = {name for name in dir(MumfordFlow) if not name.startswith("_")} | {"digits", "start", "system"}
+    flow = system.flow(system.state(*STATE))
+    names = {name for name in dir(MumfordFlow) if not name.startswith("_")} - {"tau_near"}
     assert names <= set(dir(flow))
-    assert flow.start == state
-    assert flow.system is system
+    run, body = flow.at([0.5, 2]), flow.system
+    assert body == system.body
+    assert {name for name in dir(Path) if not name.startswith("_")} <= set(dir(run))
+    assert (run.q == body.flow(body.state(*STATE)).at([0.5, 2]).gamma).all()
+    assert (run.p == run.M).all()
 
 
-def test_enclosures_and_the_time_of_the_flow() -> None:
-    """Balls at values of τ contain the states at the corresponding times; τ is compared with the body's own run."""
+def test_enclosures_in_the_time_of_the_flow() -> None:
+    """Balls at values of τ contain the states there."""
     flow = BodyOnLayer((1, 2, 3), 0.7).flow(BodyOnLayer((1, 2, 3), 0.7).state(*STATE))
-    ball = ChaplyginBall((1, 2, 3), 0.7)
-    run = ball.flow(ball.state(*STATE)).at_tau([1.25])
-    found = flow.enclosure_at_tau([1.25])
+    run, found = flow.at_tau([1.25]), flow.enclosure_at_tau([1.25])
     for balls, row in ((found.q[0], run.gamma[0]), (found.p[0], run.M[0])):
         assert all(abs(float(x.mid()) - y) < 1e-14 for x, y in zip(balls, row, strict=True))
-    assert abs(float(flow.tau_near(run.times[0], 30)) - 1.25) < 1e-14
 
 
-@pytest.mark.parametrize("digits", [None, "x", 0, 10**400, [1]])
-def test_digits_of_the_time_of_the_flow_are_counted(digits) -> None:
-    flow = BodyOnLayer((1, 2, 3), 0.7).flow(BodyOnLayer((1, 2, 3), 0.7).state(*STATE))
-    if digits is None:
-        assert abs(float(flow.tau_near(0, digits))) == 0
-    else:
-        with pytest.raises(ArgumentError, match="digits = "):
-            flow.tau_near(1, digits)
+def test_the_portrait_by_both_methods() -> None:
+    """The ball's closed forms and integrals over the ovals of the layer, which share nothing; points of the layer may
+    turn in the opposite direction.
+    """
+    ball = BodyOnLayer((1, 2, 3), 0.7)
+    own, other = (way(ball.state(*STATE)).portrait for way in (ball.flow, ball.by_additions))
+    assert np.allclose(np.abs(own.frequencies), np.abs(other.frequencies), rtol=1e-15, atol=0)
+
+
+def test_a_run_is_a_sequence_of_states() -> None:
+    chain = TodaLattice(3)
+    path = chain.flow(chain.state((0, 1, 2), (1, 0, 0))).certify([0, 0.5, 1])
+    assert [state.q for state in path] == [tuple(q) for q in path.q.tolist()]
+    assert (path[-1], len(path[1:]), path[[2]].times.tolist()) == (path[2], 2, [1.0])
+    assert path[1:].digits.tolist() == path.digits[1:].tolist()
+    assert chain.flow(path[0]).at([1]).p[0] == pytest.approx(path.p[2], abs=1e-14)
