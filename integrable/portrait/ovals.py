@@ -4,7 +4,7 @@ Let y = √|f| with f = 4(1 − d̃x)Π(a_i − x)(x·h̃2 − h1), the curve of
 (:mod:`integrable.phase.upright`). Let a₁ < a₂ < a₃ be the sorted a_i and ζ = h1/h̃2. The abscissa u1 moves in the oval
 [a₁, min(ζ, a₂)] and u2 in [max(ζ, a₂), a₃]. The integrals are
 
-    A_k = ∫x^k dx/y and K_k = ∫x^k dx/((1 − d̃x)^½·y) over the first oval, B_k and L_k over the second.
+    A_k = ∫x^k dx/y over the first oval, B_k = ∫x^k dx/y over the second.
 
 The integrals are computed by the arithmetic-geometric mean (:mod:`integrable.moving_point.elliptic_integrals`); an oval
 that has shrunk to a point gives residues.
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from integrable.moving_point.elliptic_integrals import oval_periods, slowed
+from integrable.moving_point.elliptic_integrals import mean_slowness, oval_periods
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import Mpf
@@ -114,16 +114,13 @@ def zeta_through(level: Level, phi: np.ndarray, momentum: np.ndarray) -> np.ndar
 
 
 class Ovals(NamedTuple):
-    """The integrals A0, A1, B0, B1 and K0, K1, L0, L1; at d = 0 K and L equal A and B."""
+    """The integrals A0, A1, B0 and B1. ``slowness`` is the mean over the torus of 1/√((1 − d̃u1)(1 − d̃u2))."""
 
     A0: Real
     A1: Real
     B0: Real
     B1: Real
-    K0: Real
-    K1: Real
-    L0: Real
-    L1: Real
+    slowness: Real
 
     @staticmethod
     def of(level: Level) -> Ovals:
@@ -138,34 +135,13 @@ class Ovals(NamedTuple):
         scaled, d = tuple(x / top for x in level.ends), level.d * top
         near, out = float(level.eps) ** 0.5 / 16, [0 * one] * 4
         oval_periods(scaled, d, one, pi, near, out)
+        area = out[0] * out[3] - out[1] * out[2]
         a0, a1, b0, b1 = (x / (2 * size) for x in out)
-        values = a0 / top, a1, b0 / top, b1
-        if not d:
-            return Ovals(*values, *values)
-        k0, k1 = _thirds(scaled, d, pi, near)
-        l0, l1 = _thirds((scaled[3], scaled[2], scaled[1], scaled[0]), d, pi, near)
-        return Ovals(*values, k0 / (size * top), k1 / size, l0 / (size * top), l1 / size)
+        slowness = mean_slowness(scaled, d, one, pi, near, area) if d else one
+        return Ovals(a0 / top, a1, b0 / top, b1, slowness)
 
     @property
     def D(self) -> Real:
         """The determinant A0·B1 − A1·B0, which is positive."""
         area: Real = self.A0 * self.B1 - self.A1 * self.B0
         return area
-
-    @property
-    def slowness(self) -> Real:
-        """The quotient (K0·L1 − K1·L0)/D."""
-        slowed: Real = (self.K0 * self.L1 - self.K1 * self.L0) / self.D
-        return slowed
-
-
-def _thirds(ends: tuple[Real, ...], d: Real, pi: Real, near: float) -> tuple[Real, Real]:
-    """The integrals ∫x^k dx/((1 − dx)√|(x − a)(x − b)(x − c)(x − e)|), k = 0 and 1, from a to b; c, e lie beyond b."""
-    a, b, c, e = ends
-    if a == b:
-        k0 = pi / ((1 - d * a) * root(abs((c - a) * (e - a))))
-        return k0, k0 * a
-    middle = (b + c) / 2
-    k0, k1 = slowed((a, b, c, e), middle, d, 1 + 0 * a, pi, near)
-    k0, k1 = abs(k0), k1 if k0 > 0 else -k1
-    return k0, k1 + middle * k0

@@ -6,7 +6,8 @@ M and γ themselves where (γ, M) = 0. M̃ circles the axis of the least a = 1/(
 middle a, otherwise that of the largest. All means are in closed form, at any d and (γ, M), by the periods of
 :mod:`integrable.portrait.ovals`: with D = A0B1 − A1B0 and N = √Π(1 − d̃a_i),
 
-    ν1 = B1/(2D), ν2 = −A1/(2D), ⟨1/g⟩ = sN(K0L1 − K1L0)/D, f = ν/⟨1/g⟩, J1 = (h1A0 − h2A1)/π, J2 = (h2B1 − h1B0)/π.
+    ν1 = B1/(2D), ν2 = −A1/(2D), ⟨1/g⟩ = sN⟨1/√((1 − d̃u1)(1 − d̃u2))⟩, f = ν/⟨1/g⟩,
+    J1 = (h1A0 − h2A1)/π, J2 = (h2B1 − h1B0)/π.
 
 J are the actions of (γ, M) = 0 in :func:`integrable.phase.separation.to_separated`, J_k = (1/2π)∮|p_k|du_k; for (γ, M)
 ≠ 0 those of the upright body. (Chaplygin 1903; at d = 0 Euler 1758, Jacobi 1849.)
