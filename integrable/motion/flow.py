@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from integrable.motion.precise import PreciseFlow, RoundedRows
     from integrable.phase.enclosure import Enclosure
     from integrable.portrait.portrait import Portrait
-    from integrable.portrait.section import Section
+    from integrable.portrait.section import BodySection
     from integrable.portrait.sensitivity import Sensitivity, TorusVariations
     from integrable.portrait.spectrum import Spectrum
     from integrable.torus.access import TorusFlow
@@ -183,14 +183,14 @@ class Flow(BodyMotion):
 
         return sensitivity(self, times)
 
-    def section(self, count: int, axis: str = "largest") -> Section:
+    def section(self, count: int, axis: str = "largest") -> BodySection:
         """The next ``count`` crossings of a Poincaré section, in closed form: γ is orthogonal to the axis of the
         "largest" or the "least" moment. For a tilted state, γ̃ of Chaplygin's transformation takes the place of γ.
         (:mod:`integrable.portrait.section`)
         """
-        from integrable.portrait.section import section
+        from integrable.portrait.section import body_section
 
-        return section(self, count, axis)
+        return body_section(self, count, axis)
 
     def spectrum(self) -> Spectrum:
         """The spectral lines of γ, M and ω with their complex amplitudes, accurate to rounding

@@ -185,10 +185,8 @@ class BodySystem(SurfaceSystem):
         return Rate(-p / q, -1, N.sqrt(first * second * third) / abs(q))
 
     def _separation(self, N: FormulaField, state: Point) -> Separation:
-        (p, q), (a, b, c) = self._light(N), self._weights(N)
-        forms = [Form((N.one,)), Form((N.zero, N.one))]
-        root = N.sqrt(a * b * c)
-        return Separation(forms, self._direction(N, 2), factor=lambda x: N.sqrt(root / (p + q * x)))
+        forms, rate = [Form((N.one,)), Form((N.zero, N.one))], self._rate_at(N)
+        return Separation(forms, self._direction(N, 2), slow=(rate.e, rate.factor))
 
     def _start(self, N: FormulaField, state: Point) -> Start:
         f, u, v = self._spectral(N, state)

@@ -35,11 +35,11 @@ if TYPE_CHECKING:
     from integrable.phase.enclosure import Enclosure
     from integrable.portrait.differences import Inputs
     from integrable.portrait.events import Condition
+    from integrable.portrait.section import Section
     from integrable.portrait.sensitivity import Sensitivity
     from integrable.portrait.separated import SeparatedTorus
     from integrable.portrait.spectrum import Spectrum
     from integrable.portrait.torus_portrait import TorusPortrait
-    from integrable.portrait.torus_section import TorusSection
     from integrable.series.near import Near
 
 # largest relative difference allowed between states on a torus and states by another method
@@ -249,8 +249,7 @@ class MumfordFlow:
         """The spectral lines of q and p (:mod:`integrable.portrait.spectrum`), in floats.
 
         The uniform motion of a centre of mass is subtracted. NotRepresentable over a field other than RR, if the points
-        of the pair do not turn in g real ovals, or if t is not a sum of integrals over these points. PrecisionLoss if a
-        grid on the torus would be too fine.
+        of the pair do not turn in g real ovals. PrecisionLoss if a grid on the torus would be too fine.
         """
         from integrable.portrait.spectrum import lines_of, torus_states
 
@@ -259,17 +258,17 @@ class MumfordFlow:
             frequencies = [*map(float, self.portrait.frequencies)]
             return lines_of(torus_states(torus, self._ends(N), self._reader_in_floats(N, torus), frequencies))
 
-    def section(self, count: int, oval: int = 0, end: str = "lower") -> TorusSection:
+    def section(self, count: int, oval: int = 0, end: str = "lower") -> Section:
         """The next ``count`` states with a point of the pair at the "lower" or the "upper" end of its oval, in floats.
 
         ``oval`` is the number of the oval, in ascending order. If the end is a branch point a_i at which q_i is a lift,
-        q_i = 0 there. The errors are those of :meth:`spectrum`. (:mod:`integrable.portrait.torus_section`)
+        q_i = 0 there. The errors are those of :meth:`spectrum`. (:mod:`integrable.portrait.section`)
         """
-        from integrable.portrait.torus_section import TorusSection, crossings
+        from integrable.portrait.section import Section, crossings
 
         with LongField(BITS_OF_TORUS) as N:
             times, theta, rotation = crossings(self._separated_in_floats(N, "section"), count, oval, end)
-        return TorusSection(self.at(times), theta, rotation)
+        return Section(self.at(times), theta, rotation)
 
     def sensitivity(self, times: Numbers) -> Sensitivity:
         """The derivatives of q and p at the given times with respect to q(0), p(0) and the system's constants and
@@ -370,10 +369,7 @@ class MumfordFlow:
         K = self.system.field
         if K != RR:
             raise NotRepresentable(f"{name}: it is computed in floats, this flow is over {K.name}")
-        torus = self._separated(N)
-        if torus.separation.factor is not None:
-            raise NotRepresentable(f"{name}: the clock of {self.system!r} is no sum over the points of its pairs")
-        return torus
+        return self._separated(N)
 
     def _ends(self, N: LongField) -> list[Real]:
         """The branch points at which the state has lifts."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -47,7 +47,8 @@ class Separation(NamedTuple):
     The sums of the g ``forms`` grow at the ``rates``. The sum of ``action`` is p dq without the terms of angles about
     an axis. ``turns`` has for each such angle the form by which it grows and a constant rate that is added; ``momenta``
     are the actions of these angles. ``known`` are branch points that are known exactly. Where time is not such a sum,
-    the rates are per unit of τ, and dt/dτ is the product of ``factor(x)`` over two points.
+    the rates are per unit of τ, ``slow`` is (e, c) with a branch point e beyond both ovals, and dt/dτ is c/√((e −
+    x₁)(e − x₂)).
     """
 
     forms: Sequence[Form]
@@ -56,7 +57,7 @@ class Separation(NamedTuple):
     turns: Sequence[tuple[Form, Real]] = ()
     momenta: tuple[Real, ...] = ()
     known: tuple[Real, ...] = ()
-    factor: Callable[[Real], Real] | None = None
+    slow: tuple[Real, Real] | None = None
 
 
 class PointOval(NamedTuple):

@@ -1,33 +1,42 @@
-"""Poincaré sections of a body, in closed form.
+"""Poincaré sections, in closed form: the crossings of a branch point by one point of the pair.
 
-The component of γ̃ along the axis of the largest moment vanishes where u1 = a₁; the component along the axis of the
-least moment vanishes where u2 = a₃. Every motion crosses these surfaces transversally, once per turn of u1 or of u2.
-The crossings are computed by :mod:`integrable.portrait.torus_section`. From one crossing of the first section to the
-next the phase of u2 turns by −A1/B1; from one crossing of the second to the next the phase of u1 turns by B1/A1. On the
-section γ̃ is (0, cos φ, sin φ) in the sorted axes, and each motion lies on its own curve,
+On the torus of a motion φ_k = 2πn is a section. Let t_n be the time at which the phase θ_k, which is linear in time,
+completes n turns. From t_n to t_{n+1} the other phases θ_j advance by f_j/f_k. The crossing itself is a bounded time
+away from t_n. Time is τ where the sums of forms grow with τ.
+
+The component of γ̃ of a body along the axis of the largest moment vanishes where u1 = a₁; the component along the axis
+of the least moment vanishes where u2 = a₃. Every motion crosses these surfaces transversally, once per turn of u1 or of
+u2. From one crossing of the first section to the next the phase of u2 turns by −A1/B1; from one crossing of the second
+to the next the phase of u1 turns by B1/A1. On the section γ̃ is (0, cos φ, sin φ) in the sorted axes, and each motion
+lies on its own curve,
 
     M̃₁²/h̃2 = (q − ζ)/(q − a₁),   q = (a₃cos²φ + a₂sin²φ − d̃a₂a₃)/(1 − d̃(a₂cos²φ + a₃sin²φ)).
 """
 
 from __future__ import annotations
 
-from math import ceil, log2
-from typing import TYPE_CHECKING, Any
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from integrable.portrait.oval_angles import OvalAngles
 from integrable.portrait.ovals import Level
-from integrable.portrait.torus_section import Turning
 from jacobian import RR
 from jacobian.element import Real
-from jacobian.errors import one_of
+from jacobian.errors import one_of, whole
 from jacobian.immutable import Record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-AXES = ("largest", "least")
+    from integrable.portrait.separated import SeparatedTorus
+
+ENDS, AXES = ("lower", "upper"), ("largest", "least")
+MOST_CROSSINGS = 10**6
+# a start within this fraction of a turn from a crossing counts as on it
+ON = 1e-12
 # the first and the largest number of nodes of an oval's series
 FIRST_NODES, MOST_NODES = 64, 1 << 16
 # the number of digits of a τ in floats, which Newton's method doubles
@@ -35,18 +44,48 @@ ROUGH_DIGITS = 12
 
 
 class Section(Record):
-    """The crossings of a motion with a surface γ̃_i = 0. Get one from ``flow.section(count)``.
+    """The crossings of one end of an oval by the point in it. Get one from ``flow.section(count)``.
 
-    ``axis`` (0, 1 or 2) is i. ``tau`` (N,) are the values of τ at the crossings, ``run`` is the Trajectory there.
-    ``phi`` and ``momentum`` (N,) are the coordinates on the section: the angle of γ̃ from the axis of the middle moment,
-    and M̃_i/|M̃|. ``theta`` (N,) is the angle, in turns, in which the map is a rotation by ``rotation``.
+    ``run`` are the states at the crossings, and ``times`` (N,) their times. ``theta`` (N, g − 1) are the phases of the
+    other points, in turns modulo 1, in which the map from one crossing to the next is the rotation by ``rotation`` (g −
+    1,).
     """
 
-    def __init__(
-        self, axis: int, run: Any, phi: np.ndarray, momentum: np.ndarray, theta: np.ndarray, rotation: Real
-    ) -> None:
-        self.axis, self.run, self.phi, self.momentum, self.theta = axis, run, phi, momentum, theta
-        self.rotation = rotation
+    def __init__(self, run: Any, theta: np.ndarray, rotation: np.ndarray | Real) -> None:
+        self.run, self.theta, self.rotation = run, theta, rotation
+
+    @property
+    def path(self) -> Any:
+        """The states at the crossings, under the name of a system's results."""
+        return self.run
+
+    @property
+    def times(self) -> np.ndarray:
+        """The times of the crossings, shape (N,)."""
+        found: np.ndarray = self.run.times
+        return found
+
+    def __len__(self) -> int:
+        return len(self.theta)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {len(self)} crossings>"
+
+
+class BodySection(Section):
+    """The crossings of a body's motion with a surface γ̃_i = 0: ``axis`` (0, 1 or 2) is i.
+
+    ``tau`` (N,) are the values of τ at the crossings. ``phi`` and ``momentum`` (N,) are the coordinates on the section:
+    the angle of γ̃ from the axis of the middle moment, and M̃_i/|M̃|. ``theta`` (N,) is the angle, in turns, in which
+    the map is a rotation by the number ``rotation``.
+    """
+
+    def __init__(self, run: Any, theta: np.ndarray, rotation: Real, axes: tuple[int, int, int]) -> None:
+        self.axis, j, k = axes
+        gamma, M = (x.astype(float) for x in tilde(run.flow, run))
+        self.phi = np.arctan2(gamma[:, k], gamma[:, j])
+        self.momentum: np.ndarray = M[:, self.axis] / np.sqrt(np.sum(M**2, axis=1))
+        super().__init__(run, theta, rotation)
 
     @property
     def tau(self) -> np.ndarray:
@@ -60,9 +99,6 @@ class Section(Record):
 
         return section_figure(self)
 
-    def __len__(self) -> int:
-        return len(self.phi)
-
     def _repr_html_(self) -> str:
         from jacobian.notebook import table
 
@@ -73,7 +109,56 @@ class Section(Record):
         return f"<Section of {len(self)} crossings of axis {self.axis}, {self.run.system!r}>"
 
 
-def section(flow: Any, count: int, axis: str) -> Section:
+class Turning(NamedTuple):
+    """The data of crossings. The ``frequencies`` of the points and their ``phases`` at the start are long numbers, in
+    turns. ``start`` are the angles of the points at the start, and ``sums`` the sums of forms over the points, which
+    grow at the ``rates``; these three are in floats.
+    """
+
+    frequencies: Sequence[Real]
+    phases: Sequence[Real]
+    start: np.ndarray
+    sums: OvalAngles
+    rates: np.ndarray
+
+    def crossings(self, count: int, oval: int, end: float) -> tuple[list[Real], np.ndarray, np.ndarray]:
+        """The next ``count`` crossings: the times at which the point of an oval has made n + ``end`` turns (``end`` 0
+        or ½), the phases (N, g − 1) of the other points there, and their change per crossing.
+        """
+        count = whole(
+            count, "count", f"the number of crossings is an int from 1 to {MOST_CROSSINGS}", 1, MOST_CROSSINGS
+        )
+        nu, place = self.frequencies, self.phases
+        around = float(self.start[oval]) / (2 * math.pi) - end
+        ahead = nu[oval] > 0
+        first = math.floor(around + ON) + 1 if ahead else math.ceil(around - ON) - 1
+        turns = [first + n if ahead else first - n for n in range(count)]
+        begin = [(n + end - place[oval]) / nu[oval] for n in turns]
+        fractions = [[x - math.floor(x) for x in (p + f * t for p, f in zip(place, nu, strict=True))] for t in begin]
+        phases = np.array(fractions, dtype=float)
+        phases[:, oval] = end
+        late = self.sums.delays(phases, oval, self.rates)
+        others = [k for k in range(len(nu)) if k != oval]
+        rotation = np.array([float(nu[k] / nu[oval]) * (1 if ahead else -1) for k in others])
+        return [t + x for t, x in zip(begin, late.tolist(), strict=True)], phases[:, others], rotation
+
+
+def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The times of the next ``count`` crossings, the phases of the other points, and their rotation, in floats."""
+    genus = len(torus.ovals)
+    oval = whole(oval, "oval", f"the number of an oval is an int from 0 to {genus - 1}", 0, genus - 1)
+    turns = 0.5 if one_of(end, "end", ENDS, 'choose "lower" or "upper"') == "upper" else 0.0
+    start, rates = (np.array(x, dtype=float) for x in (torus.start, torus.separation.rates))
+    motion = Turning(torus.tau_frequencies, torus.phases, start, torus.in_floats, rates)
+    tau, theta, rotation = motion.crossings(count, oval, turns)
+    times = np.array([torus.slowness * t for t in tau], dtype=float)
+    if torus.clock:
+        turned = (np.array([t * nu % 1 for t in tau], dtype=float) for nu in torus.tau_frequencies)
+        times += torus.clock.at(*turned)
+    return times, theta, rotation
+
+
+def body_section(flow: Any, count: int, axis: str) -> BodySection:
     """The next ``count`` crossings of the section for the axis of the "largest" or the "least" moment.
 
     NotRepresentable for a motion on no torus of dimension two.
@@ -84,11 +169,9 @@ def section(flow: Any, count: int, axis: str) -> Section:
     start = sums.at(np.array([angles], dtype=float))[0]
     motion = Turning(portrait.wide_tau_frequencies, angles, start, sums, np.array([1.0, 0.0]))
     tau, theta, rotation = motion.crossings(count, oval, 0.0)
-    i, j, k = reversed(portrait.level.axes) if oval else portrait.level.axes
-    run = _refined(flow, np.array([*map(K.coerce, tau)], dtype=float if K == RR else object), i)
-    gamma, M = (x.astype(float) for x in tilde(flow, run))
-    phi, height = np.arctan2(gamma[:, k], gamma[:, j]), M[:, i] / np.sqrt(np.sum(M**2, axis=1))
-    return Section(i, run, phi, height, theta[:, 0], float(rotation[0]))
+    axes = portrait.level.axes[::-1] if oval else portrait.level.axes
+    run = _refined(flow, np.array([*map(K.coerce, tau)], dtype=float if K == RR else object), axes[0])
+    return BodySection(run, theta[:, 0], float(rotation[0]), axes)
 
 
 def tilde(flow: Any, run: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -103,7 +186,7 @@ def tilde(flow: Any, run: Any) -> tuple[np.ndarray, np.ndarray]:
 def _refined(flow: Any, tau: np.ndarray, axis: int) -> Any:
     """The Trajectory at the crossings near τ, by Newton steps on the flow, each of which doubles the digits."""
     K = flow.system.field
-    for _ in range(1 if K == RR else ceil(log2(K.dps / ROUGH_DIGITS)) + 1):
+    for _ in range(1 if K == RR else math.ceil(math.log2(K.dps / ROUGH_DIGITS)) + 1):
         run = flow.at_tau(tau)
         gamma, _ = tilde(flow, run)
         rate = np.cross(gamma, run.omega)[:, axis]

@@ -27,7 +27,8 @@ from integrable.portrait.point_ovals import (
     oval_around,
     real_and_complex,
 )
-from integrable.torus.series import long_spectrum
+from integrable.torus.body_torus import resolved
+from integrable.torus.series import TorusSeries, long_spectrum, needed_sizes, spectrum
 from jacobian import MP, poly
 from jacobian.element import FormulaField, Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
@@ -37,6 +38,8 @@ from jacobian.numbers.long_reals import BareReals
 
 # largest number of nodes of an oval, a power of 2; where more are needed, branch points nearly meet
 MOST_NODES = 1 << 13
+# the first and the largest number of samples of dt/dτ, of which modes below the fraction NOISE of the mean are rounding
+FIRST_GRID, MOST_SAMPLES, NOISE = (32, 32), 1 << 18, 1e-15
 # modes below this fraction of the mean are not needed in floats
 NEGLIGIBLE = 1e-18
 # number of correct bits after Newton's method in floats
@@ -319,23 +322,58 @@ class SeparatedTorus:
         """The frequencies in turns per unit of time: first of each point, positive if it moves upwards where y > 0,
         then of the further angles.
         """
-        found = self.phase_of(self.separation.rates)
-        if self.separation.factor is not None:
-            found = [nu / self._slowness(self.separation.factor) for nu in found]
+        found = [nu / self.slowness for nu in self.tau_frequencies]
         genus = len(found)
         for j, (_, rate) in enumerate(self.separation.turns, genus):
             turned = sum((nu * means[j] for nu, means in zip(found[:genus], self.means, strict=True)), self._field.zero)
             found.append(rate / (2 * self._pi) + turned)
         return found
 
-    def _slowness(self, factor: Callable[[Real], Real]) -> Real:
-        """The mean of the product of ``factor`` over two points: a quotient of determinants of integrals."""
-        slowed = [self._sampled(oval, self.separation.forms, factor) for oval in self.ovals]
+    @cached_property
+    def tau_frequencies(self) -> list[Real]:
+        """The frequencies of the points in turns per unit of τ."""
+        return self.phase_of(self.separation.rates)
+
+    @cached_property
+    def slowness(self) -> Real:
+        """The mean of dt/dτ: for a time that is no sum over the points, a quotient of determinants of integrals."""
+        if self.separation.slow is None:
+            return self.one
+        N, (end, factor) = self._field, self.separation.slow
+        slowed = [self._sampled(oval, self.separation.forms, lambda x: 1 / N.sqrt(abs(end - x))) for oval in self.ovals]
         areas = []
         for table in [[sum(row) / len(row) for row in rows] for rows in slowed], self.means:
             (a, b), (c, d) = table
             areas.append(a * d - b * c)
-        return areas[0] / areas[1]
+        mean: Real = factor * areas[0] / areas[1]
+        return mean
+
+    @cached_property
+    def clock(self) -> TorusSeries | None:
+        """t(τ) as a series on the torus, in floats; None if τ is the time."""
+        if self.separation.slow is None:
+            return None
+
+        def samples(sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
+            turns = np.meshgrid(*(np.arange(size) / size for size in sizes), indexing="ij")
+            return self._rates_at(np.stack(turns, axis=-1).reshape(-1, 2)).reshape(sizes)
+
+        def transformed(values: np.ndarray) -> tuple[np.ndarray, tuple[int, int]]:
+            grid = spectrum(values)
+            return grid, needed_sizes(grid, (NOISE, NOISE))
+
+        first, second = self.tau_frequencies
+        return TorusSeries(resolved(samples, transformed, FIRST_GRID, MOST_SAMPLES), (first, second), noise=NOISE)
+
+    def _rates_at(self, turns: np.ndarray) -> np.ndarray:
+        """dt/dτ in floats at phases (N, 2) in turns from the start."""
+        end, factor = self.separation.slow or (self.one, self.one)
+        found = np.full(len(turns), float(factor))
+        for oval, phi in zip(self.ovals, self.in_floats.at(turns + np.array(self.phases, dtype=float)).T, strict=True):
+            # differences from the nearer end of the oval lose no digits
+            gap, share = end - oval.middle, np.sin(phi / 2) if end < oval.middle else np.cos(phi / 2)
+            found /= np.sqrt(float(abs(gap) - oval.radius) + 2 * float(oval.radius) * share**2)
+        return found
 
     @cached_property
     def actions(self) -> list[Real] | None:

@@ -27,7 +27,6 @@ from jacobian.immutable import Record
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from integrable.phase.body import Body
     from integrable.portrait.separated import SeparatedTorus
     from integrable.torus.access import TorusFlow
 
@@ -167,10 +166,13 @@ def body_states(flow: Any) -> Sampled:
         raise NotRepresentable(
             "spectrum: floats have too few digits for the torus of this motion, next to a separatrix"
         )
-    phases_in_tau = _phases_in_tau(torus, body) if torus.clock else None
+    contact, clock, rates = np.array(body.contact), None, np.array(torus.frequencies, dtype=float)
+    if torus.clock:
+        slow = TorusIntegral(torus, lambda rows: np.sqrt(rows[:, :3] ** 2 @ contact)[:, None], np.zeros(1))
+        clock = OwnTime(lambda phases: slow.swings_and_rates(phases)[0], rates, float(torus.mean))
 
     def read(phases: np.ndarray) -> dict[str, np.ndarray]:
-        rows = torus.at_phases(phases_in_tau(phases) if phases_in_tau else phases)
+        rows = torus.at_phases(clock.phases(phases) if clock else phases)
         gamma, M = rows[:, :3], rows[:, 3:]
         return {"gamma": gamma, "M": M, "omega": angular_velocities(body, gamma, M)[0]}
 
@@ -182,23 +184,29 @@ def body_states(flow: Any) -> Sampled:
     return Sampled(read, doubled, np.linalg.inv(basis).T * signs, portrait.wide_frequencies)
 
 
-def _phases_in_tau(torus: TorusFlow, body: Body) -> Callable[[np.ndarray], np.ndarray]:
-    """The function that converts phases linear in t to those linear in τ, (N, 2) in turns."""
-    contact, rates, mean = np.array(body.contact), np.array(torus.frequencies, dtype=float), float(torus.mean)
-    clock = TorusIntegral(torus, lambda rows: np.sqrt(rows[:, :3] ** 2 @ contact)[:, None], np.zeros(1))
+class OwnTime(NamedTuple):
+    """The clock of a motion whose phases are linear in τ: ``swings(phases)`` returns t − ``mean``·τ and dt/dτ at phases
+    in turns from the start, which grow at the ``rates`` in τ.
+    """
 
-    def phases_in_tau(phases: np.ndarray) -> np.ndarray:
+    swings: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+    rates: np.ndarray
+    mean: float
+
+    def phases(self, phases: np.ndarray) -> np.ndarray:
+        """The phases linear in τ, (N, 2) in turns, at phases linear in t."""
+        return np.concatenate([self._phases(phases[n : n + CHUNK]) for n in range(0, len(phases), CHUNK)])
+
+    def _phases(self, phases: np.ndarray) -> np.ndarray:
         late = np.zeros(len(phases))
         for _ in range(PASSES):
-            ((swing, rate),) = clock.swings_and_rates(phases - late[:, None] * rates)
-            step = (late * mean - swing) / rate
+            swing, rate = self.swings(phases - late[:, None] * self.rates)
+            step = (late * self.mean - swing) / rate
             late = late - step
-            if np.abs(step).max() * np.abs(rates).max() < SOLVED:
-                found: np.ndarray = phases - late[:, None] * rates
+            if np.abs(step).max() * np.abs(self.rates).max() < SOLVED:
+                found: np.ndarray = phases - late[:, None] * self.rates
                 return found
         raise PrecisionLoss("spectrum: the clock of this motion is too uneven for floats")
-
-    return lambda phases: np.concatenate([phases_in_tau(phases[n : n + CHUNK]) for n in range(0, len(phases), CHUNK)])
 
 
 def torus_states(
@@ -216,9 +224,11 @@ def torus_states(
     # the portrait may count turns in the opposite direction
     senses = [-1.0 if own * f < 0 else 1.0 for own, f in zip(torus.frequencies, frequencies, strict=True)]
     start, swings_at_start = (np.array(x, dtype=float) for x in (torus.phases, torus.swings_at_start))
+    series, rates = torus.clock, np.array(torus.tau_frequencies, dtype=float)
+    clock = series and OwnTime(lambda phases: series.swings_and_rates(*phases.T), rates, float(torus.slowness))
 
     def values(turns: np.ndarray) -> dict[str, np.ndarray]:
-        phases = start + turns[:, :genus]
+        phases = start + (clock.phases(turns) if clock else turns[:, :genus])
         angles = torus.in_floats.at(phases)
         turned = 2 * np.pi * turns[:, genus:] + torus.swings(angles, phases) - swings_at_start
         q, p = read([(np.sin(phi / 2), np.cos(phi / 2)) for phi in angles.T], list(turned.T))

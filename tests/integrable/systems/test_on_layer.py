@@ -33,13 +33,20 @@ def test_enclosures_in_the_time_of_the_flow() -> None:
         assert all(abs(float(x.mid()) - y) < 1e-14 for x, y in zip(balls, row, strict=True))
 
 
-def test_the_portrait_by_both_methods() -> None:
-    """The ball's closed forms and integrals over the ovals of the layer, which share nothing; points of the layer may
-    turn in the opposite direction.
-    """
+def test_portrait_spectrum_and_sections_by_both_methods() -> None:
+    """The ball's own closed forms, tables and clock, and integrals over the ovals of the layer."""
     ball = BodyOnLayer((1, 2, 3), 0.7)
-    own, other = (way(ball.state(*STATE)).portrait for way in (ball.flow, ball.by_additions))
-    assert np.allclose(np.abs(own.frequencies), np.abs(other.frequencies), rtol=1e-15, atol=0)
+    own, other = (way(ball.state(*STATE)) for way in (ball.flow, ball.by_additions))
+    assert np.allclose(np.abs(own.portrait.frequencies), np.abs(other.portrait.frequencies), rtol=1e-15, atol=0)
+    lines, more = own.spectrum(), other.spectrum()
+    # frequency and size of the strongest lines of M
+    found, expected = (
+        sorted(zip(np.linalg.norm(M, axis=1), x.frequencies, strict=True))[-15:]
+        for M, x in ((lines.M, lines), (more.p, more))
+    )
+    assert np.allclose(found, expected, rtol=1e-12, atol=0)
+    for axis, oval, end in (("largest", 0, "lower"), ("least", 1, "upper")):
+        assert np.allclose(own.section(20, axis).times, other.section(20, oval, end).times, rtol=1e-13, atol=0)
 
 
 def test_a_run_is_a_sequence_of_states() -> None:
