@@ -3,35 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from math import ceil
-from typing import TYPE_CHECKING
 
 from integrable.motion.precise import PreciseFlow
 from integrable.motion.trajectory import Motion
 from integrable.phase.body import Body, symmetry_axis
-from integrable.portrait.certificate import Pairs, agreement
+from integrable.portrait.certificate import Pairs
 from jacobian import MP
-from jacobian.element import Numbers, Real
+from jacobian.element import Real
 from jacobian.fields.multiprecision import MultiprecisionField
-from jacobian.immutable import replaced
-
-if TYPE_CHECKING:
-    from integrable.motion.trajectory import Trajectory
 
 # spare digits in the estimate of :func:`_turns`
 BESIDE = 3
 
 
-def certified(flow: Motion, times: Numbers, digits: int | None) -> Trajectory:
-    """The states at physical times, with ``error`` and ``digits``: see :meth:`integrable.motion.flow.Flow.certify`."""
-    run = flow.at(times)
-    pairs = zip(run.gamma, run.M, strict=True)
-    error, agreeing = agreement(flow.system.field, (run.times, pairs), partial(_vectors, flow), digits, unit=1)
-    return replaced(run, error=error, digits=agreeing)
-
-
-def _vectors(flow: Motion, times: list[Real], K: MultiprecisionField) -> Pairs:
+def finer(flow: Motion, times: list[Real], K: MultiprecisionField) -> Pairs:
     """γ and M at physical times, which are wide numbers, to the digits of K: by additions or an independent formula."""
     body, state = flow.system.body, flow.state
     if body.rolls and state.tilted and symmetry_axis(flow.system.inertia) is not None:
@@ -40,8 +26,8 @@ def _vectors(flow: Motion, times: list[Real], K: MultiprecisionField) -> Pairs:
         # with two equal moments the clock has no torus, and its cost grows with the time; moments slightly apart
         # have one
         body = _beside(flow, max(map(abs, times), default=K.zero), K)
-    finer = PreciseFlow(body, state, K.dps)
-    return finer.vectors(finer.at(times)[1])
+    precise = PreciseFlow(body, state, K.dps)
+    return precise.vectors(precise.at(times)[1])
 
 
 def _turned(flow: Motion, time: Real, K: MultiprecisionField) -> tuple[Sequence[Real], Sequence[Real]]:

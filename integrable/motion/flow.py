@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 from contextlib import suppress
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State, rotation_axis
 from integrable.phase.upright import leaning
 from integrable.phase.ways import Way
+from integrable.portrait.state_flow import StateFlow
 from jacobian import RR
 from jacobian.element import Number, Numbers, Real
 from jacobian.errors import ArgumentError, PrecisionLoss, one_of
@@ -32,17 +33,21 @@ from jacobian.immutable import at_once, quick_property, replaced
 from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Iterable, Iterator
 
     from integrable.motion.contact import PreciseContact
     from integrable.motion.precise import PreciseFlow, RoundedRows
     from integrable.phase.enclosure import Enclosure
+    from integrable.portrait.certificate import Pairs
+    from integrable.portrait.differences import Inputs
     from integrable.portrait.portrait import Portrait
     from integrable.portrait.section import BodySection
     from integrable.portrait.sensitivity import Sensitivity, TorusVariations
     from integrable.portrait.spectrum import Spectrum
     from integrable.torus.access import TorusFlow
     from integrable.torus.integrals import TorusIntegral
+    from jacobian.fields.multiprecision import MultiprecisionField
+    from jacobian.fields.protocol import Field
 
 KERNELS = ("auto", "python", "compiled")
 CHOOSE = f"choose one of {', '.join(map(repr, KERNELS))}"
@@ -60,7 +65,7 @@ CLOCK_DIGITS = 24
 PANEL_STEPS = 6
 
 
-class Flow(BodyMotion):
+class Flow(BodyMotion, StateFlow[Trajectory]):
     """The motion through one state. Get one from ``system.flow(state)``.
 
     The ``kernel`` "python" is the readable loop, "compiled" the same source compiled (floats only), and "auto" chooses
@@ -111,18 +116,6 @@ class Flow(BodyMotion):
 
         stream(self, path, start, end, count)
 
-    def certify(self, times: Numbers, digits: int | None = None) -> Trajectory:
-        """The states of :meth:`at`, each compared with a run at more digits.
-
-        The Trajectory has ``error``, the larger of the differences in γ and in M/|M|, and ``digits``, how many decimal
-        digits agree, both of shape (N,). The inputs count as exact. PrecisionLoss where fewer than ``digits`` agree; by
-        default all digits but one of MP(digits), 12 of RR. ``certify`` compares two computations; :meth:`enclosure`
-        bounds the error rigorously.
-        """
-        from integrable.motion.certificate import certified
-
-        return certified(self, times, digits)
-
     def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
         """Proven bounds of the states at physical times: balls of radius at most 10^(−digits) that contain them.
 
@@ -143,45 +136,6 @@ class Flow(BodyMotion):
 
         given = self._checked(tau, "tau")
         return enclosure_at_tau(self.system.body, self.state, list(given), ball_digits(self.system.field, digits))
-
-    def events(
-        self, condition: Callable[[np.ndarray, np.ndarray], np.ndarray], start: Number, end: Number, direction: int = 0
-    ) -> Trajectory:
-        """The states between two physical times at which ``condition`` changes sign, in order of time.
-
-        ``condition`` takes γ and M, both of shape (N, 3), and returns N numbers that depend smoothly on them: ``lambda
-        gamma, M: gamma[:, 2]`` finds γ₃ = 0. ``direction`` 1 selects zeros at which the condition rises, −1 those at
-        which it falls. Zeros without a change of sign may be missed. ArgumentError for times that don't ascend and
-        values of another shape, PrecisionLoss for a condition that is not smooth. (:mod:`integrable.portrait.events`)
-        """
-        from integrable.portrait.events import Watched, event_times
-
-        floats = self if self.system.field == RR else self._in_floats()
-        named = "γ and M, arrays of shape (N, 3)"
-        panel = PANEL_STEPS * floats.setup.step_time
-        watched = Watched(self.system.field, self._states, floats._states, named, lambda first, last: panel)
-        return self.at(event_times(watched, condition, start, end, direction))
-
-    def _states(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        run = self.at(times)
-        return run.gamma, run.M
-
-    def _in_floats(self) -> Flow:
-        """The same motion over RR."""
-        body, ((x, y, z), (a, b, c)) = self.system.body, (tuple(map(float, v)) for v in self.state.vectors)
-        floats = Body.make(tuple(map(float, body.inertia)), float(body.d), RR)
-        return self._through(floats, State((x, y, z), (a, b, c), tilted=self.state.tilted))
-
-    def sensitivity(self, times: Numbers) -> Sensitivity:
-        """The derivatives ∂(γ, M)/∂(γ(0), M(0), I, d) at physical times, accurate to rounding at any time
-        (:mod:`integrable.portrait.sensitivity`).
-
-        On a torus the secular and periodic parts are separate. Over MP(digits), and next to a separatrix, differences
-        of motions in more digits take seconds.
-        """
-        from integrable.portrait.sensitivity import sensitivity
-
-        return sensitivity(self, times)
 
     def section(self, count: int, axis: str = "largest") -> BodySection:
         """The next ``count`` crossings of a Poincaré section, in closed form: γ is orthogonal to the axis of the
@@ -209,9 +163,51 @@ class Flow(BodyMotion):
 
         return residual_growth(self.setup, counts, self.kernel)
 
-    def _through(self, body: Body, state: State) -> Flow:
-        """The motion of another body of the same kind."""
-        return Flow(replaced(self.system, body=body), state)
+    _vectors, _unit = ("γ", "M"), 1
+
+    @property
+    def _numbers(self) -> tuple[Real, ...]:
+        body = self.system.body
+        return *self.state.row, *body.inertia, body.d
+
+    def _through(self, numbers: Iterable[Real], field: Any, tilted: bool = True) -> Flow:
+        g1, g2, g3, m1, m2, m3, i1, i2, i3, d = map(field.coerce, numbers)
+        size = field.sqrt(g1 * g1 + g2 * g2 + g3 * g3)
+        state = State((g1 / size, g2 / size, g3 / size), (m1, m2, m3), tilted=tilted)
+        # not of the type of this flow, which may need more for its set-up
+        return Flow(replaced(self.system, body=Body.make((i1, i2, i3), d, field)), state)
+
+    def _over(self, field: Field) -> Flow:
+        return self if field == self.system.field else self._through(self._numbers, field, self.state.tilted)
+
+    def _inputs(self) -> tuple[Inputs, tuple[str, ...]]:
+        from integrable.portrait.differences import Inputs
+        from integrable.portrait.sensitivity import COLUMNS
+
+        body, M = self.system.body, max(map(abs, self.state.vectors[1]))
+        sizes = (1, 1, 1, M, M, M, *[min(body.inertia) + body.d] * 4)
+        # there is no body with d < 0
+        return Inputs(self._numbers, sizes, () if body.rolls else (9,)), COLUMNS
+
+    @property
+    def _fastest(self) -> float:
+        return float(max(map(abs, self.system.omega(self.state))))
+
+    def _panel(self, first: float, last: float) -> float:
+        return PANEL_STEPS * self.setup.step_time
+
+    def _finer(self, times: list[Real], K: MultiprecisionField) -> Pairs:
+        from integrable.motion.certificate import finer
+
+        return finer(self, times, K)
+
+    def _sensitivity_on_torus(self, run: Trajectory) -> Sensitivity | None:
+        return self._variations.resolved(self, run) if self._variations else None
+
+    def _secular(self, times: np.ndarray) -> np.ndarray:
+        from integrable.portrait.growth import growth_of_body
+
+        return growth_of_body(self, times)
 
     @cached_property
     def _variations(self) -> TorusVariations | None:

@@ -14,11 +14,10 @@ from integrable.mumford.motion import MumfordMotion, Start, Vectors, settled_dig
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.run import ROUNDED, Run
 from integrable.phase.ways import Cost, StatesReached, filled, times_in
+from integrable.portrait.state_flow import StateFlow
 from jacobian import RR
 from jacobian.element import Element, FormulaField, Number, Numbers, Real
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
-from jacobian.fields.multiprecision import MultiprecisionField
-from jacobian.fields.protocol import Field
 from jacobian.immutable import at_once, quick_property, read_only, replaced
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
@@ -34,9 +33,7 @@ if TYPE_CHECKING:
     from integrable.mumford.theta_torus import ThetaTorus
     from integrable.phase.enclosure import Enclosure
     from integrable.portrait.differences import Inputs
-    from integrable.portrait.events import Condition
     from integrable.portrait.section import Section
-    from integrable.portrait.sensitivity import Sensitivity
     from integrable.portrait.separated import SeparatedTorus
     from integrable.portrait.spectrum import Spectrum
     from integrable.portrait.torus_portrait import TorusPortrait
@@ -80,22 +77,18 @@ class Path(Run[Point[Any]]):
     ``digits`` are set by :meth:`MumfordFlow.certify`, else None.
     """
 
-    times: np.ndarray
-
     @at_once
     def __init__(self, times: np.ndarray, rows: np.ndarray, way: str = ADDITIONS, estimate: float = ROUNDED) -> None:
         """``rows`` are q and p side by side, shape (N, 2n)."""
         vars(self).update(
-            times=read_only(times), _rows=read_only(rows), way=way, estimate=estimate, error=None, digits=None
+            _times=read_only(times), _rows=read_only(rows), way=way, estimate=estimate, error=None, digits=None
         )
-
-    _arrays = "times", *Run._arrays[1:]
 
     def _state(self, row: int) -> Point:
         return Point(*map(tuple, self._rows[row].reshape(2, -1).tolist()))
 
 
-class MumfordFlow:
+class MumfordFlow(StateFlow[Path]):
     """The motion of one state, returned by ``system.flow(state)``; ``at(times)`` evaluates it."""
 
     _cost = BY_ADDITIONS
@@ -106,6 +99,15 @@ class MumfordFlow:
         self.system = system
         self.start = state
         self.tolerance = tolerance
+
+    def __reduce__(self) -> tuple[type[MumfordFlow], tuple[Any, ...]]:
+        return type(self), (self.system, self.start, self.tolerance)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, MumfordFlow) and self.__reduce__() == other.__reduce__()
+
+    def __hash__(self) -> int:
+        return hash(self.__reduce__())
 
     @quick_property
     def _genus(self) -> int:
@@ -270,22 +272,7 @@ class MumfordFlow:
             times, theta, rotation = crossings(self._separated_in_floats(N, "section"), count, oval, end)
         return Section(self.at(times), theta, rotation)
 
-    def sensitivity(self, times: Numbers) -> Sensitivity:
-        """The derivatives of q and p at the given times with respect to q(0), p(0) and the system's constants and
-        parameters.
-
-        ``matrix`` of the result has shape (N, 2n, 2n + m) for n numbers q and m constants and parameters, in the field
-        of the system, with all its digits relative to the largest element; ``columns`` names the inputs. The start
-        varies within its constraints. A barrier l_i = 0 of a Hénon–Heiles system has no column. Derivatives are
-        difference quotients of 4n + 2m motions in more digits (:mod:`integrable.portrait.differences`). PrecisionLoss
-        if they are much larger than expected, as at far times next to a separatrix.
-        """
-        from integrable.portrait.sensitivity import system_sensitivity
-
-        return system_sensitivity(self, times)
-
     def _inputs(self) -> tuple[Inputs, tuple[str, ...]]:
-        """The numbers on which the motion depends, the sizes of their changes, and their names."""
         from integrable.portrait.differences import Inputs
 
         (q, p), constants, rate = self.start, self.system._varied, self._fastest or 1.0
@@ -300,66 +287,19 @@ class MumfordFlow:
 
     @property
     def _fastest(self) -> float:
-        """The fastest rate of the linearized motion at the start."""
-        floats = self._over(RR)
+        # the fastest rate of the linearized motion at the start
+        floats = self._through(self._numbers, RR)
         return largest_rate([floats.system.linearized(floats.start)])
 
-    def certify(self, times: Numbers, digits: int | None = None) -> Path:
-        """The states of :meth:`at`, each compared with a run at 15 more digits, 30 for RR.
-
-        The Path has ``error``, the larger of the differences in q and in p relative to the largest component of each at
-        that time, and ``digits``, how many decimal digits agree, both of shape (N,). The inputs count as exact, except
-        that q and p are projected onto their constraints. PrecisionLoss where fewer than ``digits`` agree; by default
-        all digits but one of MP(digits), 12 of RR. :meth:`enclosure` has proven bounds.
-        """
-        from integrable.portrait.certificate import Pairs, agreement
-
-        path = self.at(times)
-
-        def finer(times: list[Real], K: MultiprecisionField) -> Pairs:
-            return zip(*self._over(K)._states(times), strict=True)
-
-        states = zip(path.q, path.p, strict=True)
-        error, agreeing = agreement(self.system.field, (path.times, states), finer, digits)
-        return replaced(path, error=error, digits=agreeing)
-
-    def events(self, condition: Condition, start: Number, end: Number, direction: int = 0) -> Path:
-        """The states between two times at which ``condition`` changes sign, in order of time.
-
-        ``condition`` takes q and p, both of shape (N, n), and returns N numbers that depend smoothly on them: ``lambda
-        q, p: q[:, 0]`` finds q_0 = 0. ``direction`` 1 selects zeros at which the condition rises, −1 those at which it
-        falls. Zeros without a change of sign may be missed. ArgumentError for times that don't ascend and values of
-        another shape, PrecisionLoss for a condition that is not smooth, or if floats do not resolve the time;
-        Infeasible for a search of more than ten million panels. (:mod:`integrable.portrait.events`)
-        """
-        from integrable.portrait.events import Watched, event_times
-
-        floats, named = self._over(RR), f"q and p, arrays of shape (N, {self.system.size})"
-        watched = Watched(self.system.field, self._states, floats._states, named, floats._panel)
-        return self.at(event_times(watched, condition, start, end, direction))
-
-    def _states(self, times: Numbers) -> tuple[np.ndarray, np.ndarray]:
-        path = self.at(times)
-        return path.q, path.p
-
     def _panel(self, first: float, last: float) -> float:
-        """The length of a panel of a search for events between two times, in floats.
-
-        It is PANEL_TURN divided by the largest eigenvalue of the linearized motion at PROBES times, or the whole time
-        if that is less.
-        """
+        # PANEL_TURN divided by the largest eigenvalue of the linearized motion at PROBES times, or the whole time
         import numpy as np
 
         states = zip(*self._states(np.linspace(first, last, PROBES)), strict=True)
         fastest = largest_rate([self.system.linearized(Point(*map(tuple, x))) for x in states])
         return float(min(last - first, PANEL_TURN / fastest)) if fastest else last - first
 
-    def _over(self, field: Field) -> Self:
-        """The same motion over another field, to which its numbers are converted."""
-        return self if field == self.system.field else self._through(self._numbers, field)
-
-    def _through(self, numbers: Iterable[Real], field: Field) -> Self:
-        """The motion over ``field`` with ``numbers`` for q, p, and the system's constants and parameters."""
+    def _through(self, numbers: Iterable[Real], field: Any) -> Self:
         n, c, given = self.system.size, len(self.system.constants), tuple(map(field.coerce, numbers))
         q, p, constants, parameters = given[:n], given[n : 2 * n], given[2 * n : 2 * n + c], given[2 * n + c :]
         return type(self)(replaced(self.system, field=field, constants=constants, parameters=parameters), Point(q, p))

@@ -61,6 +61,12 @@ class Run(Record, Generic[One]):
         return replaced(self, **parts)
 
     @property
+    def times(self) -> np.ndarray[Any, Any]:
+        """The times of the states, shape (N,)."""
+        found: Any = self._times
+        return found
+
+    @property
     def q(self) -> np.ndarray[Any, Any]:
         """The first vector of every state, positions or γ, shape (N, n)."""
         return self._rows[:, : self._rows.shape[1] // 2]

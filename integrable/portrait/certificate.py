@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from math import floor, inf
+from typing import Any
 
 import numpy as np
 
 from integrable.moving_point.losses import digits_of
 from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.phase.run import Run
 from jacobian import MP, RR
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss, whole, written
@@ -30,12 +32,12 @@ FLOAT_SLACK = 3
 
 def agreement(
     field: RealField | MultiprecisionField,
-    run: tuple[np.ndarray, Pairs],
+    run: Run[Any],
     finer: Finer,
     digits: int | None,
     unit: Real | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The errors of the states of a ``run``, (times, states), and how many digits of each agree with ``finer``.
+    """The errors of the states of a ``run``, and how many digits of each agree with ``finer``.
 
     An error is relative to the largest component of each vector, or to ``unit`` for the first vector. PrecisionLoss if
     fewer than ``digits`` agree, by default all but one of MP(digits), 12 of RR.
@@ -43,7 +45,7 @@ def agreement(
     own = FLOAT_DIGITS if isinstance(field, RealField) else field.dps
     wanted = own - (FLOAT_SLACK if field == RR else SLACK) if digits is None else digits
     wanted = whole(wanted, "digits", f"{field.name} has 1 to {own} digits that can agree; give an int", 1, own)
-    times, states = run
+    times, states = run.times, zip(run.q, run.p, strict=True)
     more = max(own + WIDER, LEAST)
     K = MP(more)
     # the first run has rounded the given times, and the second run must use the same times

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -12,8 +12,7 @@ from integrable.torus.panels import Panels, distinct, zeros
 from jacobian import RR
 from jacobian.element import Number
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, one_of, shown
-from jacobian.fields.machine import RealField
-from jacobian.fields.multiprecision import Mpf, MultiprecisionField
+from jacobian.fields.multiprecision import Mpf
 
 Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
 VectorsAt = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -36,36 +35,26 @@ MOST_STEPS = 100
 NEAR, SHARP = 0.25, 1e-6
 
 
-class Watched(NamedTuple):
-    """A motion that is searched for events. ``states`` (over ``field``) and ``in_floats`` give its states, which
-    messages call ``named``. ``panel`` maps the ends of an interval of time to the length of a part of the interval in
-    which the motion hardly turns round.
-    """
-
-    field: RealField | MultiprecisionField
-    states: VectorsAt
-    in_floats: VectorsAt
-    named: str
-    panel: Callable[[float, float], float]
-
-
-def event_times(motion: Watched, condition: Condition, start: Number, end: Number, direction: int = 0) -> np.ndarray:
+def event_times(flow: Any, condition: Condition, start: Number, end: Number, direction: int = 0) -> np.ndarray:
     """The times between ``start`` and ``end`` at which ``condition`` changes sign, in order: see
-    :meth:`integrable.mumford.flow.MumfordFlow.events`.
+    :meth:`integrable.portrait.state_flow.StateFlow.events`.
     """
     if not callable(condition):
-        raise ArgumentError(f"condition = {shown(condition)}: give a function of {motion.named}")
-    first, last = (motion.field.coerce(t, name) for t, name in ((start, "start"), (end, "end")))
+        raise ArgumentError(
+            f"condition = {shown(condition)}: give a function of {' and '.join(flow._vectors)}, arrays of shape (N, n)"
+        )
+    floats = flow._over(RR)
+    first, last = (flow.system.field.coerce(t, name) for t, name in ((start, "start"), (end, "end")))
     if not first < last:
         raise ArgumentError(f"start = {shown(start)}, end = {shown(end)}: a time after start is needed")
     direction = one_of(direction, "direction", (-1, 0, 1), "1 for rising zeros, −1 for falling ones, 0 for both")
-    found, length = [], motion.panel(float(first), float(last))
+    found, length = [], floats._panel(float(first), float(last))
     for left, right in _stretches(length, float(first), float(last)):
-        found.append(zeros(Panels(partial(_column, motion.in_floats, condition), left, right, length, TOLERANCE)))
+        found.append(zeros(Panels(partial(_column, floats._states, condition), left, right, length, TOLERANCE)))
     # a zero at the end of a stretch is also found in the next one
     times, slopes, halves = distinct(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
     kept = (direction * slopes >= 0) & (slopes != 0)
-    return _polished(motion, condition, (times[kept], slopes[kept], halves[kept]), first, last)
+    return _polished(flow, condition, (times[kept], slopes[kept], halves[kept]), first, last)
 
 
 def _stretches(length: float, first: float, last: float) -> Iterator[tuple[float, float]]:
@@ -101,23 +90,23 @@ def _values(states: VectorsAt, condition: Condition, times: np.ndarray) -> np.nd
 
 
 def _polished(
-    motion: Watched,
+    flow: Any,
     condition: Condition,
     found: tuple[np.ndarray, np.ndarray, np.ndarray],
     first: float | Mpf,
     last: float | Mpf,
 ) -> np.ndarray:
-    """Refines zeros (times, slopes, half panels) to the precision of the motion, by Newton's method with these slopes,
+    """Refines zeros (times, slopes, half panels) to the precision of the flow, by Newton's method with these slopes,
     and keeps those between ``first`` and ``last``.
     """
-    field, (begin, slopes, halves) = motion.field, found
+    field, (begin, slopes, halves) = flow.system.field, found
     times = np.array([field.coerce(float(t)) for t in begin], dtype=np.float64 if field == RR else object)
     rates = np.array(slopes, dtype=times.dtype)
     before = np.full(len(times), np.inf)
     for _ in range(MOST_STEPS):
         if not len(times):
             return times
-        steps = _values(motion.states, condition, times) / rates
+        steps = _values(flow._states, condition, times) / rates
         sizes = np.abs(steps).astype(float)
         # a zero is accurate to rounding once a step is hardly shorter than the one before
         moving = (sizes < before / 2) & (sizes < NEAR * halves)

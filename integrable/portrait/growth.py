@@ -1,7 +1,11 @@
-"""The secular part of the derivatives of the states x = (γ, M) of a motion, to many digits: t·[ẋ ⊗ α + (Y − σẋ) ⊗ β].
+"""The secular part of the derivatives of the states x of a motion, to many digits.
 
-Y is the field of H2/2 (:mod:`integrable.portrait.variations`), and σ the integral of Y(1/g) over τ with mean 0. For a
-mode F·e^(2πik·θ) of 1/g, σ has the mode F·(k·η)/(k·ν), with the frequencies ν in τ and the rates η below.
+It is tΣX_k ⊗ ∂f_k with the frequencies f_k and the derivatives X_k of x by phases that are linear in t. X_k(t) =
+S(t)X_k(0), where S(t) are the derivatives by the start; X_k(0) changes its own phase and no action.
+
+The phases of a body's divisor are linear in τ. There the part is t·[ẋ ⊗ α + (Y − σẋ) ⊗ β]. Y is the field of H2/2
+(:mod:`integrable.portrait.variations`), and σ the integral of Y(1/g) over τ with mean 0. For a mode F·e^(2πik·θ) of
+1/g, σ has the mode F·(k·η)/(k·ν), with the frequencies ν in τ and the rates η below.
 
 Phases that are linear in t move at the constant rates η = (B0, −A0)/(2D) along Y − σẋ, with A0, B0 and D of
 :mod:`integrable.portrait.ovals`. So the derivatives ∂f_k = f_kα + η_kβ of both frequencies f_k determine α and β.
@@ -9,21 +13,70 @@ Phases that are linear in t move at the constant rates η = (B0, −A0)/(2D) alo
 
 from __future__ import annotations
 
+from math import ceil, log10
 from typing import Any
 
 import numpy as np
 
 from integrable.phase.body import Body
+from integrable.portrait.differences import GUARD, differences
+from integrable.portrait.sensitivity import expected, in_field
 from integrable.torus.long_clock import phases
 from integrable.torus.oval_modes import modes_of_rate
 from integrable.torus.series import LongSeries
+from jacobian import MP
 from jacobian.element import Real
+from jacobian.errors import NotRepresentable
+from jacobian.fields.multiprecision import MultiprecisionField
+from jacobian.linear import pivoted
 from jacobian.numbers.long_reals import BallReals
 
 
-def growth(run: Any, slopes: np.ndarray, digits: int) -> np.ndarray:
-    """The secular part, shape (N, 6, 10), at the times of ``run``, a Trajectory over MP. ``slopes``, shape (2, 10), are
-    the derivatives of both frequencies. PrecisionLoss where the modes of 1/g are too many.
+def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
+    """The secular part at times for a system whose phases are linear in t; its shape is that of the derivatives."""
+    (inputs, _), portrait, (digits, size) = flow._inputs(), flow.portrait, expected(flow, times)
+    # an axis about which a motion turns, and the centre of a lattice, leave numbers of a state without a phase
+    free = 2 * flow.system.size - sum(" = " in name for name in flow.system._constraint_names)
+    if portrait.actions is None or free != 2 * flow._genus:
+        raise NotRepresentable(f"secular: the phases of {flow.system!r} and its actions do not determine a state")
+    start, digits = portrait.angles, digits + ceil(log10(size))
+
+    def numbers_of(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
+        found = flow._through(numbers, K).portrait
+        turned = [(x - y + K.one / 2) % 1 for x, y in zip(found.angles, start, strict=True)]
+        return np.array([turned, found.actions, found.frequencies], dtype=object)
+
+    def states(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
+        return np.hstack(flow._through(numbers, K)._states(times))
+
+    by_start = differences(states, inputs, digits, size)[:, :, : 2 * flow.system.size]
+    angles, actions, slopes = differences(numbers_of, inputs, digits, size)
+    # the least change of the start that changes one phase lies in the constraints
+    change = np.vstack([angles, actions])[:, : 2 * flow.system.size]
+    square = change @ change.T
+    columns = [pivoted([[*row, row[0] * 0 + (i == k)] for i, row in enumerate(square)]) for k in range(len(angles))]
+    moved = by_start @ (change.T @ np.array(columns, dtype=object).T)
+    return in_field(flow.system.field, times[:, None, None] * (moved @ slopes))
+
+
+def growth_of_body(flow: Any, times: np.ndarray) -> np.ndarray:
+    """The secular part at times for a ball or top, shape (N, 6, 10)."""
+    # a motion has two phases unless a point of its divisor is at rest or the ovals have met
+    if flow.portrait.region not in ("low", "high"):
+        raise NotRepresentable("secular: these are derivatives of motions that lie on no torus of dimension two")
+    (inputs, _), (digits, size) = flow._inputs(), expected(flow, times)
+
+    def frequencies(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
+        return np.array([flow._through(numbers, K).portrait.frequencies], dtype=object)
+
+    slopes = differences(frequencies, inputs, digits, size)[0]
+    there = flow._through(flow._numbers, MP(digits + ceil(log10(size)) + GUARD))
+    return in_field(flow.system.field, _growth(there.at(times), slopes, digits))
+
+
+def _growth(run: Any, slopes: np.ndarray, digits: int) -> np.ndarray:
+    """The secular part at the times of ``run``, a Trajectory over MP. ``slopes``, shape (2, 10), are the derivatives of
+    both frequencies. PrecisionLoss where the modes of 1/g are too many.
     """
     body, portrait = run.system.body, run.flow.portrait
     ovals, (f1, f2) = portrait.ovals, portrait.frequencies

@@ -14,24 +14,19 @@ has rank two; the third independent integral changes only shapes.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from functools import cached_property
-from math import ceil, log10
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from integrable.phase.body import Body
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
-from integrable.phase.state import State
-from integrable.portrait.differences import GUARD, Inputs, differences
-from integrable.portrait.growth import growth
+from integrable.portrait.differences import differences
 from integrable.portrait.variations import Variation, gradient
 from integrable.torus.integrals import MOST_COMPILED, periods_of, resolved_samples
 from integrable.torus.series import TorusSeries, spectrum, together
-from jacobian import MP, RR
-from jacobian.element import Numbers, Real
-from jacobian.errors import NotRepresentable
+from jacobian import RR
+from jacobian.element import Numbers
 from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.fields.protocol import Field
 from jacobian.immutable import Record, read_only
@@ -47,8 +42,8 @@ COLUMNS = ("gamma1", "gamma2", "gamma3", "M1", "M2", "M3", "I1", "I2", "I3", "d"
 
 
 class Sensitivity(Record):
-    """The derivatives ∂(γ, M)(t)/∂(γ(0), M(0), I, d) at N times, or ∂(q, p)(t)/∂(q(0), p(0), constants) of a system of
-    any genus. Get one from ``flow.sensitivity(times)``.
+    """The derivatives ∂(γ, M)(t)/∂(γ(0), M(0), I, d) at N times, or ∂(q, p)(t)/∂(q(0), p(0), constants) of another
+    system. Get one from ``flow.sensitivity(times)``.
 
     ``matrix`` has shape (N, 6, 10), or (N, 2n, 2n + m) for m constants: rows γ and M, or q and p. ``columns`` are the
     names of the inputs. The start varies within its constraints: columns of γ(0), q(0) and p(0) are derivatives along
@@ -62,32 +57,26 @@ class Sensitivity(Record):
         matrix: np.ndarray,
         secular: np.ndarray | None,
         way: str,
-        grown: tuple[Any, ...] | None = None,
+        flow: Any = None,
         columns: tuple[str, ...] = COLUMNS,
     ) -> None:
-        """``secular`` is None where it is computed on request: then ``grown`` are the arguments of :func:`_grown`."""
+        """``secular`` is None where ``flow`` computes it on request."""
         self.columns = columns
-        self.times, self.matrix, self._secular, self.way, self._inputs = times, matrix, secular, way, grown
+        self.times, self.matrix, self._secular, self.way, self._flow = times, matrix, secular, way, flow
 
     @cached_property
     def secular(self) -> np.ndarray:
-        """The part of ``matrix`` that grows with t, shape (N, 6, 10), for a ball or a top.
+        """The part of ``matrix`` that grows with t, of the same shape.
 
-        If ``way`` is "differences", its computation needs another motion, and for a ball the modes of 1/g.
-        NotRepresentable where the motion is on no torus of dimension two, PrecisionLoss where the modes are too many.
+        If ``way`` is "differences", its computation needs other motions, and for a ball the modes of 1/g.
+        NotRepresentable where no torus carries the motion, for systems that turn about an axis or as a whole, and where
+        t is not linear in the phases of another system than a body. PrecisionLoss where the modes are too many.
         """
-        if self._secular is not None:
-            return self._secular
-        if self._inputs is None:
-            raise NotRepresentable(
-                "secular: derivatives have separate parts for a ball or top on a torus of dimension two; these are "
-                "differences of motions that lie on none, or of another system"
-            )
-        return read_only(_grown(self.times, *self._inputs))
+        return read_only(self._flow._secular(self.times) if self._secular is None else self._secular)
 
     @cached_property
     def periodic(self) -> np.ndarray:
-        """The bounded part, ``matrix`` minus ``secular``: shape (N, 6, 10)."""
+        """The bounded part, ``matrix`` minus ``secular``."""
         return read_only(self.matrix - self.secular)
 
     def __len__(self) -> int:
@@ -105,75 +94,32 @@ class Sensitivity(Record):
         return f"<Sensitivity at {len(self)} times, by {self.way}>"
 
 
-def sensitivity(flow: Any, times: Numbers) -> Sensitivity:
-    """The sensitivity of a :class:`~integrable.motion.flow.Flow` at times of its field: on its torus where floats and a
-    torus suffice, else by differences of motions in more digits.
+def by_differences(flow: Any, times: Numbers) -> Sensitivity:
+    """The sensitivity at times of the flow's field: on its torus where floats and a torus suffice, else by differences
+    of motions in more digits.
     """
-    run = flow.at(times)
-    variations = flow._variations
-    if variations:
-        found: Sensitivity = variations.at(run.times, run.tau, np.hstack([run.gamma, run.M]))
-        if _lost(flow, run, found.matrix) <= MOST_LOST:
-            return found
-    field, body, state = flow.system.field, flow.system.body, flow.state
-    digits, size = _wanted(field, run.times, float(max(map(abs, flow.system.omega(state)))))
-
-    # a motion has two phases unless a point of its divisor is at rest or the ovals have met
-    parted = flow.portrait.region in ("low", "high")
-
-    def rows(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
-        """Returns γ and M, a row for each time; if ``parted``, a last row holds both frequencies."""
-        there = flow._through(*_body_and_state(numbers, K))
-        states = there.at(run.times)
-        found = np.hstack([states.gamma, states.M])
-        return np.vstack([found, [*there.portrait.frequencies, 0, 0, 0, 0]]) if parted else found
-
-    heavy = min(body.inertia) + body.d
-    sizes = (*[1] * 3, *[max(map(abs, state.vectors[1]))] * 3, *[heavy] * 4)
-    # there is no body with d < 0
-    inputs = Inputs((*state.row, *body.inertia, body.d), sizes, () if body.rolls else (9,))
-    matrix = differences(rows, inputs, digits, size)
-    if not parted:
-        return Sensitivity(run.times, _numbers(field, matrix), None, "differences")
-    slopes = tuple(tuple(row) for row in matrix[-1, :2].tolist())
-    grown = flow, slopes, digits, digits + ceil(log10(size)) + GUARD
-    return Sensitivity(run.times, _numbers(field, matrix[:-1]), None, "differences", grown)
-
-
-def system_sensitivity(flow: Any, times: Numbers) -> Sensitivity:
-    """The sensitivity of a :class:`~integrable.mumford.flow.MumfordFlow` at times of its field, by differences."""
     run, (inputs, names) = flow.at(times), flow._inputs()
-    digits, size = _wanted(flow.system.field, run.times, flow._fastest)
+    found: Sensitivity | None = flow._sensitivity_on_torus(run)
+    if found:
+        return found
+    digits, size = expected(flow, run.times)
 
     def rows(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
         states: np.ndarray = np.hstack(flow._through(numbers, K)._states(run.times))
         return states
 
-    matrix = _numbers(flow.system.field, differences(rows, inputs, digits, size))
-    return Sensitivity(run.times, matrix, None, "differences", columns=names)
+    matrix = in_field(flow.system.field, differences(rows, inputs, digits, size))
+    return Sensitivity(run.times, matrix, None, "differences", flow, names)
 
 
-def _wanted(field: Any, times: np.ndarray, rate: float) -> tuple[int, float]:
-    """The digits of derivatives over a field, and their approximate size if ``rate`` is the rate of turning."""
-    farthest = max((abs(float(t)) for t in times), default=0.0)
-    return ROUNDED_TO_FLOATS if field == RR else field.dps, 1 + 10 * farthest * rate
+def expected(flow: Any, times: np.ndarray) -> tuple[int, float]:
+    """The digits of derivatives over a flow's field, and their approximate size at times."""
+    farthest, field = max((abs(float(t)) for t in times), default=0.0), flow.system.field
+    return ROUNDED_TO_FLOATS if field == RR else field.dps, 1 + 10 * farthest * flow._fastest
 
 
-def _body_and_state(numbers: Iterable[Real], K: MultiprecisionField) -> tuple[Body, State]:
-    """The body and the state with the numbers γ, which is normalized, M, I and d."""
-    g1, g2, g3, m1, m2, m3, i1, i2, i3, d = map(K.coerce, numbers)
-    size = K.sqrt(g1 * g1 + g2 * g2 + g3 * g3)
-    return Body.make((i1, i2, i3), d, K), State((g1 / size, g2 / size, g3 / size), (m1, m2, m3), tilted=True)
-
-
-def _grown(times: np.ndarray, flow: Any, slopes: Sequence[Sequence[Real]], digits: int, wide: int) -> np.ndarray:
-    """The secular part of differences of motions, from the derivatives of the frequencies."""
-    body = flow.system.body
-    there = flow._through(*_body_and_state((*flow.state.row, *body.inertia, body.d), MP(wide)))
-    return _numbers(flow.system.field, growth(there.at(times), np.array(slopes, dtype=object), digits))
-
-
-def _numbers(field: Field, found: np.ndarray) -> np.ndarray:
+def in_field(field: Field, found: np.ndarray) -> np.ndarray:
+    """An array of long numbers in the numbers of RR or MP(digits)."""
     numbers: np.ndarray = np.frompyfunc(field.coerce, 1, 1)(found).astype(float if field == RR else object)
     return numbers
 
@@ -220,6 +166,11 @@ class TorusVariations:
         turning, forced = here.rates()
         rates = np.concatenate([turning[:, :, 1:], forced], axis=2) * here.slowness[:, None, None]
         return np.column_stack([here.lean, rates.reshape(-1, 14)])
+
+    def resolved(self, flow: Any, run: Any) -> Sensitivity | None:
+        """The Sensitivity along a run of the flow; None if it has lost too many digits."""
+        found = self.at(run.times, run.tau, np.hstack([run.gamma, run.M]))
+        return found if _lost(flow, run, found.matrix) <= MOST_LOST else None
 
     def at(self, times: np.ndarray, tau: np.ndarray, rows: np.ndarray) -> Sensitivity:
         """The Sensitivity at ``times`` and ``tau``, where ``rows`` are the states γ and M."""

@@ -24,7 +24,7 @@ class TorusPortrait(Immutable):
     """
 
     def __init__(self, flow: Any) -> None:
-        self.system, self.state, self._kind = flow.system, flow.start, type(flow)
+        self._flow = flow
         signs, actions, *rows = flow._settled_on_torus(_numbers_of)
         self._signs = tuple(1 if x > 0 else -1 for x in signs)
         self.frequencies, self.actions = tuple(x for (x,) in rows), tuple(actions) or None
@@ -45,7 +45,7 @@ class TorusPortrait(Immutable):
         """The phases θ of the points at the start, in turns modulo 1, 0 at the lower ends of ovals. After a time t they
         are θ + ft. NotRepresentable where a point rests.
         """
-        found = self._kind(self.system, self.state)._settled_on_torus(_phases_of)
+        found = self._flow._settled_on_torus(_phases_of)
         return tuple((s * x) % 1 for s, (x,) in zip(self._signs, found, strict=False))
 
     def _repr_html_(self) -> str:

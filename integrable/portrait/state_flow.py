@@ -1,0 +1,130 @@
+"""What the flow of every system answers by the same code: certificates, events and sensitivities."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+
+from jacobian.immutable import replaced
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from integrable.phase.run import Run
+    from integrable.portrait.certificate import Pairs
+    from integrable.portrait.differences import Inputs
+    from integrable.portrait.events import Condition
+    from integrable.portrait.sensitivity import Sensitivity
+    from jacobian.element import Number, Numbers, Real
+    from jacobian.fields.multiprecision import MultiprecisionField
+    from jacobian.fields.protocol import Field
+
+    AnyRun = TypeVar("AnyRun", bound=Run[Any])
+else:
+    AnyRun = TypeVar("AnyRun")
+
+
+class StateFlow(Generic[AnyRun]):
+    """The motion of one state; the base of :class:`integrable.motion.flow.Flow` and
+    :class:`integrable.mumford.flow.MumfordFlow`. A state consists of two vectors: γ and M of a body, or q and p.
+    """
+
+    system: Any
+    _vectors: ClassVar[tuple[str, str]] = ("q", "p")
+    """The names of both vectors, for messages."""
+    _unit: ClassVar[int | None] = None
+    """The size of the first vector, to which its errors are relative; None for its largest component."""
+
+    def at(self, times: Numbers) -> AnyRun:
+        """The states at times."""
+        raise NotImplementedError
+
+    def certify(self, times: Numbers, digits: int | None = None) -> AnyRun:
+        """The states of :meth:`at`, each compared with a run at 15 more digits, 30 for RR.
+
+        The result has ``error``, the larger of the differences in both vectors relative to the largest component of
+        each at that time (of γ: to 1), and ``digits``, how many decimal digits agree, both of shape (N,). The inputs
+        count as exact, except that q and p are projected onto their constraints. PrecisionLoss where fewer than
+        ``digits`` agree; by default all digits but one of MP(digits), 12 of RR. ``certify`` compares two computations;
+        ``enclosure`` has proven bounds.
+        """
+        from integrable.portrait.certificate import agreement
+
+        run = self.at(times)
+        error, agreeing = agreement(self.system.field, run, self._finer, digits, self._unit)
+        return replaced(run, error=error, digits=agreeing)
+
+    def events(self, condition: Condition, start: Number, end: Number, direction: int = 0) -> AnyRun:
+        """The states between two times at which ``condition`` changes sign, in order of time.
+
+        ``condition`` takes both vectors, each of shape (N, n), and returns N numbers that depend smoothly on them:
+        ``lambda q, p: q[:, 0]`` finds q_0 = 0, ``lambda gamma, M: gamma[:, 2]`` finds γ₃ = 0. ``direction`` 1 selects
+        zeros at which the condition rises, −1 those at which it falls. Zeros without a change of sign may be missed.
+        ArgumentError for times that don't ascend and values of another shape, PrecisionLoss for a condition that is not
+        smooth, or if floats do not resolve the time; Infeasible for a search of more than ten million panels.
+        (:mod:`integrable.portrait.events`)
+        """
+        from integrable.portrait.events import event_times
+
+        return self.at(event_times(self, condition, start, end, direction))
+
+    def sensitivity(self, times: Numbers) -> Sensitivity:
+        """The derivatives of the states at the given times with respect to the start and to the constants and
+        parameters of the system, with all digits of the field relative to the largest element.
+
+        ``matrix`` of the result has shape (N, 2n, 2n + m) for m constants; ``columns`` names the inputs. The start
+        varies within its constraints. On the torus of a body the secular and periodic parts are separate. Otherwise
+        derivatives are difference quotients of motions in more digits, two for each input, which take seconds over
+        MP(digits) and next to a separatrix. A barrier l_i = 0 of a Hénon–Heiles system has no column. PrecisionLoss if
+        derivatives are much larger than expected, as at far times next to a separatrix.
+        (:mod:`integrable.portrait.sensitivity`)
+        """
+        from integrable.portrait.sensitivity import by_differences
+
+        return by_differences(self, times)
+
+    # --- for subclasses
+
+    def _states(self, times: Numbers) -> tuple[np.ndarray, np.ndarray]:
+        run = self.at(times)
+        return run.q, run.p
+
+    def _finer(self, times: list[Real], K: MultiprecisionField) -> Pairs:
+        """The states at times to the digits of K."""
+        return zip(*self._over(K)._states(times), strict=True)
+
+    def _over(self, field: Field) -> StateFlow[AnyRun]:
+        """The same motion over another field, to which its numbers are converted."""
+        return self if field == self.system.field else self._through(self._numbers, field)
+
+    @property
+    def _numbers(self) -> tuple[Real, ...]:
+        """The numbers on which the motion depends: first those of its start."""
+        raise NotImplementedError
+
+    def _through(self, numbers: Iterable[Real], field: Any) -> StateFlow[AnyRun]:
+        """The motion over ``field`` with these :attr:`_numbers`."""
+        raise NotImplementedError
+
+    def _inputs(self) -> tuple[Inputs, tuple[str, ...]]:
+        """The numbers, the sizes of their changes, and the names of those that have derivatives."""
+        raise NotImplementedError
+
+    def _sensitivity_on_torus(self, run: AnyRun) -> Sensitivity | None:
+        """The sensitivity at the times of a run in closed form; None if there is none."""
+        return None
+
+    def _secular(self, times: np.ndarray) -> np.ndarray:
+        """The part of the derivatives at times that grows with them."""
+        from integrable.portrait.growth import growth_on_torus
+
+        return growth_on_torus(self, times)
+
+    @property
+    def _fastest(self) -> float:
+        """The approximate fastest rate at which the state changes."""
+        raise NotImplementedError
+
+    def _panel(self, first: float, last: float) -> float:
+        """The length of a part of an interval of time in which the motion hardly turns round, for a flow over RR."""
+        raise NotImplementedError
