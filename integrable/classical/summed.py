@@ -10,7 +10,7 @@ from integrable.mumford.motion import Vectors, settled_digits
 from integrable.mumford.phase_torus import PhaseTorus
 from integrable.phase.enclosure import Enclosure
 from integrable.portrait.separated import SeparatedTorus
-from jacobian.element import Number, Numbers
+from jacobian.element import Number, Real
 from jacobian.errors import ArgumentError, shown
 from jacobian.inexact.long_field import LongField
 
@@ -48,10 +48,5 @@ class SummedFlow(MumfordFlow):
         sine, cosine = gmpy2.sin_cos(turned[0])
         return read(N, [gmpy2.sin_cos(phi / 2) for phi in angles], [(cosine, sine)])
 
-    def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
-        """Raises ArgumentError: the sums over ovals have no proven bounds."""
+    def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:
         raise ArgumentError(f"times = {shown(times)}: the sums of {self.system!r} over ovals have no proven bounds")
-
-    def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> Enclosure:
-        """Raises ArgumentError: the sums over ovals have no proven bounds in τ either."""
-        return self.enclosure(tau, digits)

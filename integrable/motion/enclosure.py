@@ -47,23 +47,19 @@ MOST_PANELS = 100_000
 MOST_DOUBLINGS = 1000
 
 
-def enclosure(body: Body, state: State, times: Sequence[Real], digits: int) -> Enclosure:
-    """Enclosures of the states at physical times."""
-    starts = PreciseFlow(body, state, digits).at(list(times))[0] if body.rolls else times
+def enclosure(body: Body, state: State, times: Sequence[Real], digits: int, in_tau: bool) -> Enclosure:
+    """Enclosures of the states at physical times, or at values of τ."""
     motions = Precisions(partial(BallMotion, body, state, digits), digits)
+    if in_tau:
+        at_tau = [_row(motions, partial(BallMotion.scaled, t=t), _lost(body, state, t)) for t in times]
+        return Enclosure(None if body.rolls else exact_times(times), at_tau)
+    starts = PreciseFlow(body, state, digits).at(list(times))[0] if body.rolls else times
     # all times use the precision of the farthest, so that they share the panels of one motion
     lost, rows = max((_lost(body, state, tau) for tau in starts), default=0), {}
     # the farthest time comes first: it determines the common precision, and the others use its panels
     for i in sorted(range(len(times)), key=lambda i: -abs(times[i])):
         rows[i] = _row(motions, partial(BallMotion.tau_at, t=times[i], guess=starts[i]), lost)
     return Enclosure(exact_times(times), [rows[i] for i in range(len(times))])
-
-
-def enclosure_at_tau(body: Body, state: State, tau: Sequence[Real], digits: int) -> Enclosure:
-    """Enclosures of the states at values of τ."""
-    motions = Precisions(partial(BallMotion, body, state, digits), digits)
-    rows = [_row(motions, partial(BallMotion.scaled, t=t), _lost(body, state, t)) for t in tau]
-    return Enclosure(None if body.rolls else exact_times(tau), rows)
 
 
 def _lost(body: Body, state: State, tau: Real) -> int:

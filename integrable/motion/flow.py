@@ -27,7 +27,7 @@ from integrable.phase.upright import leaning
 from integrable.phase.ways import Way
 from integrable.portrait.state_flow import StateFlow
 from jacobian import RR
-from jacobian.element import Number, Numbers, Real
+from jacobian.element import Number, Real
 from jacobian.errors import ArgumentError, PrecisionLoss, one_of
 from jacobian.immutable import at_once, quick_property, replaced
 from jacobian.numbers.compiler import interpreted
@@ -116,26 +116,10 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
 
         stream(self, path, start, end, count)
 
-    def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
-        """Proven bounds of the states at physical times: balls of radius at most 10^(−digits) that contain them.
-
-        The inputs count as exact; ``digits`` are by default those of the field, 15 for RR. The cost of a time grows
-        with the time; the cost of :meth:`enclosure_at_tau` does not. PrecisionLoss where no such balls were found.
-        (:mod:`integrable.motion.enclosure`)
-        """
+    def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:
         from integrable.motion.enclosure import enclosure
-        from integrable.phase.enclosure import ball_digits
 
-        given = self._checked(times, "times")
-        return enclosure(self.system.body, self.state, list(given), ball_digits(self.system.field, digits))
-
-    def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> Enclosure:
-        """:meth:`enclosure` at values of the flow's own time: a few additions for any τ."""
-        from integrable.motion.enclosure import enclosure_at_tau
-        from integrable.phase.enclosure import ball_digits
-
-        given = self._checked(tau, "tau")
-        return enclosure_at_tau(self.system.body, self.state, list(given), ball_digits(self.system.field, digits))
+        return enclosure(self.system.body, self.state, times, digits, in_tau)
 
     def section(self, count: int, axis: str = "largest") -> BodySection:
         """The next ``count`` crossings of a Poincaré section, in closed form: γ is orthogonal to the axis of the

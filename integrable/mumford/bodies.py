@@ -29,7 +29,7 @@ from integrable.phase.body import Vector, cross
 from integrable.phase.ways import Cost
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import MP, RR, poly
-from jacobian.element import FormulaField, Numbers, Real, Value
+from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.fields.protocol import Field
 from jacobian.numbers.long_reals import BareReals
@@ -80,8 +80,9 @@ class BodyFlow(MumfordFlow):
         self._clocks = {digits: clock}
         return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
 
-    def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
-        """Raises ArgumentError: the series of this clock have no proven bounds; use :meth:`enclosure_at_tau`."""
+    def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:
+        if in_tau:
+            return super()._enclosed(times, digits, in_tau)
         raise ArgumentError(
             f"times = {shown(times)}: the clock of {self.system!r} has no proven bounds; enclosure_at_tau has them, at "
             "values of τ, dt = √s dτ"

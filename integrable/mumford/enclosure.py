@@ -16,7 +16,7 @@ from integrable.moving_point.balls import time_after
 from integrable.mumford.balls import Balls
 from integrable.mumford.motion import Placed, Start
 from integrable.mumford.translations import GroupTranslations, reference
-from integrable.phase.enclosure import Enclosure, Precisions, ball_digits, exact_times, widest
+from integrable.phase.enclosure import Enclosure, Precisions, exact_times, widest
 from jacobian import poly
 from jacobian.element import Real
 from jacobian.inexact.long_field import LongField
@@ -83,18 +83,17 @@ def lost_bits(genus: int, farthest: float) -> int:
     return genus * (OF_GENUS + OF_DOUBLING * max(0, frexp(farthest)[1]))
 
 
-def enclosed_path(flow: Any, times: Sequence[Real], digits: int | None, in_tau: bool = False) -> Enclosure:
+def enclosed_path(flow: Any, times: Sequence[Real], digits: int, in_tau: bool) -> Enclosure:
     """Enclosures of the states of a ``MumfordFlow`` at times, or with ``in_tau`` at values of τ.
 
     ``times`` are elements of the flow's field.
     """
     system = flow.system
-    wanted = ball_digits(system.field, digits)
-    motion = places(flow._place, wanted, system.complex_data)
+    motion = places(flow._place, digits, system.complex_data)
     clocked = system.clocked and not in_tau
     rows: list[Row] = []
     for time in times:
-        guess = flow.tau_near(time, wanted + GUARD) if clocked else None
+        guess = flow.tau_near(time, digits + GUARD) if clocked else None
         farthest = abs(float(time if guess is None else guess))
         (tau, q, p), radius = motion.narrow(partial(_state, flow, time, guess), lost_bits(flow._genus, farthest))
         rows.append((tau, q, p, radius))

@@ -205,26 +205,10 @@ class MumfordFlow(StateFlow[Path]):
         """Whether compiled loops may be used for the motion."""
         return bool(self.system.field == RR and not interpreted())
 
-    def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
-        """Enclosures of the states at times: balls that provably contain them, of relative radius at most 10^(−digits).
-
-        The radius is relative to the largest component of q, or of p, at the start or at that time. The inputs count as
-        exact, except that q and p are projected onto their constraints. ``digits`` defaults to those of the field, 15
-        for RR. A far time costs only more bits. PrecisionLoss if no such balls are found.
-        (:mod:`integrable.mumford.enclosure`)
-        """
+    def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:
         from integrable.mumford.enclosure import enclosed_path
 
-        return enclosed_path(self, times_in(self.system.field, times, "times").tolist(), digits)
-
-    def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> Enclosure:
-        """:meth:`enclosure` at values of τ, in which the motion has the direction ``system.direction``.
-
-        ``times`` of the result is None if t is not linear in τ.
-        """
-        from integrable.mumford.enclosure import enclosed_path
-
-        return enclosed_path(self, times_in(self.system.field, tau, "tau").tolist(), digits, in_tau=True)
+        return enclosed_path(self, times, digits, in_tau)
 
     @cached_property
     def portrait(self) -> TorusPortrait:

@@ -69,7 +69,7 @@ class Section(Record):
         return len(self.theta)
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} of {len(self)} crossings>"
+        return f"<Section of {len(self)} crossings>"
 
 
 class BodySection(Section):
@@ -104,9 +104,6 @@ class BodySection(Section):
 
         columns = (self.tau, self.phi, self.momentum, self.theta)
         return table(repr(self), ["τ", "φ", "M/|M|", "ϑ"], list(zip(*(x.tolist() for x in columns), strict=True)))
-
-    def __repr__(self) -> str:
-        return f"<Section of {len(self)} crossings of axis {self.axis}, {self.run.system!r}>"
 
 
 class Turning(NamedTuple):

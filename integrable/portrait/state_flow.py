@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
+from integrable.phase.enclosure import ball_digits
+from integrable.phase.ways import times_in
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
     import numpy as np
 
+    from integrable.phase.enclosure import Enclosure
     from integrable.phase.run import Run
     from integrable.portrait.certificate import Pairs
     from integrable.portrait.differences import Inputs
@@ -54,6 +57,26 @@ class StateFlow(Generic[AnyRun]):
         error, agreeing = agreement(self.system.field, run, self._finer, digits, self._unit)
         return replaced(run, error=error, digits=agreeing)
 
+    def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
+        """Proven bounds of the states at times: balls of radius at most 10^(−digits) that contain them.
+
+        The radius of γ is relative to 1, that of M to |M|, that of q or p to its largest component at the start or at
+        that time. The inputs count as exact, except that q and p are projected onto their constraints. ``digits``
+        defaults to those of the field, 15 for RR. For a ball the cost grows with the time; otherwise a far time costs
+        only more bits. PrecisionLoss if no such balls are found; ArgumentError if the clock has no bounds.
+        (:mod:`integrable.motion.enclosure`, :mod:`integrable.mumford.enclosure`)
+        """
+        K = self.system.field
+        return self._enclosed(times_in(K, times, "times").tolist(), ball_digits(K, digits), in_tau=False)
+
+    def enclosure_at_tau(self, tau: Numbers, digits: int | None = None) -> Enclosure:
+        """:meth:`enclosure` at values of the flow's own time τ, by a few additions for any τ.
+
+        ``times`` of the result is None if t is not linear in τ.
+        """
+        K = self.system.field
+        return self._enclosed(times_in(K, tau, "tau").tolist(), ball_digits(K, digits), in_tau=True)
+
     def events(self, condition: Condition, start: Number, end: Number, direction: int = 0) -> AnyRun:
         """The states between two times at which ``condition`` changes sign, in order of time.
 
@@ -84,6 +107,10 @@ class StateFlow(Generic[AnyRun]):
         return by_differences(self, times)
 
     # --- for subclasses
+
+    def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:
+        """The enclosure of the states at times, or at values of τ."""
+        raise NotImplementedError
 
     def _states(self, times: Numbers) -> tuple[np.ndarray, np.ndarray]:
         run = self.at(times)
