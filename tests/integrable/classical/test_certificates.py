@@ -40,7 +40,7 @@ def test_the_certified_error_is_the_distance_from_an_integration(name, n, monkey
 
     def late(flow, times):
         delay = "1e-9" if flow.digits == K.dps else 0
-        return replaced(true_at(flow, [t + flow.system.field.coerce(delay) for t in times]), times=np.array(times))
+        return replaced(true_at(flow, [t + flow.system.field.coerce(delay) for t in times]), _times=np.array(times))
 
     monkeypatch.setattr(MumfordFlow, "at", late)
     path = system.flow(state).certify([K.coerce(1.25)], digits=6)
@@ -57,7 +57,7 @@ def test_a_certificate_fails_where_the_run_is_wrong(monkeypatch) -> None:
 
     def late(flow, times):
         late = 1e-5 if flow.system.field == RR else 0
-        return replaced(true_at(flow, [t + late for t in times]), times=np.array(times))
+        return replaced(true_at(flow, [t + late for t in times]), _times=np.array(times))
 
     monkeypatch.setattr(MumfordFlow, "at", late)
     system, state = REAL["neumann"](RR, 2)

@@ -135,7 +135,7 @@ def test_a_pulse_beside_the_separatrix_is_not_passed_over() -> None:
 
 def test_a_condition_and_times_that_are_refused() -> None:
     flow = pendulum(1.0)
-    with pytest.raises(ArgumentError, match=r"condition = 3: give a function of q and p, arrays of shape \(N, 3\)"):
+    with pytest.raises(ArgumentError, match=r"condition = 3: give a function of q and p, arrays of shape \(N, n\)"):
         flow.events(3, 0, 5)
     with pytest.raises(ArgumentError, match=r"start = 5, end = 5: a time after start"):
         flow.events(lambda q, p: q[:, 0], 5, 5)

@@ -182,10 +182,29 @@ def test_inputs_without_derivatives_have_no_columns() -> None:
     assert chain.flow(chain.state((0, 0), (1, 0))).sensitivity([1.0]).columns == ("q0", "q1", "p0", "p1")
 
 
+def test_the_rest_of_the_derivatives_is_periodic() -> None:
+    """In genus 1 the state returns after two turns, and so do the derivatives without their secular part."""
+    system, state = REAL["garnier"](RR, 1)
+    flow = system.flow(state)
+    found = flow.sensitivity([1.0, 1.0 + 600 * flow.portrait.periods[0]])
+    assert abs(found.matrix[1]).max() > 300
+    assert abs(found.periodic[1] - found.periodic[0]).max() < 1e-14 * abs(found.matrix[1]).max()
+    assert np.linalg.matrix_rank(found.secular[1], tol=1e-9) == 1
+
+
+@pytest.mark.parametrize("name", [pytest.param("neumann", marks=pytest.mark.slow), "henon_heiles"])
+def test_the_secular_part_is_what_grows(name) -> None:
+    system, state = REAL[name](RR, 2 if name == "neumann" else 1)
+    found = system.flow(state).sensitivity([1e5 + 7])
+    assert abs(found.matrix).max() > 1e4
+    assert abs(found.periodic).max() < 10
+    assert np.linalg.matrix_rank(found.secular[0] / 1e5, tol=1e-9) == 2
+
+
 def test_what_is_refused_by_name() -> None:
     system, state = REAL["toda"](RR, 2)
     flow = system.flow(state)
-    with pytest.raises(NotRepresentable, match="or of another system"):
+    with pytest.raises(NotRepresentable, match="do not determine a state"):
         _ = flow.sensitivity([1.0]).secular
     with pytest.raises((ArgumentError, FieldError), match="times"):
         flow.sensitivity("soon")

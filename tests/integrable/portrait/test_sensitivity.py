@@ -136,5 +136,5 @@ def test_two_equal_moments_by_differences():
     assert ways == ["differences"]
     assert gaps.max() < 1e-14
     flow = ball.flow(ball.state((0.48, 0.6, 0.64), (0.4, 1.2, 0.3), tilted=True))
-    with pytest.raises(NotRepresentable, match="motions that lie on none"):
+    with pytest.raises(NotRepresentable, match="motions that lie on no torus"):
         _ = flow.sensitivity([1.0]).secular
