@@ -15,7 +15,8 @@ from integrable.ensembles.runs import Runs
 from integrable.files.frame import Column, Frame
 from integrable.files.quantities import Quantity, checked, columns, made_of
 from integrable.motion.refusals import kept_rows
-from integrable.mumford.flow import ADDITIONS, ROUNDED, SERIES, TORUS, MumfordFlow, Path
+from integrable.mumford.flow import ADDITIONS, SERIES, TORUS, MumfordFlow, Path
+from integrable.phase.run import ROUNDED
 from jacobian import RR
 from jacobian.element import Table
 from jacobian.errors import ArgumentError, Infeasible, JacobianError, NotRepresentable, shown
