@@ -26,7 +26,7 @@ from integrable.torus.oval_modes import modes_of_rate
 from integrable.torus.series import LongSeries
 from jacobian import MP
 from jacobian.element import Real
-from jacobian.errors import NotRepresentable
+from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.linear import pivoted
 from jacobian.numbers.long_reals import BallReals
@@ -55,6 +55,8 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
     change = np.vstack([angles, actions])[:, : 2 * flow.system.size]
     square = change @ change.T
     columns = [pivoted([[*row, row[0] * 0 + (i == k)] for i, row in enumerate(square)]) for k in range(len(angles))]
+    if None in columns:
+        raise PrecisionLoss("secular: the phases and the actions of this motion are not independent")
     moved = by_start @ (change.T @ np.array(columns, dtype=object).T)
     return in_field(flow.system.field, times[:, None, None] * (moved @ slopes))
 
