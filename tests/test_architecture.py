@@ -65,7 +65,7 @@ MOVING = [
     "portrait",
 ]
 CALLED_BY_NUMBA = {"unify"}
-WALKS = {"Array", "Row", "walked"}
+WALKS = {"Array", "Row"}
 # imports that lint-imports permits; pyproject.toml gives the reasons
 CONTRACTS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"]
 FACADES = {tuple(edge.split(" -> ")) for contract in CONTRACTS for edge in contract.get("ignore_imports", [])}
@@ -182,7 +182,7 @@ def test_what_is_public_in_a_room_has_one_home(name):
 
 def test_a_class_or_function_of_motions_has_a_name_of_its_own():
     """No two modules of the rooms for motions define a class, function or alias of the same name, except those listed:
-    a walk and its loop, and rows of numbers in compiled loops.
+    arrays and rows of numbers in compiled loops.
     """
     found = defaultdict(list)
     for module in modules():

@@ -13,12 +13,10 @@ import numpy as np
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.scalars import Potential, dot
 from integrable.motion.trajectory import Motion
-from integrable.mumford.flow import Point
 from integrable.phase.body import Body
 from integrable.phase.state import State, onto_constraints
 from integrable.phase.ways import Cost
 from integrable.series.kinds import Formulas, Kind, kind_of
-from integrable.series.near import finished, walked
 from integrable.series.symbols import Symbol
 from jacobian.element import Real
 from jacobian.immutable import replaced
@@ -48,16 +46,6 @@ def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[R
     return right_hand_side
 
 
-class Equations:
-    """The compiled equations of motion of a system for walks, in t if ``physical``, otherwise in τ."""
-
-    size = 3
-
-    def __init__(self, system: Hamiltonian, physical: bool) -> None:
-        self._kind = kind_in(system, physical)
-        self._walk_constants = (*constants_of(system), 0.0)
-
-
 class NearWalk:
     """The :class:`integrable.phase.ways.Way` to states near the start; it takes no longer than ``cost``."""
 
@@ -83,13 +71,12 @@ class NearWalk:
     def walked(self, times: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray] | None:
         """The rows (γ, M) with τ if ``physical``, with t otherwise; None if the walk does not reach all times."""
         system, state = self._motion.system, self._motion.state
-        gamma, M = state.vectors
         # the variable after γ and M is τ, or t if the walk is in τ
-        equations, start = Equations(system, physical), Point(gamma, (*M, 0.0, 0.0, 0.0))
+        kind, given = kind_in(system, physical), (constants_of(system), (*state.row, 0.0, 0.0, 0.0))
         most = self._cost.of(len(times))
-        near = walked(equations, start, times, most)
+        near = kind.walked(*given, times, most)
         if self._cost == BY_STEPS and near.begun:
-            near = finished(equations, start, times, near, most)
+            near = kind.finished(near, *given, times, most)
         if near.lacks(len(times)):
             return None
         states = near.states

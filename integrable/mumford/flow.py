@@ -1,13 +1,13 @@
 """The motion of one state of a system on a Jacobian of any genus, by the fastest method for the given times.
 
-In floats, states near the start are computed by Taylor series (:mod:`integrable.series.near`), and far ones on the
+In floats, states near the start are computed by Taylor series (:mod:`integrable.series.kinds`), and far ones on the
 torus if the motion has one. All others are computed by additions in long numbers (:mod:`integrable.mumford.motion`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import cache, cached_property
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Self
 
 from integrable.mumford.motion import MumfordMotion, Start, Vectors, settled_digits
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from integrable.portrait.separated import SeparatedTorus
     from integrable.portrait.spectrum import Spectrum
     from integrable.portrait.torus_portrait import TorusPortrait
-    from integrable.series.near import Near
+    from integrable.series.kinds import Near
 
 # largest relative difference allowed between states on a torus and states by another method
 RIGHT = 1e-12
@@ -134,7 +134,7 @@ class MumfordFlow(StateFlow[Path]):
 
         Floats are accurate to their last bits, numbers of MP(digits) to their digits; see
         :meth:`integrable.mumford.motion.MumfordMotion.row`. In floats, states near the start are computed by Taylor
-        series (:mod:`integrable.series.near`). Farther ones are computed on the real torus. If its set-up is long
+        series (:mod:`integrable.series.kinds`). Farther ones are computed on the real torus. If its set-up is long
         (genus ≥ 3, or branch points that are not all real), fewer than six times are computed by additions. Repeated
         calls return the same bits, whatever was requested before. ArgumentError for times that are not numbers.
         """
@@ -166,19 +166,27 @@ class MumfordFlow(StateFlow[Path]):
     def _cost_of_additions(self, count: int) -> float:
         return min(self._cost.of(count), LONGEST)
 
-    def _near(self, times: np.ndarray) -> StatesReached:
+    def _near(self, times: np.ndarray) -> StatesReached | None:
         """The states at those times that Taylor series reach sooner than the next way would."""
-        walked, _ = _walks()
-        return self._completed(walked(self.system, self.start, times, self._budget(len(times)), self.tolerance), times)
+        kind = self.system._kind
+        if kind is None:
+            return None
+        near = kind.walked(*self._walk_given, times, self._budget(len(times)), self.tolerance)
+        return self._completed(near, times)
 
     def _completed(self, near: Near, times: np.ndarray) -> StatesReached:
         """The states in ``near``, and those that finer steps reach sooner than the next way would."""
-        _, finished = _walks()
-        if near.lacks(len(times)) and self._genus > 2:
-            near = finished(self.system, self.start, times, near, SHARE_OF_FINEST * self._budget(len(times)))
-        if near.lacks(len(times)) and self._torus_for(len(times)) is None:
-            near = finished(self.system, self.start, times, near, self._cost_of_additions(len(times)))
+        kind, count = self.system._kind, len(times)
+        if near.lacks(count) and self._genus > 2:
+            near = kind.finished(near, *self._walk_given, times, SHARE_OF_FINEST * self._budget(count))
+        if near.lacks(count) and self._torus_for(count) is None:
+            near = kind.finished(near, *self._walk_given, times, self._cost_of_additions(count))
         return StatesReached(SERIES, near.states, near.places, near.error)
+
+    @property
+    def _walk_given(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """The constants and parameters of the system, and the start."""
+        return self.system._walk_constants, (*self.start.q, *self.start.p)
 
     def _on_torus(self, times: np.ndarray) -> StatesReached | None:
         torus = self._torus_for(len(times))
@@ -445,11 +453,12 @@ class MumfordFlow(StateFlow[Path]):
             gaps = np.abs(self._read(torus, times) - true).max(axis=2)
         return bool((gaps <= RIGHT * np.abs(true).max(axis=2)).all())
 
-    def _walked(self, times: np.ndarray) -> StatesReached:
+    def _walked(self, times: np.ndarray) -> StatesReached | None:
         """The states at those times that Taylor series reach sooner than additions would."""
-        walked, finished = _walks()
-        most = self._cost_of_additions(len(times))
-        near = finished(self.system, self.start, times, walked(self.system, self.start, times, most), most)
+        kind, given, most = self.system._kind, self._walk_given, self._cost_of_additions(len(times))
+        if kind is None:
+            return None
+        near = kind.finished(kind.walked(*given, times, most), *given, times, most)
         return StatesReached(SERIES, near.states, near.places)
 
     def _read(self, torus: Any, times: np.ndarray) -> np.ndarray:
@@ -476,14 +485,6 @@ def largest_rate(matrices: Sequence[np.ndarray]) -> float:
     import numpy as np
 
     return float(np.abs(np.linalg.eigvals(matrices)).max())
-
-
-@cache
-def _walks() -> tuple[Callable[..., Near], Callable[..., Near]]:
-    """The functions ``walked`` and ``finished``, imported on first use because their module loads LLVM."""
-    from integrable.series.near import finished, walked
-
-    return walked, finished
 
 
 def long_digits(K: Any) -> int:

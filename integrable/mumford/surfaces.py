@@ -33,9 +33,9 @@ class SurfaceSystem(MumfordSystem):
         return values
 
     def _constraint_sizes(self, state: Point) -> list[Real]:
-        q, p = (tuple(map(abs, part)) for part in state)
-        widest, fastest = max(q), max(p)
-        size, other = (sum(map(abs, self._normal(self.numbers, part))) for part in (q, p))
+        (q, p), N = state, self.numbers
+        widest, fastest = max(map(abs, q)), max(map(abs, p))
+        size, other = sum(map(abs, self._normal(N, q))), sum(map(abs, self._normal(N, p)))
         return [2 * widest * size, widest * other + fastest * size, 0][: len(self._constraint_names)]
 
     def _constrained(self, N: FormulaField, state: Point) -> Point:

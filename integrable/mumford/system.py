@@ -46,6 +46,8 @@ if TYPE_CHECKING:
 
 # a constraint may be off by OFF times the effect of a change in the last digits of q and p
 OFF = 2.0**24
+# formulas stay in the range of floats for |q| and |p| below LARGE and constants that are 0 or from 1/LARGE to LARGE
+LARGE = 1e9
 # smallest tolerance that plain steps in floats can meet
 LEAST = 2.0**-50
 
@@ -353,10 +355,10 @@ class MumfordSystem(Made):
             # the equations call a function that cannot be recorded
             return None
 
-    @quick_property
+    @property
     def _walk_constants(self) -> tuple[float, ...]:
         """The constants and parameters of a system in floats; a final 0 keeps the tuple from being empty."""
-        return tuple(map(float, (*self.constants, *self.parameters, 0)))
+        return *map(float, self.constants), *map(float, self.parameters), 0.0
 
     def flow(self, state: Point, tolerance: float | None = None) -> MumfordFlow:
         """The motion of a state over RR or MP(digits), at any times.
@@ -371,17 +373,14 @@ class MumfordSystem(Made):
     def _check_range(self, state: Point) -> None:
         """Checks a state as :meth:`_check` does; raises PrecisionLoss if the formulas exceed the range of floats."""
         self._check(state)
-        size = self._ordinary_size
-        if not (self._ordinary_constants and max(map(abs, (*state.q, *state.p))) < size):
-            self.spectral(state)
+        if self.field == RR and max(map(abs, (*state.q, *state.p))) < self._ordinary_size:
+            sizes = [abs(x) for x in (1.0, *self.constants, *self.parameters) if x]
+            if min(sizes) > 1 / LARGE and max(sizes) < LARGE:
+                return
+        self.spectral(state)
 
-    _ordinary_size = 1e9
-    """Largest |q|, |p| for which formulas stay in the range of floats, given constants between 1e-9 and 1e9."""
-
-    @quick_property
-    def _ordinary_constants(self) -> bool:
-        sizes = [abs(x) for x in (*self.constants, *self.parameters) if x]
-        return self.field == RR and (not sizes or bool(min(sizes) > 1e-9 and max(sizes) < 1e9))
+    _ordinary_size = LARGE
+    """Bound on |q| and |p| below which formulas stay in the range of floats."""
 
     def _tolerance(self, tolerance: float | None) -> float | None:
         if tolerance is None:

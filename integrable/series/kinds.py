@@ -18,7 +18,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from integrable.series.room import WALKS, Orders, Room
-from integrable.series.steps import Reached, ReachedByMany, Steps, bounds_of, inverses, step_cost
+from integrable.series.steps import (
+    FINEST,
+    SPARE,
+    Reached,
+    ReachedByMany,
+    Steps,
+    bounds_of,
+    inverses,
+    step_cost,
+    steps_for,
+)
 from integrable.series.symbols import SymbolField
 from integrable.series.tape import Tape, recorded
 from integrable.series.walk import WRONG, Bounds, Codes, Layout, Many, Outputs, Slots
@@ -50,6 +60,24 @@ class Formulas(NamedTuple):
     shown: int
     variables: int
     half: int
+
+
+class Near(NamedTuple):
+    """The states at those times that were reached, of shape (N, parts, n): q, p and any further parts.
+
+    ``error`` estimates the largest error, relative to the largest component of q, or of p. ``places`` are the indices
+    of the times, None for all times in order. ``begun`` is False if the last walk took no step, as the farthest time is
+    beyond its reach; finer steps, each of which costs more, would not reach it either.
+    """
+
+    places: np.ndarray | None
+    states: np.ndarray
+    error: float
+    begun: bool = True
+
+    def lacks(self, count: int) -> bool:
+        """Whether some of ``count`` times were not reached."""
+        return self.places is not None and len(self.places) < count
 
 
 class Kind:
@@ -90,14 +118,94 @@ class Kind:
                 kept.keep(folder, name, machine.name(), found)
         return Compiled(room, self.count, self.half, machine.loaded(found.code, ENTRIES))
 
+    def walked(
+        self,
+        constants: Sequence[float],
+        state: Sequence[float],
+        times: np.ndarray,
+        most: float,
+        tolerance: float | None = None,
+    ) -> Near:
+        """The states at those times that are reached within about ``most`` microseconds.
 
-# the 64-bit words that all calls with the same steps share: codes, bounds, units with their length, half, parts, order,
-# highs, wide, spare, apart, lanes
-FIXED = struct.Struct("=5q10dQq8q")
-# the words of one call: constants and state with their lengths, the number of steps, then room, times, found, both and
-# marks, each with its length. BACK are the words of its result
-WORDS, BACK = struct.Struct("=QqQqd" + "Qq" * 5), struct.Struct("=qqdq")
+        Where coarse steps miss the tolerance, states are computed again with steps accurate to the last bits of floats.
+        """
+        found = None
+        for steps in steps_for(tolerance):
+            walk = self.walk(steps.orders) if len(times) else None
+            if walk is None:
+                break
+            if found is None or not len(found.states):
+                # times are mostly in order, so all of them are tried in one walk first
+                first = walk(constants, state, times, steps, most / walk.step_cost)
+                if first.reached == len(times) and first.wrong is None:
+                    return Near(None, first.states, SPARE * first.gap)
+                if first.reached >= 0:
+                    found = _right(first, np.arange(len(times)), steps)
+                    continue
+            found = self._completed(found or self._nothing(), constants, state, times, steps, most)
+        return found or self._nothing()
+
+    def finished(
+        self, near: Near, constants: Sequence[float], state: Sequence[float], times: np.ndarray, most: float
+    ) -> Near:
+        """Adds the states at the remaining times to ``near``, computed by finer steps with more guard digits."""
+        return self._completed(near, constants, state, times, FINEST, most)
+
+    def _completed(
+        self,
+        near: Near,
+        constants: Sequence[float],
+        state: Sequence[float],
+        times: np.ndarray,
+        steps: Steps,
+        most: float,
+    ) -> Near:
+        """Adds to ``near`` the states at remaining times that ``steps`` reach; times have either sign and any order."""
+        if near.places is None or not near.lacks(len(times)):
+            return near
+        walk = self.walk(steps.orders)
+        if walk is None:
+            return near
+        left, found = np.setdiff1d(np.arange(len(times)), near.places), [near]
+        for ahead in (times[left] >= 0, times[left] < 0):
+            order = left[ahead]
+            order = order[np.argsort(np.abs(times[order]), kind="stable")]
+            if len(order):
+                reached = walk(constants, state, times[order], steps, most / walk.step_cost)
+                found.append(_right(reached, order, steps))
+        places, states = np.concatenate([x.places for x in found]), np.concatenate([x.states for x in found])
+        return Near(places, states, max(x.error for x in found), any(x.begun for x in found[1:]))
+
+    def _nothing(self) -> Near:
+        return Near(np.empty(0, dtype=np.int64), np.empty((0, self.count // self.half, self.half)), 0.0)
+
+
+def _right(found: Reached, order: np.ndarray, steps: Steps) -> Near:
+    """The states that a walk reached and did not mark as wrong; ``order`` are the indices of its times."""
+    count, error, begun = max(found.reached, 0), SPARE * min(found.gap, steps.agreed), found.steps > 0
+    right = slice(None) if found.wrong is None else ~found.wrong
+    return Near(order[:count][right], found.states[:count][right], error, begun)
+
+
+# the 64-bit words of a call. SHARED are those of all calls with the same steps: codes, bounds, units with their length,
+# half, parts, order, highs, wide, spare, apart, lanes. WORKING are the addresses and lengths of the working memory: constants,
+# state, room, both and marks. CALL are the times, the states found, and the number of steps. BACK are the results
+SHARED, WORKING, CALL, BACK = map(struct.Struct, ("=5q10dQq8q", "=" + "Qq" * 5, "=QqQqd", "=qqdq"))
+ASKED = SHARED.size + WORKING.size
+RESULT = ASKED + CALL.size
+# walks to at most this many times keep their working memory for later walks
+KEPT_TIMES = 512
 from_buffer: Any = c_char.from_buffer
+
+
+class Working(NamedTuple):
+    """The memory of a walk and its address, the form of its constants and state, and the position of its marks."""
+
+    memory: bytearray
+    base: int
+    numbers: struct.Struct
+    marks: int
 
 
 class Compiled:
@@ -116,33 +224,47 @@ class Compiled:
         self.layout = Layout(self.units, *sizes)
         self._layout_words = self.units.ctypes.data, len(self.units), *sizes
         self._walked = LIBRARY.walked.entry.call
-        self._fixed: dict[Steps, bytes] = {}
+        self._shared: dict[Steps, bytes] = {}
+        self._kept: list[Working] = []
 
     def __call__(
         self, constants: Sequence[float], state: Sequence[float], times: np.ndarray, steps: Steps, most: float
     ) -> Reached:
         """The states at times of one sign in ascending size; for times in another order the number reached is −1."""
-        fixed = self._fixed.get(steps) or self._fixed.setdefault(steps, self._fixed_words(steps))
-        count, known, width = len(times), len(constants), self._count
-        found, both = np.empty((count, *self._shape)), 4 * count * width
-        floats = FIXED.size + WORDS.size + BACK.size
-        first = floats + 8 * (known + width) + LINE
-        memory = bytearray(first + 8 * (self.size + both + count))
-        memory[: FIXED.size] = fixed
-        base = addressof(from_buffer(memory))
-        struct.pack_into(f"={known + width}d", memory, floats, *constants, *state)
-        room = base + first
-        room -= room % LINE
-        behind = room + 8 * self.size
-        marks = behind + 8 * both
-        WORDS.pack_into(
-            memory, FIXED.size, base + floats, known, base + floats + 8 * known, width, most, room, self.size,
-            addressof(from_buffer(times)), count, addressof(from_buffer(found)), found.size, behind, both, marks, count,
-        )  # fmt: skip
+        count, found = len(times), np.empty((len(times), *self._shape))
+        try:
+            working = self._kept.pop() if count <= KEPT_TIMES else self._working(len(constants), count)
+        except IndexError:
+            working = self._working(len(constants), KEPT_TIMES)
+        memory, base, numbers, marks = working
+        shared = self._shared.get(steps) or self._shared.setdefault(steps, self._shared_words(steps))
+        memory[: SHARED.size] = shared
+        numbers.pack_into(memory, RESULT + BACK.size, *constants, *state)
+        CALL.pack_into(
+            memory, ASKED, addressof(from_buffer(times)), count, addressof(from_buffer(found)), found.size, most
+        )
         self._walked(base)
-        reached, wrong, gap, done = BACK.unpack_from(memory, FIXED.size + WORDS.size)
-        off = np.frombuffer(memory, count=reached, offset=marks - base) == WRONG if wrong and reached else None
+        reached, wrong, gap, done = BACK.unpack_from(memory, RESULT)
+        off = np.frombuffer(memory, count=reached, offset=marks) == WRONG if wrong and reached else None
+        if count <= KEPT_TIMES:
+            self._kept.append(working)
         return Reached(reached, found, off, gap, done)
+
+    def _working(self, known: int, count: int) -> Working:
+        """The working memory of a walk from ``known`` constants to ``count`` times."""
+        numbers, compared = struct.Struct(f"={known + self._count}d"), 4 * count * self._count
+        here = RESULT + BACK.size
+        memory = bytearray(here + numbers.size + LINE + 8 * (self.size + compared + count))
+        base = addressof(from_buffer(memory))
+        room = here + numbers.size
+        room += -(base + room) % LINE
+        both = room + 8 * self.size
+        marks = both + 8 * compared
+        WORKING.pack_into(
+            memory, SHARED.size, base + here, known, base + here + 8 * known, self._count, base + room, self.size,
+            base + both, compared, base + marks, count,
+        )  # fmt: skip
+        return Working(memory, base, numbers, marks)
 
     def of_many(self, many: Many, times: np.ndarray, steps: Steps) -> ReachedByMany:
         """The states of K motions, each at its own times, as :meth:`__call__` returns them for each."""
@@ -153,14 +275,14 @@ class Compiled:
         found, marks, results = np.empty((len(times), *self._shape)), np.empty(len(times)), np.empty((count, 4))
         both, room = np.empty(slots * 2 * WALKS * width * longest), np.zeros(self.size + LINE // 8)
         room = room[-room.ctypes.data % LINE // 8 :]
-        outputs = Outputs(times, found.reshape(-1), both, marks)
+        outputs = Outputs(both, marks, times, found.reshape(-1))
         at_work = Slots(np.full(slots, -1), np.zeros(8 * slots, dtype=np.int64), np.zeros(4 * slots))
         walk = self.codes, Bounds(*bounds_of(steps)), self.layout
         LIBRARY.walked_abreast(*walk, many, room, outputs, at_work, results.reshape(-1))
         return ReachedByMany(results, found, marks == WRONG)
 
-    def _fixed_words(self, steps: Steps) -> bytes:
-        return FIXED.pack(*self.codes, *bounds_of(steps), *self._layout_words)
+    def _shared_words(self, steps: Steps) -> bytes:
+        return SHARED.pack(*self.codes, *bounds_of(steps), *self._layout_words)
 
 
 _KINDS: dict[Hashable, Kind | None] = {}

@@ -1,6 +1,6 @@
 """States of many motions of a system near their starts, whose walks run together as lanes of one vector.
 
-Every motion has the states that :func:`integrable.series.near.walked` finds for it alone, to the bit.
+Every motion has the states that :meth:`integrable.series.kinds.Kind.walked` finds for it alone, to the bit.
 """
 
 from __future__ import annotations
@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from integrable.series.kinds import Kind
-from integrable.series.near import Near
+from integrable.series.kinds import Kind, Near
 from integrable.series.room import WIDEST
 from integrable.series.steps import SPARE, Steps, steps_for
 from integrable.series.walk import FARTHEST, Many
@@ -19,7 +18,7 @@ from integrable.series.walk import FARTHEST, Many
 
 class NearMany(NamedTuple):
     """The states of K motions at N times, shape (K, N, parts, n), which of these were reached, and the estimates of
-    their errors, as in :class:`integrable.series.near.Near`.
+    their errors, as in :class:`integrable.series.kinds.Near`.
     """
 
     states: np.ndarray

@@ -90,24 +90,23 @@ class Layout(NamedTuple):
 
 
 class Given(NamedTuple):
-    """Constants and a state in floats; ``most`` is the largest number of steps, estimated from those taken."""
+    """The constants of a system and a state, in floats."""
 
     constants: Array
     state: Array
-    most: float
 
 
 class Outputs(NamedTuple):
-    """The output times, the states ``found`` at them, and those of both walks at the times that are compared.
+    """The states of both walks at the times that are compared, the output times, and the states ``found`` at them.
 
     ``both`` has a row of high and low parts for each walk and time. ``marks`` is WRONG for wrong rows, COMPARED for
     compared rows that are right, and 0 for all others.
     """
 
-    times: Array
-    found: Array
     both: Array
     marks: Array
+    times: Array
+    found: Array
 
 
 class Compared(NamedTuple):
@@ -150,7 +149,7 @@ class Course(NamedTuple):
 
 class Many(NamedTuple):
     """The states of K motions with the same constants. ``ends`` are the indices of their first times, then the number
-    of all times. ``most`` is as in :class:`Given`.
+    of all times. ``most`` are their largest numbers of steps.
     """
 
     constants: Array
@@ -170,17 +169,17 @@ class Slots(NamedTuple):
 
 
 def walked(
-    codes: Codes, bounds: Bounds, layout: Layout, given: Given, room: Array, outputs: Outputs
+    codes: Codes, bounds: Bounds, layout: Layout, given: Given, room: Array, outputs: Outputs, most: float
 ) -> tuple[int, int, float, int]:
     """The number of times reached, how many comparisons failed, the largest difference, and the number of steps.
 
-    The difference is that of the two walks, relative to the largest component of q, or of p. Times must be of one sign
-    and ascend in size; otherwise the first number is −1.
+    ``most`` is the largest number of steps, by estimate. The difference is that of the two walks, relative to the
+    largest component of q, or of p. Times must be of one sign and ascend in size; otherwise the first number is −1.
     """
     course = begun(codes, bounds, layout, given, room, 0, outputs)
     goes = course.limit > 0
     while goes:
-        course, goes = onward(codes, bounds, layout, given.most, room, 0, course, outputs)
+        course, goes = onward(codes, bounds, layout, most, room, 0, course, outputs)
         if goes:
             all_moved(codes, room)
     return course.seen.rows, course.seen.wrong, course.seen.gap, course.steps
@@ -206,7 +205,7 @@ def walked_abreast(
                 own, given = of_member(layout, many, member, slot, outputs), given_of(layout, many, member)
                 course = begun(codes, bounds, layout, given, room, lane, own)
                 if course.limit > 0:
-                    course, goes = onward(codes, bounds, layout, given.most, room, lane, course, own)
+                    course, goes = onward(codes, bounds, layout, many.most[member], room, lane, course, own)
                 put_result(found, member, course)
             slots.members[slot] = member if goes else -1
             put_course(slots, slot, course)
@@ -218,7 +217,7 @@ def walked_abreast(
 def given_of(layout: Layout, many: Many, member: int) -> Given:
     """The constants and the state of a motion."""
     width = layout.parts * layout.half
-    return Given(many.constants, many.states[member * width : (member + 1) * width], many.most[member])
+    return Given(many.constants, many.states[member * width : (member + 1) * width])
 
 
 def of_member(layout: Layout, many: Many, member: int, slot: int, outputs: Outputs) -> Outputs:
@@ -226,7 +225,8 @@ def of_member(layout: Layout, many: Many, member: int, slot: int, outputs: Outpu
     width, begin, end = layout.parts * layout.half, many.ends[member], many.ends[member + 1]
     share = len(outputs.both) // (layout.lanes // WALKS)
     both = outputs.both[slot * share : slot * share + 2 * WALKS * width * (end - begin)]
-    return Outputs(outputs.times[begin:end], outputs.found[begin * width : end * width], both, outputs.marks[begin:end])
+    times, found = outputs.times[begin:end], outputs.found[begin * width : end * width]
+    return Outputs(both, outputs.marks[begin:end], times, found)
 
 
 def put_result(found: Array, member: int, course: Course) -> None:

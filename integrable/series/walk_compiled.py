@@ -14,7 +14,7 @@ from jacobian.native.special import SPECIAL
 CODES = record(Codes, *[INT] * 5)
 BOUNDS = record(Bounds, *[FLOAT] * 10)
 LAYOUT = record(Layout, FLOATS, *[INT] * 8)
-GIVEN = record(Given, FLOATS, FLOATS, FLOAT)
+GIVEN = record(Given, FLOATS, FLOATS)
 MANY = record(Many, FLOATS, FLOATS, INTS, FLOATS)
 SLOTS = record(Slots, INTS, INTS, FLOATS)
 OUTPUTS = record(Outputs, *[FLOATS] * 4)
@@ -63,7 +63,7 @@ WALK = CODES, BOUNDS, LAYOUT
 LIBRARY = Library(
     "walk",
     {
-        "walked": (walked, (*WALK, GIVEN, FLOATS, OUTPUTS)),
+        "walked": (walked, (*WALK, GIVEN, FLOATS, OUTPUTS, FLOAT)),
         "walked_abreast": (walked_abreast, (*WALK, MANY, FLOATS, OUTPUTS, SLOTS, FLOATS)),
     },
     SPECIAL | NUMBERS | STRAIGHT,

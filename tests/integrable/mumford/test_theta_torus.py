@@ -16,7 +16,6 @@ from integrable.mumford.bodies import BodyFlow
 from integrable.mumford.branch_points import PairModel, long_roots, opened, without_root
 from integrable.mumford.flow import TIMES_TO_THETA
 from integrable.mumford.theta_torus import ThetaTorus, sums_at
-from integrable.series.near import walked
 from integrable.torus.loops import CompiledLoops
 from integrable.torus.theta_series import half_turn, theta, theta_lifts, theta_sums
 from jacobian import MP, HyperellipticCurve, PrecisionLoss
@@ -288,7 +287,8 @@ def test_series_confirm_the_torus_of_very_unequal_moments(monkeypatch):
     state = system.state(gamma, (342.9930926679658, -0.0010356803675919657, 0.000627429186422798))
     monkeypatch.delattr(BodyFlow, "_places")
     times = [-7.344171024925524e-08, -8.380193915832079e-07, -2.7884953249485633e-05]
-    far, near = system.flow(state).at([*times, 1.0]), walked(system, state, np.array(times), 1e6)
+    flow = system.flow(state)
+    far, near = flow.at([*times, 1.0]), system._kind.walked(*flow._walk_given, np.array(times), 1e6)
     assert far.way == "series, torus"
     assert abs(far.q[:3] - near.states[:, 0]).max() < 1e-15
     assert abs(far.p[:3] - near.states[:, 1]).max() < 1e-12

@@ -22,7 +22,6 @@ from integrable.classical.veselova import Veselova
 from integrable.mumford.flow import Path, Point
 from integrable.mumford.system import MumfordSystem
 from integrable.series.kinds import Formulas, Kind
-from integrable.series.near import finished, walked
 from integrable.series.recurrences import coefficients, convolved, squared
 from integrable.series.steps import FINE, ROUGH, WIDE
 from integrable.series.tape import CONSTANT, VARIABLE, recorded
@@ -159,7 +158,8 @@ def test_steps_are_short_enough_for_terms_in_floats() -> None:
     system = SphericalPendulum()
     state = system.state((0.48, 0.6, -0.64), (0.75, -0.6, 0))
     times = np.array([100.0, 400.0])
-    near = finished(system, state, times, walked(system, state, times, 3e4), 3e4)
+    kind, given = system._kind, system.flow(state)._walk_given
+    near = kind.finished(kind.walked(*given, times, 3e4), *given, times, 3e4)
     assert list(near.places) == [0, 1]
     expected = by_additions(system, state, times)
     assert_rounded(Path(times, near.states.reshape(2, -1)), expected)
@@ -199,13 +199,13 @@ def test_equations_that_are_no_formula_are_left_to_additions() -> None:
 def test_steps_for_few_of_them_are_right_to_the_last_bits_and_go_no_further() -> None:
     system = Neumann((1, 2, 4))
     state, times = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)), np.linspace(0, 12, 40)
-    walk, given = system._kind.walk(ROUGH.orders), (*state.q, *state.p)
-    found = walk(system._walk_constants, given, times, ROUGH, 1e4)
+    walk, given = system._kind.walk(ROUGH.orders), system.flow(state)._walk_given
+    found = walk(*given, times, ROUGH, 1e4)
     assert found.reached == 40
     assert found.wrong is None
-    true = system._kind.walk(WIDE)(system._walk_constants, given, times, FINE, 1e4)
+    true = system._kind.walk(WIDE)(*given, times, FINE, 1e4)
     assert np.abs(found.states - true.states).max() <= 2.0**-52
-    assert walk(system._walk_constants, given, 100 * times, ROUGH, 1e4).reached == 0
+    assert walk(*given, 100 * times, ROUGH, 1e4).reached == 0
 
 
 def test_walks_that_share_an_error_are_not_taken_for_right() -> None:

@@ -18,7 +18,6 @@ from integrable.classical.veselova import Veselova
 from integrable.mumford.flow import ROUNDED, Point
 from integrable.mumford.system import MumfordSystem
 from integrable.series.kinds import Formulas, Kind
-from integrable.series.near import walked
 from integrable.series.steps import FINE, FINEST, ROUGH, WIDE, bounds_of, steps_for
 from integrable.series.walk import WRONG, Bounds, Codes, Compared, Given, Outputs, compared
 from integrable.series.walk import walked as by_the_readable_loop
@@ -46,10 +45,10 @@ def off(found, true):
 def test_the_compiled_walk_and_the_recurrences_differ_by_rounding_only(name, n) -> None:
     system, state = REAL[name](RR, n)
     times = np.array([7.0, -3.0, 0.0, 0.5, 21.0])
-    near = walked(system, state, times, 3e4)
+    near = system._kind.walked(*system.flow(state)._walk_given, times, 3e4)
     assert sorted(near.places) == [0, 1, 2, 3, 4]
     found = near.states[np.argsort(near.places)]
-    true = states_of(system._kind, system._walk_constants, (*state.q, *state.p), times)
+    true = states_of(system._kind, *system.flow(state)._walk_given, times)
     assert off(found, np.reshape(true, found.shape)) <= 2.0**-52
 
 
@@ -138,6 +137,17 @@ def test_times_that_are_not_in_order_are_not_walked_to() -> None:
         assert walk(np.zeros(1), (1.0, 0.0), np.array(times), FINE, 1e3).reached == -1
 
 
+def test_a_walk_does_not_depend_on_the_walk_before_it() -> None:
+    """Walks share their working memory: one whose coefficients overflow changes no bit of the next."""
+    system, state = REAL["toda"](RR, 2)
+    walk, times = system._kind.walk(WIDE), np.arange(9.0)
+    constants, start = system.flow(state)._walk_given
+    first = walk(constants, start, times, FINE, 1e3)
+    assert walk(constants, [1e200 * x for x in start], times, FINE, 1e3).reached == 0
+    assert np.array_equal(walk(constants, start, times, FINE, 1e3).states, first.states)
+    assert np.array_equal(walk(constants, start, np.arange(513) / 64, FINE, 1e3).states[::64], first.states)
+
+
 def test_the_compiled_loop_is_the_readable_one() -> None:
     system, state = REAL["toda"](RR, 2)
     walk = system._kind.walk(WIDE)
@@ -145,9 +155,9 @@ def test_the_compiled_loop_is_the_readable_one() -> None:
     found = []
     for loop in (by_the_readable_loop, LIBRARY.walked):
         bounds = Bounds(*bounds_of(FINE))
-        asked = Outputs(times, np.empty(5 * 4), np.empty(4 * 5 * 4), np.zeros(5))
-        given = Given(np.zeros(1), np.array([*state.q, *state.p]), 1e3)
-        said = loop(Codes(*walk.codes), bounds, walk.layout, given, np.zeros(walk.size), asked)
+        asked = Outputs(np.empty(4 * 5 * 4), np.zeros(5), times, np.empty(5 * 4))
+        given = Given(np.zeros(1), np.array([*state.q, *state.p]))
+        said = loop(Codes(*walk.codes), bounds, walk.layout, given, np.zeros(walk.size), asked, 1e3)
         found.append(asked.found)
         assert said[0] == 5
         assert said[1] == 0
@@ -158,7 +168,7 @@ def test_the_compiled_loop_is_the_readable_one() -> None:
 def test_rows_that_are_not_compared_are_right_and_wrong_beside_wrong_ones() -> None:
     system, state = REAL["neumann"](RR, 2)
     walk, times = system._kind.walk(ROUGH.orders), np.linspace(0, -1, 61)
-    given = system._walk_constants, (*state.q, *state.p)
+    given = system.flow(state)._walk_given
     found = walk(*given, times, ROUGH, 1e3)
     assert (found.reached, found.wrong) == (61, None)
     true = np.reshape(states_of(system._kind, *given, times), (61, 2, 3))
@@ -167,7 +177,7 @@ def test_rows_that_are_not_compared_are_right_and_wrong_beside_wrong_ones() -> N
     found = walk(*given, times, ROUGH._replace(agreed=1e-30), 1e3)
     assert found.reached == 0
     # rows 2, 5 and 6 are compared, and 5 is wrong: so are its neighbours from row 3 on
-    asked = Outputs(np.arange(1.0, 8.0), np.zeros(14), np.ones(56), np.array([0.0, 0, 1, 0, 0, 1, 1]))
+    asked = Outputs(np.ones(56), np.array([0.0, 0, 1, 0, 0, 1, 1]), np.arange(1.0, 8.0), np.zeros(14))
     asked.both[20] = 1 + 1e-9
     seen = compared(walk.layout._replace(half=1), 1e-12, Compared(0, 0, 0, 0, 0.0), 7, asked)
     assert (seen.rows, seen.wrong, seen.lost, seen.first) == (7, 1, 1, 3)
@@ -227,7 +237,7 @@ def test_long_units_of_time_are_walked_as_far(size) -> None:
     state = system.state((size, 0.0, 0.0), (0.0, 0.6, 0.8))
     one = Ellipsoid((1.0, 2.0, 4.0))
     times = np.linspace(0, 100, 11)
-    near = walked(system, state, size * times, 3e4)
+    near = system._kind.walked(*system.flow(state)._walk_given, size * times, 3e4)
     assert near.places is None
     true = both(one.flow(one.state((1.0, 0.0, 0.0), (0.0, 0.6, 0.8))).at(times))
     assert off(near.states, true * np.array([[size], [1.0]])) < 1e-14
@@ -240,7 +250,7 @@ def test_parts_of_sums_that_cancel_are_made_apart() -> None:
     system = SphericalPendulum()
     state = system.state((0.48, 0.6, -0.64), (0.75, -0.6, 0.0))
     walk = system._kind.walk(FINEST.orders)
-    found = walk(system._walk_constants, (*state.q, *state.p), np.array([100.0, 400.0]), FINEST, 1e5)
+    found = walk(*system.flow(state)._walk_given, np.array([100.0, 400.0]), FINEST, 1e5)
     assert found.reached == 2
     assert found.wrong is None
 
@@ -252,7 +262,7 @@ def test_a_walk_ends_where_its_rows_say_that_the_last_is_lost() -> None:
     system, state = REAL["neumann"](RR, 2)
     steps = steps_for(1e-13)[0]
     walk, times = system._kind.walk(steps.orders), np.linspace(0, 300, 301)
-    given = system._walk_constants, (*state.q, *state.p), times
+    given = *system.flow(state)._walk_given, times
     found, whole = walk(*given, steps, 1e6), walk(*given, steps._replace(agreed=1.0), 1e6)
     assert whole.reached == 301
     assert whole.gap > 4 * steps.agreed
@@ -277,7 +287,7 @@ def test_barriers_of_nothing_are_none() -> None:
     system = HenonHeiles((1.0,), -0.5, -0.25)
     state = system.state((0.05, 0.0), (0.01, 0.02))
     walk, times = system._kind.walk(WIDE), np.linspace(0, 10, 11)
-    found = walk(system._walk_constants, (*state.q, *state.p), times, FINE, 1e4)
+    found = walk(*system.flow(state)._walk_given, times, FINE, 1e4)
     assert (found.reached, found.wrong) == (11, None)
     K = MP(30)
     fine = system.over(K)
@@ -293,7 +303,7 @@ def test_sums_that_cancel_in_the_finest_steps_are_renormalized() -> None:
     q = (0.35583940977738115, 0.23069684990156253, 0.9056253518397004)
     state = system.state(q, (-1.5388736411804946, 17.74826280998231, -3.9164941949594954))
     walk = system._kind.walk(FINEST.orders)
-    given = system._walk_constants, (*state.q, *state.p)
+    given = system.flow(state)._walk_given
     found = walk(*given, np.array([0.001, 0.024]), FINEST, 1e3)
     assert (found.reached, found.wrong) == (2, None)
     true = states_of(system._kind, *given, [0.001, 0.024])
