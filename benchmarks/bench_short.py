@@ -28,8 +28,8 @@ from integrable.scene.file import load_scene
 SCENES = ("chaplygin", "euler_top", "thin_ball", "tilted_ball")
 TIMES, OUTPUTS = (1.0, 10.0, 100.0, 300.0, 1000.0, 3000.0), (1, 101, 2001, 6001)
 # the times at which the costs are measured: few panels and many, and far from the start
-NEAR, FAR, TORUS, DENSE = 1.0, 60.0, 1e4, 100.0
-CONSTANTS = ("panel", "start", "torus set-up", "torus each", "torus dense")
+NEAR, FAR, TORUS = 1.0, 60.0, 1e4
+CONSTANTS = ("panel", "start", "torus set-up", "torus each")
 REPEATS = 15
 Row = dict[str, Any]
 
@@ -81,12 +81,10 @@ def measured_costs(name: str, repeats: int) -> tuple[float, ...]:
         panels = [_panels(name, t) for t in (near, far)]
     panel = (last - first) / (panels[1] - panels[0])
     set_up = 1e6 * least_seconds(lambda: fresh(name, "compiled").at(np.array([TORUS])), min(repeats, 5))
-    flow, rng = fresh(name, "compiled"), np.random.default_rng(1)
-    few, dense = rng.uniform(0, TORUS, 100), np.linspace(0, DENSE, 4 * short.DENSE_FROM)
-    flow.at(few), flow.at(dense)
+    flow, few = fresh(name, "compiled"), np.random.default_rng(1).uniform(0, TORUS, 100)
+    flow.at(few)
     each = 1e6 * least_seconds(lambda: flow.at(few), repeats) / len(few)
-    between = 1e6 * least_seconds(lambda: flow.at(dense), min(repeats, 5)) / len(dense)
-    return panel, first - panel * panels[0], set_up - each, each, between
+    return panel, first - panel * panels[0], set_up - each, each
 
 
 def _panels(name: str, times: np.ndarray) -> int:

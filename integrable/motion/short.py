@@ -26,6 +26,7 @@ from integrable.moving_point.short_rows import (
     new_room,
 )
 from integrable.moving_point.short_start import set_up
+from integrable.phase.ways import Cost
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
 
@@ -38,22 +39,12 @@ if TYPE_CHECKING:
 
 # PANEL_COST is the cost of a panel and START_COST that of the start of a run, in microseconds of compiled code (python
 # -m benchmarks short); only the ratio matters
-PANEL_COST, START_COST = 1.6, 40.0
-
-
-class TorusCost(NamedTuple):
-    """Costs of a torus: of its set-up, of a state at a single time, and of a state at ascending times by panels."""
-
-    set_up: float
-    each: float
-    dense: float
-
-
-# costs in microseconds: FREE for d = 0, where t = τ; ROLLING for d ≠ 0; THIN if the I/(I + d) differ by more than the
-# factor THINNER, since 1/g then has far more Fourier modes
-FREE, ROLLING, THIN = TorusCost(600.0, 0.7, 0.3), TorusCost(1100.0, 3.0, 1.0), TorusCost(2600.0, 6.0, 5.5)
+PANEL_COST, START_COST = 2.4, 50.0
+# costs of a torus in these units: FREE for d = 0, where t = τ; ROLLING for d ≠ 0; THIN if the I/(I + d) differ by more
+# than the factor THINNER, since 1/g then has far more Fourier modes. Interpolation between many states within few turns
+# halves a state's cost, but short runs are cheaper still there
+FREE, ROLLING, THIN = Cost(250, 0.75), Cost(560, 3.2), Cost(2900, 12)
 THINNER = 20.0
-DENSE_FROM = 5000
 # states from panels are less accurate by some roundings than states from a torus, so a single run must be WORTH times
 # cheaper than the torus. For many runs the factor is WORTH_OF_MANY
 WORTH, WORTH_OF_MANY = 2.0, 1.0
@@ -204,17 +195,16 @@ def compiled_run(asked: Asked, times: np.ndarray) -> tuple[int, int, np.ndarray,
     return status, panels, rows.reshape(length, 6), other[0]
 
 
-def torus_cost(least: float, most: float, d: float) -> TorusCost:
+def torus_cost(least: float, most: float, d: float) -> Cost:
     """The cost of a body's torus, estimated from its least and its largest moment."""
     if d == 0:
         return FREE
     return THIN if most * (least + d) > THINNER * least * (most + d) else ROLLING
 
 
-def panels_within(torus: TorusCost, count: int, worth: float = WORTH) -> int:
+def panels_within(torus: Cost, count: int, worth: float = WORTH) -> int:
     """The number of panels, at most MOST_PANELS, that cost 1/``worth`` of a torus and ``count`` states from it."""
-    cost = torus.set_up + count * (torus.each if count < DENSE_FROM else torus.dense)
-    return min(MOST_PANELS, int((cost / worth - START_COST) / PANEL_COST))
+    return min(MOST_PANELS, int((torus.of(count) / worth - START_COST) / PANEL_COST))
 
 
 @cache

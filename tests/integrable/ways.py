@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from integrable.motion.short import ShortRuns
 from integrable.mumford.flow import MumfordFlow, Path
+from integrable.phase.ways import Cost
 from jacobian.errors import PrecisionLoss
 
 
@@ -35,6 +37,13 @@ class Forced:
 def forced(flow: MumfordFlow, way: str) -> Forced:
     """The flow, restricted to one method."""
     return Forced(flow, way)
+
+
+def short_runs(system: Any, state: Any, kernel: str = "auto") -> ShortRuns:
+    """The short runs of a body's motion, of as many panels as are accurate, whatever its torus costs."""
+    runs = ShortRuns(system, state, kernel)
+    runs._cost = Cost(1e9, 0)
+    return runs
 
 
 def has_torus(flow: MumfordFlow) -> bool:

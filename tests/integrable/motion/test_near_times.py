@@ -13,7 +13,7 @@ from integrable.motion.short import ShortRuns
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
 from jacobian import MP, PrecisionLoss
-from tests.integrable.ways import precise_of
+from tests.integrable.ways import precise_of, short_runs
 
 # moments, d, γ, M, tilted, t: in each case the first step or the intermediate steps lose digits
 LOSING = {
@@ -181,7 +181,7 @@ def test_translations_by_many_panels_lead_off_no_level(name) -> None:
     state = ball.state(gamma, M)
     times = t * np.array([0.33, 0.7, 0.9, 1.0])
     true = precise_of(ball.flow(state)).at(times)[0]
-    found = [ShortRuns(ball, state).at(time) for time in times[:, None]]
+    found = [short_runs(ball, state).at(time) for time in times[:, None]]
     assert found[2] is not None
     for row, pair in zip(true, found, strict=True):
         assert pair is None or abs(pair[0][0] - row).max() < 1e-13

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall
-from integrable.motion.short import FREE, ROLLING, THIN, ShortRuns, panels_within, torus_cost
+from integrable.motion.short import FREE, ROLLING, THIN, panels_within, torus_cost
+from tests.integrable.ways import short_runs
 
 
 def test_the_costs_of_a_torus_follow_from_its_clock() -> None:
@@ -31,6 +32,6 @@ def test_the_clock_of_many_panels_has_no_rate_that_rounding_gives_it(inertia, d,
     ball = ChaplyginBall(inertia, d)
     state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     times = np.linspace(0.9, 1, 20) * T
-    found = ShortRuns(ball, state).at(times)
+    found = short_runs(ball, state).at(times)
     assert found is not None
     assert abs(found[0][:, :3] - ball.flow(state, kernel="compiled").at(times).gamma).max() < 5e-15
