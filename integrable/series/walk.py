@@ -35,8 +35,8 @@ UNEVEN, KNOWN, EVEN = 4, 64, 1.25
 # a walk ends after more than MOST_LOST lost rows. A row is lost if it is wrong, or if it is later than 1/KNOWN_FROM of
 # the last time and predicts a difference in the last row above HOPELESS times the allowed one
 MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
-# APART is the time between compared rows in units of the first step; COMPARED and WRONG are values of marks
-APART, COMPARED, WRONG = 0.5, 1.0, 2.0
+# APART is the time between compared rows in units of the present step; the others are values of marks
+APART, UNVISITED, COMPARED, WRONG = 1.0, -1.0, 1.0, 2.0
 
 
 class Codes(NamedTuple):
@@ -99,8 +99,8 @@ class Given(NamedTuple):
 class Outputs(NamedTuple):
     """The states of both walks at the times that are compared, the output times, and the states ``found`` at them.
 
-    ``both`` has a row of high and low parts for each walk and time. ``marks`` is WRONG for wrong rows, COMPARED for
-    compared rows that are right, and 0 for all others.
+    ``both`` has a row of high and low parts for each walk and time. ``marks`` is UNVISITED for rows that no walk has
+    reached, WRONG for wrong rows, COMPARED for compared rows that are right, and 0 for all others.
     """
 
     both: Array
@@ -260,7 +260,8 @@ def begun(
         first = unit * reach(bounds, layout, room, lane)
         if abs(times[len(times) - 1]) <= bounds.farthest * first:
             limit = len(times)
-            put_marks(outputs, APART * first)
+            for row in range(limit):
+                outputs.marks[row] = UNVISITED
     else:
         rows = -1
     return Course(unit, limit, 0, 0.0, 0, 0.0, 0, Compared(rows, 0, 0, 0, 0.0))
@@ -398,32 +399,25 @@ def reach(bounds: Bounds, layout: Layout, room: Array, lane: int) -> float:
     return float(floor(power(min(found, 25.0)) / GRAIN)) * GRAIN if found > -1000 else 0.0
 
 
-def put_marks(outputs: Outputs, apart: float) -> None:
-    """Marks the rows that the walks compare: the last one, and as many others as are needed so that consecutive ones
-    are at most ``apart`` apart in time, or adjacent.
-    """
-    times, last, before = outputs.times, len(outputs.times) - 1, 0.0
-    for row in range(last):
-        outputs.marks[row] = COMPARED if abs(times[row + 1] - before) > apart else 0.0
-        before = times[row] if outputs.marks[row] > 0 else before
-    outputs.marks[last] = COMPARED
-
-
 def put_rows(codes: Codes, layout: Layout, room: Array, at: Place, limit: int, per: float, outputs: Outputs) -> int:
     """Writes the rows that the series of one walk reach, from its next row on; returns the first row beyond. For the
     second walk these are compared rows only. ``per`` is the reciprocal of the unit of time.
     """
     ahead = room[layout.spare : layout.spare + (2 + 2 * layout.parts * layout.half) * TIMES]
     lane, now, step, row = at
-    fitting = TIMES
+    before, fitting = last_compared(outputs, row), TIMES
     while fitting == TIMES:
         fitting, begin = 0, row
         while fitting < TIMES and row < limit:
+            time = outputs.times[row] * per
+            left = time - now
+            if not (step > 0 and abs(left) <= step):
+                break
+            if outputs.marks[row] == UNVISITED:
+                outputs.marks[row] = mark_of(outputs, row, before + APART * step / per)
+            if outputs.marks[row] > 0:
+                before = abs(outputs.times[row])
             if lane % WALKS == 0 or outputs.marks[row] > 0:
-                time = outputs.times[row] * per
-                left = time - now
-                if not (step > 0 and abs(left) <= step):
-                    break
                 # the low part of ``ahead`` is the rounding error of the difference
                 back = left - time
                 ahead[fitting] = left
@@ -437,6 +431,20 @@ def put_rows(codes: Codes, layout: Layout, room: Array, at: Place, limit: int, p
             dense(codes.dense, room, lane, ahead)
             put_states(layout, ahead, lane, begin, fitting, outputs)
     return row
+
+
+def last_compared(outputs: Outputs, row: int) -> float:
+    """The size of the time of the last compared row before ``row``; 0 if there is none."""
+    before = row - 1
+    while before >= 0 and outputs.marks[before] == 0:
+        before -= 1
+    return abs(outputs.times[before]) if before >= 0 else 0.0
+
+
+def mark_of(outputs: Outputs, row: int, farthest: float) -> float:
+    """The mark of a row: it is compared if it is the last row, or if the next one is beyond ``farthest``."""
+    last = row + 1 == len(outputs.times)
+    return COMPARED if last or abs(outputs.times[row + 1]) > farthest else 0.0
 
 
 def put_states(layout: Layout, ahead: Array, lane: int, row: int, fitting: int, outputs: Outputs) -> None:
