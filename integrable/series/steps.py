@@ -46,12 +46,10 @@ FINE, FINEST = Steps(WIDE, 1e-25, 1e-7, 1e1, 1e1, 2.0**-56), Steps(WIDEST, 1e-29
 ROUGH = Steps(Orders(8, 34), 1e-22, 3e-6, 1e1, 1e1, 2.0**-56, 450.0)
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # SHARE (steps in floats) and SHARE_OF_MIDDLE (steps whose first terms are double-doubles) bound truncation errors in
-# units of a tolerance. ROUNDED_IN_MIDDLE bounds the first float term of the latter steps. COARSER and
-# COARSER_IN_MIDDLE multiply the bounds of the second walk: of 3,600 walks of eccentric orbits in a galaxy one had more
-# than twice its estimated error, and 18 did with 10 in place of 30. SPARE is the largest ratio of the error to the
-# difference of the walks
-SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE = 3e-5, 1e-6, 3e-3
-COARSER, COARSER_IN_MIDDLE, SPARE = 30.0, 10.0, 1.5
+# units of a tolerance. ROUNDED_IN_MIDDLE bounds the first float term of the latter steps. COARSER multiplies the bounds
+# of the second walk. SPARE is the largest ratio of the error to the difference of the walks: 6 of 3,600 walks of
+# eccentric orbits in a galaxy had more than twice their estimated error; with 3 in place of 10 there were 22
+SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 3e-5, 1e-6, 3e-3, 10.0, 4.0
 
 
 @cache
@@ -62,8 +60,7 @@ def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
     agreed = tolerance / SPARE
     plain = Steps(PLAIN, tolerance * SHARE, 1.0, COARSER, 1.0, agreed)
     # a walk of some thousand steps in floats loses four more digits than one whose first terms are double-doubles
-    rest = ROUNDED_IN_MIDDLE, COARSER_IN_MIDDLE, COARSER_IN_MIDDLE, agreed
-    return plain, Steps(MIDDLE, tolerance * SHARE_OF_MIDDLE, *rest), FINE
+    return plain, Steps(MIDDLE, tolerance * SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, COARSER, agreed), FINE
 
 
 class Reached(NamedTuple):
