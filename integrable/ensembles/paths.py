@@ -24,8 +24,8 @@ from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
     from integrable.mumford.system import MumfordSystem
+    from integrable.series.kinds import Near
     from integrable.series.many import NearMany
-    from integrable.series.near import Near
 
 # from this number of members on, walks run together: their code takes a second to compile, once per kind of systems and
 # machine. AT_A_TIME members are the unit of work of a thread
