@@ -14,7 +14,7 @@ from operator import mul
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from integrable.moving_point import addition
-from integrable.moving_point.legendre import LegendreSeries, doubling_precisions, gauss_legendre
+from integrable.moving_point.legendre import LegendreSeries, gauss_legendre, place_on
 from integrable.torus.panel_rates import PanelRates, Scouts
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
@@ -40,8 +40,6 @@ LIGHT = 1e-3
 # the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so the start value of τ needs more correct digits
 # than that; Newton's method takes at most END_STEPS steps on the panel
 END_DIGITS, END_STEPS = 12, 12
-# Newton's steps in floats end below NEAR; if the last is below ROUGH, NEAR_BITS bits are right, otherwise ROUGH_BITS
-NEAR, ROUGH, NEAR_BITS, ROUGH_BITS = 1e-14, 1e-10, 40, 16
 
 
 class ClockLimits(NamedTuple):
@@ -176,24 +174,7 @@ class PanelClock(RatePanels):
         series = self._coefficients(cell)
         base = addition.integrate_series(series, -1 + 0 * t)[0]
         target = (t - self._end(cell - 1)) / self._half + base
-        reals, floats, goal = self._setup.reals, [float(c) for c in series[:40]], float(target)
-        x, last = goal / floats[0], inf
-        while last > NEAR:
-            x = max(-1.0, min(1.0, x))
-            angle, rate = addition.integrate_series(floats, x)
-            step = (angle - goal) / rate
-            # steps that no longer decrease are rounding errors of floats
-            if not abs(step) < last:
-                break
-            x, last = x - step, abs(step)
-        place = reals.number(max(-1.0, min(1.0, x)))
-        # a series of more than 40 coefficients is truncated in ``floats``, and gives fewer correct bits
-        known = NEAR_BITS if len(series) <= len(floats) and last < ROUGH else ROUGH_BITS
-        wanted = min(reals.bits, ceil(3.33 * self._digits) + NEAR_BITS)
-        for _ in range(len(doubling_precisions(wanted, known))):
-            angle, rate = addition.integrate_series(series, place)
-            place -= (angle - target) / rate
-        return cell, place
+        return cell, place_on(series, target, self._setup.reals, self._digits)
 
     def _cell(self, t: Real) -> int:
         """The cell in which the clock shows t."""

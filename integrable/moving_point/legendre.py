@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from math import ceil, inf
 from operator import mul
 
 import numpy as np
 
+from integrable.moving_point.addition import integrate_series
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
@@ -15,6 +17,8 @@ from jacobian.numbers.long_reals import BallReals, BareReals
 
 # a function that needs more nodes per digit than this is taken as not smooth on the interval
 MOST_NODES = 20
+# Newton's steps in floats end below NEAR; if the last is below ROUGH, NEAR_BITS bits are right, otherwise ROUGH_BITS
+NEAR, ROUGH, NEAR_BITS, ROUGH_BITS = 1e-14, 1e-10, 40, 16
 
 
 @lru_cache(maxsize=32)
@@ -91,6 +95,28 @@ def gauss_legendre(reals: BareReals, count: int) -> tuple[list[Real], list[Real]
         nodes, weights = (balls.rounded(column, reals) for column in zip(*pairs, strict=True))
     with reals:
         return [-x for x in nodes[: count // 2]] + nodes[::-1], weights[: count // 2] + weights[::-1]
+
+
+def place_on(series: list[Real], target: Real, reals: BareReals, digits: float) -> Real:
+    """The x in [−1, 1] at which the integral from 0 of a positive Legendre series equals ``target``, in bare reals."""
+    floats, goal = [float(c) for c in series[:40]], float(target)
+    x, last = goal / floats[0], inf
+    while last > NEAR:
+        x = max(-1.0, min(1.0, x))
+        angle, rate = integrate_series(floats, x)
+        step = (angle - goal) / rate
+        # steps that no longer decrease are rounding errors of floats
+        if not abs(step) < last:
+            break
+        x, last = x - step, abs(step)
+    place = reals.number(max(-1.0, min(1.0, x)))
+    # a series of more than 40 coefficients is truncated in ``floats``, and gives fewer correct bits
+    known = NEAR_BITS if len(series) <= len(floats) and last < ROUGH else ROUGH_BITS
+    wanted = min(reals.bits, ceil(3.33 * digits) + NEAR_BITS)
+    for _ in range(len(doubling_precisions(wanted, known))):
+        angle, rate = integrate_series(series, place)
+        place -= (angle - target) / rate
+    return place
 
 
 def doubling_precisions(bits: int, known: int) -> list[int]:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from integrable.moving_point.addition import integrate_series
-from integrable.moving_point.legendre import LegendreSeries
+from integrable.moving_point.legendre import LegendreSeries, place_on
 from integrable.torus.lattice import RateCurve
 from integrable.torus.long_clock import MultiprecisionTorusClock
 from jacobian.element import Real
@@ -23,7 +23,6 @@ from jacobian.numbers.long_reals import BareReals
 SPARE = 20
 # a quadrature has at most MOST_PANELS panels in each direction of time, and NODES_A_DIGIT nodes per digit on each
 MOST_PANELS, NODES_A_DIGIT = 64, 2
-MOST_STEPS = 100
 
 
 class Unit(NamedTuple):
@@ -109,14 +108,7 @@ class WalkedClock:
                 raise self._too_far(t)
         series, whole = self._panel(panel)
         target = (t - shown if step > 0 else whole + t - shown) / self._half + integrate_series(series, -1 + 0 * t)[0]
-        x = 0 * t
-        for _ in range(MOST_STEPS):
-            angle, rate = integrate_series(series, x)
-            move = (angle - target) / rate
-            x = max(-1 + 0 * t, min(1 + 0 * t, x - move))
-            if abs(move) <= self._reals.number(10) ** (-self._digits):
-                return self._half * (2 * panel + 1 + x)
-        raise PrecisionLoss("the clock was not inverted: use more digits")
+        return self._half * (2 * panel + 1 + place_on(series, target, self._reals, self._digits))
 
     def _too_far(self, t: Real) -> PrecisionLoss:
         return PrecisionLoss(
