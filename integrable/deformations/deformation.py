@@ -36,9 +36,7 @@ class Deformation(Hamiltonian):
         if self.repels:
             from integrable.deformations.pole_flow import PoleFlow
 
-            # this raises NotRepresentable where the potential is infinite
-            self.integrals(state)
-            return PoleFlow(self, state)
+            return PoleFlow(self, self._checked(state))
         raise ArgumentError(
             f"{self!r}: no separated curves are used with this potential or gyroscopic terms; take "
             "motion_through(state)"

@@ -173,7 +173,9 @@ class DeformedFlow(EnclosedMotion):
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
-        if not self._is_ordinary():
+        # this raises NotRepresentable where the potential is infinite
+        H, K = system.integrals(state)[2:]
+        if not self._is_ordinary(H, K):
             # the curves are made here, so that errors are raised at once
             _ = self._curves
 
@@ -181,12 +183,12 @@ class DeformedFlow(EnclosedMotion):
     def _curves(self) -> RoundedRows:
         return RoundedRows(self.system.field, OnCurves(self.system, self.state, self._carrier), self.method)
 
-    def _is_ordinary(self) -> bool:
+    def _is_ordinary(self, H: Real, K: Real) -> bool:
         """Whether a check in floats proves that the set-up will raise no error."""
-        system, state = self.system, self.state
+        system = self.system
         if system.field != RR or 0 in system.body.differences or min(system.body.contact) < ORDINARY:
             return False
-        H, product = (abs(x) for x in system.eigenvalue_sums(system.integrals(state)))
+        H, product = map(abs, system.eigenvalue_sums(H, K))
         large, size = (H + (H * H + 4 * product) ** 0.5) / 2, self._terms()
         return product > ORDINARY * large * large and large > ORDINARY * size and size < 1 / ORDINARY
 

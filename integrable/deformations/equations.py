@@ -11,21 +11,20 @@ from typing import Any
 import numpy as np
 
 from integrable.deformations.hamiltonian import Hamiltonian
-from integrable.deformations.scalars import Potential, dot
+from integrable.deformations.scalars import dot
 from integrable.motion.trajectory import Motion
-from integrable.phase.body import Body
 from integrable.phase.state import State, onto_constraints
 from integrable.phase.ways import Cost
 from integrable.series.kinds import Formulas, Kind, kind_of
 from integrable.series.symbols import Symbol
+from jacobian import RR
 from jacobian.element import Real
-from jacobian.immutable import replaced
 
 __all__ = ["NearWalk", "right_hand_sides"]
 
 # costs of states in microseconds: by theta functions, without and with repelling poles, and by integration (python -m
 # benchmarks near)
-BY_THETA, BY_THETA_IN_POLES, BY_STEPS = Cost(300, 3), Cost(900, 3), Cost(150_000, 0)
+BY_THETA, BY_THETA_IN_POLES, BY_STEPS = Cost(300, 1), Cost(450, 1), Cost(150_000, 0)
 
 
 def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[Real]], list[Real]]:
@@ -46,33 +45,44 @@ def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[R
     return right_hand_side
 
 
-class NearWalk:
-    """The :class:`integrable.phase.ways.Way` to states near the start; it takes no longer than ``cost``."""
+class Integration:
+    """A :class:`integrable.phase.ways.Way` that integrates the equations of motion, in t or in τ; :meth:`run` is
+    defined by subclasses.
+    """
 
     way = "integrated"
+
+    def run(self, given: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray] | None:
+        """γ and M side by side, shape (N, 6), at the times ``given``, and τ there. Unless ``physical``, ``given`` are
+        values of τ, and t is returned in its place.
+        """
+        raise NotImplementedError
+
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        return self.run(times, True)
+
+    def at_tau(self, tau: np.ndarray) -> np.ndarray | None:
+        found = self.run(tau, False)
+        return None if found is None else found[0]
+
+    def times(self, tau: np.ndarray) -> np.ndarray | None:
+        found = self.run(tau, False)
+        return None if found is None else found[1]
+
+
+class NearWalk(Integration):
+    """The states near the start, by a compiled walk that takes no longer than ``cost``."""
 
     def __init__(self, motion: Motion, cost: Cost) -> None:
         self._motion, self._cost = motion, cost
 
-    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
-        return self.walked(times, True)
-
-    def at_tau(self, tau: np.ndarray) -> np.ndarray | None:
-        """γ and M side by side at values of τ: shape (N, 6)."""
-        found = self.walked(tau, False)
-        return None if found is None else found[0]
-
-    def times(self, tau: np.ndarray) -> np.ndarray | None:
-        """The physical times t(τ) at values of τ: shape (N,)."""
-        found = self.walked(tau, False)
-        return None if found is None else found[1]
-
-    def walked(self, times: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray] | None:
-        """The rows (γ, M) with τ if ``physical``, with t otherwise; None if the walk does not reach all times."""
+    def run(self, times: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray] | None:
         system, state = self._motion.system, self._motion.state
-        # the variable after γ and M is τ, or t if the walk is in τ
-        kind, given = kind_in(system, physical), (constants_of(system), (*state.row, 0.0, 0.0, 0.0))
+        if system.field != RR:
+            return None
+        kind, rolls = kind_in(system, physical), system.body.rolls
+        # at d ≠ 0 the variable after γ and M is τ, or t if the walk is in τ
+        given = system.constants, (*state.row, 0.0, 0.0, 0.0) if rolls else state.row
         most = self._cost.of(len(times))
         near = kind.walked(*given, times, most)
         if self._cost == BY_STEPS and near.begun:
@@ -83,44 +93,30 @@ class NearWalk:
         if near.places is not None:
             states = np.empty_like(near.states)
             states[near.places] = near.states
-        flat = states.reshape(len(times), 9)
-        return np.ascontiguousarray(flat[:, :6]), flat[:, 6].copy() if system.body.rolls else times
-
-
-def constants_of(system: Hamiltonian) -> tuple[float, ...]:
-    """The numbers that distinguish systems of one kind."""
-    terms = () if system.potential is None else (system.potential.a, system.potential.b, *system.potential.poles)
-    return (*system.body.inertia, system.d, *terms, *(getattr(system, name) for name in system.further))
-
-
-def of_constants(system: Hamiltonian, field: Any, values: Sequence[Any]) -> Hamiltonian:
-    """The system of the same kind over ``field`` whose :func:`constants_of` are ``values``."""
-    moments, rest = (values[0], values[1], values[2]), list(values[4:])
-    changes: dict[str, Any] = {"rigid": replaced(system.rigid, body=Body(moments, values[3], field))}
-    if system.potential is not None:
-        a, b, *poles = rest[:5]
-        changes["potential"], rest = Potential(a, b, (poles[0], poles[1], poles[2])), rest[5:]
-    return replaced(system, **changes, **dict(zip(system.further, rest, strict=True)))
+        flat = states.reshape(len(times), 9 if rolls else 6)
+        return (flat[:, :6].copy(), flat[:, 6].copy()) if rolls else (flat, times)
 
 
 def kind_in(system: Hamiltonian, physical: bool) -> Kind:
     """The compiled walks of systems of the kind of ``system``, in t if ``physical``, otherwise in τ."""
-    # terms with constant 0 must be omitted, because they may divide by quantities that vanish
-    there = tuple(x != 0 for x in constants_of(system))
+    physical = physical or not system.body.rolls
+    # terms with constant 0 are omitted, because they may divide by quantities that vanish
+    there = tuple(map(bool, system.constants))
+    found = kind_of((type(system), physical, there), lambda: _made_kind(system, physical, there))
+    assert found is not None
+    return found
+
+
+def _made_kind(system: Hamiltonian, physical: bool, there: Sequence[bool]) -> Kind:
     symbols = [Symbol(("constant", i)) if is_there else 0.0 for i, is_there in enumerate(there)]
+    count = 9 if system.body.rolls else 6
 
     def start(N: Any, y: Sequence[Real]) -> list[Real]:
-        inner = onto_constraints(of_constants(system, N, symbols), State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
+        inner = onto_constraints(system.of_constants(N, symbols), State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
         return [*inner.row, *y[6:]]
 
     def moved(N: Any, y: Sequence[Real]) -> list[Real]:
-        found = right_hand_sides(of_constants(system, N, symbols), physical)(y[:6])
-        return [*found, *([N.zero] * (9 - len(found)))]
+        found = right_hand_sides(system.of_constants(N, symbols), physical)(y[:6])
+        return [*found, *([N.zero] * (count - len(found)))]
 
-    def made() -> Kind:
-        name = f"{type(system).__name__}_{'t' if physical else 'tau'}"
-        return Kind(name, Formulas(moved, start, 9, 9, 3))
-
-    found = kind_of((type(system), system.potential is None, physical or not system.body.rolls, there), made)
-    assert found is not None
-    return found
+    return Kind(f"{type(system).__name__}_{'t' if physical else 'tau'}", Formulas(moved, start, count, count, 3))

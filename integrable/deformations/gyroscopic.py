@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Self
 
 from integrable.deformations.deformation import Deformation
-from integrable.deformations.scalars import Potential, Scalars, combination, product
+from integrable.deformations.scalars import Potential, Scalars, Turning, combination, product
 from jacobian import RR
 from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field
-from jacobian.immutable import replaced
+from jacobian.immutable import at_once
 
 
 class Gyroscopic(Deformation):
@@ -20,18 +19,17 @@ class Gyroscopic(Deformation):
     the tilde pair.
     """
 
+    c: Real
     further = ("c",)
 
+    @at_once
     def __init__(self, inertia: Iterable[Value], c: Value, *, field: Field = RR) -> None:
         self._build(inertia, 0, None, field)
-        self.c = field.coerce(c, "c")
+        vars(self).update(c=field.coerce(c, "c"))
 
     @property
     def arguments(self) -> dict[str, object]:
         return {**super().arguments, "c": self.c}
-
-    def over(self, field: Field) -> Self:
-        return replaced(super().over(field), c=field.coerce(self.c, "c"))
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Real, Real]:
         c = self._constants()(self.c)
@@ -40,11 +38,25 @@ class Gyroscopic(Deformation):
         first = (q.m2 + quarter) * (c * q.eta_dual - q.xi * q.xi + quarter * q.sigma)
         return energy, first + q.m1 * (c * q.eta + quarter * (2 * q.s - q.e1))
 
-    def motion(self, q: Scalars) -> tuple[list[Real], list[Real]]:
-        """(Ω, Ṁ): Ω = AM − sM + (c/2)γ × Aγ, Ṁ = M × Ω + γ × [−m2·Aγ + (c/2)(Aγ × M + A(M × γ)) + (c²/4)Aγ]."""
+    def motion(self, q: Scalars) -> Turning:
+        """Ω = AM − sM + (c/2)γ × Aγ, Ṁ = M × Ω + γ × [−m2·Aγ + (c/2)(Aγ × M + A(M × γ)) + (c²/4)Aγ]; here without the
+        terms with c/2.
+        """
         c = self._constants()(self.c)
-        half = c / 2
-        omega = combination((1, q.AM), (-q.s, q.M), (half, product(q.gamma, q.Ag)))
-        turned = [a * x for a, x in zip(q.a, product(q.M, q.gamma), strict=True)]
-        pull = combination((c * c / 4 - q.m2, q.Ag), (half, product(q.Ag, q.M)), (half, turned))
-        return omega, combination((1, product(q.M, omega)), (1, product(q.gamma, pull)))
+        return Turning(1, -q.s, 0, c * c / 4 - q.m2)
+
+    def omega(self, q: Scalars) -> list[Real]:
+        return combination((1, super().omega(q)), (self._constants()(self.c) / 2, product(q.gamma, q.Ag)))
+
+    def rates(self, q: Scalars) -> tuple[list[Real], list[Real]]:
+        half, size, tilt = self._constants()(self.c) / 2, sum(q.squares), sum(q.mixed)
+        rate, momentum = super().rates(q)
+        # γ × (γ × Aγ) = sγ − (γ, γ)Aγ, and M × (γ × Aγ) + γ × (Aγ × M + A(M × γ)) = 2(ξγ − sM) + (tr A − A)N with
+        # N = (γ, γ)M − (γ, M)γ
+        turn = combination((q.s, q.gamma), (-size, q.Ag))
+        lean = combination((size, q.M), (-tilt, q.gamma))
+        pull = combination((2 * q.xi, q.gamma), (-2 * q.s, q.M))
+        for k in range(3):
+            rate[k] = rate[k] + half * turn[k]
+            momentum[k] = momentum[k] + half * (pull[k] + (q.e1 - q.a[k]) * lean[k])
+        return rate, momentum

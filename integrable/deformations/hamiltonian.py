@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Self
 
-from integrable.deformations.scalars import Potential, Scalars, dot, product
+from integrable.deformations.scalars import Potential, Scalars, Turning, dot, product
 from integrable.phase.body import Body, Vector, unwarned
 from integrable.phase.jets import JetField
 from integrable.phase.made import Made
@@ -23,7 +23,7 @@ from jacobian import RR
 from jacobian.element import Element, Real, Value
 from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.fields.protocol import Field
-from jacobian.immutable import replaced
+from jacobian.immutable import quick_property, replaced
 
 if TYPE_CHECKING:
     import numpy as np
@@ -55,35 +55,31 @@ class Hamiltonian(Made):
     """
 
     rigid: ChaplyginBall
-    potential: Potential | None = None
+    body: Body
+    """The body; its a_i = 1/(I_i + d) enter the Hamiltonian."""
+    field: Field
+    """The field of the coordinates."""
+    potential: Potential | None
     further: ClassVar[tuple[str, ...]] = ()
     """The names of further constants."""
 
     def _build(self, inertia: Iterable[Value], d: Value, potential: Sequence[Value] | None, field: Field = RR) -> None:
         # the moments are parameters of a Hamiltonian, and need not be moments of a ball
         with unwarned():
-            self.rigid = ChaplyginBall(inertia, d, field=field)
-        self.potential = None if potential is None else _potential(field, potential)
-
-    @property
-    def body(self) -> Body:
-        """The body; its a_i = 1/(I_i + d) enter the Hamiltonian."""
-        return self.rigid.body
-
-    @property
-    def field(self) -> Field:
-        """The field of the coordinates."""
-        return self.rigid.field
+            rigid = ChaplyginBall(inertia, d, field=field)
+        terms = None if potential is None else _potential(field, potential)
+        vars(self).update(rigid=rigid, body=rigid.body, field=field, potential=terms)
 
     @property
     def a(self) -> Vector:
         """The a_i = 1/(I_i + d)."""
-        return self.rigid.a
+        return self.body.a
 
     @property
     def d(self) -> Real:
         """The constant d of the bracket."""
-        return self.rigid.d
+        d: Real = self.body.d
+        return d
 
     def state(self, gamma: Iterable[Value], M: Iterable[Value], g: Value | None = None) -> State:
         """The state (γ, M); |γ| = 1 and (γ, M) = 0 are checked as by :meth:`System.state`."""
@@ -91,12 +87,29 @@ class Hamiltonian(Made):
 
     def over(self, field: Field) -> Self:
         """The same Hamiltonian over another field, to which its numbers are converted."""
-        potential = self.potential
         with unwarned():
             rigid = ChaplyginBall(self.body.inertia, self.d, field=field)
+        return self._with(rigid, [field.coerce(x) for x in self.constants[4:]])
+
+    @quick_property
+    def constants(self) -> tuple[Any, ...]:
+        """The moments and d, then the five numbers of a potential, then further constants."""
+        body, potential = self.body, self.potential
+        terms = () if potential is None else (potential.a, potential.b, *potential.poles)
+        return (*body.inertia, body.d, *terms, *[getattr(self, name) for name in self.further])
+
+    def of_constants(self, field: Field, values: Sequence[Any]) -> Self:
+        """The system of the same kind with the :attr:`constants` ``values``, unchecked elements of ``field``."""
+        x, y, z, d, *rest = values
+        return self._with(replaced(self.rigid, body=Body((x, y, z), d, field)), rest)
+
+    def _with(self, rigid: ChaplyginBall, rest: Sequence[Real]) -> Self:
+        potential = self.potential
         if potential is not None:
-            potential = _potential(field, (potential.a, potential.b, *potential.poles))
-        return replaced(self, rigid=rigid, potential=potential)
+            a, b, x, y, z, *rest = rest
+            potential = Potential(a, b, (x, y, z))
+        further, body = dict(zip(self.further, rest, strict=True)), rigid.body
+        return replaced(self, rigid=rigid, body=body, field=body.field, potential=potential, **further)
 
     def poisson(self, state: State) -> tuple[tuple[Real, ...], ...]:
         """The 6×6 matrix of the Poisson brackets of (γ, M), the same as for the ball."""
@@ -125,7 +138,7 @@ class Hamiltonian(Made):
         import numpy as np
 
         with _finite(), np.errstate(divide="raise"):
-            return np.stack(self.motion(self.scalars(self._constants(), gamma.T, M.T))[0], axis=1)
+            return np.stack(self.omega(self.scalars(self._constants(), gamma.T, M.T)), axis=1)
 
     def _attitude_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
         """Raises NotRepresentable, because M is not fixed in space."""
@@ -143,8 +156,7 @@ class Hamiltonian(Made):
     def _rates(self, state: State) -> State:
         wrap = self._constants()
         q = self.scalars(wrap, *(map(wrap, v) for v in state.vectors))
-        omega, momentum = self.motion(q)
-        rate: list[Any] = product(q.gamma, omega)
+        rate, momentum = self.rates(q)
         if self.potential is not None:
             slope = [wrap(x) for x in self._slope(state)]
             momentum = [m + x / 2 for m, x in zip(momentum, product(q.gamma, slope), strict=True)]
@@ -168,9 +180,9 @@ class Hamiltonian(Made):
     degree: ClassVar[int] = 1
     """The degree of H in A."""
 
-    def eigenvalue_sums(self, integrals: DeformedIntegrals) -> tuple[Real, Real]:
+    def eigenvalue_sums(self, H: Real, K: Real) -> tuple[Real, Real]:
         """(λ1 + λ2, −λ1λ2), from the integrals H and K."""
-        return integrals.H, integrals.K
+        return H, K
 
     def isometry(self) -> Isometry | None:
         """The isometry of a check or hat pair to a tilde pair; None if there is none, or the system is a tilde pair."""
@@ -183,9 +195,17 @@ class Hamiltonian(Made):
         """The integrals (H, K), for numbers with operators."""
         raise NotImplementedError
 
-    def motion(self, q: Scalars) -> tuple[Any, Any]:
-        """(Ω, Ṁ) without the potential; γ̇ = γ × Ω, Ω = ½∂H/∂M."""
+    def motion(self, q: Scalars) -> Turning:
+        """The coefficients of Ω = ½∂H/∂M and of Ṁ without the potential."""
         raise NotImplementedError
+
+    def omega(self, q: Scalars) -> list[Any]:
+        """Ω, for which γ̇ = γ × Ω."""
+        return self.motion(q).omega(q)
+
+    def rates(self, q: Scalars) -> tuple[list[Any], list[Any]]:
+        """(γ̇, Ṁ) without the potential."""
+        return self.motion(q).rates(q)
 
     def potential_energy(self, q: Scalars, potential: Potential) -> Real:
         """The potential V(γ): H with the potential minus H without."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, widened
 from integrable.deformations.enclosed import EnclosedMotion
-from integrable.deformations.equations import BY_STEPS, NearWalk, right_hand_sides
+from integrable.deformations.equations import BY_STEPS, Integration, NearWalk, right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.taylor import integrate
 from integrable.motion.precise import rounded
@@ -18,10 +18,9 @@ from integrable.moving_point.losses import digits_of
 from integrable.phase.state import State
 from integrable.phase.ways import InOrder, Way
 from integrable.series.tape import recorded
-from jacobian import MP, RR
+from jacobian import MP
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
-from jacobian.numbers.compiler import interpreted
 
 __all__ = ["IntegratedMotion"]
 
@@ -54,44 +53,27 @@ class IntegratedMotion(EnclosedMotion):
     def _equations(self) -> IntegratedStates:
         return IntegratedStates(self.system, self.state)
 
-    def _near(self) -> Iterator[NearWalk]:
-        if self.system.field == RR and not interpreted():
-            yield NearWalk(self, BY_STEPS)
-
     def _ways(self) -> Iterator[Way]:
-        yield from self._near()
+        yield NearWalk(self, BY_STEPS)
         yield self._equations
 
     def _kept(self, way: InOrder, given: np.ndarray, physical: bool, nan: Real) -> Rows:
         way.way = self.method
-        for near in self._near():
-            if (found := near.walked(given, physical)) is not None:
-                return Rows(*found)
+        found = NearWalk(self, BY_STEPS).run(given, physical)
         # rows that the integration reached before a refused time are kept
-        return self._equations.kept(given, physical, nan)
+        return self._equations.kept(given, physical, nan) if found is None else Rows(*found)
 
 
-class IntegratedStates:
+class IntegratedStates(Integration):
     """The states of an IntegratedMotion, rounded to the field of ``system``; at d ≠ 0 τ or t is integrated too."""
-
-    way = IntegratedMotion.method
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         self._field, self._asked = system.field, digits_asked(system.field)
         self._system, self._state = widened(system, state, MP(self._asked + GUARD_DIGITS))
 
-    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
-        found = self.kept(times, True, 0.0, strict=True)
+    def run(self, given: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray]:
+        found = self.kept(given, physical, 0.0, strict=True)
         return found.rows, found.tau
-
-    def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M at values of τ, shape (N, 6)."""
-        return self.kept(tau, False, 0.0, strict=True).rows
-
-    def times(self, tau: np.ndarray) -> np.ndarray:
-        """Physical times at values of τ."""
-        return self.kept(tau, False, 0.0, strict=True).tau
 
     def kept(self, given: np.ndarray, physical: bool, nan: Real, strict: bool = False) -> Rows:
         """The rows at the times ``given``, and τ in ``tau``. Unless ``physical``, ``given`` are values of τ, and

@@ -6,16 +6,18 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from integrable.deformations.deformation import Deformation
-from integrable.deformations.hamiltonian import DeformedIntegrals, Isometry
-from integrable.deformations.scalars import Potential, Scalars, combination, componentwise, poles, product
+from integrable.deformations.hamiltonian import Isometry
+from integrable.deformations.scalars import Potential, Scalars, Turning, poles
 from jacobian import RR
 from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field
+from jacobian.immutable import at_once
 
 
 class IsometricDeformation(Deformation):
     """A pair on e*(3) at d = 0, isometric to the tilde pair of A⁻¹: the base class of :class:`Check`, :class:`Hat`."""
 
+    @at_once
     def __init__(
         self, inertia: Iterable[Value], *, potential: Sequence[Value] | None = None, field: Field = RR
     ) -> None:
@@ -61,11 +63,9 @@ class Check(IsometricDeformation):
         energy: Real = a * inverse + b * (inverse - q.e2 / q.e3) * inverse * inverse + terms
         return energy
 
-    def motion(self, q: Scalars) -> tuple[list[Real], list[Real]]:
-        """(Ω, Ṁ): Ω = sAM − s²M − 2ξAγ, Ṁ = M × Ω + γ × [(m1 − 2s·m2)Aγ − 2ξAM]."""
-        omega = combination((q.s, q.AM), (-q.s * q.s, q.M), (-2 * q.xi, q.Ag))
-        pull = combination((q.m1 - 2 * q.s * q.m2, q.Ag), (-2 * q.xi, q.AM))
-        return omega, combination((1, product(q.M, omega)), (1, product(q.gamma, pull)))
+    def motion(self, q: Scalars) -> Turning:
+        """Ω = sAM − s²M − 2ξAγ, Ṁ = M × Ω + γ × [(m1 − 2s·m2)Aγ − 2ξAM]."""
+        return Turning(q.s, -(q.s * q.s), -2 * q.xi, q.m1 - 2 * (q.s * q.m2))
 
 
 class Hat(IsometricDeformation):
@@ -76,9 +76,9 @@ class Hat(IsometricDeformation):
     e2/e3 − τ/σ. The pair is isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`).
     """
 
-    def eigenvalue_sums(self, integrals: DeformedIntegrals) -> tuple[Real, Real]:
-        K, (a1, a2, a3) = self.field, self.a
-        return integrals.H, K.div(integrals.K, K.mul(a1, K.mul(a2, a3)))
+    def eigenvalue_sums(self, H: Real, K: Real) -> tuple[Real, Real]:
+        field, (a1, a2, a3) = self.field, self.a
+        return H, field.div(K, field.mul(a1, field.mul(a2, a3)))
 
     def isometry(self) -> Isometry:
         """The isometry to the tilde pair of A⁻¹: B² = A^∨ = e3·A⁻¹, H = e3·H̃."""
@@ -107,13 +107,10 @@ class Hat(IsometricDeformation):
         energy: Real = a * S + b * (S - q.e2 / q.e3) * S * S + terms
         return energy
 
-    def motion(self, q: Scalars) -> tuple[list[Real], list[Real]]:
-        """(Ω, Ṁ): Ω = αAM − (σ + ατ)M, Ṁ = M × Ω + γ × {[tr A⁻¹·A^∨γ + 2Aγ](m1 − τm2) + αm2·Aγ − m2·A^∨γ}."""
-        alpha, dual = _alpha(q), componentwise(q.dual, q.gamma)
-        omega = combination((alpha, q.AM), (-q.sigma - alpha * q.tau, q.M))
-        height = q.m1 - q.tau * q.m2
-        pull = combination((q.e2 / q.e3 * height - q.m2, dual), (2 * height + alpha * q.m2, q.Ag))
-        return omega, combination((1, product(q.M, omega)), (1, product(q.gamma, pull)))
+    def motion(self, q: Scalars) -> Turning:
+        """Ω = αAM − (σ + ατ)M, Ṁ = M × Ω + γ × {[tr A⁻¹·A^∨γ + 2Aγ](m1 − τm2) + αm2·Aγ − m2·A^∨γ}."""
+        alpha, height = _alpha(q), q.m1 - q.tau * q.m2
+        return Turning(alpha, -q.sigma - alpha * q.tau, 0, 2 * height + alpha * q.m2, q.e2 / q.e3 * height - q.m2)
 
 
 def _alpha(q: Scalars) -> Any:

@@ -60,7 +60,7 @@ class CubicCarrier(CurvesCarrier):
             self.curves.append(curve)
             self.tracks.append(curve.track(value, shift))
         signs = [K.one if x > 0 else -K.one for x in state.vectors[0]]
-        numbers = [*a, *b, *c, *signs, *self.lambdas, *system.integrals(state)[2:]]
+        numbers = [*a, *b, *c, *signs, *self.lambdas, one + two, -(one * two)]
         self.frame = Frame(numbers, [K.one] * 3, False, True, self.sizes)
 
     def _separated(self, state: State) -> tuple[list[Real], list[Real], list[Real]]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from math import log
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -165,7 +166,7 @@ class QuickClock:
         loops, self._rates = CompiledLoops(), packed.rates
         turns = [float(rate.hi) for rate in packed.rates]
         scale = SWIFT * 2 * np.pi * max(turns)
-        resolve = partial(resolved, partial(samples, carrier, packed), sizes=(FIRST_SIZE,) * 2, most=MOST_SAMPLES)
+        resolve = partial(resolved, partial(samples, carrier, packed), sizes=first_grid(carrier), most=MOST_SAMPLES)
         self._spectrum = resolved_spectrum(loops, lambda transform: resolve(transformed=transform), turns, scale, NOISE)
         check_no_resonance(self._spectrum, turns)
         mean = Column(*self._spectrum.values[0])
@@ -193,10 +194,16 @@ class QuickClock:
         ahead, across = np.arange(rows // 2 + 1), np.fft.fftfreq(columns, 1 / columns)
         weights = np.where(ahead % (rows // 2) == 0, 1, 2) * np.exp(first * ahead)
         shown = float((weights @ half @ np.exp(second * across)).real)
-        rate = carrier.pace(
-            *(carrier.z(k, curve.moved(x)) for k, (curve, x) in enumerate(zip(carrier.curves, moved, strict=True)))
-        )
-        return abs(shown / float(rate) - 1) <= MOST_OFF
+        return abs(shown / float(carrier.pace_at(moved)) - 1) <= MOST_OFF
+
+
+def first_grid(carrier: Any) -> tuple[int, int]:
+    """The numbers of samples in both phases, powers of 2, that resolve 1/g if its modes decay as those of z: mode m as
+    nome^m, since the pole of z is at the imaginary half-period.
+    """
+    modes = (int(log(NOISE) / log(max(float(curve.nome), NOISE))) for curve in carrier.curves)
+    first, second = (max(FIRST_SIZE, 1 << (2 * n + 4).bit_length()) for n in modes)
+    return first, second
 
 
 def check_no_resonance(spectrum: RateSpectrum, turns: list[float]) -> None:
@@ -215,7 +222,7 @@ def samples(carrier: Any, packed: PackedCurves, sizes: tuple[int, int], known: n
     rows, columns = sizes
     table, room = np.empty((rows * columns, 2)), np.empty((6 * (rows + columns), 2))
     # the sizes are powers of 2, so that the fractions are exact
-    places = tuple(_pairs(x, x) for x in (Column(np.arange(n) / n, np.zeros(n)) for n in sizes))
+    places = tuple(np.repeat(np.stack([np.arange(n) / n, np.zeros(n)], axis=1), 2, axis=0) for n in sizes)
     LIBRARY.paces(*packed.tracks, double_double_row((carrier.system.d, *carrier.weights)), places, table, room)
     return table.reshape(rows, columns, 2)
 

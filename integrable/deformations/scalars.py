@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
 from typing import NamedTuple
 
 from jacobian.element import Real
+from jacobian.immutable import quick_property
 
 
 class Scalars:
@@ -14,39 +14,75 @@ class Scalars:
 
     def __init__(self, a: Sequence[Real], d: Real, gamma: Sequence[Real], M: Sequence[Real]) -> None:
         self.a, self.d, self.gamma, self.M = tuple(a), d, tuple(gamma), tuple(M)
-        a1, a2, a3 = self.a
-        self.e1, self.e2, self.e3 = a1 + a2 + a3, a1 * a2 + a2 * a3 + a3 * a1, a1 * a2 * a3
-        self.dual = (a2 * a3, a3 * a1, a1 * a2)
 
-    # γ_i², Aγ and AM
-    squares = cached_property(lambda q: componentwise(q.gamma, q.gamma))
-    Ag = cached_property(lambda q: componentwise(q.a, q.gamma))
-    AM = cached_property(lambda q: componentwise(q.a, q.M))
-    # (γ, Aγ), (Aγ, Aγ) and (γ, A^∨γ), where A^∨ = e3·A⁻¹ has the diagonal ``dual``
-    s = cached_property(lambda q: dot(q.a, q.squares))
-    q2 = cached_property(lambda q: dot(componentwise(q.a, q.a), q.squares))
-    sigma = cached_property(lambda q: dot(q.dual, q.squares))
+    # the diagonal of A^∨ = e3·A⁻¹, and the elementary symmetric functions of the a_i
+    dual = quick_property(lambda q: (q.a[1] * q.a[2], q.a[2] * q.a[0], q.a[0] * q.a[1]))
+    e1 = quick_property(lambda q: sum(q.a))
+    e2 = quick_property(lambda q: sum(q.dual))
+    e3 = quick_property(lambda q: q.a[0] * q.dual[0])
+    # γ_i², γ_iM_i, M_i², Aγ and AM
+    squares = quick_property(lambda q: componentwise(q.gamma, q.gamma))
+    mixed = quick_property(lambda q: componentwise(q.gamma, q.M))
+    momenta = quick_property(lambda q: componentwise(q.M, q.M))
+    Ag = quick_property(lambda q: componentwise(q.a, q.gamma))
+    AM = quick_property(lambda q: componentwise(q.a, q.M))
+    # (γ, Aγ), (Aγ, Aγ) and (γ, A^∨γ)
+    s = quick_property(lambda q: dot(q.a, q.squares))
+    q2 = quick_property(lambda q: dot(componentwise(q.a, q.a), q.squares))
+    sigma = quick_property(lambda q: dot(q.dual, q.squares))
     # (M, AM) and (M, M) = H2
-    m1 = cached_property(lambda q: dot(q.AM, q.M))
-    m2 = cached_property(lambda q: dot(q.M, q.M))
+    m1 = quick_property(lambda q: dot(q.a, q.momenta))
+    m2 = quick_property(lambda q: sum(q.momenta))
     # (γ, AM) and (γ, A^∨M)
-    xi = cached_property(lambda q: dot(q.AM, q.gamma))
-    zeta = cached_property(lambda q: dot(componentwise(q.dual, q.gamma), q.M))
+    xi = quick_property(lambda q: dot(q.a, q.mixed))
+    zeta = quick_property(lambda q: dot(q.dual, q.mixed))
     # (M, γ × Aγ) and (M, γ × A^∨γ)
-    eta = cached_property(lambda q: dot(q.M, product(q.gamma, q.Ag)))
-    eta_dual = cached_property(lambda q: dot(q.M, product(q.gamma, componentwise(q.dual, q.gamma))))
+    eta = quick_property(lambda q: dot(q.M, product(q.gamma, q.Ag)))
+    eta_dual = quick_property(lambda q: dot(q.M, product(q.gamma, componentwise(q.dual, q.gamma))))
     # tr A − s and (Aγ, Aγ) − s²
-    tau = cached_property(lambda q: q.e1 - q.s)
-    t2 = cached_property(lambda q: q.q2 - q.s * q.s)
+    tau = quick_property(lambda q: q.e1 - q.s)
+    t2 = quick_property(lambda q: q.q2 - q.s * q.s)
     # G = g² = 1/(1 − ds), and κ = G(s − d·q2)
-    G = cached_property(lambda q: 1 / (1 - q.d * q.s))
-    kappa = cached_property(lambda q: q.G * (q.s - q.d * q.q2))
+    G = quick_property(lambda q: 1 / (1 - q.d * q.s))
+    kappa = quick_property(lambda q: q.G * (q.s - q.d * q.q2))
     # (ω, M)
-    H1 = cached_property(lambda q: q.m1 + q.d * q.G * q.xi * q.xi)
+    H1 = quick_property(lambda q: q.m1 + q.d * q.G * q.xi * q.xi)
 
     def axes(self) -> list[tuple[Real, Real, Real, Real]]:
         """(a_i, a_j, a_k, γ_i²) for each axis."""
         return [(self.a[i], self.a[i - 2], self.a[i - 1], self.squares[i]) for i in range(3)]
+
+
+class Turning(NamedTuple):
+    """The coefficients of a motion without potential: Ω = T + ``Ag``·Aγ, T = ``AM``·AM + ``M``·M; Ṁ = M × Ω + γ × P.
+
+    P = ``pull``·Aγ + ``dual``·A^∨γ + ``Ag``·(AM − ``share``·T).
+    """
+
+    AM: Real
+    M: Real
+    Ag: Real = 0
+    pull: Real = 0
+    dual: Real = 0
+    share: Real = 0
+
+    def omega(self, q: Scalars) -> list[Real]:
+        """Ω, for which γ̇ = γ × Ω."""
+        return combination((self.AM, q.AM), (self.M, q.M), (self.Ag, q.Ag))
+
+    def rates(self, q: Scalars) -> tuple[list[Real], list[Real]]:
+        """(γ̇, Ṁ), from the products γ_iγ_j, γ_iM_j and M_iM_j: a tape of them has the fewest products."""
+        rate, momentum = [], []
+        for k in range(3):
+            i, j = k - 2, k - 1
+            x, y, gap = q.gamma[i] * q.M[j], q.gamma[j] * q.M[i], q.a[j] - q.a[i]
+            # the components of γ × T and of γ × Aγ
+            turned = self.AM * (q.a[j] * x - q.a[i] * y) + self.M * (x - y)
+            bent = gap * (q.gamma[i] * q.gamma[j])
+            rate.append(turned + self.Ag * bent)
+            own = self.AM * (gap * (q.M[i] * q.M[j])) + (self.pull - q.a[k] * self.dual) * bent
+            momentum.append(own + self.Ag * (gap * (x + y) - self.share * turned))
+        return rate, momentum
 
 
 class Potential(NamedTuple):

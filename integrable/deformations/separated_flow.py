@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, at_its_precision
+from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.oval import SeparatedOval, root_of_rounded
 from integrable.deformations.oval_loops import Frame, height
 from integrable.moving_point.losses import digits_of
@@ -61,7 +62,9 @@ class OvalCarrier(CurvesCarrier):
                 "motion_through(state) integrates"
             )
         spin = root_of_rounded(K, h2)
-        e, slope = ([x / spin for x in v] for v in _image(K, state, _rate(system, state), h2))
+        e, slope = (
+            [x / spin for x in v] for v in _image(K, state, right_hand_sides(system, physical=False)(state.row), h2)
+        )
         self._on_curves(e, slope)
         sizes = self.lambdas[0] - self.lambdas[1], abs(second)
         self.frame = Frame(self._numbers(e, slope), [back[i] for i in self.order], isometry is not None, False, sizes)
@@ -110,8 +113,7 @@ class OvalCarrier(CurvesCarrier):
 
     @at_its_precision
     def clock_missing(self, tau: Real, digits: int) -> int:
-        rate = self.pace(*(self.z(k, curve.moved(tau)) for k, curve in enumerate(self.curves)))
-        return digits_of(self.clock(digits).defect(tau, rate)) + digits
+        return digits_of(self.clock(digits).defect(tau, self.pace_at((tau, tau)))) + digits
 
     def clock(self, digits: int) -> OvalsClock:
         from integrable.deformations.ovals_clock import OvalsClock
@@ -132,11 +134,10 @@ class OvalCarrier(CurvesCarrier):
         """z = Z/μ_k at the roots R_i on curve k."""
         return height(self.tracks[k], self.curves[k].ordered(r))
 
-    def pace(self, first: Real, second: Real) -> Real:
-        """dt/dτ = 1/g from z on both curves: g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k|."""
-        one, two = self.weights
-        d = self.system.d
-        return 1 / root_of_rounded(self.field, one * (1 + d * first) + two * (1 + d * second))
+    def pace_at(self, moved: Sequence[Real]) -> Real:
+        """dt/dτ = 1/g after the times ``moved`` on both curves: g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k|."""
+        z = [self.z(k, curve.moved(time)) for k, (curve, time) in enumerate(zip(self.curves, moved, strict=True))]
+        return 1 / root_of_rounded(self.field, self.field.dot(self.weights, [1 + self.system.d * x for x in z]))
 
     @at_its_precision
     def times_of(self, time_of: TimeOf) -> list[Real]:
@@ -191,17 +192,9 @@ def _eigenvalues(K: LongNumbers, H: Real, second: Real) -> tuple[Real, Real]:
     return -second / two, two
 
 
-def _rate(system: Any, state: State) -> State:
-    """The derivatives (γ, M)' with respect to τ."""
-    rate = system.vector_field(state)
-    slow = system.body.conformal(state.vectors[0]) ** (system.field.one / 2)
-    turn, pull = rate.vectors
-    return State(tuple(slow * x for x in turn), tuple(slow * x for x in pull))
-
-
-def _image(K: LongNumbers, state: State, rate: State, h2: Real) -> tuple[list[Real], list[Real]]:
-    """The vectors w = γ × M and |M|·(w/|M|)'."""
-    (gamma, M), (turn, pull) = state.vectors, rate.vectors
+def _image(K: LongNumbers, state: State, rate: Sequence[Real], h2: Real) -> tuple[list[Real], list[Real]]:
+    """The vectors w = γ × M and |M|·(w/|M|)', from (γ, M)' = ``rate``."""
+    (gamma, M), turn, pull = state.vectors, (rate[0], rate[1], rate[2]), (rate[3], rate[4], rate[5])
     w = cross(K, gamma, M)
     moved = [x + y for x, y in zip(cross(K, turn, M), cross(K, gamma, pull), strict=True)]
     growth = sum(x * y for x, y in zip(M, pull, strict=True)) / h2

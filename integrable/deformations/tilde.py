@@ -6,10 +6,11 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from integrable.deformations.deformation import Deformation
-from integrable.deformations.scalars import Potential, Scalars, combination, poles, product
+from integrable.deformations.scalars import Potential, Scalars, Turning, poles
 from jacobian import RR
 from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field
+from jacobian.immutable import at_once
 
 
 class Tilde(Deformation):
@@ -22,6 +23,7 @@ class Tilde(Deformation):
 
     has_curves = True
 
+    @at_once
     def __init__(
         self, inertia: Iterable[Value], d: Value = 0, *, potential: Sequence[Value] | None = None, field: Field = RR
     ) -> None:
@@ -55,12 +57,10 @@ class Tilde(Deformation):
         energy = a * q.G + b * (q.G - trace) * q.G * q.G + terms
         return energy
 
-    def motion(self, q: Scalars) -> tuple[list[Real], list[Real]]:
-        """(Ω, Ṁ): Ω = AM − sM + 2dGξAγ, Ṁ = M × Ω + γ × [dGξ(AM + sM) − m2·Aγ]."""
-        spin = q.d * q.G * q.xi
-        omega = combination((1, q.AM), (-q.s, q.M), (2 * spin, q.Ag))
-        pull = combination((spin, q.AM), (spin * q.s, q.M), (-q.m2, q.Ag))
-        return omega, combination((1, product(q.M, omega)), (1, product(q.gamma, pull)))
+    def motion(self, q: Scalars) -> Turning:
+        """Ω = AM − sM + 2dGξAγ, Ṁ = M × Ω + γ × [dGξ(AM + sM) − m2·Aγ]."""
+        spin: Real = 2 * (q.d * q.G * q.xi) if self.body.rolls else 0
+        return Turning(1, -q.s, spin, -q.m2, share=self._constants()(self.field.one) / 2)
 
 
 def _free(q: Scalars, potential: Potential) -> Any:
