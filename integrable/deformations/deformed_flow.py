@@ -1,158 +1,27 @@
-"""The common part of the flows of the deformations: it chooses the digits for a time, and checks every state.
-
-For n requested digits a flow computes with GUARD_DIGITS more, plus the digits of the number of periods in the time.
-Further loss is measured on every call: by the integrals of each state, by the farthest state computed again with more
-digits, which also checks the signs, and by the state at τ = 0. If k digits are missing, everything is repeated with k
-more; PrecisionLoss if this does not help.
-"""
+"""The common part of the flows of the deformations on two elliptic curves."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, nullcontext
-from functools import cached_property, wraps
-from math import ceil
-from typing import Any, ClassVar, TypeVar
+from collections.abc import Iterator
+from functools import cached_property
+from typing import ClassVar
 
+from integrable.deformations.carrier import CurvesCarrier, OnCurves
 from integrable.deformations.enclosed import EnclosedMotion
 from integrable.deformations.equations import BY_THETA, NearWalk
 from integrable.deformations.hamiltonian import Hamiltonian
-from integrable.deformations.oval import SeparatedOval
-from integrable.deformations.oval_loops import Frame, Track, lifted_state, tilde_state
 from integrable.deformations.quick_states import QuickStates
-from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits, RoundedRows
-from integrable.moving_point.losses import NOTHING, digits_of
-from integrable.phase.body import Vector
-from integrable.phase.precisions import ROUNDED_TO_FLOATS
-from integrable.phase.state import State, onto_constraints
+from integrable.motion.precise import RoundedRows
+from integrable.phase.state import State
 from integrable.phase.ways import Way
 from jacobian import RR
 from jacobian.element import Real
-from jacobian.errors import ArgumentError, PrecisionLoss, shown, written
-from jacobian.inexact.long_numbers import LongNumbers
 from jacobian.numbers.compiler import interpreted
 
 __all__ = ["DeformedFlow"]
 
-GUARD_DIGITS = 18
-ROUNDING = 6
-"""Number of digits that the computation may lose for a τ within one period."""
 # λ_k above this fraction of their terms lose no essential digits in floats
 ORDINARY = 1e-6
-
-Result = TypeVar("Result")
-GammaM = tuple[Vector, Vector]
-"""γ and M in wide numbers."""
-
-
-def at_its_precision(method: Callable[..., Result]) -> Callable[..., Result]:
-    """Decorator of a method of :class:`CurvesCarrier`, which then runs inside the context ``precision``."""
-
-    @wraps(method)
-    def inside(self: CurvesCarrier, *arguments: object) -> Result:
-        with self.precision:
-            return method(self, *arguments)
-
-    return inside
-
-
-class CurvesCarrier(Carrier):
-    """The motion of a deformation at one precision, used by a :class:`DeformedFlow`. Its points are (γ, M).
-
-    ``system`` and ``start`` are over wide numbers: MP(digits), or LongNumbers in whose context it is created.
-    Changes of H and K are relative to ``sizes``, the error of M relative to ``momentum`` if M = 0. A point moves on
-    each of ``curves`` for the time ``speed``·τ; ``tracks`` and ``frame`` give the state, with the axes in ``order``.
-    """
-
-    system: Any
-    start: State
-    sizes: tuple[Real, Real]
-    momentum: Real = 1
-    curves: Sequence[SeparatedOval]
-    tracks: Sequence[Track]
-    frame: Frame
-    order: Sequence[int] = (0, 1, 2)
-    speed: Real = 1
-
-    def __init__(self, system: Any, state: State) -> None:
-        self.system, self.start = system, state
-
-    @property
-    def field(self) -> LongNumbers:
-        """The field of the wide numbers."""
-        return self.system.field
-
-    @property
-    def precision(self) -> AbstractContextManager[object]:
-        """The context in which the wide numbers are used."""
-        return self.field if isinstance(self.field, LongNumbers) else nullcontext()
-
-    @property
-    def digits(self) -> int:  # type: ignore[override]
-        return int(self.field.dps) - GUARD_DIGITS
-
-    @property
-    def rolls(self) -> bool:  # type: ignore[override]
-        return self.system.body.rolls
-
-    @property
-    def period(self) -> Real:
-        """The shorter of the periods of the two curves."""
-        return min(curve.period for curve in self.curves)
-
-    @at_its_precision
-    def turns(self, tau: Real) -> Real:
-        """|τ| in periods of the curve with the shorter period."""
-        return abs(self.speed * tau) / self.period
-
-    @at_its_precision
-    def point(self, tau: Real) -> GammaM:
-        return self.moved([self.speed * tau] * 2)
-
-    @at_its_precision
-    def moved(self, times: Sequence[Real]) -> GammaM:
-        """(γ, M) after the point of each curve has moved for its time in ``times``."""
-        return self._state(*(curve.moved(time) for curve, time in zip(self.curves, times, strict=True)))
-
-    def _state(self, *roots: Sequence[Real]) -> GammaM:
-        """(γ, M) from the roots R_i on both curves."""
-        first, second = (curve.ordered(r) for curve, r in zip(self.curves, roots, strict=True))
-        found = lifted_state(self.frame, *tilde_state(self.frame, first, second, *self.tracks))
-        i, j, k = (self.order.index(n) for n in range(3))
-        gamma, M = ((vector[i], vector[j], vector[k]) for vector in found)
-        return gamma, M
-
-    def scaled(self, t: Real) -> Real:
-        return self.field.coerce(t)
-
-    @at_its_precision
-    def lost(self, tau: Real) -> int:
-        return ceil(float(self.field.context.log10(1 + self.turns(tau))))
-
-    def vectors(self, point: GammaM) -> GammaM:
-        gamma, M = point
-        return gamma, M
-
-    @at_its_precision
-    def drift(self, points: list[GammaM]) -> int:
-        before, worst = self.system.integrals(self.start)[2:], -NOTHING
-        for gamma, M in points:
-            rows = zip(self.system.integrals(State(tuple(gamma), tuple(M)))[2:], before, self.sizes, strict=True)
-            worst = max(worst, *(digits_of(abs(x - y) / size) for x, y, size in rows))
-        return worst
-
-    def gap(self, point: GammaM, truth: CurvesCarrier, tau: Real) -> int:
-        return truth.difference(point, truth.point(truth.field.coerce(tau)))
-
-    @at_its_precision
-    def difference(self, row: GammaM, truth: GammaM) -> int:
-        """The decimal exponent of the relative difference of (γ, M) from a more accurate computation, ``truth``."""
-        worst = -NOTHING
-        for found, right, unit in zip(row, truth, (1, self.momentum), strict=True):
-            size = max(map(abs, right)) or unit
-            gap = max(abs(self.field.coerce(x) - y) for x, y in zip(found, right, strict=True))
-            worst = max(worst, digits_of(gap / size))
-        return worst
 
 
 class DeformedFlow(EnclosedMotion):
@@ -177,11 +46,15 @@ class DeformedFlow(EnclosedMotion):
         H, K = system.integrals(state)[2:]
         if not self._is_ordinary(H, K):
             # the curves are made here, so that errors are raised at once
-            _ = self._curves
+            _ = self._many
 
     @cached_property
+    def _many(self) -> OnCurves:
+        return OnCurves(self.system, self.state, self._carrier)
+
+    @property
     def _curves(self) -> RoundedRows:
-        return RoundedRows(self.system.field, OnCurves(self.system, self.state, self._carrier), self.method)
+        return RoundedRows(self.system.field, self._many, self.method)
 
     def _is_ordinary(self, H: Real, K: Real) -> bool:
         """Whether a check in floats proves that the set-up will raise no error."""
@@ -199,50 +72,10 @@ class DeformedFlow(EnclosedMotion):
 
     @cached_property
     def _compiled(self) -> QuickStates:
-        return QuickStates(self._curves.many)
+        return QuickStates(self._many)
 
     def _ways(self) -> Iterator[Way]:
         if self.system.field == RR and not interpreted():
             yield NearWalk(self, self._cost)
             yield self._compiled
         yield self._curves
-
-
-class OnCurves(ManyDigits):
-    """The states of a DeformedFlow; ``made``(system, state) is the motion over the field of ``system``."""
-
-    expected = GUARD_DIGITS - SPARE - ROUNDING
-    step = 16
-
-    def __init__(self, system: Hamiltonian, state: State, made: type[CurvesCarrier]) -> None:
-        self._system, self._state, self._made = system, state, made
-        asked = digits_asked(system.field)
-        self.digits = asked
-        super().__init__(asked, self.carrier_of(asked))
-
-    def carrier_of(self, digits: int) -> CurvesCarrier:
-        """The motion with that many digits, or more if its point at τ = 0 does not reproduce the state."""
-        for _ in range(3):
-            with LongNumbers(digits + GUARD_DIGITS) as numbers:
-                carrier = self._made(*widened(self._system, self._state, numbers))
-            start = carrier.start.vectors
-            missing = carrier.difference(carrier.point(carrier.field.zero), start) + self.digits + SPARE
-            if missing <= 0:
-                return carrier
-            digits += min(missing, digits) + WIDER
-        raise PrecisionLoss(
-            f"{shown(self._state)}: it is not found again from its two points even with {written(digits)} digits"
-        )
-
-
-def digits_asked(K: Any) -> int:
-    """The digits to which states over RR or MP(digits) are rounded; ArgumentError for other fields."""
-    if K.exact or K.complex:
-        raise ArgumentError(f"field = {K.name}: a motion runs over RR or MP(digits)")
-    return ROUNDED_TO_FLOATS if K == RR else int(K.dps)
-
-
-def widened(system: Hamiltonian, state: State, numbers: Any) -> tuple[Any, State]:
-    """The same system and state over a field of more digits, with the state projected onto its constraints."""
-    wide = system.over(numbers)
-    return wide, onto_constraints(wide, state)

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, widened
+from integrable.deformations.carrier import GUARD_DIGITS, digits_asked, widened
 from integrable.deformations.enclosed import EnclosedMotion
 from integrable.deformations.equations import BY_STEPS, Integration, NearWalk, right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian

@@ -8,8 +8,9 @@ are lost only when τ is reduced to a fraction of a period (:mod:`integrable.mum
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
-from integrable.deformations.oval_loops import Track
+from integrable.deformations.oval_loops import Track, height
 from integrable.mumford.elliptic_torus import theta_quotients, theta_rows
 from jacobian.element import FormulaField, Real
 from jacobian.inexact.long_numbers import LongNumbers
@@ -84,6 +85,34 @@ class SeparatedOval:
         integral = self.field.context.elliprf
         half = integral(0, self.swing, self.breadth)
         return half if z is None else half - integral(*(x - z for x in self.e))
+
+
+class Pace(NamedTuple):
+    """The rate dt/dτ = 1/g of a tilde pair, g² = Σ weight_k(1 + dz_k), on the torus of two ovals with Z_k = μ_kz_k.
+
+    Both ``weights`` are positive, with the sum 1.
+    """
+
+    field: LongNumbers
+    d: Real
+    curves: Sequence[SeparatedOval]
+    tracks: Sequence[Track]
+    mu: Sequence[Real]
+    weights: Sequence[Real]
+
+    @property
+    def period(self) -> Real:
+        """The shorter period of the two curves."""
+        return min(curve.period for curve in self.curves)
+
+    def share(self, k: int, r: Sequence[Real]) -> Real:
+        """weight_k(1 + dz_k) at the roots R_i on curve k."""
+        return self.weights[k] * (1 + self.d * height(self.tracks[k], self.curves[k].ordered(r)))
+
+    def at(self, times: Sequence[Real]) -> Real:
+        """1/g after the points of the two curves have moved for these times."""
+        one, two = (self.share(k, self.curves[k].moved(time)) for k, time in enumerate(times))
+        return 1 / root_of_rounded(self.field, one + two)
 
 
 def root_of_rounded(K: FormulaField, x: Real) -> Real:

@@ -7,16 +7,17 @@ since_k)/T_k. So 1/g = Σ c_mn cos mθ1 cos nθ2.
 from __future__ import annotations
 
 from math import isqrt, log, pi
-from typing import Any
 
 import numpy as np
 
+from integrable.deformations.oval import Pace
 from integrable.torus.long_clock import LongClock, phases
 from integrable.torus.oval_modes import Modes
 from integrable.torus.series import circle_of, fourier, powers
 from jacobian import MP
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.numbers.long_reals import BallReals
 
 # the largest number of modes at USUAL_DIGITS digits, about a second of set-up; with more digits it is smaller
@@ -27,13 +28,13 @@ GUARD_BITS = 30
 
 
 class OvalsClock(LongClock):
-    """t(τ) and τ(t) of an :class:`integrable.deformations.separated_flow.OvalCarrier`, to ``digits`` digits relative to
+    """t(τ) and τ(t) of a motion with dt/dτ = ``pace``, to ``digits`` digits relative to
     the longer period of its curves. PrecisionLoss if 1/g needs too many modes.
     """
 
-    def __init__(self, motion: Any, digits: int) -> None:
-        field = MP(motion.field.dps)
-        self._modes, self._unit = modes_of_pace(motion, digits, field), field.coerce(motion.period)
+    def __init__(self, pace: Pace, digits: int) -> None:
+        field = MP(pace.field.dps)
+        self._modes, self._unit = modes_of_pace(pace, digits, field), field.coerce(pace.period)
         super().__init__(self._modes, digits, field)
 
     def tau(self, times: list[Real]) -> list[Real]:
@@ -62,41 +63,41 @@ class OvalsClock(LongClock):
         return abs(found / self.wide.coerce(rate) - 1)
 
 
-def modes_of_pace(motion: Any, digits: int, field: Any) -> Modes:
+def modes_of_pace(pace: Pace, digits: int, field: MultiprecisionField) -> Modes:
     """The modes of 1/g down to 10^(−digits) of its mean, as functions of the turns on both curves since the start.
 
     The unit of τ is the shorter period.
     """
-    bits, sizes = field.context.prec + GUARD_BITS, series_sizes(motion, digits)
+    bits, sizes = field.context.prec + GUARD_BITS, series_sizes(pace, digits)
     while True:
         if sizes[0] * sizes[1] * max(digits, USUAL_DIGITS) > MOST_MODES * USUAL_DIGITS:
             raise PrecisionLoss(
                 f"times: 1/g takes a series of {sizes[0]} × {sizes[1]} modes for {digits} digits; fewer digits, times "
                 "nearer to 0, or at_tau (the flow's own time) are within reach"
             )
-        table = cosines(motion, sizes, bits)
+        table = cosines(pace, sizes, bits)
         loud = abs(table) > table[0, 0] // 10**digits
         # if the last modes are not small, the table is too small
         ends = loud[-1 - sizes[0] // 16 :].any(), loud[:, -1 - sizes[1] // 16 :].any()
         if not any(ends):
             rows, columns = (int(np.flatnonzero(loud.any(axis=1 - k))[-1]) + MARGIN for k in range(2))
-            return _from_start(motion, table[:rows, :columns], field, bits)
+            return _from_start(pace, table[:rows, :columns], field, bits)
         rows, columns = (smooth(n + n // 4 + 1) if more else n for n, more in zip(sizes, ends, strict=True))
         sizes = rows, columns
 
 
-def series_sizes(motion: Any, digits: int) -> tuple[int, int]:
+def series_sizes(pace: Pace, digits: int) -> tuple[int, int]:
     """The number of modes in either phase: c_mn decay as e^(−m·strip) if 1/g has no singularity in the strip.
 
     z has a pole at the imaginary half-period of either curve. A zero of g² is at a z < 0. On the second curve, where
     Z = μ2·z is then positive, it is as far from the real axis as the pole; on the first curve it is nearer.
     """
-    d, (one, two) = motion.system.d, motion.curves
-    share = motion.weights[1] / motion.weights[0]
-    least = min(two.e[i] / motion.mu[1] for i in (two.low, two.middle))
+    d, (one, two) = pace.d, pace.curves
+    share = pace.weights[1] / pace.weights[0]
+    least = min(two.e[i] / pace.mu[1] for i in (two.low, two.middle))
     zero = -(1 + share * (1 + d * least)) / d
-    heights = one.imaginary_half(zero * motion.mu[0]), two.imaginary_half(None)
-    strips = [2 * pi * float(x / curve.period) for x, curve in zip(heights, motion.curves, strict=True)]
+    heights = one.imaginary_half(zero * pace.mu[0]), two.imaginary_half(None)
+    strips = [2 * pi * float(x / curve.period) for x, curve in zip(heights, pace.curves, strict=True)]
     rows, columns = (smooth(int(digits * log(10) / x) + MARGIN) for x in strips)
     return rows, columns
 
@@ -107,13 +108,12 @@ def smooth(count: int) -> int:
     return -(-count // power) * power
 
 
-def cosines(motion: Any, sizes: tuple[int, int], bits: int) -> np.ndarray:
+def cosines(pace: Pace, sizes: tuple[int, int], bits: int) -> np.ndarray:
     """The c_mn with m and n up to ``sizes``, as integers in units of 2^−bits."""
     parts = []
-    for k, (curve, weight, n) in enumerate(zip(motion.curves, motion.weights, sizes, strict=True)):
-        turns = (j * motion.field.one / (2 * n) for j in range(n + 1))
-        squares = (weight * (1 + motion.system.d * motion.z(k, curve.at(x))) for x in turns)
-        parts.append([int(motion.field.context.ldexp(x, bits)) for x in squares])
+    for k, (curve, n) in enumerate(zip(pace.curves, sizes, strict=True)):
+        squares = (pace.share(k, curve.at(j * pace.field.one / (2 * n))) for j in range(n + 1))
+        parts.append([int(pace.field.context.ldexp(x, bits)) for x in squares])
     one = 1 << (3 * bits)
     values = np.array([[isqrt(one // (x + y)) for y in parts[1]] for x in parts[0]], dtype=object)
     for n in sizes:
@@ -136,12 +136,12 @@ def _transformed(values: np.ndarray, count: int, bits: int) -> np.ndarray:
     return result
 
 
-def _from_start(motion: Any, table: np.ndarray, field: Any, bits: int) -> Modes:
+def _from_start(pace: Pace, table: np.ndarray, field: MultiprecisionField, bits: int) -> Modes:
     """The Fourier modes, in phases from the start, of the cosine series with the coefficients ``table``."""
     import flint
 
     rows, columns = table.shape
-    starts = [field.coerce(curve.since / curve.period) for curve in motion.curves]
+    starts = [field.coerce(curve.since / curve.period) for curve in pace.curves]
     with BallReals(bits) as balls:
         unit = flint.arb(2) ** -bits
         angles = (2 * balls.number(x) for x in starts)
@@ -154,6 +154,6 @@ def _from_start(motion: Any, table: np.ndarray, field: Any, bits: int) -> Modes:
             ahead = [c * y / 2 for c, y in zip(rest, across[1:], strict=True)]
             back = [c * y.conjugate() / 2 for c, y in zip(rest, across[1:], strict=True)]
             found.append([*back[::-1], first, *ahead])
-    shortest = motion.period
-    nu = [field.coerce(shortest / curve.period) for curve in motion.curves]
+    shortest = pace.period
+    nu = [field.coerce(shortest / curve.period) for curve in pace.curves]
     return Modes(found, (1, 1), (nu[0], nu[1]), field.binary(table[0, 0], -bits))

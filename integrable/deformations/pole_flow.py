@@ -16,7 +16,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow
+from integrable.deformations.carrier import CurvesCarrier
+from integrable.deformations.deformed_flow import DeformedFlow
 from integrable.deformations.equations import BY_THETA_IN_POLES
 from integrable.deformations.oval import SeparatedOval, root_of_rounded
 from integrable.deformations.oval_loops import Frame

@@ -11,10 +11,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from math import log
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from integrable.deformations.carrier import CurvesCarrier, OnCurves
+from integrable.deformations.oval import Pace
 from integrable.deformations.oval_loops import LIBRARY, Frame, Track
 from integrable.mumford.columns import Column
 from integrable.mumford.elliptic_torus import terms_of
@@ -28,9 +30,6 @@ from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.fields.multiprecision import Mpf
 from jacobian.numbers.double_double import double_double_row
-
-if TYPE_CHECKING:
-    from integrable.motion.precise import ManyDigits
 
 # number of periods after which double-doubles may lack digits
 MOST_TURNS = 1e6
@@ -64,14 +63,14 @@ class QuickStates:
 
     way = "elliptic curves"
 
-    def __init__(self, many: ManyDigits) -> None:
+    def __init__(self, many: OnCurves) -> None:
         self._many = many
-        self._packed: tuple[Any, PackedCurves | None] = (None, None)
-        self._clock: tuple[Any, QuickClock | None] = (None, None)
+        self._packed: dict[CurvesCarrier, PackedCurves | None] = {}
+        self._clocks: dict[CurvesCarrier, QuickClock | None] = {}
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
-        carrier: Any = self._many.carrier
+        carrier = self._many.carrier
         if not carrier.rolls:
             rows = self.at_tau(times)
             return None if rows is None else (rows, times)
@@ -80,7 +79,7 @@ class QuickStates:
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray | None:
         """γ and M at values of τ, shape (N, 6)."""
-        carrier: Any = self._many.carrier
+        carrier = self._many.carrier
         with carrier.precision:
             if not len(tau) or not carrier.turns(carrier.field.coerce(float(np.abs(tau).max()))) < MOST_TURNS:
                 return None
@@ -95,7 +94,7 @@ class QuickStates:
         """Returns None: the physical times at values of τ are computed with many digits."""
         return None
 
-    def _timed(self, carrier: Any, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    def _timed(self, carrier: CurvesCarrier, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """The result of :meth:`at`, computed by the clock in floats; None if this clock is not accurate enough."""
         far = int(np.argmax(np.abs(times)))
         if not carrier.turns(abs(carrier.most_tau(carrier.field.coerce(float(times[far]))))) < MOST_TURNS:
@@ -103,36 +102,32 @@ class QuickStates:
         packed = self._compiled(carrier)
         if packed is None:
             return None
-        if self._clock[0] is not carrier:
-            try:
-                self._clock = carrier, QuickClock(carrier, packed)
-            except PrecisionLoss:
-                # the clock needs too many samples of 1/g, or 1/g has resonant modes
-                self._clock = carrier, None
-        clock = self._clock[1]
+        if carrier not in self._clocks:
+            self._clocks[carrier] = quick_clock(carrier, packed)
+        clock = self._clocks[carrier]
         if clock is None:
             return None
         phases, tau = clock.phases(times)
         turns = [sum(map(carrier.field.coerce, pair)) for pair in phases[2 * far : 2 * far + 2].tolist()]
         moved = [turn * curve.period for turn, curve in zip(turns, carrier.curves, strict=True)]
-        if not clock.holds(carrier, moved, turns, tau[far : far + 1], times[far]):
+        if not clock.holds(moved, turns, tau[far : far + 1], times[far]):
             return None
         rows = self._quick(carrier, packed, phases, far, carrier.moved(moved))
         return None if rows is None else (rows, tau)
 
-    def _compiled(self, carrier: Any) -> PackedCurves | None:
+    def _compiled(self, carrier: CurvesCarrier) -> PackedCurves | None:
         """The arguments of the compiled loops for a carrier, cached."""
-        if self._packed[0] is not carrier:
+        if carrier not in self._packed:
             try:
-                self._packed = carrier, packed(carrier)
+                self._packed[carrier] = packed(carrier)
             except (ArgumentError, PrecisionLoss):
                 # numbers such as |M|² exceed the range of floats
-                self._packed = carrier, None
-        return self._packed[1]
+                self._packed[carrier] = None
+        return self._packed[carrier]
 
     def _quick(
         self,
-        carrier: Any,
+        carrier: CurvesCarrier,
         packed: PackedCurves,
         phases: np.ndarray,
         far: int,
@@ -162,11 +157,11 @@ class QuickClock:
     PrecisionLoss if 1/g needs too many samples, or if a mode is resonant.
     """
 
-    def __init__(self, carrier: Any, packed: PackedCurves) -> None:
-        loops, self._rates = CompiledLoops(), packed.rates
+    def __init__(self, pace: Pace, packed: PackedCurves) -> None:
+        loops, self._true_pace = CompiledLoops(), pace
         turns = [float(rate.hi) for rate in packed.rates]
         scale = SWIFT * 2 * np.pi * max(turns)
-        resolve = partial(resolved, partial(samples, carrier, packed), sizes=first_grid(carrier), most=MOST_SAMPLES)
+        resolve = partial(resolved, partial(samples, pace, packed), sizes=first_grid(pace), most=MOST_SAMPLES)
         self._spectrum = resolved_spectrum(loops, lambda transform: resolve(transformed=transform), turns, scale, NOISE)
         check_no_resonance(self._spectrum, turns)
         mean = Column(*self._spectrum.values[0])
@@ -181,10 +176,10 @@ class QuickClock:
         phases, delays = self._clock.phases(times)
         return phases, (Column(times) * self._pace + Column(delays)).hi
 
-    def holds(self, carrier: Any, moved: list[Real], turns: list[Mpf], tau: np.ndarray, time: float) -> bool:
-        """Whether the clock is accurate at ``time``: t(τ) returns this time, and dt/dτ agrees with that of the carrier.
+    def holds(self, moved: list[Real], turns: list[Mpf], tau: np.ndarray, time: float) -> bool:
+        """Whether the clock is accurate at ``time``: t(τ) returns this time, and dt/dτ agrees with that of the curves.
 
-        ``turns`` are the phases at that time, and ``moved`` the times on the carrier's curves.
+        ``turns`` are the phases at that time, and ``moved`` the times on the curves.
         """
         if not abs(float(self._clock.times(tau)[0]) - time) <= MOST_OFF * abs(time):
             return False
@@ -194,14 +189,23 @@ class QuickClock:
         ahead, across = np.arange(rows // 2 + 1), np.fft.fftfreq(columns, 1 / columns)
         weights = np.where(ahead % (rows // 2) == 0, 1, 2) * np.exp(first * ahead)
         shown = float((weights @ half @ np.exp(second * across)).real)
-        return abs(shown / float(carrier.pace_at(moved)) - 1) <= MOST_OFF
+        return abs(shown / float(self._true_pace.at(moved)) - 1) <= MOST_OFF
 
 
-def first_grid(carrier: Any) -> tuple[int, int]:
+def quick_clock(carrier: CurvesCarrier, packed: PackedCurves) -> QuickClock | None:
+    """The clock of a motion; None if it needs too many samples of 1/g, or if 1/g has resonant modes."""
+    assert carrier.pace is not None
+    try:
+        return QuickClock(carrier.pace, packed)
+    except PrecisionLoss:
+        return None
+
+
+def first_grid(pace: Pace) -> tuple[int, int]:
     """The numbers of samples in both phases, powers of 2, that resolve 1/g if its modes decay as those of z: mode m as
     nome^m, since the pole of z is at the imaginary half-period.
     """
-    modes = (int(log(NOISE) / log(max(float(curve.nome), NOISE))) for curve in carrier.curves)
+    modes = (int(log(NOISE) / log(max(float(curve.nome), NOISE))) for curve in pace.curves)
     first, second = (max(FIRST_SIZE, 1 << (2 * n + 4).bit_length()) for n in modes)
     return first, second
 
@@ -217,17 +221,17 @@ def check_no_resonance(spectrum: RateSpectrum, turns: list[float]) -> None:
         raise in_resonance(k, m)
 
 
-def samples(carrier: Any, packed: PackedCurves, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
+def samples(pace: Pace, packed: PackedCurves, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
     """1/g at the phases (i/rows, j/columns) since the start, as double-doubles; ``known`` is not used."""
     rows, columns = sizes
     table, room = np.empty((rows * columns, 2)), np.empty((6 * (rows + columns), 2))
     # the sizes are powers of 2, so that the fractions are exact
     places = tuple(np.repeat(np.stack([np.arange(n) / n, np.zeros(n)], axis=1), 2, axis=0) for n in sizes)
-    LIBRARY.paces(*packed.tracks, double_double_row((carrier.system.d, *carrier.weights)), places, table, room)
+    LIBRARY.paces(*packed.tracks, double_double_row((pace.d, *pace.weights)), places, table, room)
     return table.reshape(rows, columns, 2)
 
 
-def packed(carrier: Any) -> PackedCurves:
+def packed(carrier: CurvesCarrier) -> PackedCurves:
     """The data of a carrier in double-doubles.
 
     ArgumentError for numbers beyond the range of floats, PrecisionLoss near a separatrix.

@@ -10,13 +10,13 @@ same. (The separation is Tsiganov's.)
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, at_its_precision
+from integrable.deformations.carrier import CurvesCarrier, at_its_precision
+from integrable.deformations.deformed_flow import DeformedFlow
 from integrable.deformations.equations import right_hand_sides
-from integrable.deformations.oval import SeparatedOval, root_of_rounded
-from integrable.deformations.oval_loops import Frame, height
+from integrable.deformations.oval import Pace, SeparatedOval, root_of_rounded
+from integrable.deformations.oval_loops import Frame
 from integrable.moving_point.losses import digits_of
 from integrable.phase.body import Body, cross
 from integrable.phase.isometry import lift, roots
@@ -39,6 +39,8 @@ class OvalCarrier(CurvesCarrier):
 
     ``pair`` is the tilde pair on whose curves it moves: ``system`` itself, or the tilde pair of A⁻¹.
     """
+
+    pace: Pace
 
     def __init__(self, system: Any, state: State) -> None:
         super().__init__(system, state)
@@ -86,6 +88,9 @@ class OvalCarrier(CurvesCarrier):
             _oval(self.field, body, mu, row, turn) for mu, row, turn in zip(self.mu, gaps, turns, strict=True)
         ]
         self.tracks = [curve.track(mu, self.field.zero) for curve, mu in zip(self.curves, self.mu, strict=True)]
+        spread = self.lambdas[0] - self.lambdas[1]
+        weights = [abs(value) / spread for value in self.lambdas]
+        self.pace = Pace(self.field, body.d, self.curves, self.tracks, self.mu, weights)
         self.order = sorted(range(3), key=lambda i: body.inertia[i])
 
     def _numbers(self, e: Sequence[Real], slope: Sequence[Real]) -> list[Real]:
@@ -113,31 +118,16 @@ class OvalCarrier(CurvesCarrier):
 
     @at_its_precision
     def clock_missing(self, tau: Real, digits: int) -> int:
-        return digits_of(self.clock(digits).defect(tau, self.pace_at((tau, tau)))) + digits
+        return digits_of(self.clock(digits).defect(tau, self.pace.at((tau, tau)))) + digits
 
     def clock(self, digits: int) -> OvalsClock:
         from integrable.deformations.ovals_clock import OvalsClock
 
         if self._clocks is None or self._clocks.digits < digits:
-            self._clocks = OvalsClock(self, digits)
+            self._clocks = OvalsClock(self.pace, digits)
         return self._clocks
 
     _clocks: OvalsClock | None = None
-
-    @cached_property
-    def weights(self) -> tuple[Real, Real]:
-        """The weights of 1 + dz_k in g²: both positive, with the sum 1."""
-        one, two = self.lambdas
-        return one / (one - two), -two / (one - two)
-
-    def z(self, k: int, r: Sequence[Real]) -> Real:
-        """z = Z/μ_k at the roots R_i on curve k."""
-        return height(self.tracks[k], self.curves[k].ordered(r))
-
-    def pace_at(self, moved: Sequence[Real]) -> Real:
-        """dt/dτ = 1/g after the times ``moved`` on both curves: g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k|."""
-        z = [self.z(k, curve.moved(time)) for k, (curve, time) in enumerate(zip(self.curves, moved, strict=True))]
-        return 1 / root_of_rounded(self.field, self.field.dot(self.weights, [1 + self.system.d * x for x in z]))
 
     @at_its_precision
     def times_of(self, time_of: TimeOf) -> list[Real]:
@@ -159,7 +149,7 @@ class SeparatedFlow(DeformedFlow):
 
         On curve k the motion adds this point in the time ``time_of(k, field, μ_k, μ_k/I_i)``.
         """
-        many = self._curves.many
+        many = self._many
 
         def compute(carrier: Any, _: object) -> tuple[Any, int] | None:
             times = carrier.times_of(time_of)

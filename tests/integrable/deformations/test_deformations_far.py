@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from integrable import Check, Hat, Tilde
-from integrable.deformations.deformed_flow import widened
+from integrable.deformations.carrier import widened
 from integrable.deformations.gyroscopic import Gyroscopic
 from integrable.deformations.separated_flow import OvalCarrier
 from integrable.phase.state import State

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from integrable import Check, Gyroscopic, Hat, Tilde
-from integrable.deformations.deformed_flow import widened
+from integrable.deformations.carrier import widened
 from integrable.deformations.equations import NearWalk, kind_in
 from integrable.phase.ways import Cost, InOrder
 from integrable.series.kinds import Kind

@@ -9,7 +9,7 @@ import pytest
 
 from integrable import Check, Tilde
 from integrable.deformations import quick_states
-from integrable.deformations.deformed_flow import CurvesCarrier
+from integrable.deformations.carrier import CurvesCarrier
 from integrable.deformations.integrated import IntegratedMotion
 from integrable.deformations.oval import SeparatedOval
 from integrable.deformations.pole_flow import PoleFlow

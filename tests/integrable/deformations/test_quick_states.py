@@ -7,7 +7,7 @@ import pytest
 
 from integrable import Check, Hat, Tilde
 from integrable.deformations import quick_states
-from integrable.deformations.deformed_flow import CurvesCarrier
+from integrable.deformations.carrier import CurvesCarrier
 from integrable.deformations.oval import SeparatedOval
 from integrable.motion.precise import RoundedRows
 from tests.integrable.deformations import additions
