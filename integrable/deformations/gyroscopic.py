@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from integrable.deformations.deformation import Deformation
-from integrable.deformations.scalars import Potential, Scalars, Turning, combination, product
+from integrable.deformations.scalars import Potential, RateTerms, Scalars, combination, product
 from jacobian import RR
 from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field
@@ -38,12 +38,12 @@ class Gyroscopic(Deformation):
         first = (q.m2 + quarter) * (c * q.eta_dual - q.xi * q.xi + quarter * q.sigma)
         return energy, first + q.m1 * (c * q.eta + quarter * (2 * q.s - q.e1))
 
-    def motion(self, q: Scalars) -> Turning:
+    def motion(self, q: Scalars) -> RateTerms:
         """Ω = AM − sM + (c/2)γ × Aγ, Ṁ = M × Ω + γ × [−m2·Aγ + (c/2)(Aγ × M + A(M × γ)) + (c²/4)Aγ]; here without the
         terms with c/2.
         """
         c = self._constants()(self.c)
-        return Turning(1, -q.s, 0, c * c / 4 - q.m2)
+        return RateTerms(1, -q.s, 0, c * c / 4 - q.m2)
 
     def omega(self, q: Scalars) -> list[Real]:
         return combination((1, super().omega(q)), (self._constants()(self.c) / 2, product(q.gamma, q.Ag)))

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Self
 
-from integrable.deformations.scalars import Potential, Scalars, Turning, dot, product
+from integrable.deformations.scalars import Potential, RateTerms, Scalars, dot, product
 from integrable.phase.body import Body, Vector, unwarned
 from integrable.phase.jets import JetField
 from integrable.phase.made import Made
@@ -195,7 +195,7 @@ class Hamiltonian(Made):
         """The integrals (H, K), for numbers with operators."""
         raise NotImplementedError
 
-    def motion(self, q: Scalars) -> Turning:
+    def motion(self, q: Scalars) -> RateTerms:
         """The coefficients of Ω = ½∂H/∂M and of Ṁ without the potential."""
         raise NotImplementedError
 

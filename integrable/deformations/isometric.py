@@ -7,7 +7,7 @@ from typing import Any
 
 from integrable.deformations.deformation import Deformation
 from integrable.deformations.hamiltonian import Isometry
-from integrable.deformations.scalars import Potential, Scalars, Turning, poles
+from integrable.deformations.scalars import Potential, RateTerms, Scalars, poles
 from jacobian import RR
 from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field
@@ -63,9 +63,9 @@ class Check(IsometricDeformation):
         energy: Real = a * inverse + b * (inverse - q.e2 / q.e3) * inverse * inverse + terms
         return energy
 
-    def motion(self, q: Scalars) -> Turning:
+    def motion(self, q: Scalars) -> RateTerms:
         """Ω = sAM − s²M − 2ξAγ, Ṁ = M × Ω + γ × [(m1 − 2s·m2)Aγ − 2ξAM]."""
-        return Turning(q.s, -(q.s * q.s), -2 * q.xi, q.m1 - 2 * (q.s * q.m2))
+        return RateTerms(q.s, -(q.s * q.s), -2 * q.xi, q.m1 - 2 * (q.s * q.m2))
 
 
 class Hat(IsometricDeformation):
@@ -107,10 +107,10 @@ class Hat(IsometricDeformation):
         energy: Real = a * S + b * (S - q.e2 / q.e3) * S * S + terms
         return energy
 
-    def motion(self, q: Scalars) -> Turning:
+    def motion(self, q: Scalars) -> RateTerms:
         """Ω = αAM − (σ + ατ)M, Ṁ = M × Ω + γ × {[tr A⁻¹·A^∨γ + 2Aγ](m1 − τm2) + αm2·Aγ − m2·A^∨γ}."""
         alpha, height = _alpha(q), q.m1 - q.tau * q.m2
-        return Turning(alpha, -q.sigma - alpha * q.tau, 0, 2 * height + alpha * q.m2, q.e2 / q.e3 * height - q.m2)
+        return RateTerms(alpha, -q.sigma - alpha * q.tau, 0, 2 * height + alpha * q.m2, q.e2 / q.e3 * height - q.m2)
 
 
 def _alpha(q: Scalars) -> Any:

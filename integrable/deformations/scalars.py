@@ -53,7 +53,7 @@ class Scalars:
         return [(self.a[i], self.a[i - 2], self.a[i - 1], self.squares[i]) for i in range(3)]
 
 
-class Turning(NamedTuple):
+class RateTerms(NamedTuple):
     """The coefficients of a motion without potential: Ω = T + ``Ag``·Aγ, T = ``AM``·AM + ``M``·M; Ṁ = M × Ω + γ × P.
 
     P = ``pull``·Aγ + ``dual``·A^∨γ + ``Ag``·(AM − ``share``·T).

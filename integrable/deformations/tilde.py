@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from integrable.deformations.deformation import Deformation
-from integrable.deformations.scalars import Potential, Scalars, Turning, poles
+from integrable.deformations.scalars import Potential, RateTerms, Scalars, poles
 from jacobian import RR
 from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field
@@ -57,10 +57,10 @@ class Tilde(Deformation):
         energy = a * q.G + b * (q.G - trace) * q.G * q.G + terms
         return energy
 
-    def motion(self, q: Scalars) -> Turning:
+    def motion(self, q: Scalars) -> RateTerms:
         """Ω = AM − sM + 2dGξAγ, Ṁ = M × Ω + γ × [dGξ(AM + sM) − m2·Aγ]."""
         spin: Real = 2 * (q.d * q.G * q.xi) if self.body.rolls else 0
-        return Turning(1, -q.s, spin, -q.m2, share=self._constants()(self.field.one) / 2)
+        return RateTerms(1, -q.s, spin, -q.m2, share=self._constants()(self.field.one) / 2)
 
 
 def _free(q: Scalars, potential: Potential) -> Any:
