@@ -8,11 +8,10 @@ with k more; PrecisionLoss if this does not help.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
-from functools import wraps
 from math import ceil
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.oval import Pace, SeparatedOval
@@ -27,30 +26,22 @@ from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss, shown, written
 from jacobian.inexact.long_numbers import LongNumbers
 
-__all__ = ["GUARD_DIGITS", "CurvesCarrier", "OnCurves", "at_its_precision", "digits_asked", "widened"]
+if TYPE_CHECKING:
+    from integrable.motion.precise import Compute, Found
+
+__all__ = ["GUARD_DIGITS", "CurvesCarrier", "OnCurves", "digits_asked", "widened"]
 
 GUARD_DIGITS = 18
 ROUNDING = 6
 """Number of digits that the computation may lose for a τ within one period."""
 
-Result = TypeVar("Result")
 GammaM = tuple[Vector, Vector]
 """γ and M in wide numbers."""
 
 
-def at_its_precision(method: Callable[..., Result]) -> Callable[..., Result]:
-    """Decorator of a method of :class:`CurvesCarrier`, which then runs inside the context ``precision``."""
-
-    @wraps(method)
-    def inside(self: CurvesCarrier, *arguments: object) -> Result:
-        with self.precision:
-            return method(self, *arguments)
-
-    return inside
-
-
 class CurvesCarrier(Carrier):
-    """The motion of a deformation at one precision, used by a :class:`DeformedFlow`. Its points are (γ, M).
+    """The motion of a deformation at one precision, used by a :class:`DeformedFlow`. Its points are (γ, M). Its methods
+    are called inside ``with precision``, which :class:`OnCurves` enters.
 
     ``system`` and ``start`` are over wide numbers: MP(digits), or LongNumbers in whose context it is created.
     Changes of H and K are relative to ``sizes``, the error of M relative to ``momentum`` if M = 0. A point moves on
@@ -95,16 +86,13 @@ class CurvesCarrier(Carrier):
         """The shorter of the periods of the two curves."""
         return min(curve.period for curve in self.curves)
 
-    @at_its_precision
     def turns(self, tau: Real) -> Real:
         """|τ| in periods of the curve with the shorter period."""
         return abs(self.speed * tau) / self.period
 
-    @at_its_precision
     def point(self, tau: Real) -> GammaM:
         return self.moved([self.speed * tau] * 2)
 
-    @at_its_precision
     def moved(self, times: Sequence[Real]) -> GammaM:
         """(γ, M) after the point of each curve has moved for its time in ``times``."""
         return self._state(*(curve.moved(time) for curve, time in zip(self.curves, times, strict=True)))
@@ -120,7 +108,6 @@ class CurvesCarrier(Carrier):
     def scaled(self, t: Real) -> Real:
         return self.field.coerce(t)
 
-    @at_its_precision
     def lost(self, tau: Real) -> int:
         return ceil(float(self.field.context.log10(1 + self.turns(tau))))
 
@@ -128,7 +115,6 @@ class CurvesCarrier(Carrier):
         gamma, M = point
         return gamma, M
 
-    @at_its_precision
     def drift(self, points: list[GammaM]) -> int:
         before, worst = self.system.integrals(self.start)[2:], -NOTHING
         for gamma, M in points:
@@ -137,9 +123,9 @@ class CurvesCarrier(Carrier):
         return worst
 
     def gap(self, point: GammaM, truth: CurvesCarrier, tau: Real) -> int:
-        return truth.difference(point, truth.point(truth.field.coerce(tau)))
+        with truth.precision:
+            return truth.difference(point, truth.point(truth.field.coerce(tau)))
 
-    @at_its_precision
     def difference(self, row: GammaM, truth: GammaM) -> int:
         """The decimal exponent of the relative difference of (γ, M) from a more accurate computation, ``truth``."""
         worst = -NOTHING
@@ -163,13 +149,20 @@ class OnCurves(ManyDigits):
         self.digits = asked
         super().__init__(asked, self.carrier_of(asked))
 
+    def settled(self, times: list[Real], compute: Compute[Found]) -> Found:
+        def inside(carrier: Carrier, scaled: list[Real]) -> tuple[Found, int] | None:
+            with self.carrier.precision:
+                return compute(carrier, scaled)
+
+        return super().settled(times, inside)
+
     def carrier_of(self, digits: int) -> CurvesCarrier:
         """The motion with that many digits, or more if its point at τ = 0 does not reproduce the state."""
         for _ in range(3):
             with LongNumbers(digits + GUARD_DIGITS) as numbers:
                 carrier = self._made(*widened(self._system, self._state, numbers))
-            start = carrier.start.vectors
-            missing = carrier.difference(carrier.point(carrier.field.zero), start) + self.digits + SPARE
+                gap = carrier.difference(carrier.point(carrier.field.zero), carrier.start.vectors)
+            missing = gap + self.digits + SPARE
             if missing <= 0:
                 return carrier
             digits += min(missing, digits) + WIDER

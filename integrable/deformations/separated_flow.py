@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from integrable.deformations.carrier import CurvesCarrier, at_its_precision
+from integrable.deformations.carrier import CurvesCarrier
 from integrable.deformations.deformed_flow import DeformedFlow
 from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.oval import Pace, SeparatedOval, root_of_rounded
@@ -103,20 +103,16 @@ class OvalCarrier(CurvesCarrier):
         odd = order in ([0, 2, 1], [1, 0, 2], [2, 1, 0])
         return [*axes, body.d, *self.mu, *self.lambdas, -K.one if odd else K.one, K.one]
 
-    @at_its_precision
     def most_tau(self, t: Real) -> Real:
         # 1/g² is smallest, 1 − da_i, where γ is along the axis of the smallest moment
         return t / root_of_rounded(self.field, min(self.pair.body.contact))
 
-    @at_its_precision
     def tau(self, times: list[Real], digits: int) -> list[Real]:
         return [self.field.coerce(x) for x in self.clock(digits).tau(times)]
 
-    @at_its_precision
     def times(self, tau: list[Real], digits: int) -> list[Real]:
         return [self.field.coerce(t) for t in self.clock(digits).times(tau)]
 
-    @at_its_precision
     def clock_missing(self, tau: Real, digits: int) -> int:
         return digits_of(self.clock(digits).defect(tau, self.pace.at((tau, tau)))) + digits
 
@@ -129,7 +125,6 @@ class OvalCarrier(CurvesCarrier):
 
     _clocks: OvalsClock | None = None
 
-    @at_its_precision
     def times_of(self, time_of: TimeOf) -> list[Real]:
         """The time on each curve from ``time_of``, for :meth:`SeparatedFlow.translated`."""
         return [time_of(k, self.field, mu, c.e) for k, (mu, c) in enumerate(zip(self.mu, self.curves, strict=True))]
