@@ -9,7 +9,6 @@ with k more; PrecisionLoss if this does not help.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
@@ -41,7 +40,7 @@ GammaM = tuple[Vector, Vector]
 
 class CurvesCarrier(Carrier):
     """The motion of a deformation at one precision, used by a :class:`DeformedFlow`. Its points are (γ, M). Its methods
-    are called inside ``with precision``, which :class:`OnCurves` enters.
+    are called inside ``with field``, which :class:`OnCurves` enters.
 
     ``system`` and ``start`` are over wide numbers: MP(digits), or LongNumbers in whose context it is created.
     Changes of H and K are relative to ``sizes``, the error of M relative to ``momentum`` if M = 0. A point moves on
@@ -67,11 +66,6 @@ class CurvesCarrier(Carrier):
     def field(self) -> LongNumbers:
         """The field of the wide numbers."""
         return self.system.field
-
-    @property
-    def precision(self) -> AbstractContextManager[object]:
-        """The context in which the wide numbers are used."""
-        return self.field if isinstance(self.field, LongNumbers) else nullcontext()
 
     @property
     def digits(self) -> int:  # type: ignore[override]
@@ -123,7 +117,7 @@ class CurvesCarrier(Carrier):
         return worst
 
     def gap(self, point: GammaM, truth: CurvesCarrier, tau: Real) -> int:
-        with truth.precision:
+        with truth.field:
             return truth.difference(point, truth.point(truth.field.coerce(tau)))
 
     def difference(self, row: GammaM, truth: GammaM) -> int:
@@ -151,7 +145,7 @@ class OnCurves(ManyDigits):
 
     def settled(self, times: list[Real], compute: Compute[Found]) -> Found:
         def inside(carrier: Carrier, scaled: list[Real]) -> tuple[Found, int] | None:
-            with self.carrier.precision:
+            with self.carrier.field:
                 return compute(carrier, scaled)
 
         return super().settled(times, inside)

@@ -15,7 +15,6 @@ from integrable.motion.precise import RoundedRows
 from integrable.phase.state import State
 from integrable.phase.ways import Way
 from jacobian import RR
-from jacobian.element import Real
 from jacobian.numbers.compiler import interpreted
 
 __all__ = ["DeformedFlow"]
@@ -42,9 +41,10 @@ class DeformedFlow(EnclosedMotion):
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
-        # this raises NotRepresentable where the potential is infinite
-        H, K = system.integrals(state)[2:]
-        if not self._is_ordinary(H, K):
+        if not self._is_ordinary():
+            if system.potential is not None:
+                # this raises NotRepresentable where the potential is infinite
+                system.integrals(state)
             # the curves are made here, so that errors are raised at once
             _ = self._many
 
@@ -56,12 +56,12 @@ class DeformedFlow(EnclosedMotion):
     def _curves(self) -> RoundedRows:
         return RoundedRows(self.system.field, self._many, self.method)
 
-    def _is_ordinary(self, H: Real, K: Real) -> bool:
+    def _is_ordinary(self) -> bool:
         """Whether a check in floats proves that the set-up will raise no error."""
         system = self.system
         if system.field != RR or 0 in system.body.differences or min(system.body.contact) < ORDINARY:
             return False
-        H, product = map(abs, system.eigenvalue_sums(H, K))
+        H, product = map(abs, system.eigenvalue_sums(*system.integrals(self.state)[2:]))
         large, size = (H + (H * H + 4 * product) ** 0.5) / 2, self._terms()
         return product > ORDINARY * large * large and large > ORDINARY * size and size < 1 / ORDINARY
 

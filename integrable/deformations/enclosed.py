@@ -62,19 +62,13 @@ class EnclosedMotion(Motion):
         more than 4,000 steps are needed; PrecisionLoss if no such balls are found, as beyond the end of a motion.
         (:mod:`integrable.deformations.enclosed`)
         """
-        given = self._checked(times, "times")
-        return deformed_enclosure(self.system, self.state, list(given), ball_digits(self.system.field, digits))
-
-
-def deformed_enclosure(system: Hamiltonian, state: State, times: list[Real], digits: int) -> Enclosure:
-    """The enclosure of a system's motion at physical times, in balls."""
-    rows: dict[int, Row] = {}
-    for ahead in (True, False):
-        order = sorted((i for i in range(len(times)) if (times[i] >= 0) == ahead), key=lambda i: abs(times[i]))
-        found = _narrow(system, state, [times[i] for i in order], digits) if order else []
-        for i, row in zip(order, found, strict=True):
-            rows[i] = row
-    return Enclosure(exact_times(times), [rows[i] for i in range(len(times))])
+        given, wanted = list(self._checked(times, "times")), ball_digits(self.system.field, digits)
+        rows: dict[int, Row] = {}
+        for ahead in (True, False):
+            order = sorted((i for i in range(len(given)) if (given[i] >= 0) == ahead), key=lambda i: abs(given[i]))
+            found = _narrow(self.system, self.state, [given[i] for i in order], wanted) if order else []
+            rows.update(zip(order, found, strict=True))
+        return Enclosure(exact_times(given), [rows[i] for i in range(len(given))])
 
 
 def _narrow(system: Hamiltonian, state: State, times: list[Real], digits: int) -> list[Row]:

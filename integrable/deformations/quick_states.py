@@ -8,10 +8,10 @@ periods away, the states are computed with more digits.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from math import log
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -44,6 +44,8 @@ SWIFT = 100
 # number of samples of 1/g beyond which the series of integrable.deformations.ovals_clock is cheaper
 MOST_SAMPLES = 1 << 14
 
+Made = TypeVar("Made")
+
 
 class PackedCurves(NamedTuple):
     """The arguments of :func:`integrable.deformations.oval_loops.states` for a motion, in double-doubles.
@@ -74,13 +76,13 @@ class QuickStates:
         if not carrier.rolls:
             rows = self.at_tau(times)
             return None if rows is None else (rows, times)
-        with carrier.precision:
+        with carrier.field:
             return self._timed(carrier, times) if len(times) else None
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray | None:
         """γ and M at values of τ, shape (N, 6)."""
         carrier = self._many.carrier
-        with carrier.precision:
+        with carrier.field:
             if not len(tau) or not carrier.turns(carrier.field.coerce(float(np.abs(tau).max()))) < MOST_TURNS:
                 return None
             packed = self._compiled(carrier)
@@ -103,7 +105,8 @@ class QuickStates:
         if packed is None:
             return None
         if carrier not in self._clocks:
-            self._clocks[carrier] = quick_clock(carrier, packed)
+            # 1/g may need too many samples, or have resonant modes
+            self._clocks[carrier] = _unless(QuickClock, carrier.pace, packed)
         clock = self._clocks[carrier]
         if clock is None:
             return None
@@ -118,11 +121,8 @@ class QuickStates:
     def _compiled(self, carrier: CurvesCarrier) -> PackedCurves | None:
         """The arguments of the compiled loops for a carrier, cached."""
         if carrier not in self._packed:
-            try:
-                self._packed[carrier] = packed(carrier)
-            except (ArgumentError, PrecisionLoss):
-                # numbers such as |M|² exceed the range of floats
-                self._packed[carrier] = None
+            # numbers such as |M|² may exceed the range of floats
+            self._packed[carrier] = _unless(packed, carrier)
         return self._packed[carrier]
 
     def _quick(
@@ -192,12 +192,11 @@ class QuickClock:
         return abs(shown / float(self._true_pace.at(moved)) - 1) <= MOST_OFF
 
 
-def quick_clock(carrier: CurvesCarrier, packed: PackedCurves) -> QuickClock | None:
-    """The clock of a motion; None if it needs too many samples of 1/g, or if 1/g has resonant modes."""
-    assert carrier.pace is not None
+def _unless(made: Callable[..., Made], *arguments: object) -> Made | None:
+    """``made``(``arguments``), or None if it raises ArgumentError or PrecisionLoss."""
     try:
-        return QuickClock(carrier.pace, packed)
-    except PrecisionLoss:
+        return made(*arguments)
+    except (ArgumentError, PrecisionLoss):
         return None
 
 

@@ -10,13 +10,14 @@ same. (The separation is Tsiganov's.)
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from integrable.deformations.carrier import CurvesCarrier
 from integrable.deformations.deformed_flow import DeformedFlow
 from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.oval import Pace, SeparatedOval, root_of_rounded
 from integrable.deformations.oval_loops import Frame
+from integrable.deformations.ovals_clock import OvalsClock
 from integrable.moving_point.losses import digits_of
 from integrable.phase.body import Body, cross
 from integrable.phase.isometry import lift, roots
@@ -26,9 +27,6 @@ from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.inexact.long_numbers import LongNumbers
 
 __all__ = ["SeparatedFlow"]
-
-if TYPE_CHECKING:
-    from integrable.deformations.ovals_clock import OvalsClock
 
 TimeOf = Callable[[int, LongNumbers, Real, Sequence[Real]], Real]
 """The time in which the motion on curve k adds a point: a function of k, the field, μ_k and the μ_k/I_i."""
@@ -117,8 +115,6 @@ class OvalCarrier(CurvesCarrier):
         return digits_of(self.clock(digits).defect(tau, self.pace.at((tau, tau)))) + digits
 
     def clock(self, digits: int) -> OvalsClock:
-        from integrable.deformations.ovals_clock import OvalsClock
-
         if self._clocks is None or self._clocks.digits < digits:
             self._clocks = OvalsClock(self.pace, digits)
         return self._clocks

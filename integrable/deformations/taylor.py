@@ -200,16 +200,14 @@ def integrate(
     Reasons state times multiplied by ``unit``, as the user gave them.
     """
     rows: list[list[Real]] = [list(start)] * len(times)
+    compiled = digits <= DOUBLE_DOUBLE and not interpreted()
     for sign in (1, -1):
         order = sorted((i for i in range(len(times)) if sign * times[i] > 0), key=lambda i: abs(times[i]))
         if not order:
             continue
-        ahead = [times[i] for i in order]
-        problem = field, tape, start, ahead, digits, refused is None, unit
+        problem = field, tape, start, [times[i] for i in order], digits, refused is None, unit
         try:
-            found, why = _marched(
-                _Compiled if digits <= DOUBLE_DOUBLE and not interpreted() else _Interpreted, *problem
-            )
+            found, why = _marched(_Compiled if compiled else _Interpreted, *problem)
         except ArgumentError:
             # some numbers are beyond the range of floats
             found, why = _marched(_Interpreted, *problem)
