@@ -6,7 +6,6 @@ from collections.abc import Collection, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from integrable.mumford.columns import Column
 from integrable.mumford.fields import cofactor
 from jacobian import RR, poly
 from jacobian.element import Complex, Real
@@ -133,17 +132,3 @@ def without_root(even: PairModel) -> PairModel:
     if lead > 0 or any(sign * height < -SMALL * p for sign, height in zip((1, -1, -1, 1), ends, strict=True)):
         raise PrecisionLoss(APART)
     return PairModel(lead, (p, -s), v, (pole * c0 - c1, c0), moved)
-
-
-def with_root(
-    pole: Column, u: Sequence[Column], v: Sequence[Column]
-) -> tuple[tuple[Column, Column], tuple[Column, Column]]:
-    """The pairs in x = E − 1/X, from pairs in X; E is ``pole``."""
-    (p, s), (y, slope) = u, v
-    for _ in range(3):
-        # V is divided by X: on the pair, 1/X = −(X + s)/p
-        y, slope = slope - s * y / p, -y / p
-    a, b = -s / p, 1 / p
-    # on the pair, X = p(x − E) − s
-    slope, y = slope * p, y - slope * s
-    return (pole * pole - a * pole + b, a - 2 * pole), (y - slope * pole, slope)

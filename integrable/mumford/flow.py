@@ -48,8 +48,8 @@ ON_TORUS = {1: Cost(300, 3), 2: Cost(2000, 3), 3: Cost(60_000, 100)}
 # series in FINEST steps may cost this fraction of a torus of genus ≥ 3 before it is made: 23 ms of 62 for
 # Neumann's point on S³ to t = 1000
 SHARE_OF_FINEST = 1 / 3
-# from this many times on, additions take at least as long as a torus that additions confirm: 34 ms against 19 in genus
-# 2 where branch points are not all real, 72 against 72 in genus 3 (python -m benchmarks real_torus)
+# from this many times on, additions in genus 3 take at least as long as a torus that additions confirm, 72 ms (python
+# -m benchmarks real_torus)
 TIMES_TO_THETA = 6
 # bits in which a torus in separated coordinates is set up for states in floats
 BITS_OF_TORUS = 160
@@ -391,22 +391,7 @@ class MumfordFlow(StateFlow[Path]):
 
     def _torus_for(self, count: int) -> EllipticTorus | PhaseTorus | ThetaTorus | None:
         """The torus if ``count`` times justify its set-up, else None."""
-        dear = self._genus > 2 or self._takes_theta
-        return self._torus if count >= TIMES_TO_THETA or (count and not dear) else None
-
-    @cached_property
-    def _takes_theta(self) -> bool:
-        """Whether the genus is 2 and not all branch points are real, so that additions have to confirm the torus."""
-        if self._genus != 2 or not self._may_have_torus:
-            return False
-        from integrable.mumford.branch_points import all_real, long_roots
-
-        try:
-            with LongField(BITS_OF_TORUS) as N:
-                start = self._place(N)
-                return not all_real(long_roots(N, start.f, [kind.e for kind in start.kinds if isinstance(kind, Lift)]))
-        except (PrecisionLoss, ZeroDivisionError):
-            return False
+        return self._torus if count >= TIMES_TO_THETA or (count and self._genus <= 2) else None
 
     @cached_property
     def _torus(self) -> EllipticTorus | PhaseTorus | ThetaTorus | None:

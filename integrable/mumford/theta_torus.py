@@ -1,53 +1,47 @@
 """Motions of genus 2 on a real torus, by theta functions.
 
 With the period matrices A and B, D = P₁ + P₂ has z = A⁻¹(∫_{r₀}^{P₁} + ∫_{r₀}^{P₂})(dx/y, x dx/y), r₀ a branch point; z
-is linear in time. On y² = f(x) of degree 5
+is linear in time. The square roots of |U| at branch points are quotients of odd theta functions of z
+(:mod:`integrable.mumford.pair_loops`). If ∫_{r₀}^{r_i} = Ap + Bq, the characteristic of the branch point r_i is
+η_0 + 2(q, p), and exactly one of the 16 η_0 makes all of them odd. All of this is real in a basis whose A spans the
+real periods. Models of degree 6 with real roots are first transformed by x ↦ 1/(E − x), where E is the largest root.
 
-    √|U(r_i)| = |f'(r_i)/lead|^¼·|θ[η_i](z)/θ[η_∞](z)|,   V = −∂_{(0,1)}U,
-
-where η_i is the odd characteristic of the branch point r_i (Thomae; Mumford 1984). If ∫_{r₀}^{r_i} = Ap + Bq, η_i is
-η_0 + 2(q, p), and exactly one of the 16 η_0 makes all η_i odd. All of this is real in a basis whose A spans the real
-periods. Models of degree 6 with real roots are first transformed by x ↦ 1/(E − x), where E is the largest root.
-
-For geodesics dt/dτ is |U| at the root x = 0. The mean of dt/dτ is a quotient of determinants of integrals over the
-ovals, and t is this mean times τ plus a Fourier series.
+If both points are in bounded ovals, periods and phases are computed in double-doubles as for the ball, otherwise by
+quadrature in long numbers. The mean of dt/dτ is a determinant of elliptic integrals or follows from θ_∞; t is this mean
+times τ plus a Fourier series.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from math import pi
+from itertools import pairwise
+from math import frexp, pi
 from typing import NamedTuple
 
 import numpy as np
 
+from integrable.moving_point.addition import Row
 from integrable.moving_point.arithmetic import MOST_TURNS
-from integrable.mumford.branch_points import (
-    SMALL,
-    PairModel,
-    all_real,
-    lift_of,
-    long_roots,
-    opened,
-    with_root,
-    without_root,
-)
+from integrable.mumford.branch_points import SMALL, PairModel, all_real, lift_of, long_roots, opened, without_root
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import Start
+from integrable.mumford.pair_loops import LIBRARY, TORUS, PairTorus
 from integrable.torus.access import TorusClock, resolved_spectrum
-from integrable.torus.body_torus import FIRST_SIZE, resolved
+from integrable.torus.body_torus import CLOSED, FIRST_SIZE, in_basis, resolved, rule_of_phases
 from integrable.torus.loops import CompiledLoops
-from integrable.torus.theta_series import ThetaSums, half_turn, long_numbers, theta_sums
-from integrable.torus.witness import witnesses
+from integrable.torus.states import CHECKED, TOGETHER
+from integrable.torus.theta_series import half_turn, long_numbers, theta_sums
+from integrable.torus.theta_setup import CLASSES, FOUND, IMAGINARY, MEAN
+from jacobian import poly
 from jacobian.element import Complex, Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
+from jacobian.native.library import Packed
 from jacobian.numbers.double_double import double_double_row
-from jacobian.periods.paths import image, moments
+from jacobian.periods.paths import image
 from jacobian.periods.real_basis import (
     NEARLY,
-    Matrix,
     Whole,
     characteristics,
     coordinates,
@@ -62,9 +56,18 @@ from jacobian.relatives.extended import Extended, Lift, SecondKind
 BITS = 160
 # largest number of samples of a rate; beyond it, branch points nearly meet
 MOST_SAMPLES = 1 << 16
-# the check by the equations of motion covers a turn of each phase, except of one that is slower by more than this
-# factor
-SLOW = 8
+# periods are computed in double-doubles if neighbouring branch points differ by more than this fraction of their
+# distance from an origin
+CLOSE = 2.0**-20
+# with branch points at that fraction from each other, double-doubles resolve CLOSE_TURNS times the fraction of the
+# turns that they resolve otherwise
+CLOSE_TURNS = 16
+# second derivatives of theta functions, from which a mean is computed, need terms that are smaller by e^(−π·FURTHER)
+FURTHER = 4.0
+# Newton's method ends if the start is met to ENOUGH; rates of lifts are right to OBEYED
+ENOUGH, OBEYED = 1e-25, 1e-15
+# the time of the witness in turns of the faster phase
+WITNESS = 0.3
 
 # (κ, σ, ν) by branch point
 Lifts = dict[Complex, tuple[Real, Real, Real]]
@@ -81,13 +84,50 @@ class Rate(NamedTuple):
     factor: Complex
 
 
+class ScaledModel(NamedTuple):
+    """A model in the abscissa ξ, x = ``origin`` + ``length``·ξ, and y = ``height``·η; length and height are powers of
+    two, so nothing is rounded.
+
+    ``roots`` are those of the model in x, in the same order. ``gap`` is the least distance between neighbouring roots,
+    relative to their distance from ξ = 0. ``inside`` is whether one point of the pair is in the oval from root 0 to 1
+    and one in that from root 2 to 3.
+    """
+
+    model: PairModel
+    roots: list[Complex]
+    origin: Complex
+    length: float
+    height: float
+    gap: float
+    inside: bool
+
+
+class PairBasis(NamedTuple):
+    """The data of theta functions of a motion, in double-doubles.
+
+    ``shape`` is that of :func:`integrable.torus.theta_series.theta_weights`, ``real`` are 2Re τ₁₁, 2Re τ₁₂ and 2Re τ₂₂,
+    ``chars`` the characteristics of the roots and of infinity. ``places`` are the phases at the start in turns,
+    ``frequencies`` their turns per unit of the flow's own time. If both points are in bounded ovals, ``beyond`` are the
+    turns along (1, e₅), and ``slowness`` is the mean of |U(e₅)|^(−½).
+    """
+
+    shape: Row
+    real: tuple[int, int, int]
+    chars: list[Whole]
+    places: Row
+    frequencies: Row
+    beyond: Row
+    slowness: Row
+
+
 class ThetaTorus:
     """The divisor D of a motion of genus 2 at any times, in double-doubles.
 
     ``place(K)`` returns the :class:`Start` over K, ``rate(K)`` the :class:`Rate` of a motion whose time is not linear
     in τ. The only datum of the second kind that is allowed is the time t with dt/dτ = |U(0)|. PrecisionLoss for data
     other than lifts and this time, if branch points nearly meet, or if fewer than two are real. On a model of even
-    degree it is also raised for lifts, and unless each oval has one point of the pair.
+    degree it is also raised for lifts, and unless each oval has one point of the pair; and if the pairs of the torus
+    are not those of the motion.
     """
 
     def __init__(self, place: Callable[[LongField], Start], rate: Callable[[LongField], Rate] | None = None) -> None:
@@ -97,151 +137,198 @@ class ThetaTorus:
             others = [kind for kind in start.kinds if not isinstance(kind, Lift)]
             if len(start.v) != 2 or not all(isinstance(kind, SecondKind) for kind in others):
                 raise PrecisionLoss("a motion of genus 2 without lifts but at branch points is needed")
-            model = PairModel(start.f[-1], start.u[:2], start.v, start.direction, long_roots(N, start.f, list(lifts)))
-            self._pole = None
+            if others and (start.direction[1] or start.f[0]):
+                raise PrecisionLoss("a datum of the second kind that is not the time")
+            timed = Rate(N.zero, 2, N.one) if others else rate and rate(N)
+            known = [*lifts, *([timed.e] if timed else [])]
+            model = PairModel(start.f[-1], start.u[:2], start.v, start.direction, long_roots(N, start.f, known))
+            self._pole: list[Complex] = []
             if len(model.roots) == 6:
                 if lifts or not all_real(model.roots):
                     raise PrecisionLoss("lifts or complex branch points on a model of even degree")
-                self._pole, model = Column.of(model.roots[-1]), without_root(model)
+                self._pole, model = [model.roots[-1]], without_root(model)
             model = opened(N, model, lifts)
             if len(model.roots) != 5:
                 raise PrecisionLoss(f"{len(model.roots)} branch points, and five are needed")
-            timed = Rate(N.zero, 2, N.one) if others else rate and rate(N)
-            if others and (model.direction[1] or min(map(abs, model.roots)) > SMALL * max(map(abs, model.roots))):
-                raise PrecisionLoss("a datum of the second kind that is not the time")
-            self._kinds, self._first, self._direction = start.kinds, start.data, Column.of(model.direction[0])
-            with LongField(BITS, complex=True) as Z:
-                basis = theta_basis(Z, model)
-                self._places = basis.places
-                self._frequencies = [Column.of(x) for x in basis.frequencies]
-                self._paces = [float(x) for x in basis.frequencies]
-                self._make_lifts(Z, model, lifts, basis)
-                self._clock = None if timed is None else self._made_clock(Z, basis, timed)
+            self._kinds, self._first, self._pace = start.kinds, start.data, Column.of(start.direction[0])
+            self._clock: TorusClock | None = None
+            self._make(N, model, lifts, timed)
+
+    def _make(self, N: LongField, model: PairModel, lifts: Lifts, timed: Rate | None) -> None:
+        """Sets up the torus in double-doubles, or in long numbers where these do not suffice."""
+        found = scaled_model(N, model) if all_real(model.roots) else None
+        if found and found.inside and (timed or found.gap > CLOSE):
+            self._most = MOST_TURNS * min(1, CLOSE_TURNS * found.gap)
+            try:
+                return self._placed(N, found, oval_basis(found.model), lifts, timed)
+            except PrecisionLoss:
+                if timed:
+                    raise
+        if timed:
+            raise PrecisionLoss("a time that is not linear in τ, and points that are not one in each oval")
+        self._most = MOST_TURNS
+        with LongField(BITS, complex=True) as Z:
+            whole = ScaledModel(model, list(model.roots), Z.zero, 1.0, 1.0, 0.0, False)
+            return self._placed(Z, whole, theta_basis(Z, model), lifts, None)
+
+    def _placed(self, N: LongField, found: ScaledModel, basis: PairBasis, lifts: Lifts, timed: Rate | None) -> None:
+        """Completes a torus whose basis is known; PrecisionLoss if its pairs are not those of the motion."""
+        loops, model, places = CompiledLoops(), found.model, ends_of(found.roots, lifts)
+        self._count, row, places = min(len(lifts), len(places)), loops.row, places + ([4] if timed else [])
+        ends = [end_of(N, found, k, lifts) for k in places]
+        self._kappas = [Column.of(end.kappa) for end in ends[: self._count]]
+        chars = [basis.chars[k] for k in (*places, 5)]
+        sums, tops = theta_sums(loops, basis.shape, basis.real, chars, FURTHER if timed else 0)
+        f = poly.scale(N, model.lead, poly.from_roots(N, model.roots))
+        units = found.origin, N.coerce(found.length), N.coerce(found.length**2), N.coerce(found.height)
+        self._torus = PairTorus(
+            sums, basis.places, basis.frequencies, row(end.slope for end in ends),
+            row(1.0 if end.kappa > 0 else -1.0 for end in ends), *(real_row(x) for x in (
+                [model.roots[k] for k in places], f, model.direction,
+                [x for end in ends[: self._count] for x in end.sizes], units, self._pole)),
+        )  # fmt: skip
+        self._packed = Packed(self._torus, TORUS)
+        room, target = loops.room(10 * CHECKED * len(places)), row(x for end in ends for x in end.target)
+        closure = LIBRARY.met(self._packed, tops, target, loops.nudge, ENOUGH, room)
+        if not (closure <= CLOSED and LIBRARY.strayed(self._packed, room, np.empty(CHECKED * len(places))) <= OBEYED):
+            raise PrecisionLoss("the pairs on the torus of this motion are not its own")
+        self._paces = basis.frequencies[:, 0].tolist()
+        if timed:
+            self._clock = self._made_clock(N, basis, timed, found.length)
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times more than one period of each phase from the start, in both directions, for a comparison.
-
-        A phase much slower than the other is left out, because the equations of motion cannot be followed through its
-        period.
+        """A time at which states are compared with another method. It is a part of a turn of the faster phase, since
+        the pairs at all times are checked.
         """
-        fastest = max(map(abs, self._paces))
-        return witnesses([nu for nu in self._paces if SLOW * abs(nu) >= fastest])
+        return np.array([WITNESS / max(map(abs, self._paces))])
 
     def reaches(self, times: np.ndarray) -> bool:
         """Whether double-doubles resolve the fraction of a turn at all of these times."""
-        return float(np.abs(times).max(initial=0)) * max(map(abs, self._paces)) <= MOST_TURNS
+        return float(np.abs(times).max(initial=0)) * max(map(abs, self._paces)) <= self._most
 
     def at(self, times: np.ndarray) -> Extended:
         """The pairs with their data at N times, as columns of N numbers."""
         if not self.reaches(times):
             turns = float(np.abs(times).max()) * max(map(abs, self._paces))
             raise PrecisionLoss(f"{turns:.1e} turns of a phase are more than double-double numbers hold")
-        out = np.ascontiguousarray(sums_at(self._sums, self._phases(times)).transpose(1, 2, 0))
-        data = [
-            (kappa, size * Column(*out[2 * k + 1]), size * Column(*out[2 * k + 2]))
-            for k, (kappa, size) in enumerate(self._sizes)
-        ]
-        # U and V are interpolated between their values at two branch points
-        (e, first), (other, second) = list(zip(self._ends, data, strict=True))[:2]
-        u_ends, v_ends = (
-            [kappa * sigma * x[n] for kappa, sigma, x in ((d[0], d[1], d) for d in (first, second))] for n in (1, 2)
-        )
-        rise = (u_ends[0] - u_ends[1]) * self._over - (e + other)
-        slope = (v_ends[0] - v_ends[1]) * self._over
-        u, v = (u_ends[0] - e * (e + rise), rise), (v_ends[0] - slope * e, slope)
-        if self._pole is not None:
-            u, v = with_root(self._pole, u, v)
-        read = iter(data)
-        found = [
-            next(read) if isinstance(kind, Lift) else Column.of(first) - self._direction * Column(times)
-            for kind, first in zip(self._kinds, self._first, strict=True)
-        ]
-        return Extended((*u, Column(1.0)), v, tuple(found))
-
-    def _phases(self, times: np.ndarray) -> np.ndarray:
-        """Both phases in turns as double-doubles, shape (N, 2, 2)."""
+        count, loops = len(times), CompiledLoops()
         if self._clock is None:
-            turned = [Column(times) * nu for nu in self._frequencies]
+            phases = np.empty((2 * count, 2))
+            LIBRARY.phases_at(self._packed, np.ascontiguousarray(times, dtype=np.float64), phases)
         else:
-            rows = self._clock.phases(times)[0].reshape(-1, 2, 2)
-            turned = [Column(rows[:, k, 0], rows[:, k, 1]) for k in (0, 1)]
-        return pairs_of_columns([x + place for x, place in zip(turned, self._places, strict=True)])
+            phases = self._clock.phases(times)[0]
+        out = np.empty((count * (2 * self._count + 4), 2))
+        LIBRARY.pairs_at(self._packed, phases, loops.room(2 * count * max(self._count, 2)), out)
+        columns = [Column(hi, lo) for hi, lo in np.ascontiguousarray(out.reshape(-1, count, 2).transpose(0, 2, 1))]
+        read = zip(self._kappas, columns[::2], columns[1::2], strict=False)
+        data = tuple(
+            next(read) if isinstance(kind, Lift) else Column.of(first) - self._pace * Column(times)
+            for kind, first in zip(self._kinds, self._first, strict=True)
+        )
+        u0, u1, v0, v1 = columns[-4:]
+        return Extended((u0, u1, Column(1.0)), (v0, v1), data)
 
-    def _make_lifts(
-        self,
-        Z: LongField,
-        model: PairModel,
-        lifts: Lifts,
-        basis: ThetaBasis,
-    ) -> None:
-        real = [e for e in model.roots if not e.imag]
-        ends = [*lifts, *sorted((e for e in real if e not in lifts), key=lambda e: -abs(e - next(iter(lifts), 0)))]
-        ends = ends[: max(2, len(lifts))]
-        if len(ends) < 2:
-            raise PrecisionLoss("fewer than two branch points are real")
-        self._sums, sizes = basis.sums(Z, [model.roots.index(e) for e in ends])
-        at_start = sums_at(self._sums, pairs_of_columns([x + Column(np.zeros(1)) for x in self._places]))[0]
-        self._ends, self._sizes = [Column.of(e) for e in ends], []
-        self._over = Column.of(1 / (ends[0] - ends[1]))
-        for k, (e, size) in enumerate(zip(ends, sizes, strict=True)):
-            kappa, sigma, nu = lifts.get(e) or lift_of(Z, model, e)
-            own, rate = (float(x) for x in at_start[2 * k + 1 : 2 * k + 3, 0])
-            # if σ vanishes, ν carries the sign
-            sign = -1 if own * sigma + rate * nu * SMALL < 0 else 1
-            self._sizes.append((Column.of(kappa), Column.of(sign * size / Z.sqrt(abs(kappa)).real)))
+    def _made_clock(self, N: LongField, basis: PairBasis, rate: Rate, length: float) -> TorusClock:
+        loops, torus, k = CompiledLoops(), self._torus, len(self._torus.factors) - 1
+        scale = rate.factor * abs(length) ** rate.power
+        if rate.power == 2:
+            LIBRARY.mean_square(self._packed, k, basis.shape[3:], basis.beyond, room := loops.room(2 * k + 2))
+        mean = scale * sum(map(N.coerce, (room[0] if rate.power == 2 else basis.slowness).tolist()))
+        classes, height, _ = torus.sums.sizes
+        given = loops.row([scale])
 
-    def _made_clock(self, Z: LongField, basis: ThetaBasis, rate: Rate) -> TorusClock:
-        if not all_real(basis.roots):
-            raise PrecisionLoss("a time that is not linear in τ, and complex branch points")
-        far = min(range(5), key=lambda i: abs(basis.roots[i] - rate.e))
-        sums, (size,) = basis.sums(Z, [far])
-        samples = partial(rates_on, sums, Column.of(size), self._places, rate)
-        mean, (nu1, nu2) = rate.factor * mean_power(Z, basis, far, rate.power), basis.frequencies
-        loops, scale = CompiledLoops(), 2 * pi * max(map(abs, self._paces))
+        def samples(sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
+            out, room = loops.room(sizes[0] * sizes[1]), loops.room(classes * height * (4 * TOGETHER + 2 * sizes[0]))
+            LIBRARY.rates_on(self._packed, k, rate.power, given, sizes, room, out)
+            return out.reshape(*sizes, 2)
+
+        nu1, nu2 = (N.coerce(x) + N.coerce(y) for x, y in basis.frequencies.tolist())
+        pace = 2 * pi * max(map(abs, self._paces))
         grid = partial(resolved, samples, sizes=(FIRST_SIZE, FIRST_SIZE), most=MOST_SAMPLES)
-        spectrum = resolved_spectrum(loops, grid, self._paces, scale, loops.noise)
+        spectrum = resolved_spectrum(loops, grid, self._paces, pace, loops.noise)
         rates = (nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean, nu1, nu2, mean, 2 * half_turn())
         self._paces = [float(x / mean) for x in (nu1, nu2)]
-        return TorusClock(loops, spectrum, double_double_row(rates), scale, loops.noise / 64)
+        return TorusClock(loops, spectrum, double_double_row(rates), pace, loops.noise / 64)
 
 
-class ThetaBasis(NamedTuple):
-    """The data of theta functions of a motion: the period matrix ``tau``, and the characteristics of the five
-    roots and of infinity.
+def ends_of(roots: Sequence[Complex], lifts: Lifts) -> list[int]:
+    """The indices of the branch points with lifts, in their order, and of others if there are fewer than two."""
+    real, first = [k for k, e in enumerate(roots) if not e.imag], next(iter(lifts), 0)
+    rest = sorted((k for k in real if roots[k] not in lifts), key=lambda k: -abs(roots[k] - first))
+    found = [*(roots.index(e) for e in lifts), *rest][: max(2, len(lifts))]
+    if len(found) < 2:
+        raise PrecisionLoss("fewer than two branch points are real")
+    return found
 
-    ``places`` are the phases at the start in turns, ``frequencies`` their turns per unit of the flow's own time,
-    ``along`` their turns per unit of time along the direction (0, 1).
+
+class End(NamedTuple):
+    """A branch point e at which theta functions are needed: κ, |f'(e)/ℓ|^¼, the ``target`` (σ, ν) at the start in the
+    units of a model, and the ``sizes`` of σ and ν in these units.
     """
 
-    roots: list[Complex]
-    lead: Complex
-    tau: Matrix
-    chars: list[Whole]
-    places: tuple[Column, Column]
-    frequencies: tuple[Complex, Complex]
-    along: tuple[Complex, Complex]
-
-    def sums(self, Z: LongField, places: Sequence[int]) -> tuple[ThetaSums, list[Complex]]:
-        """The series of the roots with the indices ``places`` and of infinity, and for each of these roots e the ratio
-        of √|U(e)| to the quotient of its series by that of infinity.
-        """
-        (t11, t12), (_, t22) = self.tau
-        loops, real = CompiledLoops(), [round(2 * float(x.real)) for x in (t11, t12, t22)]
-        shape = loops.row([*(x.imag for x in (t11, t12, t22)), *self.along])
-        sums, tops = theta_sums(loops, shape, real, [self.chars[i] for i in (*places, 5)])
-        *scales, last = (Z.coerce(high) + Z.coerce(low) for high, low in tops.tolist())
-        sizes = []
-        for i, scale in zip(places, scales, strict=True):
-            slope = Z.one
-            for e in (*self.roots[:i], *self.roots[i + 1 :]):
-                slope *= self.roots[i] - e
-            sizes.append((Z.sqrt(Z.sqrt(abs(slope))) * scale / last).real)
-        return sums, sizes
+    kappa: Real
+    slope: Real
+    target: tuple[Real, Real]
+    sizes: tuple[Real, Real]
 
 
-def theta_basis(Z: LongField, model: PairModel) -> ThetaBasis:
-    """The data of theta functions of a motion; PrecisionLoss if it is on no real torus."""
+def end_of(N: LongField, found: ScaledModel, k: int, lifts: Lifts) -> End:
+    """The :class:`End` of root number k, with the lift of the motion if it has one there."""
+    model, own, slope = found.model, lifts.get(found.roots[k]), N.one
+    kappa, sigma, nu = own or lift_of(N, model, model.roots[k])
+    size = N.sqrt(abs(kappa)).real / abs(found.length if own else 1.0)
+    high = size * (found.length**2 / found.height if own else 1.0)
+    for e in (*model.roots[:k], *model.roots[k + 1 :]):
+        slope = slope * (model.roots[k] - e)
+    return End(kappa, N.sqrt(N.sqrt(abs(slope))).real, (sigma * size, nu * high), (1 / size, 1 / high))
+
+
+def real_row(values: Iterable[Complex | Real]) -> Row:
+    """The real parts of numbers as double-doubles, shape (N, 2)."""
+    return double_double_row(getattr(x, "real", x) for x in values).reshape(-1, 2)
+
+
+def scaled_model(N: LongField, model: PairModel) -> ScaledModel:
+    """A model with real roots, with ℓ > 0 and the origin that keeps the most digits of distances of roots."""
+    side = 1 if model.lead > 0 else -1
+    points = [side * x for x in model.roots[::side]]
+    gap, origin = max(((least_gap(points, x), x) for x in (N.zero, *points)), key=lambda found: found[0])
+    length = side * 2.0 ** frexp(float(points[-1] - points[0]))[1]
+    height = 2.0 ** (frexp(float(abs(model.lead) * abs(length) ** 5))[1] // 2)
+    (u0, u1), (v0, v1), (c0, c1), o = model.u, model.v, model.direction, side * origin
+    u0, u1 = (u0 + (u1 + o) * o) / length**2, (u1 + 2 * o) / length
+    roots = [(x - origin) / abs(length) for x in points]
+    own = PairModel(
+        model.lead * length**5 / height**2, (u0, u1), ((v0 + v1 * o) / height, v1 * length / height),
+        (c0 * height / length, (c1 - o * c0) * height / length**2), roots,
+    )  # fmt: skip
+    heights = (sign * ((e + u1) * e + u0) for sign, e in zip((1, -1, -1, 1), roots, strict=False))
+    inside = all(x >= -SMALL for x in heights)
+    return ScaledModel(own, list(model.roots[::side]), o, length, height, gap, inside)
+
+
+def least_gap(points: Sequence[Real], origin: Real) -> float:
+    """The least distance between neighbouring points, relative to their distance from the origin."""
+    far = [float(x - origin) for x in points]
+    return min(float(y - x) / max(abs(a), abs(b)) for (x, a), (y, b) in pairwise(zip(points, far, strict=True)))
+
+
+def oval_basis(model: PairModel) -> PairBasis:
+    """The data of theta functions of a motion in two bounded ovals, in double-doubles."""
+    loops = CompiledLoops()
+    given = loops.row([*model.roots, model.lead, half_turn(), *model.u, *model.v, *model.direction])
+    motion, found, out = loops.room(12), loops.room(FOUND), loops.room(6)
+    m1, n1, m2, n2 = LIBRARY.oval_data(given, rule_of_phases(), loops.short, loops.room(4), motion, found, out)
+    if not (np.isfinite(found).all() and np.isfinite(out).all()):
+        raise PrecisionLoss("the periods of this motion are beyond the range of floats")
+    chars = in_basis(CLASSES, ((m1, n1), (m2, n2)))
+    shape = found[IMAGINARY:MEAN]
+    return PairBasis(shape, (0, 0, 0), chars, out[:2], out[2:4], out[4:], found[MEAN])
+
+
+def theta_basis(Z: LongField, model: PairModel) -> PairBasis:
+    """The data of theta functions of a motion, from long numbers; PrecisionLoss if it is on no real torus."""
     lead, roots = model.lead, [Z.coerce(e) for e in model.roots]
     found = real_basis(half_integrals(Z, roots, lead))
     tau = ratio(found.cycles)
@@ -253,49 +340,7 @@ def theta_basis(Z: LongField, model: PairModel) -> ThetaBasis:
     chars = [((a + m) % 2, (b + n) % 2, c, d) for a, b, c, d in characteristics(found)]
     along = solved(found.cycles[:2], (Z.zero, Z.one))
     nu = solved(found.cycles[:2], (Z.coerce(model.direction[0]), Z.coerce(model.direction[1])))
-    places = Column.of(p1), Column.of(p2)
-    return ThetaBasis(roots, lead, tau, chars, places, (nu[0].real, nu[1].real), (along[0].real, along[1].real))
-
-
-def sums_at(sums: ThetaSums, phases: np.ndarray) -> np.ndarray:
-    """The values of :func:`integrable.torus.theta_series.theta_lifts`, shape (N, width, 2), at phases (N, 2, 2)."""
-    width = 2 * sums.sizes[0] - 1
-    out = np.empty((width * len(phases), 2))
-    CompiledLoops().theta_lifts(sums, phases.reshape(-1, 2), out)
-    return out.reshape(-1, width, 2)
-
-
-def pairs_of_columns(columns: Sequence[Column]) -> np.ndarray:
-    """Two columns of N numbers, as an array of shape (N, 2, 2)."""
-    return np.stack([np.stack([x.hi, x.lo], axis=-1) for x in columns], axis=1)
-
-
-def rates_on(
-    sums: ThetaSums, size: Column, places: Sequence[Column], rate: Rate, grid: tuple[int, int], known: np.ndarray | None
-) -> np.ndarray:
-    """dt/dτ on a grid of the torus, double-doubles of shape (rows, columns, 2); ``sums`` are series at ``rate.e``."""
-    rows, columns = (np.arange(n) / n for n in grid)
-    phases = [x.ravel() for x in np.meshgrid(rows, columns, indexing="ij")]
-    out = sums_at(sums, pairs_of_columns([Column(x) + place for x, place in zip(phases, places, strict=True)]))
-    root = size * Column(out[:, 1, 0], out[:, 1, 1])
-    factor = Column.of(rate.factor)
-    found = factor * root * root if rate.power == 2 else factor * Column(np.sign(root.hi)) / root
-    return np.stack([found.hi, found.lo], axis=-1).reshape(*grid, 2)
-
-
-def mean_power(Z: LongField, basis: ThetaBasis, far: int, power: int) -> Complex:
-    """The mean of |(e − x₁)(e − x₂)|^(power/2) over the torus, for points in the two bounded ovals of a real curve.
-
-    The invariant measure is (x₂ − x₁)dx₁dx₂/(y₁y₂), so this is a quotient of determinants; e is root number ``far``.
-    """
-    roots, lead = basis.roots, basis.lead
-    e, weighted = roots[far], []
-    sides = (0, 2) if lead > 0 else (1, 3)
-    plain = [moments(Z, roots, lead, k) for k in sides]
-    for k, (zeroth, first, second) in zip(sides, plain, strict=True):
-        if power == 2:
-            weighted.append((first - e * zeroth, second - e * first))
-        else:
-            weighted.append(moments(Z, roots, lead, k, (e,))[:2])
-    area, other = (abs(a[0] * b[1] - a[1] * b[0]) for a, b in (plain, weighted))
-    return (other / area).real
+    entries = tau[0][0], tau[0][1], tau[1][1]
+    r11, r12, r22 = (round(2 * float(x.real)) for x in entries)
+    shape, none = real_row([*(x.imag for x in entries), *along]), real_row([])
+    return PairBasis(shape, (r11, r12, r22), chars, real_row([p1, p2]), real_row(nu), none, none)

@@ -35,6 +35,8 @@ BEFORE, AFTER, SPACING = 160, 110, 0.75
 
 Samples = Callable[[tuple[int, int], "np.ndarray | None"], np.ndarray]
 """A function that gives values on a grid of given sizes; values on a coarser grid may be known."""
+PeriodBasis = tuple[tuple[int, int], tuple[int, int]]
+"""Two periods as integer rows, in the periods around the two ovals."""
 Found = TypeVar("Found")
 Transform = Callable[[np.ndarray], tuple[Found, tuple[int, int]]]
 """A function of samples that returns a result of them and the shape of a grid that is fine enough."""
@@ -86,7 +88,9 @@ class BodyTorus:
         torus = Torus(sums, loops.room(NUMBERS))
         torus.numbers[:4], torus.numbers[TILT : TILT + 2] = self.rates[:4], self.tilt
         limits = Limits(self.units.lift, loops.noise * 1e-10, loops.nudge)
-        self.closure = loops.placed(torus, self._motion, start, found, scales, _rule(), limits, loops.room(PLACING))
+        self.closure = loops.placed(
+            torus, self._motion, start, found, scales, rule_of_phases(), limits, loops.room(PLACING)
+        )
         return torus
 
     def _check(self, found: Row) -> None:
@@ -182,25 +186,29 @@ def in_numbers(loops: Loops, torus: Torus) -> Torus:
     return Torus(sums, loops.row(torus.numbers))
 
 
-def characteristics(points: list[float], basis: tuple[tuple[int, int], tuple[int, int]]) -> list[Whole]:
+def characteristics(points: list[float], basis: PeriodBasis) -> list[Whole]:
     """(ε₁, ε₂, δ₁, δ₂) of the theta functions of α1, α2, α3; ``points`` are α1, α2, α3 and ζ."""
     # α_i that are equal in floats are distinguished by their index
     *axes, zeta = points
     low, middle, high = sorted(range(3), key=lambda i: axes[i])
     # e₂, the end of the first oval, is the lesser of the middle α_i and ζ
     classes = {low: CLASSES[0], middle: CLASSES[2 if zeta < axes[middle] else 1], high: CLASSES[3]}
+    return in_basis([classes[i] for i in range(3)], basis)
+
+
+def in_basis(classes: Sequence[Whole], basis: PeriodBasis) -> list[Whole]:
+    """The characteristics in a ``basis`` of periods; ``classes`` are those of :data:`CLASSES`."""
     # the basis is p·a₁ + q·(a₂ − a₁), r·a₁ + s·(a₂ − a₁) with the periods a₁ and a₂ of the ovals
     p, q, r, s = basis[0][0] + basis[0][1], basis[0][1], basis[1][0] + basis[1][1], basis[1][1]
     found = []
-    for i in range(3):
-        e1, e2, d1, d2 = classes[i]
+    for e1, e2, d1, d2 in classes:
         # the signs of δ do not matter modulo 2
         found.append(((p * e1 + q * e2) % 2, (r * e1 + s * e2) % 2, (s * d1 + r * d2) % 2, (q * d1 + p * d2) % 2))
     return found
 
 
 @cache
-def _rule() -> np.ndarray:
+def rule_of_phases() -> np.ndarray:
     """v, 1 − v and the weight of each node of a rule for dv/√v on [0, 1]."""
     t = SPACING * np.arange(-BEFORE, AFTER + 1)
     v, rest = 1 / (1 + np.exp(-t)), 1 / (1 + np.exp(t))

@@ -18,11 +18,11 @@ from jacobian.native.library import Library
 
 _INTS, _FLOATS, _THREE = TupleKind((INT, INT)), TupleKind((FLOAT, FLOAT)), TupleKind((INT, INT, INT))
 _SERIES = record(ClockSeries, INTS, FLOATS, INT, INT, _FLOATS, FLOAT, FLOAT, FLOAT)
-_SUMS = record(ThetaSums, WIDES, _THREE, INTS, INTS, WIDES)
+SUMS = record(ThetaSums, WIDES, _THREE, INTS, INTS, WIDES)
 KINDS: dict[type[tuple[object, ...]], TupleKind] = {
     kind.named: kind
     for kind in (
-        record(Torus, _SUMS, WIDES),
+        record(Torus, SUMS, WIDES),
         record(Tables, FLOATS, INTS, FLOATS, INTS, FLOATS, FLOATS, INTS, INTS),
         record(Clock, _INTS, _SERIES, _SERIES, _SERIES, INTS, WIDES, WIDES),
     )
@@ -44,9 +44,8 @@ LIBRARY = Library(
         ),
         "theta_weights": (
             theta_series.theta_weights,
-            (WIDES, _THREE, _INTS, FLOAT, _SUMS, WIDES),
+            (WIDES, _THREE, _INTS, FLOAT, SUMS, WIDES),
         ),
-        "theta_lifts": (theta_series.theta_lifts, (_SUMS, WIDES, WIDES)),
         "gridded": (states.gridded, (_TORUS, _INTS, _INTS, WIDES, WIDES, WIDES)),
         "strayed": (states.strayed, (_TORUS, WIDES, WIDES, FLOATS)),
         "states_at_phases": (states.states_at_phases, (_TORUS, FLOATS, FLOATS)),

@@ -18,7 +18,6 @@ from integrable.moving_point.addition import Row
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
-from jacobian.numbers.abreast import abreast
 from jacobian.numbers.double_double import double_double_row
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.sums import joined, plus_product
@@ -46,26 +45,6 @@ class ThetaSums(NamedTuple):
     lengths: Row
     chars: Row
     inverse: Row
-
-
-def theta_lifts(sums: ThetaSums, phases: Row, out: Row) -> None:
-    """Writes θ_∞, the function of the last class, for each pair of phases in turns, then σ = θ/θ_∞ and ν = −2∂σ for
-    every other class.
-    """
-    classes = sums.sizes[0]
-    width = 2 * classes - 1
-    for i in abreast(0, len(phases) // 2):
-        c1, s1 = circle(phases[2 * i] / 2, sums.inverse)
-        c2, s2 = circle(phases[2 * i + 1] / 2, sums.inverse)
-        last, slope = theta(sums, classes - 1, (c1, s1), (c2, s2))
-        over = 1 / last
-        lean = slope * over
-        out[width * i] = last
-        for k in range(classes - 1):
-            value, rate = theta(sums, k, (c1, s1), (c2, s2))
-            sigma = value * over
-            out[width * i + 2 * k + 1] = sigma
-            out[width * i + 2 * k + 2] = 2 * (sigma * lean - rate * over)
 
 
 def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real, Real]) -> tuple[Real, Real]:
@@ -277,14 +256,17 @@ class ThetaLoops(Protocol):
     def integers(self, values: Iterable[int]) -> Row: ...
 
 
-def theta_sums(loops: ThetaLoops, shape: Row, real: Sequence[int], chars: Sequence[Whole]) -> tuple[ThetaSums, Row]:
+def theta_sums(
+    loops: ThetaLoops, shape: Row, real: Sequence[int], chars: Sequence[Whole], further: float = 0.0
+) -> tuple[ThetaSums, Row]:
     """The weights of the characteristics ``chars``, and the largest term of each class, by which they are divided.
 
-    ``shape`` is that of :func:`theta_weights`; ``real`` are 2Re τ₁₁, 2Re τ₁₂, 2Re τ₂₂.
+    ``shape`` is that of :func:`theta_weights`; ``real`` are 2Re τ₁₁, 2Re τ₁₂, 2Re τ₂₂; ``further`` is added to
+    ``loops.depth``.
     """
-    depth = loops.depth
+    depth = loops.depth + further
     widest = [2 * (depth / y) ** 0.5 for y in shortest(loops.floats(shape[:3]).tolist())]
-    if max(widest) > 2 * MOST_HARMONICS * max(1, depth / DEPTH) ** 0.5:
+    if max(widest) > 2 * MOST_HARMONICS * max(1, loops.depth / DEPTH) ** 0.5:
         raise PrecisionLoss("theta functions of this motion have too many terms: branch points nearly meet")
     sizes = len(chars), int(widest[0]) // 2 + 2, int(widest[1]) // 2 + 2
     least = min(char[0] for char in chars), min(char[1] for char in chars)

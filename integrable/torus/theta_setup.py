@@ -25,8 +25,9 @@ from jacobian.numbers.roots import root
 FREQUENCIES, IMAGINARY, ALONG, MEAN, FOUND = 4, 6, 9, 11, 12
 # the number of entries that :func:`surveyed_rates` writes
 RATES = 14
-# the characteristics (ε₁, ε₂, δ₁, δ₂) of e₁, e₂, e₃ and e₄ in the basis a₁, a₂ − a₁, where a₁ and a₂ are the ovals
-CLASSES = ((1, 1, 0, 1), (1, 1, 1, 1), (0, 1, 1, 1), (0, 1, 0, 0))
+# the characteristics (ε₁, ε₂, δ₁, δ₂) of e₁, e₂, e₃, e₄, the fifth branch point and infinity, in the basis a₁, a₂ − a₁,
+# where a₁ and a₂ are the ovals
+CLASSES = ((1, 1, 0, 1), (1, 1, 1, 1), (0, 1, 1, 1), (0, 1, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1))
 # largest number of steps of Newton's method; number of numbers in the working memory of :func:`placed`
 MOST_STEPS, PLACING = 100, 24
 # a step of Newton's method by more turns than this has no meaning
@@ -223,13 +224,15 @@ def give_signs(numbers: Row, start: Row, room: Row) -> None:
 
 
 def newton_step(start: Row, nudge: float, room: Row) -> tuple[float, Real, Real]:
-    """(the largest difference from the start, the changes of both phases), by least squares: of the six numbers of a
-    frame two are free.
+    """(the largest difference from the start, the changes of both phases), by least squares.
+
+    ``room`` has the numbers at the present phases, then those a ``nudge`` further along the first phase, and along the
+    second.
     """
-    zero, gap = 0 * start[0], 0.0
+    zero, gap, wide = 0 * start[0], 0.0, len(start)
     aa, ab, bb, ar, br, rest = zero, zero, zero, zero, zero, 0.0
-    for i in range(6):
-        a, b, off = room[6 + i] - room[i], room[12 + i] - room[i], start[i] - room[i]
+    for i in range(wide):
+        a, b, off = room[wide + i] - room[i], room[2 * wide + i] - room[i], start[i] - room[i]
         aa, ab, bb, ar, br = aa + a * a, ab + a * b, bb + b * b, ar + a * off, br + b * off
         gap, rest = max(gap, abs(float(off))), rest + 0 * float(off)
     area = aa * bb - ab * ab

@@ -40,32 +40,17 @@ NEAR = 2.0**-140
 BITS = 180
 
 
-def along(Z: LongField, roots: list[Complex], lead: Complex, k: int) -> Vector:
+def along(Z: LongField, roots: Sequence[Complex], lead: Complex, k: int) -> Vector:
     """∫(dx/y, x dx/y) along the straight path from root k to the next one."""
-    return moments(Z, roots, lead, k)[:2]
-
-
-def moments(
-    Z: LongField, roots: Sequence[Complex], lead: Complex, k: int, divisors: Sequence[Complex] = ()
-) -> tuple[Complex, Complex, Complex]:
-    """∫(dx/y, x dx/y, x² dx/y) along the straight path from root k to the next one.
-
-    The integrands are divided by √(x − e) for each e of ``divisors``.
-    """
     a, b = roots[k : k + 2]
     middle, half = (a + b) / 2, (b - a) / 2
-    others = [*(r for i, r in enumerate(roots) if i not in (k, k + 1)), *divisors]
+    others = [r for i, r in enumerate(roots) if i not in (k, k + 1)]
     path = straight(Z, a, b, others)
     count = nodes_needed([(r - middle) / half for r in others])
-    zeroth, first, second = path_integrals(path, logistic_rule(False) if path.graded(count) else chebyshev_rule(count))
+    zeroth, first = path_integrals(path, logistic_rule(False) if path.graded(count) else chebyshev_rule(count))
     # (x − a)(x − b) is negative on the path, hence the factor i
     factor = Z.sqrt(Z.coerce(lead)) * Z.coerce(1j) * path.factor
-    length = b - a
-    return (
-        zeroth / factor,
-        (a * zeroth + length * first) / factor,
-        (a * a * zeroth + length * (2 * a * first + length * second)) / factor,
-    )
+    return zeroth / factor, (a * zeroth + (b - a) * first) / factor
 
 
 def image(
@@ -101,7 +86,7 @@ def to_point(Z: LongField, roots: list[Complex], lead: Complex, halves: list[Vec
     count, k = min(rules)
     r, others = roots[k], [e for i, e in enumerate(roots) if i != k]
     path = straight(Z, r, x1, others)
-    first, second, _ = path_integrals(path, logistic_rule(True) if path.graded(count) else legendre_rule(count))
+    first, second = path_integrals(path, logistic_rule(True) if path.graded(count) else legendre_rule(count))
     factor = Z.sqrt(Z.coerce(lead)) * Z.sqrt(x1 - r) * path.factor
     end = factor
     for near, e in zip(path.ends, others, strict=True):
@@ -142,27 +127,27 @@ def straight(Z: LongField, a: Complex, b: Complex, others: Sequence[Complex]) ->
     return StraightPath(ends, sides, poles, factor)
 
 
-def path_integrals(path: StraightPath, rule: Row) -> tuple[Complex, Complex, Complex]:
-    """∫dμ/w, ∫v dμ/w and ∫v² dμ/w for the measure dμ of a rule, with x = a + (b − a)v and w = Π√((x − e)/(end − e))."""
+def path_integrals(path: StraightPath, rule: Row) -> tuple[Complex, Complex]:
+    """∫dμ/w and ∫v dμ/w for the measure dμ of a rule, with x = a + (b − a)v and w = Π√((x − e)/(end − e))."""
     import gmpy2
 
     poles = double_double_row(x for q in path.poles for x in (q.real, q.imag))
-    out = np.empty((6, 2))
+    out = np.empty((4, 2))
     LIBRARY.path_sums(rule, poles, np.array(path.sides), out)
-    zeroth, first, second = (
-        gmpy2.mpc(x, y) + gmpy2.mpc(x_low, y_low) for (x, x_low), (y, y_low) in out.reshape(3, 2, 2).tolist()
+    zeroth, first = (
+        gmpy2.mpc(x, y) + gmpy2.mpc(x_low, y_low) for (x, x_low), (y, y_low) in out.reshape(2, 2, 2).tolist()
     )
-    return zeroth, first, second
+    return zeroth, first
 
 
 def path_sums(rule: Row, poles: Row, sides: Row, out: Row) -> None:
-    """Writes the sums of weight/w, v·weight/w and v²·weight/w, w = Π√(1 + sq), over the nodes of a rule.
+    """Writes the sums of weight/w and v·weight/w, w = Π√(1 + sq), over the nodes of a rule.
 
     ``rule`` has v, 1 − v and the weight of each node. ``poles`` are the q, real and imaginary parts; s is v where the
     item of ``sides`` is 0, and 1 − v where it is 1.
     """
     zero = 0 * rule[0]
-    a, b, c, d, g, h = zero, zero, zero, zero, zero, zero
+    a, b, c, d = zero, zero, zero, zero
     for n in range(len(rule) // 3):
         v, x, y = rule[3 * n], 1 + zero, zero
         for k in range(len(sides)):
@@ -171,8 +156,8 @@ def path_sums(rule: Row, poles: Row, sides: Row, out: Row) -> None:
             x, y = x * p - y * q, x * q + y * p
         over = rule[3 * n + 2] / (x * x + y * y)
         x, y = x * over, -(y * over)
-        a, b, c, d, g, h = a + x, b + y, c + v * x, d + v * y, g + v * v * x, h + v * v * y
-    out[0], out[1], out[2], out[3], out[4], out[5] = a, b, c, d, g, h
+        a, b, c, d = a + x, b + y, c + v * x, d + v * y
+    out[0], out[1], out[2], out[3] = a, b, c, d
 
 
 def complex_root(x: Real, y: Real) -> tuple[Real, Real]:

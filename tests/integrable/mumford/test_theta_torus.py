@@ -14,10 +14,10 @@ from integrable.moving_point.elliptic_integrals import oval_periods
 from integrable.mumford import theta_torus
 from integrable.mumford.bodies import BodyFlow
 from integrable.mumford.branch_points import PairModel, long_roots, opened, without_root
-from integrable.mumford.flow import TIMES_TO_THETA
-from integrable.mumford.theta_torus import ThetaTorus, sums_at
+from integrable.mumford.pair_loops import PairTorus, pairs_at, phases_at
+from integrable.mumford.theta_torus import ThetaTorus
 from integrable.torus.loops import CompiledLoops
-from integrable.torus.theta_series import half_turn, theta, theta_lifts, theta_sums
+from integrable.torus.theta_series import half_turn, theta, theta_sums
 from jacobian import MP, HyperellipticCurve, PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
@@ -57,13 +57,12 @@ def test_far_states_are_those_of_additions(name) -> None:
 
 
 @compiled
-def test_few_far_times_do_not_wait_for_theta_functions() -> None:
-    """Their bits are those of the states that theta functions give."""
-    times = np.linspace(1e6, 1e6 + 40, TIMES_TO_THETA)
-    many, few = flow_of("two complex roots").at(times), flow_of("two complex roots").at(times[:-1])
-    assert (many.way, few.way) == ("torus", "additions")
-    assert np.array_equal(many.q[:-1], few.q)
-    assert np.array_equal(many.p[:-1], few.p)
+def test_one_far_time_is_read_on_the_torus() -> None:
+    times = np.linspace(1e6, 1e6 + 40, 6)
+    many, one = flow_of("two complex roots").at(times), flow_of("two complex roots").at(times[:1])
+    assert (many.way, one.way) == ("torus", "torus")
+    assert np.array_equal(many.q[:1], one.q)
+    assert np.array_equal(many.p[:1], one.p)
 
 
 @compiled
@@ -79,17 +78,14 @@ def test_what_is_wrong_is_noticed(name, which) -> None:
     assert confirmed(flow, torus())
     wrong = torus()
     if which < sum(isinstance(kind, Lift) for kind in wrong._kinds):
-        kappa, size = wrong._sizes[which]
-        wrong._sizes[which] = kappa, -size
+        wrong._torus.sizes[2 * which : 2 * which + 2] *= -1
         assert not confirmed(flow, wrong)
     for change in (lambda nu: -nu, lambda nu: nu * (1 + 1e-9)):
         wrong = torus()
-        wrong._frequencies[which] = change(wrong._frequencies[which])
+        wrong._torus.frequencies[which] = change(wrong._torus.frequencies[which])
         assert not confirmed(flow, wrong)
     wrong = torus()
-    places = list(wrong._places)
-    places[which] = places[which] + 1e-9
-    wrong._places = tuple(places)
+    wrong._torus.places[which, 0] += 1e-9
     assert not confirmed(flow, wrong)
 
 
@@ -108,17 +104,22 @@ def test_a_wrong_characteristic_is_noticed(monkeypatch) -> None:
 @compiled
 def test_the_source_interpreted_in_long_numbers_is_what_is_compiled() -> None:
     torus, reals = made_torus(flow_of("two complex roots")), BareReals(160)
-    phases = np.array([[0.3, 0.1], [-0.75, 1.5], [0.0, 0.25]])
-    sums = torus._sums
+    times = np.array([0.3, -17.5, 1e4])
+    compiled, found = torus._torus, torus.at(times)
     with reals:
-        table, inverse = (
-            [reals.number(x) + reals.number(y) for x, y in row.tolist()] for row in (sums.table, sums.inverse)
-        )
-        given = [reals.number(x) for x in phases.ravel().tolist()]
-        out = [reals.number(0)] * 15
-        theta_lifts(sums._replace(table=table, inverse=inverse), given, out)
-    found = sums_at(sums, np.stack([phases, 0 * phases], axis=-1))[..., 0]
-    assert np.abs(np.reshape([float(x) for x in out], (3, 5)) / found - 1).max() < 1e-14
+
+        def long(row):
+            return [reals.number(x) + reals.number(y) for x, y in row.tolist()]
+
+        sums = compiled.sums._replace(table=long(compiled.sums.table), inverse=long(compiled.sums.inverse))
+        rows = [long(row) for row in compiled[1:]]
+        interpreted = PairTorus(sums, *rows)
+        out, phases = [reals.number(0)] * (3 * (2 * len(found.data) + 4)), [reals.number(0)] * 6
+        phases_at(interpreted, times.tolist(), phases)
+        pairs_at(interpreted, phases, [reals.number(0)] * 12, out)
+    columns = np.reshape([float(x) for x in out], (-1, 3))
+    for k, column in enumerate([*found.data[0][1:], *found.u[:2], *found.v]):
+        assert np.abs(columns[k] / column.hi - 1).max() < 1e-14
 
 
 @compiled
@@ -228,7 +229,7 @@ def test_integrals_to_a_point_end_where_they_begin() -> None:
         for k in (1, 2):
             far = [e for i, e in enumerate(whole) if i != k]
             path = paths.straight(Z, whole[k], Z.coerce(x), far)
-            first, *_ = paths.path_integrals(path, paths.logistic_rule(True))
+            first, _ = paths.path_integrals(path, paths.logistic_rule(True))
             parts.append(abs(first / path.factor * Z.sqrt(Z.coerce(x) - whole[k])))
         gap = abs(paths.along(Z, whole, Z.one, 1)[0])
         assert abs(sum(parts) / gap - 1) < 1e-28
