@@ -4,16 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from itertools import pairwise
+from math import sqrt
 from typing import NamedTuple
 
+import numpy as np
+
+from integrable.moving_point.addition import Row
+from integrable.moving_point.compiled import SPECIAL
 from integrable.mumford.fields import cofactor
 from jacobian import RR, poly
 from jacobian.element import Complex, Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
+from jacobian.native.kinds import FLOATS
+from jacobian.native.library import Library
 from jacobian.periods.quadrature import working_numbers
 from jacobian.periods.roots import conjugated, simple_roots
 
+# largest number of steps to a root in floats, and the largest value there, relative to its terms
+ROUGH_STEPS, ROUGH = 60, 1e-13
 # largest number of Newton steps to a root; roots nearer to each other than CLOSE, relative to the largest, count as not
 # separated by floats
 NEWTON_STEPS, CLOSE = 20, 1e-9
@@ -30,13 +39,15 @@ def long_roots(N: LongField, f: poly.Poly, known: Sequence[Complex]) -> list[Com
     Real roots are real numbers. PrecisionLoss if floats do not separate two roots that are not known.
     """
     rest = poly.quotient(N, f, poly.from_roots(N, known))
-    numbers, slope = working_numbers(RR), poly.derivative(N, rest)
+    slope, degree, out = poly.derivative(N, rest), len(rest) - 1, np.empty(2 * len(rest) - 2)
+    if LIBRARY.real_roots(np.array([*map(float, rest)]), out):
+        found = [*known, *(polished(N, rest, slope, N.coerce(x)) for x in out[:degree].tolist())]
+        # the sum shows that each root was found, and once
+        if not abs(sum(found) + f[-2] / f[-1]) > N.root_of_eps * max(map(abs, found)):
+            return sorted(separated(found, len(known)))
+    numbers = working_numbers(RR)
     rough = simple_roots(numbers, [*map(complex, rest)])
-    if len(rough) > 1:
-        rough = conjugated(numbers, rough)
-    size = max(map(abs, [*map(complex, known), *rough]))
-    if any(abs(x - y) <= CLOSE * size for i, x in enumerate(rough) for y in rough[:i]):
-        raise PrecisionLoss("two branch points are not told apart")
+    rough = separated([*known, *(conjugated(numbers, rough) if len(rough) > 1 else rough)], len(known))[len(known) :]
     found = list(known)
     with LongField(N.bits, complex=True) as Z:
         # only one root of a conjugate pair is polished, so that the two match exactly
@@ -44,6 +55,55 @@ def long_roots(N: LongField, f: poly.Poly, known: Sequence[Complex]) -> list[Com
             x = polished(Z, rest, slope, Z.coerce(z))
             found += [x, x.conjugate()] if z.imag else [x.real]
     return sorted(found, key=lambda x: (x.real, x.imag))
+
+
+def separated(roots: list[Complex], count: int) -> list[Complex]:
+    """The roots; PrecisionLoss if two of those after the first ``count`` nearly coincide."""
+    size, rough = max(map(abs, roots)), [*map(complex, roots[count:])]
+    if any(abs(x - y) <= CLOSE * size for i, x in enumerate(rough) for y in rough[:i]):
+        raise PrecisionLoss("two branch points are not told apart")
+    return roots
+
+
+def real_roots(f: Row, out: Row) -> bool:
+    """Writes the roots of a real polynomial to ``out``, the largest first, by Laguerre's method from beyond the largest
+    one. Returns whether all are real; then the method converges to each. The rest of ``out`` is memory.
+    """
+    degree = len(f) - 1
+    for k in range(degree):
+        out[degree + k] = f[k] / f[degree]
+    for n in range(degree, 0, -1):
+        # of n real roots with the mean m, all are below m + √((n − 1)·variance) (Samuelson)
+        mean, square, top = -out[degree + n - 1] / n, 0.0, 1.0
+        if n > 1:
+            square = (n - 1) * (mean * mean * (n - 1) - 2 * out[degree + n - 2] / n)
+        if square < 0:
+            return False
+        x = mean + sqrt(square)
+        for _ in range(ROUGH_STEPS):
+            value, slope, bend = 1.0, 0.0, 0.0
+            for k in range(n - 1, -1, -1):
+                bend, slope, value = bend * x + slope, slope * x + value, value * x + out[degree + k]
+            under = (n - 1) * ((n - 1) * slope * slope - 2 * n * value * bend)
+            if under < 0 or slope <= 0:
+                break
+            move = n * value / (slope + sqrt(under))
+            x -= move
+            if abs(move) <= 1e-15 * abs(x):
+                break
+        value, size = 1.0, 1.0
+        for k in range(n - 1, -1, -1):
+            value, size = value * x + out[degree + k], size * abs(x) + abs(out[degree + k])
+        if not abs(value) <= ROUGH * size:
+            return False
+        out[degree - n] = x
+        for k in range(n - 1, -1, -1):
+            # division by the found factor
+            top, out[degree + k] = out[degree + k] + x * top, top
+    return True
+
+
+LIBRARY = Library("branch_points", {"real_roots": (real_roots, (FLOATS, FLOATS))}, SPECIAL)
 
 
 def coincident(N: LongField, points: Sequence[Complex]) -> list[int]:

@@ -126,8 +126,22 @@ class MumfordFlow(StateFlow[Path]):
         return inner
 
     def _place(self, N: LongField) -> Start:
+        if self._recorded is not None and N.bits == BITS_OF_TORUS and not N.complex:
+            return self._recorded[1]
         start: Start = self.system._start(N, self._inner(N))
         return start
+
+    @cached_property
+    def _recorded(self) -> tuple[Vectors, Start, np.ndarray] | None:
+        """(q, p) and the start in the long numbers of a torus, and what its states have in common; None if the formulas
+        of the system cannot be recorded.
+        """
+        formulas = self.system._formulas if self._in_floats and not self.system.complex_data else None
+        if formulas is None:
+            return None
+        with LongField(BITS_OF_TORUS) as N:
+            (q, p), start = formulas.start(N, self._numbers)
+            return (q, p), start, formulas.fixed(N, (*q, *p, *self._numbers[2 * len(q) :]))
 
     def at(self, times: Numbers) -> Path:
         """The states at the given times: one number or a sequence of numbers, in any order, of any sign and size.
@@ -450,7 +464,11 @@ class MumfordFlow(StateFlow[Path]):
         """The states at times from a torus, shape (N, 2, n)."""
         import numpy as np
 
-        found = self._read_columns(times, torus.at(times))
+        D = torus.at(times)
+        if self._recorded is not None:
+            found: np.ndarray = self.system._formulas.states(self._recorded[2], D, times)
+            return found
+        found = self._read_columns(times, D)
         return np.stack([np.stack([x.hi for x in part], axis=1) for part in found], axis=1)
 
     def _read_columns(self, times: np.ndarray, D: Extended) -> Point:

@@ -23,6 +23,8 @@ from jacobian.native.kinds import FLOAT, FLOATS, INT, WIDES, TupleKind, record
 from jacobian.native.library import Library
 from jacobian.numbers.abreast import abreast
 
+# lifts at the start that are smaller than this part of the largest one are those of an oval that was a point
+SMALLEST = 2.0**-40
 # Newton's method takes quotients of differences between POINTS points
 POINTS = 3
 # the phases of the points of a check are multiples of these parts of a turn, which no symmetry of a motion shares
@@ -37,8 +39,8 @@ class PairTorus(NamedTuple):
     ``places`` are the phases of the start in turns, ``frequencies`` their turns per unit of the flow's own time. σ of
     class k is ``factors[k]`` times θ_k/θ_∞; ``sides[k]`` is the sign of U there. ``curve`` are the coefficients of f,
     ``direction`` is that of the motion. ``sizes`` are the factors of σ and ν of the first classes, for which results
-    are needed. ``units`` are o, l, l² and h: results are pairs in x = o + lξ and y = hη; or in E − 1/x, if ``pole`` has
-    an entry E.
+    are needed. ``units`` are those of all σ and ν, in the abscissa x in which the first two branch points are
+    ``abscissae``. Results are pairs in x, or in E − 1/x if ``pole`` has an entry E.
     """
 
     sums: ThetaSums
@@ -51,6 +53,7 @@ class PairTorus(NamedTuple):
     direction: Row
     sizes: Row
     units: Row
+    abscissae: Row
     pole: Row
 
 
@@ -94,36 +97,32 @@ def lifts_at(torus: PairTorus, first: Real, second: Real, count: int, out: Row, 
         out[place + 2 * k + 1] = factor * (2 * (sigma * lean - rate * over))
 
 
-def pair_between(torus: PairTorus, lifts: Row, place: int) -> tuple[Real, Real, Real, Real]:
-    """u₀, u₁, v₀, v₁ from the lifts of the first two classes, by interpolation."""
-    e, other = torus.ends[0], torus.ends[1]
-    sigma, nu, tau, mu = lifts[place], lifts[place + 1], lifts[place + 2], lifts[place + 3]
-    sigma, tau = torus.sides[0] * sigma, torus.sides[1] * tau
-    u, v = sigma * lifts[place], sigma * nu
-    over = 1 / (e - other)
-    rise, slope = (u - tau * lifts[place + 2]) * over - (e + other), (v - tau * mu) * over
+def pair_between(ends: Row, sides: Row, lifts: Row, place: int) -> tuple[Real, Real, Real, Real]:
+    """u₀, u₁, v₀, v₁ from the lifts at the first two of the ``ends``, by interpolation."""
+    e, other, sigma, tau = ends[0], ends[1], lifts[place], lifts[place + 2]
+    u, v = sides[0] * sigma * sigma, sides[0] * sigma * lifts[place + 1]
+    over, rest, last = 1 / (e - other), sides[1] * tau * tau, sides[1] * tau * lifts[place + 3]
+    rise, slope = (u - rest) * over - (e + other), (v - last) * over
     return u - e * (e + rise), rise, v - slope * e, slope
 
 
 def pairs_at(torus: PairTorus, phases: Row, room: Row, out: Row) -> None:
     """Writes the lifts of the first classes, then u₀, u₁, v₀ and v₁, for each pair of phases in turns from the start.
 
-    Class k of N classes and point i has its place in row k of ``out``, whose rows are as long as there are points.
-    ``room`` is memory for the lifts.
+    ``out`` has a row of all points for each of these numbers. ``room`` is memory for the lifts.
     """
     points, count = len(phases) // 2, len(torus.sizes) // 2
     wide = max(count, 2)
-    o, length, square, height = torus.units[0], torus.units[1], torus.units[2], torus.units[3]
     for i in abreast(0, points):
         place = 2 * wide * i
         lifts_at(torus, phases[2 * i] + torus.places[0], phases[2 * i + 1] + torus.places[1], wide, room, place)
-        u0, u1, v0, v1 = pair_between(torus, room, place)
-        u1, v1 = length * u1 - 2 * o, height * v1 / length
-        u0, v0 = square * u0 - o * (u1 + o), height * v0 - o * v1
-        if len(torus.pole) > 0:
-            u0, u1, v0, v1 = with_root(torus.pole[0], u0, u1, v0, v1)
         for k in range(2 * count):
             out[points * k + i] = torus.sizes[k] * room[place + k]
+        for k in range(4):
+            room[place + k] = torus.units[k % 2] * room[place + k]
+        u0, u1, v0, v1 = pair_between(torus.abscissae, torus.sides, room, place)
+        if len(torus.pole) > 0:
+            u0, u1, v0, v1 = with_root(torus.pole[0], u0, u1, v0, v1)
         k = 2 * count
         out[points * k + i], out[points * (k + 1) + i] = u0, u1
         out[points * (k + 2) + i], out[points * (k + 3) + i] = v0, v1
@@ -154,12 +153,18 @@ def met(torus: PairTorus, tops: Row, target: Row, nudge: float, enough: float, r
     Then corrects the phases of the start to those at which the lifts are ``target``, by Newton's method, and gives the
     factors the signs of the target. Returns the largest remaining difference relative to the largest of the target.
     """
-    count, places = len(torus.factors), torus.places
-    for k in range(count):
-        torus.factors[k] = torus.factors[k] * tops[k] / tops[count]
-    size = 0.0
-    for n in range(2 * count):
+    count, places, wide = len(torus.factors), torus.places, 2 * len(torus.factors)
+    size, weights, closure = 0.0, room[POINTS * wide : POINTS * wide + count], 0.0
+    for n in range(wide):
         size = max(size, abs(float(target[n])))
+    for k in range(count):
+        # lifts at an end of a short oval are small and count as much as others, but not those of an opened one
+        most = max(abs(float(target[2 * k])), abs(float(target[2 * k + 1])))
+        if most < SMALLEST * size:
+            most = size
+        weights[k] = most + 0 * tops[k]
+        torus.factors[k] = torus.factors[k] * tops[k] / tops[count] / most
+        target[2 * k], target[2 * k + 1] = target[2 * k] / most, target[2 * k + 1] / most
     gap = before = 4.0
     for n in range(MOST_STEPS):
         for point in abreast(0, POINTS):
@@ -168,10 +173,9 @@ def met(torus: PairTorus, tops: Row, target: Row, nudge: float, enough: float, r
                 first = first + nudge
             if point == 2:
                 second = second + nudge
-            lifts_at(torus, first, second, count, room, 2 * count * point)
+            lifts_at(torus, first, second, count, room, wide * point)
         sign_factors(torus, target, room)
         gap, move1, move2 = newton_step(target, nudge, room)
-        gap = gap / size
         # NaN ends the loop too
         if not gap > enough or not abs(float(move1)) + abs(float(move2)) < FARTHEST:
             break
@@ -179,7 +183,12 @@ def met(torus: PairTorus, tops: Row, target: Row, nudge: float, enough: float, r
             break
         before = gap
         places[0], places[1] = places[0] + move1, places[1] + move2
-    return gap
+    for k in range(count):
+        for n in range(2):
+            off = float((room[2 * k + n] - target[2 * k + n]) * weights[k]) / size
+            closure = max(closure, abs(off)) + 0 * off
+        torus.factors[k] = torus.factors[k] * weights[k]
+    return closure
 
 
 def sign_factors(torus: PairTorus, target: Row, room: Row) -> None:
@@ -197,39 +206,41 @@ def sign_factors(torus: PairTorus, target: Row, room: Row) -> None:
 
 
 def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> float:
-    """The largest difference between rates of lifts on the torus and those of the equations of motion, relative to the
-    rate, or to the lift times the frequency of the faster phase if that is more. NaN if a rate is NaN.
+    """The largest difference between rates of σ, or of ν, on the torus and by the equations of motion. It is relative
+    to the largest such rate at the same point, or to σ, or ν, times the frequency of the faster phase if that is more.
+    NaN if a rate is NaN.
 
     The check covers signs, periods and frequencies, for all times, because theta functions are analytic. ``room`` is
-    memory for the lifts of five points, ``out`` for a number of each class at each of CHECKED points. Points next to a
-    pole are left out.
+    memory for the lifts of five points, ``out`` for a number at each of CHECKED points. Points next to a pole are left
+    out.
     """
     count, nu1, nu2 = len(torus.factors), torus.frequencies[0], torus.frequencies[1]
     fastest, wide = max(abs(float(nu1)), abs(float(nu2))), 2 * len(torus.factors)
     step = STEP / fastest
     for n in abreast(0, CHECKED):
-        here = 5 * wide * n
+        here, worst, rest, pole = 5 * wide * n, 0.0, 0.0, 0.0
         for k in range(5):
             first, second = ALONG_FIRST * n + torus.places[0], ALONG_SECOND * n + torus.places[1]
             ahead = step * (k if k < 3 else 2 - k)
             lifts_at(torus, first + ahead * nu1, second + ahead * nu2, count, room, here + wide * k)
-        for k in range(count):
-            own = rates_of(torus, room, here, k)
-            worst, change, rest = 0.0, 1.0, 0.0
-            for c in range(2):
-                at = here + 2 * k + c
+        for c in range(2):
+            gap, size, change = 0.0, 0.0, 1.0
+            for k in range(count):
+                own, at = rates_of(torus, room, here, k), here + 2 * k + c
                 near, far = room[at + wide] - room[at + 3 * wide], room[at + 2 * wide] - room[at + 4 * wide]
                 right = own[1]
                 if c == 0:
                     right = own[0]
-                rate, size = abs(float(right)), fastest * abs(float(room[at]))
-                gap = abs(float((8 * near - far) / 12 / step - right))
-                worst, change, rest = max(worst, gap / max(rate, size)), min(change, STEP * rate / size), rest + 0 * gap
-            if change > POLE:
-                worst = 0.0
-            out[count * n + k] = worst + rest
+                off = abs(float((8 * near - far) / 12 / step - right))
+                rate, large = abs(float(right)), fastest * abs(float(room[at]))
+                gap, size, rest = max(gap, off), max(size, rate, large), rest + 0 * off
+                change = min(change, STEP * rate / large)
+            worst, pole = max(worst, gap / size), max(pole, change)
+        if pole > POLE:
+            worst = 0.0
+        out[n] = worst + rest
     most, noise = 0.0, 0.0
-    for i in range(count * CHECKED):
+    for i in range(CHECKED):
         most, noise = max(most, out[i]), noise + 0 * out[i]
     return most + noise
 
@@ -239,7 +250,7 @@ def rates_of(torus: PairTorus, lifts: Row, place: int, k: int) -> tuple[Real, Re
 
     2σ' = −nν + c₀v₁σ and 2ν' = −qσ − c₀v₁ν at e, with n = c₁ + c₀(u₁ + ξ), W = (f − V²)/U and q = ⌊nW/U⌋.
     """
-    u0, u1, _, v1 = pair_between(torus, lifts, place)
+    u0, u1, _, v1 = pair_between(torus.ends, torus.sides, lifts, place)
     curve, (c0, c1), e = torus.curve, (torus.direction[0], torus.direction[1]), torus.ends[k]
     sigma, nu = lifts[place + 2 * k], lifts[place + 2 * k + 1]
     w3 = curve[5]
@@ -321,7 +332,7 @@ def curvature(sums: ThetaSums, phases: Row, one: Row, two: Row) -> Real:
     return bend / value - d_one * d_two / (value * value)
 
 
-TORUS = record(PairTorus, SUMS, *(WIDES,) * 10)
+TORUS = record(PairTorus, SUMS, *(WIDES,) * 11)
 LIBRARY = Library(
     "pairs",
     {

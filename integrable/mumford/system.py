@@ -42,6 +42,7 @@ from jacobian.relatives.extended import Extended
 if TYPE_CHECKING:
     import numpy as np
 
+    from integrable.mumford.recorded import PairFormulas
     from integrable.series.kinds import Kind
 
 # a constraint may be off by OFF times the effect of a change in the last digits of q and p
@@ -353,6 +354,39 @@ class MumfordSystem(Made):
             return Kind(type(self).__name__, Formulas(rates, start, 2 * n, count, n))
         except (TypeError, ArgumentError):
             # the equations call a function that cannot be recorded
+            return None
+
+    @quick_property
+    def _formulas(self) -> PairFormulas | None:
+        """The recorded formulas of systems like this one; None if they cannot be recorded."""
+        from integrable.mumford.recorded import formulas_of
+
+        return formulas_of((type(self), self.size, len(self.constants), self._standing), self._made_formulas)
+
+    def _made_formulas(self) -> PairFormulas | None:
+        from integrable.mumford.recorded import PairFormulas
+
+        n, c = 2 * self.size, len(self.constants)
+        count = n + c + len(self.parameters)
+
+        def given(N: FormulaField, y: Sequence[Real]) -> tuple[MumfordSystem, Point]:
+            # terms with parameter 0 are omitted
+            further = tuple(x if stands else N.zero for x, stands in zip(y[n + c :], self._standing, strict=True))
+            system = replaced(self, field=N, constants=tuple(y[n : n + c]), parameters=further)
+            return system, Point(tuple(y[: self.size]), tuple(y[self.size : n]))
+
+        def start(N: FormulaField, y: Sequence[Real]) -> tuple[Point, Start]:
+            system, state = given(N, y)
+            inner = system._constrained(N, state)
+            return inner, system._start(N, inner)
+
+        def back(N: FormulaField, y: Sequence[Real], D: Extended, time: Real) -> Point:
+            system, state = given(N, y)
+            return system._back(N, state, D, time)
+
+        try:
+            return PairFormulas(start, back, count)
+        except (TypeError, ArgumentError):
             return None
 
     @property

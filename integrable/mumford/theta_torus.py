@@ -28,10 +28,10 @@ from integrable.mumford.columns import Column
 from integrable.mumford.motion import Start
 from integrable.mumford.pair_loops import LIBRARY, TORUS, PairTorus
 from integrable.torus.access import TorusClock, resolved_spectrum
-from integrable.torus.body_torus import CLOSED, FIRST_SIZE, in_basis, resolved, rule_of_phases
+from integrable.torus.body_torus import CLOSED, first_grid, in_basis, resolved, rule_of_phases
 from integrable.torus.loops import CompiledLoops
 from integrable.torus.states import CHECKED, TOGETHER
-from integrable.torus.theta_series import half_turn, long_numbers, theta_sums
+from integrable.torus.theta_series import half_turn, long_numbers, shortest, theta_sums
 from integrable.torus.theta_setup import CLASSES, FOUND, IMAGINARY, MEAN
 from jacobian import poly
 from jacobian.element import Complex, Real
@@ -56,16 +56,16 @@ from jacobian.relatives.extended import Extended, Lift, SecondKind
 BITS = 160
 # largest number of samples of a rate; beyond it, branch points nearly meet
 MOST_SAMPLES = 1 << 16
-# periods are computed in double-doubles if neighbouring branch points differ by more than this fraction of their
-# distance from an origin
-CLOSE = 2.0**-20
+# periods are computed in double-doubles if neighbouring branch points differ by more than the fraction CLOSE of their
+# distance from an origin. In a pair on a model of even degree digits are lost below CLOSEST
+CLOSE, CLOSEST = 2.0**-10, 2.0**-16
 # with branch points at that fraction from each other, double-doubles resolve CLOSE_TURNS times the fraction of the
 # turns that they resolve otherwise
 CLOSE_TURNS = 16
 # second derivatives of theta functions, from which a mean is computed, need terms that are smaller by e^(−π·FURTHER)
 FURTHER = 4.0
 # Newton's method ends if the start is met to ENOUGH; rates of lifts are right to OBEYED
-ENOUGH, OBEYED = 1e-25, 1e-15
+ENOUGH, OBEYED = 1e-31, 1e-15
 # the time of the witness in turns of the faster phase
 WITNESS = 0.3
 
@@ -157,6 +157,8 @@ class ThetaTorus:
     def _make(self, N: LongField, model: PairModel, lifts: Lifts, timed: Rate | None) -> None:
         """Sets up the torus in double-doubles, or in long numbers where these do not suffice."""
         found = scaled_model(N, model) if all_real(model.roots) else None
+        if self._pole and not (found and found.gap > CLOSEST):
+            raise PrecisionLoss("branch points on a model of even degree nearly meet")
         if found and found.inside and (timed or found.gap > CLOSE):
             self._most = MOST_TURNS * min(1, CLOSE_TURNS * found.gap)
             try:
@@ -180,17 +182,19 @@ class ThetaTorus:
         chars = [basis.chars[k] for k in (*places, 5)]
         sums, tops = theta_sums(loops, basis.shape, basis.real, chars, FURTHER if timed else 0)
         f = poly.scale(N, model.lead, poly.from_roots(N, model.roots))
-        units = found.origin, N.coerce(found.length), N.coerce(found.length**2), N.coerce(found.height)
+        units = abs(found.length), found.height / abs(found.length)
         self._torus = PairTorus(
             sums, basis.places, basis.frequencies, row(end.slope for end in ends),
             row(1.0 if end.kappa > 0 else -1.0 for end in ends), *(real_row(x) for x in (
                 [model.roots[k] for k in places], f, model.direction,
-                [x for end in ends[: self._count] for x in end.sizes], units, self._pole)),
+                [x for end in ends[: self._count] for x in end.sizes], units,
+                [found.roots[k] for k in places[:2]], self._pole)),
         )  # fmt: skip
         self._packed = Packed(self._torus, TORUS)
         room, target = loops.room(10 * CHECKED * len(places)), row(x for end in ends for x in end.target)
-        closure = LIBRARY.met(self._packed, tops, target, loops.nudge, ENOUGH, room)
-        if not (closure <= CLOSED and LIBRARY.strayed(self._packed, room, np.empty(CHECKED * len(places))) <= OBEYED):
+        enough = ENOUGH if found.inside else CLOSED
+        closure = LIBRARY.met(self._packed, tops, target, loops.nudge, enough, room)
+        if not (closure <= CLOSED and LIBRARY.strayed(self._packed, room, np.empty(CHECKED)) <= OBEYED):
             raise PrecisionLoss("the pairs on the torus of this motion are not its own")
         self._paces = basis.frequencies[:, 0].tolist()
         if timed:
@@ -245,7 +249,8 @@ class ThetaTorus:
 
         nu1, nu2 = (N.coerce(x) + N.coerce(y) for x, y in basis.frequencies.tolist())
         pace = 2 * pi * max(map(abs, self._paces))
-        grid = partial(resolved, samples, sizes=(FIRST_SIZE, FIRST_SIZE), most=MOST_SAMPLES)
+        sizes = first_grid(loops.noise, shortest(basis.shape[:3, 0].tolist()))
+        grid = partial(resolved, samples, sizes=sizes, most=MOST_SAMPLES)
         spectrum = resolved_spectrum(loops, grid, self._paces, pace, loops.noise)
         rates = (nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean, nu1, nu2, mean, 2 * half_turn())
         self._paces = [float(x / mean) for x in (nu1, nu2)]

@@ -133,10 +133,8 @@ class BodyTorus:
         return resolved(self.samples, transformed, self.first_grid(), self._most)
 
     def first_grid(self) -> tuple[int, int]:
-        """The numbers of points of the first grid, powers of 2."""
-        points = -POINTS * log10(self.loops.noise)
-        first, second = (max(FIRST_SIZE, 2 ** ceil(log2(max(1, points / y)))) for y in self._decay)
-        return first, second
+        """The numbers of points of the first grid of 1/g."""
+        return first_grid(self.loops.noise, self._decay)
 
     def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> np.ndarray:
         """1/g on a grid of its periods, with ``sizes`` points per period of the divisor. Compiled loops give
@@ -161,6 +159,13 @@ class BodyTorus:
         if known is not None:
             table[:: table.shape[0] // known.shape[0], :: table.shape[1] // known.shape[1]] = known
         return table
+
+
+def first_grid(noise: float, decay: tuple[float, float]) -> tuple[int, int]:
+    """The numbers of points of the first grid, powers of 2; ``decay`` are the :func:`shortest` nYn."""
+    points = -POINTS * log10(noise)
+    first, second = (max(FIRST_SIZE, 2 ** ceil(log2(max(1, points / y)))) for y in decay)
+    return first, second
 
 
 def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, int], most: int) -> Found:
