@@ -44,7 +44,9 @@ RIGHT = 1e-12
 # costs in microseconds: BY_ADDITIONS of additions, ON_TORUS of a torus by genus, LONGEST of the longest series worth
 # trying (python -m benchmarks near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
-ON_TORUS = {1: Cost(300, 3), 2: Cost(2000, 3), 3: Cost(60_000, 100)}
+ON_TORUS = {1: Cost(300, 3), 2: Cost(400, 1), 3: Cost(60_000, 100)}
+# what is added in genus 2 if t is not linear in τ
+ON_CLOCK = Cost(350, 1)
 # series in FINEST steps may cost this fraction of a torus of genus ≥ 3 before it is made: 23 ms of 62 for
 # Neumann's point on S³ to t = 1000
 SHARE_OF_FINEST = 1 / 3
@@ -148,9 +150,9 @@ class MumfordFlow(StateFlow[Path]):
 
         Floats are accurate to their last bits, numbers of MP(digits) to their digits; see
         :meth:`integrable.mumford.motion.MumfordMotion.row`. In floats, states near the start are computed by Taylor
-        series (:mod:`integrable.series.kinds`). Farther ones are computed on the real torus. If its set-up is long
-        (genus ≥ 3, or branch points that are not all real), fewer than six times are computed by additions. Repeated
-        calls return the same bits, whatever was requested before. ArgumentError for times that are not numbers.
+        series (:mod:`integrable.series.kinds`). Farther ones are computed on the real torus. In genus ≥ 3, where its
+        set-up is long, fewer than six times are computed by additions. Repeated calls return the same bits, whatever
+        was requested before. ArgumentError for times that are not numbers.
         """
         given = times_in(self.system.field, times, "times")
         return self._path(given, (self._by_additions,) if given.dtype == object else (self._near, *self._far))
@@ -174,7 +176,8 @@ class MumfordFlow(StateFlow[Path]):
     def _budget(self, count: int) -> float:
         """The microseconds that the next method in floats takes for ``count`` times, its set-up included."""
         if self._of_a_torus:
-            return ON_TORUS[min(self._genus, 3)].of(count)
+            clock = ON_CLOCK.of(count) if self.system.clocked and self._genus == 2 else 0
+            return ON_TORUS[min(self._genus, 3)].of(count) + clock
         return self._cost_of_additions(count)
 
     def _cost_of_additions(self, count: int) -> float:
@@ -466,8 +469,8 @@ class MumfordFlow(StateFlow[Path]):
 
         D = torus.at(times)
         if self._recorded is not None:
-            found: np.ndarray = self.system._formulas.states(self._recorded[2], D, times)
-            return found
+            states: np.ndarray = self.system._formulas.states(self._recorded[2], D, times)
+            return states
         found = self._read_columns(times, D)
         return np.stack([np.stack([x.hi for x in part], axis=1) for part in found], axis=1)
 

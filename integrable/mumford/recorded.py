@@ -15,7 +15,7 @@ import numpy as np
 
 from integrable.moving_point.addition import Row
 from integrable.moving_point.compiled import SPECIAL
-from integrable.mumford.motion import Start
+from integrable.mumford.motion import Start, Vectors
 from integrable.series.symbols import Key, Symbol, SymbolField
 from integrable.series.tape import (
     CONSTANT,
@@ -44,8 +44,6 @@ from jacobian.relatives.extended import Extended, Lift
 EXPONENTIAL, LOGARITHM = GROWTH + 1, GROWTH + 2
 # the number of pairs to which a tape is applied at once, so that all its values stay in a cache
 BLOCK = 128
-
-Vectors = tuple[Sequence[Real], ...]
 
 
 class PairField(SymbolField):
@@ -79,7 +77,8 @@ class PairFormulas:
         back: Callable[[PairField, Sequence[Real], Extended, Real], Vectors],
         count: int,
     ) -> None:
-        N, self._shape = PairField(), ((), Start((), (), (), ()))
+        N = PairField()
+        self._shape: tuple[Vectors, Start]
 
         def started(y: Sequence[Real]) -> list[Real]:
             self._shape = start(N, y)
@@ -210,8 +209,7 @@ class LongTape:
             else:
                 used |= {left, right}
                 function = functions.get(kind)
-                operation = OPERATIONS[kind] if function is None else lambda x, _, f=function: f(x)
-                self._operations.append((operation, n, left, right))
+                self._operations.append((OPERATIONS[kind] if function is None else of_first(function), n, left, right))
         self._operations.reverse()
         self._known = dict[int, list[Real]]()
         self._size = len(tape.kinds)
@@ -230,6 +228,11 @@ class LongTape:
         for n, x in self._constants:
             found[n] = of_key(N, x.key) if isinstance(x, Symbol) else N.coerce(x)
         return found
+
+
+def of_first(function: Callable[[Any], Any]) -> Callable[[Any, Any], Any]:
+    """A function of one number as a function of two."""
+    return lambda x, _: function(x)
 
 
 def of_key(N: LongField, key: Key) -> Real:

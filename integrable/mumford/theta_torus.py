@@ -2,7 +2,7 @@
 
 With the period matrices A and B, D = P₁ + P₂ has z = A⁻¹(∫_{r₀}^{P₁} + ∫_{r₀}^{P₂})(dx/y, x dx/y), r₀ a branch point; z
 is linear in time. The square roots of |U| at branch points are quotients of odd theta functions of z
-(:mod:`integrable.mumford.pair_loops`). If ∫_{r₀}^{r_i} = Ap + Bq, the characteristic of the branch point r_i is
+(:mod:`integrable.torus.pair_loops`). If ∫_{r₀}^{r_i} = Ap + Bq, the characteristic of the branch point r_i is
 η_0 + 2(q, p), and exactly one of the 16 η_0 makes all of them odd. All of this is real in a basis whose A spans the
 real periods. Models of degree 6 with real roots are first transformed by x ↦ 1/(E − x), where E is the largest root.
 
@@ -26,13 +26,14 @@ from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.branch_points import SMALL, PairModel, all_real, lift_of, long_roots, opened, without_root
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import Start
-from integrable.mumford.pair_loops import LIBRARY, TORUS, PairTorus
 from integrable.torus.access import TorusClock, resolved_spectrum
 from integrable.torus.body_torus import CLOSED, first_grid, in_basis, resolved, rule_of_phases
 from integrable.torus.loops import CompiledLoops
+from integrable.torus.pair_loops import LIBRARY, TORUS, PairTorus
 from integrable.torus.states import CHECKED, TOGETHER
 from integrable.torus.theta_series import half_turn, long_numbers, shortest, theta_sums
 from integrable.torus.theta_setup import CLASSES, FOUND, IMAGINARY, MEAN
+from integrable.torus.witness import witnesses
 from jacobian import poly
 from jacobian.element import Complex, Real
 from jacobian.errors import PrecisionLoss
@@ -57,7 +58,7 @@ BITS = 160
 # largest number of samples of a rate; beyond it, branch points nearly meet
 MOST_SAMPLES = 1 << 16
 # periods are computed in double-doubles if neighbouring branch points differ by more than the fraction CLOSE of their
-# distance from an origin. In a pair on a model of even degree digits are lost below CLOSEST
+# distance from an origin. In pairs on a model of even degree digits are lost below CLOSEST
 CLOSE, CLOSEST = 2.0**-10, 2.0**-16
 # with branch points at that fraction from each other, double-doubles resolve CLOSE_TURNS times the fraction of the
 # turns that they resolve otherwise
@@ -157,8 +158,7 @@ class ThetaTorus:
     def _make(self, N: LongField, model: PairModel, lifts: Lifts, timed: Rate | None) -> None:
         """Sets up the torus in double-doubles, or in long numbers where these do not suffice."""
         found = scaled_model(N, model) if all_real(model.roots) else None
-        if self._pole and not (found and found.gap > CLOSEST):
-            raise PrecisionLoss("branch points on a model of even degree nearly meet")
+        self._doubtful = bool(self._pole) and not (found and found.gap > CLOSEST)
         if found and found.inside and (timed or found.gap > CLOSE):
             self._most = MOST_TURNS * min(1, CLOSE_TURNS * found.gap)
             try:
@@ -202,10 +202,10 @@ class ThetaTorus:
 
     @property
     def witnesses(self) -> np.ndarray:
-        """A time at which states are compared with another method. It is a part of a turn of the faster phase, since
-        the pairs at all times are checked.
+        """Times at which states are compared with another method: after a part of a turn of the faster phase, since the
+        lifts at all times are checked; more of them if a pair may lose digits.
         """
-        return np.array([WITNESS / max(map(abs, self._paces))])
+        return witnesses(self._paces) if self._doubtful else np.array([WITNESS / max(map(abs, self._paces))])
 
     def reaches(self, times: np.ndarray) -> bool:
         """Whether double-doubles resolve the fraction of a turn at all of these times."""

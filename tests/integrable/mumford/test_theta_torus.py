@@ -14,9 +14,9 @@ from integrable.moving_point.elliptic_integrals import oval_periods
 from integrable.mumford import theta_torus
 from integrable.mumford.bodies import BodyFlow
 from integrable.mumford.branch_points import PairModel, long_roots, opened, without_root
-from integrable.mumford.pair_loops import PairTorus, pairs_at, phases_at
 from integrable.mumford.theta_torus import ThetaTorus
 from integrable.torus.loops import CompiledLoops
+from integrable.torus.pair_loops import PairTorus, pairs_at, phases_at
 from integrable.torus.theta_series import half_turn, theta, theta_sums
 from jacobian import MP, HyperellipticCurve, PrecisionLoss
 from jacobian.inexact.long_field import LongField

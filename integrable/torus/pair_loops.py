@@ -154,17 +154,8 @@ def met(torus: PairTorus, tops: Row, target: Row, nudge: float, enough: float, r
     factors the signs of the target. Returns the largest remaining difference relative to the largest of the target.
     """
     count, places, wide = len(torus.factors), torus.places, 2 * len(torus.factors)
-    size, weights, closure = 0.0, room[POINTS * wide : POINTS * wide + count], 0.0
-    for n in range(wide):
-        size = max(size, abs(float(target[n])))
-    for k in range(count):
-        # lifts at an end of a short oval are small and count as much as others, but not those of an opened one
-        most = max(abs(float(target[2 * k])), abs(float(target[2 * k + 1])))
-        if most < SMALLEST * size:
-            most = size
-        weights[k] = most + 0 * tops[k]
-        torus.factors[k] = torus.factors[k] * tops[k] / tops[count] / most
-        target[2 * k], target[2 * k + 1] = target[2 * k] / most, target[2 * k + 1] / most
+    weights, closure = room[POINTS * wide : POINTS * wide + count], 0.0
+    size = weigh(torus, tops, target, weights)
     gap = before = 4.0
     for n in range(MOST_STEPS):
         for point in abreast(0, POINTS):
@@ -189,6 +180,25 @@ def met(torus: PairTorus, tops: Row, target: Row, nudge: float, enough: float, r
             closure = max(closure, abs(off)) + 0 * off
         torus.factors[k] = torus.factors[k] * weights[k]
     return closure
+
+
+def weigh(torus: PairTorus, tops: Row, target: Row, weights: Row) -> float:
+    """Divides each factor and the lift of its class in ``target`` by a weight; returns the largest size in the target.
+
+    A weight is the size of the lift, so that lifts at an end of a short oval, which are small, count as much as others.
+    Those of an oval that was a point do not.
+    """
+    size, count = 0.0, len(torus.factors)
+    for n in range(2 * count):
+        size = max(size, abs(float(target[n])))
+    for k in range(count):
+        most = max(abs(float(target[2 * k])), abs(float(target[2 * k + 1])))
+        if most < SMALLEST * size:
+            most = size
+        weights[k] = most + 0 * tops[k]
+        torus.factors[k] = torus.factors[k] * tops[k] / tops[count] / most
+        target[2 * k], target[2 * k + 1] = target[2 * k] / most, target[2 * k + 1] / most
+    return size
 
 
 def sign_factors(torus: PairTorus, target: Row, room: Row) -> None:
