@@ -38,6 +38,8 @@ class KuzminKutuzov(MumfordSystem):
     """
 
     size, clocked, flow_type = 3, True, SummedFlow
+    # orbits through the axis, L = 0, have a lift more
+    _for_all_states = False
 
     def __init__(self, axes: Iterable[Value], GM: Value = 1, field: Field = RR) -> None:
         self._set_up(field, axes, "axes", 2)

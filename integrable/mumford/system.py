@@ -172,6 +172,9 @@ class MumfordSystem(Made):
     complex_data = False
     """Whether the data of the motion are complex; if so, ``_start`` and ``_back`` receive complex numbers."""
 
+    _for_all_states = True
+    """Whether ``_start`` and ``_back`` perform the same operations for all states, so that they are recorded once."""
+
     clocked = False
     """Whether t is not linear in τ. ``_clock`` then reads t from a pair, unless ``flow_type`` computes τ otherwise."""
 
@@ -359,6 +362,8 @@ class MumfordSystem(Made):
     @quick_property
     def _formulas(self) -> PairFormulas | None:
         """The recorded formulas of systems like this one; None if they cannot be recorded."""
+        if not self._for_all_states:
+            return None
         from integrable.mumford.recorded import formulas_of
 
         return formulas_of((type(self), self.size, len(self.constants), self._standing), self._made_formulas)

@@ -10,11 +10,13 @@ from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
+from integrable.classical.two_gaps import TwoGaps
 from integrable.classical.veselova import Veselova
 from integrable.mumford.branch_points import long_roots
 from integrable.mumford.columns import Column, Columns
 from integrable.mumford.flow import Point
 from integrable.mumford.recorded import parts_of
+from integrable.systems.on_layer import BodyOnLayer
 from integrable.torus.theta_series import long_numbers
 from jacobian import poly
 from jacobian.errors import PrecisionLoss
@@ -30,6 +32,8 @@ STATES = {
     "Hénon and Heiles": (HenonHeiles.with_frequencies(1, 1.25), (0.05, 0.03), (0, 0.01)),
     "Toda": (TodaLattice(3), (0, 0.5, -0.25), (1, -0.75, -0.25)),
     "Toda, four particles": (TodaLattice(4), (0, 0.5, -0.25, 1), (1, -0.75, -0.25, 0.5)),
+    "two gaps": (TwoGaps((0, -5, 0)), (-4, 28), (0.5, 0.25)),
+    "ball": (BodyOnLayer((1, 2, 3), 0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
     "Veselova": (Veselova((4, 2, 1)), (0.48, -0.6, 0.64), (0.384, 1.28, 0.912)),
 }
 
@@ -59,7 +63,8 @@ def test_recorded_starts_are_those_of_the_formulas(name) -> None:
 def test_states_of_many_pairs_are_those_of_the_formulas(name) -> None:
     """More pairs than are read at once, of which each has other numbers."""
     system, q, p = STATES[name]
-    flow = system.flow(system.state(q, p))
+    state = system.state(q, p)
+    flow = system.by_additions(state) if name == "ball" else system.flow(state)
     times = np.linspace(-2, 3, 300)
     pairs = flow._made_torus().at(times)
     N = Columns()
