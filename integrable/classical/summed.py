@@ -18,7 +18,6 @@ from jacobian.inexact.long_field import LongField
 class SummedFlow(MumfordFlow):
     """The motion, at any times, of a state whose pair has one point in each of g ovals."""
 
-    _takes_theta = False
     # states in long numbers come from the same sums, so their way has the torus's name
     _long_way = TORUS
 
