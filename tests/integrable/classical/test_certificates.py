@@ -16,7 +16,9 @@ from tests.integrable.classical.rows import REAL, distance, integrated
 
 CASES = [
     ("neumann", 1), ("neumann", 3), ("ellipsoid", 2), ("garnier", 2), ("henon_heiles", 1), ("barriers", 2),
-    ("toda", 3), ("lagrange", 3), ("pendulum", 3), ("galaxy", 3), ("veselova", 3), ("two_gaps", 2), ("ball", 3),
+    ("toda", 3), ("lagrange", 3), ("pendulum", 3), ("galaxy", 3), ("veselova", 3), ("two_gaps", 2),
+    # the ball's own certificates are tested in tests/integrable/motion
+    pytest.param("ball", 3, marks=pytest.mark.slow),
 ]  # fmt: skip
 
 
