@@ -7,6 +7,7 @@ import re
 from codeop import compile_command
 from collections import Counter
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -102,12 +103,17 @@ def messages(tree: ast.Module) -> Iterator[tuple[str, str]]:
             yield f"line {node.lineno}", " ".join(parts)
 
 
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 @pytest.mark.parametrize("texts", [docstrings, messages])
 def test_sentences_of_docstrings_and_messages_are_short(texts):
     found = {
         f"{path.relative_to(ROOT)}, {name}": wrong
         for path in MODULES
-        for name, text in texts(ast.parse(path.read_text(encoding="utf-8")))
+        for name, text in texts(parsed(path))
         if (wrong := too_long(text))
     }
     assert found == {}
