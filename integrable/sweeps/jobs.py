@@ -4,62 +4,44 @@ from __future__ import annotations
 
 import dataclasses
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from integrable.ensembles.bodies import COLUMNS, computed_singly
-from integrable.ensembles.computing import Outcome, statuses
+from integrable.ensembles.computing import Outcome
 from integrable.ensembles.members import Starts
 from integrable.motion.trajectory import Motion
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.sweeps.grid import INERTIA, POTENTIAL, C, D, M
 
-__all__ = ["EnsembleJob", "Part", "SceneJob", "done"]
+__all__ = ["Scenes", "done"]
 
 
-class EnsembleJob(NamedTuple):
-    """Members of an ensemble, or of a scene with a ball or top."""
-
-    many: Starts[Any, Any]
-    times: np.ndarray
-
-
-class SceneJob(NamedTuple):
-    """Members of a scene with a deformation, and for each member the numbers that replace the scene's
+class Scenes(Starts[Motion, Any]):
+    """Members of a scene with a deformation. ``rows`` are the numbers that replace the scene's for each member
     (:meth:`integrable.sweeps.grid.Grid.rows`).
     """
 
-    scene: Scene
-    rows: np.ndarray
-    times: np.ndarray
+    _columns, _arrays = COLUMNS, ("rows",)
+
+    def __init__(self, scene: Scene, rows: np.ndarray) -> None:
+        self.scene, self.rows = scene, rows
+
+    def _one(self, member: int) -> Motion:
+        return _motion(self.scene, self.rows[member])
+
+    def _computed(self, times: np.ndarray, out: np.ndarray, most: int | None = None) -> Outcome:
+        return computed_singly(self._one, times, out)
 
 
-class Part(NamedTuple):
-    """The states of k members at N times, of shape (k, N, C), and each row's status of shape (k, N).
-
-    ``ways``, shape (k,), is the way of each member; ``reasons`` say why rows were refused.
+def done(many: Starts[Any, Any], times: np.ndarray) -> tuple[np.ndarray, Outcome]:
+    """The states of k members at N times, of shape (k, N, C), and their outcome, computed on one thread, since other
+    workers compute other chunks.
     """
-
-    rows: np.ndarray
-    status: np.ndarray
-    ways: np.ndarray
-    reasons: tuple[str, ...]
-
-
-def done(job: EnsembleJob | SceneJob) -> Part:
-    """The states of a job, computed on one thread, since other workers compute other chunks."""
-    if isinstance(job, EnsembleJob):
-        out = np.empty((len(job.many), len(job.times), job.many._columns))
-        return _part(out, job.many._computed(job.times[None], out, most=1))
-    out = np.empty((len(job.rows), len(job.times), COLUMNS))
-    return _part(out, computed_singly(lambda k: _motion(job.scene, job.rows[k]), job.times[None], out))
-
-
-def _part(out: np.ndarray, found: Outcome) -> Part:
-    status = statuses(found.status, found.partial, out.shape[1]).astype(np.int32)
-    return Part(out, status, found.ways, found.reasons)
+    out = np.empty((len(many), len(times), many._columns))
+    return out, many._computed(times[None], out, most=1)
 
 
 def _motion(scene: Scene, row: np.ndarray) -> Motion:

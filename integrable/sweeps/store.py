@@ -18,13 +18,13 @@ from zipfile import BadZipFile
 import numpy as np
 from filelock import FileLock, Timeout
 
+from integrable.ensembles.computing import Outcome, statuses
 from integrable.ensembles.members import AT, Contents
 from integrable.extras import needed
 from integrable.files.frame import Column
 from integrable.files.quantities import reasons_text, status_column
 from integrable.files.whole import Patient, replacing, said, target_of
 from integrable.files.writing import scaled
-from integrable.sweeps.jobs import Part
 from jacobian.element import File
 from jacobian.errors import ArgumentError, shown
 
@@ -117,13 +117,13 @@ class Store:
         if self._own and not self.done:
             shutil.rmtree(self.folder, ignore_errors=True)
 
-    def put(self, chunk: int, part: Part) -> None:
-        """Writes the states of a chunk, then enters the chunk in the journal."""
+    def put(self, chunk: int, rows: np.ndarray, found: Outcome) -> None:
+        """Writes the states of a chunk, of shape (k, N, C), then enters the chunk in the journal."""
         numbers = {reason: n for n, reason in enumerate(self.reasons)}
-        own = np.array([numbers.setdefault(reason, len(numbers)) for reason in part.reasons], dtype=np.int32)
-        status = own[part.status]
-        arrays = {name: part.rows[..., place] for name, (place, _) in self.layout.contents.states.items()}
-        arrays |= {"status": status, "way": (part.ways + 1).astype(np.int32)}
+        own = np.array([numbers.setdefault(reason, len(numbers)) for reason in found.reasons], dtype=np.int32)
+        status = own[statuses(found.status, found.partial, rows.shape[1])]
+        arrays = {name: rows[..., place] for name, (place, _) in self.layout.contents.states.items()}
+        arrays |= {"status": status, "way": (found.ways + 1).astype(np.int32)}
         with said(self.path, "out"):
             self._format.put(chunk, arrays)
             self.reasons = list(numbers)

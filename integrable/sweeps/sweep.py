@@ -18,7 +18,7 @@ import numpy as np
 from integrable.ensembles.bodies import STATES
 from integrable.ensembles.computing import OF_BODIES
 from integrable.ensembles.ensemble import Ensemble
-from integrable.ensembles.members import Contents, time_rows
+from integrable.ensembles.members import Contents, Starts, time_rows
 from integrable.ensembles.paths import PathEnsemble
 from integrable.extras import needed, without
 from integrable.files.frame import Column, version
@@ -27,7 +27,7 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.file import load_scene
 from integrable.sweeps.grid import Grid
-from integrable.sweeps.jobs import EnsembleJob, SceneJob, done
+from integrable.sweeps.jobs import Scenes, done
 from integrable.sweeps.orphans import processes
 from integrable.sweeps.store import Layout, Store
 from jacobian.element import File, Numbers, Value
@@ -109,7 +109,7 @@ def sweep(
 
 
 class _Source:
-    """The scene or ensemble of a sweep, which gives jobs for ranges of members, and the attributes of the file."""
+    """The scene or ensemble of a sweep, which gives ranges of members, and the content of the file."""
 
     name: str
     times: np.ndarray
@@ -142,8 +142,8 @@ class _Source:
     def __len__(self) -> int:
         raise NotImplementedError
 
-    def job(self, begin: int, end: int) -> EnsembleJob | SceneJob:
-        """The job for members ``begin`` to ``end`` − 1."""
+    def members(self, begin: int, end: int) -> Starts[Any, Any]:
+        """The members ``begin`` to ``end`` − 1."""
         raise NotImplementedError
 
     def contents(self) -> Contents:
@@ -168,8 +168,9 @@ class _OfEnsemble(_Source):
     def __len__(self) -> int:
         return len(self.many)
 
-    def job(self, begin: int, end: int) -> EnsembleJob:
-        return EnsembleJob(self.many[begin:end], self.times)
+    def members(self, begin: int, end: int) -> Starts[Any, Any]:
+        some: Ensemble | PathEnsemble = self.many[begin:end]
+        return some
 
     def contents(self) -> Contents:
         return self.many._contents
@@ -185,11 +186,11 @@ class _OfScene(_Source):
     def __len__(self) -> int:
         return len(self.grid)
 
-    def job(self, begin: int, end: int) -> EnsembleJob | SceneJob:
+    def members(self, begin: int, end: int) -> Starts[Any, Any]:
         rows = self.grid.rows(begin, end)
         if self.scene.rolls_or_spins:
-            return EnsembleJob(Ensemble(self.system, np.nan_to_num(rows[:, :10]), self.scene.tilted), self.times)
-        return SceneJob(self.scene, rows, self.times)
+            return Ensemble(self.system, np.nan_to_num(rows[:, :10]), self.scene.tilted)
+        return Scenes(self.scene, rows)
 
     def contents(self) -> Contents:
         said, left_out = self.scene.describe(), ("title", "reference", "description", "report", "pictures")
@@ -210,12 +211,12 @@ def _fill(source: _Source, store: Store, pool: Executor, workers: int, tick: Any
     try:
         while True:
             while len(under_way) < AHEAD * workers and (chunk := next(left, None)) is not None:
-                under_way[pool.submit(done, source.job(*store.layout.ends(chunk)))] = chunk
+                under_way[pool.submit(done, source.members(*store.layout.ends(chunk)), source.times)] = chunk
             if not under_way:
                 return
             for future in wait(under_way, return_when=FIRST_COMPLETED).done:
                 chunk = under_way[future]
-                store.put(chunk, future.result())
+                store.put(chunk, *future.result())
                 del under_way[future]
                 begin, end = store.layout.ends(chunk)
                 tick(end - begin)
@@ -239,7 +240,7 @@ def _keep_finished(store: Store, under_way: dict[Future[Any], int]) -> None:
     """Stores the chunks that were computed before the executor died."""
     for future, chunk in under_way.items():
         if future.done() and not future.cancelled() and future.exception() is None:
-            store.put(chunk, future.result())
+            store.put(chunk, *future.result())
 
 
 @contextmanager
