@@ -15,6 +15,7 @@ from integrable.ensembles.runs import Runs
 from integrable.files.frame import Column, Frame
 from integrable.files.quantities import Quantity, checked, columns, made_of
 from integrable.motion.refusals import kept_rows
+from integrable.motion.trajectory import WAYS
 from integrable.mumford.flow import ADDITIONS, SERIES, TORUS, MumfordFlow, Path
 from integrable.phase.run import ROUNDED
 from jacobian import RR
@@ -30,9 +31,9 @@ if TYPE_CHECKING:
 # from this number of members on, walks run together: their code takes a second to compile, once per kind of systems and
 # machine. AT_A_TIME members are the unit of work of a thread
 MANY, AT_A_TIME = 64, 256
-# the ways of paths
-WAYS = SERIES, TORUS, ADDITIONS
-OF_SYSTEMS = Names(tuple(", ".join(words) for n in (1, 2, 3) for words in combinations(WAYS, n)), SERIES)
+# the ways of paths, and those of a body described as a system
+OF_PATHS = [", ".join(words) for n in (1, 2, 3) for words in combinations((SERIES, TORUS, ADDITIONS), n)]
+OF_SYSTEMS = Names(tuple(dict.fromkeys([*OF_PATHS, *WAYS])), SERIES)
 PARTS = ("q", "p")
 
 

@@ -14,6 +14,7 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.ensembles import paths
 from integrable.mumford.flow import MumfordFlow
+from integrable.systems.on_layer import BodyOnLayer
 from jacobian import MP, RR, ArgumentError
 from jacobian.numbers.threads import set_threads
 from tests.integrable.classical.rows import REAL
@@ -218,3 +219,11 @@ def test_no_member_and_no_time() -> None:
     system = TodaLattice(2)
     assert ensemble(system, np.zeros((0, 2)), (0, 1)).at([1.0]).q.shape == (0, 1, 2)
     assert ensemble(system, (0, 0), (0, 1)).at([]).q.shape == (1, 0, 2)
+
+
+def test_a_body_described_as_a_system():
+    """The ways of a body's own flow, such as short runs, have their names in the outcome too."""
+    ball = BodyOnLayer((1, 2, 3), 0.7)
+    found = ensemble(ball, (0.48, 0.6, 0.64), [(0.384, 1.28, -1.488), (-0.384, -1.28, 1.488)]).at([0.5, 2])
+    one = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))).at([0.5, 2])
+    assert (found[0].way, found[0].q.tolist()) == (one.way, one.q.tolist())
