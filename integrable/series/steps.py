@@ -49,7 +49,7 @@ PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # units of a tolerance. ROUNDED_IN_MIDDLE bounds the first float term of the latter steps. COARSER multiplies the bounds
 # of the second walk. SPARE is the largest ratio of the error to the difference of the walks: 6 of 3,600 walks of
 # eccentric orbits in a galaxy had more than twice their estimated error; with 3 in place of 10 there were 22
-SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 3e-5, 1e-6, 3e-3, 10.0, 4.0
+SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 3e-5, 1e-6, 3e-3, 10.0, 3.5
 
 
 @cache
