@@ -391,7 +391,8 @@ class MumfordSystem(Made):
 
         try:
             return PairFormulas(start, back, count)
-        except (TypeError, ArgumentError):
+        except (TypeError, ArgumentError, NotImplementedError):
+            # a formula calls a function that cannot be recorded, or there is no way back
             return None
 
     @property
