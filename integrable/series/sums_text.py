@@ -287,8 +287,10 @@ class Sums:
         """Coefficients k of the factors on one side of a group, as one vector."""
         key = side.place, k, part
         if key not in self._built:
-            if all((n, k, part) in self._recent for n in side.factors):
-                self._built[key] = self._joined(text, [self._recent[n, k, part] for n in side.factors])
+            # coefficients of the order that is being computed; those of order 0 of variables are not recent
+            if any((n, k, part) in self._recent for n in side.factors):
+                parts = [self._lo(n, k) if part else self._hi(n, k) for n in side.factors]
+                self._built[key] = self._joined(text, parts)
             else:
                 return text.load(self._place(side, k, part), self._base(k, side.width * side.apart))
         return self._built[key]

@@ -19,6 +19,7 @@ SYSTEMS = {
     "tilde": Tilde((1, 2, 4)),
     "rolling": Tilde((1, 2, 4), 0.7),
     "two poles": Tilde((1, 2, 4), potential=(0, 0.2, 0.3, 0, 0.5)),
+    "one pole": Tilde((1, 2, 4), potential=(0.7, 0, 0, 0, 0.5)),
     "repelling": Tilde((1, 2, 4), potential=(0, 0, 0.3, 0.4, 0.5)),
     "check": Check((1, 2, 4)),
     "hat": Hat((1, 2, 4)),
