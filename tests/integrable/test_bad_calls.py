@@ -203,6 +203,18 @@ CASES = {
     "signs that are none": (lambda: BALL.keyless(signs=3), ArgumentError, "signs = 3: ", "3 signs"),
     "sheets that are none": (lambda: BALL.translation([1.8, 2.5], sheets=3), ArgumentError, "sheets = 3: ", "2 signs"),
     "sheets of two curves": (lambda: TILDE.translation((1, 2), sheets=3), ArgumentError, "sheets = 3: ", "2 signs"),
+    "a negative mass": (
+        lambda: ChaplyginBall((1, 2, 2.5), mass=-1, radius=1),
+        ArgumentError,
+        "mass = -1.0 is negative: ",
+        "mass ≥ 0",
+    ),
+    "a negative radius": (
+        lambda: ChaplyginBall((1, 2, 2.5), d=1, radius=-1),
+        ArgumentError,
+        "radius = -1.0 is negative: ",
+        "radius ≥ 0",
+    ),
     "counts that are none": (lambda: FLOW.residual_growth(5), ArgumentError, "counts = 5: ", "ints ≥ 0"),
     "counts below zero": (lambda: FLOW.residual_growth([1, -3]), ArgumentError, "counts = [1, -3]: ", "ints ≥ 0"),
     "an orbit's count": (lambda: orbit(BALL.keyless(), STATE, -1), ArgumentError, "count = -1: ", "an int ≥ 0"),
