@@ -161,7 +161,7 @@ class QuickClock:
         loops, self._true_pace = CompiledLoops(), pace
         turns = [float(rate.hi) for rate in packed.rates]
         scale = SWIFT * 2 * np.pi * max(turns)
-        resolve = partial(resolved, partial(samples, pace, packed), sizes=first_grid(pace), most=MOST_SAMPLES)
+        resolve = partial(resolved, partial(samples, pace, packed), sizes=grid_resolving(pace), most=MOST_SAMPLES)
         self._spectrum = resolved_spectrum(loops, lambda transform: resolve(transformed=transform), turns, scale, NOISE)
         check_no_resonance(self._spectrum, turns)
         mean = Column(*self._spectrum.values[0])
@@ -200,7 +200,7 @@ def _unless(made: Callable[..., Made], *arguments: object) -> Made | None:
         return None
 
 
-def first_grid(pace: Pace) -> tuple[int, int]:
+def grid_resolving(pace: Pace) -> tuple[int, int]:
     """The numbers of samples in both phases, powers of 2, that resolve 1/g if its modes decay as those of z: mode m as
     nome^m, since the pole of z is at the imaginary half-period.
     """

@@ -23,8 +23,8 @@ def values(kind):
     return values_over(FIELDS[kind]) if kind in FIELDS else other_values()
 
 
-# internal number types, never returned to users
-INSIDE = {"Balls", "Columns", "_Operators", "SymbolField"}
+# internal number types and chunks of sweeps, never returned to users
+INSIDE = {"Balls", "Columns", "_Operators", "SymbolField", "PairField", "Scenes"}
 ARRAYS = ("times", "tau", "gamma", "M", "omega", "attitude", "quaternion", "contact", "error", "digits", "radius")
 ARRAYS += (
     "ratios",
