@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from integrable.ensembles.bodies import plain, short_runs
-from integrable.ensembles.computing import Outcome, Said, gathered
+from integrable.ensembles.computing import Names, Outcome, Said, gathered
 from integrable.ensembles.members import Starts, common_count, numbers, times_of
 from integrable.ensembles.runs import Runs
 from integrable.files.frame import Frame
@@ -39,6 +39,9 @@ ASIDE = 1e-8
 # floats of one state: the nine entries of an orientation, and ω
 COLUMNS = 12
 WANTED = "rotations of shape (K, 3, 3) or (3, 3), or SciPy's Rotation, are needed"
+# the name of the way of a member that its own motion computes
+OWN = "own motion"
+IN_LABORATORY = Names(("short run", OWN), "short run")
 
 
 def laboratory_ensemble(
@@ -104,7 +107,7 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
         return found
 
     def _computed(self, times: np.ndarray, out: np.ndarray, most: int | None = None) -> Outcome:
-        return gathered(len(self), times.shape[1], _Work.of(self, times, out).part, most)
+        return gathered(len(self), times.shape[1], _Work.of(self, times, out).part, most, IN_LABORATORY)
 
     def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> LaboratoryRuns:
         return LaboratoryRuns(self, times, rows, outcome)
@@ -134,7 +137,7 @@ class _Work(NamedTuple):
         return _Work(many, members, frames, quick, times, out[..., :9].reshape(*out.shape[:2], 3, 3), out[..., 9:])
 
     def part(self, begin: int, end: int) -> list[Said]:
-        """Computes the members of a range, and returns the refused ones with their reasons."""
+        """Computes the members of a range, and returns those without a short run, with the reason if refused."""
         left = np.ones(end - begin, dtype=bool)
         which = begin + np.flatnonzero(self.quick[begin:end])
         if len(which):
@@ -143,7 +146,7 @@ class _Work(NamedTuple):
             self.put(had, rows)
             left[had - begin] = False
         found = ((k, self.one(k)) for k in (begin + np.flatnonzero(left)).tolist())
-        return [Said(k, "", why) for k, why in found if why]
+        return [Said(k, "" if why else OWN, why) for k, why in found]
 
     def put(self, which: np.ndarray, rows: np.ndarray) -> None:
         """Writes orientations and ω of the H members ``which``; ``rows`` are their γ and M, shape (H, N, 6)."""

@@ -55,6 +55,8 @@ def test_special_motions_and_refused_ones():
     starts = [R, R, R, R, 2 * R, R]
     runs = laboratory_ensemble(ball, starts, omega).at([0, 1.0])
     assert runs.status.tolist() == [0, 0, 0, 0, 1, 2]
+    # the ways of members without a short run said "short run"
+    assert runs.ways == [*["own motion"] * 3, "own motion" if interpreted() else "short run", "", ""]
     assert "R Rᵀ differs from 1" in runs.reasons[1]
     for k in range(3):
         one = ball.motion(starts[k], omega[k]).at([0, 1.0])
