@@ -39,8 +39,9 @@ class Gyroscopic(Deformation):
         return energy, first + q.m1 * (c * q.eta + quarter * (2 * q.s - q.e1))
 
     def motion(self, q: Scalars) -> RateTerms:
-        """Ω = AM − sM + (c/2)γ × Aγ, Ṁ = M × Ω + γ × [−m2·Aγ + (c/2)(Aγ × M + A(M × γ)) + (c²/4)Aγ]; here without the
-        terms with c/2.
+        """Ω = AM − sM + (c/2)γ × Aγ, Ṁ = M × Ω + γ × [−m2·Aγ + (c/2)(Aγ × M + A(M × γ)) + (c²/4)Aγ].
+
+        The coefficients omit the terms with c/2, which :meth:`omega` and :meth:`rates` add.
         """
         c = self._constants()(self.c)
         return RateTerms(1, -q.s, 0, c * c / 4 - q.m2)

@@ -28,8 +28,8 @@ GUARD_BITS = 30
 
 
 class OvalsClock(LongClock):
-    """t(τ) and τ(t) of a motion with dt/dτ = ``pace``, to ``digits`` digits relative to
-    the longer period of its curves. PrecisionLoss if 1/g needs too many modes.
+    """t(τ) and τ(t) of a motion with dt/dτ = ``pace``, to ``digits`` digits relative to the longer period of its
+    curves. PrecisionLoss if 1/g needs too many modes.
     """
 
     def __init__(self, pace: Pace, digits: int) -> None:

@@ -71,7 +71,7 @@ class RateTerms(NamedTuple):
         return combination((self.AM, q.AM), (self.M, q.M), (self.Ag, q.Ag))
 
     def rates(self, q: Scalars) -> tuple[list[Real], list[Real]]:
-        """(γ̇, Ṁ), from the products γ_iγ_j, γ_iM_j and M_iM_j: a tape of them has the fewest products."""
+        """(γ̇, Ṁ). They are written in γ_iγ_j, γ_iM_j and M_iM_j, so that their tape has the fewest products."""
         rate, momentum = [], []
         for k in range(3):
             i, j = k - 2, k - 1

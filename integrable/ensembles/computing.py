@@ -35,8 +35,8 @@ class Outcome(NamedTuple):
 
 class Said(NamedTuple):
     """The outcome for one member: its way, and ``why``. If the member is refused as a whole, ``why`` is the reason and
-    the way is ""; otherwise it has a reason for each row, "" where the row is not refused. ``estimate`` is an estimate
-    of the error, 0 if there is none.
+    the way is ""; otherwise it has a reason for each row, "" where the row is not refused, or is [] if no row is.
+    ``estimate`` is an estimate of the error, 0 if there is none.
     """
 
     member: int

@@ -15,7 +15,7 @@ from jacobian.immutable import Record, replaced
 
 AT = "member", "time"
 """The dimensions of states in files."""
-# the size of the results of a chunk
+# the size of the results of a chunk, in bytes
 CHUNK_BYTES = 1 << 26
 
 One = TypeVar("One")

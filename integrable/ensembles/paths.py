@@ -158,8 +158,8 @@ class _Work(NamedTuple):
 
 class Paths(Runs):
     """States of K motions of a system at N times each. ``runs[k]`` is one member, a
-    :class:`integrable.mumford.flow.Path`, if none of its rows was refused. ``ways`` and
-    ``estimates``, shape (K,), are those of the paths.
+    :class:`integrable.mumford.flow.Path`, if none of its rows was refused. ``ways`` and ``estimates``, shape (K,), are
+    those of the paths.
     """
 
     _arrays, _shared = (*Runs._arrays, "estimates"), ("system", "tolerance")

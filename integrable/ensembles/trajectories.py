@@ -21,8 +21,7 @@ __all__ = ["Trajectories"]
 
 class Trajectories(Runs):
     """States of K bodies at N times each: γ, M and τ. ``runs[k]`` is one member, a
-    :class:`integrable.motion.trajectory.Trajectory`. ``ways`` are words of
-    :data:`integrable.motion.trajectory.WAYS`.
+    :class:`integrable.motion.trajectory.Trajectory`. ``ways`` are words of :data:`integrable.motion.trajectory.WAYS`.
     """
 
     _shared = ("system", "tilted")

@@ -17,7 +17,9 @@ Compute = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 class Rows(NamedTuple):
-    """γ and M side by side, shape (N, 6), τ, shape (N,), and the ``status`` and ``reasons`` of a Trajectory."""
+    """States as rows of numbers, such as γ and M side by side, shape (N, 6); τ, shape (N,); and the ``status`` and
+    ``reasons`` of a Trajectory.
+    """
 
     rows: np.ndarray
     tau: np.ndarray

@@ -1,4 +1,4 @@
-"""What the flow of every system answers by the same code: certificates, events and sensitivities."""
+"""Certificates, enclosures, events and sensitivities, by the same code for bodies and for systems of any genus."""
 
 from __future__ import annotations
 

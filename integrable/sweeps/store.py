@@ -41,7 +41,7 @@ DAMAGED = (OSError, EOFError, KeyError, ValueError, TypeError, BadZipFile, Runti
 
 @dataclass(frozen=True)
 class Layout:
-    """The layout of a sweep's file: number of members, times, chunk size, and what the file has.
+    """The layout of a sweep's file: number of members, times, chunk size, and the content of the file.
 
     ``stamp`` is a hash of everything that the states depend on.
     """
