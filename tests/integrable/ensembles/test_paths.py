@@ -63,7 +63,7 @@ def test_members_are_single_flows_to_the_bit(name, threads) -> None:
     ],
 )
 def test_members_that_walk_together_are_single_flows_to_the_bit(name, tolerance, times, monkeypatch) -> None:
-    """They take steps of other lengths, and some of them walks in finer steps or a torus."""
+    """Their steps have different lengths, and some members need finer steps or a torus."""
     rng = np.random.default_rng(5)
     system, _ = REAL[name](RR, 2)
     q, p = on_sphere(rng, 11, system.size) if name == "neumann" else rng.normal(size=(2, 11, system.size)) / 2

@@ -426,7 +426,7 @@ def test_an_integrator_is_built_once_for_all_bodies(monkeypatch) -> None:
             return super().build(kind, setting)
 
     built, looks = [], iter(range(100))
-    # a second passes at each look at the clock, and a thousand while the method is built
+    # a second passes at each reading of the clock, and a thousand while the method is built
     monkeypatch.setattr("integrable.oracles.method.perf_counter", lambda: float(next(looks) + 1000 * len(built)))
     slow = Slow("slow to build", "a test", "tolerance", (1e-6,), module="scipy", extra="app")
     for inertia in ((1, 2, 3), (1, 2, 5)):

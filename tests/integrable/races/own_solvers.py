@@ -7,7 +7,7 @@ WAITED = [0.0]
 
 
 def clock():
-    """Seconds of a clock that advances by a millisecond at each look, and by the waiting of :func:`compiling`."""
+    """Seconds of a clock that advances by a millisecond at each reading, and by the waiting of :func:`compiling`."""
     WAITED[0] += 0.001
     return WAITED[0]
 
