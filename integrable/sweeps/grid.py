@@ -17,7 +17,7 @@ __all__ = ["MASS", "Grid", "from_words"]
 MOST_VALUES = 10**7
 MOST_MEMBERS = 10**8
 # columns of a row: moments, d, γ and M as in an ensemble, then c, the potential, mass and radius
-MEMBER, C, POTENTIAL, MASS, RADIUS, PLACES = 10, 10, slice(11, 16), 16, 17, 18
+C, POTENTIAL, MASS, RADIUS, PLACES = 10, slice(11, 16), 16, 17, 18
 D, INERTIA, M = 3, slice(0, 3), slice(7, 10)
 NAMES = {
     **{f"inertia.{i + 1}": i for i in range(3)}, "d": D, **{f"gamma.{i + 1}": 4 + i for i in range(3)},
