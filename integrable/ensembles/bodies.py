@@ -49,8 +49,8 @@ STATES: dict[str, tuple[slice | int, Column]] = {
 # a plain member lies within the fraction HALF of the tolerance of γ and M, and within the fraction FAR_INSIDE of the
 # bounds on moments and d
 HALF, FAR_INSIDE = 0.5, 1e-3
-# DISTINCT is the least difference of the extreme moments, relative to the largest plus d, ASIDE the least distance of M
-# from γ and from a principal axis, relative to |M|
+# DISTINCT is the least difference of two unequal moments, relative to the largest plus d, ASIDE the least distance of M
+# from a principal axis and, for tilted states, from γ, relative to |M|
 DISTINCT, ASIDE = 1e-12, 1e-10
 
 
