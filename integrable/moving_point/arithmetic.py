@@ -15,7 +15,7 @@ from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.double_double import exact_product, split
 
-# bits of the constants of forms in long doubles
+# bits of the constants of closed forms in long doubles
 WIDE_BITS = 160
 # beyond this many turns a float holds no digits of the phase
 MOST_TURNS = 2.0**50
@@ -24,7 +24,7 @@ PASSES = 80
 
 
 class LongDoubles:
-    """Long doubles. ``field`` are the wide numbers, ``eps`` the rounding unit, ``bits`` the number of bits, ``tiny`` a
+    """Long doubles. ``field`` has the wide numbers; ``eps`` is the rounding unit, ``bits`` the number of bits, ``tiny`` a
     number far below ``eps``, and ``passes`` the largest number of steps of Newton's method.
     """
 
@@ -78,7 +78,7 @@ class LongDoubles:
 
 
 class Multiprecision:
-    """Long numbers of ``bits`` bits in object arrays, for wide numbers too; the attributes are those of
+    """Long numbers of ``bits`` bits in object arrays, which are also the wide numbers; the attributes are those of
     :class:`LongDoubles`. Compute with them inside a ``with numbers.field`` block.
     """
 

@@ -281,7 +281,7 @@ def operate(kind: int, left: int, right: int, room: Row, here: int, points: int)
     elif kind == LOGARITHM:
         for i in abreast(0, points):
             x = float(room[left + i])
-            # log x of the leading part is accurate to a float, as are the results
+            # log(x) is a float: results are rounded to floats, and need no more digits of a logarithm
             room[here + i] = log(x) + (room[left + i] - x) / x
     else:
         for i in abreast(0, points):

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 # a constraint may be off by OFF times the effect of a change in the last digits of q and p
 OFF = 2.0**24
-# formulas stay in the range of floats for |q| and |p| below LARGE and constants that are 0 or from 1/LARGE to LARGE
+# formulas stay in the range of floats if |q| and |p| are below LARGE and constants are 0 or between 1/LARGE and LARGE
 LARGE = 1e9
 # smallest tolerance that plain steps in floats can meet
 LEAST = 2.0**-50
@@ -173,7 +173,7 @@ class MumfordSystem(Made):
     """Whether the data of the motion are complex; if so, ``_start`` and ``_back`` receive complex numbers."""
 
     _for_all_states = True
-    """Whether ``_start`` and ``_back`` perform the same operations for all states, so that they are recorded once."""
+    """Whether ``_start`` and ``_back`` perform the same operations for all states, so that they can be recorded once."""
 
     clocked = False
     """Whether t is not linear in τ. ``_clock`` then reads t from a pair, unless ``flow_type`` computes τ otherwise."""

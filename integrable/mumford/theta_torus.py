@@ -6,9 +6,9 @@ is linear in time. The square roots of |U| at branch points are quotients of odd
 η_0 + 2(q, p), and exactly one of the 16 η_0 makes all of them odd. All of this is real in a basis whose A spans the
 real periods. Models of degree 6 with real roots are first transformed by x ↦ 1/(E − x), where E is the largest root.
 
-If both points are in bounded ovals, periods and phases are computed in double-doubles as for the ball, otherwise by
-quadrature in long numbers. The mean of dt/dτ is a determinant of elliptic integrals or follows from θ_∞; t is this mean
-times τ plus a Fourier series.
+If each bounded oval has one of the points, periods and phases are computed in double-doubles as for the ball,
+otherwise by quadrature (:mod:`jacobian.periods.paths`). The mean of dt/dτ is a determinant of elliptic integrals or
+follows from θ_∞; t is this mean times τ plus a Fourier series.
 """
 
 from __future__ import annotations
@@ -57,17 +57,18 @@ from jacobian.relatives.extended import Extended, Lift, SecondKind
 BITS = 160
 # largest number of samples of a rate; beyond it, branch points nearly meet
 MOST_SAMPLES = 1 << 16
-# periods are computed in double-doubles if neighbouring branch points differ by more than the fraction CLOSE of their
-# distance from an origin. In pairs on a model of even degree digits are lost below CLOSEST
+# the gap is the least distance of neighbouring branch points, relative to their distance from an origin. Periods are
+# computed in double-doubles if it is larger than CLOSE, or if t is not linear in τ. Below CLOSEST pairs on a model of
+# even degree may lose digits
 CLOSE, CLOSEST = 2.0**-10, 2.0**-16
-# with branch points at that fraction from each other, double-doubles resolve CLOSE_TURNS times the fraction of the
-# turns that they resolve otherwise
+# double-doubles resolve the fractions of MOST_TURNS·CLOSE_TURNS·gap turns if that is less than MOST_TURNS
 CLOSE_TURNS = 16
 # second derivatives of theta functions, from which a mean is computed, need terms that are smaller by e^(−π·FURTHER)
 FURTHER = 4.0
-# Newton's method ends if the start is met to ENOUGH; rates of lifts are right to OBEYED
+# Newton's method ends if the start is met to ENOUGH. A torus is refused if rates of lifts on it and by the equations of
+# motion differ by more than OBEYED (:func:`integrable.torus.pair_loops.lifts_strayed`)
 ENOUGH, OBEYED = 1e-31, 1e-15
-# the time of the witness in turns of the faster phase
+# the time of the one witness, in turns of the faster phase
 WITNESS = 0.3
 
 # (κ, σ, ν) by branch point
@@ -126,9 +127,9 @@ class ThetaTorus:
 
     ``place(K)`` returns the :class:`Start` over K, ``rate(K)`` the :class:`Rate` of a motion whose time is not linear
     in τ. The only datum of the second kind that is allowed is the time t with dt/dτ = |U(0)|. PrecisionLoss for data
-    other than lifts and this time, if branch points nearly meet, or if fewer than two are real. On a model of even
-    degree it is also raised for lifts, and unless each oval has one point of the pair; and if the pairs of the torus
-    are not those of the motion.
+    other than lifts and this time, if branch points nearly meet, if fewer than two are real, or if the pairs of the
+    torus are not those of the motion. On a model of even degree it is also raised for lifts, and on such a model and if
+    t is not linear in τ unless each oval has one point of the pair.
     """
 
     def __init__(self, place: Callable[[LongField], Start], rate: Callable[[LongField], Rate] | None = None) -> None:
@@ -202,8 +203,8 @@ class ThetaTorus:
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times at which states are compared with another method: after a part of a turn of the faster phase, since the
-        lifts at all times are checked; more of them if a pair may lose digits.
+        """Times at which states are compared with another method. One is enough, because rates of the lifts have been
+        checked on the whole torus; there are more where pairs may lose digits.
         """
         return witnesses(self._paces) if self._doubtful else np.array([WITNESS / max(map(abs, self._paces))])
 
@@ -268,8 +269,8 @@ def ends_of(roots: Sequence[Complex], lifts: Lifts) -> list[int]:
 
 
 class End(NamedTuple):
-    """A branch point e at which theta functions are needed: κ, |f'(e)/ℓ|^¼, the ``target`` (σ, ν) at the start in the
-    units of a model, and the ``sizes`` of σ and ν in these units.
+    """A branch point e at which theta functions are needed: κ, ``slope`` = |f'(e)/ℓ|^¼, the ``target`` (σ, ν) at the
+    start in the units of a model, and the factors ``sizes`` that convert σ and ν from these units.
     """
 
     kappa: Real

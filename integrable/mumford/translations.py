@@ -2,8 +2,8 @@
 
 D(τ + δ) = D(τ) + E(δ) − E for every divisor E of the curve. E is chosen where the curve is real and away from its
 branch points. For a short time h, E(h) is computed from series (:mod:`integrable.mumford.series`). While T(2^k h) is
-small, it has points near infinity and is stored as E_k − E, where E_{k+1} = 2E_k − E; later T(2^k h) itself is stored.
-The remainder r of τ beyond a multiple of h contributes E(r) − E.
+small, it has points near infinity and is stored as E_k − E, where E_{k+1} = 2E_k − E. Once it is in general position,
+T(2^k h) itself is stored. The remainder r of τ beyond a multiple of h contributes E(r) − E.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift
 # h is about 2^−PART of the time in which a point reaches the boundary of its disc, so each term of a series gains at
 # least PART − 1 bits; T(2^k h) is in general position from about k = FRACTION on
 PART, FRACTION = 6, 8
-# T is in general position if the largest root of its U is at most NEAR times as large as that of E, and V at this size
-# at most NEAR times as large as √f. V is large if two points of T are nearly P + ιP. A short shift along (1, 0, …)
-# in genus 4 has two such pairs near x = 0, and their sums lose hundreds of bits
+# T is in general position if the largest root of its U is at most NEAR times as large as that of E, and if V there is
+# at most NEAR times as large as √f, both by the sizes of their terms. V is large if two points of T are nearly P + ιP.
+# A short shift along (1, 0, …) in genus 4 has two such pairs near x = 0, and their sums lose hundreds of bits
 NEAR = 4
 
 
@@ -149,7 +149,7 @@ class GroupTranslations:
         return self._doubles[k]
 
     def _single(self, k: int) -> Extended | None:
-        """T(2^k h), minus P₀ if there is one; None while it has points near infinity, where doubling loses bits."""
+        """T(2^k h), minus P₀ if there is one; None while it is not in general position, where doubling loses bits."""
         for j in range(FRACTION + len(self._singles), k + 1):
             S = self._singles.get(j - 1)
             if S is not None:

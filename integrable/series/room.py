@@ -34,8 +34,9 @@ class Orders(NamedTuple):
 
 
 class Side(NamedTuple):
-    """The left or the right factors of a vector of products; the position of their coefficients in memory and the
-    distance between orders, in units of the vector's ``width``. ``shared`` says that the variables are stored there.
+    """The left or the right factors of a vector of products. ``place`` is the position of their coefficients in memory
+    and ``apart`` the distance between orders, in units of the vector's ``width``. ``shared`` is whether these are the
+    coefficients of the variables, which are stored anyway.
     """
 
     factors: tuple[int, ...]
@@ -58,7 +59,7 @@ class Room:
         squares = [nodes for nodes, square in groups if square]
         within = {n for nodes in squares for n in nodes}
         packs = _parts([n for n in self.factors if n not in within], min(4, WIDEST // WALKS))
-        # products of a group that is a pack: they are summed at once. Results do not depend on ``lanes``
+        # products of a group that is also a pack are summed at once; as this does not depend on ``lanes``, results do not
         self.at_once = within.union(*[nodes for nodes, _ in groups if nodes in packs])
         most = max(1, WIDEST // lanes)
         groups = [(part, square) for nodes, square in groups for part in _parts(nodes, most)]

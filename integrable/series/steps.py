@@ -47,8 +47,8 @@ ROUGH = Steps(Orders(8, 34), 1e-22, 3e-6, 1e1, 1e1, 2.0**-56, 450.0)
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # SHARE (steps in floats) and SHARE_OF_MIDDLE (steps whose first terms are double-doubles) bound truncation errors in
 # units of a tolerance. ROUNDED_IN_MIDDLE bounds the first float term of the latter steps. COARSER multiplies the bounds
-# of the second walk. SPARE is the largest ratio of the error to the difference of the walks: 6 of 3,600 walks of
-# eccentric orbits in a galaxy had more than twice their estimated error; with 3 in place of 10 there were 22
+# of the second walk. The error is estimated as SPARE times the difference of the walks: of 3,600 walks of eccentric
+# orbits in a galaxy 6 had more than twice this error, and with COARSER = 3 there were 22
 SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 3e-5, 1e-6, 3e-3, 10.0, 3.5
 
 

@@ -23,9 +23,10 @@ from jacobian.native.kinds import FLOAT, FLOATS, INT, WIDES, TupleKind, record
 from jacobian.native.library import Library
 from jacobian.numbers.abreast import abreast
 
-# lifts at the start that are smaller than this part of the largest one are those of an oval that was a point
+# a lift at the start that is smaller than this part of the largest one belongs to an oval that was a point and has been
+# opened
 SMALLEST = 2.0**-40
-# Newton's method takes quotients of differences between POINTS points
+# number of points between which Newton's method takes quotients of differences
 POINTS = 3
 # the phases of the points of a check are multiples of these parts of a turn, which no symmetry of a motion shares
 ALONG_FIRST, ALONG_SECOND = 0.7548776662466927, 0.5698402909980532
@@ -39,7 +40,7 @@ class PairTorus(NamedTuple):
     ``places`` are the phases of the start in turns, ``frequencies`` their turns per unit of the flow's own time. σ of
     class k is ``factors[k]`` times θ_k/θ_∞; ``sides[k]`` is the sign of U there. ``curve`` are the coefficients of f,
     ``direction`` is that of the motion. ``sizes`` are the factors of σ and ν of the first classes, for which results
-    are needed. ``units`` are those of all σ and ν, in the abscissa x in which the first two branch points are
+    are needed. ``units`` convert σ and ν from the abscissa ξ to x, in which the first two branch points are
     ``abscissae``. Results are pairs in x, or in E − 1/x if ``pole`` has an entry E.
     """
 

@@ -27,7 +27,7 @@ from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, show
 from jacobian.immutable import Immutable
 from jacobian.linear import pivoted
 
-# a value of a polynomial is far from zero if it is this fraction of the sum of its terms; it then has lost 20 bits
+# a value of a polynomial counts as zero below this fraction of the sizes of its terms, where it has lost 20 bits
 NEAR_ZERO = 2.0**-20
 
 
@@ -271,8 +271,8 @@ class Lift(NamedTuple):
         return kappa, sigma, K.div(poly.evaluate(K, v, self.e), K.mul(kappa, sigma))
 
     def nearest(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any:
-        """The datum moved by a Newton step onto κσ² = U(e), and κσν = V(e); near a zero of U onto κν² = −W(e). It is
-        left where V and W vanish too.
+        """The datum moved by a Newton step onto κσ² = U(e), and κσν = V(e); near a zero of U onto κν² = −W(e). It stays
+        unchanged near a common zero of U and W.
         """
         K, e, (kappa, sigma, nu) = group.field, self.e, datum
         value, slope = (poly.evaluate(K, a, e) for a in (D.u, D.v))
