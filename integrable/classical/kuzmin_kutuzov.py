@@ -38,7 +38,7 @@ class KuzminKutuzov(MumfordSystem):
     """
 
     size, clocked, flow_type = 3, True, SummedFlow
-    # orbits through the axis, L = 0, have a lift more
+    # orbits through the axis, L = 0, have one more lift
     _for_all_states = False
 
     def __init__(self, axes: Iterable[Value], GM: Value = 1, field: Field = RR) -> None:

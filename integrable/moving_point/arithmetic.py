@@ -24,8 +24,8 @@ PASSES = 80
 
 
 class LongDoubles:
-    """Long doubles. ``field`` has the wide numbers; ``eps`` is the rounding unit, ``bits`` the number of bits, ``tiny`` a
-    number far below ``eps``, and ``passes`` the largest number of steps of Newton's method.
+    """Long doubles. ``field`` has the wide numbers, ``eps`` is the rounding unit, ``bits`` the number of bits, ``tiny``
+    a number far below ``eps``, and ``passes`` the largest number of steps of Newton's method.
     """
 
     sin, cos, sqrt, arctan, arcsin, arcsinh = np.sin, np.cos, np.sqrt, np.arctan, np.arcsin, np.arcsinh

@@ -1,1 +1,1 @@
-"""Motions on the Jacobian of y² = f(x) in any genus: vector fields, maps, and states at any time by additions."""
+"""Motions on the Jacobian of y² = f(x) in any genus: vector fields, maps, and states at any time."""

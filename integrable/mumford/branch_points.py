@@ -21,7 +21,7 @@ from jacobian.native.library import Library
 from jacobian.periods.quadrature import working_numbers
 from jacobian.periods.roots import conjugated, simple_roots
 
-# largest number of Laguerre's steps to a root in floats; largest value that a polynomial may have there, relative to the
+# largest number of Laguerre's steps to a root in floats, and the largest value of the polynomial there, relative to the
 # size of its terms
 ROUGH_STEPS, ROUGH = 60, 1e-13
 # largest number of Newton steps to a root; roots nearer to each other than CLOSE, relative to the largest, count as not

@@ -50,8 +50,8 @@ ON_CLOCK = Cost(350, 1)
 # series in FINEST steps may cost this fraction of a torus of genus ≥ 3 before it is made: 23 ms of 62 for
 # Neumann's point on S³ to t = 1000
 SHARE_OF_FINEST = 1 / 3
-# in genus ≥ 3 fewer far times than this are computed by additions: in genus 3 six of them take 72 ms, as long as a torus
-# and its check (python -m benchmarks mumford)
+# in genus ≥ 3 fewer far times than this are computed by additions: in genus 3 six of them take 72 ms, as long as a
+# torus and its check (python -m benchmarks mumford)
 TIMES_TO_THETA = 6
 # bits in which a torus in separated coordinates is set up for states in floats
 BITS_OF_TORUS = 160
@@ -135,8 +135,8 @@ class MumfordFlow(StateFlow[Path]):
 
     @cached_property
     def _recorded(self) -> tuple[Vectors, Start, np.ndarray] | None:
-        """(q, p) and the start in the long numbers of a torus, and what its states have in common. None where nothing is
-        compiled, if data are complex, or if the formulas of the system cannot be recorded.
+        """(q, p) and the start in the long numbers of a torus, and what its states have in common. None where nothing
+        is compiled, if data are complex, or if the formulas of the system cannot be recorded.
         """
         formulas = self.system._formulas if self._in_floats and not self.system.complex_data else None
         if formulas is None:

@@ -173,7 +173,7 @@ class MumfordSystem(Made):
     """Whether the data of the motion are complex; if so, ``_start`` and ``_back`` receive complex numbers."""
 
     _for_all_states = True
-    """Whether ``_start`` and ``_back`` perform the same operations for all states, so that they can be recorded once."""
+    """Whether ``_start`` and ``_back`` do the same operations for all states, so that they can be recorded once."""
 
     clocked = False
     """Whether t is not linear in τ. ``_clock`` then reads t from a pair, unless ``flow_type`` computes τ otherwise."""

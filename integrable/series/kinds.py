@@ -190,8 +190,8 @@ def _right(found: Reached, order: np.ndarray, steps: Steps) -> Near:
 
 # the 64-bit words of a call. SHARED are those of all calls with the same steps: codes, bounds, units with their length,
 # half, parts, order, highs, wide, spare, apart, lanes. WORKING are the addresses and lengths of the working memory:
-# constants, state, room, both and marks. CALL are the times, the states found, and the number of steps. BACK are the
-# results
+# constants, state, room, both and marks. CALL are the times, the states found, and the largest number of steps. BACK
+# are the results
 SHARED, WORKING, CALL, BACK = map(struct.Struct, ("=5q10dQq8q", "=" + "Qq" * 5, "=QqQqd", "=qqdq"))
 ASKED = SHARED.size + WORKING.size
 RESULT = ASKED + CALL.size

@@ -59,7 +59,7 @@ class Room:
         squares = [nodes for nodes, square in groups if square]
         within = {n for nodes in squares for n in nodes}
         packs = _parts([n for n in self.factors if n not in within], min(4, WIDEST // WALKS))
-        # products of a group that is also a pack are summed at once; as this does not depend on ``lanes``, results do not
+        # products of a group that is also a pack are summed at once, for any ``lanes``: results do not depend on these
         self.at_once = within.union(*[nodes for nodes, _ in groups if nodes in packs])
         most = max(1, WIDEST // lanes)
         groups = [(part, square) for nodes, square in groups for part in _parts(nodes, most)]

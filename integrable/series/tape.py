@@ -176,5 +176,5 @@ class Recorded(Operand):
         return self.function(ROOT)
 
     def function(self, kind: int) -> Recorded:
-        """The node of a function of this number: ROOT or GROWTH."""
+        """The node of a function of this number: ROOT, GROWTH, or a kind that the field of the formulas adds."""
         return self._recorder.node(kind, self.index, self.index)

@@ -270,7 +270,9 @@ def begun(
 def onward(
     codes: Codes, bounds: Bounds, layout: Layout, most: float, room: Array, lane: int, course: Course, outputs: Outputs
 ) -> tuple[Course, bool]:
-    """Writes the rows that the series of both walks reach, and the next steps to memory; whether there are any."""
+    """Writes the rows that the series of both walks reach, and the next steps to memory. Returns the progress, and
+    whether a walk takes a step.
+    """
     unit, limit, steps, now, done, later, behind, seen = course
     times, ahead = outputs.times, -1.0 if outputs.times[len(outputs.times) - 1] < 0 else 1.0
     first, second = reach(bounds, layout, room, lane), reach(bounds, layout, room, lane + 1)

@@ -162,7 +162,7 @@ class BodyTorus:
 
 
 def first_grid(noise: float, decay: tuple[float, float]) -> tuple[int, int]:
-    """The numbers of points of the first grid, powers of 2; ``decay`` are the :func:`shortest` nYn."""
+    """The numbers of points of the first grid, powers of 2; ``decay`` is the result of :func:`shortest`."""
     points = -POINTS * log10(noise)
     first, second = (max(FIRST_SIZE, 2 ** ceil(log2(max(1, points / y)))) for y in decay)
     return first, second

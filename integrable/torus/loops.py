@@ -165,7 +165,7 @@ class CompiledLoops:
         return np.fromiter(values, dtype=np.int64)
 
     def begun(self, setup: Source) -> Beginning:
-        """The rows of a motion, in more digits unless branch points are well separated."""
+        """The rows of a motion, computed in more digits unless branch points are well separated."""
         if setup.floats_given is not None:
             given, tilted = setup.floats_given
             wide = np.zeros((10 + ROW + 12, 2))

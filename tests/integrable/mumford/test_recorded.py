@@ -61,7 +61,7 @@ def test_recorded_starts_are_those_of_the_formulas(name) -> None:
 @pytest.mark.skipif(interpreted(), reason="recorded formulas of many pairs are compiled")
 @pytest.mark.parametrize("name", STATES)
 def test_states_of_many_pairs_are_those_of_the_formulas(name) -> None:
-    """More pairs than are read at once, of which each has other numbers."""
+    """There are more pairs than are read at once, and all differ."""
     system, q, p = STATES[name]
     state = system.state(q, p)
     flow = system.by_additions(state) if name == "ball" else system.flow(state)

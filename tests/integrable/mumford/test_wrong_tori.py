@@ -100,7 +100,7 @@ def test_a_wrong_shape_is_noticed(name, change, which, monkeypatch) -> None:
 
     def wrong(shape):
         if change < 0 and which < 3:
-            # the sign of Y₁₁ or Y₂₂ would be that of no series
+            # with another sign of Y₁₁ or Y₂₂ the series would not converge
             shape[1] *= -1
         else:
             shape[which] *= change

@@ -374,7 +374,7 @@ def test_a_torus_of_close_moments_is_right_where_a_coordinate_plane_is_passed():
 
 
 class FromMoreDigits(CompiledLoops):
-    """Loops without a beginning of a torus of their own: it is computed in more digits."""
+    """Loops that always begin a torus in more digits."""
 
     def begun(self, setup):
         return beginning(setup, self)
