@@ -87,8 +87,8 @@ class Rate(NamedTuple):
 
 
 class ScaledModel(NamedTuple):
-    """A model in the abscissa ξ, x = ``origin`` + ``length``·ξ, and y = ``height``·η; length and height are powers of
-    two, so nothing is rounded.
+    """A model in the abscissa ξ, x = e + ``length``·ξ with a root e or e = 0, and y = ``height``·η. Length and height
+    are powers of two up to sign, so that no scaling is rounded.
 
     ``roots`` are those of the model in x, in the same order. ``gap`` is the least distance between neighbouring roots,
     relative to their distance from ξ = 0. ``inside`` is whether one point of the pair is in the oval from root 0 to 1
@@ -97,7 +97,6 @@ class ScaledModel(NamedTuple):
 
     model: PairModel
     roots: list[Complex]
-    origin: Complex
     length: float
     height: float
     gap: float
@@ -171,7 +170,7 @@ class ThetaTorus:
             raise PrecisionLoss("a time that is not linear in τ, and points that are not one in each oval")
         self._most = MOST_TURNS
         with LongField(BITS, complex=True) as Z:
-            whole = ScaledModel(model, list(model.roots), Z.zero, 1.0, 1.0, 0.0, False)
+            whole = ScaledModel(model, list(model.roots), 1.0, 1.0, 0.0, False)
             return self._placed(Z, whole, theta_basis(Z, model), lifts, None)
 
     def _placed(self, N: LongField, found: ScaledModel, basis: PairBasis, lifts: Lifts, timed: Rate | None) -> None:
@@ -311,7 +310,7 @@ def scaled_model(N: LongField, model: PairModel) -> ScaledModel:
     )  # fmt: skip
     heights = (sign * ((e + u1) * e + u0) for sign, e in zip((1, -1, -1, 1), roots, strict=False))
     inside = all(x >= -SMALL for x in heights)
-    return ScaledModel(own, list(model.roots[::side]), o, length, height, gap, inside)
+    return ScaledModel(own, list(model.roots[::side]), length, height, gap, inside)
 
 
 def least_gap(points: Sequence[Real], origin: Real) -> float:
