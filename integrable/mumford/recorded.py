@@ -167,13 +167,15 @@ def shaped(shape: Sequence[Any], values: Iterator[Real]) -> tuple[Any, ...]:
 
 def divided(tape: Tape, count: int) -> tuple[Program, Tape]:
     """The program of what depends on variables after the first ``count``, and the tape of the numbers, fixed for a
-    motion, that it uses.
+    motion, that it uses. TypeError for an exponential of a variable, which no compiled loop computes.
     """
     fixed = list[bool]()
     for kind, left, right in tape.nodes:
         variable = kind == VARIABLE and -1 - left >= count
         fixed.append(not variable and (kind in (VARIABLE, CONSTANT) or (fixed[left] and fixed[right])))
     operations = [n for n, kind in enumerate(tape.kinds) if not fixed[n] and kind != VARIABLE]
+    if any(tape.kinds[n] in (GROWTH, EXPONENTIAL) for n in operations):
+        raise TypeError("an exponential of the numbers of a pair")
     used = {side for n in operations for side in (tape.left[n], tape.right[n])} | set(tape.results)
     shared = sorted(n for n in used if fixed[n])
     variables = {-1 - tape.left[n]: n for n, kind in enumerate(tape.kinds) if kind == VARIABLE}

@@ -15,7 +15,8 @@ from integrable.classical.veselova import Veselova
 from integrable.mumford.branch_points import long_roots
 from integrable.mumford.columns import Column, Columns
 from integrable.mumford.flow import Point
-from integrable.mumford.recorded import parts_of
+from integrable.mumford.motion import Start
+from integrable.mumford.recorded import PairFormulas, parts_of
 from integrable.systems.on_layer import BodyOnLayer
 from integrable.torus.theta_series import long_numbers
 from jacobian import poly
@@ -73,6 +74,23 @@ def test_states_of_many_pairs_are_those_of_the_formulas(name) -> None:
     for k, part in enumerate(true):
         for i, column in enumerate(part):
             assert np.abs(found[:, k, i] - column.hi).max() < 1e-15 * np.abs(found[:, k]).max()
+
+
+def test_an_exponential_of_a_pair_is_not_recorded() -> None:
+    """The compiled loop has none: it multiplied instead, without a word."""
+
+    def formulas(of_the_pair):
+        def start(N, y):
+            return ((N.context.exp(y[0]),), (y[1],)), Start((N.one,) * 4, (y[0], N.one), (y[1],), (N.one,))
+
+        def back(N, y, D, time):
+            return (N.context.exp(D.u[0] if of_the_pair else y[0]) + D.v[0],), (N.context.log(D.u[0]),)
+
+        return PairFormulas(start, back, 2)
+
+    formulas(of_the_pair=False)
+    with pytest.raises(TypeError, match="exponential"):
+        formulas(of_the_pair=True)
 
 
 def test_roots_of_a_real_polynomial_are_all_found_and_told_from_complex_ones() -> None:
