@@ -19,8 +19,8 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
-from integrable.mumford.flow import BITS_OF_TORUS, RIGHT, element, long_digits
-from integrable.mumford.motion import MumfordMotion, Read, Start, Vectors
+from integrable.mumford.flow import RIGHT, element, long_digits
+from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
 from integrable.mumford.system import Spectral, elements
 from integrable.phase.enclosure import ball_digits, exact_times, widest

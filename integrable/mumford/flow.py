@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Self
 
-from integrable.mumford.motion import MumfordMotion, Start, Vectors, settled_digits
+from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Start, Vectors, settled_digits
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.run import ROUNDED, Run
 from integrable.phase.ways import Cost, StatesReached, filled, times_in
@@ -53,8 +53,6 @@ SHARE_OF_FINEST = 1 / 3
 # in genus ≥ 3 fewer far times than this are computed by additions: in genus 3 six of them take 72 ms, as long as a
 # torus and its check (python -m benchmarks mumford)
 TIMES_TO_THETA = 6
-# bits in which a torus in separated coordinates is set up for states in floats
-BITS_OF_TORUS = 160
 Angles = Sequence[tuple[Any, Any]]
 """The sine and cosine of half the angle φ of each point, or the cosine and sine of each angle about an axis."""
 # a panel of a search for events lasts PANEL_TURN divided by the fastest of the rates at PROBES times, so that its nodes

@@ -24,6 +24,8 @@ from jacobian.relatives.extended import Extended, ExtendedGroup, Kind, Lift, Poi
 # OF_GENUS per genus and OF_DOUBLING per doubling
 APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
 MOST_BITS = 4000
+# bits in which tori for states in floats are set up, and for which starts are recorded
+BITS_OF_TORUS = 160
 # largest rates that rounding may leave for a pair at rest, in units of the last bit
 STILL = 2.0**16
 # a clock is inverted in at most MOST_STEPS steps. They end with a step below unit·√eps/SMALL, where unit is that of

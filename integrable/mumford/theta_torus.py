@@ -25,7 +25,7 @@ from integrable.moving_point.addition import Row
 from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.branch_points import SMALL, PairModel, all_real, lift_of, long_roots, opened, without_root
 from integrable.mumford.columns import Column
-from integrable.mumford.motion import Start
+from integrable.mumford.motion import BITS_OF_TORUS, Start
 from integrable.torus.access import TorusClock, resolved_spectrum
 from integrable.torus.body_torus import CLOSED, first_grid, in_basis, resolved, rule_of_phases
 from integrable.torus.loops import CompiledLoops
@@ -53,8 +53,6 @@ from jacobian.periods.real_basis import (
 )  # fmt: skip
 from jacobian.relatives.extended import Extended, Lift, SecondKind
 
-# bits in which a torus is set up
-BITS = 160
 # largest number of samples of a rate; beyond it, branch points nearly meet
 MOST_SAMPLES = 1 << 16
 # the gap is the least distance of neighbouring branch points, relative to their distance from an origin. Periods are
@@ -132,7 +130,7 @@ class ThetaTorus:
     """
 
     def __init__(self, place: Callable[[LongField], Start], rate: Callable[[LongField], Rate] | None = None) -> None:
-        with long_numbers(BITS) as N:
+        with long_numbers(BITS_OF_TORUS) as N:
             start = place(N)
             lifts = {kind.e: data for kind, data in zip(start.kinds, start.data, strict=True) if isinstance(kind, Lift)}
             others = [kind for kind in start.kinds if not isinstance(kind, Lift)]
@@ -169,7 +167,7 @@ class ThetaTorus:
         if timed:
             raise PrecisionLoss("a time that is not linear in τ, and points that are not one in each oval")
         self._most = MOST_TURNS
-        with LongField(BITS, complex=True) as Z:
+        with LongField(BITS_OF_TORUS, complex=True) as Z:
             whole = ScaledModel(model, list(model.roots), 1.0, 1.0, 0.0, False)
             return self._placed(Z, whole, theta_basis(Z, model), lifts, None)
 
