@@ -112,11 +112,11 @@ def _made_kind(system: Hamiltonian, physical: bool, there: Sequence[bool]) -> Ki
     count = 9 if system.body.rolls else 6
 
     def start(N: Any, y: Sequence[Real]) -> list[Real]:
-        inner = onto_constraints(system.of_constants(N, symbols), State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
+        inner = onto_constraints(system._of_constants(N, symbols), State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
         return [*inner.row, *y[6:]]
 
     def moved(N: Any, y: Sequence[Real]) -> list[Real]:
-        found = right_hand_sides(system.of_constants(N, symbols), physical)(y[:6])
+        found = right_hand_sides(system._of_constants(N, symbols), physical)(y[:6])
         return [*found, *([N.zero] * (count - len(found)))]
 
     return Kind(f"{type(system).__name__}_{'t' if physical else 'tau'}", Formulas(moved, start, count, count, 3))

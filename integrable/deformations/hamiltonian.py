@@ -98,7 +98,7 @@ class Hamiltonian(Made):
         terms = () if potential is None else (potential.a, potential.b, *potential.poles)
         return (*body.inertia, body.d, *terms, *[getattr(self, name) for name in self.further])
 
-    def of_constants(self, field: Field, values: Sequence[Any]) -> Self:
+    def _of_constants(self, field: Field, values: Sequence[Any]) -> Self:
         """The system of the same kind with the :attr:`constants` ``values``, unchecked elements of ``field``."""
         x, y, z, d, *rest = values
         return self._with(replaced(self.rigid, body=Body((x, y, z), d, field)), rest)
