@@ -46,12 +46,12 @@ class Gyroscopic(Deformation):
         c = self._constants()(self.c)
         return RateTerms(1, -q.s, 0, c * c / 4 - q.m2)
 
-    def omega(self, q: Scalars) -> list[Real]:
-        return combination((1, super().omega(q)), (self._constants()(self.c) / 2, product(q.gamma, q.Ag)))
+    def omega_at(self, q: Scalars) -> list[Real]:
+        return combination((1, super().omega_at(q)), (self._constants()(self.c) / 2, product(q.gamma, q.Ag)))
 
-    def rates(self, q: Scalars) -> tuple[list[Real], list[Real]]:
+    def rates_at(self, q: Scalars) -> tuple[list[Real], list[Real]]:
         half, size, tilt = self._constants()(self.c) / 2, sum(q.squares), sum(q.mixed)
-        rate, momentum = super().rates(q)
+        rate, momentum = super().rates_at(q)
         # γ × (γ × Aγ) = sγ − (γ, γ)Aγ, and M × (γ × Aγ) + γ × (Aγ × M + A(M × γ)) = 2(ξγ − sM) + (tr A − A)N with
         # N = (γ, γ)M − (γ, M)γ
         turn = combination((q.s, q.gamma), (-size, q.Ag))

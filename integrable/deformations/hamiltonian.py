@@ -138,7 +138,7 @@ class Hamiltonian(Made):
         import numpy as np
 
         with _finite(), np.errstate(divide="raise"):
-            return np.stack(self.omega(self.scalars(self._constants(), gamma.T, M.T)), axis=1)
+            return np.stack(self.omega_at(self.scalars(self._constants(), gamma.T, M.T)), axis=1)
 
     def _attitude_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
         """Raises NotRepresentable, because M is not fixed in space."""
@@ -156,7 +156,7 @@ class Hamiltonian(Made):
     def _rates(self, state: State) -> State:
         wrap = self._constants()
         q = self.scalars(wrap, *(map(wrap, v) for v in state.vectors))
-        rate, momentum = self.rates(q)
+        rate, momentum = self.rates_at(q)
         if self.potential is not None:
             slope = [wrap(x) for x in self._slope(state)]
             momentum = [m + x / 2 for m, x in zip(momentum, product(q.gamma, slope), strict=True)]
@@ -199,11 +199,11 @@ class Hamiltonian(Made):
         """The coefficients of Ω = ½∂H/∂M and of Ṁ without the potential."""
         raise NotImplementedError
 
-    def omega(self, q: Scalars) -> list[Any]:
+    def omega_at(self, q: Scalars) -> list[Any]:
         """Ω, for which γ̇ = γ × Ω."""
         return self.motion(q).omega(q)
 
-    def rates(self, q: Scalars) -> tuple[list[Any], list[Any]]:
+    def rates_at(self, q: Scalars) -> tuple[list[Any], list[Any]]:
         """(γ̇, Ṁ) without the potential."""
         return self.motion(q).rates(q)
 

@@ -79,8 +79,8 @@ QQ.coerce ¦ RR.coerce ¦ CC.coerce ¦ GF(101).coerce ¦ GF(7, 2).coerce ¦ MP(2
 # methods whose arguments are raw elements or internal numbers by contract
 RAW = listed("""
 add ¦ class_of ¦ compile ¦ condition ¦ coordinate ¦ curves_of ¦ double ¦ eigenvalue_sums ¦ is_unit ¦ motion ¦ multiply
-negate ¦ norm ¦ normal ¦ over ¦ pace ¦ pair ¦ potential_energy ¦ rates_in ¦ residual ¦ scalars ¦ translated ¦ value
-wider
+negate ¦ norm ¦ normal ¦ omega_at ¦ over ¦ pace ¦ pair ¦ potential_energy ¦ rates_at ¦ rates_in ¦ residual ¦ scalars
+translated ¦ value ¦ wider
 """)
 OPERATORS = listed("""
 D + {} ¦ {} + D ¦ D - {} ¦ {} - D ¦ D * {} ¦ {} * D ¦ D == {} ¦ A + {} ¦ {} + A ¦ A - {} ¦ {} * A ¦ A * {} ¦ A == {}

@@ -114,7 +114,7 @@ def test_the_angular_velocity_is_half_the_gradient(K, name) -> None:
     wrap = system._constants()
     for _ in range(3):
         state, H = attempt(make)
-        omega = system.omega(system.scalars(wrap, map(wrap, state.gamma), map(wrap, state.M)))
+        omega = system.omega_at(system.scalars(wrap, map(wrap, state.gamma), map(wrap, state.M)))
         assert [(2 * x).value for x in omega] == list(H.slopes[3:])
 
 
