@@ -6,7 +6,7 @@ Curves that compare equal must stay equal, since divisors on equal curves are ad
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from functools import cached_property, wraps
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 Kind = TypeVar("Kind")
 Array = TypeVar("Array", bound="np.ndarray")
 Made = TypeVar("Made", bound=Callable[..., None])
+Value = TypeVar("Value")
+
+_MADE: dict[Hashable, Any] = {}
 
 
 class Immutable:
@@ -116,6 +119,14 @@ def replaced(value: Kind, **changes: Any) -> Kind:
     vars(made).update(_without_caches(value))
     vars(made).update((name, _sealed(x)) for name, x in changes.items())
     return made
+
+
+def made_once(key: Hashable, make: Callable[[], Value]) -> Value:
+    """The value kept under ``key`` in this process; ``make`` makes it at the first call for this key."""
+    if key not in _MADE:
+        _MADE[key] = make()
+    found: Value = _MADE[key]
+    return found
 
 
 def read_only(array: Array) -> Array:

@@ -15,10 +15,11 @@ from integrable.deformations.scalars import dot
 from integrable.motion.trajectory import Motion
 from integrable.phase.state import State, onto_constraints
 from integrable.phase.ways import Cost
-from integrable.series.kinds import Formulas, Kind, kind_of
+from integrable.series.kinds import Formulas, Kind
 from integrable.series.symbols import Symbol
 from jacobian import RR
 from jacobian.element import Real
+from jacobian.immutable import made_once
 
 __all__ = ["NearWalk", "right_hand_sides"]
 
@@ -102,9 +103,7 @@ def kind_in(system: Hamiltonian, physical: bool) -> Kind:
     physical = physical or not system.body.rolls
     # terms with constant 0 are omitted, because they may divide by quantities that vanish
     there = tuple(map(bool, system.constants))
-    found = kind_of((type(system), physical, there), lambda: _made_kind(system, physical, there))
-    assert found is not None
-    return found
+    return made_once(("walks", type(system), physical, there), lambda: _made_kind(system, physical, there))
 
 
 def _made_kind(system: Hamiltonian, physical: bool, there: Sequence[bool]) -> Kind:

@@ -41,7 +41,7 @@ class Said(NamedTuple):
 
     member: int
     way: str
-    why: str | list[str] = ""
+    why: str | list[str]
     estimate: float = 0.0
 
 

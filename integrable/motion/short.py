@@ -40,9 +40,9 @@ if TYPE_CHECKING:
 # PANEL_COST is the cost of a panel and START_COST that of the start of a run, in microseconds of compiled code (python
 # -m benchmarks short); only the ratio matters
 PANEL_COST, START_COST = 2.4, 50.0
-# costs of a torus in the same units, by the same command: FREE for d = 0, where t = τ; ROLLING for d ≠ 0; THIN if the
-# I/(I + d) differ by more than the factor THINNER, since 1/g then has far more Fourier modes. Interpolation between
-# many states within few turns halves a state's cost, but short runs are cheaper still there
+# costs of a torus in the same units, by the same command. FREE is for d = 0, where t = τ, and ROLLING for d ≠ 0. THIN
+# is for I/(I + d) that differ by more than the factor THINNER, as 1/g then has far more Fourier modes. Interpolation
+# between many states within few turns halves a state's cost, but short runs are cheaper still there
 FREE, ROLLING, THIN = Cost(250, 0.75), Cost(560, 3.2), Cost(2900, 12)
 THINNER = 20.0
 # states from panels are less accurate by some roundings than states from a torus, so a single run must be WORTH times

@@ -45,10 +45,13 @@ def long_roots(N: LongField, f: poly.Poly, known: Sequence[Complex]) -> list[Com
         found = [*known, *(polished(N, rest, slope, N.coerce(x)) for x in out[:degree].tolist())]
         # the sum shows that each root was found, and once
         if not abs(sum(found) + f[-2] / f[-1]) > N.root_of_eps * max(map(abs, found)):
-            return sorted(separated(found, len(known)))
+            check_apart(known, found[len(known) :])
+            return sorted(found)
     numbers = working_numbers(RR)
     rough = simple_roots(numbers, [*map(complex, rest)])
-    rough = separated([*known, *(conjugated(numbers, rough) if len(rough) > 1 else rough)], len(known))[len(known) :]
+    if len(rough) > 1:
+        rough = conjugated(numbers, rough)
+    check_apart(known, rough)
     found = list(known)
     with LongField(N.bits, complex=True) as Z:
         # only one root of a conjugate pair is polished, so that the two match exactly
@@ -58,12 +61,12 @@ def long_roots(N: LongField, f: poly.Poly, known: Sequence[Complex]) -> list[Com
     return sorted(found, key=lambda x: (x.real, x.imag))
 
 
-def separated(roots: list[Complex], count: int) -> list[Complex]:
-    """The roots; PrecisionLoss if two of those after the first ``count`` nearly coincide."""
-    size, rough = max(map(abs, roots)), [*map(complex, roots[count:])]
+def check_apart(known: Sequence[Complex], found: Sequence[Complex]) -> None:
+    """Raises PrecisionLoss if two of the found roots nearly coincide, relative to the largest of all roots."""
+    rough = [*map(complex, found)]
+    size = max(map(abs, [*map(complex, known), *rough]))
     if any(abs(x - y) <= CLOSE * size for i, x in enumerate(rough) for y in rough[:i]):
         raise PrecisionLoss("two branch points are not told apart")
-    return roots
 
 
 def real_roots(f: Row, out: Row) -> bool:

@@ -45,14 +45,14 @@ RIGHT = 1e-12
 # trying (python -m benchmarks near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(400, 1), 3: Cost(60_000, 100)}
-# what is added in genus 2 if t is not linear in τ
+# what is added in genus 2 if t is not linear in τ, in microseconds (python -m benchmarks near)
 ON_CLOCK = Cost(350, 1)
 # series in FINEST steps may cost this fraction of a torus of genus ≥ 3 before it is made: 23 ms of 62 for
 # Neumann's point on S³ to t = 1000
 SHARE_OF_FINEST = 1 / 3
 # in genus ≥ 3 fewer far times than this are computed by additions: in genus 3 six of them take 72 ms, as long as a
 # torus and its check (python -m benchmarks mumford)
-TIMES_TO_THETA = 6
+TIMES_TO_TORUS = 6
 Angles = Sequence[tuple[Any, Any]]
 """The sine and cosine of half the angle φ of each point, or the cosine and sine of each angle about an axis."""
 # a panel of a search for events lasts PANEL_TURN divided by the fastest of the rates at PROBES times, so that its nodes
@@ -406,7 +406,7 @@ class MumfordFlow(StateFlow[Path]):
 
     def _torus_for(self, count: int) -> EllipticTorus | PhaseTorus | ThetaTorus | None:
         """The torus if ``count`` times justify its set-up, else None."""
-        return self._torus if count >= TIMES_TO_THETA or (count and self._genus <= 2) else None
+        return self._torus if count >= TIMES_TO_TORUS or (count and self._genus <= 2) else None
 
     @cached_property
     def _torus(self) -> EllipticTorus | PhaseTorus | ThetaTorus | None:

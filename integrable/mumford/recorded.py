@@ -6,7 +6,7 @@ long numbers, and nanoseconds in double-doubles, where a compiled loop applies i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import log
 from operator import add, mul, sub, truediv
 from typing import Any, NamedTuple
@@ -15,6 +15,7 @@ import numpy as np
 
 from integrable.moving_point.addition import Row
 from integrable.moving_point.compiled import SPECIAL
+from integrable.mumford.columns import Column
 from integrable.mumford.motion import Start, Vectors
 from integrable.series.symbols import Key, Symbol, SymbolField
 from integrable.series.tape import (
@@ -36,7 +37,7 @@ from jacobian.inexact.long_field import LongField
 from jacobian.native.kinds import FLOATS, INTS, WIDES
 from jacobian.native.library import Library
 from jacobian.numbers.abreast import abreast
-from jacobian.numbers.double_double import double_double_row, split
+from jacobian.numbers.double_double import double_double_row
 from jacobian.numbers.roots import root
 from jacobian.relatives.extended import Extended, Lift
 
@@ -114,26 +115,15 @@ class PairFormulas:
     def states(self, fixed: Row, D: Extended, times: np.ndarray) -> np.ndarray:
         """The states of N pairs, whose numbers are columns, at times: q and p, shape (N, 2, n)."""
         count = len(times)
-        rows = [*flat((D.u[:-1], D.v, D.data)), times]
+        rows = [*map(Column.of, flat((D.u[:-1], D.v, D.data))), Column(times)]
         given = np.zeros((len(rows), count, 2))
         for row, x in zip(given, rows, strict=True):
-            high, low = (x.hi, x.lo) if hasattr(x, "hi") else (x, 0.0) if isinstance(x, np.ndarray) else split(x)
-            row[:, 0], row[:, 1] = high, low
+            row[:, 0], row[:, 1] = x.hi, x.lo
         out = np.empty((count, len(self._back.results)))
         codes, results = self._back
         room = np.empty(((len(fixed) + len(rows) + len(codes) // 3) * BLOCK, 2))
         LIBRARY.applied(codes, results, fixed, given.reshape(-1, 2), room, out.ravel())
         return out.reshape(count, 2, -1)
-
-
-_KEPT: dict[Hashable, PairFormulas | None] = {}
-
-
-def formulas_of(key: Hashable, made: Callable[[], PairFormulas | None]) -> PairFormulas | None:
-    """The formulas stored under ``key``; ``made`` creates them at the first call for this key."""
-    if key not in _KEPT:
-        _KEPT[key] = made()
-    return _KEPT[key]
 
 
 class Program(NamedTuple):

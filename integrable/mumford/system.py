@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Hashable, Iterable, Sequence
-from functools import cache
+from collections.abc import Callable, Iterable, Sequence
 from inspect import signature
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeGuard, TypeVar
 
@@ -35,7 +34,7 @@ from jacobian.errors import (
     whole,
 )
 from jacobian.fields.protocol import Field, check_field
-from jacobian.immutable import quick_property, replaced
+from jacobian.immutable import made_once, quick_property, replaced
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
 
@@ -331,10 +330,15 @@ class MumfordSystem(Made):
         """For each parameter, whether it differs from 0."""
         return tuple([x != self.field.zero for x in self.parameters]) if self.parameters else ()
 
+    @property
+    def _alike(self) -> tuple[type[MumfordSystem], int, int, tuple[bool, ...]]:
+        """What systems with the same formulas have in common."""
+        return type(self), self.size, len(self.constants), self._standing
+
     @quick_property
     def _kind(self) -> Kind | None:
         """The compiled walks of systems like this one; None if its equations cannot be recorded as a tape."""
-        return _kind_of()((type(self), self.size, len(self.constants), self._standing), self._made_kind)
+        return made_once(("walks", *self._alike), self._made_kind)
 
     def _made_kind(self) -> Kind | None:
         from integrable.series.kinds import Formulas, Kind
@@ -362,11 +366,7 @@ class MumfordSystem(Made):
     @quick_property
     def _formulas(self) -> PairFormulas | None:
         """The recorded formulas of systems like this one; None if they cannot be recorded."""
-        if not self._for_all_states:
-            return None
-        from integrable.mumford.recorded import formulas_of
-
-        return formulas_of((type(self), self.size, len(self.constants), self._standing), self._made_formulas)
+        return made_once(("pairs", *self._alike), self._made_formulas) if self._for_all_states else None
 
     def _made_formulas(self) -> PairFormulas | None:
         from integrable.mumford.recorded import PairFormulas
@@ -510,14 +510,6 @@ class MumfordSystem(Made):
             rest = poly.from_roots(N, [*a[:i], *a[i + 1 :]])
             total = [x + weight * y for x, y in zip(total, rest, strict=True)]
         return tuple(total)
-
-
-@cache
-def _kind_of() -> Callable[[Hashable, Callable[[], Kind | None]], Kind | None]:
-    """The function ``kind_of``, imported on first use because its module loads LLVM."""
-    from integrable.series.kinds import kind_of
-
-    return kind_of
 
 
 def elements(K: FormulaField, values: Iterable[Value], argument: str, count: int, wanted: str = "") -> tuple[Real, ...]:

@@ -26,7 +26,6 @@ from integrable.portrait.variations import Variation, gradient
 from integrable.torus.integrals import MOST_COMPILED, periods_of, resolved_samples
 from integrable.torus.series import TorusSeries, spectrum, together
 from jacobian import RR
-from jacobian.element import Numbers
 from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.fields.protocol import Field
 from jacobian.immutable import Record, read_only
@@ -94,22 +93,16 @@ class Sensitivity(Record):
         return f"<Sensitivity at {len(self)} times, by {self.way}>"
 
 
-def by_differences(flow: Any, times: Numbers) -> Sensitivity:
-    """The sensitivity at times of the flow's field: on its torus where floats and a torus suffice, else by differences
-    of motions in more digits.
-    """
-    run, (inputs, names) = flow.at(times), flow._inputs()
-    found: Sensitivity | None = flow._sensitivity_on_torus(run)
-    if found:
-        return found
-    digits, size = expected(flow, run.times)
+def by_differences(flow: Any, times: np.ndarray) -> Sensitivity:
+    """The sensitivity at times of the flow's field, by differences of motions in more digits."""
+    (inputs, names), (digits, size) = flow._inputs(), expected(flow, times)
 
     def rows(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
-        states: np.ndarray = np.hstack(flow._through(numbers, K)._states(run.times))
+        states: np.ndarray = np.hstack(flow._through(numbers, K)._states(times))
         return states
 
     matrix = in_field(flow.system.field, differences(rows, inputs, digits, size))
-    return Sensitivity(run.times, matrix, None, "differences", flow, names)
+    return Sensitivity(times, matrix, None, "differences", flow, names)
 
 
 def expected(flow: Any, times: np.ndarray) -> tuple[int, float]:

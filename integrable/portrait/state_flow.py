@@ -104,7 +104,9 @@ class StateFlow(Generic[AnyRun]):
         """
         from integrable.portrait.sensitivity import by_differences
 
-        return by_differences(self, times)
+        run = self.at(times)
+        found = self._sensitivity_on_torus(run)
+        return by_differences(self, run.times) if found is None else found
 
     # --- for subclasses
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import logging
 import struct
 import threading
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 from ctypes import addressof, c_char
 from hashlib import sha256
 from typing import Any, NamedTuple
@@ -284,13 +284,3 @@ class Compiled:
 
     def _shared_words(self, steps: Steps) -> bytes:
         return SHARED.pack(*self.codes, *bounds_of(steps), *self._layout_words)
-
-
-_KINDS: dict[Hashable, Kind | None] = {}
-
-
-def kind_of(key: Hashable, made: Callable[[], Kind | None]) -> Kind | None:
-    """The kind stored under ``key``; ``made`` creates it at the first call for this key."""
-    if key not in _KINDS:
-        _KINDS[key] = made()
-    return _KINDS[key]

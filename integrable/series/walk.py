@@ -133,8 +133,10 @@ class Place(NamedTuple):
 
 
 class Course(NamedTuple):
-    """The progress of a motion: its unit of time, the number of rows to be reached, the number of steps, then the time
-    and the next row of the walk, those of the second walk, and the comparison of both.
+    """The progress of a motion, in its ``unit`` of time: ``limit`` rows are to be reached, and ``steps`` were taken.
+
+    The walk is at the time ``now``, its next row is ``done``. The second walk is at ``later``, its next row is
+    ``behind``. ``seen`` is the comparison of both.
     """
 
     unit: float

@@ -26,7 +26,7 @@ from integrable.files.quantities import about
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.file import load_scene
-from integrable.sweeps.grid import Grid
+from integrable.sweeps.grid import C, Grid
 from integrable.sweeps.jobs import Scenes, done
 from integrable.sweeps.orphans import processes
 from integrable.sweeps.store import Layout, Store
@@ -189,7 +189,7 @@ class _OfScene(_Source):
     def members(self, begin: int, end: int) -> Starts[Any, Any]:
         rows = self.grid.rows(begin, end)
         if self.scene.rolls_or_spins:
-            return Ensemble(self.system, np.nan_to_num(rows[:, :10]), self.scene.tilted)
+            return Ensemble(self.system, np.nan_to_num(rows[:, :C]), self.scene.tilted)
         return Scenes(self.scene, rows)
 
     def contents(self) -> Contents:

@@ -276,12 +276,12 @@ class Lift(NamedTuple):
         """
         K, e, (kappa, sigma, nu) = group.field, self.e, datum
         value, slope = (poly.evaluate(K, a, e) for a in (D.u, D.v))
-        if abs(value) > NEAR_ZERO * poly.size_at(D.u, abs(e)):
+        if abs(value) > NEAR_ZERO * poly.size_at(D.u, e):
             sigma = (sigma + value / (kappa * sigma)) / 2
             return kappa, sigma, slope / (kappa * sigma)
         w = group.cofactor(D.u, D.v)
         value = poly.evaluate(K, w, e)
-        if abs(value) > NEAR_ZERO * poly.size_at(w, abs(e)):
+        if abs(value) > NEAR_ZERO * poly.size_at(w, e):
             nu = (nu - value / (kappa * nu)) / 2
             sigma = slope / (kappa * nu)
         return kappa, sigma, nu

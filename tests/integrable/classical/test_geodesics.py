@@ -148,8 +148,8 @@ def test_short_geodesics_are_found_to_all_digits_and_enclosed(length):
 
 
 # found by tests.fuzz systems --seed 20261128 (kind "far ellipsoid", cases 1056 and 2776), and an ordinary geodesic of
-# genus 6. In genus ≥ 3 a short translation along (1, 0, …) has pairs of nearly opposite points, and their sums lost
-# hundreds of bits; each sum also multiplied the distance of a lift from √U(e), so additions refused these times
+# genus 6, which additions refused. In genus ≥ 3 a short translation along (1, 0, …) has pairs of nearly opposite
+# points, and their sums lost hundreds of bits. Each sum also multiplied the distance of a lift from √U(e)
 HIGH = [
     (
         (50.18451992832398, 606.0440147350414, 18.36201608409908, 110.23846642976197, 902.097118820239),

@@ -17,9 +17,8 @@ from integrable.deformations.carrier import widened
 from integrable.deformations.gyroscopic import Gyroscopic
 from integrable.deformations.separated_flow import OvalCarrier
 from integrable.phase.state import State
-from integrable.series import kinds
 from integrable.series.steps import FINEST
-from jacobian import MP, HyperellipticCurve
+from jacobian import MP, HyperellipticCurve, immutable
 from jacobian.errors import Infeasible, NotRepresentable, PrecisionLoss
 from jacobian.inexact.long_numbers import LongNumbers
 from tests.integrable.deformations.extrapolation import extrapolate
@@ -365,13 +364,13 @@ def test_times_that_no_digits_reach_are_refused_by_name() -> None:
 )
 def test_integrations_that_would_take_minutes_are_refused_by_name(system, monkeypatch) -> None:
     """The finest steps, which take as long to compile as the others together, are not compiled for a refusal."""
-    monkeypatch.setattr(kinds, "_KINDS", {})
+    monkeypatch.setattr(immutable, "_MADE", {})
     motion = system.motion_through(system.state(*START))
     assert motion.method == "integrated"
     for time in (1e12, -1e5):
         with pytest.raises(Infeasible, match=r"times: the equations of motion are integrated, and t = \S+ takes"):
             motion.at([time])
-    (kind,) = kinds._KINDS.values()
+    (kind,) = immutable._MADE.values()
     assert kind is not None
     assert FINEST.orders not in kind._walks
 

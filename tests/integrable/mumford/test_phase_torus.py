@@ -12,7 +12,7 @@ from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
-from integrable.mumford.flow import TIMES_TO_THETA, MumfordFlow
+from integrable.mumford.flow import TIMES_TO_TORUS, MumfordFlow
 from integrable.mumford.phase_torus import PhaseTorus, circles
 from integrable.portrait.separated import SeparatedTorus
 from jacobian import MP
@@ -131,7 +131,7 @@ def test_circles_have_thirty_digits() -> None:
 
 def test_few_times_take_additions_and_complex_points_have_no_torus() -> None:
     flow = neumann()
-    few = np.linspace(1e6, 2e6, TIMES_TO_THETA - 1)
+    few = np.linspace(1e6, 2e6, TIMES_TO_TORUS - 1)
     assert flow.at(few).way == "additions"
     assert flow.at([*few, 3e6]).way == "torus"
     resting = Neumann((1, 2, 3, 4))

@@ -90,8 +90,8 @@ def test_a_tolerance_is_kept_and_its_estimate_is_one(name, n) -> None:
         assert ROUNDED <= path.estimate <= tolerance
 
 
-# axes (2c, c), q = (1, 0, z), p = (0, v, w), last time, number of times, tolerance: the estimate was 4 to 25 times too
-# small, since rows near the centre were not compared, or both walks had nearly the same error
+# c, z, v, w, last time, number of times and tolerance, for axes (2c, c), q = (1, 0, z) and p = (0, v, w). The estimate
+# was 4 to 25 times too small: rows near the centre were not compared, or both walks had nearly the same error
 ECCENTRIC = [
     (0.0636, 0.068, 0.027, -0.012, 3.22, 177, 1e-6),
     (0.0798, 0.222, 0.025, -0.026, 8.37, 896, 1e-9),
