@@ -25,7 +25,7 @@ from integrable.torus.body_torus import FIRST_SIZE, resolved
 from integrable.torus.long_clock import RESONANT
 from integrable.torus.loops import CompiledLoops
 from integrable.torus.series import in_resonance
-from integrable.torus.theta_series import half_turn, inverse_factorials
+from integrable.torus.theta_series import inverse_factorials
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.fields.multiprecision import Mpf
@@ -165,16 +165,9 @@ class QuickClock:
         self._spectrum = resolved_spectrum(loops, lambda transform: resolve(transformed=transform), turns, scale, NOISE)
         check_no_resonance(self._spectrum, turns)
         mean = Column(*self._spectrum.values[0])
-        nu = packed.rates
-        self._pace = 1 / mean
-        rates = [nu[0] / mean, nu[1] / mean, *nu, self._pace, mean, *nu, mean, Column.of(2 * half_turn())]
-        row = np.array([(x.hi, x.lo) for x in rates])
+        row = np.array([*((x.hi, x.lo) for x in (*packed.rates, mean)), loops.circle[0]])
         self._clock = TorusClock(loops, self._spectrum, row, scale, NOISE / 64)
-
-    def phases(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(phases, τ) at physical times; phases are counted from the start in turns, one pair after the other."""
-        phases, delays = self._clock.phases(times)
-        return phases, (Column(times) * self._pace + Column(delays)).hi
+        self.phases = self._clock.phases
 
     def holds(self, moved: list[Real], turns: list[Mpf], tau: np.ndarray, time: float) -> bool:
         """Whether the clock is accurate at ``time``: t(τ) returns this time, and dt/dτ agrees with that of the curves.

@@ -18,8 +18,8 @@ from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.branch_points import APART, SMALL, all_real, coincident, long_roots
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import Start
+from integrable.torus.lifts import TURNS
 from integrable.torus.theta_series import circle, half_turn, inverse_factorials, long_numbers
-from integrable.torus.witness import TURNS
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField

@@ -15,8 +15,8 @@ import numpy as np
 from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.columns import Column, Columns
 from integrable.portrait.separated import SeparatedTorus
+from integrable.torus.lifts import witnesses
 from integrable.torus.theta_series import half_turn, long_numbers
-from integrable.torus.witness import witnesses
 from jacobian.element import Real
 from jacobian.numbers.double_double import double_double_row
 

@@ -28,12 +28,11 @@ from integrable.mumford.columns import Column
 from integrable.mumford.motion import BITS_OF_TORUS, Start
 from integrable.torus.access import TorusClock, resolved_spectrum
 from integrable.torus.body_torus import CLOSED, first_grid, in_basis, resolved, rule_of_phases
+from integrable.torus.lifts import AROUND, CHECKED, TOGETHER, Limits, RateSums, Torus, witnesses
 from integrable.torus.loops import CompiledLoops
-from integrable.torus.pair_loops import LIBRARY, TORUS, PairTorus
-from integrable.torus.states import CHECKED, TOGETHER
+from integrable.torus.pair_loops import LIBRARY, PAIRS, PairTorus
 from integrable.torus.theta_series import half_turn, long_numbers, shortest, theta_sums
 from integrable.torus.theta_setup import CLASSES, FOUND, IMAGINARY, MEAN
-from integrable.torus.witness import witnesses
 from jacobian import poly
 from jacobian.element import Complex, Real
 from jacobian.errors import PrecisionLoss
@@ -187,17 +186,16 @@ class ThetaTorus:
         sums, tops = theta_sums(loops, basis.shape, basis.real, chars, FURTHER if timed else 0)
         f = poly.scale(N, model.lead, poly.from_roots(N, model.roots))
         units = abs(found.length), found.height / abs(found.length)
+        torus = Torus(sums, basis.places, row(end.slope for end in ends))
         self._torus = PairTorus(
-            sums, basis.places, basis.frequencies, row(end.slope for end in ends),
-            row(1.0 if end.kappa > 0 else -1.0 for end in ends), *(real_row(x) for x in (
+            torus, basis.frequencies, row(1.0 if end.kappa > 0 else -1.0 for end in ends), *(real_row(x) for x in (
                 [model.roots[k] for k in places], f, model.direction,
                 [x for end in ends[: self._count] for x in end.sizes], units,
                 [found.roots[k] for k in places[:2]], self._pole)),
         )  # fmt: skip
-        self._packed = Packed(self._torus, TORUS)
-        room, target = loops.room(10 * CHECKED * len(places)), row(x for end in ends for x in end.target)
-        enough = ENOUGH if found.inside else CLOSED
-        closure = LIBRARY.met(self._packed, tops, target, loops.nudge, enough, room)
+        self._packed = Packed(self._torus, PAIRS)
+        room, target = loops.room(2 * (AROUND + 1) * CHECKED * len(places)), row(x for end in ends for x in end.target)
+        closure = loops.met(torus, tops, target, Limits(ENOUGH if found.inside else CLOSED, loops.nudge), room)
         if not (closure <= CLOSED and LIBRARY.strayed(self._packed, room, np.empty(CHECKED)) <= OBEYED):
             raise PrecisionLoss("the pairs on the torus of this motion are not its own")
         self._paces = basis.frequencies[:, 0].tolist()
@@ -222,8 +220,8 @@ class ThetaTorus:
             raise PrecisionLoss(f"{turns:.1e} turns of a phase are more than double-double numbers hold")
         count, loops = len(times), CompiledLoops()
         if self._clock is None:
-            phases = np.empty((2 * count, 2))
-            LIBRARY.phases_at(self._packed, np.ascontiguousarray(times, dtype=np.float64), phases)
+            phases = loops.room(2 * count)
+            loops.phases_at(self._torus.frequencies, np.ascontiguousarray(times, dtype=np.float64), phases)
         else:
             phases = self._clock.phases(times)[0]
         out = np.empty((count * (2 * self._count + 4), 2))
@@ -237,28 +235,29 @@ class ThetaTorus:
         u0, u1, v0, v1 = columns[-4:]
         return Extended((u0, u1, Column(1.0)), (v0, v1), data)
 
-    def _made_clock(self, N: LongField, basis: PairBasis, rate: Rate, length: float) -> TorusClock:
-        loops, torus, k = CompiledLoops(), self._torus, len(self._torus.factors) - 1
-        scale = rate.factor * abs(length) ** rate.power
-        if rate.power == 2:
+    def _made_clock(self, N: LongField, basis: PairBasis, timed: Rate, length: float) -> TorusClock:
+        loops, torus, k = CompiledLoops(), self._torus.torus, len(self._torus.ends) - 1
+        scale = timed.factor * abs(length) ** timed.power
+        if timed.power == 2:
             LIBRARY.mean_square(self._packed, k, basis.shape[3:], basis.beyond, room := loops.room(2 * k + 2))
-        mean = scale * sum(map(N.coerce, (room[0] if rate.power == 2 else basis.slowness).tolist()))
-        classes, height, _ = torus.sums.sizes
-        given = loops.row([scale])
+        mean = scale * sum(map(N.coerce, (room[0] if timed.power == 2 else basis.slowness).tolist()))
+        # |U(e)| is (f_eθ_e/θ_∞)²
+        up, down = (1, 0) if timed.power == 2 else (0, 1)
+        rate = RateSums(k, 2, timed.power < 0, False, loops.row((up, down, down, up, 0, 0, scale)))
+        height = torus.sums.sizes[1]
 
         def samples(sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
-            out, room = loops.room(sizes[0] * sizes[1]), loops.room(classes * height * (4 * TOGETHER + 2 * sizes[0]))
-            LIBRARY.rates_on(self._packed, k, rate.power, given, sizes, room, out)
+            out, room = loops.room(sizes[0] * sizes[1]), loops.room(2 * height * (4 * TOGETHER + 2 * sizes[0]))
+            loops.gridded(torus, rate, sizes, (0, 0), room, out, out)
             return out.reshape(*sizes, 2)
 
-        nu1, nu2 = (N.coerce(x) + N.coerce(y) for x, y in basis.frequencies.tolist())
         pace = 2 * pi * max(map(abs, self._paces))
         sizes = first_grid(loops.noise, shortest(basis.shape[:3, 0].tolist()))
         grid = partial(resolved, samples, sizes=sizes, most=MOST_SAMPLES)
         spectrum = resolved_spectrum(loops, grid, self._paces, pace, loops.noise)
-        rates = (nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean, nu1, nu2, mean, 2 * half_turn())
-        self._paces = [float(x / mean) for x in (nu1, nu2)]
-        return TorusClock(loops, spectrum, double_double_row(rates), pace, loops.noise / 64)
+        self._paces = [x / float(mean) for x in self._paces]
+        rates = np.concatenate([basis.frequencies, loops.row((mean,)), loops.circle[:1]])
+        return TorusClock(loops, spectrum, rates, pace, loops.noise / 64)
 
 
 def ends_of(roots: Sequence[Complex], lifts: Lifts) -> list[int]:

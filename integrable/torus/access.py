@@ -23,8 +23,7 @@ from integrable.torus.clock_modes import MOST_LOUD, Cutoffs, Tables
 from integrable.torus.loops import BEYOND, Loops, NotClosed
 from integrable.torus.panels import NODES, Panels, States, panel_length
 from integrable.torus.series import in_resonance
-from integrable.torus.states import Torus
-from jacobian.element import Real
+from integrable.torus.states import BodyStates
 from jacobian.errors import PrecisionLoss
 from jacobian.native.library import Packed
 
@@ -70,10 +69,10 @@ class TorusFlow(BodyTorus):
         if self._rolls:
             spectrum = resolved_spectrum(loops, self.resolved, self._turns, self._scale, loops.noise)
             noise = max(self.closure, loops.noise / 64)
-            self.clock = TorusClock(loops, spectrum, self.rates[4:], self._scale, noise, self.doubled)
+            self.clock = TorusClock(loops, spectrum, self.rates, self._scale, noise, self.doubled)
 
     def _check(self, found: Row) -> None:
-        if not all(map(isfinite, self._of_rates(4 if self._rolls else 6, 8))):
+        if not all(map(isfinite, self._turns)) or not all(map(isfinite, self._turns_in_t)):
             raise NotClosed(BEYOND)
         super()._check(found)
 
@@ -105,18 +104,16 @@ class TorusFlow(BodyTorus):
 
     def phases(self, times: np.ndarray, physical: bool, periods: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
         """Both phases at physical times, or at values of τ unless ``physical``, each divided by its entry of
-        ``periods``, modulo 1. They keep the digits that a rounded τ has lost.
+        ``periods``, 1 or 2, up to whole numbers. They keep the digits that a rounded τ has lost.
         """
-        rates: Sequence[Real]
-        rates, rest = self.frequencies, np.zeros(len(times))
+        self._within(times, self._turns_in_t if physical else self._turns)
+        rows = self.loops.room(2 * len(times))
         if physical and self.clock:
-            rates, rest = self.loops.wide(self.rates[4:6], self.setup.wide), self._rows_of_clock(times)[2]
-        found = []
-        for n, rate, nu in zip(periods, rates, self.frequencies, strict=True):
-            # wide numbers keep the fractions of many turns
-            turns = [x * rate / n for x in times.tolist()]
-            found.append(np.array([float(x - int(x)) for x in turns]) + rest * float(nu / n))
-        return found[0], found[1]
+            rows = self.clock.phases(times)[0]
+        else:
+            self.loops.phases_at(self.rates, times, rows)
+        first, second = self.loops.floats(rows).reshape(-1, 2).T / np.array(periods)[:, None]
+        return first, second
 
     def _panels(self, states: States, times: np.ndarray) -> Panels | None:
         """Panels over these times; None where evaluation time by time is faster or panels do not converge."""
@@ -149,13 +146,13 @@ class TorusFlow(BodyTorus):
 
     def _rows_of_clock(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         assert self.clock
-        self._within(times, self._of_rates(4, 6))
+        self._within(times, self._turns_in_t)
         return self.clock.at(self.torus, times)
 
     def _rows_at_tau(self, tau: np.ndarray) -> np.ndarray:
         out = np.empty(6 * len(tau))
         self._within(tau, self._turns)
-        self.loops.states_at_tau(self.torus, self.rates[6:8], tau, out)
+        self.loops.states_at_tau(self.torus, self.rates, tau, out)
         return out.reshape(-1, 6)
 
     def _within(self, times: np.ndarray, rates: list[float]) -> None:
@@ -179,11 +176,14 @@ class TorusFlow(BodyTorus):
     @cached_property
     def _turns(self) -> list[float]:
         """The turns of each phase per unit of τ."""
-        return self._of_rates(6, 8)
-
-    def _of_rates(self, begin: int, end: int) -> list[float]:
-        found: list[float] = self.loops.floats(self.rates[begin:end]).tolist()
+        found: list[float] = self.loops.floats(self.rates[:2]).tolist()
         return found
+
+    @cached_property
+    def _turns_in_t(self) -> list[float]:
+        """The turns of each phase per unit of t."""
+        mean = float(self.loops.floats(self.rates[2:3])[0]) if self._rolls else 1.0
+        return [nu / mean for nu in self._turns]
 
 
 class RateSpectrum(NamedTuple):
@@ -220,8 +220,8 @@ def resolved_spectrum(
 class TorusClock:
     """t(τ) and τ(t) of a motion on a torus whose dt/dτ has a ``spectrum``, in the user's units.
 
-    ``rates`` are what :func:`integrable.torus.theta_setup.surveyed_rates` writes after the matrix. In a time τ of
-    1/``scale`` the body turns by about a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the
+    ``rates`` are the turns of both phases per unit of τ, the mean of dt/dτ, and 2π. In a time τ of 1/``scale`` the body
+    turns by about a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the
     periods of dt/dτ in turns. PrecisionLoss where a mode is in resonance.
     """
 
@@ -236,23 +236,23 @@ class TorusClock:
     ) -> None:
         self._loops = loops
         limits = Cutoffs(ROUNDING, noise, LEAST_SWING / scale, ROUGH, LOUD / scale)
-        # the loops count phases in periods of dt/dτ
-        series = series_between(loops, *spectrum, rates[6:], limits)
-        self._clock = loops.packed(Clock(doubled, *series, rates[:6]))
+        series, pace = series_between(loops, spectrum, (rates, doubled), limits)
+        self._clock = loops.packed(Clock(doubled, *series, pace, loops.circle))
         self._room = 2 * max(part.width for part in series[:2])
 
-    def at(self, torus: Torus | Packed, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def at(self, torus: BodyStates | Packed, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(γ and M, τ, τ − t·mean dτ/dt) at physical times, of shapes (N, 6), (N,) and (N,). ``torus`` is packed."""
         out, tau, delays = np.empty(6 * len(times)), np.empty(len(times)), np.empty(len(times))
-        room = np.empty(self._room), self._loops.room(2 * len(times)), np.empty(2 * len(times), dtype=np.int64)
+        room = np.empty(self._room), self._loops.room(2 * len(times))
         self._loops.states_at_times(torus, self._clock, times, (tau, delays, out), room)
         return out.reshape(-1, 6), tau, delays
 
-    def phases(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(phases in turns, τ − t·mean dτ/dt) at physical times; the two phases of a time are adjacent."""
-        phases, delays = self._loops.room(2 * len(times)), np.empty(len(times))
-        self._loops.phases_at_times(self._clock, times, phases, delays, np.empty(self._room))
-        return phases, delays
+    def phases(self, times: np.ndarray) -> tuple[Row, np.ndarray]:
+        """(phases in turns modulo 2, τ) at physical times; the two phases of a time are adjacent."""
+        phases, tau, delays = self._loops.room(2 * len(times)), np.empty(len(times)), np.empty(len(times))
+        given = np.ascontiguousarray(times, dtype=np.float64)
+        self._loops.phases_at_times(self._clock, given, (phases, tau, delays), np.empty(self._room))
+        return phases, tau
 
     def times(self, tau: np.ndarray) -> np.ndarray:
         """Physical times at values of τ."""
@@ -262,25 +262,27 @@ class TorusClock:
 
 
 def series_between(
-    loops: Loops, values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs
-) -> tuple[ClockSeries, ClockSeries, ClockSeries, np.ndarray, Row]:
-    """The fields ``rough``, ``series``, ``quiet``, ``modes`` and ``loud`` of a :class:`Clock`, from a spectrum of 1/g.
+    loops: Loops, spectrum: RateSpectrum, given: tuple[Row, tuple[int, int]], limits: Cutoffs
+) -> tuple[tuple[ClockSeries, ClockSeries, ClockSeries, np.ndarray, Row], Row]:
+    """The fields ``rough``, ``series``, ``quiet``, ``modes`` and ``loud`` of a :class:`Clock`, and its ``pace``.
+    ``given`` are the ``rates`` and the periods of a :class:`TorusClock`.
 
     PrecisionLoss where a mode is in resonance.
     """
+    (values, grid), pace = spectrum, loops.room(6)
     size, height = grid[0] // 2 * grid[1], grid[0] // 2
     floats, lines = np.empty((4, 4 * size)), np.empty((2, 3 * height), dtype=np.int64)
     pairs, counts = np.empty(2 * MOST_LOUD, dtype=np.int64), np.empty(9, dtype=np.int64)
     tables, loud = (
         Tables(floats[0], lines[0], floats[1], lines[1], floats[2], floats[3], pairs, counts),
-        loops.room(2 + 2 * MOST_LOUD),
+        loops.room(1 + 2 * MOST_LOUD),
     )
-    bound, origin, rest, mean = loops.clock_series(values, grid, rates, limits, tables, loud)
+    bound, origin, rest, mean = loops.clock_series(values, grid, given, limits, tables, loud, pace)
     *found, count = counts.tolist()
     if count < 0:
         k, i = divmod(-1 - count, grid[1])
         raise in_resonance(k, i - grid[1] // 2)
-    first, second = loops.floats(rates[:2]).tolist()
+    first, second = (loops.floats(given[0][:2]) / given[1]).tolist()
 
     def packed(sizes: list[int], own: np.ndarray, parts: np.ndarray, origin: float) -> ClockSeries:
         # the used parts are copied, so that the working memory is freed
@@ -290,4 +292,4 @@ def series_between(
 
     whole, rough = packed(found[:4], lines[0], floats[1], origin), packed(found[4:], lines[1], floats[2], origin)
     quiet = packed(found[:4], lines[0], floats[3], rest) if count else whole
-    return rough, whole, quiet, pairs[: 2 * count], loud[: 2 + 2 * count]
+    return (rough, whole, quiet, pairs[: 2 * count], loud[: 1 + 2 * count]), pace

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from integrable.moving_point.addition import Row
+from integrable.torus.lifts import AROUND, CHECKED, TOGETHER, Limits, RateSums, Torus
 from integrable.torus.loops import BEYOND, CompiledLoops, Loops, NotClosed
-from integrable.torus.states import CHECKED, NUMBERS, TILT, TOGETHER, Torus
+from integrable.torus.states import BodyStates
 from integrable.torus.theta_series import ThetaSums, shortest, theta_sums
-from integrable.torus.theta_setup import CLASSES, FOUND, FREQUENCIES, IMAGINARY, MEAN, PLACING, RATES, Limits
+from integrable.torus.theta_setup import CLASSES, FOUND, FREQUENCIES, IMAGINARY, MEAN, PLACING
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.periods.real_basis import Whole
@@ -66,28 +67,26 @@ class BodyTorus:
         self.odd = odd[0], odd[1]
         # for a tilted body, a sign change of an odd number of γ_i changes 1/g, whose period is then twice the divisor's
         self.doubled = (1 + odd[0], 1 + odd[1]) if made.floats(self.tilt)[1] != 0 else (1, 1)
-        self.rates = made.room(RATES)
-        units = self.units.length, self.units.lift
-        made.rates(self._problem, found, self._motion, units, self.doubled, self.rates)
+        self.rates, matrix, rate, units = made.room(4), made.room(4), made.room(10), self.units
+        made.rates(self._problem, found, self._motion, self.tilt, (units.length, units.lift), matrix, self.rates, rate)
         torus = self._placed(made, start, found, chars)
         if exact:
             torus = in_numbers(loops, torus)
-            found, self._motion, self._problem, self.rates = (
-                loops.row(row) for row in (found, self._motion, self._problem, self.rates)
+            found, matrix, rate, self._motion, self._problem, self.rates = (
+                loops.row(row) for row in (found, matrix, rate, self._motion, self._problem, self.rates)
             )
-        self.torus = loops.packed(torus)
+        self.torus = loops.packed(BodyStates(torus, matrix))
+        self._rate = RateSums(0, 3, True, self.doubled != (1, 1), rate)
         self._check(found)
 
     def _placed(self, loops: Loops, start: Row, found: Row, chars: Sequence[Whole]) -> Torus:
-        """The data of states, with the phases and the signs of the start."""
+        """The torus, with the phases and the signs of the start."""
         shape = found[IMAGINARY:MEAN]
         if not np.isfinite(loops.floats(shape)).all():
             raise NotClosed(BEYOND)
         self._decay = shortest(loops.floats(shape[:3]).tolist())
         sums, scales = theta_sums(loops, shape, (0, 0, 0), chars)
-        torus = Torus(sums, loops.room(NUMBERS))
-        torus.numbers[:4], torus.numbers[TILT : TILT + 2] = self.rates[:4], self.tilt
-        limits = Limits(self.units.lift, loops.noise * 1e-10, loops.nudge)
+        torus, limits = Torus(sums, loops.room(2), loops.room(3)), Limits(loops.noise * 1e-10, loops.nudge)
         self.closure = loops.placed(
             torus, self._motion, start, found, scales, rule_of_phases(), limits, loops.room(PLACING)
         )
@@ -98,7 +97,8 @@ class BodyTorus:
         if not self.closure <= CLOSED:
             raise NotClosed(f"the torus of this motion leads back to {self.closure:.1e} only; use more digits")
         frequencies = found[FREQUENCIES : FREQUENCIES + 2]
-        if not self.loops.strayed(self.torus, self._motion, frequencies, np.empty(2 * CHECKED)) <= RIGHT:
+        room = self.loops.room(6 * (AROUND + 1) * CHECKED)
+        if not self.loops.strayed(self.torus, self._motion, frequencies, room, np.empty(CHECKED)) <= RIGHT:
             raise NotClosed("the states on the torus of this motion do not obey its equations; use more digits")
 
     @property
@@ -109,7 +109,7 @@ class BodyTorus:
     @cached_property
     def frequencies(self) -> tuple[Real, Real]:
         """Turns of each phase per unit of τ, wide."""
-        nu1, nu2 = self.loops.wide(self.rates[6:8], self.setup.wide)
+        nu1, nu2 = self.loops.wide(self.rates[:2], self.setup.wide)
         return nu1, nu2
 
     @cached_property
@@ -118,7 +118,7 @@ class BodyTorus:
 
         A tilt does not change it: the tilt term changes its sign around an oval that contains one α_i.
         """
-        return self.loops.wide(self.rates[9:10], self.setup.wide)[0]
+        return self.loops.wide(self.rates[2:3], self.setup.wide)[0]
 
     def at_phases(self, phases: np.ndarray) -> np.ndarray:
         """γ and M at points of the torus, shape (N, 6): ``phases`` in turns from the start, shape (N, 2)."""
@@ -146,9 +146,9 @@ class BodyTorus:
         if coarser[1] > TOGETHER:
             coarser = 0, 0
         first, other = loops.room(rows * columns), loops.room(rows * columns)
-        classes, height, _ = self.torus[0].sizes
-        room = loops.room(classes * height * (4 * TOGETHER + 2 * rows))
-        loops.gridded(self.torus, sizes, coarser, room, first, other)
+        torus = self.torus[0]
+        room = loops.room(3 * torus.sums.sizes[1] * (4 * TOGETHER + 2 * rows))
+        loops.gridded(torus, loops.packed(self._rate), sizes, coarser, room, first, other)
         table = loops.samples(first, sizes)
         if self.doubled != (1, 1):
             beside = loops.samples(other, sizes)
@@ -188,7 +188,7 @@ def in_numbers(loops: Loops, torus: Torus) -> Torus:
     """The torus in the numbers of ``loops``."""
     table, sizes, lengths, chars, _ = torus.sums
     sums = ThetaSums(loops.row(table), sizes, loops.integers(lengths), loops.integers(chars), loops.circle)
-    return Torus(sums, loops.row(torus.numbers))
+    return Torus(sums, loops.row(torus.places), loops.row(torus.factors))
 
 
 def characteristics(points: list[float], basis: PeriodBasis) -> list[Whole]:

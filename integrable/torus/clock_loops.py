@@ -4,12 +4,12 @@ interpreted.
 
 from __future__ import annotations
 
-from math import cos, floor, pi, sin
+from math import cos, pi, sin
 from typing import NamedTuple
 
 from integrable.moving_point.addition import Real, Row
-from integrable.torus.states import Torus, state_at, whole_turns
-from jacobian.numbers.abreast import abreast
+from integrable.torus.states import BodyStates, states_at, whole_turns
+from integrable.torus.theta_series import circle
 
 # by quadratic convergence the error is below 1e-17 turns after a Newton step of at most this fraction of a turn
 LAST_STEP = 1e-9
@@ -37,9 +37,10 @@ class ClockSeries(NamedTuple):
 class Clock(NamedTuple):
     """t(τ): ``doubled`` are the periods of 1/g in turns.
 
-    The series ``rough`` has the larger modes, ``series`` all, and ``quiet`` all but the largest. The largest modes are
-    in ``modes`` and ``loud`` (:func:`loud_swing`). ``pace`` has mean rates: the turns of each phase per unit of t, then
-    per unit of τ, then dτ/dt and dt/dτ.
+    The series ``rough`` has the larger modes, ``series`` all, and ``quiet`` all but the largest. The pairs
+    (k, m) of the largest are ``modes``; ``loud`` has a constant, and the real and imaginary parts of their
+    coefficients. ``pace`` has mean rates: the turns of each phase per unit of t, then per unit of τ, then dτ/dt and
+    dt/dτ. ``inverse`` is that of :func:`integrable.torus.theta_series.circle`.
     """
 
     doubled: tuple[int, int]
@@ -49,45 +50,40 @@ class Clock(NamedTuple):
     modes: Row
     loud: Row
     pace: Row
+    inverse: Row
 
 
 def clock_in_tuples(clock: Clock) -> Clock:
     """The clock with a tuple for ``pace``, whose numbers compiled loops then hold in registers."""
     pace = clock.pace[0], clock.pace[1], clock.pace[2], clock.pace[3], clock.pace[4], clock.pace[5]
-    return Clock(clock.doubled, clock.rough, clock.series, clock.quiet, clock.modes, clock.loud, pace)
+    return Clock(clock.doubled, clock.rough, clock.series, clock.quiet, clock.modes, clock.loud, pace, clock.inverse)
 
 
 def states_at_times(
-    torus: Torus, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: tuple[Row, Row, Row]
+    body: BodyStates, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: tuple[Row, Row]
 ) -> None:
     """Writes τ at physical times t, τ minus the mean dτ/dt times t, and γ and M, six floats each, into ``found``.
 
-    ``room`` is memory for powers, and for two phases and their turns at each time.
+    ``room`` is memory for powers, and for two phases at each time.
     """
-    (tau, delays, out), (powers, phases, turns) = found, room
-    own = clock_in_tuples(clock)
+    (tau, delays, out), (powers, phases) = found, room
+    phases_at_times(clock, times, (phases, tau, delays), powers)
+    states_at(body, phases, out)
+
+
+def phases_at_times(clock: Clock, times: Row, found: tuple[Row, Row, Row], room: Row) -> None:
+    """Writes the phases at physical times t in turns, modulo 2, one pair after the other, then τ, and τ minus the mean
+    dτ/dt times t, into ``found``.
+    """
+    own, (phases, tau, delays) = clock_in_tuples(clock), found
     for i in range(len(times)):
-        first, second, turn1, turn2, x = phases_at_time(own, times[i], powers)
-        tau[i] = float(own.pace[4] * times[i] + x)
-        delays[i] = float(x)
+        first, second, x = phases_at_time(own, times[i], room)
         phases[2 * i], phases[2 * i + 1] = first, second
-        turns[2 * i], turns[2 * i + 1] = turn1, turn2
-    for n in abreast(0, len(times)):
-        state_at(torus, phases[2 * n], phases[2 * n + 1], turns[2 * n], turns[2 * n + 1], out, 6 * n)
+        tau[i], delays[i] = float(own.pace[4] * times[i] + x), float(x)
 
 
-def phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Row) -> None:
-    """Writes the phases at physical times t in turns, including whole turns, to ``phases``, one pair after the other,
-    and τ minus the mean dτ/dt times t to ``delays``.
-    """
-    own = clock_in_tuples(clock)
-    for i in range(len(times)):
-        first, second, turn1, turn2, x = phases_at_time(own, times[i], room)
-        phases[2 * i], phases[2 * i + 1], delays[i] = first + turn1, second + turn2, float(x)
-
-
-def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, int, int, Real]:
-    """The fractions of both phases at a physical time, their whole turns, and x.
+def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, Real]:
+    """Both phases at a physical time in turns, modulo 2, and x.
 
     τ is t times the mean dτ/dt, plus a bounded x from :func:`delay`, whose rounding error is then corrected.
     """
@@ -103,13 +99,13 @@ def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, int
         for _ in range(3):
             p, q = (first + turn1 % double1 + nu1 * x) / double1, (second + turn2 % double2 + nu2 * x) / double2
             rest, _ = swing_and_rate(clock.quiet, float(p), float(q), room)
-            step = (loud_swing(modes, clock.loud, p, q) + x + rest) / rate
+            step = (loud_swing(clock, p, q) + x + rest) / rate
             x -= step
             if abs(float(step)) * (abs(float(nu1)) + abs(float(nu2))) <= LAST_STEP:
                 break
     first, more1 = whole_turns(first + nu1 * x)
     second, more2 = whole_turns(second + nu2 * x)
-    return first, second, turn1 + more1, turn2 + more2, x
+    return first + (turn1 + more1) % 2, second + (turn2 + more2) % 2, x
 
 
 def times_at_tau(clock: Clock, tau: Row, times: Row, room: Row) -> None:
@@ -120,33 +116,17 @@ def times_at_tau(clock: Clock, tau: Row, times: Row, room: Row) -> None:
         second, turn2 = whole_turns(nu2 * tau[i])
         a, b = (first + turn1 % double1) / double1, (second + turn2 % double2) / double2
         swing, _ = swing_and_rate(clock.quiet, float(a), float(b), room)
-        times[i] = float(mean * (loud_swing(clock.modes, clock.loud, a, b) + tau[i] + swing))
+        times[i] = float(mean * (loud_swing(clock, a, b) + tau[i] + swing))
 
 
-def loud_swing(modes: Row, loud: Row, a: Real, b: Real) -> Real:
-    """A constant plus the sum of a few modes of S at the phases (a, b). ``modes`` has their pairs of integers (k, m);
-    ``loud`` holds the constant, 2π and the real and imaginary parts of the coefficients.
-    """
+def loud_swing(clock: Clock, a: Real, b: Real) -> Real:
+    """A constant plus the sum of the largest modes of S at the phases (a, b)."""
+    modes, loud = clock.modes, clock.loud
     total = loud[0]
     for n in range(len(modes) // 2):
-        c, s = on_circle(modes[2 * n] * a + modes[2 * n + 1] * b, loud[1])
-        total += loud[2 + 2 * n] * c - loud[3 + 2 * n] * s
+        c, s = circle(modes[2 * n] * a + modes[2 * n + 1] * b, clock.inverse)
+        total += loud[1 + 2 * n] * c - loud[2 + 2 * n] * s
     return total
-
-
-def on_circle(x: Real, two_pi: Real) -> tuple[Real, Real]:
-    """(cos 2πx, sin 2πx) to 20 decimals."""
-    quarters = floor(4 * float(x) + 0.5)
-    y = (x - quarters / 4) * two_pi
-    square = y * y
-    c, s = 1 + 0 * y, 1 + 0 * y
-    for n in range(20, 0, -2):
-        c = 1 - square * c / (n * (n - 1))
-        s = 1 - square * s / (n * (n + 1))
-    s *= y
-    if quarters % 2 != 0:
-        c, s = -s, c
-    return (-c, -s) if quarters % 4 > 1 else (c, s)
 
 
 def delay(rough: ClockSeries, series: ClockSeries, a: float, b: float, room: Row) -> tuple[float, float]:

@@ -122,44 +122,66 @@ def size_wanted(modes: Row, size: int, noise: float) -> int:
 
 
 def clock_series(
-    values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tables: Tables, loud: Row
+    values: Row,
+    grid: tuple[int, int],
+    given: tuple[Row, tuple[int, int]],
+    limits: Cutoffs,
+    tables: Tables,
+    loud: Row,
+    pace: Row,
 ) -> tuple[float, float, float, float]:
     """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``. Returns a bound
     of |S|; −(sum of all modes at the start); −(sum of the quiet modes there); (mean of the samples)/(mean of 1/g).
 
-    ``rates`` are the frequencies of both phases, the mean of 1/g, and 2π; ``loud`` is filled for
-    :func:`integrable.torus.clock_loops.loud_swing`.
+    ``given`` are the turns of both phases per unit of τ, the mean of 1/g and 2π; and the periods of 1/g. ``loud`` and
+    ``pace`` are filled for :class:`integrable.torus.clock_loops.Clock`.
     """
-    columns = grid[1]
+    columns, rates = grid[1], put_pace(given[0], given[1], pace)
     resonant, bound, swing = swings(values, grid, rates, limits, tables)
     tables.counts[8] = -1 - resonant
     if resonant >= 0:
         return bound, swing, swing, bound
     rough = packed_modes(tables, grid, limits.rough, tables.rough_lines, tables.rough_parts)
     series = packed_modes(tables, grid, 0.0, tables.lines, tables.parts)
+    count, rest = part_loud(values, columns, rates, limits.loud, series, tables, loud)
+    for n in range(4):
+        tables.counts[n], tables.counts[4 + n] = series[n], rough[n]
+    tables.counts[8] = count
+    return bound + abs(swing), -swing, -rest, float(values[0] / rates[2])
+
+
+def part_loud(
+    values: Row, columns: int, rates: Row, least: float, series: tuple[int, int, int, int], tables: Tables, loud: Row
+) -> tuple[int, float]:
+    """Moves the modes by which τ oscillates by ``least`` or more from the quiet series to ``loud``. Returns how many
+    they are, and the sum of the quiet modes at the start.
+    """
     for n in range(4 * series[3]):
         tables.quiet_parts[n] = tables.parts[n]
-    count, rest = 0, swing
-    loud[0], loud[1] = 0 * rates[3], rates[3]
+    loud[0] = 0 * rates[3]
+    count, rest = 0, 0.0
     while count < MOST_LOUD:
-        place, k, i = loudest(tables.lines, series, tables.quiet_parts, limits.loud)
+        place, k, i = loudest(tables.lines, series, tables.quiet_parts, least)
         if place < 0:
             break
         m = i + series[0]
         x, y = swing_of(values, columns, k, m, rates)
         tables.pairs[2 * count], tables.pairs[2 * count + 1] = k, m
-        loud[2 + 2 * count], loud[3 + 2 * count] = x, y
+        loud[1 + 2 * count], loud[2 + 2 * count] = x, y
         loud[0] = loud[0] - x
         count += 1
-        rest = 0.0
         for part in range(4):
             tables.quiet_parts[part * series[3] + place] = 0.0
-        for n in range(series[3]):
-            rest += tables.quiet_parts[n]
-    for n in range(4):
-        tables.counts[n], tables.counts[4 + n] = series[n], rough[n]
-    tables.counts[8] = count
-    return bound + abs(swing), -swing, -rest, float(values[0] / rates[2])
+    for n in range(series[3]):
+        rest += tables.quiet_parts[n]
+    return count, rest
+
+
+def put_pace(turns: Row, doubled: tuple[int, int], pace: Row) -> Row:
+    """Writes the ``pace`` of :func:`clock_series`; returns what it begins with, for phases in the periods of 1/g."""
+    nu1, nu2, mean = turns[0], turns[1], turns[2]
+    pace[0], pace[1], pace[2], pace[3], pace[4], pace[5] = nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean
+    return nu1 / doubled[0], nu2 / doubled[1], mean, turns[3]
 
 
 def swing_of(values: Row, columns: int, k: int, m: int, rates: Row) -> tuple[Real, Real]:

@@ -12,10 +12,11 @@ import numpy as np
 
 from integrable.moving_point.addition import Row
 from integrable.torus.body_torus import BodyTorus, resolved
+from integrable.torus.lifts import frame_at
 from integrable.torus.long_clock import phases
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.series import LongSeries, TorusSeries, long_spectrum, needed_sizes, spectrum, together
-from integrable.torus.states import frame_at, third_of, whole_turns
+from integrable.torus.states import third_of, whole_turns
 from jacobian.element import Complex, Real
 from jacobian.numbers.long_reals import BallReals
 
@@ -191,10 +192,10 @@ class LongStates(BodyTorus):
     def at_phases(self, phases: np.ndarray) -> np.ndarray:
         """γ and M at points of the torus, bare reals, shape (N, 6): ``phases`` are exact, in turns from the start."""
         number, rows, signs = self.loops.reals.number, [], self.turns.tolist()
-        p, q, r, s = self.torus.numbers[:4]
+        torus, (p, q, r, s) = self.torus
         for (first, turn1), (second, turn2) in (map(whole_turns, pair) for pair in phases.tolist()):
             if (first, second) not in self._frames:
-                self._frames[first, second] = frame_at(self.torus, number(first), number(second))
+                self._frames[first, second] = frame_at(torus, number(first), number(second))
             frame = self._frames[first, second]
             for turn, own in ((turn1, signs[0]), (turn2, signs[1])):
                 frame = tuple(map(mul, frame, own + own)) if turn % 2 else frame

@@ -11,8 +11,8 @@ import numpy as np
 from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import CONTACT, ROW, START, TIME_SCALE
 from integrable.phase.precisions import FLOAT_DIGITS
-from integrable.torus import clock_modes, states, theta_series, theta_setup
-from integrable.torus.clock_loops import panel_values, states_at_times, times_at_tau
+from integrable.torus import clock_modes, lifts, states, theta_series, theta_setup
+from integrable.torus.clock_loops import panel_values, phases_at_times, states_at_times, times_at_tau
 from integrable.torus.lattice import Beginning, Units, beginning
 from integrable.torus.series import half_spectrum
 from jacobian.element import Real
@@ -34,12 +34,14 @@ _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0)])
 # the interpreted loops, with the indices of their arguments that are arrays of floats, which they take as lists
 PLAIN: dict[str, tuple[Callable[..., object], tuple[int, ...]]] = {
     "clock_series": (clock_modes.clock_series, ()),
-    "gridded": (states.gridded, ()),
+    "gridded": (lifts.gridded, ()),
     "panel_values": (panel_values, ()),
     "periods": (theta_setup.torus_periods, ()),
+    "phases_at": (states.phases_at, (1,)),
+    "phases_at_times": (phases_at_times, (1,)),
     "placed": (theta_setup.placed, (5,)),
     "rates": (theta_setup.surveyed_rates, ()),
-    "states_at_phases": (states.states_at_phases, (1,)),
+    "states_at_phases": (states.states_at, (1,)),
     "states_at_tau": (states.states_at_tau, (2,)),
     "states_at_times": (states_at_times, (2,)),
     "strayed": (states.strayed, ()),
@@ -159,7 +161,7 @@ class CompiledLoops:
         return self._packed(value, self._kinds[type(value)])
 
     def row(self, values: Iterable[Real]) -> Row:
-        return double_double_row(values)
+        return double_double_row(values).reshape(-1, 2)
 
     def integers(self, values: Iterable[int]) -> Row:
         return np.fromiter(values, dtype=np.int64)

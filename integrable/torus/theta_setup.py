@@ -10,28 +10,22 @@ is at infinity, and Y₁₁ is infinite.
 from __future__ import annotations
 
 from math import floor
-from typing import NamedTuple
 
 from integrable.moving_point.addition import Real, Row
 from integrable.moving_point.elliptic_integrals import complete, mean_slowness, oval_periods, quadratic_periods
 from integrable.moving_point.problem import MATRIX, MOMENTUM, SLOWNESS, TIME_SCALE
 from integrable.phase.coordinates import directions_of
-from integrable.torus.states import CONTACT, FACTORS, GAPS, PLACES, TILT, Torus, frame_at
-from jacobian.numbers.abreast import abreast
+from integrable.torus.lifts import Limits, Torus, met
 from jacobian.numbers.roots import root
 
 # positions in what :func:`torus_periods` finds: two periods, the turns of both phases per unit of the flow's time, the
 # shape of the theta functions (Y and the turns of both phases along (0, 1)) and the mean of 1/g
 FREQUENCIES, IMAGINARY, ALONG, MEAN, FOUND = 4, 6, 9, 11, 12
-# the number of entries that :func:`surveyed_rates` writes
-RATES = 14
 # the characteristics (ε₁, ε₂, δ₁, δ₂) of e₁, e₂, e₃, e₄, the fifth branch point and infinity, in the basis a₁, a₂ − a₁,
 # where a₁ and a₂ are the ovals
 CLASSES = ((1, 1, 0, 1), (1, 1, 1, 1), (0, 1, 1, 1), (0, 1, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1))
-# largest number of steps of Newton's method; number of numbers in the working memory of :func:`placed`
-MOST_STEPS, PLACING = 100, 24
-# a step of Newton's method by more turns than this has no meaning
-FARTHEST = 1e3
+# number of numbers in the working memory of :func:`placed`
+PLACING = 27
 
 
 def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
@@ -142,119 +136,51 @@ def rough_phases(motion: Row, start: Row, found: Row, rule: Row) -> tuple[float,
     return (zeroth * b2 - first * a2) / area, (a1 * first - b1 * zeroth) / area
 
 
-class Limits(NamedTuple):
-    """The lift of the units of a motion; the difference from the start at which Newton's method ends, and the step of
-    its quotients of differences, in turns.
-    """
-
-    lift: float
-    enough: float
-    nudge: float
-
-
 def placed(
     torus: Torus, motion: Row, point: Row, found: Row, scales: Row, rule: Row, limits: Limits, room: Row
 ) -> float:
-    """Completes the ``numbers`` of a torus, of which the matrix and (α, β) of the tilt term are given. Returns the
-    largest difference between (γ̃, w̃) of the moving ``point`` at the start and at its phases.
+    """:func:`integrable.torus.lifts.met` for the moving ``point`` of a body, with the factors C_i.
 
     ``motion`` is a :func:`integrable.torus.lattice.motion_row`, ``found`` the result of :func:`torus_periods`;
     ``scales`` are the numbers by which theta functions are divided; ``rule`` is for :func:`rough_phases`.
     """
-    numbers, start = torus.numbers, room[18:24]
-    numbers[TILT], numbers[TILT + 1] = numbers[TILT] * limits.lift, numbers[TILT + 1] / (limits.lift * limits.lift)
-    d, r, zeta = motion[8], motion[10], motion[7]
+    start, d, r, zeta = room[:6], motion[8], motion[10], motion[7]
     for i in range(3):
         x, y, z = motion[4 + i], motion[4 + (i + 1) % 3], motion[4 + (i + 2) % 3]
-        rest = r - d * x
-        numbers[FACTORS + i] = scales[i] * root(root(abs(x - zeta) / (rest * abs(x - y) * abs(x - z))))
-        numbers[CONTACT + i] = rest
-        numbers[GAPS + i] = z - y
+        torus.factors[i] = root(root(abs(x - zeta) / ((r - d * x) * abs(x - y) * abs(x - z))))
     start_frame(point, start)
     first, second = rough_phases(motion, point, found, rule)
-    numbers[PLACES], numbers[PLACES + 1] = 0 * d + first, 0 * d + second
-    return matched(torus, start, limits, room)
+    torus.places[0], torus.places[1] = 0 * d + first, 0 * d + second
+    return met(torus, scales, start, limits, room[6:])
 
 
 def start_frame(point: Row, out: Row) -> None:
-    """Writes (γ̃, w̃) of a moving point."""
+    """Writes γ̃_1, w̃_1, γ̃_2, … of a moving point."""
     gamma, M = directions_of(point)
     w = gamma[1] * M[2] - gamma[2] * M[1], gamma[2] * M[0] - gamma[0] * M[2], gamma[0] * M[1] - gamma[1] * M[0]
     size = 1 / root(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
     for i in range(3):
-        out[i], out[3 + i] = gamma[i], size * w[i]
-
-
-def matched(torus: Torus, start: Row, limits: Limits, room: Row) -> float:
-    """Corrects the phases of ``torus``, given in floats, to those of ``start``, which is (γ̃, w̃), by Newton's method,
-    and gives the factors the signs of the start. Returns the largest remaining difference, NaN if a phase is NaN.
-    """
-    numbers, nudge = torus.numbers, limits.nudge
-    gap = before = 4.0
-    for n in range(MOST_STEPS):
-        for k in abreast(0, 3):
-            first, second = 0 * numbers[PLACES], 0 * numbers[PLACES]
-            if k == 1:
-                first = first + nudge
-            if k == 2:
-                second = second + nudge
-            x, y, z, p, q, s = frame_at(torus, first, second)
-            room[6 * k], room[6 * k + 1], room[6 * k + 2] = x, y, z
-            room[6 * k + 3], room[6 * k + 4], room[6 * k + 5] = p, q, s
-        # near a separatrix phases in floats may leave the sign of a small γ_i open
-        give_signs(numbers, start, room)
-        gap, move1, move2 = newton_step(start, nudge, room)
-        # NaN ends the loop too
-        if not gap > limits.enough or not abs(float(move1)) + abs(float(move2)) < FARTHEST:
-            break
-        if n > 2 and gap > before / 2:
-            break
-        before = gap
-        numbers[PLACES], numbers[PLACES + 1] = numbers[PLACES] + move1, numbers[PLACES + 1] + move2
-    return gap
-
-
-def give_signs(numbers: Row, start: Row, room: Row) -> None:
-    """Gives the factors, and the three frames in ``room``, the signs of the start."""
-    for i in range(3):
-        if float(room[i] * start[i] + room[3 + i] * start[3 + i]) < 0:
-            numbers[FACTORS + i] = -numbers[FACTORS + i]
-            for k in range(3):
-                room[6 * k + i], room[6 * k + 3 + i] = -room[6 * k + i], -room[6 * k + 3 + i]
-
-
-def newton_step(start: Row, nudge: float, room: Row) -> tuple[float, Real, Real]:
-    """(the largest difference from the start, the changes of both phases), by least squares.
-
-    ``room`` has the numbers at the present phases, then those a ``nudge`` further along the first phase, and along the
-    second.
-    """
-    zero, gap, wide = 0 * start[0], 0.0, len(start)
-    aa, ab, bb, ar, br, rest = zero, zero, zero, zero, zero, 0.0
-    for i in range(wide):
-        a, b, off = room[wide + i] - room[i], room[2 * wide + i] - room[i], start[i] - room[i]
-        aa, ab, bb, ar, br = aa + a * a, ab + a * b, bb + b * b, ar + a * off, br + b * off
-        gap, rest = max(gap, abs(float(off))), rest + 0 * float(off)
-    area = aa * bb - ab * ab
-    return gap + rest, nudge * (ar * bb - br * ab) / area, nudge * (aa * br - ab * ar) / area
+        out[2 * i], out[2 * i + 1] = gamma[i], size * w[i]
 
 
 def surveyed_rates(
-    problem: Row, found: Row, motion: Row, units: tuple[float, float], doubled: tuple[int, int], out: Row
+    problem: Row, found: Row, motion: Row, tilt: Row, units: tuple[float, float], matrix: Row, rates: Row, out: Row
 ) -> None:
-    """Writes numbers of a motion in the user's units.
-
-    They are the matrix of a :class:`~integrable.torus.states.Torus` (four numbers); the turns of both phases per unit
-    of t, and per unit of τ; the means of dτ/dt and of dt/dτ; the turns of both ``doubled`` periods per unit of τ; the
-    mean of dt/dτ again; 2π.
+    """Writes the ``matrix`` of :class:`~integrable.torus.states.BodyStates`; the ``rates`` of
+    :class:`~integrable.torus.access.TorusClock`, in the user's units; and to ``out`` the numbers of the
+    :class:`~integrable.torus.lifts.Rate`: a_i = r − dα_i, b_i = 1, α, and β(α_k − α_j).
 
     ``problem`` is a :func:`~integrable.moving_point.problem.problem_row`, ``found`` the result of
-    :func:`torus_periods`, ``units`` are the length and the lift of the motion's units.
+    :func:`torus_periods`, ``motion`` a :func:`integrable.torus.lattice.motion_row`; ``tilt`` are α and β of the tilt
+    term of 1/g, ``units`` the length and the lift of the motion's units.
     """
-    length, lift = units
-    scale, mean = problem[TIME_SCALE] * (length * lift), problem[SLOWNESS] * found[MEAN] / (lift * lift)
-    nu1, nu2 = found[FREQUENCIES] * scale, found[FREQUENCIES + 1] * scale
-    out[0], out[1] = problem[MATRIX], problem[MATRIX + 1] * problem[MOMENTUM]
-    out[2], out[3] = problem[MATRIX + 2], problem[MATRIX + 3] * problem[MOMENTUM]
-    out[4], out[5], out[6], out[7], out[8], out[9] = nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean
-    out[10], out[11], out[12], out[13] = nu1 / doubled[0], nu2 / doubled[1], mean, 2 * motion[9]
+    (length, lift), d = units, motion[8]
+    scale = problem[TIME_SCALE] * (length * lift)
+    matrix[0], matrix[1] = problem[MATRIX], problem[MATRIX + 1] * problem[MOMENTUM]
+    matrix[2], matrix[3] = problem[MATRIX + 2], problem[MATRIX + 3] * problem[MOMENTUM]
+    rates[0], rates[1] = found[FREQUENCIES] * scale, found[FREQUENCIES + 1] * scale
+    rates[2], rates[3] = problem[SLOWNESS] * found[MEAN] / (lift * lift), 2 * motion[9]
+    out[6], lean = tilt[0] * lift, tilt[1] / (lift * lift)
+    for i in range(3):
+        out[2 * i], out[2 * i + 1] = motion[10] - d * motion[4 + i], 1 + 0 * d
+        out[7 + i] = lean * (motion[4 + (i + 2) % 3] - motion[4 + (i + 1) % 3])

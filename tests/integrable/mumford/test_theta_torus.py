@@ -15,8 +15,10 @@ from integrable.mumford import theta_torus
 from integrable.mumford.bodies import BodyFlow
 from integrable.mumford.branch_points import PairModel, long_roots, opened, without_root
 from integrable.mumford.theta_torus import ThetaTorus
+from integrable.torus.lifts import Torus
 from integrable.torus.loops import CompiledLoops
-from integrable.torus.pair_loops import PairTorus, pairs_at, phases_at
+from integrable.torus.pair_loops import PairTorus, pairs_at
+from integrable.torus.states import phases_at
 from integrable.torus.theta_series import half_turn, theta, theta_sums
 from jacobian import MP, HyperellipticCurve, PrecisionLoss
 from jacobian.inexact.long_field import LongField
@@ -85,7 +87,7 @@ def test_what_is_wrong_is_noticed(name, which) -> None:
         wrong._torus.frequencies[which] = change(wrong._torus.frequencies[which])
         assert not confirmed(flow, wrong)
     wrong = torus()
-    wrong._torus.places[which, 0] += 1e-9
+    wrong._torus.torus.places[which, 0] += 1e-9
     assert not confirmed(flow, wrong)
 
 
@@ -111,11 +113,12 @@ def test_the_source_interpreted_in_long_numbers_is_what_is_compiled() -> None:
         def long(row):
             return [reals.number(x) + reals.number(y) for x, y in row.tolist()]
 
-        sums = compiled.sums._replace(table=long(compiled.sums.table), inverse=long(compiled.sums.inverse))
+        own, places, factors = compiled.torus
+        sums = own._replace(table=long(own.table), inverse=long(own.inverse))
         rows = [long(row) for row in compiled[1:]]
-        interpreted = PairTorus(sums, *rows)
+        interpreted = PairTorus(Torus(sums, long(places), long(factors)), *rows)
         out, phases = [reals.number(0)] * (3 * (2 * len(found.data) + 4)), [reals.number(0)] * 6
-        phases_at(interpreted, times.tolist(), phases)
+        phases_at(interpreted.frequencies, times.tolist(), phases)
         pairs_at(interpreted, phases, [reals.number(0)] * 12, out)
     columns = np.reshape([float(x) for x in out], (-1, 3))
     for k, column in enumerate([*found.data[0][1:], *found.u[:2], *found.v]):

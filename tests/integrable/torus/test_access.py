@@ -14,7 +14,7 @@ from integrable.motion.precise import PreciseFlow
 from integrable.moving_point.problem import TIME_SCALE
 from integrable.oracles.reference import taylor
 from integrable.phase.state import onto_constraints
-from integrable.torus.access import TorusFlow, series_between
+from integrable.torus.access import RateSpectrum, TorusFlow, series_between
 from integrable.torus.body_torus import BodyTorus
 from integrable.torus.clock_loops import swing_and_rate
 from integrable.torus.clock_modes import Cutoffs
@@ -193,8 +193,9 @@ def test_a_trigonometric_polynomial_is_integrated_exactly() -> None:
         loops = ReadableLoops(setup) if setup else CompiledLoops()
         values, _ = loops.spectrum(rate(first, second).astype(np.longdouble), (1e-15, 1e-15))
         rates = loops.row((*nu, 2, 2 * MP(40).context.pi))
-        rough, packed, quiet, modes, _ = series_between(
-            loops, values, first.shape, rates, Cutoffs(1e-15, 1e-15, inf, 0.3, inf)
+        limits = Cutoffs(1e-15, 1e-15, inf, 0.3, inf)
+        (rough, packed, quiet, modes, _), _ = series_between(
+            loops, RateSpectrum(values, first.shape), (rates, (1, 1)), limits
         )
         assert quiet is packed
         assert not len(modes)

@@ -1,0 +1,369 @@
+"""Square roots of |U| at branch points on a real torus of genus 2, by theta functions; on bare reals, compiled or
+interpreted. The start of a motion, the check of a torus and dt/dτ on a grid are the same for bodies and for pairs of
+any curve.
+
+Let σ = √|U(e)| at a branch point e, and ν = −2∂σ with the derivative ∂ along (0, 1). Then σ ∝ θ_e/θ_∞ (Thomae; Mumford
+1984). A body has three such points, and its lifts (γ̃_i, w̃_i) are normalized by γ̃² = w̃² = 1 instead, without θ_∞.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from integrable.moving_point.addition import Real, Row
+from integrable.torus.theta_series import ThetaSums, circle, is_odd, row_sums, theta
+from jacobian.numbers.abreast import abreast
+from jacobian.numbers.roots import root
+from jacobian.numbers.sums import joined, plus_product
+
+# the number of points between which Newton's method takes quotients of differences; its largest number of steps; a step
+# by more turns than FARTHEST has no meaning
+POINTS, MOST_STEPS, FARTHEST = 3, 100, 1e3
+# a lift at the start that is smaller than this part of the largest one belongs to an oval that was a point and has been
+# opened
+SMALLEST = 2.0**-40
+# number of points at which the equations of motion are checked, each with AROUND − 1 others, and the largest step of a
+# phase there, in turns: the error of the quotients of differences is about the fourth power of 2π·STEP times the
+# highest harmonic
+CHECKED, AROUND, STEP = 8, 5, 2.0**-24
+# the phases of the points of a check are multiples of these parts of a turn, which no symmetry of a motion shares
+ALONG_FIRST, ALONG_SECOND = 0.7548776662466927, 0.5698402909980532
+# quotients of differences are inaccurate where all lifts change by more than this part in a step, as next to a pole
+POLE = 1e-4
+# number of columns of a grid whose sums are computed together, so that they stay in a cache
+TOGETHER = 64
+# turns of a phase at the checked times: more than one in either direction, after which all signs that the period
+# changes have changed
+TURNS = (1.23, -1.38)
+# beyond this number of turns the faster phase loses its fraction
+FAR = 2.0**48
+
+
+class Torus(NamedTuple):
+    """The theta functions of a motion. Class k of ``sums`` belongs to a branch point; a further class is θ_∞.
+
+    ``places`` are the phases of the start in turns. σ of class k is ``factors[k]`` times θ_k, before it is normalized.
+    """
+
+    sums: ThetaSums
+    places: Row
+    factors: Row
+
+
+def frame_at(torus: Torus, first: Real, second: Real) -> Row:
+    """(γ̃, w̃) at phases in turns from the start, below 2: larger phases would lose digits."""
+    sums, places = torus.sums, torus.places
+    one, two = circle((first + places[0]) / 2, sums.inverse), circle((second + places[1]) / 2, sums.inverse)
+    x, p = theta(sums, 0, one, two)
+    y, q = theta(sums, 1, one, two)
+    z, s = theta(sums, 2, one, two)
+    return frame_from(torus.factors, (x, y, z), (p, q, s))
+
+
+def frame_from(factors: Row, values: Row, slopes: Row) -> Row:
+    """(γ̃, w̃) from the theta functions and their derivatives."""
+    a, b, c = factors[0], factors[1], factors[2]
+    x, y, z = a * values[0], b * values[1], c * values[2]
+    p, q, s = a * slopes[0], b * slopes[1], c * slopes[2]
+    size = 1 / root(x * x + y * y + z * z)
+    x, y, z = x * size, y * size, z * size
+    lean = x * p + y * q + z * s
+    p, q, s = lean * x - p, lean * y - q, lean * z - s
+    size = 1 / root(p * p + q * q + s * s)
+    return x, y, z, p * size, q * size, s * size
+
+
+def lifts_at(torus: Torus, first: Real, second: Real, count: int, out: Row, place: int) -> None:
+    """Writes σ and ν of the first ``count`` classes, at phases in turns from the start, to out[place …]."""
+    sums, factors = torus.sums, torus.factors
+    if sums.sizes[0] == len(factors):
+        x, y, z, p, q, s = frame_at(torus, first, second)
+        out[place], out[place + 2], out[place + 4] = x, y, z
+        out[place + 1], out[place + 3], out[place + 5] = p, q, s
+        return
+    one = circle((first + torus.places[0]) / 2, sums.inverse)
+    two = circle((second + torus.places[1]) / 2, sums.inverse)
+    last, slope = theta(sums, sums.sizes[0] - 1, one, two)
+    over = 1 / last
+    lean = slope * over
+    for k in range(count):
+        value, rate = theta(sums, k, one, two)
+        sigma, factor = value * over, factors[k]
+        out[place + 2 * k] = factor * sigma
+        out[place + 2 * k + 1] = factor * (2 * (sigma * lean - rate * over))
+
+
+# --- the start
+
+
+class Limits(NamedTuple):
+    """The difference from the start, relative to each lift, at which Newton's method ends, and the step of its
+    quotients of differences in turns.
+    """
+
+    enough: float
+    nudge: float
+
+
+def met(torus: Torus, tops: Row, target: Row, limits: Limits, room: Row) -> float:
+    """Multiplies the factors by ``tops``, the numbers by which theta functions are divided. Then corrects the phases of
+    the start, given in floats, to those at which the lifts are ``target``, by Newton's method, and gives the factors
+    the signs of the target. Returns the largest remaining difference relative to the largest of the target, NaN if a
+    phase is NaN. ``room`` is memory for 3·(lifts) + (classes) numbers.
+    """
+    places, factors, nudge = torus.places, torus.factors, limits.nudge
+    count, zero, wide = len(factors), 0 * places[0], 2 * len(factors)
+    weights, last, gap, before = room[POINTS * wide : POINTS * wide + count], 1 + zero, 4.0, 4.0
+    if len(tops) > count:
+        last = tops[count]
+    for k in range(count):
+        factors[k] = factors[k] * tops[k] / last
+    size = weigh(target, weights)
+    for n in range(MOST_STEPS):
+        for point in abreast(0, POINTS):
+            first, second = zero, zero
+            if point == 1:
+                first = first + nudge
+            if point == 2:
+                second = second + nudge
+            lifts_at(torus, first, second, count, room, wide * point)
+        # near a separatrix phases in floats may leave the sign of a small lift open
+        give_signs(factors, target, room)
+        gap, move1, move2 = newton_step(target, weights, nudge, room)
+        # NaN ends the loop too
+        if not gap > limits.enough or not abs(float(move1)) + abs(float(move2)) < FARTHEST:
+            break
+        if n > 2 and gap > before / 2:
+            break
+        before = gap
+        places[0], places[1] = places[0] + move1, places[1] + move2
+    closure = 0.0
+    for n in range(wide):
+        off = float(room[n] - target[n])
+        closure = max(closure, abs(off)) + 0 * off
+    return closure / size
+
+
+def weigh(target: Row, weights: Row) -> float:
+    """Writes 1/(the size of the lift of each class), so that small lifts, as at an end of a short oval, count as much
+    as others. Those of an oval that was a point do not. Returns the largest size in the target.
+    """
+    size = 0.0
+    for n in range(len(target)):
+        size = max(size, abs(float(target[n])))
+    for k in range(len(weights)):
+        most = max(abs(float(target[2 * k])), abs(float(target[2 * k + 1])))
+        if most < SMALLEST * size:
+            most = size
+        weights[k] = 1 / (most + 0 * target[0])
+    return size
+
+
+def give_signs(factors: Row, target: Row, room: Row) -> None:
+    """Gives the factors, and the lifts at all points in ``room``, the signs of the target."""
+    count = len(factors)
+    for k in range(count):
+        if float(room[2 * k] * target[2 * k] + room[2 * k + 1] * target[2 * k + 1]) < 0:
+            factors[k] = -factors[k]
+            for n in range(POINTS):
+                at = 2 * (count * n + k)
+                room[at], room[at + 1] = -room[at], -room[at + 1]
+
+
+def newton_step(target: Row, weights: Row, nudge: float, room: Row) -> tuple[float, Real, Real]:
+    """(the largest weighted difference from the target, the changes of both phases), by least squares.
+
+    ``room`` has the lifts at the present phases, then those a ``nudge`` further along the first phase, and along the
+    second.
+    """
+    zero, gap, wide = 0 * target[0], 0.0, len(target)
+    aa, ab, bb, ar, br, rest = zero, zero, zero, zero, zero, 0.0
+    for i in range(wide):
+        weight = weights[i // 2]
+        a, b = (room[wide + i] - room[i]) * weight, (room[2 * wide + i] - room[i]) * weight
+        off = (target[i] - room[i]) * weight
+        aa, ab, bb, ar, br = aa + a * a, ab + a * b, bb + b * b, ar + a * off, br + b * off
+        gap, rest = max(gap, abs(float(off))), rest + 0 * float(off)
+    area = aa * bb - ab * ab
+    return gap + rest, nudge * (ar * bb - br * ab) / area, nudge * (aa * br - ab * ar) / area
+
+
+# --- a check
+
+
+def put_around(torus: Torus, frequencies: Row, room: Row) -> None:
+    """Writes the lifts at CHECKED points, each followed by those one and two steps ahead and behind on the motion."""
+    nu1, nu2, wide = frequencies[0], frequencies[1], 2 * len(torus.factors)
+    step = STEP / max(abs(float(nu1)), abs(float(nu2)))
+    for n in abreast(0, CHECKED):
+        for k in range(AROUND):
+            ahead = step * (k if k < 3 else 2 - k)
+            first, second = ALONG_FIRST * n + ahead * nu1, ALONG_SECOND * n + ahead * nu2
+            lifts_at(torus, first, second, len(torus.factors), room, wide * (AROUND * n + k))
+
+
+def most_strayed(frequencies: Row, wide: int, lifts: Row, right: Row, out: Row) -> float:
+    """The largest difference between rates of σ, or of ν, on the torus, from :func:`put_around`, and the ``right`` ones
+    of the equations of motion. It is relative to the largest such rate at the same point, or to σ, or ν, times the
+    frequency of the faster phase if that is more. NaN if a rate is NaN. ``wide`` is the number of lifts.
+
+    The check covers signs, periods and frequencies, for all times, because theta functions are analytic. ``out`` is
+    memory for a number at each point. Points next to a pole are left out.
+    """
+    fastest = max(abs(float(frequencies[0])), abs(float(frequencies[1])))
+    step = STEP / fastest
+    for n in abreast(0, CHECKED):
+        worst, rest, pole = 0.0, 0.0, 0.0
+        for c in range(2):
+            gap, size, change = 0.0, 0.0, 1.0
+            for k in range(wide // 2):
+                at, own = AROUND * wide * n + 2 * k + c, right[wide * n + 2 * k + c]
+                near, far = lifts[at + wide] - lifts[at + 3 * wide], lifts[at + 2 * wide] - lifts[at + 4 * wide]
+                off = abs(float((8 * near - far) / 12 / step - own))
+                rate, large = abs(float(own)), fastest * abs(float(lifts[at]))
+                gap, size, rest = max(gap, off), max(size, rate, large), rest + 0 * off
+                change = min(change, STEP * rate / large)
+            worst, pole = max(worst, gap / size), max(pole, change)
+        if pole > POLE:
+            worst = 0.0
+        out[n] = worst + rest
+    most, noise = 0.0, 0.0
+    for i in range(CHECKED):
+        most, noise = max(most, out[i]), noise + 0 * out[i]
+    return most + noise
+
+
+def witnesses(rates: list[float]) -> np.ndarray:
+    """Two times of the flow for each period, one in each direction, after which every sign that the period changes has
+    changed.
+
+    ``rates`` are turns of the phases per unit of τ.
+    """
+    # if the faster phase loses its fraction before a turn of the slower one, the signs of the latter do not matter
+    farthest = FAR / max(map(abs, rates))
+    return np.array([min(max(turns / nu, -farthest), farthest) for nu in rates for turns in TURNS])
+
+
+# --- dt/dτ on a grid
+
+
+class RateSums(NamedTuple):
+    """dt/dτ = s√q, or sq if not ``rooted``, with q = Σ a_n(f_nθ_n)²/Σ b_n(f_nθ_n)², a sum over two or three ``classes``
+    of theta functions from the class ``first`` on. f_n are the factors of the torus, 1 for θ_∞. ``numbers`` are a_n
+    and b_n of three classes, then s.
+
+    If the body is ``tilted``, Σ c_i·w̃_iγ̃_jγ̃_k/√q for cyclic (i, j, k) is added, and the c_i follow.
+    """
+
+    first: int
+    classes: int
+    rooted: bool
+    tilted: bool
+    numbers: Row
+
+
+def gridded(
+    torus: Torus, rate: RateSums, sizes: tuple[int, int], coarser: tuple[int, int], room: Row, rates: Row, others: Row
+) -> None:
+    """Writes dt/dτ on a grid of one turn of either phase from the start to ``rates``, and to ``others`` dt/dτ with the
+    opposite tilt. ``sizes`` are the rows and columns of the grid.
+
+    Points of a coarser grid, whose rows and columns are ``coarser`` apart (0: there is none), are left out. ``room`` is
+    memory for 4·TOGETHER + 2·rows numbers per harmonic of φ₁ in each theta series.
+    """
+    sums, classes, height = torus.sums, rate.classes, torus.sums.sizes[1]
+    rows, columns = sizes
+    zero, circles = 0 * torus.places[0], 4 * classes * height * TOGETHER
+    for r in abreast(0, rows):
+        angle = circle((zero + r / rows + torus.places[0]) / 2, sums.inverse)
+        put_harmonics(sums, (rate.first, classes), angle, room, circles + 2 * r, rows)
+    for begin in range(0, columns, TOGETHER):
+        count = min(TOGETHER, columns - begin)
+        for j in abreast(0, count):
+            angle = circle(((begin + j) / columns + torus.places[1]) / 2, sums.inverse)
+            for k in range(classes):
+                for i in range(height):
+                    p, q, dp, dq = row_sums(sums, rate.first + k, i, angle)
+                    place = 4 * (k * height + i) * TOGETHER + j
+                    room[place], room[place + TOGETHER] = p, q
+                    room[place + 2 * TOGETHER], room[place + 3 * TOGETHER] = dp, dq
+        for row in range(rows):
+            apart = coarser[1] if coarser[0] > 0 and row % coarser[0] == 0 else 0
+            # apart − 1 new columns lie between two known ones
+            new = count if apart == 0 else count // apart * (apart - 1)
+            for n in abreast(0, new):
+                j = n if apart == 0 else n + n // (apart - 1) + 1
+                own, other = rates_in(torus, rate, room, (circles + 2 * row, 2 * rows), j)
+                rates[row * columns + begin + j] = own
+                others[row * columns + begin + j] = other
+
+
+def put_harmonics(
+    sums: ThetaSums, classes: tuple[int, int], angle: tuple[Real, Real], room: Row, place: int, rows: int
+) -> None:
+    """Writes (cosine, sine) of the harmonics of φ₁ in each theta series to room[place …], 2·``rows`` numbers apart.
+    ``classes`` are the first class and how many there are; ``angle`` is (cosine, sine) of πφ₁.
+    """
+    height, (c, s) = sums.sizes[1], angle
+    twice, sine = c * c - s * s, 2 * c * s
+    for n in range(classes[1]):
+        a, b = 1 + 0 * c, 0 * c
+        if sums.chars[4 * (classes[0] + n)] > 0:
+            a, b = c, s
+        for i in range(height):
+            there = place + 2 * rows * (n * height + i)
+            room[there], room[there + 1] = a, b
+            a, b = a * twice - b * sine, a * sine + b * twice
+
+
+def rates_in(torus: Torus, rate: RateSums, room: Row, circles: tuple[int, int], j: int) -> tuple[Real, Real]:
+    """dt/dτ in column j, and with the opposite tilt, from what :func:`gridded` has put into ``room``. ``circles`` are
+    the position of the first harmonic and the distance from each harmonic to the next.
+    """
+    sums, factors, numbers = torus.sums, torus.factors, rate.numbers
+    scale = numbers[6]
+    if rate.tilted:
+        x, p = column_values(sums, (0, 0), room, circles, j, True)
+        y, q = column_values(sums, (1, 1), room, circles, j, True)
+        z, s = column_values(sums, (2, 2), room, circles, j, True)
+        x, y, z, p, q, s = frame_from(factors, (x, y, z), (p, q, s))
+        own = root(numbers[0] * x * x + numbers[2] * y * y + numbers[4] * z * z)
+        turn = (numbers[7] * p * y * z + numbers[8] * q * z * x + numbers[9] * s * x * y) / own
+        return scale * own + turn, scale * own - turn
+    x, z = column_values(sums, (rate.first, 0), room, circles, j, False)
+    y, _ = column_values(sums, (rate.first + 1, 1), room, circles, j, False)
+    x = factors[rate.first] * x
+    if rate.classes > 2:
+        z, _ = column_values(sums, (rate.first + 2, 2), room, circles, j, False)
+        y, z = factors[rate.first + 1] * y, factors[rate.first + 2] * z
+    x, y, z = x * x, y * y, z * z
+    own = (numbers[0] * x + numbers[2] * y + numbers[4] * z) / (numbers[1] * x + numbers[3] * y + numbers[5] * z)
+    if rate.rooted:
+        own = root(own)
+    return scale * own, scale * own
+
+
+def column_values(
+    sums: ThetaSums, place: tuple[int, int], room: Row, circles: tuple[int, int], j: int, tilted: bool
+) -> tuple[Real, Real]:
+    """θ of class k in column j, and its derivative for a ``tilted`` body, else 0. ``place`` is (k, n) if it is the n-th
+    class in ``room``.
+    """
+    (k, own), height = place, sums.sizes[1]
+    odd, zero = is_odd(sums.chars, k), 0 * room[j]
+    value, slope = zero, zero
+    for i in range(height):
+        at = 4 * (own * height + i) * TOGETHER + j
+        there = circles[0] + circles[1] * (own * height + i)
+        a, b = room[there], room[there + 1]
+        p, q = room[at], room[at + TOGETHER]
+        x, y, u, v = a, -b, b, a
+        if odd:
+            x, y, u, v = u, v, x, y
+        value = plus_product(plus_product(value, x, p), y, q)
+        if tilted:
+            p, q = room[at + 2 * TOGETHER], room[at + 3 * TOGETHER]
+            slope = plus_product(plus_product(slope, u, p), v, q)
+    return joined(value, zero), joined(slope, zero)
