@@ -110,7 +110,7 @@ class QuickStates:
         clock = self._clocks[carrier]
         if clock is None:
             return None
-        phases, tau = clock.phases(times)
+        phases, tau = clock.clock.phases(times)
         turns = [sum(map(carrier.field.coerce, pair)) for pair in phases[2 * far : 2 * far + 2].tolist()]
         moved = [turn * curve.period for turn, curve in zip(turns, carrier.curves, strict=True)]
         if not clock.holds(moved, turns, tau[far : far + 1], times[far]):
@@ -166,15 +166,14 @@ class QuickClock:
         check_no_resonance(self._spectrum, turns)
         mean = Column(*self._spectrum.values[0])
         row = np.array([*((x.hi, x.lo) for x in (*packed.rates, mean)), loops.circle[0]])
-        self._clock = TorusClock(loops, self._spectrum, row, scale, NOISE / 64)
-        self.phases = self._clock.phases
+        self.clock = TorusClock(loops, self._spectrum, row, scale, NOISE / 64)
 
     def holds(self, moved: list[Real], turns: list[Mpf], tau: np.ndarray, time: float) -> bool:
         """Whether the clock is accurate at ``time``: t(τ) returns this time, and dt/dτ agrees with that of the curves.
 
         ``turns`` are the phases at that time, and ``moved`` the times on the curves.
         """
-        if not abs(float(self._clock.times(tau)[0]) - time) <= MOST_OFF * abs(time):
+        if not abs(float(self.clock.times(tau)[0]) - time) <= MOST_OFF * abs(time):
             return False
         values, (rows, columns) = self._spectrum
         half = values[:, 0].reshape(-1, 2)[: (rows // 2 + 1) * columns].reshape(-1, columns, 2) @ np.array([1, 1j])

@@ -117,8 +117,8 @@ def test_a_clock_that_is_off_goes_the_readable_way(monkeypatch) -> None:
     system = PAIRS["tilde, rolling"]
     flow = system.flow(system.state(*START))
     truth = flow._curves.at(TAU)[0]
-    right = quick_states.QuickClock.phases
-    monkeypatch.setattr(quick_states.QuickClock, "phases", lambda clock, times: right(clock, times * (1 + 1e-13)))
+    right = quick_states.TorusClock.phases
+    monkeypatch.setattr(quick_states.TorusClock, "phases", lambda clock, times: right(clock, times * (1 + 1e-13)))
     found = flow.at(TAU)
     assert np.array_equal(np.hstack([found.gamma, found.M]), truth)
 
