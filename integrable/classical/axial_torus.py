@@ -18,12 +18,11 @@ import numpy as np
 
 from integrable.classical.axial import AxialSystem, Axis, state_of
 from integrable.classical.axial_loops import LIBRARY, AxialThetas, axis_at
-from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.columns import Column, Columns
 from integrable.mumford.elliptic_torus import first_kind, means, part_of_round, theta_table
 from integrable.mumford.flow import MumfordFlow, Point
 from integrable.portrait.separated import SeparatedTorus
-from integrable.torus.lifts import TURNS
+from integrable.torus.lifts import TURNS, FarTimes
 from integrable.torus.theta_series import half_turn, inverse_factorials, long_numbers
 from jacobian import RR, poly
 from jacobian.element import Real
@@ -43,7 +42,7 @@ LOST, NOTHING = 2.0**-130, 2.0**-90
 Arrays = tuple[np.ndarray, ...]
 
 
-class AxialTorus:
+class AxialTorus(FarTimes):
     """States of a motion of :class:`~integrable.classical.axial.AxialSystem` in floats at any times.
 
     PrecisionLoss on a separatrix, or if double-doubles cannot distinguish the motion from a separatrix or from rest.
@@ -59,16 +58,12 @@ class AxialTorus:
             row = double_double_row((*numbers, *(top or (N.zero,) * 3)))
             self._motion = AxialThetas(row, double_double_row(table), inverse_factorials(), top is not None)
         self._nods, self._turns = map(float, numbers[:2])
-        self._pace = max(abs(self._nods), abs(self._turns))
+        self.paces = [self._nods, self._turns]
 
     @property
     def witnesses(self) -> np.ndarray:
         """Times a period and more from the start, in both directions, for a comparison with another method."""
         return np.array(TURNS) / (self._nods or self._turns or 1.0)
-
-    def reaches(self, times: np.ndarray) -> bool:
-        """Whether double-doubles resolve the fraction of a turn at all of these times."""
-        return float(np.abs(times).max(initial=0)) * self._pace <= MOST_TURNS
 
     def at(self, times: np.ndarray) -> np.ndarray:
         """q and p at the given times, shape (N, 6)."""

@@ -14,11 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.branch_points import APART, SMALL, all_real, coincident, long_roots
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import Start
-from integrable.torus.lifts import TURNS
+from integrable.torus.lifts import FarTimes
 from integrable.torus.theta_series import circle, half_turn, inverse_factorials, long_numbers
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
@@ -94,7 +93,7 @@ class CubicModel(NamedTuple):
     pole: Real | None = None
 
 
-class EllipticTorus:
+class EllipticTorus(FarTimes):
     """The divisor D of a motion of genus 1 at any times, in double-doubles.
 
     ``place(K)`` returns the :class:`Start` over K. PrecisionLoss if branch points are not real or too close, if the
@@ -123,7 +122,8 @@ class EllipticTorus:
             numbers = (*turns, three / two, four / two, four / three)
             self._numbers, self._inverse = double_double_row(numbers), inverse_factorials()
             self._table = double_double_row(table)
-            self._pace, self._side = float(numbers[0]), model.side
+            # θ changes its sign after half a turn
+            self.paces, self._side = [float(numbers[0]) / 2], model.side
             self._first, self._swing = Column.of(model.first), Column.of(model.swing)
             self._pole = None if model.pole is None else Column.of(model.pole)
             # y = slope·sn·cn·dn
@@ -133,15 +133,6 @@ class EllipticTorus:
             self._lifts = [
                 _lift(N, model, slope, at_start, (e, datum)) for e, datum in zip(ends, start.data, strict=True)
             ]
-
-    @property
-    def witnesses(self) -> np.ndarray:
-        """Times more than one period from the start, in both directions, for a comparison with another method."""
-        return np.array([2 * turns / self._pace for turns in TURNS])
-
-    def reaches(self, times: np.ndarray) -> bool:
-        """Whether double-doubles resolve the fraction of a turn at all of these times."""
-        return float(np.abs(times).max(initial=0)) * self._pace <= MOST_TURNS
 
     def at(self, times: np.ndarray) -> Extended:
         """The pairs with their data at N times, as columns of N numbers."""

@@ -7,29 +7,26 @@ double-doubles, doubles the digits. A set-up takes some tens of milliseconds, a 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache
 from typing import Any
 
 import numpy as np
 
-from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.columns import Column, Columns
 from integrable.portrait.separated import SeparatedTorus
-from integrable.torus.lifts import witnesses
-from integrable.torus.theta_series import half_turn, long_numbers
+from integrable.torus.compiled import LIBRARY
+from integrable.torus.lifts import FarTimes
+from integrable.torus.theta_series import inverse_factorials
 from jacobian.element import Real
 from jacobian.numbers.double_double import double_double_row
 
-# the table of cosines and sines has PARTS angles per half turn; the power series about them have the order ORDER
-PARTS, ORDER = 32, 17
-# the table has BITS bits; modes below NEGLIGIBLE of the largest are not needed
-BITS, NEGLIGIBLE = 160, 1e-34
+# modes below NEGLIGIBLE of the largest are not needed
+NEGLIGIBLE = 1e-34
 
 
 HalfAngles = list[tuple[Column, Column]]
 
 
-class PhaseTorus:
+class PhaseTorus(FarTimes):
     """A motion in double-doubles: :meth:`at` evaluates the function ``read`` at any times.
 
     ``torus`` has the periods in long numbers; their field must be entered. ``read(halves, turned)`` is called with (sin
@@ -38,21 +35,12 @@ class PhaseTorus:
 
     def __init__(self, torus: SeparatedTorus, read: Callable[[HalfAngles, HalfAngles], Any]) -> None:
         self._torus, self._read, self._floats = torus, read, torus.in_floats
-        self._genus = len(torus.ovals)
+        self._genus, self._round = len(torus.ovals), Column(*inverse_factorials()[0])
         self._frequencies = [Column.of(x) for x in torus.frequencies]
         self._places = [Column.of(x) for x in torus.phases]
-        self._paces = [float(x) for x in torus.frequencies if x]
+        self.paces = [float(x) for x in torus.frequencies if x]
         self._means, self._waves = [*map(_columns, torus.means)], [*map(_waves, torus.waves)]
         self._begin = [Column.of(x) for x in torus.swings_at_start]
-
-    @property
-    def witnesses(self) -> np.ndarray:
-        """Times more than one period away, for each phase and in both directions."""
-        return witnesses(self._paces)
-
-    def reaches(self, times: np.ndarray) -> bool:
-        """Whether double-doubles resolve the fraction of a turn at all of these times."""
-        return float(np.abs(times).max(initial=0)) * max(map(abs, self._paces)) <= MOST_TURNS
 
     def at(self, times: np.ndarray) -> Any:
         """The values of ``read`` at N times."""
@@ -70,7 +58,7 @@ class PhaseTorus:
             moved.append((s * near - c * Column(x), c * near + s * Column(x)))
         turned = []
         for j in range(self._genus, len(phases)):
-            angle = 2 * circle_table()[2] * rest[j] + Column(sums.hi[j], sums.lo[j]) - self._begin[j - self._genus]
+            angle = self._round * rest[j] + Column(sums.hi[j], sums.lo[j]) - self._begin[j - self._genus]
             angle = angle + self._of_poles(j, moved) - Column(self._moved(j, angles, late))
             sine, cosine = circles(angle.hi)
             turned.append((cosine - sine * Column(angle.lo), sine + cosine * Column(angle.lo)))
@@ -81,14 +69,14 @@ class PhaseTorus:
         """The sum of the integrals of each form up to these angles, minus its part linear in the phases: shape (forms,
         N).
         """
-        total, round_ = Column(0.0), 2 * circle_table()[2]
+        total = Column(0.0)
         for phi, (s, c), x, mean, waves in zip(angles.T, halves, rest, self._means, self._waves, strict=False):
             twice, sine = 2 * (c * c - s * s), 2 * s * c
             last, now = Column(0.0), Column(0.0)
             # Clenshaw's recurrence, for all forms at once
             for row in waves:
                 last, now = now, row + twice * now - last
-            total = total + mean * (Column(phi) - round_ * x) + sine * now
+            total = total + mean * (Column(phi) - self._round * x) + sine * now
         return total
 
     def _of_poles(self, j: int, halves: HalfAngles) -> Column:
@@ -132,26 +120,9 @@ def _waves(rows: Sequence[Sequence[Real]]) -> list[Column]:
     return [_columns([row[n] for row in rows]) for n in range(int(kept.max(initial=0)), -1, -1)]
 
 
-@cache
-def circle_table() -> tuple[Column, Column, Column]:
-    """cos and sin of multiples of π/PARTS, and π."""
-    import gmpy2
-
-    with long_numbers(BITS):
-        turns = [half_turn() * k / PARTS for k in range(2 * PARTS)]
-        cosines, sines = (double_double_row(map(f, turns)).T for f in (gmpy2.cos, gmpy2.sin))
-        return Column(*cosines), Column(*sines), Column.of(half_turn())
-
-
 def circles(angles: np.ndarray) -> tuple[Column, Column]:
     """The pairs (sin, cos), in double-doubles, of angles in floats."""
-    cosines, sines, half = circle_table()
-    part = np.rint(angles * (PARTS / np.pi))
-    rest = Column(angles) - half * Column(part / PARTS)
-    square, c, s = rest * rest, Column(1.0), Column(1.0)
-    for n in range(ORDER, 1, -2):
-        c, s = 1 - square * c / ((n - 1) * (n - 2)), 1 - square * s / (n * (n - 1))
-    s = s * rest
-    place = part.astype(int) % (2 * PARTS)
-    a, b = (Column(x.hi[place], x.lo[place]) for x in (cosines, sines))
-    return b * c + a * s, a * c - b * s
+    given, out = np.ascontiguousarray(angles, dtype=np.float64), np.empty((2, len(angles), 2))
+    LIBRARY.circles(given, inverse_factorials(), out[0], out[1])
+    cosines, sines = (Column(*np.ascontiguousarray(part.T)) for part in out)
+    return sines, cosines

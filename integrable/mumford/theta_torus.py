@@ -27,8 +27,8 @@ from integrable.mumford.branch_points import SMALL, PairModel, all_real, lift_of
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import BITS_OF_TORUS, Start
 from integrable.torus.access import TorusClock, resolved_spectrum
-from integrable.torus.body_torus import CLOSED, first_grid, in_basis, resolved, rule_of_phases
-from integrable.torus.lifts import AROUND, CHECKED, TOGETHER, Limits, RateSums, Torus, witnesses
+from integrable.torus.body_torus import CLOSED, first_grid, in_basis, resolved, rule_of_phases, samples_of
+from integrable.torus.lifts import AROUND, CHECKED, FarTimes, Limits, RateSums, Torus, check_turns
 from integrable.torus.loops import CompiledLoops
 from integrable.torus.pair_loops import LIBRARY, PAIRS, PairTorus
 from integrable.torus.theta_series import half_turn, long_numbers, shortest, theta_sums
@@ -121,7 +121,7 @@ class PairBasis(NamedTuple):
     slowness: Row
 
 
-class ThetaTorus:
+class ThetaTorus(FarTimes):
     """The divisor D of a motion of genus 2 at any times, in double-doubles.
 
     ``place(K)`` returns the :class:`Start` over K, ``rate(K)`` the :class:`Rate` of a motion whose time is not linear
@@ -161,7 +161,7 @@ class ThetaTorus:
         self._doubtful = bool(self._pole) and not (found and found.gap > CLOSEST)
         wide = found and found.model.roots[4] - found.model.roots[3] > NARROW
         if found and wide and found.inside and (timed or found.gap > CLOSE):
-            self._most = MOST_TURNS * min(1, CLOSE_TURNS * found.gap)
+            self.most = MOST_TURNS * min(1, CLOSE_TURNS * found.gap)
             try:
                 return self._placed(N, found, oval_basis(found.model), lifts, timed)
             except PrecisionLoss:
@@ -171,7 +171,7 @@ class ThetaTorus:
             raise PrecisionLoss(
                 "a time that is not linear in τ, and not one point in each oval, or close branch points"
             )
-        self._most = MOST_TURNS
+        self.most = MOST_TURNS
         with LongField(BITS_OF_TORUS, complex=True) as Z:
             whole = ScaledModel(model, list(model.roots), 1.0, 1.0, 0.0, False)
             return self._placed(Z, whole, theta_basis(Z, model), lifts, None)
@@ -198,7 +198,7 @@ class ThetaTorus:
         closure = loops.met(torus, tops, target, Limits(ENOUGH if found.inside else CLOSED, loops.nudge), room)
         if not (closure <= CLOSED and LIBRARY.strayed(self._packed, room, np.empty(CHECKED)) <= OBEYED):
             raise PrecisionLoss("the pairs on the torus of this motion are not its own")
-        self._paces = basis.frequencies[:, 0].tolist()
+        self.paces = basis.frequencies[:, 0].tolist()
         if timed:
             self._clock = self._made_clock(N, basis, timed, found.length)
 
@@ -207,17 +207,11 @@ class ThetaTorus:
         """Times at which states are compared with another method. One is enough, because rates of the lifts have been
         checked on the whole torus; there are more where pairs may lose digits.
         """
-        return witnesses(self._paces) if self._doubtful else np.array([WITNESS / max(map(abs, self._paces))])
-
-    def reaches(self, times: np.ndarray) -> bool:
-        """Whether double-doubles resolve the fraction of a turn at all of these times."""
-        return float(np.abs(times).max(initial=0)) * max(map(abs, self._paces)) <= self._most
+        return super().witnesses if self._doubtful else np.array([WITNESS / max(map(abs, self.paces))])
 
     def at(self, times: np.ndarray) -> Extended:
         """The pairs with their data at N times, as columns of N numbers."""
-        if not self.reaches(times):
-            turns = float(np.abs(times).max()) * max(map(abs, self._paces))
-            raise PrecisionLoss(f"{turns:.1e} turns of a phase are more than double-double numbers hold")
+        check_turns(times, self.paces, self.most)
         count, loops = len(times), CompiledLoops()
         if self._clock is None:
             phases = loops.room(2 * count)
@@ -244,18 +238,13 @@ class ThetaTorus:
         # |U(e)| is (f_eθ_e/θ_∞)²
         up, down = (1, 0) if timed.power == 2 else (0, 1)
         rate = RateSums(k, 2, timed.power < 0, False, loops.row((up, down, down, up, 0, 0, scale)))
-        height = torus.sums.sizes[1]
-
-        def samples(sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
-            out, room = loops.room(sizes[0] * sizes[1]), loops.room(2 * height * (4 * TOGETHER + 2 * sizes[0]))
-            loops.gridded(torus, rate, sizes, (0, 0), room, out, out)
-            return out.reshape(*sizes, 2)
-
-        pace = 2 * pi * max(map(abs, self._paces))
+        pace = 2 * pi * max(map(abs, self.paces))
         sizes = first_grid(loops.noise, shortest(basis.shape[:3, 0].tolist()))
-        grid = partial(resolved, samples, sizes=sizes, most=MOST_SAMPLES)
-        spectrum = resolved_spectrum(loops, grid, self._paces, pace, loops.noise)
-        self._paces = [x / float(mean) for x in self._paces]
+        grid = partial(
+            resolved, partial(samples_of, loops, torus, rate, (False, False)), sizes=sizes, most=MOST_SAMPLES
+        )
+        spectrum = resolved_spectrum(loops, grid, self.paces, pace, loops.noise)
+        self.paces = [x / float(mean) for x in self.paces]
         rates = np.concatenate([basis.frequencies, loops.row((mean,)), loops.circle[:1]])
         return TorusClock(loops, spectrum, rates, pace, loops.noise / 64)
 

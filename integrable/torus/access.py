@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from integrable.moving_point.addition import Row
-from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.moving_point.problem import HALF_STEP, HEAVINESS, TIME_SCALE
 from integrable.torus.body_torus import BodyTorus, Transform
 from integrable.torus.clock_loops import Clock, ClockSeries
 from integrable.torus.clock_modes import MOST_LOUD, Cutoffs, Tables
+from integrable.torus.lifts import check_turns
 from integrable.torus.loops import BEYOND, Loops, NotClosed
 from integrable.torus.panels import NODES, Panels, States, panel_length
 from integrable.torus.series import in_resonance
@@ -28,7 +28,7 @@ from jacobian.errors import PrecisionLoss
 from jacobian.native.library import Packed
 
 if TYPE_CHECKING:
-    from integrable.torus.lattice import Source
+    from integrable.moving_point.setup import Setup
 
 MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this fraction of its mean are omitted from the series that starts Newton's method
@@ -57,7 +57,7 @@ class TorusFlow(BodyTorus):
 
     way = "torus"
 
-    def __init__(self, setup: Source, loops: Loops, most: int = MOST_SAMPLES, exact: Loops | None = None) -> None:
+    def __init__(self, setup: Setup, loops: Loops, most: int = MOST_SAMPLES, exact: Loops | None = None) -> None:
         super().__init__(setup, loops, most, exact)
         time_scale, half_step = loops.floats(self._problem[TIME_SCALE : HALF_STEP + 1])[
             :: HALF_STEP - TIME_SCALE
@@ -94,7 +94,7 @@ class TorusFlow(BodyTorus):
         """Physical times at values of τ."""
         if not self.clock:
             return tau
-        self._within(tau, self._turns)
+        check_turns(tau, self._turns)
         return self.clock.times(tau)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
@@ -106,7 +106,7 @@ class TorusFlow(BodyTorus):
         """Both phases at physical times, or at values of τ unless ``physical``, each divided by its entry of
         ``periods``, 1 or 2, up to whole numbers. They keep the digits that a rounded τ has lost.
         """
-        self._within(times, self._turns_in_t if physical else self._turns)
+        check_turns(times, self._turns_in_t if physical else self._turns)
         rows = self.loops.room(2 * len(times))
         if physical and self.clock:
             rows = self.clock.phases(times)[0]
@@ -146,22 +146,14 @@ class TorusFlow(BodyTorus):
 
     def _rows_of_clock(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         assert self.clock
-        self._within(times, self._turns_in_t)
+        check_turns(times, self._turns_in_t)
         return self.clock.at(self.torus, times)
 
     def _rows_at_tau(self, tau: np.ndarray) -> np.ndarray:
         out = np.empty(6 * len(tau))
-        self._within(tau, self._turns)
+        check_turns(tau, self._turns)
         self.loops.states_at_tau(self.torus, self.rates, tau, out)
         return out.reshape(-1, 6)
-
-    def _within(self, times: np.ndarray, rates: list[float]) -> None:
-        turns = np.abs(times).max(initial=0) * max(map(abs, rates))
-        if turns > MOST_TURNS:
-            raise PrecisionLoss(
-                f"time {np.abs(times).max()}: {turns:.1e} turns of a phase are more than the {MOST_TURNS:.1e} whose "
-                "fractions double-double numbers hold; use more digits"
-            )
 
     @property
     def _rolls(self) -> bool:

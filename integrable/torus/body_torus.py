@@ -20,7 +20,7 @@ from jacobian.errors import PrecisionLoss
 from jacobian.periods.real_basis import Whole
 
 if TYPE_CHECKING:
-    from integrable.torus.lattice import Source
+    from integrable.moving_point.setup import Setup
 
 # a first grid has at least this many points in each direction
 FIRST_SIZE = 16
@@ -52,7 +52,7 @@ class BodyTorus:
     set-up. PrecisionLoss where the torus is not compact. NotClosed where the states are not those of the motion.
     """
 
-    def __init__(self, setup: Source, loops: Loops, most: int, exact: Loops | None = None) -> None:
+    def __init__(self, setup: Setup, loops: Loops, most: int, exact: Loops | None = None) -> None:
         self.setup, self.loops, self._most = setup, loops, most
         made = exact or loops
         # numbers of the motion, in units of length and time of its own
@@ -137,28 +137,40 @@ class BodyTorus:
         return first_grid(self.loops.noise, self._decay)
 
     def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> np.ndarray:
-        """1/g on a grid of its periods, with ``sizes`` points per period of the divisor. Compiled loops give
-        double-doubles with a last axis; interpreted ones give long doubles, or their own numbers where these have more
-        digits. ``known`` are the samples of a coarser grid.
-        """
-        loops, (rows, columns), (down, across) = self.loops, sizes, self.doubled
-        coarser = (0, 0) if known is None else (rows * down // known.shape[0], columns * across // known.shape[1])
-        if coarser[1] > TOGETHER:
-            coarser = 0, 0
-        first, other = loops.room(rows * columns), loops.room(rows * columns)
-        torus = self.torus[0]
-        room = loops.room(3 * torus.sums.sizes[1] * (4 * TOGETHER + 2 * rows))
-        loops.gridded(torus, loops.packed(self._rate), sizes, coarser, room, first, other)
-        table = loops.samples(first, sizes)
-        if self.doubled != (1, 1):
-            beside = loops.samples(other, sizes)
-            whole = np.empty((down, rows, across, columns, *table.shape[2:]), dtype=table.dtype)
-            for i, j in np.ndindex(self.doubled):
-                whole[i, :, j] = beside if (i * self.odd[0] + j * self.odd[1]) % 2 else table
-            table = whole.reshape(down * rows, across * columns, *table.shape[2:])
-        if known is not None:
-            table[:: table.shape[0] // known.shape[0], :: table.shape[1] // known.shape[1]] = known
-        return table
+        """:func:`samples_of` 1/g on a grid of its periods, with ``sizes`` points per period of the divisor."""
+        return samples_of(self.loops, self.torus[0], self._rate, self.odd, sizes, known)
+
+
+def samples_of(
+    loops: Loops,
+    torus: Torus,
+    rate: RateSums,
+    odd: tuple[bool, bool],
+    sizes: tuple[int, int],
+    known: np.ndarray | None = None,
+) -> np.ndarray:
+    """A rate on a grid with ``sizes`` points per period. If it is tilted, its periods are doubled where they are
+    ``odd``, after which the tilt has the opposite sign. Compiled loops give double-doubles with a last axis;
+    interpreted ones give long doubles, or their own numbers where these have more digits. ``known`` are the samples of
+    a coarser grid.
+    """
+    (rows, columns), (down, across) = sizes, (1 + (rate.tilted and odd[0]), 1 + (rate.tilted and odd[1]))
+    coarser = (0, 0) if known is None else (rows * down // known.shape[0], columns * across // known.shape[1])
+    if coarser[1] > TOGETHER:
+        coarser = 0, 0
+    first, other = loops.room(rows * columns), loops.room(rows * columns)
+    room = loops.room(rate.classes * torus.sums.sizes[1] * (4 * TOGETHER + 2 * rows))
+    loops.gridded(torus, loops.packed(rate), sizes, coarser, room, first, other)
+    table = loops.samples(first, sizes)
+    if (down, across) != (1, 1):
+        beside = loops.samples(other, sizes)
+        whole = np.empty((down, rows, across, columns, *table.shape[2:]), dtype=table.dtype)
+        for i, j in np.ndindex(down, across):
+            whole[i, :, j] = beside if (i * odd[0] + j * odd[1]) % 2 else table
+        table = whole.reshape(down * rows, across * columns, *table.shape[2:])
+    if known is not None:
+        table[:: table.shape[0] // known.shape[0], :: table.shape[1] // known.shape[1]] = known
+    return table
 
 
 def first_grid(noise: float, decay: tuple[float, float]) -> tuple[int, int]:

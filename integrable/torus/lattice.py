@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from math import floor, log2
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import HEAVINESS, RATIO, TIME_SCALE, problem_row
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
-from jacobian.fields.multiprecision import MultiprecisionField
 
 if TYPE_CHECKING:
     from integrable.moving_point.problem import Problem
-    from jacobian.numbers.long_reals import BareReals
+    from integrable.moving_point.setup import Setup
 
 
 # sizes above this keep the unit 1
@@ -35,21 +32,6 @@ class RateCurve(NamedTuple):
     d: Real
     start: tuple[Real, ...]
     half_step: Real
-
-
-class Source(Protocol):
-    """The data of a torus: the motion in bare reals, wide numbers for results, and the given floats, from which
-    compiled loops may start (:class:`integrable.moving_point.setup.Setup`).
-    """
-
-    @property
-    def bare(self) -> Problem: ...
-    @property
-    def wide(self) -> MultiprecisionField: ...
-    @property
-    def reals(self) -> BareReals: ...
-    @property
-    def floats_given(self) -> tuple[np.ndarray, bool] | None: ...
 
 
 class Units(NamedTuple):
@@ -92,7 +74,7 @@ def _near_power(x: float) -> float:
     return 1.0 if x > CLOSE else 2.0 ** floor(log2(x))
 
 
-def motion_row(problem: Problem, setup: Source, units: Units) -> tuple[Real, ...]:
+def motion_row(problem: Problem, setup: Setup, units: Units) -> tuple[Real, ...]:
     """The motion as :mod:`integrable.torus.theta_setup` takes it, in bare reals: the ends of both ovals, α1, α2, α3, ζ,
     d' (elsewhere d), π, r and origin/length, in :class:`Units`.
 
@@ -162,7 +144,7 @@ class Beginning(NamedTuple):
     problem: Row
 
 
-def beginning(setup: Source, loops: Any) -> Beginning:
+def beginning(setup: Setup, loops: Any) -> Beginning:
     """The rows of a motion for ``loops``, computed in the bare reals of the set-up."""
     row = loops.row
     with setup.reals:

@@ -23,7 +23,6 @@ from jacobian.numbers.fourier import circle_of
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
-    from integrable.torus.lattice import Source
 
 
 BEYOND = "periods beyond the range of floats; use more digits"
@@ -129,7 +128,7 @@ class ReadableLoops:
 
         return inside
 
-    def begun(self, setup: Source) -> Beginning:
+    def begun(self, setup: Setup) -> Beginning:
         """The rows of a motion."""
         return beginning(setup, self)
 
@@ -166,7 +165,7 @@ class CompiledLoops:
     def integers(self, values: Iterable[int]) -> Row:
         return np.fromiter(values, dtype=np.int64)
 
-    def begun(self, setup: Source) -> Beginning:
+    def begun(self, setup: Setup) -> Beginning:
         """The rows of a motion, computed in more digits unless branch points are well separated."""
         if setup.floats_given is not None:
             given, tilted = setup.floats_given

@@ -18,6 +18,7 @@ from integrable.moving_point.addition import Row
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
+from jacobian.numbers.abreast import abreast
 from jacobian.numbers.double_double import double_double_row
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.sums import joined, plus_product
@@ -306,6 +307,12 @@ def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:
     if quarters % 4 > 1:
         c, s = -c, -s
     return c, s
+
+
+def circles(angles: Row, inverse: Row, cosines: Row, sines: Row) -> None:
+    """Writes :func:`circle` of angles given in floats, in radians."""
+    for i in abreast(0, len(angles)):
+        cosines[i], sines[i] = circle(angles[i] / inverse[0], inverse)
 
 
 @cache
