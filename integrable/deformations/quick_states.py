@@ -1,6 +1,6 @@
 """States of the tilde, check and hat pairs in floats, by theta functions on both curves, compiled for double-doubles.
 
-Physical times use the clock of :mod:`integrable.torus.access` on the torus of both curves. The loss is measured on
+Physical times use the clock of :mod:`integrable.torus.clock` on the torus of both curves. The loss is measured on
 every call: by H and K of all states in double-doubles, by a computation of the farthest state with more digits, by the
 time that the clock returns there, and by 1/g there. If the loss exceeds the rounding of floats, or if τ is too many
 periods away, the states are computed with more digits.
@@ -20,8 +20,7 @@ from integrable.deformations.oval import Pace
 from integrable.deformations.oval_loops import LIBRARY, Frame, Track
 from integrable.mumford.columns import Column
 from integrable.mumford.elliptic_torus import terms_of
-from integrable.torus.access import RateSpectrum, TorusClock, resolved_spectrum
-from integrable.torus.body_torus import FIRST_SIZE, resolved
+from integrable.torus.clock import FIRST_SIZE, RateSpectrum, TorusClock, resolved_spectrum
 from integrable.torus.long_clock import RESONANT
 from integrable.torus.loops import CompiledLoops
 from integrable.torus.series import in_resonance
@@ -152,7 +151,7 @@ class QuickStates:
 
 
 class QuickClock:
-    """The :class:`~integrable.torus.access.TorusClock` of a motion of a tilde pair with d ≠ 0.
+    """The :class:`~integrable.torus.clock.TorusClock` of a motion of a tilde pair with d ≠ 0.
 
     PrecisionLoss if 1/g needs too many samples, or if a mode is resonant.
     """
@@ -161,8 +160,8 @@ class QuickClock:
         loops, self._true_pace = CompiledLoops(), pace
         turns = [float(rate.hi) for rate in packed.rates]
         scale = SWIFT * 2 * np.pi * max(turns)
-        resolve = partial(resolved, partial(samples, pace, packed), sizes=grid_resolving(pace), most=MOST_SAMPLES)
-        self._spectrum = resolved_spectrum(loops, lambda transform: resolve(transformed=transform), turns, scale, NOISE)
+        given = partial(samples, pace, packed), grid_resolving(pace), MOST_SAMPLES
+        self._spectrum = resolved_spectrum(loops, *given, turns, scale, NOISE)
         check_no_resonance(self._spectrum, turns)
         mean = Column(*self._spectrum.values[0])
         row = np.array([*((x.hi, x.lo) for x in (*packed.rates, mean)), loops.circle[0]])

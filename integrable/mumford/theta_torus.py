@@ -26,13 +26,12 @@ from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.branch_points import SMALL, PairModel, all_real, lift_of, long_roots, opened, without_root
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import BITS_OF_TORUS, Start
-from integrable.torus.access import TorusClock, resolved_spectrum
-from integrable.torus.body_torus import CLOSED, first_grid, in_basis, resolved, rule_of_phases, samples_of
-from integrable.torus.lifts import AROUND, CHECKED, FarTimes, Limits, RateSums, Torus, check_turns
+from integrable.torus.clock import TorusClock, first_grid, resolved_spectrum, samples_of
+from integrable.torus.lifts import AROUND, CHECKED, CLOSED, FarTimes, Limits, RateSums, Torus, check_turns
 from integrable.torus.loops import CompiledLoops
 from integrable.torus.pair_loops import LIBRARY, PAIRS, PairTorus
-from integrable.torus.theta_series import half_turn, long_numbers, shortest, theta_sums
-from integrable.torus.theta_setup import CLASSES, FOUND, IMAGINARY, MEAN
+from integrable.torus.theta_series import half_turn, in_basis, long_numbers, shortest, theta_sums
+from integrable.torus.theta_setup import CLASSES, FOUND, IMAGINARY, MEAN, rule_of_phases
 from jacobian import poly
 from jacobian.element import Complex, Real
 from jacobian.errors import PrecisionLoss
@@ -240,10 +239,8 @@ class ThetaTorus(FarTimes):
         rate = RateSums(k, 2, timed.power < 0, False, loops.row((up, down, down, up, 0, 0, scale)))
         pace = 2 * pi * max(map(abs, self.paces))
         sizes = first_grid(loops.noise, shortest(basis.shape[:3, 0].tolist()))
-        grid = partial(
-            resolved, partial(samples_of, loops, torus, rate, (False, False)), sizes=sizes, most=MOST_SAMPLES
-        )
-        spectrum = resolved_spectrum(loops, grid, self.paces, pace, loops.noise)
+        samples = partial(samples_of, loops, torus, rate, (False, False))
+        spectrum = resolved_spectrum(loops, samples, sizes, MOST_SAMPLES, self.paces, pace, loops.noise)
         self.paces = [x / float(mean) for x in self.paces]
         rates = np.concatenate([basis.frequencies, loops.row((mean,)), loops.circle[:1]])
         return TorusClock(loops, spectrum, rates, pace, loops.noise / 64)

@@ -27,7 +27,7 @@ from integrable.portrait.point_ovals import (
     oval_around,
     real_and_complex,
 )
-from integrable.torus.body_torus import resolved
+from integrable.torus.clock import resolved
 from integrable.torus.series import TorusSeries, long_spectrum, needed_sizes, spectrum
 from jacobian import MP, poly
 from jacobian.element import FormulaField, Real

@@ -7,45 +7,144 @@ torus, inverted by Newton's method. (Fedorov 2009 writes t in theta functions.)
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from math import isfinite
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import HALF_STEP, HEAVINESS, TIME_SCALE
-from integrable.torus.body_torus import BodyTorus, Transform
-from integrable.torus.clock_loops import Clock, ClockSeries
-from integrable.torus.clock_modes import MOST_LOUD, Cutoffs, Tables
-from integrable.torus.lifts import check_turns
-from integrable.torus.loops import BEYOND, Loops, NotClosed
+from integrable.torus.clock import TorusClock, first_grid, resolved_spectrum, samples_of
+from integrable.torus.lifts import AROUND, CHECKED, CLOSED, Limits, RateSums, Torus, check_turns
+from integrable.torus.loops import BEYOND, CompiledLoops, Loops, NotClosed
 from integrable.torus.panels import NODES, Panels, States, panel_length
-from integrable.torus.series import in_resonance
 from integrable.torus.states import BodyStates
+from integrable.torus.theta_series import PeriodBasis, ThetaSums, in_basis, shortest, theta_sums
+from integrable.torus.theta_setup import CLASSES, FOUND, FREQUENCIES, IMAGINARY, MEAN, PLACING, rule_of_phases
+from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
-from jacobian.native.library import Packed
+from jacobian.periods.real_basis import Whole
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
 MOST_SAMPLES = 1 << 18
-# coefficients of 1/g below this fraction of its mean are omitted from the series that starts Newton's method
-ROUGH = 1e-4
-# modes that move τ by at least this are summed in double-doubles, since floats would lose digits of τ. The unit is the
-# time in which the body turns by about a radian
-LOUD = 0.05
-# the accuracy of a spectrum is SLOW times the frequency of a phase, since slow modes are divided by their frequencies,
-# but at best EXTENDED, the accuracy of samples in long doubles
-SLOW = 1e-13
-EXTENDED = 32 * float(np.finfo(np.longdouble).eps)
-ROUNDING = EXTENDED / 4
-# a mode is dropped only if it moves τ by less than this, in the unit of LOUD, because a slow mode may be small in 1/g
-LEAST_SWING = 1e-17
 # from DENSE_FROM ascending times on, with at least DENSE of them per node, interpolation on panels is faster
 DENSE_FROM = 5000
 DENSE = 3
+# the equations of motion are met to RIGHT of the largest velocity
+RIGHT = 1e-12
+
+
+class BodyTorus:
+    """The states of a motion on its torus, by loops of :mod:`integrable.torus.loops`.
+
+    ``turns`` are the signs that γ1, γ2, γ3 get over either period. ``basis`` has the periods as integer rows, in the
+    periods around the two ovals; ``doubled`` are the periods of 1/g in the periods of the divisor. ``closure`` is the
+    difference between the start and the state at the phases of the start. ``exact`` are loops with more digits for the
+    set-up. PrecisionLoss where the torus is not compact. NotClosed where the states are not those of the motion.
+    """
+
+    def __init__(self, setup: Setup, loops: Loops, exact: Loops | None = None) -> None:
+        self.setup, self.loops = setup, loops
+        made = exact or loops
+        # numbers of the motion, in units of length and time of its own
+        self.units, self._motion, self.tilt, start, self._problem = made.begun(setup)
+        found = made.room(FOUND)
+        m1, n1, m2, n2 = made.periods(self._motion, made.short, made.room(4), found)
+        self.basis = (m1, n1), (m2, n2)
+        chars = characteristics(made.floats(self._motion[4:8]).tolist(), self.basis)
+        # θ changes its sign over period k where ε_k is 1
+        self.turns = np.array([[1.0 - 2.0 * char[k] for char in chars] for k in (0, 1)])
+        odd = [sum(char[k] for char in chars) % 2 == 1 for k in (0, 1)]
+        self.odd = odd[0], odd[1]
+        # for a tilted body, a sign change of an odd number of γ_i changes 1/g, whose period is then twice the divisor's
+        self.doubled = (1 + odd[0], 1 + odd[1]) if made.floats(self.tilt)[1] != 0 else (1, 1)
+        self.rates, matrix, rate, units = made.room(4), made.room(4), made.room(10), self.units
+        made.rates(self._problem, found, self._motion, self.tilt, (units.length, units.lift), matrix, self.rates, rate)
+        torus = self._placed(made, start, found, chars)
+        if exact:
+            torus = in_numbers(loops, torus)
+            found, matrix, rate, self._motion, self._problem, self.rates = (
+                loops.row(row) for row in (found, matrix, rate, self._motion, self._problem, self.rates)
+            )
+        self.torus = loops.packed(BodyStates(torus, matrix))
+        self._rate = RateSums(0, 3, True, self.doubled != (1, 1), rate)
+        self._check(found)
+
+    def _placed(self, loops: Loops, start: Row, found: Row, chars: Sequence[Whole]) -> Torus:
+        """The torus, with the phases and the signs of the start."""
+        shape = found[IMAGINARY:MEAN]
+        if not np.isfinite(loops.floats(shape)).all():
+            raise NotClosed(BEYOND)
+        self._decay = shortest(loops.floats(shape[:3]).tolist())
+        sums, scales = theta_sums(loops, shape, (0, 0, 0), chars)
+        torus, limits = Torus(sums, loops.room(2), loops.room(3)), Limits(loops.noise * 1e-10, loops.nudge)
+        self.closure = loops.placed(
+            torus, self._motion, start, found, scales, rule_of_phases(), limits, loops.room(PLACING)
+        )
+        return torus
+
+    def _check(self, found: Row) -> None:
+        """Raises NotClosed if the states are not those of the motion."""
+        if not self.closure <= CLOSED:
+            raise NotClosed(f"the torus of this motion leads back to {self.closure:.1e} only; use more digits")
+        frequencies = found[FREQUENCIES : FREQUENCIES + 2]
+        room = self.loops.room(6 * (AROUND + 1) * CHECKED)
+        if not self.loops.strayed(self.torus, self._motion, frequencies, room, np.empty(CHECKED)) <= RIGHT:
+            raise NotClosed("the states on the torus of this motion do not obey its equations; use more digits")
+
+    @property
+    def compiled(self) -> bool:
+        """Whether the loops are compiled. A state then takes microseconds, a thousandth of the interpreted time."""
+        return isinstance(self.loops, CompiledLoops)
+
+    @cached_property
+    def frequencies(self) -> tuple[Real, Real]:
+        """Turns of each phase per unit of τ, wide."""
+        nu1, nu2 = self.loops.wide(self.rates[:2], self.setup.wide)
+        return nu1, nu2
+
+    @cached_property
+    def mean(self) -> Real:
+        """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, independent of samples.
+
+        A tilt does not change it: the tilt term changes its sign around an oval that contains one α_i.
+        """
+        return self.loops.wide(self.rates[2:3], self.setup.wide)[0]
+
+    def at_phases(self, phases: np.ndarray) -> np.ndarray:
+        """γ and M at points of the torus, shape (N, 6): ``phases`` in turns from the start, shape (N, 2)."""
+        out = np.empty(6 * len(phases))
+        self.loops.states_at_phases(self.torus, np.ascontiguousarray(phases, dtype=np.float64).ravel(), out)
+        return out.reshape(-1, 6)
+
+    def first_grid(self) -> tuple[int, int]:
+        """The numbers of points of the first grid of 1/g."""
+        return first_grid(self.loops.noise, self._decay)
+
+    def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> np.ndarray:
+        """:func:`samples_of` 1/g on a grid of its periods, with ``sizes`` points per period of the divisor."""
+        return samples_of(self.loops, self.torus[0], self._rate, self.odd, sizes, known)
+
+
+def in_numbers(loops: Loops, torus: Torus) -> Torus:
+    """The torus in the numbers of ``loops``."""
+    table, sizes, lengths, chars, _ = torus.sums
+    sums = ThetaSums(loops.row(table), sizes, loops.integers(lengths), loops.integers(chars), loops.circle)
+    return Torus(sums, loops.row(torus.places), loops.row(torus.factors))
+
+
+def characteristics(points: list[float], basis: PeriodBasis) -> list[Whole]:
+    """(ε₁, ε₂, δ₁, δ₂) of the theta functions of α1, α2, α3; ``points`` are α1, α2, α3 and ζ."""
+    # α_i that are equal in floats are distinguished by their index
+    *axes, zeta = points
+    low, middle, high = sorted(range(3), key=lambda i: axes[i])
+    # e₂, the end of the first oval, is the lesser of the middle α_i and ζ
+    classes = {low: CLASSES[0], middle: CLASSES[2 if zeta < axes[middle] else 1], high: CLASSES[3]}
+    return in_basis([classes[i] for i in range(3)], basis)
 
 
 class TorusFlow(BodyTorus):
@@ -58,7 +157,7 @@ class TorusFlow(BodyTorus):
     way = "torus"
 
     def __init__(self, setup: Setup, loops: Loops, most: int = MOST_SAMPLES, exact: Loops | None = None) -> None:
-        super().__init__(setup, loops, most, exact)
+        super().__init__(setup, loops, exact)
         time_scale, half_step = loops.floats(self._problem[TIME_SCALE : HALF_STEP + 1])[
             :: HALF_STEP - TIME_SCALE
         ].tolist()
@@ -67,9 +166,10 @@ class TorusFlow(BodyTorus):
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
         if self._rolls:
-            spectrum = resolved_spectrum(loops, self.resolved, self._turns, self._scale, loops.noise)
+            turns, scale = self._turns, self._scale
+            spectrum = resolved_spectrum(loops, self.samples, self.first_grid(), most, turns, scale, loops.noise)
             noise = max(self.closure, loops.noise / 64)
-            self.clock = TorusClock(loops, spectrum, self.rates, self._scale, noise, self.doubled)
+            self.clock = TorusClock(loops, spectrum, self.rates, scale, noise, self.doubled)
 
     def _check(self, found: Row) -> None:
         if not all(map(isfinite, self._turns)) or not all(map(isfinite, self._turns_in_t)):
@@ -176,112 +276,3 @@ class TorusFlow(BodyTorus):
         """The turns of each phase per unit of t."""
         mean = float(self.loops.floats(self.rates[2:3])[0]) if self._rolls else 1.0
         return [nu / mean for nu in self._turns]
-
-
-class RateSpectrum(NamedTuple):
-    """Fourier coefficients of dt/dτ on a torus, in the layout of :mod:`integrable.torus.clock_modes`, and the shape of
-    the grid that resolves them.
-    """
-
-    values: Row
-    grid: tuple[int, int]
-
-
-def resolved_spectrum(
-    loops: Loops,
-    resolved: Callable[[Transform[RateSpectrum]], RateSpectrum],
-    turns: Sequence[float],
-    scale: float,
-    noise: float,
-) -> RateSpectrum:
-    """The spectrum of dt/dτ to ``noise`` of its largest mode, with more digits in the direction of a slow phase, since
-    slow modes are divided by their frequencies.
-
-    ``resolved(transformed)`` returns the result of ``transformed`` on a grid that is fine enough. ``turns`` are the
-    turns of both phases per unit of τ, ``scale`` is as for :class:`TorusClock`.
-    """
-    first, second = (min(noise, max(EXTENDED, SLOW * abs(nu) / scale)) for nu in turns)
-
-    def transformed(samples: np.ndarray) -> tuple[RateSpectrum, tuple[int, int]]:
-        values, wanted = loops.spectrum(samples, (first, second))
-        return RateSpectrum(values, samples.shape[:2]), wanted
-
-    return resolved(transformed)
-
-
-class TorusClock:
-    """t(τ) and τ(t) of a motion on a torus whose dt/dτ has a ``spectrum``, in the user's units.
-
-    ``rates`` are the turns of both phases per unit of τ, the mean of dt/dτ, and 2π. In a time τ of 1/``scale`` the body
-    turns by about a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the
-    periods of dt/dτ in turns. PrecisionLoss where a mode is in resonance.
-    """
-
-    def __init__(
-        self,
-        loops: Loops,
-        spectrum: RateSpectrum,
-        rates: Row,
-        scale: float,
-        noise: float,
-        doubled: tuple[int, int] = (1, 1),
-    ) -> None:
-        self._loops = loops
-        limits = Cutoffs(ROUNDING, noise, LEAST_SWING / scale, ROUGH, LOUD / scale)
-        series, pace = series_between(loops, spectrum, (rates, doubled), limits)
-        self._clock = loops.packed(Clock(doubled, *series, pace, loops.circle))
-        self._room = 2 * max(part.width for part in series[:2])
-
-    def at(self, torus: BodyStates | Packed, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(γ and M, τ, τ − t·mean dτ/dt) at physical times, of shapes (N, 6), (N,) and (N,). ``torus`` is packed."""
-        out, tau, delays = np.empty(6 * len(times)), np.empty(len(times)), np.empty(len(times))
-        room = np.empty(self._room), self._loops.room(2 * len(times))
-        self._loops.states_at_times(torus, self._clock, times, (tau, delays, out), room)
-        return out.reshape(-1, 6), tau, delays
-
-    def phases(self, times: np.ndarray) -> tuple[Row, np.ndarray]:
-        """(phases in turns modulo 2, τ) at physical times; the two phases of a time are adjacent."""
-        phases, tau, delays = self._loops.room(2 * len(times)), np.empty(len(times)), np.empty(len(times))
-        given = np.ascontiguousarray(times, dtype=np.float64)
-        self._loops.phases_at_times(self._clock, given, (phases, tau, delays), np.empty(self._room))
-        return phases, tau
-
-    def times(self, tau: np.ndarray) -> np.ndarray:
-        """Physical times at values of τ."""
-        times = np.empty(len(tau))
-        self._loops.times_at_tau(self._clock, tau, times, np.empty(self._room))
-        return times
-
-
-def series_between(
-    loops: Loops, spectrum: RateSpectrum, given: tuple[Row, tuple[int, int]], limits: Cutoffs
-) -> tuple[tuple[ClockSeries, ClockSeries, ClockSeries, np.ndarray, Row], Row]:
-    """The fields ``rough``, ``series``, ``quiet``, ``modes`` and ``loud`` of a :class:`Clock`, and its ``pace``.
-    ``given`` are the ``rates`` and the periods of a :class:`TorusClock`.
-
-    PrecisionLoss where a mode is in resonance.
-    """
-    (values, grid), pace = spectrum, loops.room(6)
-    size, height = grid[0] // 2 * grid[1], grid[0] // 2
-    floats, lines = np.empty((4, 4 * size)), np.empty((2, 3 * height), dtype=np.int64)
-    pairs, counts = np.empty(2 * MOST_LOUD, dtype=np.int64), np.empty(9, dtype=np.int64)
-    tables, loud = (
-        Tables(floats[0], lines[0], floats[1], lines[1], floats[2], floats[3], pairs, counts),
-        loops.room(1 + 2 * MOST_LOUD),
-    )
-    bound, origin, rest, mean = loops.clock_series(values, grid, given, limits, tables, loud, pace)
-    *found, count = counts.tolist()
-    if count < 0:
-        k, i = divmod(-1 - count, grid[1])
-        raise in_resonance(k, i - grid[1] // 2)
-    first, second = (loops.floats(given[0][:2]) / given[1]).tolist()
-
-    def packed(sizes: list[int], own: np.ndarray, parts: np.ndarray, origin: float) -> ClockSeries:
-        # the used parts are copied, so that the working memory is freed
-        least, width, used, total = sizes
-        kept = own[: 3 * used].copy(), parts[: 4 * total].copy()
-        return ClockSeries(*kept, least, width, (first, second), bound, origin, mean)
-
-    whole, rough = packed(found[:4], lines[0], floats[1], origin), packed(found[4:], lines[1], floats[2], origin)
-    quiet = packed(found[:4], lines[0], floats[3], rest) if count else whole
-    return (rough, whole, quiet, pairs[: 2 * count], loud[: 1 + 2 * count]), pace

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 
 from integrable.moving_point.addition import Row
-from integrable.torus.body_torus import BodyTorus, resolved
+from integrable.torus.access import BodyTorus
+from integrable.torus.clock import resolved
 from integrable.torus.lifts import frame_at
 from integrable.torus.long_clock import phases
 from integrable.torus.loops import ReadableLoops
@@ -146,7 +147,7 @@ class LongIntegral:
         loops = ReadableLoops(setup, digits)
         self._wide, self._reals = setup.wide, loops.reals
         most = max(MOST_SAMPLES, SAMPLES_A_DIGIT * digits**2)
-        flow = LongStates(setup, loops, most)
+        flow = LongStates(setup, loops)
         first, second = (rate / n for rate, n in zip(flow.frequencies, periods_of(flow), strict=True))
         self._frequencies = first, second
         with loops.reals:
@@ -184,8 +185,8 @@ class LongIntegral:
 class LongStates(BodyTorus):
     """A torus whose states have all digits of its loops."""
 
-    def __init__(self, setup: Setup, loops: ReadableLoops, most: int) -> None:
-        super().__init__(setup, loops, most)
+    def __init__(self, setup: Setup, loops: ReadableLoops) -> None:
+        super().__init__(setup, loops)
         # (γ̃, w̃) by their phases; whole turns change only the signs
         self._frames = dict[tuple[Real, Real], Row]()
 

@@ -24,6 +24,8 @@ from jacobian.numbers.sums import joined, plus_product
 # the number of points between which Newton's method takes quotients of differences; its largest number of steps; a step
 # by more turns than FARTHEST has no meaning
 POINTS, MOST_STEPS, FARTHEST = 3, 100, 1e3
+# a motion is on its torus if the start is met to CLOSED of the largest lift
+CLOSED = 1e-18
 # a lift at the start that is smaller than this part of the largest one belongs to an oval that was a point and has been
 # opened
 SMALLEST = 2.0**-40

@@ -18,7 +18,7 @@ from integrable.moving_point.compiled import SPECIAL
 from integrable.torus.compiled import TORUS
 from integrable.torus.lifts import AROUND, CHECKED, Torus, lifts_at, most_strayed, put_around
 from integrable.torus.theta_series import ThetaSums, circle
-from integrable.torus.theta_setup import MEAN, rough_phases, torus_periods
+from integrable.torus.theta_setup import ALONG, FREQUENCIES, MEAN, rough_phases, torus_periods
 from jacobian.native.kinds import FLOAT, FLOATS, INT, WIDES, record
 from jacobian.native.library import Library
 from jacobian.numbers.abreast import abreast
@@ -62,12 +62,9 @@ def oval_data(
     basis = torus_periods(motion, near, room, found)
     first, second = rough_phases(motion, given[7:11], found, rule)
     out[0], out[1] = zero + first, zero + second
-    area = found[0] * found[3] - found[1] * found[2]
     for k in range(2):
-        x, y = 1 + zero, given[4]
-        if k == 0:
-            x, y = given[11], given[12]
-        out[2 + 2 * k], out[3 + 2 * k] = (x * found[3] - y * found[2]) / area, (y * found[0] - x * found[1]) / area
+        along, across = found[FREQUENCIES + k], found[ALONG + k]
+        out[2 + k], out[4 + k] = given[11] * along + given[12] * across, along + given[4] * across
     found[MEAN] = lead * found[MEAN]
     return basis
 

@@ -239,6 +239,10 @@ def raised(x: Real, n: int) -> Real:
     return found
 
 
+PeriodBasis = tuple[tuple[int, int], tuple[int, int]]
+"""Two periods as integer rows, in the periods around the two ovals."""
+
+
 class ThetaLoops(Protocol):
     """The loops by which series are made, :class:`integrable.torus.loops.CompiledLoops` or interpreted ones.
 
@@ -255,6 +259,17 @@ class ThetaLoops(Protocol):
     def floats(self, values: Row) -> np.ndarray: ...
     def room(self, count: int) -> Row: ...
     def integers(self, values: Iterable[int]) -> Row: ...
+
+
+def in_basis(classes: Sequence[Whole], basis: PeriodBasis) -> list[Whole]:
+    """The characteristics in a ``basis`` of periods; ``classes`` are those of :data:`CLASSES`."""
+    # the basis is p·a₁ + q·(a₂ − a₁), r·a₁ + s·(a₂ − a₁) with the periods a₁ and a₂ of the ovals
+    p, q, r, s = basis[0][0] + basis[0][1], basis[0][1], basis[1][0] + basis[1][1], basis[1][1]
+    found = []
+    for e1, e2, d1, d2 in classes:
+        # the signs of δ do not matter modulo 2
+        found.append(((p * e1 + q * e2) % 2, (r * e1 + s * e2) % 2, (s * d1 + r * d2) % 2, (q * d1 + p * d2) % 2))
+    return found
 
 
 def theta_sums(

@@ -9,7 +9,10 @@ is at infinity, and Y₁₁ is infinite.
 
 from __future__ import annotations
 
+from functools import cache
 from math import floor
+
+import numpy as np
 
 from integrable.moving_point.addition import Real, Row
 from integrable.moving_point.elliptic_integrals import complete, mean_slowness, oval_periods, quadratic_periods
@@ -26,6 +29,10 @@ FREQUENCIES, IMAGINARY, ALONG, MEAN, FOUND = 4, 6, 9, 11, 12
 CLASSES = ((1, 1, 0, 1), (1, 1, 1, 1), (0, 1, 1, 1), (0, 1, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1))
 # number of numbers in the working memory of :func:`placed`
 PLACING = 27
+# the phases in floats are integrals along a path, by the trapezoidal rule in log(v/(1 − v)) for the fraction v of the
+# path: BEFORE and AFTER nodes before and after its middle, SPACING apart. The error is 1e-11, even if the next branch
+# point is only e^−80 of the path beyond an end
+BEFORE, AFTER, SPACING = 160, 110, 0.75
 
 
 def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
@@ -97,6 +104,14 @@ def torus_periods(motion: Row, near: float, room: Row, out: Row) -> tuple[int, i
     out[9], out[10] = a1 / area, -(a2 / area)
     out[11] = mean_slowness(ends, d, r, pi, near, area)
     return m2, n2, m1, n1
+
+
+@cache
+def rule_of_phases() -> np.ndarray:
+    """v, 1 − v and the weight of each node of a rule for dv/√v on [0, 1]."""
+    t = SPACING * np.arange(-BEFORE, AFTER + 1)
+    v, rest = 1 / (1 + np.exp(-t)), 1 / (1 + np.exp(t))
+    return np.ascontiguousarray(np.stack([v, rest, SPACING * np.sqrt(v) * rest], axis=1).ravel())
 
 
 def rough_phases(motion: Row, start: Row, found: Row, rule: Row) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
 from integrable.mumford import theta_torus
-from integrable.torus import access
+from integrable.torus import clock
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 from tests.integrable.ways import confirmed, forced, has_torus, made_torus
@@ -140,11 +140,11 @@ def test_wrong_phases_of_the_start_are_corrected(name, monkeypatch) -> None:
 
 @pytest.mark.parametrize("name", ["ellipsoid", "Veselova"])
 def test_a_wrong_mean_of_the_clock_is_noticed(name, monkeypatch) -> None:
-    right = access.TorusClock.__init__
+    right = clock.TorusClock.__init__
 
     def wrong(self, loops, spectrum, rates, *others):
         rates[2] *= 1 + 1e-9
         right(self, loops, spectrum, rates, *others)
 
-    monkeypatch.setattr(access.TorusClock, "__init__", wrong)
+    monkeypatch.setattr(clock.TorusClock, "__init__", wrong)
     assert not has_torus(flow_of(name))

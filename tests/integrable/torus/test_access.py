@@ -14,8 +14,8 @@ from integrable.motion.precise import PreciseFlow
 from integrable.moving_point.problem import TIME_SCALE
 from integrable.oracles.reference import taylor
 from integrable.phase.state import onto_constraints
-from integrable.torus.access import RateSpectrum, TorusFlow, series_between
-from integrable.torus.body_torus import BodyTorus
+from integrable.torus.access import BodyTorus, TorusFlow
+from integrable.torus.clock import RateSpectrum, series_between
 from integrable.torus.clock_loops import swing_and_rate
 from integrable.torus.clock_modes import Cutoffs
 from integrable.torus.lattice import Units, beginning
@@ -252,7 +252,7 @@ def test_a_finer_grid_takes_what_the_coarser_one_knows(d, tilted) -> None:
     state = ball.state((0.48, 0.6, 0.64), (1.104, 2.18, -0.528) if tilted else (0.384, 1.28, -1.488), tilted=tilted)
     setup = ball.flow(state).setup
     for loops in (CompiledLoops(), ReadableLoops(setup)):
-        torus = BodyTorus(setup, loops, 1 << 16)
+        torus = BodyTorus(setup, loops)
         coarse = torus.samples((8, 128))
         for k, m in ((2, 1), (1, 4), (2, 2)):
             known, anew = torus.samples((8 * k, 128 * m), coarse + 1), torus.samples((8 * k, 128 * m))

@@ -7,9 +7,8 @@ import pytest
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion.precise import PreciseFlow
-from integrable.torus import body_torus
-from integrable.torus.access import TorusFlow
-from integrable.torus.body_torus import BodyTorus
+from integrable.torus import access
+from integrable.torus.access import BodyTorus, TorusFlow
 from integrable.torus.lattice import beginning
 from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
 from integrable.torus.states import velocity
@@ -79,16 +78,16 @@ CHANGES = {
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_wrong_torus_is_noticed(change, name, tilted) -> None:
     setup = setup_of(name, tilted)
-    BodyTorus(setup, CompiledLoops(), MOST)
+    BodyTorus(setup, CompiledLoops())
     with pytest.raises(NotClosed):
-        BodyTorus(setup, Wrong(CHANGES[change]), MOST)
+        BodyTorus(setup, Wrong(CHANGES[change]))
 
 
 @pytest.mark.parametrize("name", ["ball", "top"])
 @pytest.mark.parametrize("place", [(i, k) for i in range(3) for k in range(4)])
 def test_a_wrong_characteristic_is_noticed(monkeypatch, name, place) -> None:
     """δ of an axis may be wrong in a component where ε is 0 for all axes: only then is its theta function the same."""
-    right = body_torus.characteristics
+    right = access.characteristics
 
     def wrong(points, basis):
         found = [list(char) for char in right(points, basis)]
@@ -96,16 +95,16 @@ def test_a_wrong_characteristic_is_noticed(monkeypatch, name, place) -> None:
         return [tuple(char) for char in found]
 
     setup = setup_of(name)
-    monkeypatch.setattr(body_torus, "characteristics", wrong)
+    monkeypatch.setattr(access, "characteristics", wrong)
     with pytest.raises(NotClosed):
-        BodyTorus(setup, CompiledLoops(), MOST)
+        BodyTorus(setup, CompiledLoops())
 
 
 def test_a_flow_without_a_torus_to_trust_goes_the_next_way(monkeypatch) -> None:
     ball, when = BODIES["ball"], [200.0, -300.0]
     state = ball.state(GAMMA, UPRIGHT)
     exact = ball.flow(state, kernel="compiled").at(when)
-    monkeypatch.setattr(body_torus, "characteristics", lambda points, basis: [(1, 0, 1, 0)] * 3)
+    monkeypatch.setattr(access, "characteristics", lambda points, basis: [(1, 0, 1, 0)] * 3)
     flow = ball.flow(state, kernel="compiled")
     assert torus_of(flow) is None
     assert np.abs(flow.at(when).gamma - exact.gamma).max() < 1e-14
@@ -115,7 +114,7 @@ def test_a_flow_without_a_torus_to_trust_goes_the_next_way(monkeypatch) -> None:
 @pytest.mark.parametrize("name", BODIES)
 def test_the_start_is_met_in_double_doubles_and_in_more_digits(name, tilted) -> None:
     setup = setup_of(name, tilted)
-    quick, exact = BodyTorus(setup, CompiledLoops(), MOST), BodyTorus(setup, ReadableLoops(setup), MOST)
+    quick, exact = BodyTorus(setup, CompiledLoops()), BodyTorus(setup, ReadableLoops(setup))
     assert quick.closure < 1e-26
     assert exact.closure < 1e-30
     assert quick.basis == exact.basis
@@ -143,7 +142,7 @@ def test_a_set_up_in_more_digits_serves_compiled_states() -> None:
 def test_a_flow_takes_more_digits_where_double_doubles_do_not_close(monkeypatch) -> None:
     ball = BODIES["ball"]
     exact = ball.flow(ball.state(GAMMA, UPRIGHT)).at([1e6])
-    monkeypatch.setattr(body_torus, "CLOSED", 1e-32)
+    monkeypatch.setattr(access, "CLOSED", 1e-32)
     flow = ball.flow(ball.state(GAMMA, UPRIGHT))
     assert torus_of(flow).compiled
     assert torus_of(flow).closure < 1e-32
@@ -174,18 +173,18 @@ def test_phases_that_are_not_numbers_are_no_start() -> None:
         found[0] = np.nan
 
     with pytest.raises(NotClosed):
-        BodyTorus(setup_of("ball"), Wrong(change), MOST)
+        BodyTorus(setup_of("ball"), Wrong(change))
 
     def places(found, basis):
         found[IMAGINARY] = np.inf
 
     with pytest.raises(NotClosed, match="range of floats"):
-        BodyTorus(setup_of("ball"), Wrong(places), MOST)
+        BodyTorus(setup_of("ball"), Wrong(places))
 
 
 def test_states_do_not_depend_on_whole_turns_but_for_signs() -> None:
     for name in BODIES:
-        torus = BodyTorus(setup_of(name), CompiledLoops(), MOST)
+        torus = BodyTorus(setup_of(name), CompiledLoops())
         phases = np.array([[0.25, 0.375], [-0.5, 0.8125]])
         here = torus.at_phases(phases)
         for k in (0, 1):
@@ -204,7 +203,7 @@ def test_two_equal_moments_have_an_opened_oval() -> None:
         for d in (0.7, 0):
             body = ChaplyginBall(inertia, d) if d else EulerTop(inertia)
             flow = body.flow(body.state(GAMMA, UPRIGHT))
-            torus = BodyTorus(flow.setup, CompiledLoops(), MOST)
+            torus = BodyTorus(flow.setup, CompiledLoops())
             tau = np.array([0.5, -40.0, 1e6])
             precise = PreciseFlow(body if d else body.body, flow.state, 25)
             true = [[*map(float, gamma), *map(float, M)] for gamma, M in precise.vectors(precise.at_tau(tau.tolist()))]

@@ -14,8 +14,7 @@ from integrable.moving_point.elliptic_integrals import complete, oval_periods
 from integrable.moving_point.setup import Setup
 from integrable.oracles.reference import taylor
 from integrable.torus import ovals as oval_nodes
-from integrable.torus.access import TorusFlow
-from integrable.torus.body_torus import BodyTorus
+from integrable.torus.access import BodyTorus, TorusFlow
 from integrable.torus.lattice import Units, beginning, motion_row
 from integrable.torus.long_clock import MultiprecisionTorusClock
 from integrable.torus.loops import ReadableLoops
@@ -271,7 +270,7 @@ def test_the_mean_of_the_clock_is_that_of_its_samples(ball, start, tilted) -> No
     state = ball.state(*start, tilted=tilted)
     setup = Setup(ball.body, state.gamma, state.M, tilted, digits=25)
     loops = ReadableLoops(setup, setup.digits)
-    torus = BodyTorus(setup, loops, 1 << 16)
+    torus = BodyTorus(setup, loops)
     with loops.reals:
         means = [loops.reals.element(setup.wide, torus.samples(sizes).mean()) for sizes in ((16, 16), (64, 64))]
     coarse, fine = (abs(float(mean / torus.mean - 1)) for mean in means)

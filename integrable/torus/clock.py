@@ -1,0 +1,209 @@
+"""Physical time on the torus of any motion of genus 2: samples of dt/dτ, their spectrum, and the clock made of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import ceil, log2, log10
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from integrable.moving_point.addition import Row
+from integrable.torus.clock_loops import Clock, ClockSeries
+from integrable.torus.clock_modes import MOST_LOUD, Cutoffs, Tables
+from integrable.torus.lifts import TOGETHER, RateSums, Torus
+from integrable.torus.loops import Loops
+from integrable.torus.series import in_resonance
+from integrable.torus.states import BodyStates
+from jacobian.errors import PrecisionLoss
+from jacobian.native.library import Packed
+
+# a first grid has at least this many points in each direction
+FIRST_SIZE = 16
+# a first grid of 1/g has POINTS·digits/(the :func:`shortest` nYn) points in each direction; mostly no finer one follows
+POINTS = 1.8
+# coefficients of 1/g below this fraction of its mean are omitted from the series that starts Newton's method
+ROUGH = 1e-4
+# modes that move τ by at least this are summed in double-doubles, since floats would lose digits of τ. The unit is the
+# time in which the body turns by about a radian
+LOUD = 0.05
+# the accuracy of a spectrum is SLOW times the frequency of a phase, since slow modes are divided by their frequencies,
+# but at best EXTENDED, the accuracy of samples in long doubles
+SLOW = 1e-13
+EXTENDED = 32 * float(np.finfo(np.longdouble).eps)
+ROUNDING = EXTENDED / 4
+# a mode is dropped only if it moves τ by less than this, in the unit of LOUD, because a slow mode may be small in 1/g
+LEAST_SWING = 1e-17
+
+
+Samples = Callable[[tuple[int, int], "np.ndarray | None"], np.ndarray]
+"""A function that gives values on a grid of given sizes; values on a coarser grid may be known."""
+Found = TypeVar("Found")
+Transform = Callable[[np.ndarray], tuple[Found, tuple[int, int]]]
+"""A function of samples that returns a result of them and the shape of a grid that is fine enough."""
+
+
+def samples_of(
+    loops: Loops,
+    torus: Torus,
+    rate: RateSums,
+    odd: tuple[bool, bool],
+    sizes: tuple[int, int],
+    known: np.ndarray | None = None,
+) -> np.ndarray:
+    """A rate on a grid with ``sizes`` points per period. If it is tilted, its periods are doubled where they are
+    ``odd``, after which the tilt has the opposite sign. Compiled loops give double-doubles with a last axis;
+    interpreted ones give long doubles, or their own numbers where these have more digits. ``known`` are the samples of
+    a coarser grid.
+    """
+    (rows, columns), (down, across) = sizes, (1 + (rate.tilted and odd[0]), 1 + (rate.tilted and odd[1]))
+    coarser = (0, 0) if known is None else (rows * down // known.shape[0], columns * across // known.shape[1])
+    if coarser[1] > TOGETHER:
+        coarser = 0, 0
+    first, other = loops.room(rows * columns), loops.room(rows * columns)
+    room = loops.room(rate.classes * torus.sums.sizes[1] * (4 * TOGETHER + 2 * rows))
+    loops.gridded(torus, loops.packed(rate), sizes, coarser, room, first, other)
+    table = loops.samples(first, sizes)
+    if (down, across) != (1, 1):
+        beside = loops.samples(other, sizes)
+        whole = np.empty((down, rows, across, columns, *table.shape[2:]), dtype=table.dtype)
+        for i, j in np.ndindex(down, across):
+            whole[i, :, j] = beside if (i * odd[0] + j * odd[1]) % 2 else table
+        table = whole.reshape(down * rows, across * columns, *table.shape[2:])
+    if known is not None:
+        table[:: table.shape[0] // known.shape[0], :: table.shape[1] // known.shape[1]] = known
+    return table
+
+
+def first_grid(noise: float, decay: tuple[float, float]) -> tuple[int, int]:
+    """The numbers of points of the first grid, powers of 2; ``decay`` is the result of :func:`shortest`."""
+    points = -POINTS * log10(noise)
+    first, second = (max(FIRST_SIZE, 2 ** ceil(log2(max(1, points / y)))) for y in decay)
+    return first, second
+
+
+def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, int], most: int) -> Found:
+    """The result of a grid that is fine enough, from a first grid of ``sizes``.
+
+    PrecisionLoss beyond ``most`` samples.
+    """
+    known: np.ndarray | None = None
+    while sizes[0] * sizes[1] <= most:
+        known = samples(sizes, known)
+        found, wanted = transformed(known)
+        shape = known.shape[:2]
+        if wanted == shape:
+            return found
+        sizes = (sizes[0] * wanted[0] // shape[0], sizes[1] * wanted[1] // shape[1])
+    raise PrecisionLoss(f"a rate needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
+
+
+class RateSpectrum(NamedTuple):
+    """Fourier coefficients of dt/dτ on a torus, in the layout of :mod:`integrable.torus.clock_modes`, and the shape of
+    the grid that resolves them.
+    """
+
+    values: Row
+    grid: tuple[int, int]
+
+
+def resolved_spectrum(
+    loops: Loops,
+    samples: Samples,
+    sizes: tuple[int, int],
+    most: int,
+    turns: Sequence[float],
+    scale: float,
+    noise: float,
+) -> RateSpectrum:
+    """The spectrum of dt/dτ to ``noise`` of its largest mode, with more digits in the direction of a slow phase, since
+    slow modes are divided by their frequencies.
+
+    The first grid has ``sizes``, the last at most ``most`` points. ``turns`` are the turns of both phases per unit of
+    τ, ``scale`` is as for :class:`TorusClock`.
+    """
+    first, second = (min(noise, max(EXTENDED, SLOW * abs(nu) / scale)) for nu in turns)
+
+    def transformed(samples: np.ndarray) -> tuple[RateSpectrum, tuple[int, int]]:
+        values, wanted = loops.spectrum(samples, (first, second))
+        return RateSpectrum(values, samples.shape[:2]), wanted
+
+    return resolved(samples, transformed, sizes, most)
+
+
+class TorusClock:
+    """t(τ) and τ(t) of a motion on a torus whose dt/dτ has a ``spectrum``, in the user's units.
+
+    ``rates`` are the turns of both phases per unit of τ, the mean of dt/dτ, and 2π. In a time τ of 1/``scale`` the body
+    turns by about a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the
+    periods of dt/dτ in turns. PrecisionLoss where a mode is in resonance.
+    """
+
+    def __init__(
+        self,
+        loops: Loops,
+        spectrum: RateSpectrum,
+        rates: Row,
+        scale: float,
+        noise: float,
+        doubled: tuple[int, int] = (1, 1),
+    ) -> None:
+        self._loops = loops
+        limits = Cutoffs(ROUNDING, noise, LEAST_SWING / scale, ROUGH, LOUD / scale)
+        series, pace = series_between(loops, spectrum, (rates, doubled), limits)
+        self._clock = loops.packed(Clock(doubled, *series, pace, loops.circle))
+        self._room = 2 * max(part.width for part in series[:2])
+
+    def at(self, torus: BodyStates | Packed, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(γ and M, τ, τ − t·mean dτ/dt) at physical times, of shapes (N, 6), (N,) and (N,). ``torus`` is packed."""
+        out, tau, delays = np.empty(6 * len(times)), np.empty(len(times)), np.empty(len(times))
+        room = np.empty(self._room), self._loops.room(2 * len(times))
+        self._loops.states_at_times(torus, self._clock, times, (tau, delays, out), room)
+        return out.reshape(-1, 6), tau, delays
+
+    def phases(self, times: np.ndarray) -> tuple[Row, np.ndarray]:
+        """(phases in turns modulo 2, τ) at physical times; the two phases of a time are adjacent."""
+        phases, tau, delays = self._loops.room(2 * len(times)), np.empty(len(times)), np.empty(len(times))
+        given = np.ascontiguousarray(times, dtype=np.float64)
+        self._loops.phases_at_times(self._clock, given, (phases, tau, delays), np.empty(self._room))
+        return phases, tau
+
+    def times(self, tau: np.ndarray) -> np.ndarray:
+        """Physical times at values of τ."""
+        times = np.empty(len(tau))
+        self._loops.times_at_tau(self._clock, tau, times, np.empty(self._room))
+        return times
+
+
+def series_between(
+    loops: Loops, spectrum: RateSpectrum, given: tuple[Row, tuple[int, int]], limits: Cutoffs
+) -> tuple[tuple[ClockSeries, ClockSeries, ClockSeries, np.ndarray, Row], Row]:
+    """The fields ``rough``, ``series``, ``quiet``, ``modes`` and ``loud`` of a :class:`Clock`, and its ``pace``.
+    ``given`` are the ``rates`` and the periods of a :class:`TorusClock`.
+
+    PrecisionLoss where a mode is in resonance.
+    """
+    (values, grid), pace = spectrum, loops.room(6)
+    size, height = grid[0] // 2 * grid[1], grid[0] // 2
+    floats, lines = np.empty((4, 4 * size)), np.empty((2, 3 * height), dtype=np.int64)
+    pairs, counts = np.empty(2 * MOST_LOUD, dtype=np.int64), np.empty(9, dtype=np.int64)
+    tables, loud = (
+        Tables(floats[0], lines[0], floats[1], lines[1], floats[2], floats[3], pairs, counts),
+        loops.room(1 + 2 * MOST_LOUD),
+    )
+    bound, origin, rest, mean = loops.clock_series(values, grid, given, limits, tables, loud, pace)
+    *found, count = counts.tolist()
+    if count < 0:
+        k, i = divmod(-1 - count, grid[1])
+        raise in_resonance(k, i - grid[1] // 2)
+    first, second = (loops.floats(given[0][:2]) / given[1]).tolist()
+
+    def packed(sizes: list[int], own: np.ndarray, parts: np.ndarray, origin: float) -> ClockSeries:
+        # the used parts are copied, so that the working memory is freed
+        least, width, used, total = sizes
+        kept = own[: 3 * used].copy(), parts[: 4 * total].copy()
+        return ClockSeries(*kept, least, width, (first, second), bound, origin, mean)
+
+    whole, rough = packed(found[:4], lines[0], floats[1], origin), packed(found[4:], lines[1], floats[2], origin)
+    quiet = packed(found[:4], lines[0], floats[3], rest) if count else whole
+    return (rough, whole, quiet, pairs[: 2 * count], loud[: 1 + 2 * count]), pace
