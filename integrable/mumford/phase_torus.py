@@ -123,6 +123,6 @@ def _waves(rows: Sequence[Sequence[Real]]) -> list[Column]:
 def circles(angles: np.ndarray) -> tuple[Column, Column]:
     """The pairs (sin, cos), in double-doubles, of angles in floats."""
     given, out = np.ascontiguousarray(angles, dtype=np.float64), np.empty((2, len(angles), 2))
-    LIBRARY.circles(given, inverse_factorials(), out[0], out[1])
+    LIBRARY.circle_points(given, inverse_factorials(), out[0], out[1])
     cosines, sines = (Column(*np.ascontiguousarray(part.T)) for part in out)
     return sines, cosines

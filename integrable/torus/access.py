@@ -66,7 +66,7 @@ class BodyTorus:
         made.rates(self._problem, found, self._motion, self.tilt, (units.length, units.lift), matrix, self.rates, rate)
         torus = self._placed(made, start, found, chars)
         if exact:
-            torus = in_numbers(loops, torus)
+            torus = loops.packed(in_numbers(loops, torus))
             found, matrix, rate, self._motion, self._problem, self.rates = (
                 loops.row(row) for row in (found, matrix, rate, self._motion, self._problem, self.rates)
             )
@@ -75,13 +75,14 @@ class BodyTorus:
         self._check(found)
 
     def _placed(self, loops: Loops, start: Row, found: Row, chars: Sequence[Whole]) -> Torus:
-        """The torus, with the phases and the signs of the start."""
+        """The torus as the loops take it, with the phases and the signs of the start."""
         shape = found[IMAGINARY:MEAN]
         if not np.isfinite(loops.floats(shape)).all():
             raise NotClosed(BEYOND)
         self._decay = shortest(loops.floats(shape[:3]).tolist())
         sums, scales = theta_sums(loops, shape, (0, 0, 0), chars)
-        torus, limits = Torus(sums, loops.room(2), loops.room(3)), Limits(loops.noise * 1e-10, loops.nudge)
+        torus: Torus = loops.packed(Torus(sums, loops.room(2), loops.room(3)))
+        limits = Limits(loops.noise * 1e-10, loops.nudge)
         self.closure = loops.placed(
             torus, self._motion, start, found, scales, rule_of_phases(), limits, loops.room(PLACING)
         )

@@ -61,7 +61,7 @@ def samples_of(
     if coarser[1] > TOGETHER:
         coarser = 0, 0
     first, other = loops.room(rows * columns), loops.room(rows * columns)
-    room = loops.room(rate.classes * torus.sums.sizes[1] * (4 * TOGETHER + 2 * rows))
+    room = loops.room(rate.classes * torus[0].sizes[1] * (4 * TOGETHER + 2 * rows))
     loops.gridded(torus, loops.packed(rate), sizes, coarser, room, first, other)
     table = loops.samples(first, sizes)
     if (down, across) != (1, 1):

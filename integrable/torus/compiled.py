@@ -47,7 +47,7 @@ LIBRARY = Library(
             theta_series.theta_weights,
             (WIDES, _THREE, _INTS, FLOAT, SUMS, WIDES),
         ),
-        "circles": (theta_series.circles, (FLOATS, WIDES, WIDES, WIDES)),
+        "circle_points": (theta_series.circle_points, (FLOATS, WIDES, WIDES, WIDES)),
         "gridded": (lifts.gridded, (TORUS, _RATE, _INTS, _INTS, WIDES, WIDES, WIDES)),
         "strayed": (states.strayed, (_BODY, WIDES, WIDES, WIDES, FLOATS)),
         "states_at_phases": (states.states_at, (_BODY, FLOATS, FLOATS)),

@@ -324,7 +324,7 @@ def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:
     return c, s
 
 
-def circles(angles: Row, inverse: Row, cosines: Row, sines: Row) -> None:
+def circle_points(angles: Row, inverse: Row, cosines: Row, sines: Row) -> None:
     """Writes :func:`circle` of angles given in floats, in radians."""
     for i in abreast(0, len(angles)):
         cosines[i], sines[i] = circle(angles[i] / inverse[0], inverse)

@@ -131,7 +131,7 @@ class Packed:
     def __init__(self, value: Any, kind: Any) -> None:
         self.value = value
         self.words: list[Any] = []
-        flatten(value, kind.forms, self.words)
+        flatten((value,), (form_of(kind),), self.words)
 
     def __getitem__(self, index: int) -> Any:
         return self.value[index]

@@ -184,7 +184,7 @@ HEAVY = {
 def test_series_are_short_where_some_branch_points_are_close(name) -> None:
     inertia, d = HEAVY[name]
     torus = TorusFlow(flow_of(inertia, d).setup, CompiledLoops())
-    _, rows, columns = torus.torus[0].sums.sizes
+    _, rows, columns = torus.torus[0][0].sizes
     assert rows * columns < 200
     assert torus.closure < 1e-27
 

@@ -194,7 +194,7 @@ def test_states_do_not_depend_on_whole_turns_but_for_signs() -> None:
             # M = w × γ
             expected = np.hstack([here[:, :3] * signs, here[:, 3:] * signs * signs.prod()])
             assert np.abs(there - expected).max() < 1e-15 * np.abs(here).max()
-        assert np.abs(torus.torus[0].places[:, 0]).max() < 2
+        assert np.abs(torus.torus[0][1][:, 0]).max() < 2
 
 
 def test_two_equal_moments_have_an_opened_oval() -> None:
