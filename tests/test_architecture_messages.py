@@ -49,7 +49,7 @@ LOW = (
     "integrable.ensembles.members", "integrable.motion.contact", "integrable.motion.domain",
     "integrable.motion.enclosure", "integrable.motion.precise", "integrable.motion.symmetric_precise",
     "integrable.motion.trajectory", "integrable.moving_point.legendre", "integrable.portrait.events",
-    "integrable.study.command", "integrable.torus.access", "integrable.torus.panels",
+    "integrable.study.command", "integrable.torus.clock", "integrable.torus.panels",
 )  # fmt: skip
 
 

@@ -28,10 +28,9 @@ ROUGH = 1e-4
 # time in which the body turns by about a radian
 LOUD = 0.05
 # the accuracy of a spectrum is SLOW times the frequency of a phase, since slow modes are divided by their frequencies,
-# but at best EXTENDED, the accuracy of samples in long doubles
+# but at best EXTENDED; modes below ROUNDING of the largest are left out. Both are the same on every machine
 SLOW = 1e-13
-EXTENDED = 32 * float(np.finfo(np.longdouble).eps)
-ROUNDING = EXTENDED / 4
+EXTENDED, ROUNDING = 2.0**-58, 2.0**-60
 # a mode is dropped only if it moves τ by less than this, in the unit of LOUD, because a slow mode may be small in 1/g
 LEAST_SWING = 1e-17
 
@@ -52,9 +51,8 @@ def samples_of(
     known: np.ndarray | None = None,
 ) -> np.ndarray:
     """A rate on a grid with ``sizes`` points per period. If it is tilted, its periods are doubled where they are
-    ``odd``, after which the tilt has the opposite sign. Compiled loops give double-doubles with a last axis;
-    interpreted ones give long doubles, or their own numbers where these have more digits. ``known`` are the samples of
-    a coarser grid.
+    ``odd``, after which the tilt has the opposite sign. Compiled loops give double-doubles with a last axis.
+    ``known`` are the samples of a coarser grid.
     """
     (rows, columns), (down, across) = sizes, (1 + (rate.tilted and odd[0]), 1 + (rate.tilted and odd[1]))
     coarser = (0, 0) if known is None else (rows * down // known.shape[0], columns * across // known.shape[1])

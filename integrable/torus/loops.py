@@ -14,7 +14,6 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.torus import clock_modes, lifts, states, theta_series, theta_setup
 from integrable.torus.clock_loops import panel_values, phases_at_times, states_at_times, times_at_tau
 from integrable.torus.lattice import Beginning, Units, beginning
-from integrable.torus.series import half_spectrum
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
@@ -59,7 +58,7 @@ class ReadableLoops:
     """
 
     def __init__(self, setup: Setup, digits: int = FLOAT_DIGITS) -> None:
-        self._digits, self.reals = digits, setup.reals
+        self.reals = setup.reals
         bits = self.reals.bits
         # the arithmetic-geometric mean converges quadratically: ovals of this length need no further step
         self.short = float(setup.wide.eps) ** 0.5 / 16
@@ -85,15 +84,15 @@ class ReadableLoops:
         return list(values)
 
     def spectrum(self, samples: np.ndarray, noise: tuple[float, float]) -> tuple[Row, tuple[int, int]]:
-        """:func:`integrable.torus.series.half_spectrum` of long doubles as a row of working numbers, and its
-        :func:`integrable.torus.clock_modes.sizes_needed`.
-        """
-        half, (rows, columns) = half_spectrum(samples), samples.shape
-        values = half.ravel().view(half.real.dtype).tolist()
+        """The spectrum of :func:`integrable.torus.clock_modes.spectrum_of_samples`, and the sizes that it returns."""
+        (rows, columns), size = samples.shape, max(samples.shape)
+        rooms, room = [self.room((rows + 2) * columns) for _ in range(3)], [0.0] * (rows // 2 + columns // 2 + 2)
         with self.reals:
-            found = [self.reals.number(float(x)) + self.reals.number(float(x - float(x))) for x in values]
-            room = [0.0] * (rows // 2 + columns // 2 + 2)
-            return found, clock_modes.sizes_needed(found, (rows, columns), noise, room)
+            turns = [self.reals.number(-k) / size for k in range(size // 2)]
+            circle = [part for x in turns for part in theta_series.circle(x, self.circle)]
+            grid, values = (rows, columns), samples.ravel().tolist()
+            wanted = clock_modes.spectrum_of_samples(values, grid, noise, circle, (rooms[0], rooms[1], rooms[2]), room)
+        return rooms[2], wanted
 
     def room(self, count: int) -> Row:
         """Memory for ``count`` numbers."""
@@ -108,13 +107,8 @@ class ReadableLoops:
         return np.array([float(x) for x in values])
 
     def samples(self, values: Row, sizes: tuple[int, int]) -> np.ndarray:
-        """Working numbers on a grid unchanged, or as the long doubles of this machine if those suffice."""
-        if self._digits > FLOAT_DIGITS:
-            return np.array(values, dtype=object).reshape(sizes)
-        high = self.floats(values)
-        with self.reals:
-            low = [float(x - y) for x, y in zip(values, self.row(high.tolist()), strict=True)]
-        return (high.astype(np.longdouble) + low).reshape(sizes)
+        """Working numbers on a grid."""
+        return np.array(values, dtype=object).reshape(sizes)
 
     def __getattr__(self, name: str) -> Any:
         """The loop of this name in the precision of these numbers."""
@@ -177,9 +171,6 @@ class CompiledLoops:
         return beginning(setup, self)
 
     def spectrum(self, samples: np.ndarray, noise: tuple[float, float]) -> tuple[Row, tuple[int, int]]:
-        if samples.dtype == np.longdouble:
-            high = samples.astype(np.float64)
-            samples = np.stack([high, (samples - high).astype(np.float64)], axis=-1)
         rows, columns, _ = samples.shape
         rooms, room = np.empty((3, (rows + 2) * columns, 2)), np.empty(rows // 2 + columns // 2 + 2)
         size, circle = rows * columns, circle_of(max(rows, columns))
