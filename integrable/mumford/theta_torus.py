@@ -28,9 +28,9 @@ from integrable.mumford.columns import Column
 from integrable.mumford.motion import BITS_OF_TORUS, Start
 from integrable.torus.clock import TorusClock, first_grid, resolved_spectrum, samples_of
 from integrable.torus.lifts import AROUND, CHECKED, CLOSED, FarTimes, Limits, RateSums, Torus, check_turns
-from integrable.torus.loops import CompiledLoops
+from integrable.torus.loops import CompiledLoops, in_basis, shortest, theta_sums
 from integrable.torus.pair_loops import LIBRARY, PAIRS, PairTorus
-from integrable.torus.theta_series import half_turn, in_basis, long_numbers, shortest, theta_sums
+from integrable.torus.theta_series import half_turn, long_numbers
 from integrable.torus.theta_setup import CLASSES, FOUND, IMAGINARY, MEAN, rule_of_phases
 from jacobian import poly
 from jacobian.element import Complex, Real

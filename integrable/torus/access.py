@@ -18,10 +18,19 @@ from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import HALF_STEP, HEAVINESS, TIME_SCALE
 from integrable.torus.clock import TorusClock, first_grid, resolved_spectrum, samples_of
 from integrable.torus.lifts import AROUND, CHECKED, CLOSED, Limits, RateSums, Torus, check_turns
-from integrable.torus.loops import BEYOND, CompiledLoops, Loops, NotClosed
+from integrable.torus.loops import (
+    BEYOND,
+    CompiledLoops,
+    Loops,
+    NotClosed,
+    PeriodBasis,
+    in_basis,
+    shortest,
+    theta_sums,
+)  # fmt: skip
 from integrable.torus.panels import NODES, Panels, States, panel_length
 from integrable.torus.states import BodyStates
-from integrable.torus.theta_series import PeriodBasis, ThetaSums, in_basis, shortest, theta_sums
+from integrable.torus.theta_series import ThetaSums
 from integrable.torus.theta_setup import CLASSES, FOUND, FREQUENCIES, IMAGINARY, MEAN, PLACING, rule_of_phases
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss

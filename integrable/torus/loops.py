@@ -1,9 +1,9 @@
-"""The loops for random access on a torus, interpreted or compiled."""
+"""The loops for random access on a torus, interpreted or compiled, and the theta series that they take."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from math import log, pi
+from collections.abc import Callable, Iterable, Sequence
+from math import exp, inf, log, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,16 +14,20 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.torus import clock_modes, lifts, states, theta_series, theta_setup
 from integrable.torus.clock_loops import panel_values, phases_at_times, states_at_times, times_at_tau
 from integrable.torus.lattice import Beginning, Units, beginning
+from integrable.torus.theta_series import ThetaSums
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.numbers.double_double import EPS, double_double_row
 from jacobian.numbers.fourier import circle_of
+from jacobian.periods.real_basis import Whole
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
 
+# largest number of harmonics of a theta series; beyond it, branch points nearly meet
+MOST_HARMONICS = 40
 BEYOND = "periods beyond the range of floats; use more digits"
 # π and 1
 _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0)])
@@ -194,3 +198,57 @@ class CompiledLoops:
 
 
 Loops = ReadableLoops | CompiledLoops
+
+
+# --- theta series
+
+
+PeriodBasis = tuple[tuple[int, int], tuple[int, int]]
+"""Two periods as integer rows, in the periods around the two ovals."""
+
+
+def in_basis(classes: Sequence[Whole], basis: PeriodBasis) -> list[Whole]:
+    """The characteristics in a ``basis`` of periods; ``classes`` are those of
+    :data:`integrable.torus.theta_setup.CLASSES`.
+    """
+    # the basis is p·a₁ + q·(a₂ − a₁), r·a₁ + s·(a₂ − a₁) with the periods a₁ and a₂ of the ovals
+    p, q, r, s = basis[0][0] + basis[0][1], basis[0][1], basis[1][0] + basis[1][1], basis[1][1]
+    found = []
+    for e1, e2, d1, d2 in classes:
+        # the signs of δ do not matter modulo 2
+        found.append(((p * e1 + q * e2) % 2, (r * e1 + s * e2) % 2, (s * d1 + r * d2) % 2, (q * d1 + p * d2) % 2))
+    return found
+
+
+def theta_sums(
+    loops: Loops, shape: Row, real: Sequence[int], chars: Sequence[Whole], further: float = 0.0
+) -> tuple[ThetaSums, Row]:
+    """The weights of the characteristics ``chars``, and the largest term of each class, by which they are divided.
+
+    ``shape`` is that of :func:`theta_weights`; ``real`` are 2Re τ₁₁, 2Re τ₁₂, 2Re τ₂₂; ``further`` is added to
+    ``loops.depth``.
+    """
+    depth = loops.depth + further
+    widest = [2 * (depth / y) ** 0.5 for y in shortest(loops.floats(shape[:3]).tolist())]
+    if max(widest) > 2 * MOST_HARMONICS * max(1, loops.depth / theta_series.DEPTH) ** 0.5:
+        raise PrecisionLoss("theta functions of this motion have too many terms: branch points nearly meet")
+    sizes = len(chars), int(widest[0]) // 2 + 2, int(widest[1]) // 2 + 2
+    least = min(char[0] for char in chars), min(char[1] for char in chars)
+    count = sizes[0] * sizes[1]
+    sums = ThetaSums(
+        loops.room(4 * count * sizes[2]),
+        sizes,
+        loops.integers([0] * count),
+        loops.integers(x for char in chars for x in char),
+        loops.circle,
+    )
+    tops, turns = loops.room(sizes[0]), (int(real[0]), int(real[1]), int(real[2]))
+    if not loops.theta_weights(shape, turns, least, exp(-pi * depth), sums, tops):
+        raise PrecisionLoss("theta functions of this motion are not real")
+    return sums, tops
+
+
+def shortest(imaginary: Sequence[float]) -> tuple[float, float]:
+    """The least nYn of n = (1, x) and of n = (x, 1) for real x; ``imaginary`` are Y₁₁, Y₁₂ and Y₂₂."""
+    y11, y12, y22 = imaginary
+    return (y11 - y12**2 / y22, y22 - y12**2 / y11) if y11 else (inf, y22)

@@ -7,25 +7,18 @@ cancels in quotients. That series is real up to a constant factor. Its terms of 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
 from functools import cache
-from math import exp, floor, inf, log2, pi
-from typing import NamedTuple, Protocol
-
-import numpy as np
+from math import floor, log2, pi
+from typing import NamedTuple
 
 from integrable.moving_point.addition import Row
 from jacobian.element import Real
-from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.double_double import double_double_row
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.sums import joined, plus_product
-from jacobian.periods.real_basis import Whole
 
-# largest number of harmonics of a series; beyond it, branch points nearly meet
-MOST_HARMONICS = 40
 # bits in which the constants of cosine and sine are computed for double-doubles, and bits to which both are summed
 BITS, SUMMED = 200, 112
 # e^(−π·DEPTH) is the truncation error of a series relative to its largest term
@@ -237,73 +230,6 @@ def raised(x: Real, n: int) -> Real:
             found = found * x
         x, n = x * x, n // 2
     return found
-
-
-PeriodBasis = tuple[tuple[int, int], tuple[int, int]]
-"""Two periods as integer rows, in the periods around the two ovals."""
-
-
-class ThetaLoops(Protocol):
-    """The loops by which series are made, :class:`integrable.torus.loops.CompiledLoops` or interpreted ones.
-
-    ``depth`` is −log of the truncation error relative to the largest term, over π; ``circle`` is the ``inverse`` of
-    :func:`circle`.
-    """
-
-    @property
-    def depth(self) -> float: ...
-    @property
-    def circle(self) -> Row: ...
-    @property
-    def theta_weights(self) -> Callable[..., bool]: ...
-    def floats(self, values: Row) -> np.ndarray: ...
-    def room(self, count: int) -> Row: ...
-    def integers(self, values: Iterable[int]) -> Row: ...
-
-
-def in_basis(classes: Sequence[Whole], basis: PeriodBasis) -> list[Whole]:
-    """The characteristics in a ``basis`` of periods; ``classes`` are those of :data:`CLASSES`."""
-    # the basis is p·a₁ + q·(a₂ − a₁), r·a₁ + s·(a₂ − a₁) with the periods a₁ and a₂ of the ovals
-    p, q, r, s = basis[0][0] + basis[0][1], basis[0][1], basis[1][0] + basis[1][1], basis[1][1]
-    found = []
-    for e1, e2, d1, d2 in classes:
-        # the signs of δ do not matter modulo 2
-        found.append(((p * e1 + q * e2) % 2, (r * e1 + s * e2) % 2, (s * d1 + r * d2) % 2, (q * d1 + p * d2) % 2))
-    return found
-
-
-def theta_sums(
-    loops: ThetaLoops, shape: Row, real: Sequence[int], chars: Sequence[Whole], further: float = 0.0
-) -> tuple[ThetaSums, Row]:
-    """The weights of the characteristics ``chars``, and the largest term of each class, by which they are divided.
-
-    ``shape`` is that of :func:`theta_weights`; ``real`` are 2Re τ₁₁, 2Re τ₁₂, 2Re τ₂₂; ``further`` is added to
-    ``loops.depth``.
-    """
-    depth = loops.depth + further
-    widest = [2 * (depth / y) ** 0.5 for y in shortest(loops.floats(shape[:3]).tolist())]
-    if max(widest) > 2 * MOST_HARMONICS * max(1, loops.depth / DEPTH) ** 0.5:
-        raise PrecisionLoss("theta functions of this motion have too many terms: branch points nearly meet")
-    sizes = len(chars), int(widest[0]) // 2 + 2, int(widest[1]) // 2 + 2
-    least = min(char[0] for char in chars), min(char[1] for char in chars)
-    count = sizes[0] * sizes[1]
-    sums = ThetaSums(
-        loops.room(4 * count * sizes[2]),
-        sizes,
-        loops.integers([0] * count),
-        loops.integers(x for char in chars for x in char),
-        loops.circle,
-    )
-    tops, turns = loops.room(sizes[0]), (int(real[0]), int(real[1]), int(real[2]))
-    if not loops.theta_weights(shape, turns, least, exp(-pi * depth), sums, tops):
-        raise PrecisionLoss("theta functions of this motion are not real")
-    return sums, tops
-
-
-def shortest(imaginary: Sequence[float]) -> tuple[float, float]:
-    """The least nYn of n = (1, x) and of n = (x, 1) for real x; ``imaginary`` are Y₁₁, Y₁₂ and Y₂₂."""
-    y11, y12, y22 = imaginary
-    return (y11 - y12**2 / y22, y22 - y12**2 / y11) if y11 else (inf, y22)
 
 
 def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:

@@ -16,10 +16,10 @@ from integrable.mumford.bodies import BodyFlow
 from integrable.mumford.branch_points import PairModel, long_roots, opened, without_root
 from integrable.mumford.theta_torus import ThetaTorus
 from integrable.torus.lifts import Torus
-from integrable.torus.loops import CompiledLoops
+from integrable.torus.loops import CompiledLoops, theta_sums
 from integrable.torus.pair_loops import PairTorus, pairs_at
 from integrable.torus.states import phases_at
-from integrable.torus.theta_series import half_turn, theta, theta_sums
+from integrable.torus.theta_series import half_turn, theta
 from jacobian import MP, HyperellipticCurve, PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
