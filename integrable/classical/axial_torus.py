@@ -22,7 +22,7 @@ from integrable.mumford.columns import Column, Columns
 from integrable.mumford.elliptic_torus import first_kind, means, part_of_round, theta_table
 from integrable.mumford.flow import MumfordFlow, Point
 from integrable.portrait.separated import SeparatedTorus
-from integrable.torus.lifts import TURNS, FarTimes
+from integrable.torus.clock import TURNS, FarTimes
 from integrable.torus.theta_series import half_turn, inverse_factorials, long_numbers
 from jacobian import RR, poly
 from jacobian.element import Real

@@ -17,7 +17,7 @@ import numpy as np
 from integrable.mumford.branch_points import APART, SMALL, all_real, coincident, long_roots
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import Start
-from integrable.torus.lifts import FarTimes
+from integrable.torus.clock import FarTimes
 from integrable.torus.theta_series import circle, half_turn, inverse_factorials, long_numbers
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss

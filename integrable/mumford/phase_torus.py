@@ -13,8 +13,8 @@ import numpy as np
 
 from integrable.mumford.columns import Column, Columns
 from integrable.portrait.separated import SeparatedTorus
+from integrable.torus.clock import FarTimes
 from integrable.torus.compiled import LIBRARY
-from integrable.torus.lifts import FarTimes
 from integrable.torus.theta_series import inverse_factorials
 from jacobian.element import Real
 from jacobian.numbers.double_double import double_double_row

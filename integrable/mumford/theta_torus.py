@@ -26,8 +26,8 @@ from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.mumford.branch_points import SMALL, PairModel, all_real, lift_of, long_roots, opened, without_root
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import BITS_OF_TORUS, Start
-from integrable.torus.clock import TorusClock, first_grid, resolved_spectrum, samples_of
-from integrable.torus.lifts import AROUND, CHECKED, CLOSED, FarTimes, Limits, RateSums, Torus, check_turns
+from integrable.torus.clock import FarTimes, TorusClock, check_turns, first_grid, resolved_spectrum, samples_of
+from integrable.torus.lifts import AROUND, CHECKED, CLOSED, Limits, RateSums, Torus
 from integrable.torus.loops import CompiledLoops, in_basis, shortest, theta_sums
 from integrable.torus.pair_loops import LIBRARY, PAIRS, PairTorus
 from integrable.torus.theta_series import half_turn, long_numbers

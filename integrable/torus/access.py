@@ -16,8 +16,8 @@ import numpy as np
 
 from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import HALF_STEP, HEAVINESS, TIME_SCALE
-from integrable.torus.clock import TorusClock, first_grid, resolved_spectrum, samples_of
-from integrable.torus.lifts import AROUND, CHECKED, CLOSED, Limits, RateSums, Torus, check_turns
+from integrable.torus.clock import TorusClock, check_turns, first_grid, resolved_spectrum, samples_of
+from integrable.torus.lifts import AROUND, CHECKED, CLOSED, Limits, RateSums, Torus
 from integrable.torus.loops import (
     BEYOND,
     CompiledLoops,

@@ -1,4 +1,6 @@
-"""Physical time on the torus of any motion of genus 2: samples of dt/dτ, their spectrum, and the clock made of it."""
+"""Times on the torus of any motion: those that it reaches, and in genus 2 physical time, by a clock made of samples of
+dt/dτ.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +11,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from integrable.moving_point.addition import Row
+from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.torus.clock_loops import Clock, ClockSeries
 from integrable.torus.clock_modes import MOST_LOUD, Cutoffs, Tables
 from integrable.torus.lifts import TOGETHER, RateSums, Torus
@@ -33,6 +36,11 @@ SLOW = 1e-13
 EXTENDED, ROUNDING = 2.0**-58, 2.0**-60
 # a mode is dropped only if it moves τ by less than this, in the unit of LOUD, because a slow mode may be small in 1/g
 LEAST_SWING = 1e-17
+# turns of a phase at the checked times: more than one in either direction, after which all signs that the period
+# changes have changed
+TURNS = (1.23, -1.38)
+# beyond this number of turns the faster phase loses its fraction
+FAR = 2.0**48
 
 
 Samples = Callable[[tuple[int, int], "np.ndarray | None"], np.ndarray]
@@ -40,6 +48,44 @@ Samples = Callable[[tuple[int, int], "np.ndarray | None"], np.ndarray]
 Found = TypeVar("Found")
 Transform = Callable[[np.ndarray], tuple[Found, tuple[int, int]]]
 """A function of samples that returns a result of them and the shape of a grid that is fine enough."""
+
+
+class FarTimes:
+    """The times that a torus reaches, and those at which it is compared with another method.
+
+    ``paces`` are the turns of its phases per unit of time. Double-doubles resolve the fractions of ``most`` turns.
+    """
+
+    paces: Sequence[float]
+    most = MOST_TURNS
+
+    @property
+    def witnesses(self) -> np.ndarray:
+        """Two times for each phase, one in each direction, after which every sign that its period changes has
+        changed.
+        """
+        # if the faster phase loses its fraction before a turn of the slower one, the signs of the latter do not matter
+        farthest = FAR / max(map(abs, self.paces))
+        return np.array([min(max(turns / nu, -farthest), farthest) for nu in self.paces for turns in TURNS])
+
+    def reaches(self, times: np.ndarray) -> bool:
+        """Whether double-doubles resolve the fraction of a turn at all of these times."""
+        return turns_in(times, self.paces) <= self.most
+
+
+def turns_in(times: np.ndarray, paces: Sequence[float]) -> float:
+    """The turns of the fastest phase in the longest of the times."""
+    return float(np.abs(times).max(initial=0)) * max(map(abs, paces))
+
+
+def check_turns(times: np.ndarray, paces: Sequence[float], most: float = MOST_TURNS) -> None:
+    """PrecisionLoss for times with more than ``most`` turns of a phase."""
+    turns = turns_in(times, paces)
+    if turns > most:
+        raise PrecisionLoss(
+            f"time {np.abs(times).max()}: {turns:.1e} turns of a phase are more than the {most:.1e} whose fractions "
+            "double-double numbers hold; use more digits"
+        )
 
 
 def samples_of(

@@ -8,15 +8,10 @@ Let σ = √|U(e)| at a branch point e, and ν = −2∂σ with the derivative �
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
 from integrable.moving_point.addition import Real, Row
-from integrable.moving_point.arithmetic import MOST_TURNS
 from integrable.torus.theta_series import ThetaSums, circle, is_odd, row_sums, theta
-from jacobian.errors import PrecisionLoss
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 from jacobian.numbers.sums import joined, plus_product
@@ -39,11 +34,6 @@ ALONG_FIRST, ALONG_SECOND = 0.7548776662466927, 0.5698402909980532
 POLE = 1e-4
 # number of columns of a grid whose sums are computed together, so that they stay in a cache
 TOGETHER = 64
-# turns of a phase at the checked times: more than one in either direction, after which all signs that the period
-# changes have changed
-TURNS = (1.23, -1.38)
-# beyond this number of turns the faster phase loses its fraction
-FAR = 2.0**48
 
 
 class Torus(NamedTuple):
@@ -238,44 +228,6 @@ def most_strayed(frequencies: Row, wide: int, lifts: Row, right: Row, out: Row) 
     for i in range(CHECKED):
         most, noise = max(most, out[i]), noise + 0 * out[i]
     return most + noise
-
-
-class FarTimes:
-    """The times that a torus reaches, and those at which it is compared with another method.
-
-    ``paces`` are the turns of its phases per unit of time. Double-doubles resolve the fractions of ``most`` turns.
-    """
-
-    paces: Sequence[float]
-    most = MOST_TURNS
-
-    @property
-    def witnesses(self) -> np.ndarray:
-        """Two times for each phase, one in each direction, after which every sign that its period changes has
-        changed.
-        """
-        # if the faster phase loses its fraction before a turn of the slower one, the signs of the latter do not matter
-        farthest = FAR / max(map(abs, self.paces))
-        return np.array([min(max(turns / nu, -farthest), farthest) for nu in self.paces for turns in TURNS])
-
-    def reaches(self, times: np.ndarray) -> bool:
-        """Whether double-doubles resolve the fraction of a turn at all of these times."""
-        return turns_in(times, self.paces) <= self.most
-
-
-def turns_in(times: np.ndarray, paces: Sequence[float]) -> float:
-    """The turns of the fastest phase in the longest of the times."""
-    return float(np.abs(times).max(initial=0)) * max(map(abs, paces))
-
-
-def check_turns(times: np.ndarray, paces: Sequence[float], most: float = MOST_TURNS) -> None:
-    """PrecisionLoss for times with more than ``most`` turns of a phase."""
-    turns = turns_in(times, paces)
-    if turns > most:
-        raise PrecisionLoss(
-            f"time {np.abs(times).max()}: {turns:.1e} turns of a phase are more than the {most:.1e} whose fractions "
-            "double-double numbers hold; use more digits"
-        )
 
 
 # --- dt/dτ on a grid
