@@ -59,9 +59,6 @@ MOST_SAMPLES = 1 << 16
 # computed in double-doubles if it is larger than CLOSE, or if t is not linear in τ. Below CLOSEST pairs on a model of
 # even degree may lose digits
 CLOSE, CLOSEST = 2.0**-10, 2.0**-16
-# double-doubles need the fifth branch point farther from the fourth than NARROW of the distance of the outermost. Lifts
-# of Veselova's bodies were 3e-15 off at 1e-8, and 1e-14 at 1e-9 and less, where others are 1e-15 off
-NARROW = 2.0**-27
 # double-doubles resolve the fractions of MOST_TURNS·CLOSE_TURNS·gap turns if that is less than MOST_TURNS
 CLOSE_TURNS = 16
 # second derivatives of theta functions, from which a mean is computed, need terms that are smaller by e^(−π·FURTHER)
@@ -160,8 +157,7 @@ class ThetaTorus:
         """Sets up the torus in double-doubles, or in long numbers where these do not suffice."""
         found = scaled_model(N, model) if all_real(model.roots) else None
         self._doubtful = bool(self._pole) and not (found and found.gap > CLOSEST)
-        wide = found and found.model.roots[4] - found.model.roots[3] > NARROW
-        if found and wide and found.inside and (timed or found.gap > CLOSE):
+        if found and found.inside and (timed or found.gap > CLOSE):
             self._most = MOST_TURNS * min(1, CLOSE_TURNS * found.gap)
             try:
                 return self._placed(N, found, oval_basis(found.model), lifts, timed)

@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this fraction of its mean are omitted from the series that starts Newton's method
 ROUGH = 1e-4
-# modes that move τ by at least this are summed in double-doubles, since floats would lose digits of τ. The unit is the
-# time in which the body turns by about a radian
+# modes that move τ by at least this, times the least dt/dτ relative to its mean, are summed in double-doubles, since
+# floats would lose digits of τ. The unit is the time in which the body turns by about a radian
 LOUD = 0.05
 # the accuracy of a spectrum is SLOW times the frequency of a phase, since slow modes are divided by their frequencies,
 # but at best EXTENDED, the accuracy of samples in long doubles
@@ -188,11 +188,13 @@ class TorusFlow(BodyTorus):
 
 class RateSpectrum(NamedTuple):
     """Fourier coefficients of dt/dτ on a torus, in the layout of :mod:`integrable.torus.clock_modes`, and the shape of
-    the grid that resolves them.
+    the grid that resolves them. ``least`` is the smallest sample divided by the mean: where dt/dτ is small, τ amplifies
+    errors of t.
     """
 
     values: Row
     grid: tuple[int, int]
+    least: float
 
 
 def resolved_spectrum(
@@ -208,11 +210,13 @@ def resolved_spectrum(
     ``resolved(transformed)`` returns the result of ``transformed`` on a grid that is fine enough. ``turns`` are the
     turns of both phases per unit of τ, ``scale`` is as for :class:`TorusClock`.
     """
-    first, second = (min(noise, max(EXTENDED, SLOW * abs(nu) / scale)) for nu in turns)
 
     def transformed(samples: np.ndarray) -> tuple[RateSpectrum, tuple[int, int]]:
+        high = samples if samples.ndim == 2 else samples[:, :, 0]
+        least = float(high.min() / high.mean())
+        first, second = (min(noise, max(EXTENDED, min(noise * least, SLOW * abs(nu) / scale))) for nu in turns)
         values, wanted = loops.spectrum(samples, (first, second))
-        return RateSpectrum(values, samples.shape[:2]), wanted
+        return RateSpectrum(values, samples.shape[:2], least), wanted
 
     return resolved(transformed)
 
@@ -235,9 +239,10 @@ class TorusClock:
         doubled: tuple[int, int] = (1, 1),
     ) -> None:
         self._loops = loops
-        limits = Cutoffs(ROUNDING, noise, LEAST_SWING / scale, ROUGH, LOUD / scale)
+        values, grid, least = spectrum
+        limits = Cutoffs(ROUNDING, noise * least, LEAST_SWING * least / scale, ROUGH, LOUD * least / scale)
         # the loops count phases in periods of dt/dτ
-        series = series_between(loops, *spectrum, rates[6:], limits)
+        series = series_between(loops, values, grid, rates[6:], limits)
         self._clock = loops.packed(Clock(doubled, *series, rates[:6]))
         self._room = 2 * max(part.width for part in series[:2])
 
