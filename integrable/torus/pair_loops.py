@@ -216,14 +216,13 @@ def sign_factors(torus: PairTorus, target: Row, room: Row) -> None:
 # --- a check
 
 
-def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> float:
-    """The largest difference between rates of σ, or of ν, on the torus and by the equations of motion. It is relative
-    to the largest such rate at the same point, or to σ, or ν, times the frequency of the faster phase if that is more.
-    NaN if a rate is NaN.
+def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> None:
+    """Writes, for each of CHECKED points, the largest difference between rates of σ, or of ν, on the torus and by the
+    equations of motion, to ``out``. It is relative to the largest such rate at the same point, or to σ, or ν, times the
+    frequency of the faster phase if that is more. It is NaN if a rate is NaN, and 0 next to a pole.
 
     The check covers signs, periods and frequencies, for all times, because theta functions are analytic. ``room`` is
-    memory for the lifts of five points, ``out`` for a number at each of CHECKED points. Points next to a pole are left
-    out.
+    memory for the lifts of five points.
     """
     count, nu1, nu2 = len(torus.factors), torus.frequencies[0], torus.frequencies[1]
     fastest, wide = max(abs(float(nu1)), abs(float(nu2))), 2 * len(torus.factors)
@@ -250,10 +249,6 @@ def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> float:
         if pole > POLE:
             worst = 0.0
         out[n] = worst + rest
-    most, noise = 0.0, 0.0
-    for i in range(CHECKED):
-        most, noise = max(most, out[i]), noise + 0 * out[i]
-    return most + noise
 
 
 def rates_of(torus: PairTorus, lifts: Row, place: int, k: int) -> tuple[Real, Real]:
