@@ -174,7 +174,7 @@ class QuickClock:
         """
         if not abs(float(self.clock.times(tau)[0]) - time) <= MOST_OFF * abs(time):
             return False
-        values, (rows, columns) = self._spectrum
+        values, (rows, columns), _ = self._spectrum
         half = values[:, 0].reshape(-1, 2)[: (rows // 2 + 1) * columns].reshape(-1, columns, 2) @ np.array([1, 1j])
         first, second = (2j * np.pi * float(x - round(x)) for x in turns)
         ahead, across = np.arange(rows // 2 + 1), np.fft.fftfreq(columns, 1 / columns)
@@ -202,7 +202,7 @@ def grid_resolving(pace: Pace) -> tuple[int, int]:
 
 def check_no_resonance(spectrum: RateSpectrum, turns: list[float]) -> None:
     """Raises PrecisionLoss for a mode nearly in resonance: floats would lose digits of its large oscillation."""
-    values, (rows, columns) = spectrum
+    values, (rows, columns), _ = spectrum
     modes = np.hypot(*values[:, 0].reshape(-1, 2)[: (rows // 2 + 1) * columns].T).reshape(-1, columns)
     first = np.arange(rows // 2 + 1)[:, None] * turns[0]
     second = np.fft.fftfreq(columns, 1 / columns)[None, :] * turns[1]

@@ -16,7 +16,7 @@ import numpy as np
 
 from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import HALF_STEP, HEAVINESS, TIME_SCALE
-from integrable.torus.clock import TorusClock, check_turns, first_grid, resolved_spectrum, samples_of
+from integrable.torus.clock import MOST_SAMPLES, TorusClock, check_turns, first_grid, resolved_spectrum, samples_of
 from integrable.torus.lifts import AROUND, CHECKED, CLOSED, Limits, RateSums, Torus
 from integrable.torus.loops import (
     BEYOND,
@@ -39,7 +39,6 @@ from jacobian.periods.real_basis import Whole
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
-MOST_SAMPLES = 1 << 18
 # from DENSE_FROM ascending times on, with at least DENSE of them per node, interpolation on panels is faster
 DENSE_FROM = 5000
 DENSE = 3
@@ -103,7 +102,8 @@ class BodyTorus:
             raise NotClosed(f"the torus of this motion leads back to {self.closure:.1e} only; use more digits")
         frequencies = found[FREQUENCIES : FREQUENCIES + 2]
         room = self.loops.room(6 * (AROUND + 1) * CHECKED)
-        if not self.loops.strayed(self.torus, self._motion, frequencies, room, np.empty(CHECKED)) <= RIGHT:
+        self.loops.strayed(self.torus, self._motion, frequencies, room, gaps := np.empty(CHECKED))
+        if not gaps.max() <= RIGHT:
             raise NotClosed("the states on the torus of this motion do not obey its equations; use more digits")
 
     @property

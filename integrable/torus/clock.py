@@ -25,10 +25,12 @@ from jacobian.native.library import Packed
 FIRST_SIZE = 16
 # a first grid of 1/g has POINTS·digits/(the :func:`shortest` nYn) points in each direction; mostly no finer one follows
 POINTS = 1.8
+# the largest number of samples of a rate; beyond it, branch points nearly meet
+MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this fraction of its mean are omitted from the series that starts Newton's method
 ROUGH = 1e-4
-# modes that move τ by at least this are summed in double-doubles, since floats would lose digits of τ. The unit is the
-# time in which the body turns by about a radian
+# modes that move τ by at least this, times the least dt/dτ relative to its mean, are summed in double-doubles, since
+# floats would lose digits of τ. The unit is the time in which the body turns by about a radian
 LOUD = 0.05
 # the accuracy of a spectrum is SLOW times the frequency of a phase, since slow modes are divided by their frequencies,
 # but at best EXTENDED; modes below ROUNDING of the largest are left out. Both are the same on every machine
@@ -144,11 +146,13 @@ def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, 
 
 class RateSpectrum(NamedTuple):
     """Fourier coefficients of dt/dτ on a torus, in the layout of :mod:`integrable.torus.clock_modes`, and the shape of
-    the grid that resolves them.
+    the grid that resolves them. ``least`` is the smallest sample divided by the mean: where dt/dτ is small, τ amplifies
+    errors of t.
     """
 
     values: Row
     grid: tuple[int, int]
+    least: float
 
 
 def resolved_spectrum(
@@ -166,11 +170,13 @@ def resolved_spectrum(
     The first grid has ``sizes``, the last at most ``most`` points. ``turns`` are the turns of both phases per unit of
     τ, ``scale`` is as for :class:`TorusClock`.
     """
-    first, second = (min(noise, max(EXTENDED, SLOW * abs(nu) / scale)) for nu in turns)
 
     def transformed(samples: np.ndarray) -> tuple[RateSpectrum, tuple[int, int]]:
+        high = samples if samples.ndim == 2 else samples[:, :, 0]
+        least = float(high.min() / high.mean())
+        first, second = (min(noise, max(EXTENDED, min(noise * least, SLOW * abs(nu) / scale))) for nu in turns)
         values, wanted = loops.spectrum(samples, (first, second))
-        return RateSpectrum(values, samples.shape[:2]), wanted
+        return RateSpectrum(values, samples.shape[:2], least), wanted
 
     return resolved(samples, transformed, sizes, most)
 
@@ -193,7 +199,8 @@ class TorusClock:
         doubled: tuple[int, int] = (1, 1),
     ) -> None:
         self._loops = loops
-        limits = Cutoffs(ROUNDING, noise, LEAST_SWING / scale, ROUGH, LOUD / scale)
+        least = spectrum.least
+        limits = Cutoffs(ROUNDING, noise * least, LEAST_SWING * least / scale, ROUGH, LOUD * least / scale)
         series, pace = series_between(loops, spectrum, (rates, doubled), limits)
         self._clock = loops.packed(Clock(doubled, *series, pace, loops.circle))
         self._room = 2 * max(part.width for part in series[:2])
@@ -227,7 +234,7 @@ def series_between(
 
     PrecisionLoss where a mode is in resonance.
     """
-    (values, grid), pace = spectrum, loops.room(6)
+    (values, grid, _), pace = spectrum, loops.room(6)
     size, height = grid[0] // 2 * grid[1], grid[0] // 2
     floats, lines = np.empty((4, 4 * size)), np.empty((2, 3 * height), dtype=np.int64)
     pairs, counts = np.empty(2 * MOST_LOUD, dtype=np.int64), np.empty(9, dtype=np.int64)

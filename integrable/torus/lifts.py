@@ -199,13 +199,13 @@ def put_around(torus: Torus, frequencies: Row, room: Row) -> None:
             lifts_at(torus, first, second, len(torus.factors), room, wide * (AROUND * n + k))
 
 
-def most_strayed(frequencies: Row, wide: int, lifts: Row, right: Row, out: Row) -> float:
-    """The largest difference between rates of σ, or of ν, on the torus, from :func:`put_around`, and the ``right`` ones
-    of the equations of motion. It is relative to the largest such rate at the same point, or to σ, or ν, times the
-    frequency of the faster phase if that is more. NaN if a rate is NaN. ``wide`` is the number of lifts.
+def most_strayed(frequencies: Row, wide: int, lifts: Row, right: Row, out: Row) -> None:
+    """Writes, for each point of :func:`put_around`, the largest difference between rates of σ, or of ν, on the torus
+    and the ``right`` ones of the equations of motion, to ``out``. It is relative to the largest such rate at the same
+    point, or to σ, or ν, times the frequency of the faster phase if that is more. It is NaN if a rate is NaN, and 0
+    next to a pole. ``wide`` is the number of lifts.
 
-    The check covers signs, periods and frequencies, for all times, because theta functions are analytic. ``out`` is
-    memory for a number at each point. Points next to a pole are left out.
+    The check covers signs, periods and frequencies, for all times, because theta functions are analytic.
     """
     fastest = max(abs(float(frequencies[0])), abs(float(frequencies[1])))
     step = STEP / fastest
@@ -224,10 +224,6 @@ def most_strayed(frequencies: Row, wide: int, lifts: Row, right: Row, out: Row) 
         if pole > POLE:
             worst = 0.0
         out[n] = worst + rest
-    most, noise = 0.0, 0.0
-    for i in range(CHECKED):
-        most, noise = max(most, out[i]), noise + 0 * out[i]
-    return most + noise
 
 
 # --- dt/dτ on a grid

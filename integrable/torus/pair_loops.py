@@ -114,7 +114,7 @@ def with_root(pole: Real, p: Real, s: Real, y: Real, slope: Real) -> tuple[Real,
 # --- a check
 
 
-def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> float:
+def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> None:
     """:func:`integrable.torus.lifts.most_strayed` of the pairs and the equations of motion."""
     count = len(torus.ends)
     wide, right = 2 * count, room[2 * count * AROUND * CHECKED :]
@@ -123,7 +123,7 @@ def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> float:
         for k in range(count):
             sigma, nu = rates_of(torus, room, AROUND * wide * n, k)
             right[wide * n + 2 * k], right[wide * n + 2 * k + 1] = sigma, nu
-    return most_strayed(torus.frequencies, wide, room, right, out)
+    most_strayed(torus.frequencies, wide, room, right, out)
 
 
 def rates_of(torus: PairTorus, lifts: Row, place: int, k: int) -> tuple[Real, Real]:

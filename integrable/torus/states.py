@@ -81,7 +81,7 @@ def phases_at(rates: Row, tau: Row, out: Row) -> None:
 # --- a check
 
 
-def strayed(body: BodyStates, motion: Row, frequencies: Row, room: Row, out: Row) -> float:
+def strayed(body: BodyStates, motion: Row, frequencies: Row, room: Row, out: Row) -> None:
     """:func:`integrable.torus.lifts.most_strayed` of the states and the equations of motion. ``motion`` is a
     :func:`integrable.torus.lattice.motion_row`, ``frequencies`` are turns of the phases per unit of its time.
     """
@@ -97,7 +97,7 @@ def strayed(body: BodyStates, motion: Row, frequencies: Row, room: Row, out: Row
         right[to + 1] = dy * w - dz * v + y * dw - z * dv
         right[to + 3] = dz * u - dx * w + z * du - x * dw
         right[to + 5] = dx * v - dy * u + x * dv - y * du
-    return most_strayed(frequencies, 6, room, right, out)
+    most_strayed(frequencies, 6, room, right, out)
 
 
 def velocity(motion: Row, frame: Row) -> Row:

@@ -38,7 +38,7 @@ BEFORE, AFTER, SPACING = 160, 110, 0.75
 def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
     """Writes 2∫dx/|y| and 2∫x dx/|y| over the gap between the ovals, then over the gap behind the second, to ``out``.
 
-    For d = 0 the latter is infinite, and 0 is written. In the variable X = (e₄ − e₁)/(c − x), with c in the first oval,
+    For d = 0 the latter is infinite, and 0 is written. In the variable X = (e₂ − c)/(c − x), with c in the first oval,
     all six branch points are finite.
     """
     e1, e2, e3, e4, d, r = motion[0], motion[1], motion[2], motion[3], motion[8], motion[10]
@@ -52,20 +52,23 @@ def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
         out[1] = rest + middle * out[0]
         out[2], out[3] = 0 * k, 0 * k
         return
-    size, half = e4 - e1, (e2 - e1) / 2
-    d3, d4, c = (e3 - e2) + half, (e4 - e2) + half, e1 + half
-    last = r - d * c
-    x1, x2, x3, x4, x5 = size / half, -(size / half), -(size / d3), -(size / d4), -(d * size / last)
+    # c is no farther from the second branch point than the fourth is
+    after = (e2 - e1) / 2
+    if float(e4 - e2) < float(after):
+        after = e4 - e2
+    before, d3, d4, c = (e2 - e1) - after, (e3 - e2) + after, (e4 - e2) + after, e2 - after
+    last, one = r - d * c, 1 + 0 * d
+    x1, x2, x3, x4, x5 = after / before, -one, -(after / d3), -(after / d4), -(d * after / last)
     # X₁ − X at the ends of both gaps
-    at2, at3, at4 = 2 * size / half, size * (e3 - e1) / (half * d3), size * (e4 - e1) / (half * d4)
-    at5, one = size * (r - d * e1) / (half * last), 1 + 0 * d
+    at2, at3, at4 = (e2 - e1) / before, after * (e3 - e1) / (before * d3), after * (e4 - e1) / (before * d4)
+    at5 = after * (r - d * e1) / (before * last)
     values = -(x2 * at2), -(x3 * at3), -(x4 * at4), -(x5 * at5)
     third = (0 * one, -x1, one), values
-    quadratic_periods((x2, x3, x4, x5), size * (e4 - e3) / (d3 * d4), third, pi, near, out)
-    scale = size / (half * root(d3 * d4 * last))
+    quadratic_periods((x2, x3, x4, x5), after * (e4 - e3) / (d3 * d4), third, pi, near, out)
+    scale = root(after / (before * d3 * d4 * last))
     for n in range(2):
         zeroth, first = out[2 * n], out[2 * n + 1]
-        out[2 * n], out[2 * n + 1] = -(scale * first), scale * (size * zeroth - c * first)
+        out[2 * n], out[2 * n + 1] = -(scale * first), scale * (after * zeroth - c * first)
 
 
 def torus_periods(motion: Row, near: float, room: Row, out: Row) -> tuple[int, int, int, int]:

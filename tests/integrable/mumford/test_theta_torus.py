@@ -296,3 +296,34 @@ def test_series_confirm_the_torus_of_very_unequal_moments(monkeypatch):
     assert far.way == "series, torus"
     assert abs(far.q[:3] - near.states[:, 0]).max() < 1e-15
     assert abs(far.p[:3] - near.states[:, 1]).max() < 1e-12
+
+
+START = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
+PEAKED = (
+    (0.24437093291914905, -0.9694903662316473, -0.019268547642493635),
+    (6.24834368864047e-05, 0.00021247112808618054, -0.009897973607382636),
+)
+
+
+@compiled
+@pytest.mark.parametrize(
+    ("moments", "start"),
+    [
+        ((1.0, 2.0, 3e9), START),
+        ((1e-5, 2e-3, 40.0), START),
+        ((5e-4, 7e-7, 1e-3), START),
+        ((305770.3550398829, 1.170872358333604e-06, 2534.3278223786147), PEAKED),
+    ],
+)
+def test_states_of_very_unequal_moments_are_the_nearest_floats(moments, start):
+    """They were up to 1e-14 off: most modes of the clock were summed in floats, and where dt/dτ is small, τ amplifies
+    their errors. The last motion took seconds: its lifts have narrow peaks, at which the witness of a torus was in
+    doubt.
+    """
+    system = Veselova(moments)
+    flow = system.flow(system.state(*start))
+    pace = max(map(abs, made_torus(flow).witnesses))
+    times = [0.3 * pace, 1.1 * pace, -17 * pace]
+    far, right = forced(flow, "torus").at(times), forced(flow, "additions").at(times)
+    assert np.abs(far.q - right.q).max() < 1.2e-16
+    assert np.abs(far.p - right.p).max() < 2.3e-16

@@ -21,8 +21,12 @@ from integrable.torus.clock_modes import Cutoffs
 from integrable.torus.lattice import Units, beginning
 from integrable.torus.loops import CompiledLoops, ReadableLoops
 from integrable.torus.series import TorusSeries, needed_sizes, spectrum
+from integrable.torus.theta_series import half_turn
+from integrable.torus.theta_setup import FOUND, torus_periods
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.numbers.compiler import interpreted
+from jacobian.numbers.long_reals import BareReals
 from tests.integrable.ways import torus_of
 
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
@@ -196,7 +200,7 @@ def test_a_trigonometric_polynomial_is_integrated_exactly() -> None:
         rates = loops.row((*nu, 2, 2 * MP(40).context.pi))
         limits = Cutoffs(1e-15, 1e-15, inf, 0.3, inf)
         (rough, packed, quiet, modes, _), _ = series_between(
-            loops, RateSpectrum(values, first.shape), (rates, (1, 1)), limits
+            loops, RateSpectrum(values, first.shape, 1.0), (rates, (1, 1)), limits
         )
         assert quiet is packed
         assert not len(modes)
@@ -406,3 +410,53 @@ def test_branch_points_that_are_close_take_more_digits_to_begin_with(moments, d,
     setup = ball.flow(ball.state(*start)).setup
     quick, exact = CompiledLoops().begun(setup), FromMoreDigits().begun(setup)
     assert all(np.array_equal(x, y) for x, y in zip(quick[1:], exact[1:], strict=True))
+
+
+@pytest.mark.parametrize(
+    ("moments", "d", "gamma", "M", "times"),
+    [
+        (
+            (8.348987793597134, 2948.2275645476843, 0.0011565366275455393),
+            25.204524950615557,
+            (-0.04343108567321849, -0.9990463771450145, -0.004480748895755675),
+            (-0.09366368012320649, 0.004076907284676683, -0.0011391258316842546),
+            (338.4, -41864.80337313851),
+        ),
+        ((63, 0.21, 860), 1.4e4, (-5e-5, -0.99, -0.017), (0.3, -8e-5, 0.0038), (7e4, -8.5e6)),
+    ],
+)
+def test_moments_of_different_orders_give_the_nearest_floats(moments, d, gamma, M, times) -> None:
+    """dt/dτ is far below its mean at most phases, where rounding of t changes τ most. Errors were 2e-15 to 1e-14."""
+    system, gamma = ChaplyginBall(moments, d), np.array(gamma) / np.linalg.norm(gamma)
+    state = system.state(gamma, M - gamma * (gamma @ M))
+    rows, precise = system.flow(state, kernel="compiled").at(times), PreciseFlow(system.body, state, 20)
+    spin = np.linalg.norm(state.M)
+    for found, truth in zip(zip(rows.gamma, rows.M, strict=True), precise.vectors(precise.at(times)[1]), strict=True):
+        for vector, true, size in zip(found, truth, (1, spin), strict=True):
+            assert max(abs(float(x - y)) for x, y in zip(vector.tolist(), true, strict=True)) < 2.3e-16 * size
+
+
+@pytest.mark.skipif(interpreted(), reason="these are the compiled double-doubles")
+@pytest.mark.parametrize(
+    "ends",
+    [
+        (-0.8, -1.4e-13, 0.0, 3.7e-16, 3.8e-16),
+        (-0.8, -0.5, 0.0, 1e-9, 2e-9),
+        (-1e-12, 0.0, 3e-12, 0.5, 0.9),
+        (-0.5, 0.0, 1e-10, 0.7, 3.0),
+        (-1.0, -0.6, -0.4, 0.3, 2.0),
+    ],
+)
+def test_periods_over_gaps_have_all_digits_however_close_branch_points_are(ends) -> None:
+    """Im τ had lost up to 17 digits of 32 where four branch points are close to each other."""
+    reals, loops = BareReals(500), CompiledLoops()
+    given = [*ends[:4], *ends[:3], 0.0, 1.0, 0.0, ends[4], 0.0]
+    found, room = loops.room(FOUND), loops.room(4)
+    with reals:
+        exact = [reals.number(x) for x in given]
+        exact[9] = half_turn()
+        motion, right, memory = loops.row(exact), [reals.number(0)] * FOUND, [reals.number(0)] * 4
+        loops.periods(motion, loops.short, room, found)
+        torus_periods(exact, 1e-60, memory, right)
+        for (high, low), x in zip(found.tolist(), right, strict=True):
+            assert abs(reals.number(high) + reals.number(low) - x) <= 1e-24 * abs(x)
