@@ -6,6 +6,8 @@ Arrays of numbers are float arrays with a last axis (hi, lo).
 
 from __future__ import annotations
 
+from typing import Any
+
 from integrable.moving_point.compiled import SPECIAL
 from integrable.torus import clock_loops, clock_modes, lattice, lifts, states, theta_series, theta_setup
 from integrable.torus.clock_loops import Clock, ClockSeries
@@ -35,37 +37,34 @@ KINDS: dict[type[tuple[object, ...]], TupleKind] = {
 
 _BODY, _RATE, _CLOCK, _LIMITS = KINDS[BodyStates], KINDS[RateSums], KINDS[Clock], record(Limits, FLOAT, FLOAT)
 _PANELS, _ROWS, _PHASES = ArrayKind(FLOAT, 3), ArrayKind(FLOAT, 2), TupleKind((WIDES, FLOATS, FLOATS))
-LIBRARY = Library(
-    "torus",
-    {
-        "begun": (lattice.begun_rows, (WIDES, BOOL, WIDES, WIDES, WIDES)),
-        "periods": (theta_setup.torus_periods, (WIDES, FLOAT, WIDES, WIDES)),
-        "rates": (theta_setup.surveyed_rates, (*(WIDES,) * 4, _FLOATS, *(WIDES,) * 3)),
-        "placed": (theta_setup.placed, (TORUS, WIDES, WIDES, WIDES, WIDES, FLOATS, _LIMITS, WIDES)),
-        "met": (lifts.met, (TORUS, WIDES, WIDES, _LIMITS, WIDES)),
-        "theta_weights": (
-            theta_series.theta_weights,
-            (WIDES, _THREE, _INTS, FLOAT, SUMS, WIDES),
-        ),
-        "circle_points": (theta_series.circle_points, (FLOATS, WIDES, WIDES, WIDES)),
-        "gridded": (lifts.gridded, (TORUS, _RATE, _INTS, _INTS, WIDES, WIDES, WIDES)),
-        "strayed": (states.strayed, (_BODY, WIDES, WIDES, WIDES, FLOATS)),
-        "states_at_phases": (states.states_at, (_BODY, FLOATS, FLOATS)),
-        "states_at_tau": (states.states_at_tau, (_BODY, WIDES, FLOATS, FLOATS)),
-        "phases_at": (states.phases_at, (WIDES, FLOATS, WIDES)),
-        "states_at_times": (
-            clock_loops.states_at_times,
-            (_BODY, _CLOCK, FLOATS, TupleKind((FLOATS, FLOATS, FLOATS)), TupleKind((FLOATS, WIDES))),
-        ),
-        "phases_at_times": (clock_loops.phases_at_times, (_CLOCK, FLOATS, _PHASES, FLOATS)),
-        "times_at_tau": (clock_loops.times_at_tau, (_CLOCK, FLOATS, FLOATS, FLOATS)),
-        "spectrum": (clock_modes.spectrum_of_samples, (WIDES, _INTS, _FLOATS, WIDES, TupleKind((WIDES,) * 3), FLOATS)),
-        "clock_series": (
-            clock_modes.clock_series,
-            (WIDES, _INTS, TupleKind((WIDES, _INTS)), record(Cutoffs, *(FLOAT,) * 5), KINDS[Tables], WIDES, WIDES),
-        ),
-        "panel_values": (clock_loops.panel_values, (FLOATS, FLOATS, _PANELS, FLOATS, _ROWS, _ROWS)),
-    },
-    SPECIAL,
-    fast=(clock_loops.swing_and_rate,),
-)
+LOOPS: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "begun": (lattice.begun_rows, (WIDES, BOOL, WIDES, WIDES, WIDES)),
+    "periods": (theta_setup.torus_periods, (WIDES, FLOAT, WIDES, WIDES)),
+    "rates": (theta_setup.surveyed_rates, (*(WIDES,) * 4, _FLOATS, *(WIDES,) * 3)),
+    "placed": (theta_setup.placed, (TORUS, WIDES, WIDES, WIDES, WIDES, FLOATS, _LIMITS, WIDES)),
+    "met": (lifts.met, (TORUS, WIDES, WIDES, _LIMITS, WIDES)),
+    "theta_weights": (
+        theta_series.theta_weights,
+        (WIDES, _THREE, _INTS, FLOAT, SUMS, WIDES),
+    ),
+    "circle_points": (theta_series.circle_points, (FLOATS, WIDES, WIDES, WIDES)),
+    "gridded": (lifts.gridded, (TORUS, _RATE, _INTS, _INTS, WIDES, WIDES, WIDES)),
+    "strayed": (states.strayed, (_BODY, WIDES, WIDES, WIDES, FLOATS)),
+    "states_at_phases": (states.states_at, (_BODY, FLOATS, FLOATS)),
+    "states_at_tau": (states.states_at_tau, (_BODY, WIDES, FLOATS, FLOATS)),
+    "phases_at": (states.phases_at, (WIDES, FLOATS, WIDES)),
+    "states_at_times": (
+        clock_loops.states_at_times,
+        (_BODY, _CLOCK, FLOATS, TupleKind((FLOATS, FLOATS, FLOATS)), TupleKind((FLOATS, WIDES))),
+    ),
+    "phases_at_times": (clock_loops.phases_at_times, (_CLOCK, FLOATS, _PHASES, FLOATS)),
+    "times_at_tau": (clock_loops.times_at_tau, (_CLOCK, FLOATS, FLOATS, FLOATS)),
+    "spectrum": (clock_modes.spectrum_of_samples, (WIDES, _INTS, _FLOATS, WIDES, TupleKind((WIDES,) * 3), FLOATS)),
+    "clock_series": (
+        clock_modes.clock_series,
+        (WIDES, _INTS, TupleKind((WIDES, _INTS)), record(Cutoffs, *(FLOAT,) * 5), KINDS[Tables], WIDES, WIDES),
+    ),
+    "panel_values": (clock_loops.panel_values, (FLOATS, FLOATS, _PANELS, FLOATS, _ROWS, _ROWS)),
+}
+"""The loops by name, with the kinds of their arguments."""
+LIBRARY = Library("torus", LOOPS, SPECIAL, fast=(clock_loops.swing_and_rate,))

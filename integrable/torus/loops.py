@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from math import exp, inf, log, pi
 from typing import TYPE_CHECKING, Any
 
@@ -11,13 +11,14 @@ import numpy as np
 from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import CONTACT, ROW, START, TIME_SCALE
 from integrable.phase.precisions import FLOAT_DIGITS
-from integrable.torus import clock_modes, lifts, states, theta_series, theta_setup
-from integrable.torus.clock_loops import panel_values, phases_at_times, states_at_times, times_at_tau
+from integrable.torus import clock_modes, theta_series
+from integrable.torus.compiled import KINDS, LIBRARY, LOOPS
 from integrable.torus.lattice import Beginning, Units, beginning
 from integrable.torus.theta_series import ThetaSums
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
+from jacobian.native.library import Packed
 from jacobian.numbers.double_double import EPS, double_double_row
 from jacobian.numbers.fourier import circle_of
 from jacobian.periods.real_basis import Whole
@@ -33,23 +34,11 @@ BEYOND = "periods beyond the range of floats; use more digits"
 _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0)])
 
 
-# the interpreted loops, with the indices of their arguments that are arrays of floats, which they take as lists
-PLAIN: dict[str, tuple[Callable[..., object], tuple[int, ...]]] = {
-    "clock_series": (clock_modes.clock_series, ()),
-    "gridded": (lifts.gridded, ()),
-    "panel_values": (panel_values, ()),
-    "periods": (theta_setup.torus_periods, ()),
-    "phases_at": (states.phases_at, (1,)),
-    "phases_at_times": (phases_at_times, (1,)),
-    "placed": (theta_setup.placed, (5,)),
-    "rates": (theta_setup.surveyed_rates, ()),
-    "states_at_phases": (states.states_at, (1,)),
-    "states_at_tau": (states.states_at_tau, (2,)),
-    "states_at_times": (states_at_times, (2,)),
-    "strayed": (states.strayed, ()),
-    "theta_weights": (theta_series.theta_weights, ()),
-    "times_at_tau": (times_at_tau, (1, 3)),
-}
+# the arguments of interpreted loops, by index, that are arrays of floats and are read only: they are passed as lists
+READ = {
+    "phases_at": (1,), "phases_at_times": (1,), "placed": (5,), "states_at_phases": (1,), "states_at_tau": (2,),
+    "states_at_times": (2,), "times_at_tau": (1, 3),
+}  # fmt: skip
 
 
 class NotClosed(PrecisionLoss):
@@ -116,9 +105,9 @@ class ReadableLoops:
 
     def __getattr__(self, name: str) -> Any:
         """The loop of this name in the precision of these numbers."""
-        if name not in PLAIN:
-            raise AttributeError(f"torus loops have no {name}; they have {', '.join(PLAIN)}")
-        loop, read = PLAIN[name]
+        if name not in LOOPS:
+            raise AttributeError(f"torus loops have no {name}; they have {', '.join(LOOPS)}")
+        (loop, _), read = LOOPS[name], READ.get(name, ())
 
         def inside(*args: Row) -> object:
             with self.reals:
@@ -138,24 +127,18 @@ class CompiledLoops:
     short = EPS**0.5 / 16
     depth, nudge, closest = theta_series.DEPTH, 2.0**-44, 2.0**-130
 
-    def __init__(self) -> None:
-        from integrable.torus import compiled
-        from jacobian.native.library import Packed
-
-        self._kinds, self._packed, self._entries = compiled.KINDS, Packed, compiled.LIBRARY
-
     def __getattr__(self, name: str) -> Any:
         """The compiled loop of this name."""
         if name.startswith("_"):
             raise AttributeError(name)
-        return getattr(self._entries, name)
+        return getattr(LIBRARY, name)
 
     @property
     def circle(self) -> Row:
         return theta_series.inverse_factorials()
 
     def packed(self, value: Any) -> Any:
-        return self._packed(value, self._kinds[type(value)])
+        return Packed(value, KINDS[type(value)])
 
     def row(self, values: Iterable[Real]) -> Row:
         return double_double_row(values).reshape(-1, 2)
@@ -170,7 +153,7 @@ class CompiledLoops:
             wide = np.zeros((10 + ROW + 12, 2))
             wide[:10, 0] = given
             problem, motion = wide[10 : 10 + ROW], wide[10 + ROW :]
-            if self._entries.begun(wide[:10], tilted, _CONSTANTS, problem, motion):
+            if LIBRARY.begun(wide[:10], tilted, _CONSTANTS, problem, motion):
                 return Beginning(Units(), motion, problem[12:14], problem[START:TIME_SCALE], problem[:CONTACT])
         return beginning(setup, self)
 
@@ -178,7 +161,7 @@ class CompiledLoops:
         rows, columns, _ = samples.shape
         rooms, room = np.empty((3, (rows + 2) * columns, 2)), np.empty(rows // 2 + columns // 2 + 2)
         size, circle = rows * columns, circle_of(max(rows, columns))
-        wanted = self._entries.spectrum(samples.reshape(size, 2), (rows, columns), noise, circle, (*rooms,), room)
+        wanted = LIBRARY.spectrum(samples.reshape(size, 2), (rows, columns), noise, circle, (*rooms,), room)
         return rooms[2], wanted
 
     def room(self, count: int) -> Row:
