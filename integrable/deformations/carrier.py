@@ -13,8 +13,7 @@ from math import ceil, log2
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.deformations.hamiltonian import Hamiltonian
-from integrable.deformations.oval import Pace
-from integrable.deformations.oval_loops import height
+from integrable.deformations.oval import Pace, height
 from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits
 from integrable.moving_point.losses import NOTHING, digits_of
 from integrable.mumford.elliptic_torus import EllipticOval
@@ -56,7 +55,7 @@ class CurvesCarrier(Carrier):
     momentum: Real = 1
     curves: Sequence[EllipticOval]
     levels: Sequence[Sequence[Real]]
-    """z at e₁, e₂ and e₃ of each curve, and 1/scale (:mod:`integrable.deformations.oval_loops`)."""
+    """z at e₁, e₂ and e₃ of each curve, and 1/scale (:mod:`integrable.deformations.oval`)."""
     frame: NamedTuple
     speed: Real = 1
     pace: Pace | None = None
@@ -129,7 +128,7 @@ class CurvesCarrier(Carrier):
         with truth.field:
             return truth.difference(point, truth.point(truth.field.coerce(tau)))
 
-    def difference(self, row: GammaM, truth: GammaM) -> int:
+    def difference(self, row: tuple[Sequence[Real], Sequence[Real]], truth: GammaM) -> int:
         """The decimal exponent of the relative difference of (γ, M) from a more accurate computation, ``truth``."""
         worst = -NOTHING
         for found, right, unit in zip(row, truth, (1, self.momentum), strict=True):

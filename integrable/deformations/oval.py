@@ -1,21 +1,40 @@
-"""The rate of physical time on the two ovals of a tilde pair at d ≠ 0."""
+"""Heights and rates on the two curves of a deformation; loops over bare reals are compiled for double-doubles.
+
+On each curve Z = scale·z + shift, and ``levels`` are z at e₁, e₂ and e₃, and 1/scale. The roots are those of
+:class:`integrable.mumford.elliptic_torus.EllipticOval`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from integrable.deformations.oval_loops import height
-from integrable.mumford.elliptic_torus import EllipticOval
-from jacobian.element import FormulaField, Real
+from integrable.mumford.elliptic_torus import OVAL, EllipticOval, OvalThetas, oval_points
+from jacobian.element import Real
 from jacobian.inexact.long_field import LongField
+from jacobian.native.kinds import INT, WIDES, TupleKind
+from jacobian.native.library import Library
+from jacobian.native.special import SPECIAL
+from jacobian.numbers.abreast import abreast
+from jacobian.numbers.roots import root
+
+Row = Any
+
+
+def height(levels: Sequence[Real], r: tuple[Real, Real, Real]) -> Real:
+    """z at the roots R₁, R₂ and R₃, computed from the smallest of them."""
+    if abs(r[0]) <= abs(r[1]) and abs(r[0]) <= abs(r[2]):
+        return levels[0] + r[0] * r[0] * levels[3]
+    if abs(r[1]) <= abs(r[2]):
+        return levels[1] - r[1] * r[1] * levels[3]
+    return levels[2] - r[2] * r[2] * levels[3]
 
 
 class Pace(NamedTuple):
     """The rate dt/dτ = 1/g of a tilde pair, g² = Σ weight_k(1 + dz_k), on the torus of two ovals.
 
     Both ``weights`` are positive, with the sum 1; ``levels`` give the heights z_k
-    (:mod:`integrable.deformations.oval_loops`).
+    (:func:`height`).
     """
 
     field: LongField
@@ -36,9 +55,42 @@ class Pace(NamedTuple):
     def at(self, times: Sequence[Real]) -> Real:
         """1/g after the points of the two curves have moved for these times."""
         one, two = (self.share(k, self.curves[k].moved(time)) for k, time in enumerate(times))
-        return 1 / root_of_rounded(self.field, one + two)
+        return 1 / self.field.sqrt(abs(one + two))
 
 
-def root_of_rounded(K: FormulaField, x: Real) -> Real:
-    """The root √|x| of a number that is nonnegative up to rounding."""
-    return K.sqrt(abs(x))
+def points(curves: tuple[OvalThetas, OvalThetas], levels: tuple[Row, Row], times: Row, step: int, out: Row) -> None:
+    """Writes all R₁, all R₂, all R₃ and all z on the first curve at N points, then those on the second.
+
+    With ``step`` = 1 the points are at the same ``times`` on both curves; with ``step`` = 2 the times are in pairs.
+    """
+    count = len(times) // step
+    put_points(curves[0], levels[0], times, (0, step), out[: 4 * count])
+    put_points(curves[1], levels[1], times, (step - 1, step), out[4 * count :])
+
+
+def put_points(curve: OvalThetas, levels: Row, times: Row, place: tuple[int, int], out: Row) -> None:
+    """Writes the roots and heights on one curve; ``place`` is that of
+    :func:`integrable.mumford.elliptic_torus.oval_points`.
+    """
+    count = len(out) // 4
+    oval_points(curve, times, place, out[: 3 * count])
+    for n in range(count):
+        out[3 * count + n] = height(levels, (out[n], out[count + n], out[2 * count + n]))
+
+
+def paces(first: Row, second: Row, table: Row) -> None:
+    """Writes 1/√(x + y) to ``table`` for each x of ``first``, row by row, and each y of ``second``."""
+    columns = len(second)
+    for i in range(len(first)):
+        for j in abreast(0, columns):
+            table[i * columns + j] = 1 / root(first[i] + second[j])
+
+
+LIBRARY = Library(
+    "deformations",
+    {
+        "points": (points, (TupleKind((OVAL, OVAL)), TupleKind((WIDES, WIDES)), WIDES, INT, WIDES)),
+        "paces": (paces, (WIDES, WIDES, WIDES)),
+    },
+    SPECIAL,
+)

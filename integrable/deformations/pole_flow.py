@@ -19,7 +19,6 @@ from typing import Any, NamedTuple
 from integrable.deformations.carrier import CurvePoint, CurvesCarrier, GammaM
 from integrable.deformations.deformed_flow import DeformedFlow
 from integrable.deformations.equations import BY_THETA_IN_POLES
-from integrable.deformations.oval import root_of_rounded
 from integrable.deformations.separated_flow import check_distinct, interlaced
 from integrable.mumford.elliptic_torus import EllipticOval
 from integrable.phase.body import Vector, cross
@@ -120,7 +119,7 @@ def oval_of_cubic(K: LongField, q: poly.Poly, shift: Real, z: Real, slope: Real)
     # g3 follows from λ²q(0) = 4Z³ − g2Z − g3 at u = 0, where Z = shift
     g3 = (4 * shift * shift - g2) * shift - scale * scale * q[0]
     e = roots_of_cubic(K, g2, g3)
-    sizes = [root_of_rounded(K, z - x) for x in e]
+    sizes = [K.sqrt(abs(z - x)) for x in e]
     # next to a branch point Z − e_i loses digits, which Z' restores
     i = min(range(3), key=lambda n: sizes[n])
     others = sizes[i - 2] * sizes[i - 1]

@@ -16,9 +16,8 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from integrable.deformations.carrier import CurvesCarrier, OnCurves
-from integrable.deformations.oval import Pace
-from integrable.deformations.oval_loops import LIBRARY
+from integrable.deformations.carrier import CurvesCarrier, GammaM, OnCurves
+from integrable.deformations.oval import LIBRARY, Pace
 from integrable.mumford.columns import Column
 from integrable.mumford.elliptic_torus import OvalThetas
 from integrable.mumford.recorded import PairField, PointFormulas, flat, shaped
@@ -37,8 +36,8 @@ from jacobian.numbers.double_double import double_double_row
 
 # number of periods after which double-doubles may lack digits
 MOST_TURNS = 1e6
-# largest error of H and K, relative to their sizes, and of the farthest state
-MOST_LOST = 1e-20
+# largest error of H and K, relative to their sizes, and the digit up to which the farthest state may be lost
+MOST_LOST, LOST_DIGIT = 1e-20, -20
 # largest relative error of 1/g, and of a time from the clock: some rounding units of floats
 MOST_OFF = 4e-14
 # modes of 1/g below this, relative to its mean, are omitted; larger ones would affect the last bit of τ
@@ -55,7 +54,7 @@ class PackedCurves(NamedTuple):
     """A motion in double-doubles.
 
     ``curves`` are its ovals for times τ, ``levels`` are those of
-    :mod:`integrable.deformations.oval_loops`. ``fixed`` is what ``formulas`` need of the motion. H and K are
+    :mod:`integrable.deformations.oval`. ``fixed`` is what ``formulas`` need of the motion. H and K are
     ``before`` at the start; ``sizes`` are the units of their errors.
     """
 
@@ -159,7 +158,7 @@ class QuickStates:
         packed: PackedCurves,
         points: np.ndarray,
         far: int,
-        truth: tuple[Sequence[Real], Sequence[Real]],
+        truth: GammaM,
     ) -> np.ndarray | None:
         """γ and M at points of the curves; None if H or K drifts, or if row ``far`` differs from ``truth``."""
         found = packed.formulas.at(packed.fixed, points)
@@ -169,11 +168,9 @@ class QuickStates:
         places = np.argsort(carrier.order)
         found = found[:, np.concatenate([places, 3 + places])]
         found[:, 3:] *= carrier.side
-        for part, true in zip((slice(3), slice(3, 6)), truth, strict=True):
-            size = max(map(abs, true))
-            for (high, low), x in zip(found[far, part].tolist(), true, strict=True):
-                if not abs(carrier.field.coerce(high) + carrier.field.coerce(low) - x) <= MOST_LOST * size:
-                    return None
+        shown = [carrier.field.coerce(high) + carrier.field.coerce(low) for high, low in found[far].tolist()]
+        if carrier.difference((shown[:3], shown[3:]), truth) > LOST_DIGIT:
+            return None
         return np.ascontiguousarray(found[:, :, 0])
 
 

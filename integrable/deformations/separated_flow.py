@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from integrable.deformations.carrier import CurvePoint, CurvesCarrier, GammaM
 from integrable.deformations.deformed_flow import DeformedFlow
 from integrable.deformations.equations import right_hand_sides
-from integrable.deformations.oval import Pace, root_of_rounded
+from integrable.deformations.oval import Pace
 from integrable.deformations.ovals_clock import OvalsClock
 from integrable.deformations.scalars import dot
 from integrable.moving_point.losses import digits_of
@@ -109,7 +109,7 @@ class OvalCarrier(CurvesCarrier):
                 "motion_through(state) integrates"
             )
         self.sizes = abs(self.speed) * (self.lambdas[0] - self.lambdas[1]), abs(self.before[1])
-        rate, spin = right_hand_sides(self.pair, physical=False)(state.row), root_of_rounded(K, h2)
+        rate, spin = right_hand_sides(self.pair, physical=False)(state.row), K.sqrt(h2)
         e, slope = ([x / spin for x in v] for v in _image(K, state, rate, h2))
         self._on_curves(e, slope)
         self.frame = self._frame(e, slope, back)
@@ -134,7 +134,7 @@ class OvalCarrier(CurvesCarrier):
     def _frame(self, e: Sequence[Real], slope: Sequence[Real], back: tuple[Real, ...]) -> FreeFrame:
         """The constants of the states, with the sign 1 of γ and M."""
         K, body = self.field, self.pair.body
-        sizes = [r / root_of_rounded(K, c) for r, c in zip(body.contact, body.differences, strict=True)]
+        sizes = [r / K.sqrt(abs(c)) for r, c in zip(body.contact, body.differences, strict=True)]
         weights = [s * w for s, w in zip(_signs(self.curves, e, slope), sizes, strict=True)]
         leans = [r / (w * abs(c)) for r, w, c in zip(body.contact, weights, body.differences, strict=True)]
         spread = self.lambdas[0] - self.lambdas[1]
@@ -147,7 +147,7 @@ class OvalCarrier(CurvesCarrier):
 
     def most_tau(self, t: Real) -> Real:
         # 1/g² is smallest, 1 − da_i, where γ is along the axis of the smallest moment
-        return t / root_of_rounded(self.field, min(self.pair.body.contact))
+        return t / self.field.sqrt(min(self.pair.body.contact))
 
     def tau(self, times: list[Real], digits: int) -> list[Real]:
         return [self.field.coerce(x) for x in self.clock(digits).tau(times)]
@@ -209,7 +209,7 @@ def check_distinct(body: Body) -> None:
 
 def _eigenvalues(K: LongField, H: Real, second: Real) -> tuple[Real, Real]:
     """λ1 ≥ 0 ≥ λ2 with H = λ1 + λ2, K = −λ1λ2; the smaller is computed from the larger without cancellation."""
-    spread = root_of_rounded(K, H * H + 4 * abs(second))
+    spread = K.sqrt(H * H + 4 * abs(second))
     if H >= 0:
         one = (H + spread) / 2
         return one, -second / one
@@ -248,7 +248,7 @@ def interlaced(body: Body, squares: Sequence[Real]) -> list[list[Real]]:
     above, below = ((moments[i + 1] - moments[i]) * a[i] * a[i + 1] for i in range(2))
     total = squares[0] * below - squares[2] * above + squares[1] * (below - above)
     product = abs(c[1]) * squares[1]
-    larger = (abs(total) + root_of_rounded(K, total * total + 4 * product)) / 2
+    larger = (abs(total) + K.sqrt(total * total + 4 * product)) / 2
     smaller = product / larger if larger else larger
     first, second = (larger, smaller) if total >= 0 else (smaller, larger)
     high, low = -first - above, second + below
@@ -259,7 +259,7 @@ def _oval(K: LongField, body: Body, mu: Real, gaps: Sequence[Real], turn: int) -
     """The curve through the point with ũ − a_i = ``gaps``: Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i))."""
     # 1 − dũ = (1 − da_i) − d(ũ − a_i) is computed with the smallest ũ − a_i
     slow = next(r - body.d * x for r, x in sorted(zip(body.contact, gaps, strict=True), key=lambda pair: abs(pair[1])))
-    x, y, z = (root_of_rounded(K, mu * x / (slow * r)) for x, r in zip(gaps, body.contact, strict=True))
+    x, y, z = (K.sqrt(abs(mu * x / (slow * r))) for x, r in zip(gaps, body.contact, strict=True))
     one, two, three = body.inertia
     above, below = abs(mu) * (two - one) / (one * two), abs(mu) * (three - two) / (two * three)
     return EllipticOval(K, below, above, (turn * z, y)) if mu > 0 else EllipticOval(K, above, below, (-turn * x, y))
