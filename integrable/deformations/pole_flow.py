@@ -49,10 +49,8 @@ class CubicCarrier(CurvesCarrier):
         system, state = self.inner, self.origin
         check_distinct(system.body)
         K, a, c, b = self.field, system.a, system.body.differences, system.potential.poles
-        phi: poly.Poly = (K.coerce(-4),)
-        for e in a:
-            phi = poly.mul(K, phi, (e, -K.one))
-        self._pairs = [poly.mul(K, (a[i - 2], -K.one), (a[i - 1], -K.one)) for i in range(3)]
+        phi = poly.scale(K, K.coerce(4), poly.from_roots(K, a))
+        self._pairs = [poly.from_roots(K, (a[i - 2], a[i - 1])) for i in range(3)]
         well: poly.Poly = (K.zero,) * 3
         for pole, difference, pair in zip(b, c, self._pairs, strict=True):
             well = poly.add(K, well, poly.scale(K, 4 * pole * difference, pair))

@@ -9,7 +9,7 @@ periods away, the states are computed with more digits.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cache, partial
 from itertools import compress
 from math import log
 from typing import Any, NamedTuple, TypeVar
@@ -94,8 +94,9 @@ class QuickStates:
 
     def __init__(self, many: OnCurves) -> None:
         self._many = many
-        self._packed: dict[CurvesCarrier, PackedCurves | None] = {}
-        self._clocks: dict[CurvesCarrier, QuickClock | None] = {}
+        # numbers such as |M|² may exceed the range of floats; 1/g may need too many samples, or have resonant modes
+        self._packed: Callable[[CurvesCarrier], PackedCurves | None] = cache(lambda x: _unless(packed, x))
+        self._clock = cache(lambda x: _unless(QuickClock, x.pace, self._packed(x)))
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
@@ -112,7 +113,7 @@ class QuickStates:
         with carrier.field:
             if not len(tau) or not carrier.turns(carrier.field.coerce(float(np.abs(tau).max()))) < MOST_TURNS:
                 return None
-            packed = self._compiled(carrier)
+            packed = self._packed(carrier)
             if packed is None:
                 return None
             far = int(np.argmax(np.abs(tau)))
@@ -128,14 +129,9 @@ class QuickStates:
         far = int(np.argmax(np.abs(times)))
         if not carrier.turns(abs(carrier.most_tau(carrier.field.coerce(float(times[far]))))) < MOST_TURNS:
             return None
-        packed = self._compiled(carrier)
-        if packed is None:
-            return None
-        if carrier not in self._clocks:
-            # 1/g may need too many samples, or have resonant modes
-            self._clocks[carrier] = _unless(QuickClock, carrier.pace, packed)
-        clock = self._clocks[carrier]
-        if clock is None:
+        packed = self._packed(carrier)
+        clock = packed and self._clock(carrier)
+        if packed is None or clock is None:
             return None
         phases, tau = clock.phases(times)
         turns = [sum(map(carrier.field.coerce, pair)) for pair in phases[2 * far : 2 * far + 2].tolist()]
@@ -144,13 +140,6 @@ class QuickStates:
             return None
         rows = self._quick(carrier, packed, packed.at(phases), far, carrier.moved(moved))
         return None if rows is None else (rows, tau)
-
-    def _compiled(self, carrier: CurvesCarrier) -> PackedCurves | None:
-        """The arguments of the compiled loops for a carrier, cached."""
-        if carrier not in self._packed:
-            # numbers such as |M|² may exceed the range of floats
-            self._packed[carrier] = _unless(packed, carrier)
-        return self._packed[carrier]
 
     def _quick(
         self,
