@@ -19,7 +19,7 @@ import numpy as np
 from integrable.classical.axial import AxialSystem, Axis, state_of
 from integrable.classical.axial_loops import LIBRARY, AxialThetas, axis_at
 from integrable.mumford.columns import Column, Columns
-from integrable.mumford.elliptic_torus import first_kind, means, part_of_round, theta_table
+from integrable.mumford.elliptic_torus import EllipticOval, first_kind
 from integrable.mumford.flow import MumfordFlow, Point
 from integrable.portrait.separated import SeparatedTorus
 from integrable.torus.clock import TURNS, FarTimes
@@ -184,25 +184,23 @@ def _steady(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Seque
 
 def _turning(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequence[Real]]:
     """The numbers and the table of :class:`AxialThetas` for an axis that nods between x₁ and x₂."""
-    (down1, down2), (up1, up2), swing = gaps.down, gaps.up, gaps.swing
-    wide = swing + gaps.above
-    k, (m1, m2) = N.sqrt(swing / wide), axis.m
-    levels, thetas, (theta2, theta3, theta4) = theta_table(N, k, N.sqrt(gaps.above / wide))
-    quarter, others, nome = levels[-1][0], means(N, k), thetas[6] / 2
-    alpha = first_kind(N, others, N.sqrt(down2 * wide), N.sqrt(swing * gaps.beyond)) * quarter
+    (down1, down2), (up1, up2), swing, (m1, m2) = gaps.down, gaps.up, gaps.swing, axis.m
+    oval = EllipticOval(N, swing, gaps.above, _start(N, gaps, axis))
+    quarter, others, nome, thetas = oval.thetas.mean, oval.thetas.others, oval.thetas.nome, oval.thetas.few
+    alpha = first_kind(N, others, N.sqrt(down2 * oval.breadth), N.sqrt(swing * gaps.beyond)) * quarter
     beta = first_kind(N, others, N.sqrt(up1), N.sqrt(swing)) * quarter
     first, of_first = _waves(nome, alpha if m1 > 0 else -alpha, len(thetas) // 4)
     second, of_second = _waves(nome, -beta if m2 > 0 else beta, len(thetas) // 4)
-    pace = N.sqrt(wide / 2) * quarter
+    pace = N.sqrt(oval.breadth / 2) * quarter
     about = axis.w + m1 / (2 * down1) - m2 / (2 * up2) - pace * (of_first + of_second)
     table: list[Real] = []
     for n, (one, other) in enumerate(zip(first, second, strict=True)):
         table += [*one, *(x if n % 2 == 0 else -x for x in other), *thetas[4 * n : 4 * n + 4]]
-    # ``height`` and ``slope`` follow from sn = θ₃θ₁/(θ₂θ₄) and the like for cn and dn
-    height, slope = swing * (theta3 / theta2) ** 2, 2 * swing * N.sqrt(wide / 2) * (theta4 / theta2) ** 2
-    place = _start(N, levels, gaps, axis)
-    round_ = 2 * half_turn()
-    numbers = (2 * pace / round_, about / round_, 2 * place / round_, N.one, N.zero, pace, about, gaps.first, height)
+    # z − x₁ is R₁², and z' is √2·R₁R₂R₃
+    height = oval.factors[0] ** 2
+    slope = N.sqrt(N.coerce(2)) * oval.factors[0] * oval.factors[1] * oval.factors[2]
+    half = half_turn()
+    numbers = (pace / half, about / (2 * half), oval.phase, N.one, N.zero, pace, about, gaps.first, height)
     return _scaled(N, (*numbers, slope), table, axis), table
 
 
@@ -234,8 +232,8 @@ def _waves(nome: Real, angle: Real, count: int) -> tuple[list[tuple[Real, Real]]
     return rows, slope / sum(total for total, _ in rows)
 
 
-def _start(N: LongField, levels: list[tuple[Real, Real]], gaps: Gaps, axis: Axis) -> Real:
-    """The phase v at the start."""
+def _start(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Real, Real]:
+    """The roots R₁ and R₂ of the height at the start (:class:`EllipticOval`)."""
     low, high = max(axis.z - gaps.first, N.zero), max(gaps.first + gaps.swing - axis.z, N.zero)
     # z'² = 2(z − x₁)(x₂ − z)(x₃ − z) gives the smaller of the gaps z − x₁ and x₂ − z from the larger
     square, far = axis.rate * axis.rate / 2, gaps.swing + gaps.above
@@ -243,5 +241,4 @@ def _start(N: LongField, levels: list[tuple[Real, Real]], gaps: Gaps, axis: Axis
         low = square / (high * (far - low))
     else:
         high = square / (low * (gaps.above + high))
-    found = part_of_round(N, levels, N.sqrt(low), N.sqrt(high))
-    return -found if axis.rate < 0 else found
+    return N.sqrt(low) if axis.rate >= 0 else -N.sqrt(low), N.sqrt(high)

@@ -9,21 +9,21 @@ with k more; PrecisionLoss if this does not help.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil
-from typing import TYPE_CHECKING, Any
+from math import ceil, log2
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.deformations.hamiltonian import Hamiltonian
-from integrable.deformations.oval import Pace, SeparatedOval
-from integrable.deformations.oval_loops import Frame, Track, lifted_state, tilde_state
+from integrable.deformations.oval import Pace, height
 from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits
 from integrable.moving_point.losses import NOTHING, digits_of
+from integrable.mumford.elliptic_torus import EllipticOval
 from integrable.phase.body import Vector
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.state import State, onto_constraints
 from jacobian import RR
-from jacobian.element import Real
+from jacobian.element import FormulaField, Real
 from jacobian.errors import ArgumentError, PrecisionLoss, shown, written
-from jacobian.inexact.long_numbers import LongNumbers
+from jacobian.inexact.long_field import LongField
 
 if TYPE_CHECKING:
     from integrable.motion.precise import Compute, Found
@@ -36,40 +36,49 @@ ROUNDING = 6
 
 GammaM = tuple[Vector, Vector]
 """γ and M in wide numbers."""
+CurvePoint = Sequence[Real]
+"""A point of a curve: R₁, R₂, R₃ and the height z."""
 
 
 class CurvesCarrier(Carrier):
     """The motion of a deformation at one precision, used by a :class:`DeformedFlow`. Its points are (γ, M). Its methods
     are called inside ``with field``, which :class:`OnCurves` enters.
 
-    ``system`` and ``start`` are over wide numbers: MP(digits), or LongNumbers in whose context it is created.
-    Changes of H and K are relative to ``sizes``, the error of M relative to ``momentum`` if M = 0. A point moves on
-    each of ``curves`` for the time ``speed``·τ; ``tracks`` and ``frame`` give the state, with the axes in ``order``.
-    ``pace`` is dt/dτ if d ≠ 0.
+    ``system`` and ``start`` are over long numbers, ``before`` are H and K there. ``inner`` and ``origin`` are the same
+    with the axes in ascending ``order`` of the moments of the tilde pair; M is reversed there if this order is a
+    reflection. Changes of H and K are relative to ``sizes``, the error of M relative to ``momentum`` if M = 0. A point
+    moves on each of ``curves`` for the time ``speed``·τ; :meth:`read` gives the state of ``inner``, from the constants
+    ``frame``. ``pace`` is dt/dτ if d ≠ 0.
     """
 
-    system: Any
-    start: State
     sizes: tuple[Real, Real]
     momentum: Real = 1
-    curves: Sequence[SeparatedOval]
-    tracks: Sequence[Track]
-    frame: Frame
-    order: Sequence[int] = (0, 1, 2)
+    curves: Sequence[EllipticOval]
+    levels: Sequence[Sequence[Real]]
+    """z at e₁, e₂ and e₃ of each curve, and 1/scale (:mod:`integrable.deformations.oval`)."""
+    frame: NamedTuple
     speed: Real = 1
     pace: Pace | None = None
 
     def __init__(self, system: Any, state: State) -> None:
-        self.system, self.start = system, state
+        self.field: LongField = system.field
+        self.system, self.start, self.before = system, state, system.integrals(state)[2:]
+        isometry = system.isometry()
+        inertia = system.body.inertia if isometry is None else isometry.pair.body.inertia
+        self.order = sorted(range(3), key=lambda i: inertia[i])
+        self.side = -1 if self.order in ([0, 2, 1], [1, 0, 2], [2, 1, 0]) else 1
+        self.inner = system if self.order == [0, 1, 2] else with_axes(system, self.order)
+        gamma, M = ([vector[i] for i in self.order] for vector in state.vectors)
+        self.origin = State((gamma[0], gamma[1], gamma[2]), (self.side * M[0], self.side * M[1], self.side * M[2]))
 
-    @property
-    def field(self) -> LongNumbers:
-        """The field of the wide numbers."""
-        return self.system.field
+    @staticmethod
+    def read(N: FormulaField, system: Any, frame: Any, first: CurvePoint, second: CurvePoint) -> GammaM:
+        """Defined by subclasses: (γ, M) of ``system`` from the points on both curves."""
+        raise NotImplementedError
 
     @property
     def digits(self) -> int:  # type: ignore[override]
-        return int(self.field.dps) - GUARD_DIGITS
+        return int(self.field.bits / log2(10)) - GUARD_DIGITS
 
     @property
     def rolls(self) -> bool:  # type: ignore[override]
@@ -89,30 +98,29 @@ class CurvesCarrier(Carrier):
 
     def moved(self, times: Sequence[Real]) -> GammaM:
         """(γ, M) after the point of each curve has moved for its time in ``times``."""
-        return self._state(*(curve.moved(time) for curve, time in zip(self.curves, times, strict=True)))
-
-    def _state(self, *roots: Sequence[Real]) -> GammaM:
-        """(γ, M) from the roots R_i on both curves."""
-        first, second = (curve.ordered(r) for curve, r in zip(self.curves, roots, strict=True))
-        found = lifted_state(self.frame, *tilde_state(self.frame, first, second, *self.tracks))
+        gamma, M = self._state(*(curve.moved(time) for curve, time in zip(self.curves, times, strict=True)))
         i, j, k = (self.order.index(n) for n in range(3))
-        gamma, M = ((vector[i], vector[j], vector[k]) for vector in found)
-        return gamma, M
+        return (gamma[i], gamma[j], gamma[k]), (self.side * M[i], self.side * M[j], self.side * M[k])
+
+    def _state(self, *roots: tuple[Real, Real, Real]) -> GammaM:
+        """(γ, M) of ``inner`` from the roots on both curves."""
+        first, second = ((*r, height(levels, r)) for r, levels in zip(roots, self.levels, strict=True))
+        return self.read(self.field, self.inner, self.frame, first, second)
 
     def scaled(self, t: Real) -> Real:
         return self.field.coerce(t)
 
     def lost(self, tau: Real) -> int:
-        return ceil(float(self.field.context.log10(1 + self.turns(tau))))
+        return ceil((self.field.exponent(1 + self.turns(tau)) or 0) / log2(10))
 
     def vectors(self, point: GammaM) -> GammaM:
         gamma, M = point
         return gamma, M
 
     def drift(self, points: list[GammaM]) -> int:
-        before, worst = self.system.integrals(self.start)[2:], -NOTHING
+        worst = -NOTHING
         for gamma, M in points:
-            rows = zip(self.system.integrals(State(tuple(gamma), tuple(M)))[2:], before, self.sizes, strict=True)
+            rows = zip(self.system.integrals(State(gamma, M))[2:], self.before, self.sizes, strict=True)
             worst = max(worst, *(digits_of(abs(x - y) / size) for x, y, size in rows))
         return worst
 
@@ -120,7 +128,7 @@ class CurvesCarrier(Carrier):
         with truth.field:
             return truth.difference(point, truth.point(truth.field.coerce(tau)))
 
-    def difference(self, row: GammaM, truth: GammaM) -> int:
+    def difference(self, row: tuple[Sequence[Real], Sequence[Real]], truth: GammaM) -> int:
         """The decimal exponent of the relative difference of (γ, M) from a more accurate computation, ``truth``."""
         worst = -NOTHING
         for found, right, unit in zip(row, truth, (1, self.momentum), strict=True):
@@ -153,7 +161,7 @@ class OnCurves(ManyDigits):
     def carrier_of(self, digits: int) -> CurvesCarrier:
         """The motion with that many digits, or more if its point at τ = 0 does not reproduce the state."""
         for _ in range(3):
-            with LongNumbers(digits + GUARD_DIGITS) as numbers:
+            with LongField(ceil((digits + GUARD_DIGITS) * log2(10))) as numbers:
                 carrier = self._made(*widened(self._system, self._state, numbers))
                 gap = carrier.difference(carrier.point(carrier.field.zero), carrier.start.vectors)
             missing = gap + self.digits + SPARE
@@ -163,6 +171,15 @@ class OnCurves(ManyDigits):
         raise PrecisionLoss(
             f"{shown(self._state)}: it is not found again from its two points even with {written(digits)} digits"
         )
+
+
+def with_axes(system: Any, order: Sequence[int]) -> Any:
+    """The same system with its axes in another order."""
+    moments, d, rest = system.body.inertia, system.constants[3], system.constants[4:]
+    if rest:
+        a, b, *poles = rest
+        rest = a, b, *(poles[i] for i in order)
+    return system._of_constants(system.field, (*(moments[i] for i in order), d, *rest))
 
 
 def digits_asked(K: Any) -> int:

@@ -6,7 +6,7 @@ since_k)/T_k. So 1/g = Σ c_mn cos mθ1 cos nθ2.
 
 from __future__ import annotations
 
-from math import isqrt, log, pi
+from math import inf, isqrt, log, log2, pi
 
 import numpy as np
 
@@ -33,7 +33,7 @@ class OvalsClock(LongClock):
     """
 
     def __init__(self, pace: Pace, digits: int) -> None:
-        field = MP(pace.field.dps)
+        field = MP(int(pace.field.bits / log2(10)))
         self._modes, self._unit = modes_of_pace(pace, digits, field), field.coerce(pace.period)
         super().__init__(self._modes, digits, field)
 
@@ -92,12 +92,17 @@ def series_sizes(pace: Pace, digits: int) -> tuple[int, int]:
     z has a pole at the imaginary half-period of either curve. A zero of g² is at a z < 0. On the second curve, where
     Z = μ2·z is then positive, it is as far from the real axis as the pole; on the first curve it is nearer.
     """
-    d, (one, two) = pace.d, pace.curves
+    import gmpy2
+
+    d, (one, two), (below, beside) = pace.d, pace.curves, pace.levels
     share = pace.weights[1] / pace.weights[0]
-    least = min(two.e[i] / pace.mu[1] for i in (two.low, two.middle))
-    zero = -(1 + share * (1 + d * least)) / d
-    heights = one.imaginary_half(zero * pace.mu[0]), two.imaginary_half(None)
-    strips = [2 * pi * float(x / curve.period) for x, curve in zip(heights, pace.curves, strict=True)]
+    zero = -(1 + share * (1 + d * min(beside[:2]))) / d
+    # an oval that is a point has modes of order 0 alone
+    strips = [inf, inf]
+    if one.swing:
+        strips[0] = 2 * pi * float(one.time_below((below[0] - zero) / below[3]) / one.period)
+    if two.swing:
+        strips[1] = -float(gmpy2.log(two.thetas.nome))
     rows, columns = (smooth(int(digits * log(10) / x) + MARGIN) for x in strips)
     return rows, columns
 
@@ -113,7 +118,7 @@ def cosines(pace: Pace, sizes: tuple[int, int], bits: int) -> np.ndarray:
     parts = []
     for k, (curve, n) in enumerate(zip(pace.curves, sizes, strict=True)):
         squares = (pace.share(k, curve.at(j * pace.field.one / (2 * n))) for j in range(n + 1))
-        parts.append([int(pace.field.context.ldexp(x, bits)) for x in squares])
+        parts.append([int(pace.field.doubled(x, bits)) for x in squares])
     one = 1 << (3 * bits)
     values = np.array([[isqrt(one // (x + y)) for y in parts[1]] for x in parts[0]], dtype=object)
     for n in sizes:
@@ -141,7 +146,7 @@ def _from_start(pace: Pace, table: np.ndarray, field: MultiprecisionField, bits:
     import flint
 
     rows, columns = table.shape
-    starts = [field.coerce(curve.since / curve.period) for curve in pace.curves]
+    starts = [field.coerce(curve.phase) for curve in pace.curves]
     with BallReals(bits) as balls:
         unit = flint.arb(2) ** -bits
         angles = (2 * balls.number(x) for x in starts)

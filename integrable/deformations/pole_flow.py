@@ -4,7 +4,7 @@ Let h1 = m1 + Σb_i(a_j + a_k − s)/γ_i², h2 = m2 + Σb_i/γ_i² and φ = −
 f(x) = φ(x)(h1 − xh2 − Σb_ic_i/(x − a_i)), c_i = (a_j − a_i)(a_k − a_i). The roots ũ_k of (f − V²)/U separate. The λ_k =
 h1 − ũ_kh2 are constant, H = λ1 + λ2 and K = −λ1λ2. The derivatives are ũ_k' = −V(ũ_k), and ũ_k'² = φ(ũ_k)λ_k −
 4Σb_ic_iΠ_{j≠i}(a_j − ũ_k) is a cubic. So Z = λ_kũ_k + const moves on Y² = 4Z³ − g2Z − g3
-(:mod:`integrable.deformations.oval`).
+(:class:`integrable.mumford.elliptic_torus.EllipticOval`).
 
 γ_i = 0 would imply V(a_i)² = −4b_ic_i² < 0, so no γ_i changes sign. ũ_k are the roots of ΣE_i²(x − a_j)(x − a_k),
 E_i² = (b_i/γ_i² + w_i²)/h2 > 0, w = γ × M. The ũ_k lie on opposite sides of the middle a_i, so the ovals never meet,
@@ -14,59 +14,84 @@ tests/integrable/deformations/test_separations.py has the exact identities.)
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
-from integrable.deformations.carrier import CurvesCarrier
+from integrable.deformations.carrier import CurvePoint, CurvesCarrier, GammaM
 from integrable.deformations.deformed_flow import DeformedFlow
 from integrable.deformations.equations import BY_THETA_IN_POLES
-from integrable.deformations.oval import SeparatedOval, root_of_rounded
-from integrable.deformations.oval_loops import Frame
 from integrable.deformations.separated_flow import check_distinct, interlaced
-from integrable.phase.body import cross
+from integrable.mumford.elliptic_torus import EllipticOval
+from integrable.phase.body import Vector, cross
 from integrable.phase.state import State
+from integrable.torus.theta_series import half_turn
 from jacobian import poly
-from jacobian.element import Real
+from jacobian.element import FormulaField, Real
 from jacobian.errors import NotRepresentable, shown
-from jacobian.inexact.long_numbers import LongNumbers
+from jacobian.inexact.long_field import LongField
 
 __all__ = ["PoleFlow"]
 
 
+class PoleFrame(NamedTuple):
+    """The constants of states in repelling poles: the λ_k, and the signs of the γ_i."""
+
+    lambdas: tuple[Real, Real]
+    signs: Vector
+
+
 class CubicCarrier(CurvesCarrier):
-    """The motion of a tilde pair with repelling poles, on two cubics over the field of ``system``."""
+    """The motion of a tilde pair with repelling poles, on two cubics over the field of ``system``. The heights z on
+    the curves are the ũ_k.
+    """
 
     def __init__(self, system: Any, state: State) -> None:
         super().__init__(system, state)
+        system, state = self.inner, self.origin
         check_distinct(system.body)
-        K, a, c, b = system.field, system.a, system.body.differences, system.potential.poles
-        phi: poly.Poly = (K.coerce(-4),)
-        for e in a:
-            phi = poly.mul(K, phi, (e, -K.one))
-        self._pairs = [poly.mul(K, (a[i - 2], -K.one), (a[i - 1], -K.one)) for i in range(3)]
+        K, a, c, b = self.field, system.a, system.body.differences, system.potential.poles
+        phi = poly.scale(K, K.coerce(4), poly.from_roots(K, a))
+        self._pairs = [poly.from_roots(K, (a[i - 2], a[i - 1])) for i in range(3)]
         well: poly.Poly = (K.zero,) * 3
         for pole, difference, pair in zip(b, c, self._pairs, strict=True):
             well = poly.add(K, well, poly.scale(K, 4 * pole * difference, pair))
         u, rates, self.lambdas = self._separated(state)
         one, two = self.lambdas
-        self.momentum = ((one - two) / (u[1] - u[0])) ** (K.one / 2)
+        self.momentum = K.sqrt((one - two) / (u[1] - u[0]))
         self.sizes = abs(one) + abs(two), abs(one * two)
-        self.curves, self.tracks = [], []
+        self.curves, self.levels = [], []
         for x, rate, value in zip(u, rates, self.lambdas, strict=True):
             if abs(value) <= 64 * K.eps * max(map(abs, self.lambdas)):
                 raise NotRepresentable(f"λ = {shown(self.lambdas)}: K vanishes, and one of the two curves degenerates")
             q = poly.sub(K, poly.scale(K, value, phi), well)
             # Z = λu + shift satisfies Z'² = 4Z³ − g2Z − g3
             shift = q[2] / 12
-            curve = oval_of_cubic(K, q, shift, value * x + shift, value * rate)
+            e, curve = oval_of_cubic(K, q, shift, value * x + shift, value * rate)
             self.curves.append(curve)
-            self.tracks.append(curve.track(value, shift))
-        signs = [K.one if x > 0 else -K.one for x in state.vectors[0]]
-        numbers = [*a, *b, *c, *signs, *self.lambdas, one + two, -(one * two)]
-        self.frame = Frame(numbers, [K.one] * 3, False, True, self.sizes)
+            self.levels.append([*((x - shift) / value for x in e), 1 / value])
+        x, y, z = (K.one if g > 0 else -K.one for g in state.vectors[0])
+        self.frame = PoleFrame((one, two), (x, y, z))
+
+    @staticmethod
+    def read(N: FormulaField, system: Any, frame: Any, first: CurvePoint, second: CurvePoint) -> GammaM:
+        (one, two), (u1, u2) = frame.lambdas, (first[3], second[3])
+        gap = u2 - u1
+        h2 = (one - two) / gap
+        # y_k = ũ_k'/gap, so that V(x) = −y1(u2 − x) − y2(x − u1)
+        y1, y2 = (2 * r[0] * r[1] * r[2] / (value * gap) for r, value in ((first, one), (second, two)))
+        gamma, w = [], []
+        for a, b, c, sign in zip(system.a, system.potential.poles, system.body.differences, frame.signs, strict=True):
+            # the product of a − u1 and a − u2 is cE²
+            over, under = a - u1, a - u2
+            v = y1 * under - y2 * over
+            x = sign * N.sqrt((4 * b * c * c + v * v) / (4 * h2 * c * over * under))
+            gamma.append(x)
+            w.append(v / (2 * c * x))
+        state = (gamma[0], gamma[1], gamma[2])
+        return state, cross(N, (w[0], w[1], w[2]), state)
 
     def _separated(self, state: State) -> tuple[list[Real], list[Real], list[Real]]:
         """The ũ_k, their derivatives, and the λ_k."""
-        K, a, poles = self.system.field, self.system.a, self.system.potential.poles
+        K, a, poles = self.field, self.inner.a, self.inner.potential.poles
         gamma, M = state.vectors
         squares = [x * x for x in gamma]
         s = K.dot(a, squares)
@@ -78,12 +103,12 @@ class CubicCarrier(CurvesCarrier):
         for x, y, pair in zip(gamma, w, self._pairs, strict=True):
             V = poly.add(K, V, poly.scale(K, 2 * x * y, pair))
         images = [(b / x + y * y) / h2 for b, x, y in zip(poles, squares, w, strict=True)]
-        u = [a[0] + gap[0] for gap in interlaced(self.system.body, images)]
+        u = [a[0] + gap[0] for gap in interlaced(self.inner.body, images)]
         return u, [-(V[0] + V[1] * x) for x in u], [h1 - x * h2 for x in u]
 
 
-def oval_of_cubic(K: LongNumbers, q: poly.Poly, shift: Real, z: Real, slope: Real) -> SeparatedOval:
-    """The oval of Z'² = 4Z³ − g2Z − g3 through (Z, Z') = (``z``, ``slope``).
+def oval_of_cubic(K: LongField, q: poly.Poly, shift: Real, z: Real, slope: Real) -> tuple[list[Real], EllipticOval]:
+    """The branch points and the oval of Z'² = 4Z³ − g2Z − g3 through (Z, Z') = (``z``, ``slope``).
 
     With Z = λu + ``shift``, q(u) = (Z'/λ)² has degree 3 and leading coefficient 4λ.
     """
@@ -92,22 +117,24 @@ def oval_of_cubic(K: LongNumbers, q: poly.Poly, shift: Real, z: Real, slope: Rea
     # g3 follows from λ²q(0) = 4Z³ − g2Z − g3 at u = 0, where Z = shift
     g3 = (4 * shift * shift - g2) * shift - scale * scale * q[0]
     e = roots_of_cubic(K, g2, g3)
-    sizes = [root_of_rounded(K, z - x) for x in e]
+    sizes = [K.sqrt(abs(z - x)) for x in e]
     # next to a branch point Z − e_i loses digits, which Z' restores
     i = min(range(3), key=lambda n: sizes[n])
     others = sizes[i - 2] * sizes[i - 1]
     if others:
         sizes[i] = abs(slope) / (2 * others)
-    return SeparatedOval(K, e, lambda i, j: e[i] - e[j], sizes, 1 if slope >= 0 else -1)
+    one = sizes[0] if slope >= 0 else -sizes[0]
+    return e, EllipticOval(K, abs(e[1] - e[0]), abs(e[2] - e[1]), (one, sizes[1]))
 
 
-def roots_of_cubic(K: LongNumbers, g2: Real, g3: Real) -> list[Real]:
+def roots_of_cubic(K: LongField, g2: Real, g3: Real) -> list[Real]:
     """The real roots of 4Z³ − g2Z − g3 in ascending order, by Viète's formula with cos 3θ."""
+    import gmpy2
+
     # rounding may push the cosine beyond 1 at an equilibrium, where the oval is a point
-    cosine = max(-K.one, min(K.one, g3 * (27 / g2**3) ** (K.one / 2)))
-    turn = K.context.acos(cosine) / 3
-    radius = (g2 / 3) ** (K.one / 2)
-    return [radius * K.context.cos(turn + 2 * K.context.pi * k / 3) for k in (1, 2, 0)]
+    cosine = max(-K.one, min(K.one, g3 * K.sqrt(27 / g2**3)))
+    third, radius = gmpy2.acos(cosine) / 3, K.sqrt(g2 / 3)
+    return [radius * gmpy2.cos(third + 2 * half_turn() * k / 3) for k in (1, 2, 0)]
 
 
 class PoleFlow(DeformedFlow):

@@ -9,31 +9,33 @@ periods away, the states are computed with more digits.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cache, partial
+from itertools import compress
 from math import log
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from integrable.deformations.carrier import CurvesCarrier, OnCurves
-from integrable.deformations.oval import Pace
-from integrable.deformations.oval_loops import LIBRARY, Frame, Track
+from integrable.deformations.carrier import CurvesCarrier, GammaM, OnCurves
+from integrable.deformations.oval import LIBRARY, Pace
 from integrable.mumford.columns import Column
-from integrable.mumford.elliptic_torus import terms_of
+from integrable.mumford.elliptic_torus import OvalThetas
+from integrable.mumford.recorded import PairField, PointFormulas, flat, shaped
+from integrable.series.tape import recorded
 from integrable.torus.clock import FIRST_SIZE, RateSpectrum, TorusClock, resolved_spectrum
 from integrable.torus.long_clock import RESONANT
 from integrable.torus.loops import CompiledLoops
 from integrable.torus.series import in_resonance
-from integrable.torus.theta_series import inverse_factorials
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.fields.multiprecision import Mpf
+from jacobian.immutable import made_once
 from jacobian.numbers.double_double import double_double_row
 
 # number of periods after which double-doubles may lack digits
 MOST_TURNS = 1e6
-# largest error of H and K, relative to their sizes, and of the farthest state
-MOST_LOST = 1e-20
+# largest error of H and K, relative to their sizes, and the digit up to which the farthest state may be lost
+MOST_LOST, LOST_DIGIT = 1e-20, -20
 # largest relative error of 1/g, and of a time from the clock: some rounding units of floats
 MOST_OFF = 4e-14
 # modes of 1/g below this, relative to its mean, are omitted; larger ones would affect the last bit of τ
@@ -47,14 +49,38 @@ Made = TypeVar("Made")
 
 
 class PackedCurves(NamedTuple):
-    """The arguments of :func:`integrable.deformations.oval_loops.states` for a motion, in double-doubles.
+    """A motion in double-doubles.
 
-    ``rates`` are the turns of either phase per unit of τ.
+    ``curves`` are its ovals for times τ, ``levels`` are those of
+    :mod:`integrable.deformations.oval`. ``fixed`` is what ``formulas`` need of the motion. H and K are
+    ``before`` at the start; ``sizes`` are the units of their errors.
     """
 
-    tracks: tuple[Track, Track]
-    frame: Frame
-    rates: tuple[Column, Column]
+    curves: tuple[OvalThetas, OvalThetas]
+    levels: tuple[np.ndarray, np.ndarray]
+    formulas: PointFormulas
+    fixed: np.ndarray
+    before: np.ndarray
+    sizes: np.ndarray
+
+    @property
+    def rates(self) -> tuple[Column, Column]:
+        """The turns of either phase per unit of τ."""
+        first, second = (Column(*curve.numbers[0]) for curve in self.curves)
+        return first, second
+
+    def at_tau(self, tau: np.ndarray) -> np.ndarray:
+        """R₁, R₂, R₃ and the height on each of the curves at values of τ, shape (8, N, 2)."""
+        times, out = np.zeros((len(tau), 2)), np.empty((8, len(tau), 2))
+        times[:, 0] = tau
+        LIBRARY.points(self.curves, self.levels, times, 1, out.reshape(-1, 2))
+        return out
+
+    def at(self, phases: np.ndarray) -> np.ndarray:
+        """The same at N pairs of phases since the start."""
+        out = np.empty((8, len(phases) // 2, 2))
+        LIBRARY.points((*map(turning, self.curves),), self.levels, phases, 2, out.reshape(-1, 2))
+        return out
 
 
 class QuickStates:
@@ -66,8 +92,9 @@ class QuickStates:
 
     def __init__(self, many: OnCurves) -> None:
         self._many = many
-        self._packed: dict[CurvesCarrier, PackedCurves | None] = {}
-        self._clocks: dict[CurvesCarrier, QuickClock | None] = {}
+        # numbers such as |M|² may exceed the range of floats; 1/g may need too many samples, or have resonant modes
+        self._packed: Callable[[CurvesCarrier], PackedCurves | None] = cache(lambda x: _unless(packed, x))
+        self._clock = cache(lambda x: _unless(QuickClock, x.pace, self._packed(x)))
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
@@ -84,12 +111,12 @@ class QuickStates:
         with carrier.field:
             if not len(tau) or not carrier.turns(carrier.field.coerce(float(np.abs(tau).max()))) < MOST_TURNS:
                 return None
-            packed = self._compiled(carrier)
+            packed = self._packed(carrier)
             if packed is None:
                 return None
-            phases = _pairs(*(Column(tau) * rate for rate in packed.rates))
             far = int(np.argmax(np.abs(tau)))
-            return self._quick(carrier, packed, phases, far, carrier.point(carrier.field.coerce(float(tau[far]))))
+            truth = carrier.point(carrier.field.coerce(float(tau[far])))
+            return self._quick(carrier, packed, packed.at_tau(tau), far, truth)
 
     def times(self, tau: np.ndarray) -> np.ndarray | None:
         """Returns None: the physical times at values of τ are computed with many digits."""
@@ -100,54 +127,38 @@ class QuickStates:
         far = int(np.argmax(np.abs(times)))
         if not carrier.turns(abs(carrier.most_tau(carrier.field.coerce(float(times[far]))))) < MOST_TURNS:
             return None
-        packed = self._compiled(carrier)
-        if packed is None:
-            return None
-        if carrier not in self._clocks:
-            # 1/g may need too many samples, or have resonant modes
-            self._clocks[carrier] = _unless(QuickClock, carrier.pace, packed)
-        clock = self._clocks[carrier]
-        if clock is None:
+        packed = self._packed(carrier)
+        clock = packed and self._clock(carrier)
+        if packed is None or clock is None:
             return None
         phases, tau = clock.clock.phases(times)
         turns = [sum(map(carrier.field.coerce, pair)) for pair in phases[2 * far : 2 * far + 2].tolist()]
         moved = [turn * curve.period for turn, curve in zip(turns, carrier.curves, strict=True)]
         if not clock.holds(moved, turns, tau[far : far + 1], times[far]):
             return None
-        rows = self._quick(carrier, packed, phases, far, carrier.moved(moved))
+        rows = self._quick(carrier, packed, packed.at(phases), far, carrier.moved(moved))
         return None if rows is None else (rows, tau)
-
-    def _compiled(self, carrier: CurvesCarrier) -> PackedCurves | None:
-        """The arguments of the compiled loops for a carrier, cached."""
-        if carrier not in self._packed:
-            # numbers such as |M|² may exceed the range of floats
-            self._packed[carrier] = _unless(packed, carrier)
-        return self._packed[carrier]
 
     def _quick(
         self,
         carrier: CurvesCarrier,
         packed: PackedCurves,
-        phases: np.ndarray,
+        points: np.ndarray,
         far: int,
-        truth: tuple[Sequence[Real], Sequence[Real]],
+        truth: GammaM,
     ) -> np.ndarray | None:
-        """γ and M at phases since the start; None if H or K drifts, or if row ``far`` differs from ``truth``."""
-        count = len(phases) // 2
-        out, rest, room = np.empty(6 * count), np.empty(6 * count), np.empty((6 * count, 2))
-        lost = LIBRARY.states(*packed.tracks, packed.frame, phases, (out, rest, room))
-        if not lost <= MOST_LOST:
+        """γ and M at points of the curves; None if H or K drifts, or if row ``far`` differs from ``truth``."""
+        found = packed.formulas.at(packed.fixed, points)
+        change = np.abs(((found[:, 6:] - packed.before) @ (1.0, 1.0)) / packed.sizes)
+        if not (change <= MOST_LOST).all():
             return None
         places = np.argsort(carrier.order)
-        columns = np.concatenate([places, 3 + places])
-        rows: np.ndarray = out.reshape(-1, 6)[:, columns]
-        left = rest.reshape(-1, 6)[far, columns]
-        for part, true in zip((slice(3), slice(3, 6)), truth, strict=True):
-            size = max(map(abs, true))
-            for high, low, x in zip(rows[far, part].tolist(), left[part].tolist(), true, strict=True):
-                if not abs(carrier.field.coerce(high) + carrier.field.coerce(low) - x) <= MOST_LOST * size:
-                    return None
-        return rows
+        found = found[:, np.concatenate([places, 3 + places])]
+        found[:, 3:] *= carrier.side
+        shown = [carrier.field.coerce(high) + carrier.field.coerce(low) for high, low in found[far].tolist()]
+        if carrier.difference((shown[:3], shown[3:]), truth) > LOST_DIGIT:
+            return None
+        return np.ascontiguousarray(found[:, :, 0])
 
 
 class QuickClock:
@@ -195,7 +206,7 @@ def grid_resolving(pace: Pace) -> tuple[int, int]:
     """The numbers of samples in both phases, powers of 2, that resolve 1/g if its modes decay as those of z: mode m as
     nome^m, since the pole of z is at the imaginary half-period.
     """
-    modes = (int(log(NOISE) / log(max(float(curve.nome), NOISE))) for curve in pace.curves)
+    modes = (int(log(NOISE) / log(max(float(curve.thetas.nome), NOISE))) for curve in pace.curves)
     first, second = (max(FIRST_SIZE, 1 << (2 * n + 4).bit_length()) for n in modes)
     return first, second
 
@@ -213,11 +224,16 @@ def check_no_resonance(spectrum: RateSpectrum, turns: list[float]) -> None:
 
 def samples(pace: Pace, packed: PackedCurves, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
     """1/g at the phases (i/rows, j/columns) since the start, as double-doubles; ``known`` is not used."""
-    rows, columns = sizes
-    table, room = np.empty((rows * columns, 2)), np.empty((6 * (rows + columns), 2))
+    count, (rows, columns) = max(sizes), sizes
+    phases = np.zeros((count, 2, 2))
     # the sizes are powers of 2, so that the fractions are exact
-    places = tuple(np.repeat(np.stack([np.arange(n) / n, np.zeros(n)], axis=1), 2, axis=0) for n in sizes)
-    LIBRARY.paces(*packed.tracks, double_double_row((pace.d, *pace.weights)), places, table, room)
+    phases[:, :, 0] = np.arange(count)[:, None] / sizes
+    points, d, shares = packed.at(phases.reshape(-1, 2)), Column.of(pace.d), []
+    for z, size, weight in zip(points[3::4], sizes, pace.weights, strict=True):
+        share = Column.of(weight) * (Column(1.0) + d * Column(*z[:size].T))
+        shares.append(np.stack([share.hi, share.lo], axis=1))
+    table = np.empty((rows * columns, 2))
+    LIBRARY.paces(*shares, table)
     return table.reshape(rows, columns, 2)
 
 
@@ -226,20 +242,41 @@ def packed(carrier: CurvesCarrier) -> PackedCurves:
 
     ArgumentError for numbers beyond the range of floats, PrecisionLoss near a separatrix.
     """
-    frame, rates = carrier.frame, [Column.of(carrier.speed / curve.period) for curve in carrier.curves]
-    numbers, back = double_double_row(frame.numbers), double_double_row(frame.back)
-    energy, second = map(float, frame.sizes)
-    tracks = []
-    for track, curve in zip(carrier.tracks, carrier.curves, strict=True):
-        # a row of the table has four coefficients
-        table = track.table[: 4 * terms_of(curve.nome)]
-        tracks.append(Track(double_double_row(track.numbers), double_double_row(table), inverse_factorials()))
+    system, (first, second) = carrier.inner, carrier.curves
+    there = (*map(bool, system.constants),)
+    formulas = made_once(("states", type(carrier), type(system), there), lambda: recorded_states(carrier, there))
+    curves = first.packed(carrier.speed / first.period), second.packed(carrier.speed / second.period)
+    levels = double_double_row((*carrier.levels[0], *carrier.levels[1]))
     return PackedCurves(
-        (tracks[0], tracks[1]), frame._replace(numbers=numbers, back=back, sizes=(energy, second)), (rates[0], rates[1])
+        curves,
+        (levels[:4], levels[4:]),
+        formulas,
+        formulas.fixed(carrier.field, [*compress(system.constants, there), *flat(carrier.frame)]),
+        double_double_row(carrier.before),
+        np.array([*map(float, carrier.sizes)]),
     )
 
 
-def _pairs(first: Column, second: Column) -> np.ndarray:
-    """Two columns of phases as rows of double-doubles, one pair after the other."""
-    both = np.stack([np.stack([x.hi, x.lo], axis=-1) for x in (first, second)], axis=1)
-    return both.reshape(-1, 2)
+def turning(curve: OvalThetas) -> OvalThetas:
+    """The curve for a time that is the phase since the start, in turns."""
+    numbers = curve.numbers.copy()
+    numbers[0] = 1, 0
+    return curve._replace(numbers=numbers)
+
+
+def recorded_states(carrier: CurvesCarrier, there: Sequence[bool]) -> PointFormulas:
+    """The formulas of γ, M, H and K from the points on both curves, for motions of the kind of ``carrier``. Those
+    constants of the system that are not ``there`` are 0.
+    """
+    N, frame, count = PairField(), carrier.frame, sum(there) + len([*flat(carrier.frame)])
+
+    def states(y: Sequence[Real]) -> list[Real]:
+        values = iter(y)
+        system = carrier.inner._of_constants(N, [next(values) if is_there else 0.0 for is_there in there])
+        constants: Any = type(frame)(*shaped(frame, values))
+        x = list(values)
+        gamma, M = carrier.read(N, system, constants, x[:4], x[4:])
+        q = system.scalars(lambda x: x, gamma, M)
+        return [*gamma, *M, *system.pair(q, system._terms(lambda x: x))]
+
+    return PointFormulas(recorded(states, count + 8), count)

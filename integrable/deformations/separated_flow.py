@@ -3,107 +3,151 @@
 Let ũ_k be the roots of Σ w_i²/(x − a_i), w = γ × M, φ(x) = 4(dx − 1)Π(a_i − x), and ' = d/dτ with dτ = g dt. In the ũ_k
 the flow of H = λ1 + λ2 separates: ũ_k' = y_k and y_k² = λ_kφ(ũ_k) with constant λ_k, λ1 > 0 > λ2. With μ_k = λ_kΠ(1 −
 da_i), the map Z = μ_k·ũ/(1 − dũ) brings each curve to Z'² = 4Π(Z − e_i), e_i = μ_k/I_i
-(:mod:`integrable.deformations.oval`). There the motion is an addition, computed by theta functions, so any τ costs the
-same. (The separation is Tsiganov's.)
+(:class:`integrable.mumford.elliptic_torus.EllipticOval`). There the motion is an addition, computed by theta functions,
+so any τ costs the same. (The separation is Tsiganov's.)
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
-from integrable.deformations.carrier import CurvesCarrier
+from integrable.deformations.carrier import CurvePoint, CurvesCarrier, GammaM
 from integrable.deformations.deformed_flow import DeformedFlow
 from integrable.deformations.equations import right_hand_sides
-from integrable.deformations.oval import Pace, SeparatedOval, root_of_rounded
-from integrable.deformations.oval_loops import Frame
+from integrable.deformations.oval import Pace
 from integrable.deformations.ovals_clock import OvalsClock
+from integrable.deformations.scalars import dot
 from integrable.moving_point.losses import digits_of
-from integrable.phase.body import Body, cross
+from integrable.mumford.elliptic_torus import EllipticOval
+from integrable.phase.body import Body, Vector, cross
 from integrable.phase.isometry import lift, roots
 from integrable.phase.state import State
-from jacobian.element import Real
+from jacobian.element import FormulaField, Real
 from jacobian.errors import ArgumentError, NotRepresentable, shown
-from jacobian.inexact.long_numbers import LongNumbers
+from jacobian.inexact.long_field import LongField
 
 __all__ = ["SeparatedFlow"]
 
-TimeOf = Callable[[int, LongNumbers, Real, Sequence[Real]], Real]
-"""The time in which the motion on curve k adds a point: a function of k, the field, μ_k and the μ_k/I_i."""
+TimeOf = Callable[[int, EllipticOval, Real], Real]
+"""The time in which the motion on curve k adds a point: a function of k, the curve and μ_k."""
+# the signs of R_i' = ±R_jR_k on the two curves, by axis
+SLOPES = (-1, -1, 1), (1, -1, -1)
+
+
+class FreeFrame(NamedTuple):
+    """The constants of states without potential; the axes are those of the tilde pair on whose curves they are.
+
+    ``spread`` is λ1 − λ2. e_i = w_i/|M| is proportional to ``weights``_i·p_iq_i, where p_i and q_i are the roots at
+    axis i on the two curves. ``leans`` are the factors of N_i (:mod:`integrable.deformations.two_curves`),
+    ``contact`` is 1 − da_i, ``side`` the sign of γ and M. ``back`` is the diagonal of the lift to a check or hat pair,
+    empty if there is none.
+    """
+
+    d: Real
+    mu: tuple[Real, Real]
+    spread: Real
+    weights: Vector
+    leans: Vector
+    contact: Vector
+    side: Real
+    back: tuple[Real, ...]
+
+
+def free_state(N: FormulaField, frame: FreeFrame, first: CurvePoint, second: CurvePoint) -> GammaM:
+    """(γ, M) of the tilde pair without potential, from the points on both curves, with axes in ascending order of the
+    moments.
+    """
+    # since μ1 > 0 > μ2, the axis of the smallest moment has e₃ on the first curve and e₁ on the second
+    p, q, (mu1, mu2) = first[2::-1], second[:3], frame.mu
+    f1, f2 = 1 / (1 + frame.d * first[3]), 1 / (1 + frame.d * second[3])
+    e = [w * x * y for w, x, y in zip(frame.weights, p, q, strict=True)]
+    length = N.sqrt(dot(e, e))
+    gap = f1 * f2 * (p[1] * p[1] / mu1 - q[1] * q[1] / mu2)
+    scale = 2 * length * f1 * f2 / (mu1 * mu2 * gap)
+    turns = [
+        SLOPES[1][i] * q[i - 2] * q[i - 1] * f2 * p[i] - SLOPES[0][i] * p[i - 2] * p[i - 1] * f1 * q[i]
+        for i in range(3)
+    ]
+    n = [scale * lean * x for lean, x in zip(frame.leans, turns, strict=True)]
+    e = [x / length for x in e]
+    over = [x / r for x, r in zip(e, frame.contact, strict=True)]
+    lean = dot(over, n) / dot(over, e)
+    x = [(lean * one - other) / r for one, other, r in zip(e, n, frame.contact, strict=True)]
+    size, momentum = frame.side / N.sqrt(dot(x, x)), frame.side * N.sqrt(frame.spread / gap)
+    gamma = (x[0] * size, x[1] * size, x[2] * size)
+    return gamma, cross(N, (momentum * e[0], momentum * e[1], momentum * e[2]), gamma)
 
 
 class OvalCarrier(CurvesCarrier):
     """The motion of a tilde, check or hat pair over the field of ``system``.
 
-    ``pair`` is the tilde pair on whose curves it moves: ``system`` itself, or the tilde pair of A⁻¹.
+    ``pair`` is the tilde pair on whose curves it moves: ``inner`` itself, or the tilde pair of A⁻¹.
     """
 
     pace: Pace
+    frame: FreeFrame
 
     def __init__(self, system: Any, state: State) -> None:
         super().__init__(system, state)
-        isometry, K = system.isometry(), system.field
-        back: Sequence[Real] = (K.one,) * 3
+        isometry, K, self.pair, state = self.inner.isometry(), self.field, self.inner, self.origin
+        back: tuple[Real, ...] = ()
         if isometry is not None:
             diagonal = roots(K, isometry.squares)
-            back, self.speed, system = [1 / b for b in diagonal], isometry.factor, isometry.pair
+            back, self.speed, self.pair = tuple(1 / b for b in diagonal), isometry.factor, isometry.pair
             state = State(*lift(K, diagonal, *state.vectors))
-        self.pair, body = system, system.body
-        check_distinct(body)
+        check_distinct(self.pair.body)
         _, M = state.vectors
         h2 = K.dot(M, M)
         if h2 == 0:
             raise ArgumentError("M = (0, 0, 0): at rest; a flow needs M ≠ 0")
-        H, second = system.integrals(state)[2:]
+        H, second = self.before if isometry is None else self.pair.integrals(state)[2:]
         self.lambdas = _eigenvalues(K, H, second)
-        if any(abs(x) <= 64 * K.eps * h2 * max(system.a) for x in self.lambdas):
+        if any(abs(x) <= 64 * K.eps * h2 * max(self.pair.a) for x in self.lambdas):
             raise NotRepresentable(
                 f"λ = {shown(self.lambdas)}: K vanishes, and one of the two curves degenerates; "
                 "motion_through(state) integrates"
             )
-        spin = root_of_rounded(K, h2)
-        e, slope = (
-            [x / spin for x in v] for v in _image(K, state, right_hand_sides(system, physical=False)(state.row), h2)
-        )
+        self.sizes = abs(self.speed) * (self.lambdas[0] - self.lambdas[1]), abs(self.before[1])
+        rate, spin = right_hand_sides(self.pair, physical=False)(state.row), K.sqrt(h2)
+        e, slope = ([x / spin for x in v] for v in _image(K, state, rate, h2))
         self._on_curves(e, slope)
-        sizes = self.lambdas[0] - self.lambdas[1], abs(second)
-        self.frame = Frame(self._numbers(e, slope), [back[i] for i in self.order], isometry is not None, False, sizes)
-        self.sizes = (
-            sizes if isometry is None else (abs(self.speed) * sizes[0], abs(self.system.integrals(self.start).K))
-        )
+        self.frame = self._frame(e, slope, back)
         found = self._state(*(curve.start for curve in self.curves))[0]
-        if sum(x * y for x, y in zip(found, self.start.vectors[0], strict=True)) < 0:
-            # the last number is the sign of γ and M
-            self.frame.numbers[-1] = -K.one
+        if dot(found, self.origin.vectors[0]) < 0:
+            self.frame = self.frame._replace(side=-K.one)
 
     def _on_curves(self, e: Sequence[Real], slope: Sequence[Real]) -> None:
         """Makes the curves through the image e = w/|M| of the start and its derivative ``slope``."""
-        body = self.pair.body
-        gaps, turns = _separated(body, e, slope)
+        body, one = self.pair.body, self.field.one
         product = body.contact[0] * body.contact[1] * body.contact[2]
-        self.mu = [value * product for value in self.lambdas]
-        self.curves = [
-            _oval(self.field, body, mu, row, turn) for mu, row, turn in zip(self.mu, gaps, turns, strict=True)
-        ]
-        self.tracks = [curve.track(mu, self.field.zero) for curve, mu in zip(self.curves, self.mu, strict=True)]
+        self.mu = self.lambdas[0] * product, self.lambdas[1] * product
+        gaps, turns = _separated(body, e, slope)
+        self.curves = [_oval(self.field, body, *given) for given in zip(self.mu, gaps, turns, strict=True)]
+        # z = Z/μ is 1/I_i at the branch points
+        x, y, z = (one / moment for moment in body.inertia)
+        self.levels = (z, y, x, one / self.mu[0]), (x, y, z, one / self.mu[1])
         spread = self.lambdas[0] - self.lambdas[1]
         weights = [abs(value) / spread for value in self.lambdas]
-        self.pace = Pace(self.field, body.d, self.curves, self.tracks, self.mu, weights)
-        self.order = sorted(range(3), key=lambda i: body.inertia[i])
+        self.pace = Pace(self.field, body.d, self.curves, self.levels, weights)
 
-    def _numbers(self, e: Sequence[Real], slope: Sequence[Real]) -> list[Real]:
-        """The numbers of the :class:`Frame`, with the sign 1 of γ and M."""
-        K, body, order = self.field, self.pair.body, self.order
-        roots_of_weights = [r / root_of_rounded(K, c) for r, c in zip(body.contact, body.differences, strict=True)]
-        weights = [s * w for s, w in zip(_signs(self.curves, e, slope), roots_of_weights, strict=True)]
-        leans = [r / (w * c) for r, w, c in zip(body.contact, weights, body.differences, strict=True)]
-        axes = [row[i] for row in (weights, body.contact, leans, body.a) for i in order]
-        odd = order in ([0, 2, 1], [1, 0, 2], [2, 1, 0])
-        return [*axes, body.d, *self.mu, *self.lambdas, -K.one if odd else K.one, K.one]
+    def _frame(self, e: Sequence[Real], slope: Sequence[Real], back: tuple[Real, ...]) -> FreeFrame:
+        """The constants of the states, with the sign 1 of γ and M."""
+        K, body = self.field, self.pair.body
+        sizes = [r / K.sqrt(abs(c)) for r, c in zip(body.contact, body.differences, strict=True)]
+        weights = [s * w for s, w in zip(_signs(self.curves, e, slope), sizes, strict=True)]
+        leans = [r / (w * abs(c)) for r, w, c in zip(body.contact, weights, body.differences, strict=True)]
+        spread = self.lambdas[0] - self.lambdas[1]
+        return FreeFrame(body.d, self.mu, spread, tuple(weights), tuple(leans), body.contact, K.one, back)
+
+    @staticmethod
+    def read(N: FormulaField, system: Any, frame: Any, first: CurvePoint, second: CurvePoint) -> GammaM:
+        gamma, M = free_state(N, frame, first, second)
+        return lift(N, frame.back, gamma, M) if frame.back else (gamma, M)
 
     def most_tau(self, t: Real) -> Real:
         # 1/g² is smallest, 1 − da_i, where γ is along the axis of the smallest moment
-        return t / root_of_rounded(self.field, min(self.pair.body.contact))
+        return t / self.field.sqrt(min(self.pair.body.contact))
 
     def tau(self, times: list[Real], digits: int) -> list[Real]:
         return [self.field.coerce(x) for x in self.clock(digits).tau(times)]
@@ -123,7 +167,7 @@ class OvalCarrier(CurvesCarrier):
 
     def times_of(self, time_of: TimeOf) -> list[Real]:
         """The time on each curve from ``time_of``, for :meth:`SeparatedFlow.translated`."""
-        return [time_of(k, self.field, mu, c.e) for k, (mu, c) in enumerate(zip(self.mu, self.curves, strict=True))]
+        return [time_of(k, curve, mu) for k, (curve, mu) in enumerate(zip(self.curves, self.mu, strict=True))]
 
 
 class SeparatedFlow(DeformedFlow):
@@ -138,7 +182,7 @@ class SeparatedFlow(DeformedFlow):
     def translated(self, time_of: TimeOf) -> State:
         """The state after an addition of a point on each of the curves k = 0, 1.
 
-        On curve k the motion adds this point in the time ``time_of(k, field, μ_k, μ_k/I_i)``.
+        On curve k the motion adds this point in the time ``time_of(k, curve, μ_k)``.
         """
         many = self._many
 
@@ -163,9 +207,9 @@ def check_distinct(body: Body) -> None:
         )
 
 
-def _eigenvalues(K: LongNumbers, H: Real, second: Real) -> tuple[Real, Real]:
+def _eigenvalues(K: LongField, H: Real, second: Real) -> tuple[Real, Real]:
     """λ1 ≥ 0 ≥ λ2 with H = λ1 + λ2, K = −λ1λ2; the smaller is computed from the larger without cancellation."""
-    spread = root_of_rounded(K, H * H + 4 * abs(second))
+    spread = K.sqrt(H * H + 4 * abs(second))
     if H >= 0:
         one = (H + spread) / 2
         return one, -second / one
@@ -173,7 +217,7 @@ def _eigenvalues(K: LongNumbers, H: Real, second: Real) -> tuple[Real, Real]:
     return -second / two, two
 
 
-def _image(K: LongNumbers, state: State, rate: Sequence[Real], h2: Real) -> tuple[list[Real], list[Real]]:
+def _image(K: LongField, state: State, rate: Sequence[Real], h2: Real) -> tuple[list[Real], list[Real]]:
     """The vectors w = γ × M and |M|·(w/|M|)', from (γ, M)' = ``rate``."""
     (gamma, M), turn, pull = state.vectors, (rate[0], rate[1], rate[2]), (rate[3], rate[4], rate[5])
     w = cross(K, gamma, M)
@@ -194,52 +238,40 @@ def _separated(body: Body, e: Sequence[Real], slope: Sequence[Real]) -> tuple[li
 
 
 def interlaced(body: Body, squares: Sequence[Real]) -> list[list[Real]]:
-    """ũ_k − a_i for both roots ũ1 < ũ2 of U(x) = Σ squares_i(x − a_j)(x − a_k), squares ≥ 0 with the sum 1.
+    """ũ_k − a_i for both roots ũ1 < ũ2 of U(x) = Σ squares_i(x − a_j)(x − a_k), squares ≥ 0 with the sum 1, a_1 > a_2 >
+    a_3.
 
-    The differences are computed as roots in x − a_middle, and from (ũ1 − a_i)(ũ2 − a_i) = U(a_i) = c_i·squares_i.
+    The differences are computed as roots in x − a_2, and from (ũ1 − a_i)(ũ2 − a_i) = U(a_i) = c_i·squares_i.
     Differences of nearly equal numbers would cost half the digits of √|ũ_k − a_i| at a turning point.
     """
-    K, c = body.field, body.differences
-    low, middle, high = sorted(range(3), key=lambda i: body.a[i])
-
-    def apart(i: int, j: int) -> Real:
-        return (body.inertia[j] - body.inertia[i]) * body.a[i] * body.a[j]
-
-    below, above = apart(middle, low), apart(high, middle)
-    total = squares[high] * below - squares[low] * above + squares[middle] * (below - above)
-    product = abs(c[middle]) * squares[middle]
-    larger = (abs(total) + root_of_rounded(K, total * total + 4 * product)) / 2
+    K, c, a, moments = body.field, body.differences, body.a, body.inertia
+    above, below = ((moments[i + 1] - moments[i]) * a[i] * a[i + 1] for i in range(2))
+    total = squares[0] * below - squares[2] * above + squares[1] * (below - above)
+    product = abs(c[1]) * squares[1]
+    larger = (abs(total) + K.sqrt(total * total + 4 * product)) / 2
     smaller = product / larger if larger else larger
     first, second = (larger, smaller) if total >= 0 else (smaller, larger)
-    gaps = [[K.zero] * 3, [K.zero] * 3]
-    gaps[0][middle], gaps[1][middle] = -first, second
-    gaps[0][high], gaps[1][low] = -first - above, second + below
-    gaps[0][low] = c[low] * squares[low] / gaps[1][low]
-    gaps[1][high] = c[high] * squares[high] / gaps[0][high]
-    return gaps
+    high, low = -first - above, second + below
+    return [[high, -first, c[2] * squares[2] / low], [c[0] * squares[0] / high, second, low]]
 
 
-def _oval(K: LongNumbers, body: Body, mu: Real, gaps: Sequence[Real], turn: int) -> SeparatedOval:
+def _oval(K: LongField, body: Body, mu: Real, gaps: Sequence[Real], turn: int) -> EllipticOval:
     """The curve through the point with ũ − a_i = ``gaps``: Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i))."""
     # 1 − dũ = (1 − da_i) − d(ũ − a_i) is computed with the smallest ũ − a_i
     slow = next(r - body.d * x for r, x in sorted(zip(body.contact, gaps, strict=True), key=lambda pair: abs(pair[1])))
-    sizes = [root_of_rounded(K, mu * x / (slow * r)) for x, r in zip(gaps, body.contact, strict=True)]
-    inertia = body.inertia
-
-    def gap(i: int, j: int) -> Real:
-        return mu * (inertia[j] - inertia[i]) / (inertia[i] * inertia[j])
-
-    return SeparatedOval(K, [mu / x for x in inertia], gap, sizes, turn if mu > 0 else -turn)
+    x, y, z = (K.sqrt(abs(mu * x / (slow * r))) for x, r in zip(gaps, body.contact, strict=True))
+    one, two, three = body.inertia
+    above, below = abs(mu) * (two - one) / (one * two), abs(mu) * (three - two) / (two * three)
+    return EllipticOval(K, below, above, (turn * z, y)) if mu > 0 else EllipticOval(K, above, below, (-turn * x, y))
 
 
-def _signs(curves: Sequence[SeparatedOval], e: Sequence[Real], slope: Sequence[Real]) -> list[int]:
+def _signs(curves: Sequence[EllipticOval], e: Sequence[Real], slope: Sequence[Real]) -> list[int]:
     """The signs of e_i = ±const·R_i(curve 1)R_i(curve 2), from e_i and its derivative, which do not both vanish."""
     one, two = curves
-    result = []
+    p, q, result = one.start[::-1], two.start, []
     for i in range(3):
         j, k = i - 2, i - 1
-        p, q = one.start, two.start
-        rate = one.signs[i] * p[j] * p[k] * q[i] + two.signs[i] * q[j] * q[k] * p[i]
+        rate = SLOPES[0][i] * p[j] * p[k] * q[i] + SLOPES[1][i] * q[j] * q[k] * p[i]
         match = p[i] * q[i] * e[i] * (one.breadth + two.breadth) + rate * slope[i]
         result.append(1 if match > 0 else -1)
     return result

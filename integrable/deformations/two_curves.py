@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.separated_flow import SeparatedFlow
+from integrable.mumford.elliptic_torus import EllipticOval
 from integrable.phase import coordinates
 from integrable.phase.body import Vector, cross, square_root
 from integrable.phase.isometry import lift, roots
@@ -26,7 +27,6 @@ from jacobian import HyperellipticCurve, poly
 from jacobian.element import Arithmetic, Real, Value
 from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, PrecisionLoss, shown, written
 from jacobian.fields.quadratic import quadratic_roots
-from jacobian.inexact.long_numbers import LongNumbers
 from jacobian.relatives.signed import Pair
 
 if TYPE_CHECKING:
@@ -285,21 +285,22 @@ class CurveTranslation(Step):
             )
         return K.div(K.mul(mu, x), below)
 
-    def _time(self, k: int, K: LongNumbers, mu: Real, e: Sequence[Real]) -> Real:
-        """The time, in wide numbers, in which the motion on curve k adds its point.
+    def _time(self, k: int, curve: EllipticOval, mu: Real) -> Real:
+        """The time, in long numbers, in which the motion on curve k adds its point.
 
-        It is multiple·∫dZ/Y from the point's Z to ∞, by Carlson's R_F; a positive sheet is a negative time.
+        It is multiple·∫dZ/Y from the point's Z to ∞; a positive sheet is a negative time.
         """
-        x = self.points[k]
+        x, K = self.points[k], curve.field
         if x is None:
             return K.zero
         z = self._height(K, mu, K.coerce(x))
-        if any(z < value for value in e):
+        largest = max(mu / K.coerce(moment) for moment in curves_of(self.system).body.inertia)
+        if z < largest:
             raise NotASquare(
                 f"points[{k}] = {written(x)}: the image of a state is not real; take x with Z = μx/(1 − dx) ≥ μ/I_i, "
-                f"here Z = {float(z):g} and the largest μ/I_i = {float(max(e)):g}"
+                f"here Z = {float(z):g} and the largest μ/I_i = {float(largest):g}"
             )
-        return -self.sheets[k] * self.multiple * K.context.elliprf(*(z - value for value in e))
+        return -self.sheets[k] * self.multiple * curve.time_above(z - largest)
 
 
 def curves_of(system: Hamiltonian) -> Hamiltonian:

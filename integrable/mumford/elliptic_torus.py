@@ -1,9 +1,10 @@
 """States at far times of motions of genus 1 with real data: theta functions give sn, cn and dn of a phase linear in
 time.
 
-On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the point moves between x₁ and x₂. There x = x₁ + (x₂ − x₁)sn², x₂ − x = (x₂ −
-x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are multiples of sn, cn and dn, signs included. Models with
-ℓ < 0 are first transformed by x ↦ −x, those of degree 4 by x ↦ 1/(E − x), where E is the largest root.
+On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the point moves between x₁ and x₂ (:class:`EllipticOval`). There x = x₁ + (x₂
+− x₁)sn², x₂ − x = (x₂ − x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are multiples of sn, cn and dn,
+signs included. Models with ℓ < 0 are first transformed by x ↦ −x, those of degree 4 by x ↦ 1/(E − x), where E is the
+largest root.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from integrable.torus.theta_series import circle, half_turn, inverse_factorials,
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
-from jacobian.native.kinds import FLOATS, WIDES
+from jacobian.native.kinds import INT, WIDES, TupleKind, record
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 from jacobian.numbers.abreast import abreast
@@ -40,24 +41,36 @@ LAST, MOST_TERMS = 2.0**-113, 26
 NEAR = 1e-8
 
 
-def elliptic_points(numbers: Row, table: Row, inverse: Row, times: Row, out: Row) -> None:
-    """Writes sn, cn and dn at the given times, three numbers per time. The compiler takes this source unchanged.
+class OvalThetas(NamedTuple):
+    """An :class:`EllipticOval` for :func:`oval_points`.
 
-    ``numbers`` are half turns of the phase per unit time, half turns at the start, and the factors of θ₁/θ₄, θ₂/θ₄ and
-    θ₃/θ₄. ``table`` are the coefficients of harmonics 2n + 1 of θ₁ and θ₂, and 2n of θ₃ and θ₄. ``inverse`` is
+    ``numbers`` are turns of the phase per unit time, turns at the start, and the factors of θ₁/θ₄, θ₂/θ₄ and θ₃/θ₄ in
+    R₁, R₂ and R₃. ``table`` are the coefficients of harmonics 2n + 1 of θ₁ and θ₂, and 2n of θ₃ and θ₄. ``inverse`` is
     :func:`integrable.torus.theta_series.inverse_factorials`.
     """
-    for i in abreast(0, len(times)):
-        c, s = circle((numbers[0] * times[i] + numbers[1]) / 2, inverse)
-        sn, cn, dn = theta_quotients(table, c, s)
-        out[3 * i], out[3 * i + 1] = numbers[2] * sn, numbers[3] * cn
-        out[3 * i + 2] = numbers[4] * dn
+
+    numbers: Row
+    table: Row
+    inverse: Row
+
+
+def oval_points(oval: OvalThetas, times: Row, place: tuple[int, int], out: Row) -> None:
+    """Writes all R₁, then all R₂, then all R₃ at N = ``len(out)``/3 times. The compiler takes this source unchanged.
+
+    The times are ``times[begin + step·n]``, (begin, step) = ``place``.
+    """
+    numbers, count, (begin, step) = oval.numbers, len(out) // 3, place
+    for n in abreast(0, count):
+        # sn and cn have twice the period of Z, hence half the phase
+        c, s = circle((numbers[0] * times[begin + step * n] + numbers[1]) / 2, oval.inverse)
+        one, two, three = theta_quotients(oval.table, c, s)
+        out[n], out[count + n], out[2 * count + n] = numbers[2] * one, numbers[3] * two, numbers[4] * three
 
 
 def theta_quotients(table: Row | Sequence[Real], cv: Real, sv: Real) -> tuple[Real, Real, Real]:
     """θ₁/θ₄, θ₂/θ₄ and θ₃/θ₄ at v, which are multiples of sn, cn and dn, from cos v and sin v.
 
-    ``table`` is that of :func:`elliptic_points`.
+    ``table`` is that of :class:`OvalThetas`.
     """
     zero = 0 * cv
     ce, se, c2, s2 = 1 + zero, zero, cv * cv - sv * sv, 2 * cv * sv
@@ -71,7 +84,57 @@ def theta_quotients(table: Row | Sequence[Real], cv: Real, sv: Real) -> tuple[Re
     return t1 * over, t2 * over, t3 * over
 
 
-LIBRARY = Library("elliptic", {"elliptic_points": (elliptic_points, (WIDES, WIDES, WIDES, FLOATS, WIDES))}, SPECIAL)
+OVAL = record(OvalThetas, WIDES, WIDES, WIDES)
+LIBRARY = Library("elliptic", {"oval_points": (oval_points, (OVAL, WIDES, TupleKind((INT, INT)), WIDES))}, SPECIAL)
+
+
+class EllipticOval:
+    """A point that moves on Z'² = 4(Z − e₁)(Z − e₂)(Z − e₃) in the oval e₁ ≤ Z ≤ e₂ ≤ e₃, in long numbers.
+
+    It has the roots R₁ = √(Z − e₁), R₂ = √(e₂ − Z) and R₃ = √(e₃ − Z), multiples of sn, cn and dn. As Z' = 2R₁R₂R₃,
+    R₁ and R₂ change their signs; R₃ is positive. ``swing`` is e₂ − e₁, ``above`` is e₃ − e₂; ``start`` are R₁ and
+    R₂ ≥ 0 at the start. ``period`` is the time in which Z returns, ``phase`` the turns since Z = e₁.
+    """
+
+    def __init__(self, N: LongField, swing: Real, above: Real, start: Sequence[Real]) -> None:
+        self.field, self.swing, self.above = N, swing, above
+        self.breadth, (one, two, *_) = swing + above, start
+        self.start = one, two, N.sqrt(above + two * two)
+        narrow, wide = N.sqrt(swing), N.sqrt(self.breadth)
+        self.thetas = theta_table(N, narrow / wide, N.sqrt(above) / wide)
+        second, third, fourth = self.thetas.at_zero
+        self.factors = narrow * third / second, narrow * fourth / second, wide * fourth / third
+        self.period = half_turn() / (wide * self.thetas.mean)
+        # an oval of length 0 is a point
+        self.phase = part_of_round(N, self.thetas.levels, one, two) / half_turn() if swing else N.zero
+
+    def at(self, turns: Real) -> tuple[Real, Real, Real]:
+        """The roots R₁, R₂ and R₃ at a phase."""
+        import gmpy2
+
+        angle = half_turn() * (turns - 2 * gmpy2.rint(turns / 2))
+        found = theta_quotients(self.thetas.table, gmpy2.cos(angle), gmpy2.sin(angle))
+        one, two, three = (factor * x for factor, x in zip(self.factors, found, strict=True))
+        return one, two, three
+
+    def moved(self, time: Real) -> tuple[Real, Real, Real]:
+        """The roots R₁, R₂ and R₃ at a time after the start."""
+        return self.at(time / self.period + self.phase)
+
+    def packed(self, rate: Real) -> OvalThetas:
+        """The oval in double-doubles, for a phase that makes ``rate`` turns per unit time."""
+        numbers = double_double_row((rate, self.phase, *self.factors))
+        return OvalThetas(numbers, double_double_row(self.thetas.few), inverse_factorials())
+
+    def time_below(self, depth: Real) -> Real:
+        """The imaginary time in which the point moves from Z = e₁ down to Z = e₁ − ``depth``."""
+        N = self.field
+        return first_kind(N, self.thetas.others, N.sqrt(depth), N.sqrt(self.swing)) / N.sqrt(self.breadth)
+
+    def time_above(self, height: Real) -> Real:
+        """The time from Z = e₃ + ``height`` to infinity."""
+        N = self.field
+        return first_kind(N, self.thetas.levels, N.sqrt(self.breadth), N.sqrt(height)) / N.sqrt(self.breadth)
 
 
 class CubicModel(NamedTuple):
@@ -110,35 +173,25 @@ class EllipticTorus(FarTimes):
             if not all_real(roots) or coincident(N, roots):
                 raise PrecisionLoss("branch points are not real, or not told apart")
             model = _model(N, start, roots)
-            wide = model.swing + model.above
-            levels, table, (two, three, four) = theta_table(N, N.sqrt(model.swing / wide), N.sqrt(model.above / wide))
-            quarter = levels[-1][0]
             low, high = max(model.place - model.first, N.zero), max(model.first + model.swing - model.place, N.zero)
-            v = part_of_round(N, levels, N.sqrt(low), N.sqrt(high))
-            pace = N.sqrt(model.lead * wide) / 2 * abs(model.pace)
-            ahead = model.height * model.pace >= 0
-            half = half_turn()
-            turns = pace * quarter / half, (v if ahead else -v) / half
-            numbers = (*turns, three / two, four / two, four / three)
-            self._numbers, self._inverse = double_double_row(numbers), inverse_factorials()
-            self._table = double_double_row(table)
+            side = 1 if model.height * model.pace >= 0 else -1
+            oval = EllipticOval(N, model.swing, model.above, (side * N.sqrt(low), N.sqrt(high)))
+            lead = N.sqrt(model.lead)
+            self._oval = oval.packed(lead * abs(model.pace) / (2 * oval.period))
             # θ changes its sign after half a turn
-            self.paces, self._side = [float(numbers[0]) / 2], model.side
-            self._first, self._swing = Column.of(model.first), Column.of(model.swing)
+            self.paces, self._side = [float(self._oval.numbers[0, 0]) / 2], model.side
+            self._first = Column.of(model.first)
             self._pole = None if model.pole is None else Column.of(model.pole)
-            # y = slope·sn·cn·dn
-            slope = 2 * model.swing * pace / model.pace
+            # y = slope·R₁R₂R₃
+            slope = lead if model.pace > 0 else -lead
             self._slope = Column.of(slope)
-            at_start = [*self._points(np.zeros(1))]
-            self._lifts = [
-                _lift(N, model, slope, at_start, (e, datum)) for e, datum in zip(ends, start.data, strict=True)
-            ]
+            self._lifts = [_lift(N, model, slope, oval, (e, datum)) for e, datum in zip(ends, start.data, strict=True)]
 
     def at(self, times: np.ndarray) -> Extended:
         """The pairs with their data at N times, as columns of N numbers."""
         parts = self._points(times)
-        sn, cn, dn = parts
-        x, y = self._side * (self._first + self._swing * sn * sn), self._slope * sn * cn * dn
+        one, two, three = parts
+        x, y = self._side * (self._first + one * one), self._slope * one * two * three
         if self._pole is not None:
             x, y = self._pole - 1 / x, y / (x * x)
         data = []
@@ -147,12 +200,12 @@ class EllipticTorus(FarTimes):
         return Extended((-x, Column(1.0)), (y,), tuple(data))
 
     def _points(self, times: np.ndarray) -> tuple[Column, Column, Column]:
-        """sn, cn and dn at the given times."""
-        out = np.empty((3 * len(times), 2))
-        given = np.ascontiguousarray(times, dtype=np.float64)
-        LIBRARY.elliptic_points(self._numbers, self._table, self._inverse, given, out)
-        sn, cn, dn = (Column(*np.ascontiguousarray(out[k::3].T)) for k in range(3))
-        return sn, cn, dn
+        """R₁, R₂ and R₃ at the given times."""
+        given, out = np.zeros((len(times), 2)), np.empty((3 * len(times), 2))
+        given[:, 0] = times
+        LIBRARY.oval_points(self._oval, given, (0, 1), out)
+        one, two, three = (Column(*np.ascontiguousarray(x.T)) for x in out.reshape(3, -1, 2))
+        return one, two, three
 
 
 def _model(N: LongField, start: Start, roots: Sequence[Real]) -> CubicModel:
@@ -174,20 +227,20 @@ def _model(N: LongField, start: Start, roots: Sequence[Real]) -> CubicModel:
 
 
 def _lift(
-    N: LongField, model: CubicModel, slope: Real, at_start: Sequence[Column], given: tuple[Real, Sequence[Real]]
+    N: LongField, model: CubicModel, slope: Real, oval: EllipticOval, given: tuple[Real, Sequence[Real]]
 ) -> tuple[Column, Column, Column, int]:
-    """(κ, the factor of σ, the factor of ν, the index of σ among sn, cn, dn) for a lift given as (e, datum)."""
+    """(κ, the factor of σ, the factor of ν, the index of σ among R₁, R₂, R₃) for a lift given as (e, datum)."""
     e, (kappa, sigma, nu) = given
     x, swing = model.side * e, model.swing
     gaps = [abs(x - root) for root in (model.first, model.first + swing, model.first + swing + model.above)]
     which = gaps.index(min(gaps))
-    square = model.side * (-swing, swing, swing + model.above)[which] / kappa
+    square = model.side * (-1, 1, 1)[which] / kappa
     if not square > 0:
         raise PrecisionLoss(APART)
     size = N.sqrt(square)
-    own, one, other = (float(at_start[k].hi[0]) for k in (which, which - 1, which - 2))
+    own, one, other = (oval.start[k] for k in (which, which - 1, which - 2))
     # if the point is at e, ν carries the sign
-    if (own * sigma if which == 2 or abs(own) > NEAR else one * other * slope / kappa * nu) < 0:
+    if (own * sigma if own * own > NEAR * NEAR * swing else one * other * slope / kappa * nu) < 0:
         size = -size
     return Column.of(kappa), Column.of(size), Column.of(slope / (kappa * size)), which
 
@@ -236,48 +289,51 @@ def nome_of(N: LongField, levels: list[tuple[Real, Real]], others: list[tuple[Re
     return gmpy2.exp(-half_turn() * levels[-1][0] / others[-1][0])
 
 
-def terms_of(nome: Real) -> int:
-    """The number of terms of the theta series; PrecisionLoss near a separatrix."""
-    count = next((n for n in range(2, MOST_TERMS) if nome ** (n * n) < LAST), 0)
-    if not count:
-        raise PrecisionLoss("this motion is too near to a separatrix")
+def terms_of(nome: Real, last: Real) -> int:
+    """The number of terms of the theta series that are larger than ``last``; at least 2."""
+    count = 2
+    while nome ** (count * count) >= last:
+        count += 1
     return count
-
-
-def thetas(N: LongField, nome: Real, count: int) -> tuple[list[Real], list[Real], tuple[Real, Real, Real]]:
-    """Coefficients of harmonics 2n + 1 of θ₂ and of harmonics 2n of θ₃, and the values of θ₂, θ₃ and θ₄ at 0.
-
-    Coefficients and value of θ₂ are divided by its first coefficient.
-    """
-    odd, even = [nome ** (n * n + n) for n in range(count)], [2 * nome ** (n * n) for n in range(count)]
-    even[0] = N.one
-    return odd, even, (sum(odd), sum(even), sum(even[::2]) - sum(even[1::2]))
 
 
 class ThetaTable(NamedTuple):
     """The constants of the theta functions of one modulus, in long numbers.
 
-    ``levels`` are the :func:`means` of 1 and k', ``table`` is that of :func:`theta_quotients`, and ``at_zero`` are θ₂,
-    θ₃ and θ₄ at 0.
+    ``levels`` are the :func:`means` of 1 and k', ``others`` those of 1 and k (none if k = 0). ``table`` is that of
+    :class:`OvalThetas`, and ``at_zero`` are θ₂, θ₃ and θ₄ at 0. Coefficients and value of θ₂ are divided by its first
+    coefficient.
     """
 
     levels: list[tuple[Real, Real]]
+    others: list[tuple[Real, Real]]
+    nome: Real
     table: list[Real]
     at_zero: tuple[Real, Real, Real]
 
+    @property
+    def mean(self) -> Real:
+        """The arithmetic-geometric mean of 1 and k'."""
+        return self.levels[-1][0]
+
+    @property
+    def few(self) -> list[Real]:
+        """The rows of ``table`` that double-doubles need; PrecisionLoss near a separatrix."""
+        count = terms_of(self.nome, LAST)
+        if not count < MOST_TERMS:
+            raise PrecisionLoss("this motion is too near to a separatrix")
+        return self.table[: 4 * count]
+
 
 def theta_table(N: LongField, k: Real, k1: Real) -> ThetaTable:
-    """The ThetaTable of the modulus k, k² + k₁² = 1; PrecisionLoss near a separatrix."""
-    levels = means(N, k1)
-    nome = nome_of(N, levels, means(N, k))
-    return ThetaTable(levels, *theta_rows(N, nome, terms_of(nome)))
-
-
-def theta_rows(N: LongField, nome: Real, count: int) -> tuple[list[Real], tuple[Real, Real, Real]]:
-    """The table of :func:`theta_quotients` with ``count`` terms, and the values of θ₂, θ₃ and θ₄ at 0."""
-    odd, even, at_zero = thetas(N, nome, count)
+    """The ThetaTable of the modulus k, k² + k₁² = 1."""
+    levels, others = means(N, k1), means(N, k) if k else []
+    nome = nome_of(N, levels, others) if k else N.zero
+    count = terms_of(nome, N.eps)
+    odd, even = [nome ** (n * n + n) for n in range(count)], [2 * nome ** (n * n) for n in range(count)]
+    even[0] = N.one
     table = []
     for n, (o, e) in enumerate(zip(odd, even, strict=True)):
         sign = 1 - 2 * (n % 2)
         table += [sign * o, o, e, sign * e]
-    return table, at_zero
+    return ThetaTable(levels, others, nome, table, (sum(odd), sum(even), sum(even[::2]) - sum(even[1::2])))

@@ -34,7 +34,7 @@ from integrable.series.tape import (
 )
 from jacobian.element import Real
 from jacobian.inexact.long_field import LongField
-from jacobian.native.kinds import FLOATS, INTS, WIDES
+from jacobian.native.kinds import INTS, WIDES
 from jacobian.native.library import Library
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.double_double import double_double_row
@@ -95,8 +95,7 @@ class PairFormulas:
             u, v, data = shaped(pair, values)
             return [*flat(back(N, y[:count], Extended((*u, N.one), v, data), next(values)))]
 
-        self._back, fixed = divided(recorded(read, count + len([*flat(pair)]) + 1), count)
-        self._fixed = LongTape(fixed)
+        self._back = PointFormulas(recorded(read, count + len([*flat(pair)]) + 1), count)
 
     def start(self, N: LongField, numbers: Sequence[Real]) -> tuple[Vectors, Start]:
         """(q, p) and the start of a motion in long numbers."""
@@ -110,20 +109,37 @@ class PairFormulas:
         """What the states of one motion have in common, in double-doubles; ``numbers`` are as for ``start``, with q and
         p within their constraints.
         """
-        return double_double_row(self._fixed(N, numbers)).reshape(-1, 2)
+        return self._back.fixed(N, numbers)
 
     def states(self, fixed: Row, D: Extended, times: np.ndarray) -> np.ndarray:
         """The states of N pairs, whose numbers are columns, at times: q and p, shape (N, 2, n)."""
-        count = len(times)
         rows = [*map(Column.of, flat((D.u[:-1], D.v, D.data))), Column(times)]
-        given = np.zeros((len(rows), count, 2))
+        given = np.zeros((len(rows), len(times), 2))
         for row, x in zip(given, rows, strict=True):
             row[:, 0], row[:, 1] = x.hi, x.lo
-        out = np.empty((count, len(self._back.results)))
-        codes, results = self._back
-        room = np.empty(((len(fixed) + len(rows) + len(codes) // 3) * BLOCK, 2))
-        LIBRARY.applied(codes, results, fixed, given.reshape(-1, 2), room, out.ravel())
-        return out.reshape(count, 2, -1)
+        return self._back.at(fixed, given)[:, :, 0].reshape(len(times), 2, -1)
+
+
+class PointFormulas:
+    """The formulas of a tape for many points of a motion, for which the first ``count`` variables are fixed. The
+    results are computed in double-doubles.
+    """
+
+    def __init__(self, tape: Tape, count: int) -> None:
+        self._program, fixed = divided(tape, count)
+        self._fixed = LongTape(fixed)
+
+    def fixed(self, N: LongField, numbers: Sequence[Real]) -> Row:
+        """What the results at the points of a motion have in common, in double-doubles, from the fixed variables."""
+        return double_double_row(self._fixed(N, numbers)).reshape(-1, 2)
+
+    def at(self, fixed: Row, given: np.ndarray) -> np.ndarray:
+        """The results at N points, shape (N, results, 2); ``given`` has the shape (other variables, N, 2)."""
+        variables, count, _ = given.shape
+        (codes, results), wide = self._program, len(self._program.results)
+        room, out = np.empty(((len(fixed) + variables + len(codes) // 3) * BLOCK, 2)), np.empty((count * wide, 2))
+        LIBRARY.applied(codes, results, fixed, given.reshape(-1, 2), room, out)
+        return out.reshape(count, wide, 2)
 
 
 class Program(NamedTuple):
@@ -235,8 +251,8 @@ def of_key(N: LongField, key: Key) -> Real:
 
 
 def applied(codes: Row, results: Row, fixed: Row, given: Row, room: Row, out: Row) -> None:
-    """Writes the results of a :class:`Program` for each point to ``out``, rounded to floats. ``given`` has a row of all
-    points for each variable; ``room`` is memory for BLOCK numbers for each place.
+    """Writes the results of a :class:`Program` for each point to ``out``. ``given`` has a row of all points for each
+    variable; ``room`` is memory for BLOCK numbers for each place.
     """
     count, wide = len(out) // len(results), len(results)
     variables = len(given) // count
@@ -253,7 +269,7 @@ def applied(codes: Row, results: Row, fixed: Row, given: Row, room: Row, out: Ro
             operate(codes[3 * n], BLOCK * codes[3 * n + 1], BLOCK * codes[3 * n + 2], room, here, points)
         for k in range(wide):
             for i in abreast(0, points):
-                out[wide * (begin + i) + k] = float(room[BLOCK * results[k] + i])
+                out[wide * (begin + i) + k] = room[BLOCK * results[k] + i]
 
 
 def operate(kind: int, left: int, right: int, room: Row, here: int, points: int) -> None:
@@ -280,4 +296,4 @@ def operate(kind: int, left: int, right: int, room: Row, here: int, points: int)
             room[here + i] = room[left + i] * room[right + i]
 
 
-LIBRARY = Library("recorded", {"applied": (applied, (INTS, INTS, WIDES, WIDES, WIDES, FLOATS))}, SPECIAL)
+LIBRARY = Library("recorded", {"applied": (applied, (INTS, INTS, WIDES, WIDES, WIDES, WIDES))}, SPECIAL)

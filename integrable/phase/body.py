@@ -16,7 +16,7 @@ from math import isfinite
 from typing import Any, Generic, NamedTuple
 
 from jacobian import RR, poly
-from jacobian.element import Arithmetic, Element, Real, Value
+from jacobian.element import Arithmetic, Element, FormulaField, Real, Value
 from jacobian.errors import ArgumentError, FieldError, NotASquare, entries, shown, written
 from jacobian.fields.coercion import is_complex
 from jacobian.fields.protocol import Field, check_field
@@ -233,7 +233,7 @@ def _check_moment(field: Field, moment: Real, d: Real, i: int) -> None:
         )
 
 
-def square_root(field: Field[Element], x: Element, name: str) -> Element:
+def square_root(field: FormulaField[Element], x: Element, name: str) -> Element:
     """The root √x that the field returns. NotASquare, with the ``name`` of the quantity, if the field has none."""
     try:
         return field.sqrt(x)

@@ -11,12 +11,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from integrable.phase.body import Vector, cross, square_root
-from jacobian.element import Real
+from jacobian.element import FormulaField, Real
 from jacobian.errors import NotRepresentable
-from jacobian.fields.protocol import Field
 
 
-def lift(K: Field, B: Sequence[Real], gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
+def lift(K: FormulaField, B: Sequence[Real], gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
     """The image (γ', M') of (γ, M) under the lift of the diagonal matrix B; its inverse is the lift of B⁻¹. NotASquare
     where |Bγ| is not in the field, NotRepresentable where it is zero.
     """
@@ -29,7 +28,7 @@ def lift(K: Field, B: Sequence[Real], gamma: Vector, M: Vector) -> tuple[Vector,
     return image, cross(K, turned, (K.div(w[0], B[0]), K.div(w[1], B[1]), K.div(w[2], B[2])))
 
 
-def roots(field: Field, squares: Sequence[Real]) -> Vector:
+def roots(field: FormulaField, squares: Sequence[Real]) -> Vector:
     """The diagonal of B from the diagonal of B²; NotASquare where the field lacks a root."""
     x, y, z = (square_root(field, value, "B²") for value in squares)
     return x, y, z

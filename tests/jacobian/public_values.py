@@ -6,7 +6,6 @@ from jacobian import CC, GF, MP, QQ, RR, HyperellipticCurve, poly
 from jacobian.batch import DivisorArray
 from jacobian.fields.residue import ResidueField
 from jacobian.inexact.long_field import LongField
-from jacobian.inexact.long_numbers import LongNumbers
 from jacobian.models.richelot import RichelotIsogeny, Splitting
 from jacobian.models.standard import move_to_infinity
 from jacobian.periods.abel import AbelMap
@@ -54,7 +53,7 @@ def values_over(K):
         "zero": J.zero(),
         "array": DivisorArray.stack([D, J.zero()]),
         "table": J.fixed_base(D),
-        **({"long numbers": LongField(100), "long numbers of digits": LongNumbers(30)} if K is RR else {}),
+        **({"long numbers": LongField(100)} if K is RR else {}),
         "affine point": C.lift_x(0),
         "extended group": ExtendedGroup(K, C.f, [SecondKind(), Lift(K.zero)]) if K.characteristic != 2 else C,
         "point at infinity": C.points_at_infinity()[0],

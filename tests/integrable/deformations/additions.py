@@ -9,20 +9,27 @@ Weierstrass's.)
 
 from math import ceil
 
+import gmpy2
+
 from integrable.phase.body import cross
 from integrable.phase.isometry import lift
 from jacobian import poly
 
+# R_1' = R_2R_3, R_2' = −R_3R_1, R_3' = −R_1R_2
+SIGNS = (1, -1, -1)
+
+
+def branch_points(oval):
+    """The e_i of an EllipticOval, counted from the first."""
+    return [oval.field.zero, oval.swing, oval.breadth]
+
 
 def moved(oval, tau):
-    """The roots R_i of a SeparatedOval after a time τ from its start."""
-    turns = oval.field.context.nint(tau / oval.period)
+    """The roots R_i of an EllipticOval after a time τ from its start."""
+    turns = gmpy2.rint(tau / oval.period)
     rest = tau - turns * oval.period
-    r = added(oval.low, oval.signs, oval.start, translation(oval, rest)) if rest else list(oval.start)
-    if turns % 2:
-        for i in (oval.low, oval.middle):
-            r[i] = -r[i]
-    return r
+    r = added(0, SIGNS, oval.start, translation(oval, rest)) if rest else list(oval.start)
+    return [-r[0], -r[1], r[2]] if turns % 2 else r
 
 
 def added(low, signs, r, s):
@@ -35,9 +42,9 @@ def added(low, signs, r, s):
 
 def translation(oval, v):
     """s_i(v) = √(℘(v) − e_i), 0 < |v| ≤ half a period, from the Laurent series at v/2^m and m doublings."""
-    K = oval.field
-    mean = sum(oval.e) / 3
-    centred = [x - mean for x in oval.e]
+    K, e = oval.field, branch_points(oval)
+    mean = sum(e) / 3
+    centred = [x - mean for x in e]
     one, two, three = centred
     series = laurent(K, -4 * (one * two + two * three + three * one), 4 * one * two * three)
     size, halvings = max(map(abs, centred)), 0
@@ -49,7 +56,7 @@ def translation(oval, v):
     for c in reversed(series):
         tail = tail * square + c
     # v²(℘ − e) = 1 − v²e + v⁴·tail
-    s = [K.context.sqrt(abs(1 - square * e + square * square * tail)) / v for e in centred]
+    s = [K.sqrt(abs(1 - square * e + square * square * tail)) / v for e in centred]
     for _ in range(halvings):
         s = doubled(oval, s)
     return [sign * x for x in s]
@@ -58,17 +65,15 @@ def translation(oval, v):
 def doubled(oval, s):
     """s_i(2v) from s_i(v), without differences except in s_high, which vanishes at half a period."""
     down = 2 * s[0] * s[1] * s[2]
-    result = [oval.field.zero] * 3
-    middle = (s[oval.middle] ** 4 + oval.swing * oval.above) / down
-    result[oval.middle] = middle
-    result[oval.low] = oval.field.context.sqrt(middle * middle + oval.swing)
-    result[oval.high] = (s[oval.high] ** 4 - oval.breadth * oval.above) / down
-    return result
+    middle = (s[1] ** 4 + oval.swing * oval.above) / down
+    return [
+        oval.field.sqrt(middle * middle + oval.swing), middle, (s[2] ** 4 - oval.breadth * oval.above) / down,
+    ]  # fmt: skip
 
 
 def laurent(K, g2, g3):
     """The Laurent coefficients c_0, c_1, … of ℘(v) = v⁻² + v²Σ c_n v^(2n), ℘'² = 4℘³ − g2℘ − g3."""
-    count = ceil(0.5 * K.dps + 10)
+    count = ceil(0.15 * K.bits + 10)
     c = [K.zero, K.zero, g2 / 20, g3 / 28]
     for n in range(4, count + 2):
         # each product c_m·c_(n−m), m ≠ n − m, occurs twice
@@ -81,59 +86,56 @@ def laurent(K, g2, g3):
 
 
 def height(oval, r):
-    """Z at the roots R_i, computed from the smallest of them."""
+    """Z − e_1 at the roots R_i, computed from the smallest of them."""
     i = min(range(3), key=lambda n: abs(r[n]))
-    return oval.e[i] + oval.signs[i] * r[i] * r[i]
+    return branch_points(oval)[i] + SIGNS[i] * r[i] * r[i]
 
 
 def state(carrier, first, second):
-    """(γ, M) of a carrier from the roots R_i on both curves."""
-    gamma, M = (state_in_poles if carrier.frame.in_poles else free_state)(carrier, first, second)
-    if carrier.frame.lifted:
-        back = [b for _, b in sorted(zip(carrier.order, carrier.frame.back, strict=True))]
-        gamma, M = lift(carrier.field, back, tuple(gamma), tuple(M))
-    return list(gamma), list(M)
+    """(γ, M) of a carrier's inner system from the roots R_i on both curves."""
+    if carrier.inner.potential is not None:
+        return state_in_poles(carrier, first, second)
+    gamma, M = free_state(carrier, first[::-1], second)
+    return lift(carrier.field, carrier.frame.back, gamma, M) if carrier.frame.back else (gamma, M)
 
 
 def free_state(carrier, first, second):
-    """(γ, M) of the tilde pair without potential."""
-    body, K, root = carrier.pair.body, carrier.field, carrier.field.context.sqrt
-    one, two = carrier.curves
-    weights = [w for _, w in sorted(zip(carrier.order, carrier.frame.numbers[:3], strict=True))]
-    e = [w * x * y for w, x, y in zip(weights, first, second, strict=True)]
-    length = root(K.dot(e, e))
-    z = [height(curve, r) / mu for curve, r, mu in zip((one, two), (first, second), carrier.mu, strict=True)]
+    """(γ, M) of the tilde pair without potential, from the roots at the three axes on both curves."""
+    body, K, frame, slopes = carrier.pair.body, carrier.field, carrier.frame, (SIGNS[::-1], SIGNS)
+    e = [w * x * y for w, x, y in zip(frame.weights, first, second, strict=True)]
+    length = K.sqrt(K.dot(e, e))
+    # Z_k = e_1 + height, and e_1 is μ_k/I_i at the axis of the largest moment, or of the smallest one
+    z = [
+        1 / body.inertia[i] + height(curve, r) / mu
+        for i, curve, r, mu in zip((2, 0), carrier.curves, (first[::-1], second), carrier.mu, strict=True)
+    ]
     f = [1 / (1 + body.d * x) for x in z]
     # ũ2 − ũ1 as a sum without cancellation, since the two lie on opposite sides of the middle a_i
-    middle = sorted(range(3), key=lambda i: body.inertia[i])[1]
-    gap = f[0] * f[1] * (first[middle] ** 2 / abs(carrier.mu[0]) + second[middle] ** 2 / abs(carrier.mu[1]))
+    gap = f[0] * f[1] * (first[1] ** 2 / abs(carrier.mu[0]) + second[1] ** 2 / abs(carrier.mu[1]))
     scale = 2 * length * f[0] * f[1] / (carrier.mu[0] * carrier.mu[1] * gap)
     n = []
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
-        left = first[j] * first[k] * f[0] * two.signs[i] * second[i]
-        right = second[j] * second[k] * f[1] * one.signs[i] * first[i]
-        n.append(scale * body.contact[i] * (left - right) / (weights[i] * body.differences[i]))
+        left = first[j] * first[k] * f[0] * slopes[1][i] * second[i]
+        right = second[j] * second[k] * f[1] * slopes[0][i] * first[i]
+        n.append(scale * body.contact[i] * (left - right) / (frame.weights[i] * body.differences[i]))
     e = [x / length for x in e]
     square = sum(x * x / r for x, r in zip(e, body.contact, strict=True))
     lean = sum(x * y / r for x, y, r in zip(e, n, body.contact, strict=True)) / square
     gamma = [(lean * x - y) / r for x, y, r in zip(e, n, body.contact, strict=True)]
-    side = carrier.frame.numbers[-1]
-    size = side * root(K.dot(gamma, gamma))
-    gamma = [x / size for x in gamma]
-    momentum = side * root((carrier.lambdas[0] - carrier.lambdas[1]) / gap)
-    return gamma, cross(K, tuple(momentum * x for x in e), tuple(gamma))
+    size = frame.side * K.sqrt(K.dot(gamma, gamma))
+    x, y, z = (x / size for x in gamma)
+    momentum = frame.side * K.sqrt((carrier.lambdas[0] - carrier.lambdas[1]) / gap)
+    return (x, y, z), cross(K, tuple(momentum * x for x in e), (x, y, z))
 
 
 def state_in_poles(carrier, first, second):
     """(γ, M) of the tilde pair in repelling poles, by the cofactor (f − V²)/U."""
-    K, a, c, b = carrier.field, carrier.system.a, carrier.system.body.differences, carrier.system.potential.poles
+    K, a, c, b = carrier.field, carrier.inner.a, carrier.inner.body.differences, carrier.inner.potential.poles
     one, two = carrier.lambdas
     points = []
-    for curve, r, value in zip(carrier.curves, (first, second), carrier.lambdas, strict=True):
-        # the trace of φ = −4Π(a_i − x), and that of the well, move the mean of the roots
-        mean = (value * 4 * -sum(a) - sum(4 * x * y for x, y in zip(b, c, strict=True))) / 12
-        points.append(((height(curve, r) - mean) / value, 2 * r[0] * r[1] * r[2] / value))
+    for curve, levels, r, value in zip(carrier.curves, carrier.levels, (first, second), carrier.lambdas, strict=True):
+        points.append((levels[0] + height(curve, r) / value, 2 * r[0] * r[1] * r[2] / value))
     (u1, y1), (u2, y2) = points
     h2 = (one - two) / (u2 - u1)
     slope = (y2 - y1) / (u2 - u1)
@@ -144,9 +146,9 @@ def state_in_poles(carrier, first, second):
         f = poly.sub(K, f, poly.scale(K, 4 * b[i] * c[i], poly.from_roots(K, (a[i - 2], a[i - 1]))))
     cofactor = poly.quotient(K, poly.sub(K, f, poly.mul(K, V, V)), U)
     gamma, w = [], []
-    for i, sign in enumerate(carrier.frame.numbers[9:12]):
+    for i, sign in enumerate(carrier.frame.signs):
         square = poly.evaluate(K, cofactor, a[i]) / (cofactor[2] * c[i])
-        x = sign * K.context.sqrt(abs(square))
+        x = sign * K.sqrt(abs(square))
         gamma.append(x)
         w.append((V[0] + V[1] * a[i]) / (2 * c[i] * x))
-    return gamma, cross(K, tuple(w), tuple(gamma))
+    return tuple(gamma), cross(K, tuple(w), tuple(gamma))

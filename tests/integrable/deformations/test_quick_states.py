@@ -1,13 +1,16 @@
 """States of the pairs in compiled double-doubles compared with the readable additions; the two share no code."""
 
+from copy import copy
+
 import numpy as np
 import pytest
 
 from integrable import Check, Hat, Tilde
 from integrable.deformations import quick_states
 from integrable.deformations.carrier import CurvesCarrier
-from integrable.deformations.oval import Pace, SeparatedOval
+from integrable.deformations.oval import Pace
 from integrable.motion.precise import RoundedRows
+from integrable.mumford.elliptic_torus import EllipticOval
 from tests.integrable.deformations import additions
 
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
@@ -30,7 +33,7 @@ TAU = np.array([0, -0.37, 1e-9, 3.25, -41.5, 1234.5678, 9e4])
 def by_additions(flow, tau, monkeypatch):
     """γ and M at values of τ in many digits, by additions on both curves."""
     with monkeypatch.context() as changed:
-        changed.setattr(SeparatedOval, "moved", additions.moved)
+        changed.setattr(EllipticOval, "moved", additions.moved)
         changed.setattr(CurvesCarrier, "_state", additions.state)
         return flow._curves.at_tau(tau)
 
@@ -82,13 +85,14 @@ def test_far_times_and_what_is_off_go_the_readable_way(monkeypatch) -> None:
     assert np.array_equal(np.hstack([flow.at_tau(tau).gamma, flow.at_tau(tau).M]), flow._curves.at_tau(tau))
     # the farthest state detects a sign on which H and K do not depend; H and K of all states detect a changed size
     truth = flow._curves.at_tau(TAU)
-    for column, factor in ((1, -1.0), (2, 1 + 1e-15)):
+    for axis, factor in ((1, -1), (2, 1 + 1e-15)):
         flow = system.flow(system.state(*START))
 
-        def changed(carrier, column=column, factor=factor, right=quick_states.packed):
-            found = right(carrier)
-            found.frame.numbers[column] *= factor
-            return found
+        def changed(carrier, axis=axis, factor=factor, right=quick_states.packed):
+            other, weights = copy(carrier), [*carrier.frame.weights]
+            weights[axis] *= factor
+            other.frame = carrier.frame._replace(weights=tuple(weights))
+            return right(other)
 
         with monkeypatch.context() as spoiled:
             spoiled.setattr(quick_states, "packed", changed)

@@ -8,8 +8,7 @@ import pytest
 from integrable.classical.garnier import Garnier
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
-from integrable.mumford.elliptic_torus import EllipticTorus, elliptic_points
-from integrable.torus.theta_series import inverse_factorials
+from integrable.mumford.elliptic_torus import EllipticTorus, OvalThetas, oval_points
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
@@ -82,7 +81,7 @@ def test_a_wrong_sign_is_noticed(name, sign, monkeypatch) -> None:
     def wrong(self, given):
         right(self, given)
         if sign in place:
-            self._numbers[place[sign]] *= -1
+            self._oval.numbers[place[sign]] *= -1
             noticed.append(True)
         elif sign == "slope" and not self._lifts:
             self._slope = -self._slope
@@ -103,13 +102,10 @@ def test_the_source_interpreted_in_long_numbers_is_what_is_compiled() -> None:
     torus = EllipticTorus(flow._place)
     times = [0.5, -3.25, 100.0]
     with reals:
-        rows = [
-            [reals.number(x) + reals.number(y) for x, y in row.tolist()]
-            for row in (torus._numbers, torus._table, inverse_factorials())
-        ]
+        oval = OvalThetas(*([reals.number(x) + reals.number(y) for x, y in row.tolist()] for row in torus._oval))
         out = [reals.number(0)] * 9
-        elliptic_points(*rows, times, out)
-    compiled = np.stack([part.hi for part in torus._points(np.array(times))], axis=-1)
+        oval_points(oval, times, (0, 1), out)
+    compiled = np.stack([part.hi for part in torus._points(np.array(times))])
     assert np.abs(np.reshape([float(x) for x in out], (3, 3)) - compiled).max() < 1e-15
 
 
