@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 WIDER = 10
 # digits that a result keeps in addition to the requested ones
 SPARE = 2
-# a motion may lose MOST_LOST digits more than the requested number; on the separatrix this takes half a minute
+# a loss of this many digits takes half a minute on the separatrix
 MOST_LOST = 400
 # from this many basic steps (Setup.step_length) per digit on, the torus costs less than stepping
 TORUS_FROM = 20
@@ -60,6 +60,8 @@ class Carrier:
     """
 
     digits: int
+    field: Any
+    """The field of the wide numbers."""
     rolls: bool
     """Whether τ differs from t: the carrier then has a clock."""
     witness: Self | None = None
@@ -69,7 +71,7 @@ class Carrier:
 
     def scaled(self, t: Real) -> Real:
         """A time in the user's units, converted to those of the carrier."""
-        raise NotImplementedError
+        return self.field.coerce(t)
 
     def unscaled(self, t: Real) -> Real:
         """A time in the carrier's units, converted to those of the user."""
@@ -103,9 +105,14 @@ class Carrier:
         """The moving point at τ."""
         raise NotImplementedError
 
+    def points(self, tau: list[Real]) -> list[Any]:
+        """The moving points at values of τ."""
+        return [self.point(t) for t in tau]
+
     def vectors(self, point: Any) -> tuple[Vector[Real], Vector[Real]]:
-        """(γ, M) of a moving point."""
-        raise NotImplementedError
+        """(γ, M) of a moving point, by default the point itself."""
+        gamma, M = point
+        return gamma, M
 
     def drift(self, points: list[Any]) -> int:
         """The decimal exponent of the largest relative change of the integrals between the start and the points."""
@@ -115,7 +122,12 @@ class Carrier:
         """The decimal exponent of the relative difference between a point at τ and the point of ``truth``, a carrier
         with more digits.
         """
-        raise NotImplementedError
+        pairs = zip(self.vectors(point), truth.vectors(truth.points([tau])[0]), strict=True)
+        gaps = (
+            max(abs(truth.field.coerce(x) - y) for x, y in zip(found, right, strict=True)) / max(map(abs, right))
+            for found, right in pairs
+        )
+        return max(map(digits_of, gaps))
 
 
 class ManyDigits:
@@ -125,6 +137,8 @@ class ManyDigits:
     """The number of a carrier's guard digits that may be lost."""
     step = 50
     """The number of digits added at a time, so that few set-ups serve many calls."""
+    most_lost = MOST_LOST
+    """A motion may lose this many digits more than the requested number."""
 
     def __init__(self, digits: int, carrier: Carrier) -> None:
         self.digits = digits
@@ -182,11 +196,12 @@ class ManyDigits:
     def add_digits(self, more: int) -> None:
         """Replaces the carrier by one with at least ``more`` more digits; PrecisionLoss if too many were lost."""
         digits = self.carrier.digits + more
-        if digits > 2 * self.digits + MOST_LOST:
+        if digits > 2 * self.digits + self.most_lost:
             lost = digits - self.digits
             raise PrecisionLoss(
-                f"the motion loses more than {self.digits + MOST_LOST} digits on the way there, {lost} or more; times "
-                f"nearer to 0 are within reach, and MP fields of at least {lost - MOST_LOST} digits allow as many"
+                f"the motion loses more than {self.digits + self.most_lost} digits on the way there, {lost} or more; "
+                f"times nearer to 0 are within reach, and MP fields of at least {lost - self.most_lost} digits allow "
+                "as many"
             )
         if self._finest.digits < digits:
             self._finest = self.carrier_of(digits)
@@ -205,7 +220,7 @@ class ManyDigits:
         if not (carrier.rolls and times):
             return self._points(carrier, times)
         # a time that is too far is refused before a clock is made
-        lost = self.enough(carrier.most_tau(_farthest(times)))
+        lost = self.enough(carrier.most_tau(farthest(times)))
         if lost is None:
             return None
         wanted = self.digits + SPARE + lost
@@ -222,13 +237,13 @@ class ManyDigits:
         return found[0], carrier.clock_missing(max(tau, key=abs), self.digits + SPARE)
 
     def _points(self, carrier: Carrier, tau: list[Real]) -> tuple[tuple[list[Real], list[Any]], int] | None:
-        if self.enough(_farthest(tau)) is None:
+        if self.enough(farthest(tau)) is None:
             return None
-        points = [carrier.point(t) for t in tau]
+        points = carrier.points(tau)
         return (tau, points), self._missing(carrier, tau, points)
 
     def _times(self, carrier: Carrier, tau: list[Real]) -> tuple[list[Real], int] | None:
-        lost = self.enough(_farthest(tau))
+        lost = self.enough(farthest(tau))
         if lost is None:
             return None
         times = carrier.times(tau, self.digits + SPARE + lost)
@@ -252,7 +267,8 @@ class ManyDigits:
         return missing
 
 
-def _farthest(times: list[Real]) -> Real:
+def farthest(times: list[Real]) -> Real:
+    """The largest absolute value of the times; 0 if there are none."""
     return max(map(abs, times), default=0)
 
 
@@ -304,7 +320,7 @@ class BodyCarrier(Carrier):
         scouts: Scouts | None = None,
     ) -> None:
         self.setup = setup
-        self.digits = setup.digits - GUARD_DIGITS
+        self.digits, self.field = setup.digits - GUARD_DIGITS, setup.wide
         self.rolls = setup.problem.d != 0
         self._problem = problem
         self._limits = limits
@@ -342,13 +358,6 @@ class BodyCarrier(Carrier):
 
     def drift(self, points: list[Sequence[Real]]) -> int:
         return max((digits_of(drift(self.setup, point)) for point in points), default=-NOTHING)
-
-    def gap(self, point: Sequence[Real], truth: Self, tau: Real) -> int:
-        again, reals = truth.point(tau), truth.setup.reals
-        with reals:
-            mine = [reals.number(self.setup.reals.element(self.setup.wide, x)) for x in point]
-            size = 1 + max(map(abs, again))
-            return digits_of(max(abs(x - y) for x, y in zip(mine, again, strict=True)) / size)
 
     def tau(self, times: list[Real], digits: int = 0) -> list[Real]:
         """The values of τ at physical times, to the digits of the set-up."""

@@ -275,7 +275,7 @@ def test_an_ordinary_motion_is_not_expected_to_lose_digits() -> None:
 
 
 def test_what_loses_too_much_is_refused_by_name(monkeypatch) -> None:
-    monkeypatch.setattr(precise, "MOST_LOST", 5)
+    monkeypatch.setattr(PreciseFlow, "most_lost", 5)
     system, state = ball(30, start=(("1e-20", "0", "1"), ("0", "1", "0")))
     with pytest.raises(PrecisionLoss, match="loses more than 35 digits") as refused:
         PreciseFlow(system.body, state, 30).at([200])
