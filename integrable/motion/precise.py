@@ -324,7 +324,7 @@ class BodyCarrier(Carrier):
         self.rolls = setup.problem.d != 0
         self._problem = problem
         self._limits = limits
-        self._scouts = scouts or Scouts(setup, limits.compiled)
+        self._scouts = scouts or Scouts(setup)
         self._clocks: dict[int, PanelClock] = {}
         self._torus: MultiprecisionTorusClock | None = None
         self._least_work = 0.0
@@ -473,7 +473,7 @@ class PreciseFlow(ManyDigits):
         # a limited clock belongs to a motion that loses digits in floats: extra digits now cost less than another
         # set-up later
         setup = setup or Setup(*self._problem, digits=digits + (self.expected if limits.most < inf else 0))
-        self._scouts = Scouts(setup, limits.compiled)
+        self._scouts = Scouts(setup)
         super().__init__(digits, BodyCarrier(setup, self._problem, limits, self._scouts))
 
     def carrier_of(self, digits: int) -> BodyCarrier:

@@ -80,7 +80,7 @@ class RatePanels:
         self._digits = min(setup.digits, limits.digits)
         self._compiled = PanelRates(setup, self._digits + 4) if limits.compiled else None
         self._half, self._d = setup.bare.half_step, setup.reals.number(setup.problem.d)
-        self._scouts = Scouts(setup, limits.compiled) if scouts is None else scouts
+        self._scouts = Scouts(setup) if scouts is None else scouts
 
     def _at_nodes(self, nodes: list[Real], length: Real) -> Nodes:
         """The :class:`Nodes` of a panel of ``length`` cells; ``nodes`` lie in [−1, 1], symmetric about 0, and do not
