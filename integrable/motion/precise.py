@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from integrable.phase.body import Body, Vector
     from integrable.phase.state import State
-    from integrable.torus.long_clock import MultiprecisionTorusClock
+    from integrable.torus.long_clock import LongClock
 
     Compute: TypeAlias = "Callable[[Carrier, list[Real]], tuple[Found, int] | None]"
 
@@ -326,7 +326,7 @@ class BodyCarrier(Carrier):
         self._limits = limits
         self._scouts = scouts or Scouts(setup)
         self._clocks: dict[int, PanelClock] = {}
-        self._torus: MultiprecisionTorusClock | None = None
+        self._torus: LongClock | None = None
         self._least_work = 0.0
         self._alone = False
 
@@ -423,7 +423,7 @@ class BodyCarrier(Carrier):
             self._clocks[sign] = PanelClock(self.setup, sign, self._limits, self._scouts)
         return self._clocks[sign]
 
-    def _far(self, tau: list[Real]) -> MultiprecisionTorusClock | None:
+    def _far(self, tau: list[Real]) -> LongClock | None:
         """The clock on the torus, where it costs less; None where the torus degenerates."""
         setup = self.setup
         steps = float(max(map(abs, tau), default=0) / setup.step_length)
@@ -436,19 +436,22 @@ class BodyCarrier(Carrier):
             self._torus = self._made_torus(work, setup.digits + SPARE - whole)
         return self._torus
 
-    def _made_torus(self, work: float, digits: int) -> MultiprecisionTorusClock | None:
+    def _made_torus(self, work: float, digits: int) -> LongClock | None:
         """The clock on the torus to this many digits after the point, if its tables need at most ``work``
         multiplications; otherwise None, and the work needed is recorded.
         """
-        from integrable.torus.long_clock import MultiprecisionTorusClock
-        from integrable.torus.oval_modes import TooManyModes
+        from integrable.torus.long_clock import LongClock
+        from integrable.torus.oval_modes import TooManyModes, modes_of_rate
 
         setup, self._least_work = self.setup, inf
+        digits = min(digits, setup.digits)
         # close branch points lose digits, and errors then look like modes of 1/g, so a set-up of twice the digits is
         # tried next
         for make in (lambda: setup, lambda: Setup(*self._problem, digits=2 * setup.digits)):
             try:
-                return MultiprecisionTorusClock(make(), setup.digits, most_work=work, after=digits)
+                made = make()
+                modes = modes_of_rate(made, digits, most_work=work, mean_digits=setup.digits)
+                return LongClock(modes, digits, made.wide)
             except TooManyModes as error:
                 self._least_work = error.work
                 return None
