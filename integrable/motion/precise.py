@@ -307,22 +307,14 @@ def rounded(K: Field, values: Sequence[Real] | Sequence[Sequence[Real]]) -> np.n
 class BodyCarrier(Carrier):
     """The motion of a body at one internal precision, in bare reals and in the units of ``setup``.
 
-    A :class:`~integrable.moving_point.setup.Setup` with more digits is made from ``problem``. ``limits`` bound the cost
-    of the clock; finite limits mean that the torus has failed in floats, and none is tried. ``scouts``, shared by all
-    clocks, measure the decay of the series of 1/g.
+    ``limits`` bound the cost of the clock; finite limits mean that the torus has failed in floats, and none is tried.
+    ``scouts``, shared by all clocks, measure the decay of the series of 1/g.
     """
 
-    def __init__(
-        self,
-        setup: Setup,
-        problem: tuple[Body, Vector, Vector, bool],
-        limits: ClockLimits = NONE,
-        scouts: Scouts | None = None,
-    ) -> None:
+    def __init__(self, setup: Setup, limits: ClockLimits = NONE, scouts: Scouts | None = None) -> None:
         self.setup = setup
         self.digits, self.field = setup.digits - GUARD_DIGITS, setup.wide
         self.rolls = setup.problem.d != 0
-        self._problem = problem
         self._limits = limits
         self._scouts = scouts or Scouts(setup)
         self._clocks: dict[int, PanelClock] = {}
@@ -390,7 +382,7 @@ class BodyCarrier(Carrier):
     def _one_time(self, time: Real) -> Real | None:
         """τ at a physical time by :class:`~integrable.motion.precise_clock.OneTime`; None where it does not apply."""
         setup, sign = self.setup, -1 if time < 0 else 1
-        rough = BodyCarrier(Setup(*self._problem, digits=ROUGH_DIGITS), self._problem)
+        rough = BodyCarrier(setup.finer(ROUGH_DIGITS))
         (found,) = rough.tau([rough.scaled(self.unscaled(time))])
         start = self.scaled(rough.unscaled(found))
         with setup.reals as reals:
@@ -447,7 +439,7 @@ class BodyCarrier(Carrier):
         digits = min(digits, setup.digits)
         # close branch points lose digits, and errors then look like modes of 1/g, so a set-up of twice the digits is
         # tried next
-        for make in (lambda: setup, lambda: Setup(*self._problem, digits=2 * setup.digits)):
+        for make in (lambda: setup, lambda: setup.finer(2 * setup.digits)):
             try:
                 made = make()
                 modes = modes_of_rate(made, digits, most_work=work, mean_digits=setup.digits)
@@ -467,17 +459,18 @@ class PreciseFlow(ManyDigits):
     """
 
     carrier: BodyCarrier
+    _first: BodyCarrier
 
     def __init__(
         self, body: Body, state: State, digits: int, setup: Setup | None = None, limits: ClockLimits = NONE
     ) -> None:
-        self._problem = body, *state.vectors, state.tilted
         self._limits = limits
         # a limited clock belongs to a motion that loses digits in floats: extra digits now cost less than another
         # set-up later
-        setup = setup or Setup(*self._problem, digits=digits + (self.expected if limits.most < inf else 0))
+        more = self.expected if limits.most < inf else 0
+        setup = setup or Setup(body, *state.vectors, state.tilted, digits + more)
         self._scouts = Scouts(setup)
-        super().__init__(digits, BodyCarrier(setup, self._problem, limits, self._scouts))
+        super().__init__(digits, BodyCarrier(setup, limits, self._scouts))
 
     def carrier_of(self, digits: int) -> BodyCarrier:
-        return BodyCarrier(Setup(*self._problem, digits=digits), self._problem, self._limits, self._scouts)
+        return BodyCarrier(self._first.setup.finer(digits), self._limits, self._scouts)

@@ -46,6 +46,10 @@ class Setup:
         self._gamma, self._M, self._tilted = gamma, M, tilted
         self._passed: dict[int, tuple[Real, ...]] = {}
 
+    def finer(self, digits: int) -> Setup:
+        """The same motion with another number of digits, guard digits excluded."""
+        return Setup(self.body, self._gamma, self._M, self._tilted, digits)
+
     @cached_property
     def wide(self) -> MultiprecisionField:
         """The field of results."""

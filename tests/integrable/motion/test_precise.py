@@ -198,7 +198,7 @@ def test_times_and_places_are_inverse_to_each_other() -> None:
 def test_the_torus_takes_over_far_away_and_agrees() -> None:
     system, state = ball(20)
     problem = system.body, state.gamma, state.M, False
-    motion, stepping = (BodyCarrier(Setup(*problem), problem) for _ in range(2))
+    motion, stepping = (BodyCarrier(Setup(*problem)) for _ in range(2))
     stepping._torus = False
     far = [motion.scaled(5000)]
     assert motion._far(far)
@@ -258,8 +258,8 @@ def test_the_digits_lost_are_those_that_the_curve_foretells(t) -> None:
     state = system.state((0, 0, 1), (0, 1, 0))
     problem = system.body, state.gamma, state.M, False
     setup, wider = (Setup(*problem, digits=digits) for digits in (100, 250))
-    tau = BodyCarrier(setup, problem).scaled(1.5 * t)
-    point, truth = BodyCarrier(setup, problem).point(tau), BodyCarrier(wider, problem).point(tau)
+    tau = BodyCarrier(setup).scaled(1.5 * t)
+    point, truth = BodyCarrier(setup).point(tau), BodyCarrier(wider).point(tau)
     with wider.reals:
         number = wider.reals.number
         error = max(abs(number(setup.reals.element(setup.wide, x)) - y) for x, y in zip(point, truth, strict=True))

@@ -74,7 +74,7 @@ def test_modes_from_both_ovals_are_those_of_the_clock_that_counts_steps(ball, st
     state = ball.state(*start, tilted=tilted)
     problem = (ball.body, state.gamma, state.M, tilted)
     setup = Setup(*problem, digits=18)
-    counting = BodyCarrier(setup, problem)
+    counting = BodyCarrier(setup)
     counting._torus = False
     clock = clock_of(setup)
     times = [setup.wide.coerce(t) for t in ("-7.3", "0.25", "30")]
