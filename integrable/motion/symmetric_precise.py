@@ -21,7 +21,6 @@ from integrable.moving_point.arithmetic import Multiprecision
 from integrable.moving_point.losses import NOTHING, digits_of
 from jacobian import MP
 from jacobian.element import Real
-from jacobian.fields.multiprecision import MOST_DIGITS
 from jacobian.numbers.long_reals import BareReals
 
 if TYPE_CHECKING:
@@ -78,8 +77,7 @@ class PreciseClosedForm(ManyDigits):
     """γ and M at any times to ``digits`` digits, by the closed form."""
 
     carrier: ClosedCarrier
-    # digits of turns cost little, so that no time is too far
-    expected, step, most_lost = 0, 10, MOST_DIGITS // 2
+    expected, step, most_lost = 0, 10, 2000
 
     def __init__(self, system: PhaseSpace, state: State, digits: int) -> None:
         self._motion = system, state
@@ -87,6 +85,11 @@ class PreciseClosedForm(ManyDigits):
 
     def carrier_of(self, digits: int) -> ClosedCarrier:
         return ClosedCarrier(*self._motion, digits)
+
+    def enough(self, tau: Real) -> int | None:
+        # the digits of turns cost little, so that no time is too far
+        self.most_lost = max(self.most_lost, type(self).most_lost + self.carrier.lost(tau))
+        return super().enough(tau)
 
     def _at(self, carrier: Any, times: list[Real]) -> tuple[tuple[list[Real], list[Any]], int] | None:
         if times and self.enough(carrier.most_tau(farthest(times))) is None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop, load_scene
+from integrable.laboratory.bodies import RollingBall
 from integrable.motion import precise
 from integrable.motion.flow import Flow
 from integrable.motion.precise import BodyCarrier, PreciseFlow
@@ -445,3 +446,15 @@ def test_a_body_of_very_different_moments_has_a_torus_and_its_clock_of_steps_too
     times = np.array([1e-3, -1e-2])
     assert np.abs(torus_of(flow).at(times)[0] - precise_of(flow).at(times)[0]).max() < 1e-15
     assert flow.at([-915.4078022169451]).way == "torus"
+
+
+def test_a_body_of_the_laboratory_is_checked_by_itself() -> None:
+    """The second computation had the principal moments rounded to the field: eleven digits seemed to be missing."""
+    K = MP(30)
+    tensor = [["0.4", "0.03", "0.02"], ["0.03", "0.5", "0.01"], ["0.02", "0.01", "0.45"]]
+    ball = RollingBall([[K.coerce(x) for x in row] for row in tensor], 2, K.coerce("0.9"), field=K)
+    motion = ball.motion([[1, 0, 0], [0, 1, 0], [0, 0, 1]], [K.coerce(x) for x in ("1.1", "0.3", "0.7")])
+    assert motion.at([3]).matrices.shape == (1, 3, 3)
+    carrier = precise_of(motion.flow).many.carrier
+    assert carrier.setup is motion.flow.setup
+    assert carrier.witnessed > 0
