@@ -244,11 +244,14 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         """The closed form of a body with equal moments, or of a rotation about a principal axis."""
         if not self._equal and rotation_axis(self.state) is None:
             return None
+        from integrable.motion.precise import RoundedRows
         from integrable.motion.symmetric import SymmetricFlow
         from integrable.motion.symmetric_precise import PreciseClosedForm
 
-        form: type[SymmetricFlow | PreciseClosedForm] = SymmetricFlow if self.system.field == RR else PreciseClosedForm
-        return form(self.system, self.state)
+        field = self.system.field
+        if field == RR:
+            return SymmetricFlow(self.system, self.state)
+        return RoundedRows(field, PreciseClosedForm(self.system, self.state, field.dps), SymmetricFlow.way)
 
     @property
     def _equal(self) -> bool:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from integrable.phase.body import Body, Vector
     from integrable.phase.state import State
-    from integrable.torus.long_clock import MultiprecisionTorusClock
+    from integrable.torus.long_clock import LongClock
 
     Compute: TypeAlias = "Callable[[Carrier, list[Real]], tuple[Found, int] | None]"
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 WIDER = 10
 # digits that a result keeps in addition to the requested ones
 SPARE = 2
-# a motion may lose MOST_LOST digits more than the requested number; on the separatrix this takes half a minute
+# a loss of this many digits takes half a minute on the separatrix
 MOST_LOST = 400
 # from this many basic steps (Setup.step_length) per digit on, the torus costs less than stepping
 TORUS_FROM = 20
@@ -60,6 +60,8 @@ class Carrier:
     """
 
     digits: int
+    field: Any
+    """The field of the wide numbers."""
     rolls: bool
     """Whether τ differs from t: the carrier then has a clock."""
     witness: Self | None = None
@@ -69,7 +71,7 @@ class Carrier:
 
     def scaled(self, t: Real) -> Real:
         """A time in the user's units, converted to those of the carrier."""
-        raise NotImplementedError
+        return self.field.coerce(t)
 
     def unscaled(self, t: Real) -> Real:
         """A time in the carrier's units, converted to those of the user."""
@@ -103,9 +105,14 @@ class Carrier:
         """The moving point at τ."""
         raise NotImplementedError
 
+    def points(self, tau: list[Real]) -> list[Any]:
+        """The moving points at values of τ."""
+        return [self.point(t) for t in tau]
+
     def vectors(self, point: Any) -> tuple[Vector[Real], Vector[Real]]:
-        """(γ, M) of a moving point."""
-        raise NotImplementedError
+        """(γ, M) of a moving point, by default the point itself."""
+        gamma, M = point
+        return gamma, M
 
     def drift(self, points: list[Any]) -> int:
         """The decimal exponent of the largest relative change of the integrals between the start and the points."""
@@ -115,7 +122,12 @@ class Carrier:
         """The decimal exponent of the relative difference between a point at τ and the point of ``truth``, a carrier
         with more digits.
         """
-        raise NotImplementedError
+        pairs = zip(self.vectors(point), truth.vectors(truth.points([tau])[0]), strict=True)
+        gaps = (
+            max(abs(truth.field.coerce(x) - y) for x, y in zip(found, right, strict=True)) / max(map(abs, right))
+            for found, right in pairs
+        )
+        return max(map(digits_of, gaps))
 
 
 class ManyDigits:
@@ -125,6 +137,8 @@ class ManyDigits:
     """The number of a carrier's guard digits that may be lost."""
     step = 50
     """The number of digits added at a time, so that few set-ups serve many calls."""
+    most_lost = MOST_LOST
+    """A motion may lose this many digits more than the requested number."""
 
     def __init__(self, digits: int, carrier: Carrier) -> None:
         self.digits = digits
@@ -182,11 +196,12 @@ class ManyDigits:
     def add_digits(self, more: int) -> None:
         """Replaces the carrier by one with at least ``more`` more digits; PrecisionLoss if too many were lost."""
         digits = self.carrier.digits + more
-        if digits > 2 * self.digits + MOST_LOST:
+        if digits > 2 * self.digits + self.most_lost:
             lost = digits - self.digits
             raise PrecisionLoss(
-                f"the motion loses more than {self.digits + MOST_LOST} digits on the way there, {lost} or more; times "
-                f"nearer to 0 are within reach, and MP fields of at least {lost - MOST_LOST} digits allow as many"
+                f"the motion loses more than {self.digits + self.most_lost} digits on the way there, {lost} or more; "
+                f"times nearer to 0 are within reach, and MP fields of at least {lost - self.most_lost} digits allow "
+                "as many"
             )
         if self._finest.digits < digits:
             self._finest = self.carrier_of(digits)
@@ -205,7 +220,7 @@ class ManyDigits:
         if not (carrier.rolls and times):
             return self._points(carrier, times)
         # a time that is too far is refused before a clock is made
-        lost = self.enough(carrier.most_tau(_farthest(times)))
+        lost = self.enough(carrier.most_tau(farthest(times)))
         if lost is None:
             return None
         wanted = self.digits + SPARE + lost
@@ -222,13 +237,13 @@ class ManyDigits:
         return found[0], carrier.clock_missing(max(tau, key=abs), self.digits + SPARE)
 
     def _points(self, carrier: Carrier, tau: list[Real]) -> tuple[tuple[list[Real], list[Any]], int] | None:
-        if self.enough(_farthest(tau)) is None:
+        if self.enough(farthest(tau)) is None:
             return None
-        points = [carrier.point(t) for t in tau]
+        points = carrier.points(tau)
         return (tau, points), self._missing(carrier, tau, points)
 
     def _times(self, carrier: Carrier, tau: list[Real]) -> tuple[list[Real], int] | None:
-        lost = self.enough(_farthest(tau))
+        lost = self.enough(farthest(tau))
         if lost is None:
             return None
         times = carrier.times(tau, self.digits + SPARE + lost)
@@ -252,7 +267,8 @@ class ManyDigits:
         return missing
 
 
-def _farthest(times: list[Real]) -> Real:
+def farthest(times: list[Real]) -> Real:
+    """The largest absolute value of the times; 0 if there are none."""
     return max(map(abs, times), default=0)
 
 
@@ -291,26 +307,18 @@ def rounded(K: Field, values: Sequence[Real] | Sequence[Sequence[Real]]) -> np.n
 class BodyCarrier(Carrier):
     """The motion of a body at one internal precision, in bare reals and in the units of ``setup``.
 
-    A :class:`~integrable.moving_point.setup.Setup` with more digits is made from ``problem``. ``limits`` bound the cost
-    of the clock; finite limits mean that the torus has failed in floats, and none is tried. ``scouts``, shared by all
-    clocks, measure the decay of the series of 1/g.
+    ``limits`` bound the cost of the clock; finite limits mean that the torus has failed in floats, and none is tried.
+    ``scouts``, shared by all clocks, measure the decay of the series of 1/g.
     """
 
-    def __init__(
-        self,
-        setup: Setup,
-        problem: tuple[Body, Vector, Vector, bool],
-        limits: ClockLimits = NONE,
-        scouts: Scouts | None = None,
-    ) -> None:
+    def __init__(self, setup: Setup, limits: ClockLimits = NONE, scouts: Scouts | None = None) -> None:
         self.setup = setup
-        self.digits = setup.digits - GUARD_DIGITS
+        self.digits, self.field = setup.digits - GUARD_DIGITS, setup.wide
         self.rolls = setup.problem.d != 0
-        self._problem = problem
         self._limits = limits
-        self._scouts = scouts or Scouts(setup, limits.compiled)
+        self._scouts = scouts or Scouts(setup)
         self._clocks: dict[int, PanelClock] = {}
-        self._torus: MultiprecisionTorusClock | None = None
+        self._torus: LongClock | None = None
         self._least_work = 0.0
         self._alone = False
 
@@ -343,13 +351,6 @@ class BodyCarrier(Carrier):
     def drift(self, points: list[Sequence[Real]]) -> int:
         return max((digits_of(drift(self.setup, point)) for point in points), default=-NOTHING)
 
-    def gap(self, point: Sequence[Real], truth: Self, tau: Real) -> int:
-        again, reals = truth.point(tau), truth.setup.reals
-        with reals:
-            mine = [reals.number(self.setup.reals.element(self.setup.wide, x)) for x in point]
-            size = 1 + max(map(abs, again))
-            return digits_of(max(abs(x - y) for x, y in zip(mine, again, strict=True)) / size)
-
     def tau(self, times: list[Real], digits: int = 0) -> list[Real]:
         """The values of τ at physical times, to the digits of the set-up."""
         setup = self.setup
@@ -381,7 +382,7 @@ class BodyCarrier(Carrier):
     def _one_time(self, time: Real) -> Real | None:
         """τ at a physical time by :class:`~integrable.motion.precise_clock.OneTime`; None where it does not apply."""
         setup, sign = self.setup, -1 if time < 0 else 1
-        rough = BodyCarrier(Setup(*self._problem, digits=ROUGH_DIGITS), self._problem)
+        rough = BodyCarrier(setup.finer(ROUGH_DIGITS))
         (found,) = rough.tau([rough.scaled(self.unscaled(time))])
         start = self.scaled(rough.unscaled(found))
         with setup.reals as reals:
@@ -414,7 +415,7 @@ class BodyCarrier(Carrier):
             self._clocks[sign] = PanelClock(self.setup, sign, self._limits, self._scouts)
         return self._clocks[sign]
 
-    def _far(self, tau: list[Real]) -> MultiprecisionTorusClock | None:
+    def _far(self, tau: list[Real]) -> LongClock | None:
         """The clock on the torus, where it costs less; None where the torus degenerates."""
         setup = self.setup
         steps = float(max(map(abs, tau), default=0) / setup.step_length)
@@ -427,19 +428,22 @@ class BodyCarrier(Carrier):
             self._torus = self._made_torus(work, setup.digits + SPARE - whole)
         return self._torus
 
-    def _made_torus(self, work: float, digits: int) -> MultiprecisionTorusClock | None:
+    def _made_torus(self, work: float, digits: int) -> LongClock | None:
         """The clock on the torus to this many digits after the point, if its tables need at most ``work``
         multiplications; otherwise None, and the work needed is recorded.
         """
-        from integrable.torus.long_clock import MultiprecisionTorusClock
-        from integrable.torus.oval_modes import TooManyModes
+        from integrable.torus.long_clock import LongClock
+        from integrable.torus.oval_modes import TooManyModes, modes_of_rate
 
         setup, self._least_work = self.setup, inf
+        digits = min(digits, setup.digits)
         # close branch points lose digits, and errors then look like modes of 1/g, so a set-up of twice the digits is
         # tried next
-        for make in (lambda: setup, lambda: Setup(*self._problem, digits=2 * setup.digits)):
+        for make in (lambda: setup, lambda: setup.finer(2 * setup.digits)):
             try:
-                return MultiprecisionTorusClock(make(), setup.digits, most_work=work, after=digits)
+                made = make()
+                modes = modes_of_rate(made, digits, most_work=work, mean_digits=setup.digits)
+                return LongClock(modes, digits, made.wide)
             except TooManyModes as error:
                 self._least_work = error.work
                 return None
@@ -455,17 +459,18 @@ class PreciseFlow(ManyDigits):
     """
 
     carrier: BodyCarrier
+    _first: BodyCarrier
 
     def __init__(
         self, body: Body, state: State, digits: int, setup: Setup | None = None, limits: ClockLimits = NONE
     ) -> None:
-        self._problem = body, *state.vectors, state.tilted
         self._limits = limits
         # a limited clock belongs to a motion that loses digits in floats: extra digits now cost less than another
         # set-up later
-        setup = setup or Setup(*self._problem, digits=digits + (self.expected if limits.most < inf else 0))
-        self._scouts = Scouts(setup, limits.compiled)
-        super().__init__(digits, BodyCarrier(setup, self._problem, limits, self._scouts))
+        more = self.expected if limits.most < inf else 0
+        setup = setup or Setup(body, *state.vectors, state.tilted, digits + more)
+        self._scouts = Scouts(setup)
+        super().__init__(digits, BodyCarrier(setup, limits, self._scouts))
 
     def carrier_of(self, digits: int) -> BodyCarrier:
-        return BodyCarrier(Setup(*self._problem, digits=digits), self._problem, self._limits, self._scouts)
+        return BodyCarrier(self._first.setup.finer(digits), self._limits, self._scouts)

@@ -38,8 +38,8 @@ KEPT_SERIES = 4096
 # 1/g is computed from U(1/d) if 1 − dα_i is at least LIGHT for every axis i; this costs up to three guard digits
 LIGHT = 1e-3
 # the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so the start value of τ needs more correct digits
-# than that; Newton's method takes at most END_STEPS steps on the panel
-END_DIGITS, END_STEPS = 12, 12
+# than that
+END_DIGITS = 12
 
 
 class ClockLimits(NamedTuple):
@@ -80,7 +80,7 @@ class RatePanels:
         self._digits = min(setup.digits, limits.digits)
         self._compiled = PanelRates(setup, self._digits + 4) if limits.compiled else None
         self._half, self._d = setup.bare.half_step, setup.reals.number(setup.problem.d)
-        self._scouts = Scouts(setup, limits.compiled) if scouts is None else scouts
+        self._scouts = Scouts(setup) if scouts is None else scouts
 
     def _at_nodes(self, nodes: list[Real], length: Real) -> Nodes:
         """The :class:`Nodes` of a panel of ``length`` cells; ``nodes`` lie in [−1, 1], symmetric about 0, and do not
@@ -113,6 +113,13 @@ class RatePanels:
     def _digits_a_node(self, length: int) -> float:
         """The least number of digits gained per Legendre coefficient of 1/g over ``length`` cells."""
         return self._scouts.digits_a_node(self._sign, length)
+
+    def _resolves(self, first: Real, tail: list[Real], digits: float) -> bool:
+        """Whether the last coefficients of a series are negligible relative to its first."""
+        return bool(max(map(abs, tail)) <= abs(first) * self._small(digits + 3))
+
+    def _small(self, digits: float) -> Real:
+        return self._setup.reals.number(10) ** -ceil(digits)
 
 
 class PanelClock(RatePanels):
@@ -265,7 +272,7 @@ class PanelClock(RatePanels):
             plain = self._setup.reals.plain
             values = self._rates_at(self._setup.reached(self._sign, cell), self._nodes)
             series = list(map(plain, self._rule.coefficients(values)))
-            if max(map(abs, series[-2:])) > abs(series[0]) * self._setup.reals.number(10) ** -(self._digits + 3):
+            if not self._resolves(series[0], series[-2:], self._digits):
                 raise Unresolved
             if len(self._series) >= KEPT_SERIES:
                 self._series.clear()
@@ -289,18 +296,12 @@ class OneTime(RatePanels):
         shown = self._time(start, point)
         if shown is None:
             return None
-        end = start * self._setup.reals.number(10) ** -END_DIGITS
+        end = start * self._small(END_DIGITS)
         rule = LegendreSeries(self._setup.reals, 2 * ceil(self._digits / END_DIGITS / 2) + 8)
         rates = self._rates_at(point(self._sign * start), self._at_nodes(rule.nodes, end / self._half))
         series = rule.coefficients(rates)
-        target, x = (t - shown) / end, 0 * t
-        for _ in range(END_STEPS):
-            angle, rate = addition.integrate_series(series, x)
-            step = (angle - target) / rate
-            x -= step
-            if abs(x) < 1 and abs(step) * end <= start * self._small(self._digits):
-                return start + end * x if self._ends(series[0], series[-2:], self._digits) else None
-        return None
+        x = place_on(series, (t - shown) / end, self._setup.reals, self._digits)
+        return start + end * x if abs(x) < 1 and self._resolves(series[0], series[-2:], self._digits) else None
 
     def _time(self, tau: Real, point: Callable[[Real], Row]) -> Real | None:
         """The physical time at τ > 0, by a Gauss rule on panels that are no longer than a cell."""
@@ -318,14 +319,7 @@ class OneTime(RatePanels):
             whole = sum(map(mul, weights, rates))
             tail = [(2 * n - 1) * sum(map(mul, row, rates)) for row in (last, other)]
             # a Gauss rule is accurate to twice the digits to which the last coefficients are small
-            if not self._ends(whole, tail, self._digits / 2):
+            if not self._resolves(whole, tail, self._digits / 2):
                 return None
             total += whole
         return panel * total
-
-    def _ends(self, first: Real, tail: list[Real], digits: float) -> bool:
-        """Whether the last coefficients of a series are negligible relative to its first."""
-        return bool(max(map(abs, tail)) <= abs(first) * self._small(digits + 3))
-
-    def _small(self, digits: float) -> Real:
-        return self._setup.reals.number(10) ** -ceil(digits)

@@ -97,7 +97,8 @@ class SymmetricFlow:
         first, third = swing.factors
         self._advance = -first * 2 * quarter / pi
         self._turning = self._advance * self._rate, self._advance * self._flow_rate
-        self._paces = number(self._rate / self._flow_rate), number(self._flow_rate / self._rate)
+        # the mean rates of τ by t, and of t by τ
+        self.paces = number(self._rate / self._flow_rate), number(self._flow_rate / self._rate)
         self._third_advance = 0 * pi
         if not self._flat:
             pole = complete(modulus, swing.kappa * swing.kappa, one, one, pi, near)
@@ -113,11 +114,9 @@ class SymmetricFlow:
         self._origin = swing.phi / (2 * pi) - count * self._third_advance
         self._origin -= N.wide(self._turned(x) / (2 * N.pi))
 
-    def radians(self, t: Real, of_flow: bool) -> Real:
-        """The approximate number of radians by which all angles turn until a physical time, or until a time of the
-        flow.
-        """
-        turns = abs(t * (self._flow_rate if of_flow else self._rate))
+    def radians(self, tau: Real) -> Real:
+        """The approximate number of radians by which all angles turn until τ."""
+        turns = abs(tau * self._flow_rate)
         factors = (
             abs(self._advance) + 2 * abs(self._third_advance) + sum(abs(self.numbers.wide(x)) for x in self._factors)
         )
@@ -137,7 +136,7 @@ class SymmetricFlow:
         if not self._rolls:
             return rows, times
         gap = (delay + swing / (4 * self._first_kind.quarter)) / number(self._flow_rate)
-        return rows, N.result(times * self._paces[0] + gap)
+        return rows, N.result(times * self.paces[0] + gap)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """γ and M side by side at values of τ: shape (N, 6)."""
@@ -153,7 +152,7 @@ class SymmetricFlow:
         N, number = self.numbers, self.numbers.number
         count, x = self._at_tau(tau)
         gap = (self._first_kind.swing(x) - self._start_swing) / (4 * self._first_kind.quarter) + self._delay(count, x)
-        times: np.ndarray = N.result(tau * self._paces[1] - gap / number(self._rate))
+        times: np.ndarray = N.result(tau * self.paces[1] - gap / number(self._rate))
         return times
 
     def _delay(self, count: np.ndarray, x: np.ndarray) -> np.ndarray:

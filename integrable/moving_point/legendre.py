@@ -23,10 +23,15 @@ NEAR, ROUGH, NEAR_BITS, ROUGH_BITS = 1e-14, 1e-10, 40, 16
 
 @lru_cache(maxsize=32)
 def legendre_rule(K: MultiprecisionField, count: int) -> tuple[list[Real], list[list[Real]]]:
-    """:func:`legendre_transform` in K = MP(digits)."""
+    """(nodes, matrix) in K = MP(digits); the matrix maps values at the nodes to coefficients of a Legendre series."""
     reals = BareReals(K.context.prec + 16)
-    nodes, rows = legendre_transform(reals, count)
-    return list(reals.elements(K, nodes)), [list(reals.elements(K, row)) for row in rows]
+    series = LegendreSeries(reals, count)
+    with reals:
+        rows = []
+        for k, half in enumerate(series._rows):
+            row = [(2 * k + 1) * w * c / 2 for w, c in zip(series.weights, half, strict=False)]
+            rows.append(row + [-c if k % 2 else c for c in row[: count // 2][::-1]])
+    return list(reals.elements(K, series.nodes)), [list(reals.elements(K, row)) for row in rows]
 
 
 def integral(
@@ -69,17 +74,6 @@ class LegendreSeries:
             for row in pairs:
                 row.append(low[-1])
         return [sum(map(mul, row, pairs[k % 2])) * (2 * k + 1) / 2 for k, row in enumerate(self._rows)]
-
-
-def legendre_transform(reals: BareReals, count: int) -> tuple[list[Real], list[list[Real]]]:
-    """(nodes, matrix) in bare reals. The matrix maps values at the nodes to the coefficients of a Legendre series."""
-    series = LegendreSeries(reals, count)
-    with reals:
-        rows = []
-        for k, half in enumerate(series._rows):
-            row = [(2 * k + 1) * w * c / 2 for w, c in zip(series.weights, half, strict=False)]
-            rows.append(row + [-c if k % 2 else c for c in row[: count // 2][::-1]])
-    return series.nodes, rows
 
 
 def gauss_legendre(reals: BareReals, count: int) -> tuple[list[Real], list[Real]]:

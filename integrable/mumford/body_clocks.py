@@ -13,7 +13,8 @@ from typing import NamedTuple
 from integrable.moving_point.addition import integrate_series
 from integrable.moving_point.legendre import LegendreSeries, place_on
 from integrable.torus.lattice import RateCurve
-from integrable.torus.long_clock import MultiprecisionTorusClock
+from integrable.torus.long_clock import LongClock
+from integrable.torus.oval_modes import modes_of_rate
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
@@ -66,7 +67,7 @@ class SeriesClock:
         first, second = unit.direction
         self._unit = 1 / abs(first)
         direction = first * self._unit, second * self._unit
-        self._clock = MultiprecisionTorusClock(source, direction=direction)
+        self._clock = LongClock(modes_of_rate(source, digits, direction), digits, wide)
 
     def tau(self, times: list[Real]) -> list[Real]:
         """τ at each of the times, in the clock's field."""

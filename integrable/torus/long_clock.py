@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from integrable.moving_point.arithmetic import step_inside
-from integrable.torus.oval_modes import MOST_WORK, modes_of_rate
 from integrable.torus.series import LongSeries
 from jacobian import RR
 from jacobian.element import Real
@@ -25,7 +24,7 @@ from jacobian.numbers.long_reals import BallReals
 if TYPE_CHECKING:
     from flint import acb
 
-    from integrable.torus.oval_modes import Modes, ModesSource
+    from integrable.torus.oval_modes import Modes
 
 # a Newton step whose slope is a float multiplies the error by about GAIN; after the first step, in floats, sums are
 # evaluated to FIRST_GOAL digits
@@ -38,7 +37,9 @@ SETTLED = 1e-9
 
 
 class LongClock:
-    """t(τ) and τ(t) for any τ, to ``digits``, from the modes of dt/dτ; numbers are those of ``wide``, an MP field.
+    """t(τ) and τ(t) for any τ, to ``digits``, from the modes of dt/dτ; numbers are those of ``wide``, an MP field. The
+    modes of a nearly degenerate torus do not exist; such a motion needs a clock of panels
+    (:class:`integrable.motion.precise_clock.PanelClock`).
 
     Modes in or near resonance with the motion are integrated one by one; in the series they would have small divisors.
     """
@@ -140,27 +141,6 @@ class LongClock:
             if not whole:
                 goal = int(-log10(2) * self.wide.exponent(known) - log10(gain))
         raise PrecisionLoss("the clock was not inverted: use more digits")
-
-
-class MultiprecisionTorusClock(LongClock):
-    """The clock of a motion, in the units of a :class:`~integrable.moving_point.setup.Setup`, to ``digits``, by default
-    those of the set-up. If ``after`` is less, the oscillation of t has only ``after`` digits; its mean rate has all.
-
-    Raises the errors of :func:`~integrable.torus.oval_modes.modes_of_rate` if the torus is degenerate or nearly so.
-    Such motions need a clock of panels (:class:`integrable.motion.precise_clock.PanelClock`).
-    """
-
-    def __init__(
-        self,
-        setup: ModesSource,
-        digits: int | None = None,
-        direction: tuple[Real, Real] = (1, 0),
-        most_work: float = MOST_WORK,
-        after: int | None = None,
-    ) -> None:
-        whole = digits or setup.digits
-        digits = min(after or whole, whole)
-        super().__init__(modes_of_rate(setup, digits, direction, most_work, whole), digits, setup.wide)
 
 
 def without_slow(

@@ -10,8 +10,11 @@ import pytest
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion.flow import Flow
+from integrable.motion.symmetric import SymmetricFlow
+from integrable.motion.symmetric_precise import PreciseClosedForm
 from integrable.steps.guard_digits import widened
 from jacobian import MP, RR
+from jacobian.errors import PrecisionLoss
 from tests.fuzz.closed_forms import EqualMoments, SymmetricTop
 from tests.fuzz.distributions import equal_moments, motion, symmetric_moments
 from tests.integrable.ways import precise_of
@@ -95,3 +98,13 @@ def test_floats_are_its_first_digits(name) -> None:
     assert floats.system.field == RR
     times = [1e3, -12345.0]
     assert abs(floats.at(times).gamma - wide.at(times).gamma.astype(float)).max() <= 1e-11
+
+
+def test_a_clock_that_contradicts_the_states_is_refused(monkeypatch) -> None:
+    """t(τ) is compared with τ(t); digits that do not help end in a refusal, and a time of 10^300 turns does not."""
+    true = SymmetricFlow.times
+    monkeypatch.setattr(PreciseClosedForm, "most_lost", 50)
+    assert np.isfinite(float(_flow("tilted ball").at([K.coerce("1e300")]).gamma[0, 0]))
+    monkeypatch.setattr(SymmetricFlow, "times", lambda form, tau: true(form, tau) * (1 + form.numbers.eps**0 / 10**20))
+    with pytest.raises(PrecisionLoss, match="loses more than"):
+        _flow("tilted ball").physical_time([1])

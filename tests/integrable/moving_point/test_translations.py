@@ -4,12 +4,14 @@ import pytest
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.moving_point import addition
-from integrable.moving_point.legendre import LegendreSeries, legendre_transform
+from integrable.moving_point.legendre import LegendreSeries, legendre_rule
 from integrable.moving_point.setup import Setup
 from integrable.moving_point.translations import FEW, Expansion, Translations, expand_orders
+from jacobian import MP
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 from tests.integrable.moving_point.expansion_by_lists import expansion
+from tests.integrable.torus.translations import centre, series_of
 
 BODIES = {
     "ball": ChaplyginBall((1, 2, 3), 0.7),
@@ -33,12 +35,13 @@ def test_the_expansion_in_time_solves_the_integrals_in_x(ball, digits) -> None:
     few, many = (Translations(setup.reals, setup.bare.f, setup.bare.axes, setup.bare.half_step) for _ in range(2))
     many._asked = FEW
     with setup.reals as reals:
+        series, f0 = series_of(few.f, -1, reals.bits // 4), few.f[0]
         for part in ("0.9", "-0.4", "1e-7", "1e-90"):
             eps = setup.bare.half_step * reals.number(setup.wide.coerce(part))
-            # so small that Newton's series are short; the result is doubled back below
-            doublings, term_bits = few.plan(eps)
-            small = eps / 2**doublings
-            m, r = few.centre(small, term_bits)
+            # so small that Newton's series are short
+            small = eps / 16
+            r = f0 * small * small / 4
+            m, r = centre(series, f0, small, -series[1] * r / 3, r, 12)
             for translations in (few, many):
                 u0, u1 = translations.near(small)[:2]
                 assert abs(u0 - m * m + r) <= 1e3 * 2.0**-reals.bits * abs(u0)
@@ -81,13 +84,14 @@ def test_the_rate_is_read_off_the_height_above_infinity(name) -> None:
 
 @pytest.mark.parametrize("count", [1, 2, 7, 12])
 def test_the_coefficients_of_a_legendre_series_are_those_of_the_matrix(count) -> None:
-    reals = BareReals(120)
-    series, (nodes, rows) = LegendreSeries(reals, count), legendre_transform(reals, count)
-    assert series.nodes == nodes
+    K = MP(30)
+    reals = BareReals(K.context.prec + 16)
+    series, (nodes, rows) = LegendreSeries(reals, count), legendre_rule(K, count)
+    assert list(reals.elements(K, series.nodes)) == nodes
     with reals:
-        values = [1 / (2 - x) for x in nodes]
-        expected = [sum(c * v for c, v in zip(row, values, strict=True)) for row in rows]
-        assert max(abs(x - y) for x, y in zip(series.coefficients(values), expected, strict=True)) < 1e-33
+        found = reals.elements(K, series.coefficients([1 / (2 - x) for x in series.nodes]))
+    expected = [sum(c / (2 - x) for c, x in zip(row, nodes, strict=True)) for row in rows]
+    assert max(abs(x - y) for x, y in zip(found, expected, strict=True)) < 1e-28
 
 
 @pytest.mark.parametrize("ball", BODIES.values(), ids=BODIES.keys())

@@ -16,7 +16,7 @@ from integrable.oracles.reference import taylor
 from integrable.torus import ovals as oval_nodes
 from integrable.torus.access import BodyTorus, TorusFlow
 from integrable.torus.lattice import Units, beginning, motion_row
-from integrable.torus.long_clock import MultiprecisionTorusClock
+from integrable.torus.long_clock import LongClock
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.oval_modes import OvalTorus, modes_of_rate
 from integrable.torus.series import LongSeries
@@ -36,6 +36,12 @@ AT_A_BRANCH_POINT = ((0.6, 0.0, 0.8), (0.8, 0.5, -0.6))
 THIN = ChaplyginBall((1e-4, 1, 1.5), 1)
 
 
+def clock_of(setup: Setup, after: int = 0) -> LongClock:
+    """The clock of a motion to the digits of its set-up, or its oscillation to ``after`` digits only."""
+    digits = after or setup.digits
+    return LongClock(modes_of_rate(setup, digits, mean_digits=setup.digits), digits, setup.wide)
+
+
 def setup_of(ball, gamma, M):
     return ball.flow(ball.state(gamma, M)).setup
 
@@ -47,7 +53,7 @@ def test_the_clock_of_multiprecision_agrees_with_counting_steps(start) -> None:
     setup = precise.carrier.setup
     for t in (-9.0, 3.0, 40.0):
         (tau,), _ = precise.at([t])
-        scaled = MultiprecisionTorusClock(setup).tau([precise.carrier.scaled(t)])[0]
+        scaled = clock_of(setup).tau([precise.carrier.scaled(t)])[0]
         assert abs(scaled / setup.time_scale - tau) < 1e-15
 
 
@@ -67,9 +73,9 @@ def test_modes_from_both_ovals_are_those_of_the_clock_that_counts_steps(ball, st
     state = ball.state(*start, tilted=tilted)
     problem = (ball.body, state.gamma, state.M, tilted)
     setup = Setup(*problem, digits=18)
-    counting = BodyCarrier(setup, problem)
+    counting = BodyCarrier(setup)
     counting._torus = False
-    clock = MultiprecisionTorusClock(setup)
+    clock = clock_of(setup)
     times = [setup.wide.coerce(t) for t in ("-7.3", "0.25", "30")]
     for t, tau, again in zip(times, clock.tau(times), clock.times(counting.tau(times)), strict=True):
         assert abs(tau - counting.tau([t])[0]) < 1e-24
@@ -82,7 +88,7 @@ def test_modes_of_a_tilted_ball_with_two_equal_moments_are_not_taken_for_none(in
     ball = ChaplyginBall(inertia, 1)
     state = ball.state(START[0], (1.104, 2.18, -0.528), tilted=True)
     with pytest.raises(PrecisionLoss, match="two moments of this body are equal"):
-        MultiprecisionTorusClock(Setup(ball.body, state.gamma, state.M, True, digits=18))
+        clock_of(Setup(ball.body, state.gamma, state.M, True, digits=18))
     precise = PreciseFlow(ball.body, state, 18)
     gamma, M = precise.vectors(precise.at([400.0])[1])[0]
     run = ball.flow(state, kernel="compiled").at([400.0])
@@ -165,7 +171,7 @@ def test_tables_of_a_light_ball_are_no_larger_than_those_of_another(d) -> None:
 
 
 def test_a_clock_that_is_not_inverted_says_so(monkeypatch) -> None:
-    clock = MultiprecisionTorusClock(setup_of(ChaplyginBall((1, 2, 3), 0.7), *START))
+    clock = clock_of(setup_of(ChaplyginBall((1, 2, 3), 0.7), *START))
     monkeypatch.setattr(clock, "_eps", -1)
     with pytest.raises(PrecisionLoss, match="not inverted"):
         clock.tau([clock.wide.one])
@@ -387,7 +393,7 @@ def test_a_far_time_needs_modes_for_its_digits_after_the_point_alone():
     body = ChaplyginBall((1, 2, 3), "0.7", field=MP(90))
     state = body.state(*([body.field.coerce(str(x)) for x in v] for v in START))
     setup = Setup(body.body, state.gamma, state.M, digits=90)
-    whole, short = MultiprecisionTorusClock(setup), MultiprecisionTorusClock(setup, after=40)
+    whole, short = clock_of(setup), clock_of(setup, after=40)
     assert short.frequencies == whole.frequencies
     assert abs(short.mean - whole.mean) < 1e-85
     for t in ("1e45", "-3.25e42", "5"):
