@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from functools import cache
 from itertools import count
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from jacobian.native import modular
 from jacobian.native.kinds import INTS, LONG, TupleKind
 from jacobian.native.library import Library
 from jacobian.numbers.compiler import interpreted
-from jacobian.numbers.two_words import BITS, two_words
+from jacobian.numbers.two_words import BITS, Residues, two_words
 from jacobian.numbers.words import add, dot2, mul, sub
 
 if TYPE_CHECKING:
@@ -84,28 +84,6 @@ def function_at(K: Any, cubic: Any, P: Any, Q: Any, bits: Any) -> Any:
 
 PAIR = TupleKind((LONG, LONG))
 LIBRARY = Library("miller", {"function_at": (function_at, (modular.CONTEXT, PAIR, PAIR, PAIR, INTS))}, modular.MODULAR)
-
-
-class Residues(NamedTuple):
-    """The context of a prime of any size for loops in Python, in which a residue is its own word."""
-
-    p: int
-    one: int = 1
-
-    def to_word(self, a: int) -> int:
-        return a
-
-    def from_word(self, x: int) -> int:
-        return x
-
-    def dot(self, a: int, b: int, c: int = 0, d: int = 0) -> int:
-        return (a * b + c * d) % self.p
-
-    def add(self, x: int, y: int) -> int:
-        return (x + y) % self.p
-
-    def sub(self, x: int, y: int) -> int:
-        return (x - y) % self.p
 
 
 COLD = 1000
