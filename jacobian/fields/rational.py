@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
-from math import isqrt
+from math import gcd, isqrt, lcm
 
 from jacobian.element import Rng
 from jacobian.errors import FieldError, NotASquare, shown, written
@@ -57,3 +58,10 @@ class RationalField(OperatorField[Fraction]):
     def random(self, rng: Rng) -> Fraction:
         """A fraction of small height: numerator in −20 … 20, denominator in 1 … 6."""
         return Fraction(random_below(rng, 41) - 20, random_below(rng, 6) + 1)
+
+
+def primitive(numbers: Sequence[Fraction]) -> list[int]:
+    """The integers without a common divisor that are proportional to rational numbers, with a positive factor."""
+    factor = lcm(*(x.denominator for x in numbers))
+    found = [int(x * factor) for x in numbers]
+    return [x // gcd(*found) for x in found]
