@@ -24,7 +24,7 @@ from jacobian.addition.word_steps import (
     product,
     tangent,
 )  # fmt: skip
-from jacobian.numbers.words import canonical, decode, encode, inverse
+from jacobian.numbers.words import inverse
 
 Plain = namedtuple("Plain", "")
 Plain.__doc__ = "Any equation: Cantor's algorithm does everything."
@@ -48,7 +48,7 @@ def double_of(K: Any, C: Any, first: Any) -> Any:
 
 def from_quotient(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> Any:
     """Finishes :func:`sum_of` or :func:`double_of` from the result of ``chord`` or ``tangent``."""
-    multiple = canonical(K, product(K, C, quotient))
+    multiple = K.canonical(product(K, C, quotient))
     if multiple == 0:
         return False, first
     return True, closed(K, C, quotient, inverse(K, multiple), first, second)
@@ -192,9 +192,9 @@ def enter(K: Any, g: Any, data: Any, header: Any, begin: Any, a: Any) -> Any:
         a[i] = 0
     a[0], a[1], a[2] = nu, nv, data[header + 2]
     for i in range(nu):
-        a[3 + i] = encode(K, data[begin + i])
+        a[3 + i] = K.to_word(data[begin + i])
     for i in range(nv):
-        a[4 + g + i] = encode(K, data[begin + nu + i])
+        a[4 + g + i] = K.to_word(data[begin + nu + i])
     return begin + nu + nv
 
 
@@ -202,7 +202,7 @@ def leave(K: Any, g: Any, a: Any, data: Any) -> None:
     """Writes the class ``a`` into ``data``, its words decoded to field elements."""
     data[0], data[1], data[2] = a[0], a[1], a[2]
     for i in range(3, 2 * g + 4):
-        data[i] = decode(K, a[i])
+        data[i] = K.from_word(a[i])
 
 
 def sum_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any) -> None:

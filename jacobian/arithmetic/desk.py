@@ -12,7 +12,7 @@ from jacobian.addition.cantor_words import add_classes, double_class, negate_cla
 from jacobian.addition.short import Sextic
 from jacobian.addition.word_steps import chord, product, tangent
 from jacobian.addition.word_steps import closed as second_half
-from jacobian.numbers.words import add, inverse, mul, neg, sub
+from jacobian.numbers.words import inverse
 
 HEAD = 7
 """The number of words of a packed curve before its polynomials."""
@@ -67,23 +67,23 @@ def model_at(K: Any, x0: int, desk: Any) -> int:
         moved[i] = desk.F[i]
     for i in range(n - 1):
         for j in range(n - 2, i - 1, -1):
-            moved[j] = add(K, moved[j], mul(K, x0, moved[j + 1]))
+            moved[j] = K.add(moved[j], K.dot(x0, moved[j + 1]))
     if moved[0] == 0:
         return 0
     scale, half = inverse(K, moved[0]), (K.p + 1) // 2
     curve[0], curve[1], curve[2], curve[3], curve[4], curve[5], curve[6] = g, 1, n, 0, g + 2, g + 2, 1
     for i in range(n):
-        curve[HEAD + n - 1 - i] = mul(K, moved[i], scale)
+        curve[HEAD + n - 1 - i] = K.dot(moved[i], scale)
     # the principal parts ±V, V² = G up to terms of degree g and less
     top = HEAD + n + g + 1
     curve[top] = 1
     for i in range(1, g + 2):
         total = curve[HEAD + n - 1 - i]
         for j in range(1, i):
-            total = sub(K, total, mul(K, curve[top - j], curve[top - i + j]))
-        curve[top - i] = mul(K, total, half)
+            total = K.sub(total, K.dot(curve[top - j], curve[top - i + j]))
+        curve[top - i] = K.dot(total, half)
     for i in range(g + 2):
-        curve[top + g + 2 - i] = neg(K, curve[top - i])
+        curve[top + g + 2 - i] = K.neg(curve[top - i])
     return moved[0]
 
 
@@ -92,8 +92,8 @@ def is_square(K: Any, x: int) -> bool:
     result, exponent = 1, (K.p - 1) // 2
     while exponent > 0:
         if exponent % 2 == 1:
-            result = mul(K, result, x)
-        x = mul(K, x, x)
+            result = K.dot(result, x)
+        x = K.dot(x, x)
         exponent = exponent // 2
     return result == 1
 

@@ -28,7 +28,7 @@ from jacobian.addition.word_steps import (
     sum_v,
     tangent,
 )  # fmt: skip
-from jacobian.numbers.words import canonical, inverse, mul
+from jacobian.numbers.words import inverse
 
 BLOCK = 256
 CHAINS = 32
@@ -134,7 +134,7 @@ SUMS = _of_genus(MEETING, SECOND)
 
 def keep_quotient(K: Any, C: Any, S: Any, j: Any, quotient: Any) -> None:
     """Stores the quotient of row j, the first half of its sum, and the product to be inverted."""
-    S[PRODUCT + j] = canonical(K, product(K, C, quotient))
+    S[PRODUCT + j] = K.canonical(product(K, C, quotient))
     keep(S, MIDDLE, j, quotient)
 
 
@@ -168,22 +168,22 @@ def invert_products(K: Any, S: Any) -> None:
     for start in range(CHAINS, BLOCK, CHAINS):
         for j in range(CHAINS):
             S[BEFORE + start + j] = S[TAIL + j]
-            S[TAIL + j] = mul(K, S[TAIL + j], S[PRODUCT + start + j])
+            S[TAIL + j] = K.dot(S[TAIL + j], S[PRODUCT + start + j])
     total = K.one
     for j in range(CHAINS):
         S[BEFORE + j] = total
-        total = mul(K, total, S[TAIL + j])
-    back = inverse(K, canonical(K, total))
+        total = K.dot(total, S[TAIL + j])
+    back = inverse(K, K.canonical(total))
     for i in range(CHAINS):
         j = CHAINS - 1 - i
         end = S[TAIL + j]
-        S[TAIL + j] = mul(K, back, S[BEFORE + j])
-        back = mul(K, back, end)
+        S[TAIL + j] = K.dot(back, S[BEFORE + j])
+        back = K.dot(back, end)
     for start in range(BLOCK - CHAINS, 0, -CHAINS):
         for j in range(CHAINS):
             x = S[PRODUCT + start + j]
-            S[PRODUCT + start + j] = mul(K, S[TAIL + j], S[BEFORE + start + j])
-            S[TAIL + j] = mul(K, S[TAIL + j], x)
+            S[PRODUCT + start + j] = K.dot(S[TAIL + j], S[BEFORE + start + j])
+            S[TAIL + j] = K.dot(S[TAIL + j], x)
     for j in range(CHAINS):
         S[PRODUCT + j] = S[TAIL + j]
 

@@ -17,7 +17,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from jacobian.errors import ArgumentError
-from jacobian.numbers.words import add, canonical, mul
 
 BITS = 128
 
@@ -130,5 +129,5 @@ def inverse(K: Any, x: Any) -> Any:
     # s·2^(256 − k) is 2^256/x. Once s is doubled, 2^(255 − k), k ≥ 1, is a product of two powers below 2^128
     rest = 2 * BITS - 1 - k
     half = rest >> 1
-    lifted = mul(K, add(K, s, s), long(1) << half)
-    return canonical(K, mul(K, mul(K, lifted, long(1) << (rest - half)), K.cube))
+    lifted = K.dot(K.add(s, s), long(1) << half)
+    return K.canonical(K.dot(K.dot(lifted, long(1) << (rest - half)), K.cube))
