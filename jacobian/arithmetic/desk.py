@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 
 from jacobian.addition.cantor_words import add_classes, double_class, negate_class
 from jacobian.addition.short import Sextic
-from jacobian.addition.word_steps import chord, product, tangent
-from jacobian.addition.word_steps import closed as second_half
+from jacobian.addition.word_steps import STEPS
 from jacobian.numbers.words import inverse
 
 HEAD = 7
@@ -130,7 +129,7 @@ def plus(K: Any, desk: Any, a: Any, b: Any, result: Any) -> None:
     curve = desk.curve
     if curve[0] == 2 and a[0] == 3 and b[0] == 3:
         first, second = (a[4], a[3], a[7], a[6]), (b[4], b[3], b[7], b[6])
-        if closed(K, curve, chord(K, sextic(curve), first, second), (first, second), result):
+        if closed(K, curve, STEPS[Sextic].chord(K, sextic(curve), first, second), (first, second), result):
             return
     add_classes(K, curve, desk.scratch, a, b, result)
 
@@ -140,7 +139,7 @@ def twice(K: Any, desk: Any, a: Any, result: Any) -> None:
     curve = desk.curve
     if curve[0] == 2 and a[0] == 3:
         first = (a[4], a[3], a[7], a[6])
-        if closed(K, curve, tangent(K, sextic(curve), first), (first, first), result):
+        if closed(K, curve, STEPS[Sextic].tangent(K, sextic(curve), first), (first, first), result):
             return
     double_class(K, curve, desk.scratch, a, result)
 
@@ -152,11 +151,11 @@ def sextic(curve: Any) -> Any:
 
 def closed(K: Any, curve: Any, quotient: Any, lines: Any, result: Any) -> bool:
     """Whether the explicit formulas of genus 2 apply; if so, ``result`` is set to the sum."""
-    C, multiple = sextic(curve), product(K, sextic(curve), quotient)
+    C, multiple = sextic(curve), STEPS[Sextic].product(K, sextic(curve), quotient)
     if multiple == 0:
         return False
     first, second = lines
-    u1, u0, v1, v0 = second_half(K, C, quotient, inverse(K, multiple), first, second)
+    u1, u0, v1, v0 = STEPS[Sextic].closed(K, C, quotient, inverse(K, multiple), first, second)
     result[0], result[1], result[2] = 3, 2 if v1 != 0 else 1 if v0 != 0 else 0, 0
     result[3], result[4], result[5], result[6], result[7] = u0, u1, 1, v0, v1
     return True
