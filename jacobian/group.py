@@ -279,17 +279,11 @@ class Jacobian(FiniteGroup[Element]):
 
     def _scales(self, u: poly.Poly, v: poly.Poly) -> poly.Poly:
         """The sizes of the terms of v² + hv − f modulo u, from a division of absolute values, where nothing cancels."""
-        C: HyperellipticCurve = self.curve
-        a, h = [abs(c) for c in v], [abs(c) for c in C.h]
-        size = [abs(c) for c in C.f] + [0] * (2 * len(a) + len(h))
-        for i, x in enumerate(a):
-            for terms in (a, h):
-                for j, y in enumerate(terms):
-                    size[i + j] += x * y
-        for top in range(len(size) - 1, len(u) - 2, -1):
-            for j, c in enumerate(u[:-1]):
-                size[top - len(u) + 1 + j] += size[top] * abs(c)
-        return tuple(size[: len(u) - 1])
+        from jacobian.inexact.dense import absolute, added, bound, product, remainder
+
+        a = absolute(v)
+        terms = added(absolute(self.curve.f), product(a, added(a, absolute(self.curve.h))))
+        return tuple(remainder(terms, bound(u)))
 
     # --- the group law
 

@@ -30,7 +30,6 @@ LONG = {
     "integrable.moving_point.short_compiled.entry",
     "integrable.moving_point.short_reading.short_state",
     "jacobian.inexact.stacked._second_polynomial",
-    "jacobian.numbers.words.dot4",
 }
 # files of a package outside the rooms, which are below the rooms, above them, or collect their public names
 OUTSIDE = {

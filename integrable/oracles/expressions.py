@@ -7,6 +7,7 @@ constants alone, such as 1/(I + d), are coefficients; they are computed once per
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -131,11 +132,8 @@ def evaluated(
 
 
 _DO: dict[str, Callable[[Any, Any], Any]] = {
-    "add": lambda x, y: x + y,
-    "sub": lambda x, y: x - y,
-    "mul": lambda x, y: x * y,
-    "div": lambda x, y: x / y,
-}
+    "add": operator.add, "sub": operator.sub, "mul": operator.mul, "div": operator.truediv
+}  # fmt: skip
 
 
 class _Book:
@@ -266,6 +264,8 @@ class Numbers:
     """The field in which a formula is recorded. Constants become inputs "c" of the program, except 0 and ints."""
 
     name, exact, characteristic, order, eps = "symbols", False, 0, None, 2.0**-52
+    add, sub, mul, div = map(staticmethod, _DO.values())
+    neg = staticmethod(operator.neg)
 
     def __init__(self) -> None:
         self.book = _Book()
@@ -291,26 +291,6 @@ class Numbers:
     def state(self, values: Sequence[Any]) -> list[Symbol]:
         """The symbols of a state's components."""
         return [self.book.line("y", i, value=value) for i, value in enumerate(values)]
-
-    def add(self, x: Any, y: Any) -> Any:
-        """x + y."""
-        return x + y
-
-    def sub(self, x: Any, y: Any) -> Any:
-        """x − y."""
-        return x - y
-
-    def mul(self, x: Any, y: Any) -> Any:
-        """xy."""
-        return x * y
-
-    def div(self, x: Any, y: Any) -> Any:
-        """x/y."""
-        return x / y
-
-    def neg(self, x: Any) -> Any:
-        """−x."""
-        return -x
 
     def inv(self, x: Any) -> Any:
         """1/x."""

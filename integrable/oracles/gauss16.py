@@ -12,9 +12,9 @@ is fixed, or adapted to a tolerance by the last Legendre coefficient of the stag
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import cache
-from typing import Any, NamedTuple
+from math import prod
+from typing import NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
@@ -61,15 +61,8 @@ def rule() -> Rule:
     legendre = np.polynomial.legendre.Legendre.basis(STAGES - 1)
     nodes = np.array(exact.nodes, dtype=float)
     last = (2 * STAGES - 1) * weights * legendre(2 * nodes - 1)
-    inverse = np.array([float(1 / _product(c - x for x in exact.nodes if x != c)) for c in exact.nodes])
+    inverse = np.array([float(1 / prod(c - x for x in exact.nodes if x != c)) for c in exact.nodes])
     return Rule(nodes, weights, low, ratios, last, inverse)
-
-
-def _product(values: Iterable[Any]) -> Any:
-    total = 1
-    for value in values:
-        total = total * value
-    return total
 
 
 @register_jitable(**INLINED)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from math import gcd, lcm
 
 import numpy as np
 
 from integrable.problems.motion import UnitMotion
+from jacobian.fields.rational import primitive
 
 __all__ = ["another"]
 
@@ -27,7 +27,7 @@ def another(motion: UnitMotion, rng: np.random.Generator) -> list[float]:
     raw = [int(x) for x in rng.integers(1, LARGEST, len(q)) * rng.choice((-1, 1), len(q))]
     push = [int(x) for x in rng.integers(1, LARGEST, len(q)) * rng.choice((-1, 1), len(q))]
     if unit.normal or not (motion.scene.classical or motion.along):
-        n = _whole(unit.dual(motion.weights, [Fraction(x) for x in raw]))
+        n = primitive(unit.dual(motion.weights, [Fraction(x) for x in raw]))
         push = [n[i - 2] * push[i - 1] - n[i - 1] * push[i - 2] for i in range(3)]
     length = (unit.square(motion.weights, raw) / motion.square) ** -0.5
     return [*_scaled(raw, float(length)), *_scaled(push, _size(p) / (_size(push) or 1.0))]
@@ -40,10 +40,3 @@ def _scaled(values: Sequence[int], factor: float) -> list[float]:
 
 def _size(values: Sequence[float]) -> float:
     return float(np.linalg.norm(np.array(values, dtype=float)))
-
-
-def _whole(values: Sequence[Fraction]) -> list[int]:
-    """The smallest integers proportional to the given fractions."""
-    factor = lcm(*(x.denominator for x in values))
-    found = [int(x * factor) for x in values]
-    return [x // gcd(*found) for x in found]

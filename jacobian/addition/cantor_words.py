@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.numbers.words import add, canonical, dot2, dot3, inverse, mul, neg, sub
+from jacobian.numbers.words import inverse
 
 ROWS = 17
 """The number of polynomials in the scratch array."""
@@ -59,7 +59,7 @@ def _sum(K: Any, r: Any, a: Any, na: Any, b: Any, nb: Any) -> Any:
     """a + b; r may be a or b."""
     both = min(na, nb)
     for i in range(both):
-        r[i] = canonical(K, add(K, a[i], b[i]))
+        r[i] = K.canonical(K.add(a[i], b[i]))
     for i in range(both, na):
         r[i] = a[i]
     for i in range(both, nb):
@@ -71,17 +71,17 @@ def _difference(K: Any, r: Any, a: Any, na: Any, b: Any, nb: Any) -> Any:
     """a − b; r may be a or b."""
     both = min(na, nb)
     for i in range(both):
-        r[i] = canonical(K, sub(K, a[i], b[i]))
+        r[i] = K.canonical(K.sub(a[i], b[i]))
     for i in range(both, na):
         r[i] = a[i]
     for i in range(both, nb):
-        r[i] = canonical(K, neg(K, b[i]))
+        r[i] = K.canonical(K.neg(b[i]))
     return _trimmed(r, max(na, nb))
 
 
 def _scaled(K: Any, r: Any, c: Any, a: Any, size: Any) -> Any:
     for i in range(size):
-        r[i] = canonical(K, mul(K, c, a[i]))
+        r[i] = K.canonical(K.dot(c, a[i]))
     return size
 
 
@@ -91,13 +91,13 @@ def _product(K: Any, r: Any, a: Any, na: Any, b: Any, nb: Any) -> Any:
         return 0
     for k in range(na + nb - 1):
         i, last = max(0, k + 1 - nb), min(k, na - 1)
-        total = canonical(K, mul(K, a[i], b[k - i]))
+        total = K.canonical(K.dot(a[i], b[k - i]))
         i += 1
         while i < last:
-            total = canonical(K, dot3(K, total, K.one, a[i], b[k - i], a[i + 1], b[k - i - 1]))
+            total = K.canonical(K.dot(total, K.one, a[i], b[k - i], a[i + 1], b[k - i - 1]))
             i += 2
         if i == last:
-            total = canonical(K, dot2(K, total, K.one, a[i], b[k - i]))
+            total = K.canonical(K.dot(total, K.one, a[i], b[k - i]))
         r[k] = total
     return na + nb - 1
 
@@ -110,9 +110,9 @@ def _minus_product(K: Any, r: Any, size: Any, a: Any, na: Any, b: Any, nb: Any) 
     for i in range(size, total):
         r[i] = 0
     for i in range(na):
-        c = canonical(K, neg(K, a[i]))
+        c = K.canonical(K.neg(a[i]))
         for j in range(nb):
-            r[i + j] = canonical(K, dot2(K, r[i + j], K.one, c, b[j]))
+            r[i + j] = K.canonical(K.dot(r[i + j], K.one, c, b[j]))
     return _trimmed(r, total)
 
 
@@ -128,11 +128,11 @@ def _divide(K: Any, q: Any, r: Any, size: Any, b: Any, nb: Any) -> Any:
     for i in range(steps - 1, -1, -1):
         c = r[i + nb - 1]
         if not monic:
-            c = canonical(K, mul(K, c, lead))
+            c = K.canonical(K.dot(c, lead))
         q[i] = c
-        c = canonical(K, neg(K, c))
+        c = K.canonical(K.neg(c))
         for j in range(nb - 1):
-            r[i + j] = canonical(K, dot2(K, r[i + j], K.one, c, b[j]))
+            r[i + j] = K.canonical(K.dot(r[i + j], K.one, c, b[j]))
     return steps, _trimmed(r, nb - 1)
 
 
@@ -242,7 +242,7 @@ def negate_class(K: Any, curve: Any, S: Any, first: Any, result: Any) -> Any:
     nu = _copy(u, first[3:], first[0])
     nv = _sum(K, v, first[4 + g :], first[1], h, nh)
     for i in range(nv):
-        v[i] = canonical(K, neg(K, v[i]))
+        v[i] = K.canonical(K.neg(v[i]))
     _, nv = _divide(K, S[6], v, nv, u, nu)
     _reduce(K, curve, S, nu, nv, 2 * ((g + 1) // 2) - (nu - 1) - first[2], result)
 
@@ -299,6 +299,6 @@ def _reflect(K: Any, curve: Any, S: Any, nu: Any, nv: Any, n: Any) -> Any:
     u[no - 1] = K.one
     nv = _sum(K, v, v, nv, h, nh)
     for i in range(nv):
-        v[i] = canonical(K, neg(K, v[i]))
+        v[i] = K.canonical(K.neg(v[i]))
     _, nv = _divide(K, S[6], v, nv, u, no)
     return no, nv, n

@@ -11,23 +11,15 @@ from collections import namedtuple
 from typing import Any
 
 from jacobian.addition import cantor_words
-from jacobian.addition.short import MODELS
-from jacobian.addition.word_steps import (
-    chord,
-    class_at,
-    class_in,
-    closed,
-    decoded,
-    encoded,
-    keep,
-    opposite,
-    product,
-    tangent,
-)  # fmt: skip
-from jacobian.numbers.words import canonical, decode, encode, inverse
+from jacobian.addition.word_steps import STEPS, keep
+from jacobian.numbers.words import inverse
 
-Plain = namedtuple("Plain", "")
-Plain.__doc__ = "Any equation: Cantor's algorithm does everything."
+
+class Plain(namedtuple("Plain", "")):
+    """Any equation: Cantor's algorithm does everything."""
+
+    genus = 0
+
 
 TOTAL, OTHER, ODD = cantor_words.ROWS, cantor_words.ROWS + 1, cantor_words.ROWS + 2
 """The rows of a scratch array for two classes and, from ODD on, for the odd multiples of a ladder."""
@@ -38,37 +30,37 @@ ROWS = ODD + 8
 
 def sum_of(K: Any, C: Any, first: Any, second: Any) -> Any:
     """Adds two classes of words: (True, the sum), or (False, ``first``) if the explicit formulas do not apply."""
-    return from_quotient(K, C, chord(K, C, first, second), first, second)
+    return from_quotient(K, C, STEPS[type(C)].chord(K, C, first, second), first, second)
 
 
 def double_of(K: Any, C: Any, first: Any) -> Any:
     """Doubles a class of words; returns a pair as :func:`sum_of` does."""
-    return from_quotient(K, C, tangent(K, C, first), first, first)
+    return from_quotient(K, C, STEPS[type(C)].tangent(K, C, first), first, first)
 
 
 def from_quotient(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> Any:
     """Finishes :func:`sum_of` or :func:`double_of` from the result of ``chord`` or ``tangent``."""
-    multiple = canonical(K, product(K, C, quotient))
+    multiple = K.canonical(STEPS[type(C)].product(K, C, quotient))
     if multiple == 0:
         return False, first
-    return True, closed(K, C, quotient, inverse(K, multiple), first, second)
+    return True, STEPS[type(C)].closed(K, C, quotient, inverse(K, multiple), first, second)
 
 
 def returned(K: Any, C: Any, general: Any, found: Any) -> Any:
     """Returns (u, v, valid) as residues; ``valid`` means that the formulas applied and that v has degree g − 1."""
-    u, v = decoded(K, C, found)
+    u, v = STEPS[type(C)].decoded(K, C, found)
     return u, v, general and v[len(v) - 1] != 0
 
 
 def add_classes(K: Any, C: Any, u: Any, v: Any, other_u: Any, other_v: Any) -> Any:
     """Adds two classes of weight g, given as residues; returns the triple of :func:`returned`."""
-    general, found = sum_of(K, C, encoded(K, C, u, v), encoded(K, C, other_u, other_v))
+    general, found = sum_of(K, C, STEPS[type(C)].encoded(K, C, u, v), STEPS[type(C)].encoded(K, C, other_u, other_v))
     return returned(K, C, general, found)
 
 
 def double_class(K: Any, C: Any, u: Any, v: Any) -> Any:
     """Doubles a class of weight g, given as residues; returns the triple of :func:`returned`."""
-    general, found = double_of(K, C, encoded(K, C, u, v))
+    general, found = double_of(K, C, STEPS[type(C)].encoded(K, C, u, v))
     return returned(K, C, general, found)
 
 
@@ -78,22 +70,22 @@ def multiple_of_class(K: Any, C: Any, u: Any, v: Any, scalar: Any, digits: Any, 
     Scratch memory: ``digits`` has a zero for each bit of the scalar and one more, ``odd`` a column for each odd
     multiple.
     """
-    position, first = signed_windows(scalar, 5, digits), encoded(K, C, u, v)
+    position, first = signed_windows(scalar, 5, digits), STEPS[type(C)].encoded(K, C, u, v)
     keep(odd, 0, first)
     general, double = double_of(K, C, first)
     for i in range(1, odd.shape[1]):
-        fine, found = sum_of(K, C, class_at(K, C, odd, i - 1), double)
+        fine, found = sum_of(K, C, STEPS[type(C)].class_at(K, C, odd, i - 1), double)
         general = general and fine
         keep(odd, i, found)
-    total = class_at(K, C, odd, digits[position] >> 1)
+    total = STEPS[type(C)].class_at(K, C, odd, digits[position] >> 1)
     while general and position > 0:
         position -= 1
         general, total = double_of(K, C, total)
         digit = digits[position]
         if digit != 0:
-            term = class_at(K, C, odd, abs(digit) >> 1)
+            term = STEPS[type(C)].class_at(K, C, odd, abs(digit) >> 1)
             if digit < 0:
-                term = opposite(K, C, term)
+                term = STEPS[type(C)].opposite(K, C, term)
             fine, total = sum_of(K, C, total, term)
             general = general and fine
     return returned(K, C, general, total)
@@ -123,51 +115,31 @@ def signed_windows(scalar: Any, width: int, digits: Any) -> Any:
 
 
 def plus(K: Any, C: Any, curve: Any, S: Any, a: Any, b: Any, result: Any) -> None:
-    """result = a + b; the three may be one array."""
-    STEPS["plus"][type(C)](K, C, curve, S, a, b, result)
+    """result = a + b by explicit formulas where they apply, else by Cantor's algorithm; the three may be one array."""
+    g = curve[0]
+    if C.genus == 0:
+        cantor_words.add_classes(K, curve, S, a, b, result)
+        return
+    if a[0] == g + 1 and b[0] == g + 1:
+        general, found = sum_of(K, C, STEPS[type(C)].class_in(K, C, a), STEPS[type(C)].class_in(K, C, b))
+        if general:
+            put(K, g, found, result)
+            return
+    cantor_words.add_classes(K, curve, S, a, b, result)
 
 
 def twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
-    """result = a + a; the two may be one array."""
-    STEPS["twice"][type(C)](K, C, curve, S, a, result)
-
-
-def explicit_plus(K: Any, C: Any, curve: Any, S: Any, a: Any, b: Any, result: Any) -> None:
-    """result = a + b by explicit formulas where they apply, else by Cantor's algorithm."""
+    """result = a + a by explicit formulas where they apply, else by Cantor's algorithm; the two may be one array."""
     g = curve[0]
-    if a[0] == g + 1 and b[0] == g + 1:
-        general, found = sum_of(K, C, class_in(K, C, a), class_in(K, C, b))
-        if general:
-            put(K, g, found, result)
-            return
-    cantor_words.add_classes(K, curve, S, a, b, result)
-
-
-def explicit_twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
-    """result = a + a by explicit formulas where they apply, else by Cantor's algorithm."""
-    g = curve[0]
+    if C.genus == 0:
+        cantor_words.double_class(K, curve, S, a, result)
+        return
     if a[0] == g + 1:
-        general, found = double_of(K, C, class_in(K, C, a))
+        general, found = double_of(K, C, STEPS[type(C)].class_in(K, C, a))
         if general:
             put(K, g, found, result)
             return
     cantor_words.double_class(K, curve, S, a, result)
-
-
-def plain_plus(K: Any, C: Any, curve: Any, S: Any, a: Any, b: Any, result: Any) -> None:
-    """result = a + b by Cantor's algorithm."""
-    cantor_words.add_classes(K, curve, S, a, b, result)
-
-
-def plain_twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
-    """result = a + a by Cantor's algorithm."""
-    cantor_words.double_class(K, curve, S, a, result)
-
-
-STEPS: dict[str, dict[type, Any]] = {
-    "plus": {Plain: plain_plus, **dict.fromkeys(MODELS, explicit_plus)},
-    "twice": {Plain: plain_twice, **dict.fromkeys(MODELS, explicit_twice)},
-}
 
 
 def put(K: Any, g: Any, found: Any, result: Any) -> None:
@@ -192,9 +164,9 @@ def enter(K: Any, g: Any, data: Any, header: Any, begin: Any, a: Any) -> Any:
         a[i] = 0
     a[0], a[1], a[2] = nu, nv, data[header + 2]
     for i in range(nu):
-        a[3 + i] = encode(K, data[begin + i])
+        a[3 + i] = K.to_word(data[begin + i])
     for i in range(nv):
-        a[4 + g + i] = encode(K, data[begin + nu + i])
+        a[4 + g + i] = K.to_word(data[begin + nu + i])
     return begin + nu + nv
 
 
@@ -202,7 +174,7 @@ def leave(K: Any, g: Any, a: Any, data: Any) -> None:
     """Writes the class ``a`` into ``data``, its words decoded to field elements."""
     data[0], data[1], data[2] = a[0], a[1], a[2]
     for i in range(3, 2 * g + 4):
-        data[i] = decode(K, a[i])
+        data[i] = K.from_word(a[i])
 
 
 def sum_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any) -> None:

@@ -17,10 +17,9 @@ from typing import Any, NamedTuple
 
 from jacobian.addition.short import MODELS
 from jacobian.addition.straight import Formulas, Tape, parameters
-from jacobian.numbers import words
 
 MOST = 4
-"""The largest number of products in a sum that is reduced once (``dot4``)."""
+"""The largest number of products in a sum that is reduced once."""
 
 
 class Size(NamedTuple):
@@ -122,8 +121,7 @@ class Writer:
             self._fit(factors)
         while (size := _dot_size([self.sizes[x] for x in factors])) is None:
             self._bring_back(max(factors, key=lambda x: self.sizes[x].lazy))
-        operation = {1: "mul", 2: "dot2", 3: "dot3", 4: "dot4"}[len(products)]
-        return self._line(f"{operation}(K, {', '.join(factors)})", size)
+        return self._line(f"K.dot({', '.join(factors)})", size)
 
     def _factors(self, sign: int, x: int, y: int) -> tuple[str, str]:
         """The names of the factors of a product. A minus sign goes to the factor that occurs negated most often."""
@@ -136,7 +134,7 @@ class Writer:
 
     def _negative(self, x: str) -> str:
         if x not in self.negatives:
-            self.negatives[x] = self._line(f"neg(K, {x})", self.sizes[x])
+            self.negatives[x] = self._line(f"K.neg({x})", self.sizes[x])
         return self.negatives[x]
 
     def _sum(self, plus: list[str], minus: list[str]) -> str:
@@ -148,16 +146,16 @@ class Writer:
             self._fit((total, x))
             while not within(size := _sum_size(self.sizes[total], self.sizes[x]), SETTLED):
                 self._bring_back(max(total, x, key=lambda x: self.sizes[x].lazy))
-            total = self._line(f"{sign}(K, {total}, {x})", size)
+            total = self._line(f"K.{sign}({total}, {x})", size)
         return total
 
     def _fit(self, terms: Iterable[str]) -> None:
         for x in dict.fromkeys(terms):
             if self.sizes[x].wide > CANONICAL.wide:
-                self._line(f"fit(K, {x})", self.sizes[x]._replace(wide=CANONICAL.wide), x)
+                self._line(f"K.fit({x})", self.sizes[x]._replace(wide=CANONICAL.wide), x)
 
     def _bring_back(self, x: str) -> None:
-        self._line(f"{'canonical' if within(self.sizes[x], NEAR) else 'settled'}(K, {x})", CANONICAL, x)
+        self._line(f"K.{'canonical' if within(self.sizes[x], NEAR) else 'settled'}({x})", CANONICAL, x)
 
     def _line(self, text: str, size: Size, name: str = "") -> str:
         name = name or f"t{len(self.lines)}"
@@ -195,12 +193,12 @@ def texts(model: type) -> dict[str, str]:
     g = formulas.genus
     places = [*reversed(range(g)), *reversed(range(g, 2 * g))]
     sizes = {"first": [CANONICAL] * 2 * g, "second": [CANONICAL] * 2 * g, "inverse": [CANONICAL]}
-    u, v = (" ".join(f"decode(K, D[{k}])," for k in part) for part in (reversed(range(g)), reversed(range(g, 2 * g))))
+    u, v = (" ".join(f"K.from_word(D[{k}])," for k in part) for part in (reversed(range(g)), reversed(range(g, 2 * g))))
     access = {
         "class_at(K, C, x, j)": [f"x[{k}, j]" for k in places],
         "quotient_at(K, C, S, j)": [f"S[{k + 2}, j]" for k in range(g + 1)],
         "class_in(K, C, a)": [f"a[{k + 3 + k // g}]" for k in places],
-        "encoded(K, C, u, v)": [f"encode(K, {'uv'[k // g]}[{k % g}])" for k in places],
+        "encoded(K, C, u, v)": [f"K.to_word({'uv'[k // g]}[{k % g}])" for k in places],
         "decoded(K, C, D)": [f"({u} 1)", f"({v})"],
     }
     found = {head.split("(")[0]: f"def {head}:\n    return {', '.join(items)}\n" for head, items in access.items()}
@@ -262,7 +260,7 @@ def functions(model: type) -> dict[str, Callable[..., Any]]:
     formulas, _ = MODELS[model]
     found = {}
     for name, text in texts(model).items():
-        defined = dict(vars(words))
+        defined: dict[str, Any] = {"__name__": __name__}
         exec(compile(text, f"<{name} of {model.__name__}>", "exec"), defined)
         found[name] = defined[name]
         found[name].text = text

@@ -79,8 +79,13 @@ def multiple(
     sum_of: Callable[[Class, Class], Class],
     double: Callable[[Class], Class],
     negate: Callable[[Class], Class],
+    zero: Class | None = None,
 ) -> Class:
-    """m·a for m > 0, by signed windows of four bits (width-w non-adjacent form; Solinas 2000)."""
+    """m·a, by signed windows of four bits (width-w non-adjacent form; Solinas 2000). Only m = 0 needs ``zero``."""
+    if m < 0:
+        m, a = -m, negate(a)
+    if m == 0:
+        return zero  # type: ignore[return-value]
     digits = signed_digits(m, 4 if m.bit_length() > 12 else 2)
     odd = {1: a}
     largest = max(map(abs, digits))
@@ -88,9 +93,10 @@ def multiple(
         twice = double(a)
         for i in range(3, largest + 1, 2):
             odd[i] = sum_of(odd[i - 2], twice)
+    odd |= {digit: negate(odd[-digit]) for digit in {*digits} if digit < 0}
     result = odd[digits[-1]]
     for digit in digits[-2::-1]:
         result = double(result)
         if digit:
-            result = sum_of(result, odd[digit] if digit > 0 else negate(odd[-digit]))
+            result = sum_of(result, odd[digit])
     return result

@@ -11,16 +11,36 @@ from jacobian.addition.straight import Formulas
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.prime import PrimeField
 
-Quintic = namedtuple("Quintic", "f2 f3 f4")
-Quintic.__doc__ = "y² = x⁵ + f₄x⁴ + … + f₀, as far as the formulas use it."
-Sextic = namedtuple("Sextic", "f2 f3 f4 f5 f6")
-Sextic.__doc__ = "y² = f₆x⁶ + … + f₀ with f₆ ≠ 0, as far as the formulas use it."
-BinaryQuintic = namedtuple("BinaryQuintic", "h0 h1 h2 f2 f3 f4")
-BinaryQuintic.__doc__ = "y² + (h₂x² + h₁x + h₀)y = x⁵ + f₄x⁴ + … + f₀ in characteristic 2, likewise."
-BinarySextic = namedtuple("BinarySextic", "h0 h1 h2 h3 f2 f3 f4 f5 f6")
-BinarySextic.__doc__ = "y² + (h₃x³ + … + h₀)y = f₆x⁶ + … + f₀ with h₃ ≠ 0 in characteristic 2, likewise."
-Septic = namedtuple("Septic", "f3 f4 f5 f6")
-Septic.__doc__ = "y² = x⁷ + f₆x⁶ + … + f₀, likewise."
+
+class Quintic(namedtuple("Quintic", "f2 f3 f4")):
+    """y² = x⁵ + f₄x⁴ + … + f₀, as far as the formulas use it."""
+
+    genus = 2
+
+
+class Sextic(namedtuple("Sextic", "f2 f3 f4 f5 f6")):
+    """y² = f₆x⁶ + … + f₀ with f₆ ≠ 0, as far as the formulas use it."""
+
+    genus = 2
+
+
+class BinaryQuintic(namedtuple("BinaryQuintic", "h0 h1 h2 f2 f3 f4")):
+    """y² + (h₂x² + h₁x + h₀)y = x⁵ + f₄x⁴ + … + f₀ in characteristic 2, likewise."""
+
+    genus = 2
+
+
+class BinarySextic(namedtuple("BinarySextic", "h0 h1 h2 h3 f2 f3 f4 f5 f6")):
+    """y² + (h₃x³ + … + h₀)y = f₆x⁶ + … + f₀ with h₃ ≠ 0 in characteristic 2, likewise."""
+
+    genus = 2
+
+
+class Septic(namedtuple("Septic", "f3 f4 f5 f6")):
+    """y² = x⁷ + f₆x⁶ + … + f₀, likewise."""
+
+    genus = 3
+
 
 _H = {"h0": 0, "h1": 0, "h2": 0, "h3": 0}
 MODELS: dict[type, tuple[Formulas, dict[str, int]]] = {

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 
 from jacobian.addition.cantor_words import add_classes, double_class, negate_class
 from jacobian.addition.short import Sextic
-from jacobian.addition.word_steps import chord, product, tangent
-from jacobian.addition.word_steps import closed as second_half
-from jacobian.numbers.words import add, inverse, mul, neg, sub
+from jacobian.addition.word_steps import STEPS
+from jacobian.numbers.words import inverse
 
 HEAD = 7
 """The number of words of a packed curve before its polynomials."""
@@ -67,23 +66,23 @@ def model_at(K: Any, x0: int, desk: Any) -> int:
         moved[i] = desk.F[i]
     for i in range(n - 1):
         for j in range(n - 2, i - 1, -1):
-            moved[j] = add(K, moved[j], mul(K, x0, moved[j + 1]))
+            moved[j] = K.add(moved[j], K.dot(x0, moved[j + 1]))
     if moved[0] == 0:
         return 0
     scale, half = inverse(K, moved[0]), (K.p + 1) // 2
     curve[0], curve[1], curve[2], curve[3], curve[4], curve[5], curve[6] = g, 1, n, 0, g + 2, g + 2, 1
     for i in range(n):
-        curve[HEAD + n - 1 - i] = mul(K, moved[i], scale)
+        curve[HEAD + n - 1 - i] = K.dot(moved[i], scale)
     # the principal parts ±V, V² = G up to terms of degree g and less
     top = HEAD + n + g + 1
     curve[top] = 1
     for i in range(1, g + 2):
         total = curve[HEAD + n - 1 - i]
         for j in range(1, i):
-            total = sub(K, total, mul(K, curve[top - j], curve[top - i + j]))
-        curve[top - i] = mul(K, total, half)
+            total = K.sub(total, K.dot(curve[top - j], curve[top - i + j]))
+        curve[top - i] = K.dot(total, half)
     for i in range(g + 2):
-        curve[top + g + 2 - i] = neg(K, curve[top - i])
+        curve[top + g + 2 - i] = K.neg(curve[top - i])
     return moved[0]
 
 
@@ -92,8 +91,8 @@ def is_square(K: Any, x: int) -> bool:
     result, exponent = 1, (K.p - 1) // 2
     while exponent > 0:
         if exponent % 2 == 1:
-            result = mul(K, result, x)
-        x = mul(K, x, x)
+            result = K.dot(result, x)
+        x = K.dot(x, x)
         exponent = exponent // 2
     return result == 1
 
@@ -130,7 +129,7 @@ def plus(K: Any, desk: Any, a: Any, b: Any, result: Any) -> None:
     curve = desk.curve
     if curve[0] == 2 and a[0] == 3 and b[0] == 3:
         first, second = (a[4], a[3], a[7], a[6]), (b[4], b[3], b[7], b[6])
-        if closed(K, curve, chord(K, sextic(curve), first, second), (first, second), result):
+        if closed(K, curve, STEPS[Sextic].chord(K, sextic(curve), first, second), (first, second), result):
             return
     add_classes(K, curve, desk.scratch, a, b, result)
 
@@ -140,7 +139,7 @@ def twice(K: Any, desk: Any, a: Any, result: Any) -> None:
     curve = desk.curve
     if curve[0] == 2 and a[0] == 3:
         first = (a[4], a[3], a[7], a[6])
-        if closed(K, curve, tangent(K, sextic(curve), first), (first, first), result):
+        if closed(K, curve, STEPS[Sextic].tangent(K, sextic(curve), first), (first, first), result):
             return
     double_class(K, curve, desk.scratch, a, result)
 
@@ -152,11 +151,11 @@ def sextic(curve: Any) -> Any:
 
 def closed(K: Any, curve: Any, quotient: Any, lines: Any, result: Any) -> bool:
     """Whether the explicit formulas of genus 2 apply; if so, ``result`` is set to the sum."""
-    C, multiple = sextic(curve), product(K, sextic(curve), quotient)
+    C, multiple = sextic(curve), STEPS[Sextic].product(K, sextic(curve), quotient)
     if multiple == 0:
         return False
     first, second = lines
-    u1, u0, v1, v0 = second_half(K, C, quotient, inverse(K, multiple), first, second)
+    u1, u0, v1, v0 = STEPS[Sextic].closed(K, C, quotient, inverse(K, multiple), first, second)
     result[0], result[1], result[2] = 3, 2 if v1 != 0 else 1 if v0 != 0 else 0, 0
     result[3], result[4], result[5], result[6], result[7] = u0, u1, 1, v0, v1
     return True

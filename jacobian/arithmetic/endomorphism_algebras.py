@@ -22,6 +22,7 @@ from jacobian.arithmetic.record import LPolynomials
 from jacobian.curve.zeta import power_sums
 from jacobian.errors import PrecisionLoss, shown
 from jacobian.finite.integers import factorization
+from jacobian.finite.weil import leading
 from jacobian.periods.endomorphisms import Endomorphisms, Integers
 
 ROOTS_OF_UNITY = 240
@@ -205,15 +206,12 @@ def _splits(polynomial: Any, d: int) -> bool:
 
 
 def _power(L: Sequence[int], n: int) -> Any:
-    """The monic polynomial whose roots are the n-th powers of the roots of Frobenius, by their power sums (Newton)."""
+    """The monic polynomial whose roots are the n-th powers of the roots of Frobenius, by their power sums."""
     from flint import fmpz_poly
 
     size = len(L) - 1
-    sums = power_sums(list(L), n * size)[::n]
-    found = [1]
-    for k in range(1, size + 1):
-        found.append(-sum(found[k - i] * sums[i] for i in range(1, k + 1)) // k)
-    return fmpz_poly(found[::-1])
+    sums = power_sums(list(L), n * size)[n::n]
+    return fmpz_poly(leading([-s for s in sums])[::-1])
 
 
 def _endomorphisms_of(frobenius: Any) -> int:

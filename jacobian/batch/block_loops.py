@@ -14,21 +14,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from jacobian.addition.short import MODELS
-from jacobian.addition.word_steps import (
-    chord,
-    cubic,
-    last_u,
-    last_v,
-    next_u,
-    next_v,
-    product,
-    quintic,
-    sum_u,
-    sum_v,
-    tangent,
-)  # fmt: skip
-from jacobian.numbers.words import canonical, inverse, mul
+from jacobian.addition.word_steps import STEPS
+from jacobian.numbers.words import inverse
 
 BLOCK = 256
 CHAINS = 32
@@ -83,50 +70,48 @@ def close_lines(K: Any, C: Any, S: Any, second: Any) -> None:
     """Computes the second halves of a block's sums in genus 2, from the inverses. Short loops let the processor work on
     more rows at once."""
     for j in range(BLOCK):
-        keep(S, MIDDLE, j, cubic(K, C, three(S, MIDDLE, j), S[PRODUCT + j], line(S, FIRST, j)))
+        keep(S, MIDDLE, j, STEPS[type(C)].cubic(K, C, three(S, MIDDLE, j), S[PRODUCT + j], line(S, FIRST, j)))
     for j in range(BLOCK):
-        e1, e0 = sum_u(K, C, four(S, MIDDLE, j), line(S, FIRST, j), line(S, second, j))
+        e1, e0 = STEPS[type(C)].u(K, C, four(S, MIDDLE, j), line(S, FIRST, j), line(S, second, j))
         keep(S, MEETING, j, (e0, e1))
     for j in range(BLOCK):
         u = S[MEETING + BLOCK + j], S[MEETING + j]
-        v1, v0 = sum_v(K, C, four(S, MIDDLE, j), u, line(S, FIRST, j))
+        v1, v0 = STEPS[type(C)].v(K, C, four(S, MIDDLE, j), u, line(S, FIRST, j))
         keep(S, MEETING + 2 * BLOCK, j, (v0, v1))
 
 
 def close_rows(K: Any, C: Any, S: Any, second: Any) -> None:
     """Computes the second halves of a block's sums in genus 3, as :func:`close_lines` does."""
     for j in range(BLOCK):
-        keep(S, MIDDLE, j, quintic(K, C, four(S, MIDDLE, j), S[PRODUCT + j]))
+        keep(S, MIDDLE, j, STEPS[type(C)].bent(K, C, four(S, MIDDLE, j), S[PRODUCT + j]))
     for j in range(BLOCK):
-        keep(S, MEETING, j, next_u(K, C, four(S, MIDDLE, j), row(S, FIRST, j), row(S, second, j)))
+        keep(S, MEETING, j, STEPS[type(C)].meeting(K, C, four(S, MIDDLE, j), row(S, FIRST, j), row(S, second, j)))
     for j in range(BLOCK):
         bent, meeting = four(S, MIDDLE, j), four(S, MEETING, j)
-        keep(S, MIDDLE, j, next_v(K, C, bent, meeting, row(S, FIRST, j), row(S, second, j)))
+        keep(S, MIDDLE, j, STEPS[type(C)].middle(K, C, bent, meeting, row(S, FIRST, j), row(S, second, j)))
     for j in range(BLOCK):
         v = four(S, MIDDLE, j)
-        u2, u1, u0 = last_u(K, C, four(S, MEETING, j), v)
-        v2, v1, v0 = last_v(K, C, (u2, u1, u0), v)
+        u2, u1, u0 = STEPS[type(C)].u(K, C, four(S, MEETING, j), v)
+        v2, v1, v0 = STEPS[type(C)].v(K, C, (u2, u1, u0), v)
         keep(S, SECOND, j, (u0, u1, u2, v0, v1, v2))
 
 
 def divisor(C: Any, S: Any, at: Any, j: Any) -> Any:
     """The divisor of row j, in the order that the formulas use."""
-    return STEPS[divisor][type(C)](S, at, j)
+    return line(S, at, j) if C.genus == 2 else row(S, at, j)
 
 
 def close(K: Any, C: Any, S: Any, second: Any) -> None:
     """Computes the second halves of a block's sums. The second summand begins at the offset ``second``."""
-    STEPS[close][type(C)](K, C, S, second)
+    if C.genus == 2:
+        close_lines(K, C, S, second)
+    else:
+        close_rows(K, C, S, second)
 
 
-def _of_genus(two: Any, three: Any) -> dict[type, Any]:
-    return {model: two if formulas.genus == 2 else three for model, (formulas, _) in MODELS.items()}
-
-
-STEPS: dict[Any, dict[type, Any]] = {divisor: _of_genus(line, row), close: _of_genus(close_lines, close_rows)}
-"""For each step, the function of each equation; the choice is made at compile time."""
-SUMS = _of_genus(MEETING, SECOND)
-"""The offset of a block's sums in the scratch array. In genus 3 the sums overwrite the second summands."""
+def sums(C: Any) -> Any:
+    """The offset of a block's sums in the scratch array. In genus 3 the sums overwrite the second summands."""
+    return MEETING if C.genus == 2 else SECOND
 
 
 # --- a block
@@ -134,13 +119,13 @@ SUMS = _of_genus(MEETING, SECOND)
 
 def keep_quotient(K: Any, C: Any, S: Any, j: Any, quotient: Any) -> None:
     """Stores the quotient of row j, the first half of its sum, and the product to be inverted."""
-    S[PRODUCT + j] = canonical(K, product(K, C, quotient))
+    S[PRODUCT + j] = K.canonical(STEPS[type(C)].product(K, C, quotient))
     keep(S, MIDDLE, j, quotient)
 
 
 def keep_tangent(K: Any, C: Any, S: Any, j: Any) -> None:
     """Computes the first half of the double of row j, and stores it as :func:`keep_quotient` does."""
-    keep_quotient(K, C, S, j, tangent(K, C, divisor(C, S, FIRST, j)))
+    keep_quotient(K, C, S, j, STEPS[type(C)].tangent(K, C, divisor(C, S, FIRST, j)))
 
 
 def all_general(S: Any, g: Any, first: Any, second: Any, start: Any, size: Any) -> Any:
@@ -168,22 +153,22 @@ def invert_products(K: Any, S: Any) -> None:
     for start in range(CHAINS, BLOCK, CHAINS):
         for j in range(CHAINS):
             S[BEFORE + start + j] = S[TAIL + j]
-            S[TAIL + j] = mul(K, S[TAIL + j], S[PRODUCT + start + j])
+            S[TAIL + j] = K.dot(S[TAIL + j], S[PRODUCT + start + j])
     total = K.one
     for j in range(CHAINS):
         S[BEFORE + j] = total
-        total = mul(K, total, S[TAIL + j])
-    back = inverse(K, canonical(K, total))
+        total = K.dot(total, S[TAIL + j])
+    back = inverse(K, K.canonical(total))
     for i in range(CHAINS):
         j = CHAINS - 1 - i
         end = S[TAIL + j]
-        S[TAIL + j] = mul(K, back, S[BEFORE + j])
-        back = mul(K, back, end)
+        S[TAIL + j] = K.dot(back, S[BEFORE + j])
+        back = K.dot(back, end)
     for start in range(BLOCK - CHAINS, 0, -CHAINS):
         for j in range(CHAINS):
             x = S[PRODUCT + start + j]
-            S[PRODUCT + start + j] = mul(K, S[TAIL + j], S[BEFORE + start + j])
-            S[TAIL + j] = mul(K, S[TAIL + j], x)
+            S[PRODUCT + start + j] = K.dot(S[TAIL + j], S[BEFORE + start + j])
+            S[TAIL + j] = K.dot(S[TAIL + j], x)
     for j in range(CHAINS):
         S[PRODUCT + j] = S[TAIL + j]
 
@@ -196,7 +181,7 @@ def finish(K: Any, C: Any, S: Any, second: Any, out: Any, start: Any, size: Any)
     close(K, C, S, second)
     for k in range(out.shape[0]):
         for j in range(size):
-            out[k, start + j] = S[SUMS[type(C)] + k * BLOCK + j]
+            out[k, start + j] = S[sums(C) + k * BLOCK + j]
 
 
 # --- rows
@@ -214,7 +199,7 @@ def add_rows(K: Any, C: Any, first: Any, second: Any, out: Any, span: Any, room:
         load(S, FIRST, x, start, size)
         load(S, SECOND, y, start, size)
         for j in range(BLOCK):
-            keep_quotient(K, C, S, j, chord(K, C, divisor(C, S, FIRST, j), divisor(C, S, SECOND, j)))
+            keep_quotient(K, C, S, j, STEPS[type(C)].chord(K, C, divisor(C, S, FIRST, j), divisor(C, S, SECOND, j)))
         if not all_general(S, g, x_degree, y_degree, start, size):
             for j in range(size):
                 if x_degree[start + j] == g and y_degree[start + j] == g:

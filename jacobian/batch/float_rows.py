@@ -224,9 +224,7 @@ class FloatRows:
         # 0·x has no class if x has none
         nothing = Rows(nothing.data, np.where(x.kinds < LOST, nothing.kind, x.kinds), len(x))
         if isinstance(scalars, int):
-            if scalars == 0:
-                return nothing
-            return multiple(abs(scalars), x if scalars > 0 else self.negate(x), self.add, self.double, self.negate)
+            return multiple(scalars, x, self.add, self.double, self.negate, nothing)
         base = self._chosen(np.array([m < 0 for m in scalars], bool), self.negate(x), x)
         result = nothing
         for k in range(max((abs(m).bit_length() for m in scalars), default=0) - 1, -1, -1):

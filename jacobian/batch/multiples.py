@@ -11,28 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from jacobian.addition.ladder import signed_digits
+from jacobian.addition.ladder import multiple
 
 
 def multiply_by_one(run: Any, x: Any, m: int) -> Any:
-    """The rows m·x_i, by signed windows of four bits (width-w non-adjacent form; Solinas 2000)."""
-    if m < 0:
-        return multiply_by_one(run, run.negate_here(x), -m)
-    if m == 0:
-        return run.zero(len(x))
-    digits = signed_digits(m, 4 if m.bit_length() > 12 else 2)
-    odd = {1: x}
-    if max(map(abs, digits)) > 1:
-        double = run.double_here(x)
-        for i in range(3, max(map(abs, digits)) + 1, 2):
-            odd[i] = run.add_here(odd[i - 2], double)
-    odd |= {-i: run.negate_here(odd[i]) for i in list(odd) if -i in digits}
-    result = odd[digits[-1]]
-    for digit in digits[-2::-1]:
-        result = run.double_here(result)
-        if digit:
-            result = run.add_here(result, odd[digit])
-    return result
+    """The rows m·x_i."""
+    return multiple(m, x, run.add_here, run.double_here, run.negate_here, run.zero(len(x)))
 
 
 def multiply_by_each(run: Any, x: Any, scalars: Sequence[int]) -> Any:

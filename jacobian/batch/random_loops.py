@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from jacobian.batch.block_loops import BLOCK
 from jacobian.batch.row_loops import reduced
-from jacobian.numbers.words import add, canonical, inverse, mul, neg, sub
+from jacobian.numbers.words import inverse
 
 CHAINS = 16
 """The number of powers computed in one loop. A product depends only on the one before it in its own chain, so the
@@ -31,18 +31,18 @@ def powers(K: Any, windows: Any, room: Any) -> None:
     value, power, odd = room
     for j in range(CHAINS):
         odd[0, j] = value[j]
-        power[j] = mul(K, value[j], value[j])
+        power[j] = K.dot(value[j], value[j])
     for i in range(1, odd.shape[0]):
         for j in range(CHAINS):
-            odd[i, j] = mul(K, odd[i - 1, j], power[j])
+            odd[i, j] = K.dot(odd[i - 1, j], power[j])
     for j in range(CHAINS):
         power[j] = K.one
     for digit in windows:
         for j in range(CHAINS):
-            power[j] = mul(K, power[j], power[j])
+            power[j] = K.dot(power[j], power[j])
         if digit > 0:
             for j in range(CHAINS):
-                power[j] = mul(K, power[j], odd[digit >> 1, j])
+                power[j] = K.dot(power[j], odd[digit >> 1, j])
 
 
 def square_root(K: Any, a: Any, power: Any, generator: Any, twos: Any) -> Any:
@@ -50,21 +50,21 @@ def square_root(K: Any, a: Any, power: Any, generator: Any, twos: Any) -> Any:
 
     With p − 1 = m·2^twos, m odd, ``power`` is a^((m − 1)/2), and ``generator`` has order 2^twos.
     """
-    root = canonical(K, mul(K, a, power))
-    rest = canonical(K, mul(K, root, power))
+    root = K.canonical(K.dot(a, power))
+    rest = K.canonical(K.dot(root, power))
     size = twos
     while rest != K.one:
         order, square = 0, rest
         while square != K.one and order < size:
-            square = canonical(K, mul(K, square, square))
+            square = K.canonical(K.dot(square, square))
             order += 1
         if order >= size:
-            return sub(K, K.one, K.one)
+            return K.sub(K.one, K.one)
         for _ in range(size - order - 1):
-            generator = canonical(K, mul(K, generator, generator))
-        root = canonical(K, mul(K, root, generator))
-        generator = canonical(K, mul(K, generator, generator))
-        rest = canonical(K, mul(K, rest, generator))
+            generator = K.canonical(K.dot(generator, generator))
+        root = K.canonical(K.dot(root, generator))
+        generator = K.canonical(K.dot(generator, generator))
+        rest = K.canonical(K.dot(rest, generator))
         size = order
     return root
 
@@ -82,8 +82,8 @@ def lift(K: Any, f: Any, roots: Any, x: Any, y: Any, second: Any, found: Any, ro
             value[j] = f[len(f) - 1]
         for j in range(size):
             for k in range(len(f) - 1):
-                more = canonical(K, mul(K, value[j], x[start + j]))
-                value[j] = canonical(K, add(K, more, f[len(f) - 2 - k]))
+                more = K.canonical(K.dot(value[j], x[start + j]))
+                value[j] = K.canonical(K.add(more, f[len(f) - 2 - k]))
         powers(K, windows, room)
         for j in range(size):
             i = start + j
@@ -91,7 +91,7 @@ def lift(K: Any, f: Any, roots: Any, x: Any, y: Any, second: Any, found: Any, ro
                 y[i], found[i] = 0, 1 - second[i]
                 continue
             root = square_root(K, value[j], room.power[j], generator, twos)
-            y[i], found[i] = canonical(K, neg(K, root)) if second[i] > 0 else root, root != 0
+            y[i], found[i] = K.canonical(K.neg(root)) if second[i] > 0 else root, root != 0
 
 
 class Differences(NamedTuple):
@@ -108,7 +108,7 @@ def through_points(K: Any, points: Any, out: Any, double: Any, room: Any) -> Non
     (x, y), (values, before) = points, room
     g, count = x.shape[0], x.shape[1]
     for i in range(count):
-        out[0, i], out[g, i] = canonical(K, neg(K, x[0, i])), y[0, i]
+        out[0, i], out[g, i] = K.canonical(K.neg(x[0, i])), y[0, i]
     for d in range(1, g):
         for start in range(0, count, BLOCK):
             size = min(BLOCK, count - start)
@@ -119,14 +119,14 @@ def through_points(K: Any, points: Any, out: Any, double: Any, room: Any) -> Non
                 if values[j] == 0:
                     double[start + j] = 1
                     values[j] = K.one
-                total = canonical(K, mul(K, total, values[j]))
+                total = K.canonical(K.dot(total, values[j]))
             back = inverse(K, total)
             for k in range(size):
                 j = size - 1 - k
                 i = start + j
-                slope = canonical(K, sub(K, y[d, i], value_at(K, out, g, d, i, x[d, i], 0)))
-                slope = canonical(K, mul(K, slope, canonical(K, mul(K, back, before[j]))))
-                back = canonical(K, mul(K, back, values[j]))
+                slope = K.canonical(K.sub(y[d, i], value_at(K, out, g, d, i, x[d, i], 0)))
+                slope = K.canonical(K.dot(slope, K.canonical(K.dot(back, before[j]))))
+                back = K.canonical(K.dot(back, values[j]))
                 join(K, out, g, d, i, x[d, i], slope)
 
 
@@ -134,17 +134,17 @@ def value_at(K: Any, rows: Any, at: Any, d: Any, i: Any, x: Any, lead: Any) -> A
     """lead·x^d + rows[at + d − 1, i]·x^(d−1) + … + rows[at, i]."""
     total = lead
     for k in range(d):
-        total = canonical(K, add(K, canonical(K, mul(K, total, x)), rows[at + d - 1 - k, i]))
+        total = K.canonical(K.add(K.canonical(K.dot(total, x)), rows[at + d - 1 - k, i]))
     return total
 
 
 def join(K: Any, rows: Any, g: Any, d: Any, i: Any, x: Any, slope: Any) -> None:
     """Replaces v by v + slope·u, and u, of degree d, by u·(X − x)."""
     for k in range(d):
-        rows[g + k, i] = canonical(K, add(K, rows[g + k, i], canonical(K, mul(K, slope, rows[k, i]))))
+        rows[g + k, i] = K.canonical(K.add(rows[g + k, i], K.canonical(K.dot(slope, rows[k, i]))))
     rows[g + d, i] = slope
-    rows[d, i] = canonical(K, sub(K, rows[d - 1, i], x))
+    rows[d, i] = K.canonical(K.sub(rows[d - 1, i], x))
     for n in range(d - 1):
         k = d - 1 - n
         rows[k, i] = reduced(K, rows[k - 1, i], x, rows[k, i])
-    rows[0, i] = canonical(K, neg(K, canonical(K, mul(K, x, rows[0, i]))))
+    rows[0, i] = K.canonical(K.neg(K.canonical(K.dot(x, rows[0, i]))))

@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from jacobian.addition.cantor_words import add_classes, double_class, negate_class
-from jacobian.numbers.words import add, canonical, decode, dot2, encode, mul, neg, sub
 
 # --- conversions
 
@@ -19,19 +18,19 @@ def encode_rows(K: Any, elements: Any, out: Any) -> None:
     """Writes the words of field elements, given as ints, to ``out``, which may be the array ``elements`` itself."""
     for k in range(elements.shape[0]):
         for i in range(elements.shape[1]):
-            out[k, i] = encode(K, elements[k, i])
+            out[k, i] = K.to_word(elements[k, i])
 
 
 def decode_rows(K: Any, x: Any, out: Any) -> None:
     """Writes the field elements, as ints, of the words x to ``out``, which may be the array x itself."""
     for k in range(x.shape[0]):
         for i in range(x.shape[1]):
-            out[k, i] = decode(K, x[k, i])
+            out[k, i] = K.from_word(x[k, i])
 
 
 def reduced(K: Any, a: Any, c: Any, u: Any) -> Any:
     """a − cu, canonical."""
-    return canonical(K, sub(K, a, canonical(K, mul(K, c, u))))
+    return K.canonical(K.sub(a, K.canonical(K.dot(c, u))))
 
 
 def modulo_u(K: Any, a: Any, x: Any, j: Any, degree: Any, R: Any) -> None:
@@ -52,7 +51,7 @@ def shift_rows(K: Any, shift: Any, x: Any, degree: Any, R: Any) -> None:
     for j in range(x.shape[1]):
         modulo_u(K, shift, x, j, degree[j], R)
         for k in range(g):
-            x[g + k, j] = canonical(K, add(K, x[g + k, j], R[0, k]))
+            x[g + k, j] = K.canonical(K.add(x[g + k, j], R[0, k]))
 
 
 def scale_rows(K: Any, powers: Any, x: Any, degree: Any) -> None:
@@ -61,8 +60,8 @@ def scale_rows(K: Any, powers: Any, x: Any, degree: Any) -> None:
     for j in range(x.shape[1]):
         for k in range(g):
             if k < degree[j]:
-                x[k, j] = canonical(K, mul(K, x[k, j], powers[degree[j] - k]))
-            x[g + k, j] = canonical(K, mul(K, x[g + k, j], powers[g - k]))
+                x[k, j] = K.canonical(K.dot(x[k, j], powers[degree[j] - k]))
+            x[g + k, j] = K.canonical(K.dot(x[g + k, j], powers[g - k]))
 
 
 def first_off_curve(K: Any, equation: Any, x: Any, degree: Any, R: Any) -> Any:
@@ -73,14 +72,14 @@ def first_off_curve(K: Any, equation: Any, x: Any, degree: Any, R: Any) -> Any:
         d = degree[j]
         modulo_u(K, h, x, j, d, R)
         for k in range(g):
-            R[1, k], R[2, k] = canonical(K, add(K, x[g + k, j], R[0, k])), 0
+            R[1, k], R[2, k] = K.canonical(K.add(x[g + k, j], R[0, k])), 0
         # R[2] becomes v·R[1] modulo u, by Horner's rule
         for i in range(d):
             c, lead = x[g + d - 1 - i, j], R[2, d - 1]
             for n in range(d):
                 m = d - 1 - n
-                more = canonical(K, dot2(K, c, R[1, m], neg(K, lead), x[m, j]))
-                R[2, m] = canonical(K, add(K, R[2, m - 1], more)) if m > 0 else more
+                more = K.canonical(K.dot(c, R[1, m], K.neg(lead), x[m, j]))
+                R[2, m] = K.canonical(K.add(R[2, m - 1], more)) if m > 0 else more
         modulo_u(K, f, x, j, d, R)
         for k in range(g):
             if R[0, k] != R[2, k]:
@@ -98,12 +97,12 @@ def negate_rows(K: Any, h: Any, first: Any, out: Any, span: Any, R: Any) -> None
     for k in range(g):
         for j in range(begin, end):
             out[k, j] = x[k, j]
-            out[g + k, j] = neg(K, x[g + k, j])
+            out[g + k, j] = K.neg(x[g + k, j])
     if len(h) > 0:
         for j in range(begin, end):
             modulo_u(K, h, x, j, degree[j], R)
             for k in range(g):
-                out[g + k, j] = canonical(K, sub(K, out[g + k, j], R[0, k]))
+                out[g + k, j] = K.canonical(K.sub(out[g + k, j], R[0, k]))
 
 
 def select_rows(tables: Any, choice: Any, out: Any) -> None:

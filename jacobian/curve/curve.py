@@ -139,13 +139,6 @@ class HyperellipticCurve(CurveQuestions[Element]):
             raise SingularCurve(f"{self!r} has a singular point at {where}: f and h must define a smooth curve")
 
     @cached_property
-    def discriminant(self) -> poly.Poly[Element]:
-        """h² + 4f, whose roots are the branch points in characteristic other than 2."""
-        K = self.field
-        four_f = poly.scale(K, poly.integer(K, 4), self.f)
-        return poly.add(K, poly.mul(K, self.h, self.h), poly.trim(K, four_f))
-
-    @cached_property
     def arithmetic_model(self) -> HyperellipticCurve[Element]:
         """The isomorphic curve on which divisors are added: this one, or its image under y → y + z₀x^(g+1).
 

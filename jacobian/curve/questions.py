@@ -6,6 +6,7 @@ the Jacobian call methods of :class:`jacobian.finite.group.FiniteGroup`.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, Self
 
 from jacobian import poly
@@ -41,6 +42,13 @@ class CurveQuestions(Immutable, Generic[Element]):
     def jacobian(self) -> Jacobian[Element]:
         """The Jacobian of this curve, always the same object (:class:`jacobian.group.Jacobian`)."""
         raise NotImplementedError
+
+    @cached_property
+    def discriminant(self) -> poly.Poly[Element]:
+        """h² + 4f, whose roots are the branch points in characteristic other than 2."""
+        K = self.field
+        four_f = poly.scale(K, poly.integer(K, 4), self.f)
+        return poly.add(K, poly.mul(K, self.h, self.h), poly.trim(K, four_f))
 
     # --- over other fields
 
@@ -94,9 +102,7 @@ class CurveQuestions(Immutable, Generic[Element]):
             raise ArgumentError(f"d = {shown(by)}: the twist by it is the curve itself, or none; give a non-square")
         if even:
             return self._with(K, poly.add(K, self.f, poly.scale(K, by, poly.mul(K, self.h, self.h))), self.h)
-        four = poly.integer(K, 4)
-        F = poly.add(K, poly.mul(K, self.h, self.h), poly.scale(K, four, self.f))
-        return self._with(K, poly.trim(K, poly.scale(K, by, F)), ())
+        return self._with(K, poly.trim(K, poly.scale(K, by, self.discriminant)), ())
 
     def _twists_nothing(self, d: Element) -> bool:
         K: Any = self.field

@@ -22,9 +22,6 @@ from jacobian.fields.prime import PrimeField
 class ExtensionField(FiniteField):
     """GF(p^k) with k > 1; elements are ints in [0, p^k). Get one from :func:`jacobian.GF`."""
 
-    zero = 0
-    one = 1
-
     def __init__(self, base: PrimeField, modulus: tuple[int, ...]) -> None:
         self.base = base
         self.p = self.characteristic = base.p
@@ -75,9 +72,6 @@ class ExtensionField(FiniteField):
             raise FieldError(f"{argument} = {written(value)} lies in {kind.name}, not in {self.name}")
         return int(value)
 
-    def element(self, index: int) -> int:
-        return index
-
     def coefficients(self, x: int) -> list[int]:
         """The k ascending coefficients of x as a polynomial in the generator ``a``."""
         digits = []
@@ -99,10 +93,6 @@ class ExtensionField(FiniteField):
 
         base = galois.GF(self.p)
         return galois.GF(self.p**self.degree, irreducible_poly=galois.Poly(self.modulus[::-1], field=base))
-
-    def to_galois(self, elements: Sequence[int]) -> Any:
-        """The galois array of raw elements."""
-        return self.galois(list(elements))
 
 
 def coerce_modulus(base: PrimeField, k: int, modulus: Any) -> tuple[int, ...]:

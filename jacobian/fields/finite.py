@@ -27,15 +27,6 @@ class FiniteFieldOf(Immutable, Generic[Element]):
         """The element that ``value`` stands for, or a FieldError that names ``argument``."""
         raise NotImplementedError
 
-    @property
-    def galois(self) -> Any:
-        """galois's class of this field."""
-        raise NotImplementedError
-
-    def to_galois(self, elements: Sequence[int]) -> Any:
-        """A galois array of elements."""
-        raise NotImplementedError
-
     def add(self, x: Element, y: Element) -> Element:
         raise NotImplementedError
 
@@ -183,4 +174,19 @@ class FiniteFieldOf(Immutable, Generic[Element]):
 
 
 class FiniteField(FiniteFieldOf[int]):
-    """A finite field whose elements are ints. :func:`jacobian.GF` returns it."""
+    """A finite field whose elements are the ints 0 … order − 1. :func:`jacobian.GF` returns it."""
+
+    zero = 0
+    one = 1
+
+    @property
+    def galois(self) -> Any:
+        """galois's class of this field."""
+        raise NotImplementedError
+
+    def to_galois(self, elements: Sequence[int]) -> Any:
+        """The galois array of elements."""
+        return self.galois(list(elements))
+
+    def element(self, index: int) -> int:
+        return index

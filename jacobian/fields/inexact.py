@@ -2,48 +2,23 @@
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable, Hashable, Sequence
 from math import inf
-from typing import Any, Generic
+from typing import Any
 
 from jacobian.element import Element
 from jacobian.errors import PrecisionLoss, written
-from jacobian.immutable import Immutable
+from jacobian.fields.protocol import OperatorField
 
 
-class InexactField(Immutable, Generic[Element]):
-    """Base of RR, CC and MP: Python's arithmetic operators, and a zero test that raises PrecisionLoss when it cannot
-    decide.
-    """
+class InexactField(OperatorField[Element]):
+    """Base of RR, CC and MP: a zero test that raises PrecisionLoss when it cannot decide."""
 
-    name: str
     exact = False
-    characteristic = 0
-    order = None
-    zero: Any
     eps: Any
     dps: Any = None
     """The decimal digits of the numbers; None for RR and CC."""
     complex: bool = False
     """Whether the numbers are complex."""
-
-    def __repr__(self) -> str:
-        return self.name
-
-    # these are the operators themselves, since a wrapping method would double the cost
-    add: Callable[[Element, Element], Element] = staticmethod(operator.add)
-    sub: Callable[[Element, Element], Element] = staticmethod(operator.sub)
-    mul: Callable[[Element, Element], Element] = staticmethod(operator.mul)
-    div: Callable[[Element, Element], Element] = staticmethod(operator.truediv)
-    neg: Callable[[Element], Element] = staticmethod(operator.neg)  # type: ignore[assignment]
-
-    def inv(self, x: Any) -> Element:
-        return 1 / x
-
-    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
-        """Σ x_i y_i; fields that round it once override this method."""
-        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
 
     def is_zero(self, x: Any, scale: Any = None) -> bool:
         """Whether x, a difference of terms of size ``scale``, is zero.
@@ -75,12 +50,3 @@ class InexactField(Immutable, Generic[Element]):
             f"x = {written(x)} beside terms of size scale = {written(scale)}: beyond the range of {self.name}; use "
             "MP(digits)"
         )
-
-    def key(self, x: Any) -> Hashable:
-        """x itself, which is hashable."""
-        result: Hashable = x
-        return result
-
-    def from_key(self, key: Any) -> Any:
-        """The element whose :meth:`key` is ``key``."""
-        return key

@@ -24,23 +24,11 @@ def is_prime(n: int) -> bool:
     for prime in _PRIMES:
         if n % prime == 0:
             return n == prime
+    from gmpy2 import is_strong_bpsw_prp, is_strong_prp
+
     if n < _PROVEN_BELOW:
-        return all(_is_strong_probable_prime(n, base) for base in _PRIMES[:13])
-    from gmpy2 import is_strong_bpsw_prp
-
+        return all(is_strong_prp(n, base) for base in _PRIMES[:13])
     return bool(is_strong_bpsw_prp(n))
-
-
-def _is_strong_probable_prime(n: int, base: int) -> bool:
-    twos = ((n - 1) & (1 - n)).bit_length() - 1
-    x = pow(base, (n - 1) >> twos, n)
-    if x in (1, n - 1):
-        return True
-    for _ in range(twos - 1):
-        x = x * x % n
-        if x == n - 1:
-            return True
-    return False
 
 
 def prime_factors(n: int) -> list[int]:

@@ -16,8 +16,6 @@ from jacobian.fields.primality import is_prime, prime_power
 class PrimeField(FiniteField):
     """GF(p); elements are ints in [0, p). Get one from :func:`jacobian.GF`."""
 
-    zero = 0
-    one = 1
     degree = 1
 
     def __init__(self, p: int) -> None:
@@ -91,19 +89,12 @@ class PrimeField(FiniteField):
             raise NotASquare(f"{written(x)} is not a square in {self.name}")
         return root
 
-    def element(self, index: int) -> int:
-        return index
-
     @cached_property
     def galois(self) -> Any:
         """The :mod:`galois` class of this field (galois is imported here and not before)."""
         import galois
 
         return galois.GF(self.p)
-
-    def to_galois(self, elements: Sequence[int]) -> Any:
-        """The galois array of raw elements."""
-        return self.galois(list(elements))
 
     # Polynomials on tuples of ints: the same results as the plain versions in jacobian.poly, several times faster
     # because a coefficient is reduced once and no method is called for an element.

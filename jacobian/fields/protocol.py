@@ -1,4 +1,4 @@
-"""The interface of a field: an object that computes with raw elements.
+"""The interface of a field, an object that computes with raw elements, and the base of fields with operators.
 
 Elements stay ordinary Python objects (``int``, ``Fraction``, ``float``, ``complex``, ``mpf``), and the field supplies
 the operations. Polynomials and divisors leave every operation to the field, so one algorithm serves all fields.
@@ -6,11 +6,13 @@ the operations. Polynomials and divisors leave every operation to the field, so 
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from typing import Protocol, runtime_checkable
+import operator
+from collections.abc import Callable, Hashable, Sequence
+from typing import Any, Generic, Protocol, runtime_checkable
 
 from jacobian.element import Arithmetic, Element, Rng
 from jacobian.errors import ArgumentError, shown
+from jacobian.immutable import Immutable
 
 
 def check_field(K: Field[Element], argument: str) -> Field[Element]:
@@ -52,3 +54,40 @@ class Field(Arithmetic[Element], Protocol[Element]):
         ...
 
     def __hash__(self) -> int: ...
+
+
+class OperatorField(Immutable, Generic[Element]):
+    """Base of the fields whose operations are Python's operators: QQ, RR, CC and MP."""
+
+    name: str
+    characteristic = 0
+    order = None
+    zero: Element
+
+    def __repr__(self) -> str:
+        return self.name
+
+    # these are the operators themselves, since a wrapping method would double the cost
+    add: Callable[[Element, Element], Element] = staticmethod(operator.add)
+    sub: Callable[[Element, Element], Element] = staticmethod(operator.sub)
+    mul: Callable[[Element, Element], Element] = staticmethod(operator.mul)
+    div: Callable[[Element, Element], Element] = staticmethod(operator.truediv)
+    neg: Callable[[Element], Element] = staticmethod(operator.neg)  # type: ignore[assignment]
+
+    def inv(self, x: Element) -> Element:
+        result: Element = operator.truediv(1, x)
+        return result
+
+    def dot(self, xs: Sequence[Element], ys: Sequence[Element]) -> Element:
+        """Σ x_i y_i; fields that round it once override this method."""
+        zero: Any = self.zero
+        result: Element = sum(map(operator.mul, xs, ys), zero)
+        return result
+
+    def key(self, x: Element) -> Hashable:
+        """x itself, which is hashable."""
+        return x
+
+    def from_key(self, key: Element) -> Element:
+        """The element whose :meth:`key` is ``key``."""
+        return key

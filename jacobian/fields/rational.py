@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from math import isqrt
-from operator import mul
+from math import gcd, isqrt, lcm
 
 from jacobian.element import Rng
 from jacobian.errors import FieldError, NotASquare, shown, written
 from jacobian.fields.coercion import rational
+from jacobian.fields.protocol import OperatorField
 from jacobian.fields.randomness import random_below
-from jacobian.immutable import Immutable
 
 
-class RationalField(Immutable):
+class RationalField(OperatorField[Fraction]):
     """The rational numbers; elements are :class:`fractions.Fraction`. The instance is :data:`jacobian.QQ`."""
 
     name = "QQ"
     exact = True
-    characteristic = 0
-    order = None
     zero = Fraction(0)
     one = Fraction(1)
-
-    def __repr__(self) -> str:
-        return self.name
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, RationalField)
@@ -49,28 +43,6 @@ class RationalField(Immutable):
             raise FieldError(f"{argument} = {shown(value)} is not an element of QQ: give {hint}")
         return Fraction(x)
 
-    def add(self, x: Fraction, y: Fraction) -> Fraction:
-        return x + y
-
-    def sub(self, x: Fraction, y: Fraction) -> Fraction:
-        return x - y
-
-    def mul(self, x: Fraction, y: Fraction) -> Fraction:
-        return x * y
-
-    def neg(self, x: Fraction) -> Fraction:
-        return -x
-
-    def inv(self, x: Fraction) -> Fraction:
-        return 1 / x
-
-    def div(self, x: Fraction, y: Fraction) -> Fraction:
-        return x / y
-
-    def dot(self, xs: Sequence[Fraction], ys: Sequence[Fraction]) -> Fraction:
-        """Σ x_i y_i."""
-        return sum(map(mul, xs, ys), self.zero)
-
     def is_zero(self, x: Fraction, scale: object = None) -> bool:
         """Whether x is zero; ``scale`` is not used."""
         return x == 0
@@ -87,9 +59,9 @@ class RationalField(Immutable):
         """A fraction of small height: numerator in −20 … 20, denominator in 1 … 6."""
         return Fraction(random_below(rng, 41) - 20, random_below(rng, 6) + 1)
 
-    def key(self, x: Fraction) -> Hashable:
-        return x
 
-    def from_key(self, key: Fraction) -> Fraction:
-        """The element whose :meth:`key` is ``key``."""
-        return Fraction(key)
+def primitive(numbers: Sequence[Fraction]) -> list[int]:
+    """The integers without a common divisor that are proportional to rational numbers, with a positive factor."""
+    factor = lcm(*(x.denominator for x in numbers))
+    found = [int(x * factor) for x in numbers]
+    return [x // gcd(*found) for x in found]

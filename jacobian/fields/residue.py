@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 from jacobian import poly
+from jacobian.errors import NotASquare
 from jacobian.fields.finite import FiniteField, FiniteFieldOf
 
 
@@ -45,27 +47,8 @@ class ResidueField(FiniteFieldOf[poly.Poly]):
         if len(self.modulus) == 2 and x:
             return (K.sqrt(x[0]),)
         if len(self.modulus) == 3 and x and self.characteristic > 2:
-            return self._quadratic_sqrt(*x, *[K.zero] * (2 - len(x)))
+            return quadratic_root(K, self.modulus, x)
         return super().sqrt(x)
-
-    def _quadratic_sqrt(self, t: Any, s: Any) -> poly.Poly:
-        """The square root y of t + sX, where X² = −bX − c, from its norm n and its trace r: y² = ry − n."""
-        K, (c, b, _) = self.base, self.modulus
-        half = K.inv(poly.integer(K, 2))
-        if s == K.zero:
-            if K.is_square(t):
-                return (K.sqrt(t),)
-            # neither t nor b²/4 − c is a square, so their quotient is a square
-            shift = K.mul(b, half)
-            m = K.sqrt(K.div(t, K.sub(K.mul(shift, shift), c)))
-            return poly.trim(K, (K.mul(m, shift), m))
-        n = K.sqrt(K.add(K.mul(t, K.sub(t, K.mul(b, s))), K.mul(c, K.mul(s, s))))
-        trace = K.sub(K.add(t, t), K.mul(b, s))
-        # trace² − 4n² = s²(b² − 4c) is not a square, so exactly one of trace ± 2n is a square
-        if not K.is_square(K.add(trace, K.add(n, n))):
-            n = K.neg(n)
-        inverse = K.inv(K.sqrt(K.add(trace, K.add(n, n))))
-        return poly.trim(K, (K.mul(K.add(t, n), inverse), K.mul(s, inverse)))
 
     def element(self, index: int) -> poly.Poly:
         return polynomial_number(self.base, index)
@@ -78,3 +61,27 @@ def polynomial_number(K: FiniteField, index: int) -> poly.Poly:
         index, digit = divmod(index, K.order)
         digits.append(K.element(digit))
     return tuple(digits)
+
+
+def quadratic_root(K: Any, modulus: poly.Poly, value: poly.Poly) -> poly.Poly:
+    """A square root of a non-zero element t + sX of K[X]/(X² + bX + c), char K ≠ 2, from its norm and its trace.
+
+    NotASquare if there is none, or if K has no root of the norm.
+    """
+    (c, b, _), (t, s) = modulus, (*value, K.zero)[:2]
+    half = K.inv(poly.integer(K, 2))
+    if s == K.zero:
+        with suppress(NotASquare):
+            return (K.sqrt(t),)
+        # a root without trace is m(X + b/2)
+        shift = K.mul(b, half)
+        m = K.sqrt(K.div(t, K.sub(K.mul(shift, shift), c)))
+        return poly.trim(K, (K.mul(m, shift), m))
+    norm = K.sqrt(K.add(K.mul(t, K.sub(t, K.mul(b, s))), K.mul(c, K.mul(s, s))))
+    trace = K.sub(K.add(t, t), K.mul(b, s))
+    for n in (norm, K.neg(norm)):
+        with suppress(NotASquare):
+            # a root y of norm n has the trace r = √(trace + 2n), and y² = ry − n; r ≠ 0, as trace² − 4n² = s²(b² − 4c)
+            inverse = K.inv(K.sqrt(K.add(trace, K.add(n, n))))
+            return poly.trim(K, (K.mul(K.add(t, n), inverse), K.mul(s, inverse)))
+    raise NotASquare(f"{poly.text(K, value)} is not a square modulo {poly.text(K, modulus)} over {K.name}")

@@ -21,6 +21,7 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import shown
 from jacobian.fields.prime import PrimeField
 from jacobian.finite.elimination import alone
+from jacobian.finite.weil import leading
 
 Element = tuple[int, ...]
 """The coefficients c_i of an element Σ c_i ζ^i, i < ℓ. They are not unique."""
@@ -108,7 +109,4 @@ def _characteristic_polynomial(a: Element) -> list[int]:
     for _ in range(size):
         traces.append(size * power[0] - sum(power[1:]))
         power = _times(power, a)
-    descending = [1]
-    for k in range(1, size + 1):
-        descending.append(-sum(traces[i] * descending[k - 1 - i] for i in range(k)) // k)
-    return descending[::-1]
+    return leading([-trace for trace in traces])[::-1]

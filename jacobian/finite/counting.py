@@ -7,16 +7,15 @@ elements.
 
 from __future__ import annotations
 
-from itertools import count
 from typing import Any
 
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import FieldError, Infeasible, shown
-from jacobian.fields.irreducible import is_irreducible
+from jacobian.fields.irreducible import first_irreducible
 from jacobian.fields.prime import prime_field
-from jacobian.fields.residue import polynomial_number
 from jacobian.fields.table import TableField
+from jacobian.finite import weil
 
 TABLE_SIZE = 1 << 20
 ARRAY_SIZE = 10**7
@@ -24,20 +23,12 @@ _CHUNK = 1 << 18
 
 
 def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
-    """The characteristic polynomial of Frobenius on the Jacobian, ascending, of degree 2g (Weil).
-
-    With S_i = #C(GF(q^i)) − q^i − 1, the coefficients a_i of T^(2g−i) obey i·a_i = Σ S_j a_(i−j); those of T^i are
-    q^(g−i) a_i.
-    """
+    """The characteristic polynomial of Frobenius on the Jacobian, ascending, of degree 2g (Weil)."""
     q, g = C.field.order, C.genus
     if q is None:
         raise FieldError(f"field = {C.field.name}: points are counted over finite fields")
     _check_feasible(C, g)
-    excess = [0] + [count_points(C, i) - q**i - 1 for i in range(1, g + 1)]
-    a = [1]
-    for i in range(1, g + 1):
-        a.append(sum(excess[j] * a[i - j] for j in range(1, i + 1)) // i)
-    return [q ** (g - i) * a[i] for i in range(g)] + a[::-1]
+    return weil.from_leading(weil.leading([count_points(C, i) - q**i - 1 for i in range(1, g + 1)]), q)
 
 
 def count_points(C: HyperellipticCurve, degree: int = 1) -> int:
@@ -65,15 +56,6 @@ def _check_feasible(C: HyperellipticCurve, degree: int) -> None:
         )
 
 
-def irreducible(base: Any, degree: int) -> poly.Poly:
-    """The first monic irreducible polynomial of this degree over a finite field."""
-    for number in count(base.order**degree):
-        m = polynomial_number(base, number)
-        if is_irreducible(base, m):
-            return m
-    raise AssertionError
-
-
 def _count_by_tables(C: HyperellipticCurve, degree: int) -> int:
     import numpy as np
 
@@ -82,7 +64,7 @@ def _count_by_tables(C: HyperellipticCurve, degree: int) -> int:
     if size == 1:
         return sum(len(C.lift_x(x, all=True)) for x in range(K.order))
     base = prime_field(K.characteristic)
-    L = K if degree == 1 and isinstance(K, TableField) else TableField(base, irreducible(base, size))
+    L = K if degree == 1 and isinstance(K, TableField) else TableField(base, first_irreducible(base, size))
     h, f = _embed(K, L, C.h), _embed(K, L, C.f)
     if L.p == 2:
         return _count_by_trace(L, h, f)
@@ -138,7 +120,7 @@ def _count_by_norms(C: HyperellipticCurve, degree: int) -> int:
     import numpy as np
 
     p: Any = C.field.order
-    modulus = irreducible(C.field, degree) if degree > 1 else (0, 1)
+    modulus = first_irreducible(prime_field(p), degree) if degree > 1 else (0, 1)
     character = np.full(p, -1, dtype=np.int64)
     character[np.arange(p, dtype=np.int64) ** 2 % p] = 1
     character[0] = 0

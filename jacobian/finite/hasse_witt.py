@@ -36,17 +36,14 @@ PLAIN_TO = 10**7
 
 
 def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
-    """The coefficients a_1 … a_g modulo p of χ(T) = T^2g + a_1 T^(2g−1) + …, or None where the method does not apply.
+    """The coefficients a_1 … a_g modulo p of χ(T) = T^2g + a_1 T^(2g−1) + …, or None in characteristic 2.
 
-    χ(T) ≡ T^g · det(T − A·A^(p)·…·A^(q/p)) for the Cartier–Manin matrix A. The method needs odd characteristic and,
-    over GF(p) beyond COMPILED_FROM, g elements of the field that are not roots of F.
+    χ(T) ≡ T^g · det(T − A·A^(p)·…·A^(q/p)) for the Cartier–Manin matrix A.
     """
     K: Any = C.field
     if K.characteristic == 2:
         return None
     matrix = cartier_manin(_of_odd_degree(C) if K.characteristic > PRODUCTS_FROM else C)
-    if matrix is None:
-        return None
     norm = factor = matrix
     power = K.characteristic
     while power < K.order:
@@ -66,17 +63,16 @@ def _of_odd_degree(C: HyperellipticCurve) -> HyperellipticCurve:
     return HyperellipticCurve(K, poly.shift(K, F, zeros[0])[::-1]) if zeros else C
 
 
-def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
-    """The matrix A_ji = coefficient of x^(ip−j) in F^((p−1)/2), F = h² + 4f; None over GF(p) beyond COMPILED_FROM
-    without g elements a where F(a) ≠ 0.
-    """
+def cartier_manin(C: HyperellipticCurve) -> list[list[Any]]:
+    """The matrix A_ji = coefficient of x^(ip−j) in F^((p−1)/2), F = h² + 4f."""
     K: Any = C.field
     g, p = C.genus, C.field.characteristic
     # (2y + h)² = h² + 4f is the same curve, so its F has the same χ
     F = C.discriminant
     words, products = p < WORD_SAFE, p < PRODUCTS_TO and len(F) <= PRODUCTS_DEGREE + 1
-    if K.order == p > COMPILED_FROM and (words or products) and not interpreted():
-        return _by_translations(K, F, g)
+    shifts = _translations(K, F, g) if K.order == p > COMPILED_FROM and (words or products) else None
+    if shifts is not None and not interpreted():
+        return _by_translations(K, F, shifts)
     if p > PLAIN_TO:
         raise Infeasible(
             f"field = {K.name}: the Cartier–Manin matrix is computed up to p = 2^{PRODUCTS_TO.bit_length() - 1} "
@@ -95,16 +91,13 @@ def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
     ]
 
 
-def _by_translations(K: Any, F: poly.Poly, g: int) -> list[list[Any]] | None:
-    """The Cartier–Manin matrix over GF(p) from the first columns of the matrices of g translates.
+def _by_translations(K: Any, F: poly.Poly, shifts: list[Any]) -> list[list[Any]]:
+    """The Cartier–Manin matrix over GF(p) from the first columns of the matrices of the translates by g ``shifts``.
 
     A translation x → x + a maps A to B⁻¹·A·B^(p) with the binomial matrix B_jk = C(j−1, k−1)a^(j−k), so that
     A·(a^(p(j−1)))_j = B·(first column of the translate's matrix).
     """
-    shifts = _translations(K, F, g)
-    if shifts is None:
-        return None
-    rows = []
+    g, rows = len(shifts), []
     for i, a in enumerate(shifts):
         column = _first_column(K, poly.shift(K, F, a), g, i)
         binomial = _binomial_matrix(K, a, g)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from functools import cache
 from itertools import count
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,8 +19,7 @@ from jacobian.native import modular
 from jacobian.native.kinds import INTS, LONG, TupleKind
 from jacobian.native.library import Library
 from jacobian.numbers.compiler import interpreted
-from jacobian.numbers.two_words import BITS, two_words
-from jacobian.numbers.words import add, dot2, mul, sub
+from jacobian.numbers.two_words import BITS, Residues, two_words
 
 if TYPE_CHECKING:
     from jacobian.law.divisor import Divisor
@@ -32,36 +31,36 @@ def doubled(K: Any, cubic: Any, T: Any, x: Any, y: Any) -> Any:
     T must not be 0; ``cubic`` is (a, b) of y² = x³ + ax² + bx + c.
     """
     (a, b), (X, Y, Z) = cubic, T
-    zero, square, YY = sub(K, Z, Z), mul(K, Z, Z), mul(K, Y, Y)
-    off = sub(K, mul(K, square, x), X)
+    zero, square, YY = K.sub(Z, Z), K.dot(Z, Z), K.dot(Y, Y)
+    off = K.sub(K.dot(square, x), X)
     if zero == Y:
         return (K.one, K.one, zero), off, square
-    XX, twice = mul(K, X, X), add(K, YY, YY)
-    bent = dot2(K, add(K, X, X), mul(K, a, square), mul(K, b, square), square)
-    slope = add(K, add(K, XX, bent), add(K, XX, XX))
-    z, four = mul(K, add(K, Y, Y), Z), add(K, twice, twice)
-    zz, S = mul(K, z, z), mul(K, X, four)
-    found = sub(K, sub(K, mul(K, slope, slope), mul(K, a, zz)), add(K, S, S))
-    height = sub(K, mul(K, slope, sub(K, S, found)), mul(K, four, twice))
-    line = sub(K, sub(K, mul(K, mul(K, z, square), y), twice), mul(K, slope, off))
-    return (found, height, z), mul(K, line, z), mul(K, sub(K, mul(K, zz, x), found), square)
+    XX, twice = K.dot(X, X), K.add(YY, YY)
+    bent = K.dot(K.add(X, X), K.dot(a, square), K.dot(b, square), square)
+    slope = K.add(K.add(XX, bent), K.add(XX, XX))
+    z, four = K.dot(K.add(Y, Y), Z), K.add(twice, twice)
+    zz, S = K.dot(z, z), K.dot(X, four)
+    found = K.sub(K.sub(K.dot(slope, slope), K.dot(a, zz)), K.add(S, S))
+    height = K.sub(K.dot(slope, K.sub(S, found)), K.dot(four, twice))
+    line = K.sub(K.sub(K.dot(K.dot(z, square), y), twice), K.dot(slope, off))
+    return (found, height, z), K.dot(line, z), K.dot(K.sub(K.dot(zz, x), found), square)
 
 
 def added(K: Any, cubic: Any, T: Any, P: Any, x: Any, y: Any) -> Any:
     """T + P in the form of :func:`doubled`. For T = P, where a doubling is needed, the numerator is 0."""
     (X, Y, Z), (px, py) = T, P
-    zero, square = sub(K, Z, Z), mul(K, Z, Z)
-    H, r = sub(K, mul(K, px, square), X), sub(K, mul(K, py, mul(K, square, Z)), Y)
+    zero, square = K.sub(Z, Z), K.dot(Z, Z)
+    H, r = K.sub(K.dot(px, square), X), K.sub(K.dot(py, K.dot(square, Z)), Y)
     if zero == Z:
         return (px, py, K.one), K.one, K.one
     if zero == H:
-        return (K.one, K.one, zero), zero if r == zero else sub(K, x, px), K.one
-    z, HH = mul(K, Z, H), mul(K, H, H)
-    zz, XH, HHH = mul(K, z, z), mul(K, X, HH), mul(K, HH, H)
-    found = sub(K, sub(K, mul(K, r, r), mul(K, cubic[0], zz)), add(K, HHH, add(K, XH, XH)))
-    height = sub(K, mul(K, r, sub(K, XH, found)), mul(K, Y, HHH))
-    line = sub(K, mul(K, z, sub(K, y, py)), mul(K, r, sub(K, x, px)))
-    return (found, height, z), mul(K, line, z), sub(K, mul(K, zz, x), found)
+        return (K.one, K.one, zero), zero if r == zero else K.sub(x, px), K.one
+    z, HH = K.dot(Z, H), K.dot(H, H)
+    zz, XH, HHH = K.dot(z, z), K.dot(X, HH), K.dot(HH, H)
+    found = K.sub(K.sub(K.dot(r, r), K.dot(cubic[0], zz)), K.add(HHH, K.add(XH, XH)))
+    height = K.sub(K.dot(r, K.sub(XH, found)), K.dot(Y, HHH))
+    line = K.sub(K.dot(z, K.sub(y, py)), K.dot(r, K.sub(x, px)))
+    return (found, height, z), K.dot(line, z), K.sub(K.dot(zz, x), found)
 
 
 def function_at(K: Any, cubic: Any, P: Any, Q: Any, bits: Any) -> Any:
@@ -72,40 +71,18 @@ def function_at(K: Any, cubic: Any, P: Any, Q: Any, bits: Any) -> Any:
     (x, y), over, under = Q, K.one, K.one
     T = P[0], P[1], K.one
     for k in range(len(bits)):
-        over, under = mul(K, over, over), mul(K, under, under)
-        if T[2] != sub(K, x, x):
+        over, under = K.dot(over, over), K.dot(under, under)
+        if T[2] != K.sub(x, x):
             T, s, t = doubled(K, cubic, T, x, y)
-            over, under = mul(K, over, s), mul(K, under, t)
+            over, under = K.dot(over, s), K.dot(under, t)
         if bits[k] == 1:
             T, s, t = added(K, cubic, T, P, x, y)
-            over, under = mul(K, over, s), mul(K, under, t)
+            over, under = K.dot(over, s), K.dot(under, t)
     return T[2], over, under
 
 
 PAIR = TupleKind((LONG, LONG))
 LIBRARY = Library("miller", {"function_at": (function_at, (modular.CONTEXT, PAIR, PAIR, PAIR, INTS))}, modular.MODULAR)
-
-
-class Residues(NamedTuple):
-    """The context of a prime of any size for loops in Python, in which a residue is its own word."""
-
-    p: int
-    one: int = 1
-
-    def to_word(self, a: int) -> int:
-        return a
-
-    def from_word(self, x: int) -> int:
-        return x
-
-    def dot(self, a: int, b: int, c: int = 0, d: int = 0) -> int:
-        return (a * b + c * d) % self.p
-
-    def add(self, x: int, y: int) -> int:
-        return (x + y) % self.p
-
-    def sub(self, x: int, y: int) -> int:
-        return (x - y) % self.p
 
 
 COLD = 1000

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from jacobian.errors import ArgumentError, FieldError, JacobianError, shown
 from jacobian.fields import GF
 from jacobian.fields.primality import is_prime
-from jacobian.finite.integers import factorization
+from jacobian.finite.integers import factorization, value
 from jacobian.law.divisor import check_scalar
 
 if TYPE_CHECKING:
@@ -42,9 +42,7 @@ def order_of(D: Divisor, multiple: int | None = None, primes: Iterable[int] | No
 
 def reduce_order(D: Divisor, factors: dict[int, int]) -> int:
     """The order of D from a factored multiple of the order."""
-    multiple = 1
-    for prime, exponent in factors.items():
-        multiple *= prime**exponent
+    multiple = value(factors)
     order = 1
     for prime, exponent in factors.items():
         rest = multiple // prime**exponent * D

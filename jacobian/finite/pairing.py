@@ -27,8 +27,9 @@ from jacobian.errors import ArgumentError, CurveMismatch, FieldError, Infeasible
 from jacobian.fields import GF
 from jacobian.fields.change import change_of_field
 from jacobian.fields.flint_polynomials import conversions
+from jacobian.fields.irreducible import first_irreducible
+from jacobian.fields.prime import prime_field
 from jacobian.fields.protocol import Field
-from jacobian.finite.counting import irreducible
 from jacobian.finite.miller import EllipticFunctions, has_functions
 from jacobian.law.divisor import check_scalar
 
@@ -195,7 +196,7 @@ def _values(J: Any, D: Divisor, at: tuple[Divisor, ...], m: int) -> list[Any]:
                 (x * over % u, y * under % u)
                 for (x, y), (over, under), (u, _) in zip(values, factors, places, strict=True)
             ]
-    norms = ([_non_zero(K, norm(K, u, back(z))) for z in value] for (u, _), value in zip(pairs, values, strict=True))
+    norms = ([_norm(K, u, back(z)) for z in value] for (u, _), value in zip(pairs, values, strict=True))
     return [K.div(over, under) for over, under in norms]
 
 
@@ -217,24 +218,12 @@ def _step(law: FlintCantor, composed: Any, places: Any) -> tuple[Flint, list[tup
     return total, factors
 
 
-def _non_zero(K: Field, value: Any) -> Any:
+def _norm(K: Field, u: poly.Poly, c: poly.Poly) -> Any:
+    """The product Π c(x) over the roots x of the monic u; _Collision if it is 0."""
+    value = poly.resultant(K, u, c) if c else K.zero
     if value == K.zero:
         raise _Collision
     return value
-
-
-def norm(K: Any, u: poly.Poly, c: poly.Poly) -> Any:
-    """The product Π c(x) over the roots x of the monic u, deg c < deg u: a resultant, by Euclid's algorithm."""
-    result = K.one
-    while True:
-        if not c:
-            return result if len(u) == 1 else K.zero
-        result = K.mul(result, K.power(c[-1], len(u) - 1))
-        if len(c) == 1:
-            return result
-        if (len(u) - 1) * (len(c) - 1) % 2:
-            result = K.neg(result)
-        u, c = poly.monic(K, c), poly.mod(K, u, c)
 
 
 class _Extension:
@@ -253,7 +242,7 @@ class _Extension:
         if self.degree == 1:
             return
         size = K.degree * self.degree
-        L = GF(K.characteristic, size, irreducible(GF(K.characteristic), size))
+        L = GF(K.characteristic, size, first_irreducible(prime_field(K.characteristic), size))
         self.curve = C.change_ring(L)
         self._back = change_of_field(L, K)
 

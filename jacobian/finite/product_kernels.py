@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jacobian.numbers import transform_kernels as transforms
-from jacobian.numbers.words import Double, canonical, inverse, mul
+from jacobian.numbers.words import Double, inverse
 
 BLOCK = 64
 """The number of points computed in one loop."""
@@ -68,29 +68,29 @@ def inverses(P: Any, a: Any, out: Any) -> None:
     total = 1.0
     for t in range(len(out)):
         out[t] = total
-        total = canonical(P, mul(P, total, canonical(P, mul(P, a + t, 1.0))))
+        total = P.canonical(P.dot(total, P.canonical(P.dot(a + t, 1.0))))
     total = inverse(P, total)
     for t in range(len(out) - 1, -1, -1):
-        out[t] = canonical(P, mul(P, total, out[t]))
-        total = canonical(P, mul(P, total, canonical(P, mul(P, a + t, 1.0))))
+        out[t] = P.canonical(P.dot(total, out[t]))
+        total = P.canonical(P.dot(total, P.canonical(P.dot(a + t, 1.0))))
 
 
 def inverse_factorials(P: Any, out: Any) -> None:
     """Sets out[j] = 1/j!."""
     total = 1.0
     for j in range(1, len(out)):
-        total = canonical(P, mul(P, total, float(j)))
+        total = P.canonical(P.dot(total, float(j)))
     total = inverse(P, total)
     for j in range(len(out) - 1, -1, -1):
         out[j] = total
-        total = canonical(P, mul(P, total, float(max(j, 1))))
+        total = P.canonical(P.dot(total, float(max(j, 1))))
 
 
 def lagrange(P: Any, factorials: Any, out: Any) -> None:
     """Sets out[j] = (−1)^(k − j)/(j!(k − j)!), k = len(out) − 1: the weights of Lagrange's interpolation at 0 … k."""
     k = len(out) - 1
     for j in range(k + 1):
-        weight = canonical(P, mul(P, factorials[j], factorials[k - j]))
+        weight = P.canonical(P.dot(factorials[j], factorials[k - j]))
         out[j] = -weight if (k - j) % 2 else weight
 
 
@@ -99,16 +99,16 @@ def falling(P: Any, a: Any, reciprocals: Any, out: Any) -> None:
     size = len(out)
     total = 1.0
     for j in range(size):
-        total = canonical(P, mul(P, total, a - j))
+        total = P.canonical(P.dot(total, a - j))
     for i in range(size):
         out[i] = total
-        total = canonical(P, mul(P, mul(P, total, a + i + 1), reciprocals[i]))
+        total = P.canonical(P.dot(P.dot(total, a + i + 1), reciprocals[i]))
 
 
 def scaled(P: Any, x: Any, y: Any, out: Any) -> None:
     """Sets out[j] = x[j]·y[j], as canonical residues."""
     for j in range(len(out)):
-        out[j] = canonical(P, mul(P, x[j], y[j]))
+        out[j] = P.canonical(P.dot(x[j], y[j]))
 
 
 def _step(P: Any, c: Any, d: Any, k: Any, S: Any, row: Any) -> None:
@@ -121,14 +121,14 @@ def _step(P: Any, c: Any, d: Any, k: Any, S: Any, row: Any) -> None:
         for i in range(d):
             high, low = c[0, i], c[1, i]
             for j in range(BLOCK):
-                row[column, j] += mul(P, canonical(P, high - mul(P, k[j], low)), S[i * d + column, j])
+                row[column, j] += P.dot(P.canonical(high - P.dot(k[j], low)), S[i * d + column, j])
     for i in range(d - 1, 0, -1):
         for column in range(d):
             for j in range(BLOCK):
-                S[i * d + column, j] = canonical(P, mul(P, k[j], S[(i - 1) * d + column, j]))
+                S[i * d + column, j] = P.canonical(P.dot(k[j], S[(i - 1) * d + column, j]))
     for column in range(d):
         for j in range(BLOCK):
-            S[column, j] = canonical(P, mul(P, row[column, j], 1.0))
+            S[column, j] = P.canonical(P.dot(row[column, j], 1.0))
 
 
 def direct(P: Any, c: Any, beta: Any, steps: Any, values: Any, points: Any, room: Any) -> None:
@@ -140,7 +140,7 @@ def direct(P: Any, c: Any, beta: Any, steps: Any, values: Any, points: Any, room
                 S[e, j] = 1.0 if e % (d + 1) == 0 else 0.0
         for step in range(1, steps + 1):
             for j in range(BLOCK):
-                k[j] = canonical(P, mul(P, mul(P, float(begin + j), beta) + step, 1.0))
+                k[j] = P.canonical(P.dot(P.dot(float(begin + j), beta) + step, 1.0))
             _step(P, c, d, k, S, row)
         size = min(BLOCK, points - begin)
         for e in range(d * d):
@@ -154,7 +154,7 @@ def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, span: 
     begin, end = span
     for first in range(begin, end, BLOCK):
         for j in range(BLOCK):
-            k[j] = canonical(P, mul(P, mul(P, float(first + j), beta) + middle, 1.0))
+            k[j] = P.canonical(P.dot(P.dot(float(first + j), beta) + middle, 1.0))
         for e in range(d * d):
             for j in range(BLOCK):
                 S[e, j] = values[e, first + j]
@@ -166,9 +166,9 @@ def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, span: 
                     k[j] = 0.0
                 for inner in range(d):
                     for j in range(BLOCK):
-                        k[j] += mul(P, U[i * d + inner, j], S[inner * d + column, j])
+                        k[j] += P.dot(U[i * d + inner, j], S[inner * d + column, j])
                 for j in range(BLOCK):
-                    values[i * d + column, first + j] = canonical(P, mul(P, k[j], 1.0))
+                    values[i * d + column, first + j] = P.canonical(P.dot(k[j], 1.0))
 
 
 def chain(P: Any, c: Any, beta: Any, first: Any, values: Any, points: Any, window: Any, new: Any) -> None:
@@ -178,24 +178,24 @@ def chain(P: Any, c: Any, beta: Any, first: Any, values: Any, points: Any, windo
         for r in range(d):
             total = 0.0
             for column in range(d):
-                total += mul(P, values[r * d + column, i], window[column])
-            new[r] = canonical(P, mul(P, total, 1.0))
+                total += P.dot(values[r * d + column, i], window[column])
+            new[r] = P.canonical(P.dot(total, 1.0))
         for r in range(d):
             window[r] = new[r]
-        _turn(P, c, canonical(P, mul(P, float(first + i + 1), beta)), window)
+        _turn(P, c, P.canonical(P.dot(float(first + i + 1), beta)), window)
 
 
 def _turn(P: Any, c: Any, k: Any, window: Any) -> None:
     """window ← M(k)·window."""
     total = 0.0
     for i in range(len(window)):
-        total += mul(P, canonical(P, c[0, i] - mul(P, k, c[1, i])), window[i])
+        total += P.dot(P.canonical(c[0, i] - P.dot(k, c[1, i])), window[i])
     for i in range(len(window) - 1, 0, -1):
-        window[i] = canonical(P, mul(P, k, window[i - 1]))
-    window[0] = canonical(P, mul(P, total, 1.0))
+        window[i] = P.canonical(P.dot(k, window[i - 1]))
+    window[0] = P.canonical(P.dot(total, 1.0))
 
 
 def walk(P: Any, c: Any, begin: Any, end: Any, window: Any) -> None:
     """window ← M(end − 1)·…·M(begin)·window."""
     for k in range(begin, end):
-        _turn(P, c, canonical(P, mul(P, float(k), 1.0)), window)
+        _turn(P, c, P.canonical(P.dot(float(k), 1.0)), window)

@@ -46,18 +46,11 @@ class FixedBase(Immutable):
     def __call__(self, m: int) -> Divisor:
         """m·D."""
         m = check_scalar(m, "m")
-        rest, i, half = abs(m), 0, 1 << (self.window - 1)
         total = self.divisor.jacobian.zero()
-        while rest:
-            digit = rest & (2 * half - 1)
-            rest >>= self.window
-            if digit > half:
-                digit -= 2 * half
-                rest += 1
+        for i, digit in enumerate(_signed_windows(abs(m), self.window)):
             if digit:
                 entry = self._row(i)[abs(digit) - 1]
                 total = total + (entry if digit > 0 else -entry)
-            i += 1
         result: Divisor = total if m >= 0 else -total
         return result
 
@@ -152,7 +145,7 @@ def pippenger(J: GroupLaw, pairs: list[tuple[int, Divisor]], window: int) -> Div
 
 
 def _signed_windows(m: int, window: int) -> list[int]:
-    """The digits of m > 0 in base 2^window, between −2^(window−1) and 2^(window−1), least significant first."""
+    """The digits of m ≥ 0 in base 2^window, between −2^(window−1) and 2^(window−1), least significant first."""
     base, digits = 1 << window, []
     while m:
         digit = m & (base - 1)

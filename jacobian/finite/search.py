@@ -303,17 +303,13 @@ def _with_counts(C: HyperellipticCurve, excess: list[int], residues: list[int] |
 
 
 def twist(C: HyperellipticCurve) -> HyperellipticCurve:
-    """The quadratic twist: y² = c(h² + 4f) with a non-square c; y² + hy = f + ch², Tr c = 1, in characteristic 2."""
+    """The quadratic twist by a random element."""
     K: Any = C.field
     rng = Random(0)
     c = K.random(rng)
-    if K.characteristic == 2:
-        while K.trace(c) == K.zero:
-            c = K.random(rng)
-        return HyperellipticCurve(K, poly.add(K, C.f, poly.scale(K, c, poly.mul(K, C.h, C.h))), C.h)
-    while K.is_square(c):
+    while K.trace(c) == K.zero if K.characteristic == 2 else K.is_square(c):
         c = K.random(rng)
-    return HyperellipticCurve(K, poly.scale(K, c, C.discriminant))
+    return C.quadratic_twist(c)
 
 
 def _with_classes(C: HyperellipticCurve, rng: Random) -> HyperellipticCurve:

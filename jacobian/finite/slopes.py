@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jacobian import poly
 from jacobian.errors import FieldError, Infeasible
 from jacobian.fields.factor import factor
 from jacobian.finite.hasse_witt import cartier_manin, frobenius_modulo_p
@@ -18,17 +17,7 @@ def cartier_manin_matrix(C: HyperellipticCurve) -> list[list[Any]]:
     K: Any = C.field
     if K.order is None or K.characteristic == 2:
         raise FieldError(f"field = {K.name}: the Cartier–Manin matrix is that of a finite field of odd characteristic")
-    return cartier_manin(C) or _by_definition(C)
-
-
-def _by_definition(C: HyperellipticCurve) -> list[list[Any]]:
-    """The Cartier–Manin matrix by its definition, for fields with fewer than g elements a where F(a) ≠ 0."""
-    K: Any = C.field
-    p, power = K.characteristic, (K.one,)
-    for _ in range((p - 1) // 2):
-        power = poly.mul(K, power, C.discriminant)
-    entry = dict(enumerate(power))
-    return [[entry.get(i * p - j, K.zero) for i in range(1, C.genus + 1)] for j in range(1, C.genus + 1)]
+    return cartier_manin(C)
 
 
 def p_rank(C: HyperellipticCurve, chi: Any) -> int:

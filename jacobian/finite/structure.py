@@ -9,7 +9,7 @@ complete when its order is the power of the prime in #J, so only the run time is
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from math import gcd, isqrt, lcm, prod
+from math import gcd, isqrt, prod
 from random import Random
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -234,11 +234,9 @@ def sylow_subgroup(J: GroupLaw, prime: int, rng: Rng | None = None) -> PrimaryGr
     reproducible.
     """
     rng = Random(0) if rng is None else rng
-    order, exponent = J.order(), 0
-    cofactor = order
-    while cofactor % prime == 0:
-        cofactor //= prime
-        exponent += 1
+    order = J.order()
+    exponent = _valuation(order, prime, order.bit_length())
+    cofactor = order // prime**exponent
     group = PrimaryGroup(J.zero(), prime)
     while sum(group.exponents) < exponent:
         group.insert(cofactor * J.random(rng))
@@ -293,11 +291,6 @@ def is_divisible(D: Divisor, m: int) -> bool:
         if coordinates is None or any(c % gcd(m, prime**e) for c, e in zip(coordinates, group.exponents, strict=True)):
             return False
     return True
-
-
-def exponent(J: GroupLaw, primes: Iterable[int] | None = None) -> int:
-    """The exponent of the group: the largest invariant factor."""
-    return lcm(*structure(J, primes).invariants)
 
 
 def _check_positive(m: Any) -> int:

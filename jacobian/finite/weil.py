@@ -15,9 +15,7 @@ def extend(chi: list[int], q: int, degree: int) -> list[int]:
     """χ over GF(q^degree) from χ over GF(q): its roots are raised to the power ``degree`` (Newton's identities)."""
     g = len(chi) // 2
     sums = power_sums(chi[::-1], g * degree)
-    a = [1]
-    for i in range(1, g + 1):
-        a.append(-sum(sums[degree * j] * a[i - j] for j in range(1, i + 1)) // i)
+    a = leading([-sums[degree * j] for j in range(1, g + 1)])
     return from_leading(a, q**degree)
 
 
@@ -43,7 +41,10 @@ def from_real_part(r: list[int], q: int) -> list[int]:
 
 
 def leading(excess: list[int]) -> list[int]:
-    """1, a_1 … a_k from S_i = #C(GF(q^i)) − q^i − 1, i = 1 … k: i·a_i = Σ S_j a_(i−j)."""
+    """1, a_1 … a_k from S_i = #C(GF(q^i)) − q^i − 1, i = 1 … k: i·a_i = Σ S_j a_(i−j) (Newton's identities).
+
+    −S_i is the sum of the i-th powers of the roots of χ.
+    """
     a = [1]
     for i in range(1, len(excess) + 1):
         a.append(sum(excess[j - 1] * a[i - j] for j in range(1, i + 1)) // i)

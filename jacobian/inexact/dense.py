@@ -29,8 +29,8 @@ def product(a: Sequence[Number], b: Sequence[Number]) -> Coefficients:
         return []
     result = [0 * a[0]] * (len(a) + len(b) - 1)
     for i, x in enumerate(a):
-        for j, y in enumerate(b):
-            result[i + j] += x * y
+        for j, y in enumerate(b, i):
+            result[j] += x * y
     return result
 
 

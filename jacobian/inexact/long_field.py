@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from jacobian.fields.inexact import InexactField
+from jacobian.inexact.dense import product
 from jacobian.numbers.long_reals import BareReals
 
 
@@ -69,13 +70,7 @@ class LongField(InexactField):
 
     def poly_mul(self, a: Sequence[Any], b: Sequence[Any]) -> tuple[Any, ...]:
         """a·b of polynomials, with little overhead for each product."""
-        if not a or not b:
-            return ()
-        total = [self.zero] * (len(a) + len(b) - 1)
-        for i, x in enumerate(a):
-            for j, y in enumerate(b, i):
-                total[j] += x * y
-        return tuple(total)
+        return tuple(product(a, b))
 
     def poly_divmod(self, a: Sequence[Any], b: Sequence[Any]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         """(quotient, remainder) of polynomials."""

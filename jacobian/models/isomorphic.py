@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import count, product
-from math import gcd, isqrt, lcm
+from math import isqrt
 from typing import Any
 
 from jacobian import poly
@@ -29,6 +29,7 @@ from jacobian.fields.change import embedding
 from jacobian.fields.factor import factor, roots
 from jacobian.fields.primality import is_prime
 from jacobian.fields.protocol import Field
+from jacobian.fields.rational import primitive
 from jacobian.linear import echelon, solution
 from jacobian.models.isomorphism import Isomorphism, substituted
 
@@ -192,7 +193,7 @@ def _null_vector(K: Field, rows: list[list[Any]]) -> Matrix | None:
 
 
 def _rational_matrices(C: HyperellipticCurve, E: HyperellipticCurve) -> Iterator[Matrix]:
-    F, G = (_integral(X.discriminant) for X in (C, E))
+    F, G = (primitive(X.discriminant) for X in (C, E))
     p = next(p for p in count(FIRST, 2) if is_prime(p) and all(_separable(p, form) for form in (F, G)))
     K = GF(p)
     f, g = (tuple(c % p for c in form) for form in (F, G))
@@ -252,13 +253,6 @@ def _entry(form: Sequence[Any], j: int) -> Any:
 def _proportional(F: Sequence[int], moved: list[Any]) -> bool:
     top = next(i for i, c in enumerate(F) if c)
     return all(x * F[top] == moved[top] * _entry(F, j) for j, x in enumerate(moved))
-
-
-def _integral(form: poly.Poly) -> list[int]:
-    """The primitive integral multiple of a form over QQ."""
-    size = lcm(*(c.denominator for c in form))
-    numbers = [int(c * size) for c in form]
-    return [c // gcd(*numbers) for c in numbers]
 
 
 def _norm(form: Sequence[int]) -> int:

@@ -16,7 +16,6 @@ from typing import Any
 
 from jacobian.errors import ArgumentError
 from jacobian.numbers.two_words import long
-from jacobian.numbers.words import mul
 
 MOST_DEGREE = 127
 FIFTHS = sum(1 << i for i in range(0, 65, 5))
@@ -134,10 +133,10 @@ def inverse(K: Any, x: Any) -> Any:
         bit >>= 1
         power = found
         for _ in range(k):
-            power = mul(K, power, power)
-        found = mul(K, found, power)
+            power = K.dot(power, power)
+        found = K.dot(found, power)
         k *= 2
         if (K.degree - 1) & bit != 0:
-            found = mul(K, mul(K, found, found), x)
+            found = K.dot(K.dot(found, found), x)
             k += 1
-    return mul(K, found, found)
+    return K.dot(found, found)

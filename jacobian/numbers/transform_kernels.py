@@ -14,8 +14,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from jacobian.numbers.words import canonical, mul
-
 SIDE = 64
 LEAST = 16 * SIDE
 """The length of the shortest transform."""
@@ -27,22 +25,22 @@ def _split(Q: Any, a0: Any, a1: Any, a2: Any, a3: Any, outer: Any, inner: Any, o
     """The residues modulo X^m ∓ W' and X^m ∓ W'', W'² = W, W''² = −W, from residues modulo X^(4m) − W²: two levels
     of :func:`forward`.
     """
-    a0, a2, a3 = mul(Q, a0, 1.0), mul(Q, a2, outer), mul(Q, a3, outer)
-    b1, b3 = mul(Q, a1 + a3, inner), mul(Q, a1 - a3, other)
+    a0, a2, a3 = Q.dot(a0, 1.0), Q.dot(a2, outer), Q.dot(a3, outer)
+    b1, b3 = Q.dot(a1 + a3, inner), Q.dot(a1 - a3, other)
     return a0 + a2 + b1, a0 + a2 - b1, a0 - a2 + b3, a0 - a2 - b3
 
 
 def _join(Q: Any, c0: Any, c1: Any, c2: Any, c3: Any, outer: Any, inner: Any, other: Any) -> Any:
     """Four times the inverse of :func:`_split`; the factors are the inverse ones."""
-    b0, b2 = mul(Q, c0 + c1, 1.0), mul(Q, c2 + c3, 1.0)
-    b1, b3 = mul(Q, c0 - c1, inner), mul(Q, c2 - c3, other)
-    return b0 + b2, b1 + b3, mul(Q, b0 - b2, outer), mul(Q, b1 - b3, outer)
+    b0, b2 = Q.dot(c0 + c1, 1.0), Q.dot(c2 + c3, 1.0)
+    b1, b3 = Q.dot(c0 - c1, inner), Q.dot(c2 - c3, other)
+    return b0 + b2, b1 + b3, Q.dot(b0 - b2, outer), Q.dot(b1 - b3, outer)
 
 
 def _halves(Q: Any, x: Any, m: Any) -> None:
     """One level between X^(2m) − 1 and X^m ∓ 1, in place: forward, or, by the same formula, twice the inverse."""
     for j in range(m):
-        low, high = mul(Q, x[j], 1.0), mul(Q, x[m + j], 1.0)
+        low, high = Q.dot(x[j], 1.0), Q.dot(x[m + j], 1.0)
         x[j], x[m + j] = low + high, low - high
 
 
@@ -153,14 +151,14 @@ def factors(Q: Any, roots: Any, W: Any) -> None:
     filled, i = 1, 0
     while filled < len(W):
         for b in range(filled):
-            W[filled + b] = canonical(Q, mul(Q, W[b], roots[i]))
+            W[filled + b] = Q.canonical(Q.dot(W[b], roots[i]))
         filled, i = 2 * filled, i + 1
 
 
 def multiply(Q: Any, x: Any, y: Any, out: Any) -> None:
     """Sets out to the pointwise product of x and y."""
     for j in range(len(out)):
-        out[j] = mul(Q, x[j], y[j])
+        out[j] = Q.dot(x[j], y[j])
 
 
 def combined(P: Any, Q: Any, c: Any, residues: Any, begin: Any, scale: Any, out: Any) -> None:
@@ -173,10 +171,10 @@ def combined(P: Any, Q: Any, c: Any, residues: Any, begin: Any, scale: Any, out:
     """
     first, second, third = Q
     for j in range(len(out)):
-        low = canonical(first, mul(first, residues[0, begin + j], c[0]))
-        middle = canonical(second, mul(second, mul(second, residues[1, begin + j], c[1]) - low, c[3]))
-        total = mul(P, low, 1.0) + mul(P, middle, c[4])
+        low = first.canonical(first.dot(residues[0, begin + j], c[0]))
+        middle = second.canonical(second.dot(second.dot(residues[1, begin + j], c[1]) - low, c[3]))
+        total = P.dot(low, 1.0) + P.dot(middle, c[4])
         if residues.shape[0] > 2:
-            high = mul(third, mul(third, residues[2, begin + j], c[2]) - low, c[5]) - middle
-            total += mul(P, canonical(third, mul(third, high, c[6])), c[7])
-        out[j] = canonical(P, mul(P, total, scale[j]))
+            high = third.dot(third.dot(residues[2, begin + j], c[2]) - low, c[5]) - middle
+            total += P.dot(third.canonical(third.dot(high, c[6])), c[7])
+        out[j] = P.canonical(P.dot(total, scale[j]))

@@ -11,33 +11,21 @@ The functions of :mod:`jacobian.numbers.words` accept a :class:`TwoWords` too: i
 
 from __future__ import annotations
 
+import operator
 from collections import namedtuple
+from collections.abc import Sequence
 from typing import Any
 
 from jacobian.errors import ArgumentError
-from jacobian.numbers.words import add, canonical, mul
 
 BITS = 128
 
 
-class TwoWords(namedtuple("TwoWords", "p reciprocal one square cube")):
-    """The context of p. Its fields: p, 1/p modulo 2^128, and 2^128, 2^256, 2^384 modulo p."""
+class LeastResidues:
+    """Operations of contexts whose words are least residues modulo p."""
 
     __slots__ = ()
-
-    def to_word(self, a: int) -> int:
-        """The word that represents a residue."""
-        return self.dot(a, self.square)
-
-    def from_word(self, x: int) -> int:
-        """The residue 0 ≤ a < p that a word represents."""
-        return self.dot(x, 1)
-
-    def dot(self, *terms: int) -> int:
-        """terms[0]·terms[1] + terms[2]·terms[3] + …, by Montgomery's reduction."""
-        total = sum(a * b for a, b in zip(terms[::2], terms[1::2], strict=True))
-        quotient = total * self.reciprocal % (1 << BITS)
-        return (total - quotient * self.p >> BITS) % self.p
+    p: int
 
     def add(self, x: int, y: int) -> int:
         return (x + y) % self.p
@@ -53,8 +41,50 @@ class TwoWords(namedtuple("TwoWords", "p reciprocal one square cube")):
 
     fit = settled = canonical
 
+
+class TwoWords(namedtuple("TwoWords", "p reciprocal one square cube"), LeastResidues):
+    """The context of p. Its fields: p, 1/p modulo 2^128, and 2^128, 2^256, 2^384 modulo p."""
+
+    __slots__ = ()
+
+    def to_word(self, a: int) -> int:
+        """The word that represents a residue."""
+        return self.dot(a, self.square)
+
+    def from_word(self, x: int) -> int:
+        """The residue 0 ≤ a < p that a word represents."""
+        return self.dot(x, 1)
+
+    def dot(self, *terms: int) -> int:
+        """terms[0]·terms[1] + terms[2]·terms[3] + …, by Montgomery's reduction."""
+        total = sum_of_products(terms)
+        quotient = total * self.reciprocal % (1 << BITS)
+        return (total - quotient * self.p >> BITS) % self.p
+
     def invert(self, x: int) -> int:
         return inverse(self, x)
+
+
+class Residues(namedtuple("Residues", "p one", defaults=(1,)), LeastResidues):
+    """The context of a modulus p of any size, for functions that run in Python. A residue is its own word."""
+
+    __slots__ = ()
+
+    def to_word(self, a: int) -> int:
+        return a
+
+    from_word = to_word
+
+    def dot(self, *terms: int) -> int:
+        return sum_of_products(terms) % self.p
+
+    def invert(self, x: int) -> int:
+        return pow(x, -1, self.p)
+
+
+def sum_of_products(terms: Sequence[int]) -> int:
+    """terms[0]·terms[1] + terms[2]·terms[3] + …"""
+    return sum(map(operator.mul, terms[::2], terms[1::2]))
 
 
 def two_words(p: int) -> TwoWords:
@@ -99,5 +129,5 @@ def inverse(K: Any, x: Any) -> Any:
     # s·2^(256 − k) is 2^256/x. Once s is doubled, 2^(255 − k), k ≥ 1, is a product of two powers below 2^128
     rest = 2 * BITS - 1 - k
     half = rest >> 1
-    lifted = mul(K, add(K, s, s), long(1) << half)
-    return canonical(K, mul(K, mul(K, lifted, long(1) << (rest - half)), K.cube))
+    lifted = K.dot(K.add(s, s), long(1) << half)
+    return K.canonical(K.dot(K.dot(lifted, long(1) << (rest - half)), K.cube))

@@ -10,11 +10,11 @@ specialised by that class::
 
     K = word_context(p)              # Lazy32, Wide32, Lazy64 or Wide64
     x = K.to_word(a)                 # canonical, for 0 ≤ a < p; K.from_word(x) goes back for any x
-    mul(K, x, y), dot2(K, a, b, c, d), dot3, dot4     # ab, ab + cd, …
-    add(K, x, y), sub(K, x, y), neg(K, x)             # on Lazy bare sums, on Wide within p/2 for x and y within p/2
-    fit(K, x)                        # on Wide within p/2, for |x| ≤ p; on Lazy x itself
-    settled(K, x)                    # canonical, for |x| ≤ 4·p on Lazy, p on Wide
-    canonical(K, x)                  # canonical, for |x| ≤ 1.5·p on Lazy, p on Wide
+    K.dot(x, y), K.dot(a, b, c, d)   # ab, ab + cd, …, up to four products, reduced once
+    K.add(x, y), K.sub(x, y), K.neg(x)    # on Lazy bare sums, on Wide within p/2 for x and y within p/2
+    K.fit(x)                         # on Wide within p/2, for |x| ≤ p; on Lazy x itself
+    K.settled(x)                     # canonical, for |x| ≤ 4·p on Lazy, p on Wide
+    K.canonical(x)                   # canonical, for |x| ≤ 1.5·p on Lazy, p on Wide
     inverse(K, x)                    # canonical, of a canonical x ≠ 0
 
 Bounds: a word is at most 4·p on Lazy (p < 2^(w−3)) and p on Wide (p < 2^(w−1)). The products of one dot add up to at
@@ -26,7 +26,7 @@ quotient give the remainder of a product exactly. SIMD instructions do this for 
 products of 64-bit words there are none. Each product of a dot is reduced on its own. A product must be below 16·p² and
 a sum below 16·p; ``settled`` and ``canonical`` take |x| ≤ 4.5·p.
 
-The functions also run on Python ints, exactly; :mod:`jacobian.native` compiles them as they stand, but for the
+The contexts also run on Python ints, exactly; :mod:`jacobian.native` compiles them as they stand, but for the
 instructions of :mod:`jacobian.native.words`. Importing this module does not import numpy.
 """
 
@@ -267,66 +267,6 @@ def inverse_modulo(x: Any, p: Any) -> Any:
     return t if x > 0 else -t
 
 
-def mul(K: Any, a: Any, b: Any) -> Any:
-    """ab."""
-    return K.dot(a, b)
-
-
-def dot2(K: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
-    """ab + cd, reduced once."""
-    return K.dot(a, b, c, d)
-
-
-def dot3(K: Any, a: Any, b: Any, c: Any, d: Any, e: Any, f: Any) -> Any:
-    """ab + cd + ef, reduced once."""
-    return K.dot(a, b, c, d, e, f)
-
-
-def dot4(K: Any, a: Any, b: Any, c: Any, d: Any, e: Any, f: Any, g: Any, h: Any) -> Any:
-    """ab + cd + ef + gh, reduced once."""
-    return K.dot(a, b, c, d, e, f, g, h)
-
-
-def add(K: Any, x: Any, y: Any) -> Any:
-    """x + y; within p/2 on a wide context."""
-    return K.add(x, y)
-
-
-def sub(K: Any, x: Any, y: Any) -> Any:
-    """x − y; within p/2 on a wide context."""
-    return K.sub(x, y)
-
-
-def neg(K: Any, x: Any) -> Any:
-    """−x."""
-    return K.neg(x)
-
-
-def fit(K: Any, x: Any) -> Any:
-    """x on a lazy context; on a wide one the residue of x within p/2, for |x| ≤ p."""
-    return K.fit(x)
-
-
-def canonical(K: Any, x: Any) -> Any:
-    """The residue of x in (−p/2, p/2), for |x| ≤ 1.5·p (on a wide context |x| ≤ p)."""
-    return K.canonical(x)
-
-
-def settled(K: Any, x: Any) -> Any:
-    """The residue of x in (−p/2, p/2), for any word x."""
-    return K.settled(x)
-
-
 def inverse(K: Any, x: Any) -> Any:
     """1/x, canonical, for a canonical x ≠ 0."""
     return K.canonical(K.invert(x))
-
-
-def encode(K: Any, x: Any) -> Any:
-    """The canonical word that represents a field element."""
-    return K.to_word(x)
-
-
-def decode(K: Any, x: Any) -> Any:
-    """The field element that a canonical word represents."""
-    return K.from_word(x)

@@ -18,7 +18,7 @@ from jacobian.errors import JacobianError, NotOnCurve, PrecisionLoss, shown
 from jacobian.fields.protocol import Field
 from jacobian.law.divisor import Divisor
 from jacobian.periods.image import AbelImage, Point, full_weight, plus
-from jacobian.periods.matrix import Oval, PeriodMatrix, nearest, periods, real_periods, solve
+from jacobian.periods.matrix import Oval, PeriodMatrix, nearest, periods, real_periods
 from jacobian.periods.quadrature import Vector, complex_field, working_numbers
 from jacobian.periods.roots import horner
 
@@ -113,7 +113,7 @@ class AbelMap(AbelImage):
             except PrecisionLoss as error:
                 failure = str(error)
                 continue
-            return [self._on_curve(numbers.convert(x), Y) for x, Y in found]
+            return [self._above(numbers.convert(x), Y) for x, Y in found]
         raise PrecisionLoss(failure)
 
     def _on_field(self, field: Field) -> AbelMap:
@@ -164,15 +164,7 @@ class AbelMap(AbelImage):
         radius = max(abs(e - centre) for e in roots)
         xs = [centre + radius * cmath.rect(0.3 + rng.random(), 6.3 * rng.random()) for _ in range(self.curve.genus)]
         convert = self.cover.numbers.convert
-        return [self._on_curve(convert(x), rng.choice((1, -1)) * (1 + 1j)) for x in xs]
-
-    def _on_curve(self, x: Any, rough: Any) -> Point:
-        """The point (x, Y) whose Y is the root nearer to a rough value."""
-        return x, self.cover.numbers.root(horner(self.cover.coefficients, x), complex(rough))
-
-    def _gap(self, points: Sequence[Point], target: Vector) -> Vector:
-        """target − image of the points, reduced modulo periods."""
-        return self.periods.reduce(plus(target, self._image_of(points, full_weight(self.curve)), -1))
+        return [self._above(convert(x), rng.choice((1, -1)) * (1 + 1j)) for x in xs]
 
     def _residual_size(self, points: Sequence[Point], target: Vector) -> Any:
         return max(abs(c) for c in self.periods.coordinates(self._gap(points, target)))
@@ -199,7 +191,7 @@ class AbelMap(AbelImage):
             if last is not None and size > 2 * last:
                 break
             last = size
-            steps = solve([[x**k / Y for x, Y in points] for k in range(g)], gap)
+            steps = self._steps(points, gap)
             points = [self._moved(x, Y, step) for (x, Y), step in zip(points, steps, strict=True)]
         if size is None:
             raise PrecisionLoss("Newton's method found no way to z in the steps allowed")
@@ -207,7 +199,7 @@ class AbelMap(AbelImage):
 
     def _moved(self, x: Any, Y: Any, step: Any) -> Point:
         slope = horner([i * c for i, c in enumerate(self.cover.coefficients)][1:], x)
-        return self._on_curve(x + step, Y + slope * step / (2 * Y))
+        return self._above(x + step, Y + slope * step / (2 * Y))
 
 
 def complexified(curve: HyperellipticCurve, field: Any) -> HyperellipticCurve:

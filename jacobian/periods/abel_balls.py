@@ -18,8 +18,8 @@ from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor
 from jacobian.periods.abel import AbelMap, complexified
 from jacobian.periods.ball_cover import ball_roots, exact_polynomial
-from jacobian.periods.image import AbelImage, Point, full_weight, plus
-from jacobian.periods.matrix import PeriodMatrix, solve
+from jacobian.periods.image import AbelImage, Point
+from jacobian.periods.matrix import PeriodMatrix
 from jacobian.periods.proven import TRIALS, is_within, largest, period_balls
 from jacobian.periods.quadrature import Vector
 from jacobian.periods.roots import horner
@@ -138,10 +138,6 @@ class _Image(AbelImage):
         v = [numbers.convert(c) for c in D.v or (0,)]
         return [self._above(x, horner(v, x) + self._half_h(x)) for x in ball_roots(numbers, *exact_polynomial(D.u))]
 
-    def _above(self, x: Any, rough: Any) -> Point:
-        """The point (x, Y) whose Y is the root nearer to ``rough``."""
-        return x, self.cover.numbers.root(horner(self.cover.coefficients, x), rough)
-
     def checked(self, x: Any, argument: str) -> Any:
         """x, if it is a finite number or a ball; else ArgumentError."""
         try:
@@ -177,14 +173,6 @@ class _Image(AbelImage):
                 return points
             last = size
         return points
-
-    def _gap(self, points: Sequence[Point], target: Vector) -> Vector:
-        """target − image of the points, less the nearest period."""
-        return self.periods.reduce(plus(target, self._image_of(points, full_weight(self.given)), -1))
-
-    def _steps(self, points: Sequence[Point], gap: Vector) -> Vector:
-        """The Newton steps dx_i of the abscissas: Σ x_i^k dx_i/Y_i = gap_k, k < g."""
-        return solve([[x**k / Y for x, Y in points] for k in range(self.given.genus)], gap)
 
     def _divisor(self, points: Sequence[Point]) -> BallDivisor:
         numbers = self.cover.numbers

@@ -15,7 +15,7 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, CurveMismatch, Infeasible, entries, shown
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor
-from jacobian.periods.matrix import PeriodMatrix
+from jacobian.periods.matrix import PeriodMatrix, solve
 from jacobian.periods.quadrature import Vector, from_branch_point
 from jacobian.periods.roots import horner, simple_roots
 
@@ -57,6 +57,18 @@ class AbelImage(Immutable):
         if len(u) == 1:
             return []
         return [(x, horner(v, x) + self._half_h(x)) for x in simple_roots(numbers, u)]
+
+    def _above(self, x: Any, rough: Any) -> Point:
+        """The point (x, Y) whose Y is the root nearer to ``rough``."""
+        return x, self.cover.numbers.root(horner(self.cover.coefficients, x), rough)
+
+    def _gap(self, points: Sequence[Point], target: Vector) -> Vector:
+        """target − image of g points, less the nearest period."""
+        return self.periods.reduce(plus(target, self._image_of(points, full_weight(self.curve)), -1))
+
+    def _steps(self, points: Sequence[Point], gap: Vector) -> Vector:
+        """The Newton steps dx_i of the abscissas: Σ x_i^k dx_i/Y_i = gap_k, k < g."""
+        return solve([[x**k / Y for x, Y in points] for k in range(self.curve.genus)], gap)
 
     def _half_h(self, x: Any) -> Any:
         h = self.given.h

@@ -13,7 +13,7 @@ from jacobian.errors import ArgumentError, FieldError, PrecisionLoss
 from jacobian.immutable import Immutable
 from jacobian.linear import pivoted
 from jacobian.periods.branched_cover import BranchedCover, Edge, crossings
-from jacobian.periods.quadrature import Vector, ellipse
+from jacobian.periods.quadrature import Vector
 
 Matrix = list[list[Any]]
 
@@ -190,34 +190,20 @@ def real_periods(curve: HyperellipticCurve, roots: Sequence[Any] | None = None) 
     found = []
     line = sorted(e.real for e in cover.roots if e.imag == 0)
     for a, b in pairwise(line):
-        lines = [e for e in line if e not in (a, b)]
         # between a and b the sign of F is that of lead·(−1)^(number of roots from b on)
         if (sum(1 for e in line if e >= b) % 2 == 1) == (cover.lead.real < 0):
-            found.append(_oval(cover, a, b, lines))
+            found.append(_oval(cover, a, b))
     return found
 
 
-def _oval(cover: BranchedCover, a: Any, b: Any, lines: Vector) -> Oval:
-    numbers, g, field = cover.numbers, cover.genus, cover.curve.field
-    middle, half = (a + b) / 2, (b - a) / 2
-    pairs = [e for e in cover.roots if e.imag > 0]
-    others = [(complex(e) - float(middle)) / float(half) for e in [*lines, *pairs]]
-    n = numbers.node_count(2 * min((ellipse(u) for u in others), default=8))
-    lead = abs(cover.lead.real)
-    sums = [numbers.real(0)] * g
-    for node in numbers.nodes(n):
-        for x in (middle + half * node, middle - half * node):
-            product = lead
-            for e in lines:
-                product = product * (x - e)
-            for e in pairs:
-                product = product * ((x - e.real) ** 2 + e.imag**2)
-            weight = 1 / (abs(product) ** 0.5 if numbers.machine else numbers.sqrt(abs(product)))
-            for k in range(g):
-                sums[k] += weight
-                weight = weight * x
-    factor = 2 * numbers.pi / n
-    return Oval(field.coerce(a), field.coerce(b), tuple(field.coerce(factor * s) for s in sums))
+def _oval(cover: BranchedCover, a: Any, b: Any) -> Oval:
+    field = cover.curve.field
+    i, j = (next(k for k, e in enumerate(cover.roots) if e.imag == 0 and e.real == x) for x in (a, b))
+    first, *others = cover.edge(i, j).integrals
+    size = 2 * abs(first)
+    # Y has one phase on the oval
+    periods = (size, *(size * (x / first).real for x in others))
+    return Oval(field.coerce(a), field.coerce(b), tuple(map(field.coerce, periods)))
 
 
 def nearest(c: Any) -> int:

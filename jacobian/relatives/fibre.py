@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from jacobian import poly
+from jacobian.addition.ladder import multiple
 from jacobian.curve.curve import HyperellipticCurve, coefficient
 from jacobian.errors import ArgumentError, FieldError, entries, shown, written
 from jacobian.fields.quadratic import quadratic_roots
@@ -106,15 +107,14 @@ class FibreGroup(Immutable):
 
     def power(self, c: Unit, m: int) -> Unit:
         """c^m for any int m."""
-        c, m = self._checked(c), check_scalar(m, "m")
-        if m < 0:
-            c, m = self._conjugate(c), -m
-        result = self.identity
-        for bit in bin(m)[2:]:
-            result = self.multiply(result, result)
-            if bit == "1":
-                result = self.multiply(result, c)
-        return result
+        return multiple(
+            check_scalar(m, "m"),
+            self._checked(c),
+            self.multiply,
+            lambda d: self.multiply(d, d),
+            self._conjugate,
+            self.identity,
+        )
 
     def through(self, y0: Any) -> Unit:
         """The class (−y₀ : 1) of y − y₀, which the conic step through (x₀, y₀) adds; ``y0`` = None is the identity."""

@@ -182,14 +182,13 @@ class FormalSum(Immutable):
     def __mul__(self, scalar: SupportsIndex) -> FormalSum:
         if isinstance(scalar, FormalSum):
             return NotImplemented
-        m, A = check_scalar(scalar), self
+        m = check_scalar(scalar)
         if abs(m) * max(len(part) - 1 for part in (self.u, self.numerator, self.denominator)) > MOST_POINTS:
             raise Infeasible(
                 f"scalar = {shown(m)}: sums of more than {MOST_POINTS} points are not reduced by themselves"
             )
-        if m < 0:
-            m, A = -m, -self
-        return multiple(m, A, FormalSum.__add__, lambda B: B + B, FormalSum.__neg__) if m else FormalSum.zero(A.curve)
+        zero = FormalSum.zero(self.curve)
+        return multiple(m, self, FormalSum.__add__, lambda A: A + A, FormalSum.__neg__, zero)
 
     __rmul__ = __mul__
     __array_ufunc__ = None

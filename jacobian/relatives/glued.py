@@ -131,15 +131,12 @@ class GeneralizedJacobian(Jacobian):
 
     def multiply(self, m: int, D: Divisor) -> Divisor:
         """m·D for any int m, by this group's additions, because compiled code adds in the Jacobian instead."""
-        if m == 0:
-            return self.zero()
-        if m < 0:
-            m, D = -m, self.negate(D)
-        return multiple(m, D, self.add, self._watched_double, self.negate)
 
-    def _watched_double(self, D: Divisor) -> Divisor:
-        check_growth(self.field, D.u, D.v)
-        return self.double(D)
+        def double(E: Divisor) -> Divisor:
+            check_growth(self.field, E.u, E.v)
+            return self.double(E)
+
+        return multiple(m, D, self.add, double, self.negate, self.zero())
 
     def order(self) -> int:
         """Raises NotRepresentable: the order of a generalized Jacobian is not computed."""

@@ -10,10 +10,9 @@ Chinese remainder theorem.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import combinations_with_replacement
-from math import gcd, lcm
+from math import lcm
 from random import Random
 from typing import Any
 
@@ -23,6 +22,7 @@ from jacobian.errors import CurveMismatch, FieldError, Infeasible, JacobianError
 from jacobian.fields import GF, QQ
 from jacobian.fields.primality import is_prime
 from jacobian.fields.prime import PrimeField
+from jacobian.fields.rational import primitive
 from jacobian.group import Jacobian
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_divisor
@@ -82,11 +82,7 @@ class KummerSurface(Immutable):
         K: Any = self.curve.field
         if K != QQ:
             return normalized(K.p, self._coordinates(D))
-        whole = [Fraction(x) for x in self._coordinates(D)]
-        factor = lcm(*(x.denominator for x in whole))
-        found = [int(x * factor) for x in whole]
-        common = gcd(*found)
-        return tuple(x // common for x in found)
+        return tuple(primitive(self._coordinates(D)))
 
     def _coordinates(self, D: Divisor) -> Sequence[Any]:
         f, K = self.f, self.curve.field

@@ -9,7 +9,6 @@ over finite fields, by linear algebra modulo primes and the Chinese remainder th
 
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
 from itertools import combinations_with_replacement
@@ -29,7 +28,7 @@ from jacobian.native.longs import WORDS, numbers_of, pairs, words_of
 from jacobian.native.modular import CONTEXT
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.threads import in_ranges
-from jacobian.numbers.two_words import two_words
+from jacobian.numbers.two_words import Residues, two_words
 from jacobian.relatives import pseudo_sums
 from jacobian.relatives.kummer import KummerSurface, coordinates, kummer_surface, null_vector
 from jacobian.relatives.pseudo_sums import COMPILED, FORMS, SCRATCH, Forms
@@ -46,35 +45,6 @@ STEP = 1 << 8
 WANTED = "a point, four residues, or an array (N, 4) of them,"
 
 Point = tuple[int, int, int, int]
-
-
-class Residues(namedtuple("Residues", "p one")):
-    """Arithmetic modulo a prime power of any length in Python, with the interface of the compiled contexts.
-
-    The compiled contexts encode a residue in words; here the residue is its own code.
-    """
-
-    __slots__ = ()
-
-    def to_word(self, a: int) -> int:
-        return a
-
-    from_word = to_word
-
-    def dot(self, *terms: int) -> int:
-        return sum(a * b for a, b in zip(terms[::2], terms[1::2], strict=True)) % self.p
-
-    def add(self, x: int, y: int) -> int:
-        return (x + y) % self.p
-
-    def sub(self, x: int, y: int) -> int:
-        return (x - y) % self.p
-
-    def canonical(self, x: int) -> int:
-        return x
-
-    def invert(self, x: int) -> int:
-        return pow(x, -1, self.p)
 
 
 class PseudoGroup(Immutable):
@@ -204,7 +174,7 @@ class PseudoGroup(Immutable):
     @cached_property
     def _forms(self) -> Any:
         """The context and the forms for :mod:`jacobian.relatives.pseudo_sums`."""
-        K: Any = two_words(self._p) if self._p < 1 << 128 else Residues(self._p, 1)
+        K: Any = two_words(self._p) if self._p < 1 << 128 else Residues(self._p)
         forms = forms_of_surface(self.surface, self._p, K.to_word)
         if not self._is_compiled:
             return K, forms

@@ -15,7 +15,7 @@ from typing import Any
 from jacobian.native.kinds import INT, INTS, LONG, LONGS, ArrayKind, TupleKind, record
 from jacobian.native.library import Library
 from jacobian.native.modular import CONTEXT
-from jacobian.numbers.words import add, decode, dot2, dot4, encode, inverse, mul, sub
+from jacobian.numbers.words import inverse
 
 Forms = namedtuple("Forms", "first second ends place begin coefficient")
 Forms.__doc__ = """Forms in tables: i < 4 has b_(i+1)1 … b_(i+1)4, 4 has b_41 … b_44 at (a, a), 5 the equation.
@@ -37,7 +37,7 @@ def monomials_into(K: Any, S: Any, at: Any, x: Any) -> None:
     """Writes the ten quadratic monomials of the point x into the scratch array S from index ``at`` on."""
     for i in range(4):
         for j in range(i, 4):
-            S[at] = mul(K, x[i], x[j])
+            S[at] = K.dot(x[i], x[j])
             at += 1
 
 
@@ -49,16 +49,16 @@ def sum_of(K: Any, F: Any, S: Any, a: Any, b: Any, difference: Any, i: Any) -> A
     for n in range(begin, F.ends[i + 1]):
         k, m = F.first[n], F.second[n]
         if k == m:
-            S[TERMS + n - begin] = mul(K, S[k], S[QUADRATIC + k])
+            S[TERMS + n - begin] = K.dot(S[k], S[QUADRATIC + k])
         else:
-            S[TERMS + n - begin] = dot2(K, S[k], S[QUADRATIC + m], S[m], S[QUADRATIC + k])
+            S[TERMS + n - begin] = K.dot(S[k], S[QUADRATIC + m], S[m], S[QUADRATIC + k])
     x = forms_of(K, F, S, i)
     own = x[i]
     return (
-        own if i == 0 else sub(K, x[0], mul(K, own, difference[0])),
-        own if i == 1 else sub(K, x[1], mul(K, own, difference[1])),
-        own if i == 2 else sub(K, x[2], mul(K, own, difference[2])),
-        own if i == 3 else sub(K, x[3], mul(K, own, difference[3])),
+        own if i == 0 else K.sub(x[0], K.dot(own, difference[0])),
+        own if i == 1 else K.sub(x[1], K.dot(own, difference[1])),
+        own if i == 2 else K.sub(x[2], K.dot(own, difference[2])),
+        own if i == 3 else K.sub(x[3], K.dot(own, difference[3])),
     )
 
 
@@ -74,18 +74,18 @@ def forms_of(K: Any, F: Any, S: Any, table: Any) -> Any:
 
 def form(K: Any, F: Any, S: Any, which: Any) -> Any:
     """The value of one form; S holds the values of its table's terms."""
-    total = sub(K, K.one, K.one)
+    total = K.sub(K.one, K.one)
     for n in range(F.begin[which], F.begin[which + 1], 4):
         c, at = F.coefficient, F.place
         first, second = S[TERMS + at[n]], S[TERMS + at[n + 1]]
         third, fourth = S[TERMS + at[n + 2]], S[TERMS + at[n + 3]]
-        total = add(K, total, dot4(K, c[n], first, c[n + 1], second, c[n + 2], third, c[n + 3], fourth))
+        total = K.add(total, K.dot(c[n], first, c[n + 1], second, c[n + 2], third, c[n + 3], fourth))
     return total
 
 
 def identity(K: Any) -> Any:
     """The point κ(0) = (0, 0, 0, 1)."""
-    zero = sub(K, K.one, K.one)
+    zero = K.sub(K.one, K.one)
     return zero, zero, zero, K.one
 
 
@@ -94,7 +94,7 @@ def terms_twice(K: Any, F: Any, S: Any, table: Any, a: Any) -> None:
     monomials_into(K, S, 0, a)
     begin = F.ends[table]
     for n in range(begin, F.ends[table + 1]):
-        S[TERMS + n - begin] = mul(K, S[F.first[n]], S[F.second[n]])
+        S[TERMS + n - begin] = K.dot(S[F.first[n]], S[F.second[n]])
 
 
 def double_of(K: Any, F: Any, S: Any, a: Any) -> Any:
@@ -130,17 +130,17 @@ def unit(x: Any) -> Any:
 
 def encoded(K: Any, x: Any) -> Any:
     """The point x, given as residues, in the words of the context K."""
-    return encode(K, x[0]), encode(K, x[1]), encode(K, x[2]), encode(K, x[3])
+    return K.to_word(x[0]), K.to_word(x[1]), K.to_word(x[2]), K.to_word(x[3])
 
 
 def normal(K: Any, x: Any) -> Any:
     """The residues of a point given in words, scaled so that the first nonzero one is 1."""
     c = inverse(K, x[unit(x)])
     return (
-        decode(K, mul(K, x[0], c)),
-        decode(K, mul(K, x[1], c)),
-        decode(K, mul(K, x[2], c)),
-        decode(K, mul(K, x[3], c)),
+        K.from_word(K.dot(x[0], c)),
+        K.from_word(K.dot(x[1], c)),
+        K.from_word(K.dot(x[2], c)),
+        K.from_word(K.dot(x[3], c)),
     )
 
 

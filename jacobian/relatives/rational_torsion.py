@@ -20,10 +20,11 @@ from typing import NamedTuple
 
 from jacobian import poly
 from jacobian.curve.points import AffinePoint
-from jacobian.errors import FieldError, JacobianError, whole
+from jacobian.errors import FieldError, JacobianError, NotASquare, whole
 from jacobian.fields import GF, QQ
 from jacobian.fields.factor import factor
 from jacobian.fields.primality import is_prime
+from jacobian.fields.residue import quadratic_root
 from jacobian.finite.integers import factorization
 from jacobian.finite.structure import PrimaryGroup, Structure, joined, sylow_subgroup
 from jacobian.law.divisor import Divisor, GroupLaw
@@ -185,37 +186,15 @@ def _small_pairs(J: GroupLaw) -> Iterator[Divisor]:
     F = C.discriminant
     for b, c in product(range(-SMALL, SMALL + 1), repeat=2):
         u = (QQ.coerce(c), QQ.coerce(b), QQ.one)
-        w = _root(u, poly.mod(QQ, F, u)) if not _is_square(b * b - 4 * c) else None
-        if w is not None:
+        value = poly.mod(QQ, F, u)
+        if not value or _is_square(b * b - 4 * c):
+            continue
+        with suppress(NotASquare):
             # w = 2v + h modulo u, since (2y + h)² = F
+            w = quadratic_root(QQ, u, value)
             v = poly.scale(QQ, QQ.coerce("1/2"), poly.sub(QQ, w, poly.mod(QQ, C.h, u)))
             yield J.from_mumford(u, v)
 
 
 def _is_square(n: int) -> bool:
     return n >= 0 and isqrt(n) ** 2 == n
-
-
-def _root(u: poly.Poly, value: poly.Poly) -> poly.Poly | None:
-    """A square root of ``value`` in QQ[x]/u, deg u = 2, from its norm and trace; None if there is none."""
-    t, s = (list(value) + [QQ.zero] * 2)[:2]
-    c, b, _ = u
-    norm, trace = t * t - b * s * t + c * s * s, 2 * t - b * s
-    for sign in (1, -1):
-        try:
-            n = sign * QQ.sqrt(norm)
-            # the square of the trace of the root is trace + 2n, n being the norm of the root
-            r = QQ.sqrt(trace + 2 * n)
-        except JacobianError:
-            continue
-        if r:
-            # the root y has y² = ry − n, hence y = (value + n)/r
-            return poly.trim(QQ, (((t + n) / r), s / r))
-        if s == 0 and t:
-            # the trace is 0, hence y = m(x + b/2)
-            try:
-                m = QQ.sqrt(t / (b * b / 4 - c))
-            except JacobianError:
-                continue
-            return poly.trim(QQ, (m * b / 2, m))
-    return None

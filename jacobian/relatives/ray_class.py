@@ -158,16 +158,12 @@ class RayClassGroup(Immutable):
 
     def multiply(self, m: int, C: RayClass) -> RayClass:
         """m·C for any int m, by signed windows (width-w non-adjacent form; Solinas 2000)."""
-        if m == 0:
-            return self.zero()
-        if m < 0:
-            m, C = -m, self.negate(C)
 
         def double(a: RayClass) -> RayClass:
             check_growth(self.curve.field, a.divisor.u, a.divisor.v, a.unit)
             return self.add(a, a)
 
-        return multiple(m, C, self.add, double, self.negate)
+        return multiple(m, C, self.add, double, self.negate, self.zero())
 
     def _reduced(self, triple: cantor.Triple, functions: list[Function], unit: Unit) -> RayClass:
         """The class of (divisor of the triple, unit · Π functions); the triple belongs to the Jacobian's own model."""

@@ -162,9 +162,7 @@ class SignedGroup(Immutable):
         if K.exact:
             u, v, _ = cantor.compose(self.curve, (D.u, D.v, None), (E.u, E.v, None))
         else:
-            u, v, _, _ = map(
-                _frozen, composition.compose(K, 2, self.curve.f, (list(D.u), list(D.v)), (list(E.u), list(E.v)))
-            )
+            u, v, _, _ = self._composed(2, D, E)
         if len(u) != 3:
             raise NotRepresentable("the summands are opposite points: their sum is zero and has no pairs")
         pairs, kappas = [], []
@@ -192,13 +190,16 @@ class SignedGroup(Immutable):
             u = poly.monic(K, poly.quotient(K, psi, product))
             v = poly.neg(K, poly.mod(K, p, u))
         else:
-            u, v, p, q = map(
-                _frozen, composition.compose(K, self.weight, f, (list(D.u), list(D.v)), (list(E.u), list(E.v)))
-            )
+            u, v, p, q = self._composed(self.weight, D, E)
         degree = len(D.u) + len(E.u) - 3
         if len(u) != self.weight + 1:
             raise NotRepresentable(f"the sum has weight below {self._full} and no pairs")
         return p, q, (p[degree] if len(E.u) == 3 else K.mul(q, K.sqrt(f[-1]))), u, v
+
+    def _composed(self, genus: int, D: SignedDivisor, E: SignedDivisor) -> tuple[poly.Poly, poly.Poly, poly.Poly, Any]:
+        pairs = (list(D.u), list(D.v)), (list(E.u), list(E.v))
+        u, v, p, q = composition.compose(self.field, genus, self.curve.f, *pairs)
+        return tuple(u), tuple(v), tuple(p), q
 
     def _transfer(
         self, p: poly.Poly, q: Any, u: poly.Poly, v: poly.Poly, u1: poly.Poly, v1: poly.Poly
@@ -270,7 +271,3 @@ def _mean(rows: Sequence[Row]) -> Any:
         d = divisor / unit
         numerator, denominator = numerator + d.conjugate() * (value / unit), denominator + d.conjugate() * d
     return numerator / denominator
-
-
-def _frozen(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value

@@ -22,9 +22,10 @@ from jacobian.fields import GF, QQ
 from jacobian.finite.structure import PrimaryGroup
 from jacobian.group import Jacobian
 from jacobian.law.divisor import Divisor
+from jacobian.numbers.two_words import Residues
 from jacobian.relatives.doubling_bounds import bad_part, real_bounds
 from jacobian.relatives.kummer import Coordinates, KummerSurface, kummer_surface
-from jacobian.relatives.pseudo_group import Residues, equation, forms_of_surface
+from jacobian.relatives.pseudo_group import equation, forms_of_surface
 from jacobian.relatives.pseudo_sums import SCRATCH, multiple_of, unit
 
 
@@ -115,7 +116,7 @@ class TorsionLifts:
 
     def _multiple(self, m: int, x: list[int], i: int, modulus: int) -> list[int]:
         bits = [int(bit) for bit in bin(m)[2:]]
-        found = multiple_of(Residues(modulus, 1), self.forms, [0] * SCRATCH, x, i, bits)
+        found = multiple_of(Residues(modulus), self.forms, [0] * SCRATCH, x, i, bits)
         return self._scaled(found, i, modulus)
 
     def _solved(self, x: list[int], k: int, modulus: int) -> int:

@@ -15,12 +15,11 @@ NAMES = ["lazy", "wide", "double"]
 
 def steps_of(model):
     """The steps, and an equation and a class whose numbers are as large as canonical ones get."""
-    steps = {name: of_models[model] for name, of_models in STEPS.items() if model in of_models}
-    return steps, model(*[HALF] * len(model._fields)), (HALF,) * (6 if model is Septic else 4)
+    return STEPS[model], model(*[HALF] * len(model._fields)), (HALF,) * (2 * model.genus)
 
 
 def both_quotients(steps, K, C, row):
-    return steps["chord"](K, C, row, row), steps["tangent"](K, C, row)
+    return steps.chord(K, C, row, row), steps.tangent(K, C, row)
 
 
 @pytest.mark.parametrize("K", CONTEXTS, ids=NAMES)
@@ -29,25 +28,25 @@ def test_no_word_overflows(model, K):
     steps, C, line = steps_of(model)
     # the second half of a row may follow either of the two
     quotient = tuple(map(max, *both_quotients(steps, K, C, line)))
-    assert K.canonical(steps["product"](K, C, quotient)) == HALF
-    cubic = steps["cubic"](K, C, quotient, HALF, line)
-    u = steps["u"](K, C, cubic, line, line)
-    assert (*u, *steps["v"](K, C, cubic, u, line)) == line
-    assert steps["closed"](K, C, quotient, HALF, line, line) == line
-    assert steps["opposite"](K, C, line) == line
+    assert K.canonical(steps.product(K, C, quotient)) == HALF
+    cubic = steps.cubic(K, C, quotient, HALF, line)
+    u = steps.u(K, C, cubic, line, line)
+    assert (*u, *steps.v(K, C, cubic, u, line)) == line
+    assert steps.closed(K, C, quotient, HALF, line, line) == line
+    assert steps.opposite(K, C, line) == line
 
 
 @pytest.mark.parametrize("K", CONTEXTS, ids=NAMES)
 def test_no_word_overflows_in_genus_3(K):
     steps, C, row = steps_of(Septic)
     quotient = tuple(map(max, *both_quotients(steps, K, C, row)))
-    assert K.canonical(steps["product"](K, C, quotient)) == HALF
-    bent = steps["bent"](K, C, quotient, HALF)
-    meeting = steps["meeting"](K, C, bent, row, row)
-    middle = steps["middle"](K, C, bent, meeting, row, row)
-    u = steps["u"](K, C, meeting, middle)
-    assert (*u, *steps["v"](K, C, u, middle)) == row
-    assert steps["closed"](K, C, quotient, HALF, row, row) == row
+    assert K.canonical(steps.product(K, C, quotient)) == HALF
+    bent = steps.bent(K, C, quotient, HALF)
+    meeting = steps.meeting(K, C, bent, row, row)
+    middle = steps.middle(K, C, bent, meeting, row, row)
+    u = steps.u(K, C, meeting, middle)
+    assert (*u, *steps.v(K, C, u, middle)) == row
+    assert steps.closed(K, C, quotient, HALF, row, row) == row
 
 
 def test_the_bounds_catch_an_overflow():

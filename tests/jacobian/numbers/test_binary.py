@@ -30,10 +30,10 @@ WORD = st.integers(0, 2**64 - 1)
 
 
 def operations(K, a, b, c, d):
-    first = words.mul(K, a, b), words.dot2(K, a, b, c, d), words.dot3(K, a, b, c, d, a, c)
-    sums = words.add(K, a, b), words.sub(K, a, b), words.neg(K, a), words.fit(K, a), words.settled(K, a)
-    last = words.dot4(K, a, b, c, d, a, c, b, d), words.encode(K, a), words.decode(K, a), words.canonical(K, a)
-    return (*first, words.mul(K, c, c), *sums, *last)
+    first = K.dot(a, b), K.dot(a, b, c, d), K.dot(a, b, c, d, a, c)
+    sums = K.add(a, b), K.sub(a, b), K.neg(a), K.fit(a), K.settled(a)
+    last = K.dot(a, b, c, d, a, c, b, d), K.to_word(a), K.from_word(a), K.canonical(a)
+    return (*first, K.dot(c, c), *sums, *last)
 
 
 def inverted(K, a):

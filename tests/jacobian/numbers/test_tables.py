@@ -9,19 +9,7 @@ from jacobian.native.library import Library
 from jacobian.native.words import CONTEXTS
 from jacobian.numbers.tables import BinaryTable, OddTable, table_context
 from jacobian.numbers.words import (
-    add,
-    canonical,
-    decode,
-    dot2,
-    dot3,
-    dot4,
-    encode,
-    fit,
     inverse,
-    mul,
-    neg,
-    settled,
-    sub,
 )
 
 FIELDS = {
@@ -36,23 +24,23 @@ FIELDS = {
 
 def tabulate(K, q, pairs, singles):
     for x in range(q):
-        singles[0, x] = neg(K, x)
+        singles[0, x] = K.neg(x)
         singles[1, x] = inverse(K, x) if x else 0
-        singles[2, x] = fit(K, x)
-        singles[3, x] = settled(K, canonical(K, x))
-        singles[4, x] = decode(K, encode(K, x))
+        singles[2, x] = K.fit(x)
+        singles[3, x] = K.settled(K.canonical(x))
+        singles[4, x] = K.from_word(K.to_word(x))
         for y in range(q):
-            pairs[0, q * x + y] = add(K, x, y)
-            pairs[1, q * x + y] = sub(K, x, y)
-            pairs[2, q * x + y] = mul(K, x, y)
+            pairs[0, q * x + y] = K.add(x, y)
+            pairs[1, q * x + y] = K.sub(x, y)
+            pairs[2, q * x + y] = K.dot(x, y)
 
 
 def dots(K, rows, out):
     for i in range(rows.shape[0]):
         a, b, c, d = rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3]
         e, f, g, h = rows[i, 4], rows[i, 5], rows[i, 6], rows[i, 7]
-        out[0, i], out[1, i] = dot2(K, a, b, c, d), dot3(K, a, b, c, d, e, f)
-        out[2, i] = dot4(K, a, b, c, d, e, f, g, h)
+        out[0, i], out[1, i] = K.dot(a, b, c, d), K.dot(a, b, c, d, e, f)
+        out[2, i] = K.dot(a, b, c, d, e, f, g, h)
 
 
 TABLE = ArrayKind(INT, 2)
