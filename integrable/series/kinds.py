@@ -30,7 +30,7 @@ from integrable.series.steps import (
     steps_for,
 )
 from integrable.series.symbols import SymbolField
-from integrable.series.tape import Tape, recorded
+from integrable.series.tape import Tape, recorded, with_multiples
 from integrable.series.walk import WRONG, Bounds, Codes, Layout, Many, Outputs, Slots
 from integrable.series.walk_text import TIMES, module
 from jacobian.native import kept, machine
@@ -86,7 +86,7 @@ class Kind:
     def __init__(self, name: str, formulas: Formulas) -> None:
         numbers = SymbolField()
         self.count, self.half = formulas.shown, formulas.half
-        self.rates: Tape = recorded(lambda y: formulas.rates(numbers, y), formulas.variables)
+        self.rates: Tape = with_multiples(recorded(lambda y: formulas.rates(numbers, y), formulas.variables))
         self.start: Tape = recorded(lambda y: formulas.start(numbers, y), formulas.shown)
         self._variables = formulas.variables
         said = f"{self.rates} {self.start} {self.count}".encode()

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from integrable.series.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, Tape, levels_of
+from integrable.series.tape import CONSTANT, MULTIPLE, PRODUCT, QUOTIENT, ROOT, Tape, levels_of
 from jacobian.native.machine import features
 
 # number of floats in a vector register
@@ -70,9 +70,11 @@ class Room:
         self.abreast = ABREAST * WALKS // lanes
         self.begin = begin + -begin % self.abreast
         self.apart = count + -count % self.abreast
-        begin = self.begin + (order + max(wide, 0) + 2) * self.apart
+        # a loop over orders writes one low part more
+        begin = self.begin + (order + max(wide, 0) + 3) * self.apart
         # only the coefficients of order 0 are kept, as hi and lo, of constants and of factors that are no variables
         kept = {n for n, kind in enumerate(tape.kinds) if kind == CONSTANT}.union(*self.factors.values())
+        kept |= {p for kind, p, _ in tape.nodes if kind == MULTIPLE}
         self._highs = {n: begin + 2 * i for i, n in enumerate(sorted(kept - set(range(count))))}
         begin += 2 * len(self._highs)
         divided = [n for n, kind in enumerate(tape.kinds) if kind in (QUOTIENT, ROOT)]

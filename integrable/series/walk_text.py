@@ -129,7 +129,7 @@ def _dense(room: Room, count: int) -> str:
     def spread(place: int) -> str:
         return text.spread(_float_at(text, "%s", place * lanes))
 
-    first, variables = (wide + 1) // FIRST_TERMS, range(count)
+    first, variables = (wide + 2) // FIRST_TERMS, range(count)
     # the variables are interleaved, so that the latency of one is hidden by the others
     rest = [spread(room.high(i, order)) for i in variables]
     for k in range(order - 1, max(first, 1) - 1, -1):

@@ -18,13 +18,15 @@ from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
 from integrable.mumford.flow import ROUNDED, Point
 from integrable.mumford.system import MumfordSystem
+from integrable.series import sums_text
 from integrable.series.kinds import Formulas, Kind
+from integrable.series.room import Orders
 from integrable.series.steps import FINE, FINEST, ROUGH, WIDE, bounds_of, steps_for
 from integrable.series.walk import WRONG, Bounds, Codes, Compared, Given, Outputs, compared
 from integrable.series.walk import walked as by_the_readable_loop
 from integrable.series.walk_compiled import LIBRARY
 from jacobian import MP, RR, ArgumentError
-from jacobian.native import machine
+from jacobian.native import kept, machine
 from tests.integrable.classical.rows import REAL
 from tests.integrable.series.readable import states_of
 from tests.integrable.ways import constrained, inside
@@ -331,3 +333,21 @@ def test_sums_that_cancel_in_the_finest_steps_are_renormalized() -> None:
     assert (found.reached, found.wrong) == (2, None)
     true = states_of(system._kind, *given, [0.001, 0.024])
     assert off(found.states, np.reshape(true, found.states.shape)) <= 2.0**-52
+
+
+@pytest.mark.parametrize(("name", "n"), [("neumann", 2), ("toda", 3), ("garnier", 3), ("lagrange", 3)])
+@pytest.mark.parametrize("orders", [WIDE, Orders(5, 30)])
+def test_orders_in_a_loop_are_those_of_straight_line_code(name, n, orders, monkeypatch) -> None:
+    system, state = REAL[name](RR, n)
+    given, times, found = system.flow(state)._walk_given, np.array([0.5, 3.0]), []
+    monkeypatch.setattr(kept, "place", lambda: None)
+    for longest in (0, 10**6):
+        monkeypatch.setattr(sums_text, "LONGEST", longest)
+        walk = system._made_kind().walk(orders)
+        steps = FINE._replace(orders=orders, left_out=1e-24, rounded=1e-8)
+        reached = walk(*given, times, steps, 1e3)
+        assert reached.gap < 2.0**-56
+        found.append((reached.states, walk.codes.ratios - walk.codes.series))
+    (looped, short), (straight, long) = found
+    assert short < long
+    assert off(looped, straight) <= 2.0**-52
