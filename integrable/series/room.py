@@ -55,16 +55,19 @@ class Room:
         self.lows_of_units = UNITS + order
         begin = self.lows_of_units + wide + 1
         self.factors = _factors(tape)
-        groups = _abreast(tape, WIDEST // WALKS)
-        squares = [nodes for nodes, square in groups if square]
-        within = {n for nodes in squares for n in nodes}
-        packs = _parts([n for n in self.factors if n not in within], min(4, WIDEST // WALKS))
-        # products of a group that is also a pack are summed at once, for any ``lanes``: results do not depend on these
-        self.at_once = within.union(*[nodes for nodes, _ in groups if nodes in packs])
+        groups, widest = _abreast(tape, min(4, WIDEST // WALKS)), min(4, WIDEST // WALKS)
+        rest = [n for n in self.factors if not any(n in nodes for nodes in groups)]
+        packs = []
+        for nodes in groups:
+            # a vector of products has room for others, whose sums over earlier coefficients it computes too
+            free = 0 if is_square(tape, nodes[0]) else widest - len(nodes)
+            packs.append((*nodes, *rest[:free]))
+            rest = rest[free:]
+        # results do not depend on ``lanes``, so neither does what is summed at once
+        self.at_once = {n for nodes in packs if nodes in groups for n in nodes}
         most = max(1, WIDEST // lanes)
-        groups = [(part, square) for nodes, square in groups for part in _parts(nodes, most)]
-        squares = [nodes for nodes, square in groups if square]
-        packs = [part for each in [*packs, *squares] for part in _parts(each, most)]
+        self.members = {n: part for nodes in groups for part in _parts(nodes, most) for n in part}
+        packs = [part for nodes in [*packs, *_parts(rest, widest)] for part in _parts(nodes, most)]
         self.packs = {nodes: 1 << (len(nodes) - 1).bit_length() for nodes in packs}
         # the variables are contiguous, because a step advances all of them at once
         self.abreast = ABREAST * WALKS // lanes
@@ -84,10 +87,10 @@ class Room:
         self.sides: dict[tuple[int, ...], list[Side]] = {}
         for nodes, width in self.packs.items():
             left, right = zip(*[self.factors[n] for n in nodes], strict=True)
-            # a square has one side
-            self.sides[nodes] = [self._placed(each, width) for each in ([left] if nodes in squares else [left, right])]
+            # a group of squares has one side
+            square = nodes[0] in self.members and is_square(tape, nodes[0])
+            self.sides[nodes] = [self._placed(each, width) for each in ([left] if square else [left, right])]
         self.placed = tuple(self._sides.values())
-        self.members = {n: nodes for nodes, _ in groups for n in nodes}
         self.pack_of = {n: nodes for nodes in self.packs for n in nodes}
 
     def high(self, n: int, k: int) -> int:
@@ -141,17 +144,15 @@ def _parts(nodes: Sequence[int], most: int) -> list[tuple[int, ...]]:
     return [tuple(nodes[i : i + most]) for i in range(0, len(nodes), most)]
 
 
-def _abreast(tape: Tape, most: int) -> list[tuple[tuple[int, ...], bool]]:
-    """Groups of two or four products that do not depend on each other, and whether they are squares."""
-    levels, found = levels_of(tape.nodes), []
-    for level in sorted(set(levels)):
-        for square in (True, False):
-            nodes = [
-                n for n, (kind, p, q) in enumerate(tape.nodes)
-                if kind == PRODUCT and levels[n] == level and (p == q) == square
-            ]  # fmt: skip
-            while len(nodes) > 1:
-                width = min(most, 4 if len(nodes) > 3 else 2)
-                found.append((tuple(nodes[:width]), square))
-                nodes = nodes[width:]
-    return found
+def is_square(tape: Tape, n: int) -> bool:
+    """Whether a node is the square of another."""
+    return tape.kinds[n] == PRODUCT and tape.left[n] == tape.right[n]
+
+
+def _abreast(tape: Tape, most: int) -> list[tuple[int, ...]]:
+    """Groups of two or more products that do not depend on each other, and are all squares or none."""
+    levels, alike = levels_of(tape.nodes), dict[tuple[int, bool], list[int]]()
+    for n, kind in enumerate(tape.kinds):
+        if kind == PRODUCT:
+            alike.setdefault((levels[n], is_square(tape, n)), []).append(n)
+    return [part for key in sorted(alike) for part in _parts(alike[key], most) if len(part) > 1]

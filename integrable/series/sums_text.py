@@ -56,7 +56,7 @@ class Sums:
         # order, part)
         self._recent: dict[tuple[int, int, int], str] = {}
         self._built: dict[tuple[int, int, int], str] = {}
-        self._sums: dict[int, Wide] = {}
+        self._sums: dict[tuple[int, ...], Wide] = {}
         # within the loop, ``_before`` has the sums of a vector of products over earlier rounds, one for each order of
         # the round
         self._before: dict[tuple[int, ...], list[Wide]] = {}
@@ -167,39 +167,39 @@ class Sums:
 
     def _sum_of_earlier(self, n: int, k: int) -> Wide | None:
         """Σ p_j q_{k−j} over 0 < j < k, for the factors of a node, computed in one vector with those of other nodes."""
-        if k > 1 and n not in self._sums:
-            nodes = self.room.pack_of[n]
+        nodes = self.room.pack_of[n]
+        found = self._sums_of_earlier(nodes, k)
+        return found and self._apart(self._vector(nodes), nodes, found)[n]
+
+    def _sums_of_earlier(self, nodes: tuple[int, ...], k: int) -> Wide | None:
+        if k > 1 and nodes not in self._sums:
             text, sides = self._vector(nodes), self.room.sides[nodes]
             if self._before:
-                self._sums |= self._apart(text, nodes, self._of_round(text, nodes, k))
+                self._sums[nodes] = self._of_round(text, nodes, k)
             else:
-                self._sums |= self._apart(text, nodes, self._products(text, sides, _terms(len(sides) == 1, 1, k, k), k))
-        return self._sums.get(n)
+                self._sums[nodes] = self._products(text, sides, _terms(len(sides) == 1, 1, k, k), k)
+        return self._sums.get(nodes)
 
     def _vector(self, nodes: tuple[int, ...]) -> Text:
         return Text(self.room.lanes * self.room.packs[nodes], self.text)
 
     def _group(self, nodes: tuple[int, ...], k: int) -> dict[int, Wide]:
         """The coefficients k of several products, computed in one vector."""
-        text = Text(self.room.lanes * len(nodes), self.text)
+        pack = self.room.pack_of[nodes[0]]
+        text, sides, before = self._vector(pack), self.room.sides[pack], None
+        terms = _terms(len(sides) == 1, 0, k + 1, k)
+        if self._before or nodes[0] not in self.room.at_once:
+            terms, before = [term for term in terms if not all(term[1:])], self._sums_of_earlier(pack, k)
         if nodes[0] in self.room.at_once:
-            sides = self.room.sides[nodes]
-            terms, before = _terms(len(sides) == 1, 0, k + 1, k), None
-            if self._before:
-                terms, before = [term for term in terms if not all(term[1:])], self._of_round(text, nodes, k)
             return self._apart(text, nodes, self._products(text, sides, terms, k, before))
-        sums = [self._sum_of_earlier(n, k) for n in nodes]
-        before = None
-        if k > 1:
-            before = self._joined(text, [x[0] for x in sums if x]), self._joined(text, [x[1] for x in sums if x])
         factors = [[self.room.factors[n][side] for n in nodes] for side in (0, 1)]
         pairs = []
-        for _, i, j in _terms(False, 0, 1, k) + (_terms(False, k, k + 1, k) if k else []):
+        for f, i, j in terms:
             x, y = (
                 (self._joined(text, [self._hi(n, o) for n in side]), self._joined(text, [self._lo(n, o) for n in side]))
                 for side, o in zip(factors, (i, j), strict=True)
             )
-            pairs.append(_later_first(1, (i, x), (j, y)))
+            pairs.append(_later_first(f, (i, x), (j, y)))
         return self._apart(text, nodes, _summed(text, pairs, True, before))
 
     def _joined(self, text: Text, parts: list[str]) -> str:
