@@ -159,7 +159,7 @@ class Sums:
         terms = [term for term in _terms(p == q, begin, end, k) if not all(term[1:])]
         # the term whose coefficient is computed last comes last
         terms.sort(key=lambda term: p if term[1] else q)
-        pairs = [_later_first(f, (i, self._value(p, i)), (j, self._value(q, j))) for f, i, j in terms]
+        pairs = _pairs(terms, lambda side, order: self._value((p, q)[side], order))
         if before and not before[1]:
             # doubling a factor keeps all terms in one sum; the newest term waits for no other
             pairs = [(1, x, _doubled(self.text, y) if f == 2 else y) for f, x, y in pairs]
@@ -192,15 +192,13 @@ class Sums:
             terms, before = [term for term in terms if not all(term[1:])], self._sums_of_earlier(pack, k)
         if nodes[0] in self.room.at_once:
             return self._apart(text, nodes, self._products(text, sides, terms, k, before))
-        factors = [[self.room.factors[n][side] for n in nodes] for side in (0, 1)]
-        pairs = []
-        for f, i, j in terms:
-            x, y = (
-                (self._joined(text, [self._hi(n, o) for n in side]), self._joined(text, [self._lo(n, o) for n in side]))
-                for side, o in zip(factors, (i, j), strict=True)
-            )
-            pairs.append(_later_first(f, (i, x), (j, y)))
-        return self._apart(text, nodes, _summed(text, pairs, True, before))
+
+        def joined(side: int, order: int) -> Wide:
+            factors = [self.room.factors[n][side] for n in nodes]
+            high, low = (self._joined(text, [part(n, order) for n in factors]) for part in (self._hi, self._lo))
+            return high, low
+
+        return self._apart(text, nodes, _summed(text, _pairs(terms, joined), True, before))
 
     def _joined(self, text: Text, parts: list[str]) -> str:
         """Joins the parts into one vector, whose remaining lanes repeat the last part."""
@@ -212,14 +210,15 @@ class Sums:
     ) -> Wide:
         """``before`` plus the sums of several products in one vector; their factors are contiguous in memory."""
         wide = k <= self.wide
-        pairs = []
-        for f, i, j in terms:
-            x, y = (
-                (self._fetched(text, side, order, 0), self._fetched(text, side, order, 1) if wide else "")
-                for side, order in ((sides[0], i), (sides[-1], j))
+
+        def fetched(side: int, order: int) -> Wide:
+            high, low = (
+                self._fetched(text, (sides[0], sides[-1])[side], order, part) if wide or not part else ""
+                for part in (0, 1)
             )
-            pairs.append(_later_first(f, (i, x), (j, y)))
-        return _summed(text, pairs, wide, before)
+            return high, low
+
+        return _summed(text, _pairs(terms, fetched), wide, before)
 
     def _earlier_orders(self, nodes: tuple[int, ...], done: str) -> list[Wide]:
         """Σ p_j q_{k−j} over 0 < j < k in double-doubles, for the order k of the round; in a square over j ≤ k/2."""
@@ -375,9 +374,10 @@ def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:
     return sorted(found, key=lambda term: max(term[1:]))
 
 
-def _later_first(f: int, x: tuple[int, Wide], y: tuple[int, Wide]) -> tuple[int, Wide, Wide]:
-    """The term f·x·y of two coefficients with their orders, where the coefficient of higher order comes first."""
-    return (f, x[1], y[1]) if x[0] >= y[0] else (f, y[1], x[1])
+def _pairs(terms: Sequence[Term], value: Callable[[int, int], Wide]) -> list[tuple[int, Wide, Wide]]:
+    """The terms f·x·y of two coefficients ``value``(side, order), where the one of higher order comes first."""
+    values = ((f, (i, value(0, i)), (j, value(1, j))) for f, i, j in terms)
+    return [(f, x[1], y[1]) if x[0] >= y[0] else (f, y[1], x[1]) for f, x, y in values]
 
 
 def _summed(text: Text, pairs: Sequence[tuple[int, Wide, Wide]], wide: bool, before: Wide | None) -> Wide:

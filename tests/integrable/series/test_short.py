@@ -23,7 +23,7 @@ from integrable.mumford.flow import Path, Point
 from integrable.mumford.system import MumfordSystem
 from integrable.series.kinds import Formulas, Kind
 from integrable.series.recurrences import coefficients, convolved, squared
-from integrable.series.steps import FINE, ROUGH, WIDE
+from integrable.series.steps import BRIEF, FINE, ROUGH, WIDE
 from integrable.series.tape import CONSTANT, PRODUCT, VARIABLE, recorded, with_multiples
 from jacobian import MP, RR, ArgumentError
 from tests.integrable.classical.rows import CASES, REAL
@@ -196,16 +196,17 @@ def test_equations_that_are_no_formula_are_left_to_additions() -> None:
     assert np.array_equal(foreign.flow(state).at([1.5]).q, system.flow(state).at([1.5]).q)
 
 
-def test_steps_for_few_of_them_are_right_to_the_last_bits_and_go_no_further() -> None:
+@pytest.mark.parametrize(("steps", "last"), [(BRIEF, 10), (ROUGH, 100)])
+def test_steps_for_few_of_them_are_right_to_the_last_bits_and_go_no_further(steps, last) -> None:
     system = Neumann((1, 2, 4))
-    state, times = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)), np.linspace(0, 12, 40)
-    walk, given = system._kind.walk(ROUGH.orders), system.flow(state)._walk_given
-    found = walk(*given, times, ROUGH, 1e4)
+    state, times = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)), np.linspace(0, last, 40)
+    walk, given = system._kind.walk(WIDE), system.flow(state)._walk_given
+    found = walk(*given, times, steps, 1e4)
     assert found.reached == 40
     assert found.wrong is None
-    true = system._kind.walk(WIDE)(*given, times, FINE, 1e4)
+    true = walk(*given, times, FINE, 1e4)
     assert np.abs(found.states - true.states).max() <= 2.0**-52
-    assert walk(*given, 100 * times, ROUGH, 1e4).reached == 0
+    assert walk(*given, 10 * times, steps, 1e4).reached == 0
 
 
 def test_walks_that_share_an_error_are_not_taken_for_right() -> None:
