@@ -12,6 +12,7 @@ branch point a_i, with κ = f₁'(a_i). So signs are determined, also where the 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from operator import attrgetter
 
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
@@ -32,7 +33,7 @@ class Neumann(SurfaceSystem, QuadricSystem):
 
     def __init__(self, a: Iterable[Value], field: Field = RR) -> None:
         self._set_up(field, a, "a", 2)
-        self._largest = 0 if field.exact else self.constants.index(max(self.constants, key=lambda x: x.real))
+        self._largest = 0 if field.exact else self.constants.index(max(self.constants, key=attrgetter("real")))
 
     def _shape(self, N: FormulaField, state: Point) -> Shape:
         return Shape((), (), (-N.one,))

@@ -55,20 +55,13 @@ class Room:
         self.lows_of_units = UNITS + order
         begin = self.lows_of_units + wide + 1
         self.factors = _factors(tape)
-        groups, widest = _abreast(tape, min(4, WIDEST // WALKS)), min(4, WIDEST // WALKS)
-        rest = [n for n in self.factors if not any(n in nodes for nodes in groups)]
-        packs = []
-        for nodes in groups:
-            # a vector of products has room for others, whose sums over earlier coefficients it computes too
-            free = 0 if is_square(tape, nodes[0]) else widest - len(nodes)
-            packs.append((*nodes, *rest[:free]))
-            rest = rest[free:]
+        packs, groups = _packed(tape, list(self.factors), min(4, WIDEST // WALKS))
         # results do not depend on ``lanes``, so neither does what is summed at once
         self.at_once = {n for nodes in packs if nodes in groups for n in nodes}
         most = max(1, WIDEST // lanes)
         self.members = {n: part for nodes in groups for part in _parts(nodes, most) for n in part}
-        packs = [part for nodes in [*packs, *_parts(rest, widest)] for part in _parts(nodes, most)]
-        self.packs = {nodes: 1 << (len(nodes) - 1).bit_length() for nodes in packs}
+        parts = [part for nodes in packs for part in _parts(nodes, most)]
+        self.packs = {nodes: 1 << (len(nodes) - 1).bit_length() for nodes in parts}
         # the variables are contiguous, because a step advances all of them at once
         self.abreast = ABREAST * WALKS // lanes
         self.begin = begin + -begin % self.abreast
@@ -156,3 +149,16 @@ def _abreast(tape: Tape, most: int) -> list[tuple[int, ...]]:
         if kind == PRODUCT:
             alike.setdefault((levels[n], is_square(tape, n)), []).append(n)
     return [part for key in sorted(alike) for part in _parts(alike[key], most) if len(part) > 1]
+
+
+def _packed(tape: Tape, products: list[int], most: int) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
+    """The products of each vector, at most ``most``, and the groups among them. A vector has room for others than its
+    group, whose sums over earlier coefficients it computes too.
+    """
+    groups, packs = _abreast(tape, most), []
+    rest = [n for n in products if not any(n in nodes for nodes in groups)]
+    for nodes in groups:
+        free = 0 if is_square(tape, nodes[0]) else most - len(nodes)
+        packs.append((*nodes, *rest[:free]))
+        rest = rest[free:]
+    return [*packs, *_parts(rest, most)], groups

@@ -294,9 +294,9 @@ def onward(
 
 def all_moved(codes: Codes, room: Array) -> None:
     """Advances all walks by a step each, and computes the series there."""
-    run(codes.advance, room)
-    run(codes.series, room)
-    run(codes.ratios, room)
+    execute(codes.advance, room)
+    execute(codes.series, room)
+    execute(codes.ratios, room)
 
 
 def in_order(times: Array) -> bool:
@@ -318,7 +318,7 @@ def unit_of(codes: Codes, layout: Layout, room: Array, lane: int) -> float:
     and steps do not depend on the unit in which the motion is given. The series of other motions stay as they are.
     """
     put_unit(layout, room, lane, 1.0)
-    run(codes.series, room)
+    execute(codes.series, room)
     unit, shortest = 1.0, shortest_time(layout, room, lane)
     while unit < shortest < FARTHEST:
         unit *= 2.0
@@ -329,8 +329,8 @@ def unit_of(codes: Codes, layout: Layout, room: Array, lane: int) -> float:
         if LEAST_UNIT <= unit <= 1 / LEAST_UNIT:
             to_unit(layout, room, lane, unit)
         else:
-            run(codes.series, room)
-    run(codes.ratios, room)
+            execute(codes.series, room)
+    execute(codes.ratios, room)
     return unit
 
 
@@ -523,7 +523,7 @@ def start(code: int, constants: Array, state: Array, room: Array, lane: int) -> 
     _called(code, constants, state, room[lane:])
 
 
-def run(code: int, room: Array) -> None:
+def execute(code: int, room: Array) -> None:
     """Computes in memory the coefficients about the state, or ratios of them, or advances the state by a step."""
     _called(code, room)
 

@@ -54,7 +54,7 @@ STRAIGHT: dict[object, Callable[..., Value]] = {
     walk.start: lambda b, code, constants, state, room, lane: _call(
         b, code, constants.parts[0], state.parts[0], _in_lane(b, room, lane)
     ),
-    walk.run: lambda b, code, room: _call(b, code, room.parts[0]),
+    walk.execute: lambda b, code, room: _call(b, code, room.parts[0]),
     walk.dense: lambda b, code, room, lane, ahead: _call(b, code, _in_lane(b, room, lane), ahead.parts[0]),
 }
 WALK = CODES, BOUNDS, LAYOUT
