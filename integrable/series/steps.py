@@ -12,10 +12,10 @@ from integrable.series.room import Orders
 from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Tape
 from integrable.series.walk import Bounds
 
-# a step of a system costs (FIXED + its number of products)/STANDARD as much as a step of Neumann's point on S², which
-# has STANDARD − FIXED products
+# a step of a system costs (FIXED + its number of products)/STANDARD as much as a step of a geodesic of the ellipsoid in
+# space, which has STANDARD − FIXED products
 FIXED, STANDARD = 3, 13
-# the microseconds of a step of Neumann's point: per order, per square of the order, and more per order in
+# the microseconds of a step of this geodesic: per order, per square of the order, and more per order in
 # double-doubles
 PER_ORDER, PER_SQUARE, PER_WIDE_ORDER = 5e-3, 0.25e-3, 28e-3
 

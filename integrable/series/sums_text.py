@@ -1,8 +1,8 @@
 """Sums of products of Taylor coefficients as LLVM text: the coefficients in memory and in registers.
 
 The sums of several nodes form one vector, and their factors are stored side by side. In straight-line code a sum has
-all its terms. In the loop over rounds of AT_ONCE orders, a smaller loop adds the terms of earlier rounds to the sums of
-all orders of a round.
+all its terms. In a loop over rounds of orders, a smaller loop adds the terms of earlier rounds to the sums of all
+orders of a round.
 """
 
 from __future__ import annotations
