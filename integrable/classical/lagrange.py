@@ -37,7 +37,7 @@ class LagrangeTop(AxialSystem):
         (x, y, z), (a, b, c) = state
         turn = self._parameters_in(N)[0] * c
         rates = (y * turn - z * b, z * a - x * turn, x * b - y * a)
-        return Point(rates, (b * turn - c * b + y, c * a - a * turn - x, a * b - b * a))
+        return Point(rates, (b * (turn - c) + y, a * (c - turn) - x, a * b - b * a))
 
     def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals h, L = (M, γ), c = M_3 and |γ|²."""

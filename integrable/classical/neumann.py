@@ -12,13 +12,14 @@ branch point a_i, with κ = f₁'(a_i). So signs are determined, also where the 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from operator import attrgetter
 
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
 from integrable.mumford.surfaces import SurfaceSystem
 from integrable.mumford.system import IntegralsByName, uhlenbeck
 from jacobian import RR
-from jacobian.element import FormulaField, Value
+from jacobian.element import FormulaField, Real, Value
 from jacobian.fields.protocol import Field
 
 
@@ -32,6 +33,7 @@ class Neumann(SurfaceSystem, QuadricSystem):
 
     def __init__(self, a: Iterable[Value], field: Field = RR) -> None:
         self._set_up(field, a, "a", 2)
+        self._largest = 0 if field.exact else self.constants.index(max(self.constants, key=attrgetter("real")))
 
     def _shape(self, N: FormulaField, state: Point) -> Shape:
         return Shape((), (), (-N.one,))
@@ -40,12 +42,28 @@ class Neumann(SurfaceSystem, QuadricSystem):
         return self.size - 1
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
-        q, p = state
-        a = self._constants_in(N)
         # dividing by |q|², which is 1 at a state, keeps an integrator that leaves the sphere by rounding from drifting
         # farther away
-        m = (N.dot(a, [x * x for x in q]) - N.dot(p, p)) / N.dot(q, q)
-        return Point(p, tuple((m - e) * x for e, x in zip(a, q, strict=True)))
+        rates = self._rational_rates(N, state, (self._auxiliary(N, state)[0] / N.dot(state.q, state.q),))
+        return Point(state.p, rates[self.size : -1])
+
+    def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
+        """The multiplier m, which is 2c − 2H + 2Σ(a_i − c)q_i² for any c: so the equations of motion have few products.
+
+        By rounding, |q|² − 1 becomes a product of two solutions of u'' = (m − c)u. So c is the largest a_i, for which
+        these grow no faster than small changes of the motion.
+        """
+        return (N.dot(self._constants_in(N), [x * x for x in state.q]) - N.dot(state.p, state.p),)
+
+    def _rational_rates(self, N: FormulaField, state: Point, auxiliary: tuple[Real, ...]) -> tuple[Real, ...]:
+        a, (q, p), (m,) = self._constants_in(N), state, auxiliary
+        c = a[self._largest]
+        turn = sum((4 * (e - c) * (x * y) for e, x, y in zip(a, q, p, strict=True) if e is not c), N.zero)
+        return *p, *((m - e) * x for e, x in zip(a, q, strict=True)), turn
+
+    @property
+    def _alike(self) -> tuple[object, ...]:
+        return *super()._alike, self._largest
 
     def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """Uhlenbeck's F_i = q_i² + Σ_j (q_i p_j − q_j p_i)²/(a_i − a_j), ΣF_i = 1, and H = ½|p|² + ½Σa_i q_i²."""

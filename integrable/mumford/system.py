@@ -331,7 +331,7 @@ class MumfordSystem(Made):
         return tuple([x != self.field.zero for x in self.parameters]) if self.parameters else ()
 
     @property
-    def _alike(self) -> tuple[type[MumfordSystem], int, int, tuple[bool, ...]]:
+    def _alike(self) -> tuple[object, ...]:
         """What systems with the same formulas have in common."""
         return type(self), self.size, len(self.constants), self._standing
 

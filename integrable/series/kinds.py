@@ -24,13 +24,12 @@ from integrable.series.steps import (
     Reached,
     ReachedByMany,
     Steps,
-    bounds_of,
     inverses,
     step_cost,
     steps_for,
 )
 from integrable.series.symbols import SymbolField
-from integrable.series.tape import Tape, recorded
+from integrable.series.tape import Tape, recorded, with_multiples
 from integrable.series.walk import WRONG, Bounds, Codes, Layout, Many, Outputs, Slots
 from integrable.series.walk_text import TIMES, module
 from jacobian.native import kept, machine
@@ -86,7 +85,7 @@ class Kind:
     def __init__(self, name: str, formulas: Formulas) -> None:
         numbers = SymbolField()
         self.count, self.half = formulas.shown, formulas.half
-        self.rates: Tape = recorded(lambda y: formulas.rates(numbers, y), formulas.variables)
+        self.rates: Tape = with_multiples(recorded(lambda y: formulas.rates(numbers, y), formulas.variables))
         self.start: Tape = recorded(lambda y: formulas.start(numbers, y), formulas.shown)
         self._variables = formulas.variables
         said = f"{self.rates} {self.start} {self.count}".encode()
@@ -183,7 +182,7 @@ class Kind:
 
 def _right(found: Reached, order: np.ndarray, steps: Steps) -> Near:
     """The states that a walk reached and did not mark as wrong; ``order`` are the indices of its times."""
-    count, error, begun = max(found.reached, 0), SPARE * min(found.gap, steps.agreed), found.steps > 0
+    count, error, begun = max(found.reached, 0), SPARE * min(found.gap, steps.bounds.agreed), found.steps > 0
     right = slice(None) if found.wrong is None else ~found.wrong
     return Near(order[:count][right], found.states[:count][right], error, begun)
 
@@ -192,7 +191,7 @@ def _right(found: Reached, order: np.ndarray, steps: Steps) -> Near:
 # half, parts, order, highs, wide, spare, apart, lanes. WORKING are the addresses and lengths of the working memory:
 # constants, state, room, both and marks. CALL are the times, the states found, and the largest number of steps. BACK
 # are the results
-SHARED, WORKING, CALL, BACK = map(struct.Struct, ("=5q10dQq8q", "=" + "Qq" * 5, "=QqQqd", "=qqdq"))
+SHARED, WORKING, CALL, BACK = map(struct.Struct, ("=5q6dQq8q", "=" + "Qq" * 5, "=QqQqd", "=qqdq"))
 ASKED = SHARED.size + WORKING.size
 RESULT = ASKED + CALL.size
 # walks to at most this many times keep their working memory for later walks
@@ -225,7 +224,7 @@ class Compiled:
         self.layout = Layout(self.units, *sizes)
         self._layout_words = self.units.ctypes.data, len(self.units), *sizes
         self._walked = LIBRARY.walked.entry.call
-        self._shared: dict[Steps, bytes] = {}
+        self._shared: dict[Bounds, bytes] = {}
         self._kept: list[Working] = []
 
     def __call__(
@@ -238,7 +237,8 @@ class Compiled:
         except IndexError:
             working = self._working(len(constants), KEPT_TIMES)
         memory, base, numbers, marks = working
-        shared = self._shared.get(steps) or self._shared.setdefault(steps, self._shared_words(steps))
+        bounds = steps.bounds
+        shared = self._shared.get(bounds) or self._shared.setdefault(bounds, self._shared_words(bounds))
         memory[: SHARED.size] = shared
         numbers.pack_into(memory, RESULT + BACK.size, *constants, *state)
         CALL.pack_into(
@@ -278,9 +278,9 @@ class Compiled:
         room = room[-room.ctypes.data % LINE // 8 :]
         outputs = Outputs(both, marks, times, found.reshape(-1))
         at_work = Slots(np.full(slots, -1), np.zeros(8 * slots, dtype=np.int64), np.zeros(4 * slots))
-        walk = self.codes, Bounds(*bounds_of(steps)), self.layout
+        walk = self.codes, steps.bounds, self.layout
         LIBRARY.walked_abreast(*walk, many, room, outputs, at_work, results.reshape(-1))
         return ReachedByMany(results, found, marks == WRONG)
 
-    def _shared_words(self, steps: Steps) -> bytes:
-        return SHARED.pack(*self.codes, *bounds_of(steps), *self._layout_words)
+    def _shared_words(self, bounds: Bounds) -> bytes:
+        return SHARED.pack(*self.codes, *bounds, *self._layout_words)

@@ -84,7 +84,7 @@ class _Walks:
         right &= ~wrong | np.repeat(results[:, 1] == 0, count)
         found.states[rows[right], columns[right]] = states[right]
         found.reached[rows[right], columns[right]] = True
-        errors = SPARE * np.minimum(results[:, 2], steps.agreed)
+        errors = SPARE * np.minimum(results[:, 2], steps.bounds.agreed)
         # the estimates of walks that have found no state are forgotten
         found.errors[at_first] = 0
         np.maximum.at(found.errors, which, errors)

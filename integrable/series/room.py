@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from integrable.series.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, Tape, levels_of
+from integrable.series.tape import CONSTANT, MULTIPLE, PRODUCT, QUOTIENT, ROOT, Tape, levels_of
 from jacobian.native.machine import features
 
 # number of floats in a vector register
@@ -55,24 +55,22 @@ class Room:
         self.lows_of_units = UNITS + order
         begin = self.lows_of_units + wide + 1
         self.factors = _factors(tape)
-        groups = _abreast(tape, WIDEST // WALKS)
-        squares = [nodes for nodes, square in groups if square]
-        within = {n for nodes in squares for n in nodes}
-        packs = _parts([n for n in self.factors if n not in within], min(4, WIDEST // WALKS))
-        # products of a group that is also a pack are summed at once, for any ``lanes``: results do not depend on these
-        self.at_once = within.union(*[nodes for nodes, _ in groups if nodes in packs])
+        packs, groups = _packed(tape, list(self.factors), min(4, WIDEST // WALKS))
+        # results do not depend on ``lanes``, so neither does what is summed at once
+        self.at_once = {n for nodes in packs if nodes in groups for n in nodes}
         most = max(1, WIDEST // lanes)
-        groups = [(part, square) for nodes, square in groups for part in _parts(nodes, most)]
-        squares = [nodes for nodes, square in groups if square]
-        packs = [part for each in [*packs, *squares] for part in _parts(each, most)]
-        self.packs = {nodes: 1 << (len(nodes) - 1).bit_length() for nodes in packs}
+        self.members = {n: part for nodes in groups for part in _parts(nodes, most) for n in part}
+        parts = [part for nodes in packs for part in _parts(nodes, most)]
+        self.packs = {nodes: 1 << (len(nodes) - 1).bit_length() for nodes in parts}
         # the variables are contiguous, because a step advances all of them at once
         self.abreast = ABREAST * WALKS // lanes
         self.begin = begin + -begin % self.abreast
         self.apart = count + -count % self.abreast
-        begin = self.begin + (order + max(wide, 0) + 2) * self.apart
+        # a loop over orders writes one low part more
+        begin = self.begin + (order + max(wide, 0) + 3) * self.apart
         # only the coefficients of order 0 are kept, as hi and lo, of constants and of factors that are no variables
         kept = {n for n, kind in enumerate(tape.kinds) if kind == CONSTANT}.union(*self.factors.values())
+        kept |= {p for kind, p, _ in tape.nodes if kind == MULTIPLE}
         self._highs = {n: begin + 2 * i for i, n in enumerate(sorted(kept - set(range(count))))}
         begin += 2 * len(self._highs)
         divided = [n for n, kind in enumerate(tape.kinds) if kind in (QUOTIENT, ROOT)]
@@ -82,10 +80,10 @@ class Room:
         self.sides: dict[tuple[int, ...], list[Side]] = {}
         for nodes, width in self.packs.items():
             left, right = zip(*[self.factors[n] for n in nodes], strict=True)
-            # a square has one side
-            self.sides[nodes] = [self._placed(each, width) for each in ([left] if nodes in squares else [left, right])]
+            # a group of squares has one side
+            square = nodes[0] in self.members and is_square(tape, nodes[0])
+            self.sides[nodes] = [self._placed(each, width) for each in ([left] if square else [left, right])]
         self.placed = tuple(self._sides.values())
-        self.members = {n: nodes for nodes, _ in groups for n in nodes}
         self.pack_of = {n: nodes for nodes in self.packs for n in nodes}
 
     def high(self, n: int, k: int) -> int:
@@ -139,17 +137,28 @@ def _parts(nodes: Sequence[int], most: int) -> list[tuple[int, ...]]:
     return [tuple(nodes[i : i + most]) for i in range(0, len(nodes), most)]
 
 
-def _abreast(tape: Tape, most: int) -> list[tuple[tuple[int, ...], bool]]:
-    """Groups of two or four products that do not depend on each other, and whether they are squares."""
-    levels, found = levels_of(tape.nodes), []
-    for level in sorted(set(levels)):
-        for square in (True, False):
-            nodes = [
-                n for n, (kind, p, q) in enumerate(tape.nodes)
-                if kind == PRODUCT and levels[n] == level and (p == q) == square
-            ]  # fmt: skip
-            while len(nodes) > 1:
-                width = min(most, 4 if len(nodes) > 3 else 2)
-                found.append((tuple(nodes[:width]), square))
-                nodes = nodes[width:]
-    return found
+def is_square(tape: Tape, n: int) -> bool:
+    """Whether a node is the square of another."""
+    return tape.kinds[n] == PRODUCT and tape.left[n] == tape.right[n]
+
+
+def _abreast(tape: Tape, most: int) -> list[tuple[int, ...]]:
+    """Groups of two or more products that do not depend on each other, and are all squares or none."""
+    levels, alike = levels_of(tape.nodes), dict[tuple[int, bool], list[int]]()
+    for n, kind in enumerate(tape.kinds):
+        if kind == PRODUCT:
+            alike.setdefault((levels[n], is_square(tape, n)), []).append(n)
+    return [part for key in sorted(alike) for part in _parts(alike[key], most) if len(part) > 1]
+
+
+def _packed(tape: Tape, products: list[int], most: int) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
+    """The products of each vector, at most ``most``, and the groups among them. A vector has room for others than its
+    group, whose sums over earlier coefficients it computes too.
+    """
+    groups, packs = _abreast(tape, most), []
+    rest = [n for n in products if not any(n in nodes for nodes in groups)]
+    for nodes in groups:
+        free = 0 if is_square(tape, nodes[0]) else most - len(nodes)
+        packs.append((*nodes, *rest[:free]))
+        rest = rest[free:]
+    return [*packs, *_parts(rest, most)], groups

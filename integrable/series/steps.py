@@ -4,46 +4,39 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cache
-from math import log2
 from typing import NamedTuple
 
 import numpy as np
 
 from integrable.series.room import Orders
 from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Tape
+from integrable.series.walk import Bounds
 
-# a step of a system costs (FIXED + its number of products)/STANDARD as much as a step of Neumann's point on S², which
-# has STANDARD − FIXED products
+# a step of a system costs (FIXED + its number of products)/STANDARD as much as a step of a geodesic of the ellipsoid in
+# space, which has STANDARD − FIXED products
 FIXED, STANDARD = 3, 13
-# the microseconds of a step of Neumann's point: per order, per square of the order, and more per order in
+# the microseconds of a step of this geodesic: per order, per square of the order, and more per order in
 # double-doubles
 PER_ORDER, PER_SQUARE, PER_WIDE_ORDER = 5e-3, 0.25e-3, 28e-3
 
 
 class Steps(NamedTuple):
-    """The orders of a walk's series, and bounds on its terms relative to q and to p.
-
-    ``left_out`` bounds the last terms, ``rounded`` the first terms in floats. In the second walk
-    (:mod:`integrable.series.walk`) these bounds are ``coarser`` and ``rougher`` times as large. Rows on which both
-    walks agree to ``agreed`` count as right. Times more than ``farthest`` first steps away are not tried.
-    """
+    """The orders of a walk's series, and bounds on their terms."""
 
     orders: Orders
-    left_out: float
-    rounded: float
-    coarser: float
-    rougher: float
-    agreed: float
-    farthest: float = 1e300
+    bounds: Bounds
 
 
 # FINE and FINEST are accurate to the last bits of floats: the walks may differ by an eighth of the rounding unit, since
 # terms in floats cause nearly as large an error in the finer walk
 WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
-FINE, FINEST = Steps(WIDE, 1e-25, 1e-7, 1e1, 1e1, 2.0**-56), Steps(WIDEST, 1e-29, 1e-11, 1e3, 1e3, 2.0**-56)
-# ROUGH takes 4/5 of the time of FINE (python -m benchmarks near); it is for some hundred steps. The walks disagreed
-# in none of eleven motions as long as 140 to 430 first steps, and in both that were as long as 490 and 570
-ROUGH = Steps(Orders(8, 34), 1e-22, 3e-6, 1e1, 1e1, 2.0**-56, 450.0)
+FINE = Steps(WIDE, Bounds(1e-25, 1e-7, 1e1, 1e1, 2.0**-56))
+FINEST = Steps(WIDEST, Bounds(1e-29, 1e-11, 1e3, 1e3, 2.0**-56))
+# BRIEF takes 3/4, ROUGH 5/6 of the time of FINE; they are for at most 64 and 600 first steps. In eleven motions of 12
+# to 45 steps of BRIEF the walks differed by at most 2.8e-18. With ROUGH they disagreed in none of 145 to 525 steps, and
+# in two geodesics as long as 180 and 580
+BRIEF = Steps(WIDE, Bounds(1e-20, 1e-5, 1e1, 1e1, 2.0**-56, 64.0))
+ROUGH = Steps(WIDE, Bounds(1e-22, 1e-6, 1e1, 1e1, 2.0**-56, 600.0))
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # SHARE (steps in floats) and SHARE_OF_MIDDLE (steps whose first terms are double-doubles) bound truncation errors in
 # units of a tolerance. ROUNDED_IN_MIDDLE bounds the first float term of the latter steps. COARSER multiplies the bounds
@@ -56,11 +49,12 @@ SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 3e-5, 1e-6, 3e-3, 10
 def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
     """The steps to try, in this order; the last ones are accurate to the last bits of floats."""
     if tolerance is None:
-        return ROUGH, FINE
+        return BRIEF, ROUGH, FINE
     agreed = tolerance / SPARE
-    plain = Steps(PLAIN, tolerance * SHARE, 1.0, COARSER, 1.0, agreed)
+    plain = Bounds(tolerance * SHARE, 1.0, COARSER, 1.0, agreed)
     # a walk of some thousand steps in floats loses four more digits than one whose first terms are double-doubles
-    return plain, Steps(MIDDLE, tolerance * SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, COARSER, agreed), FINE
+    middle = Bounds(tolerance * SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, COARSER, agreed)
+    return Steps(PLAIN, plain), Steps(MIDDLE, middle), FINE
 
 
 class Reached(NamedTuple):
@@ -93,23 +87,6 @@ def step_cost(tape: Tape, orders: Orders) -> float:
     products = sum(kind in (PRODUCT, QUOTIENT, ROOT) for kind in tape.kinds)
     standard = PER_SQUARE * order**2 + PER_ORDER * order + PER_WIDE_ORDER * (wide + 1)
     return (FIXED + products) / STANDARD * standard
-
-
-def bounds_of(steps: Steps) -> tuple[float, ...]:
-    """The fields of :class:`integrable.series.walk.Bounds` for these steps, in the order of that class."""
-    wide, order = steps.orders
-    # if all terms are floats, the first float terms do not limit the step
-    orders = 1 / (order - 1), 1 / order, 1 / max(1, wide + 1), 1 / max(1, wide + 2)
-    rounded = log2(steps.rounded) if wide >= 0 else 1e3
-    return (
-        log2(steps.left_out),
-        rounded,
-        log2(steps.coarser),
-        log2(steps.rougher),
-        *orders,
-        steps.agreed,
-        steps.farthest,
-    )
 
 
 def inverses(order: int) -> np.ndarray:

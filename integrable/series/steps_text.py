@@ -3,14 +3,14 @@
 Coefficients up to the order ``wide`` are double-doubles, higher ones floats. The two walks of
 :mod:`integrable.series.walk` are lanes of one vector. Recent values stay in registers, and products of them are added
 last, because all other terms of the sum are known one order earlier. Low orders are straight-line code. Higher ones are
-a loop over rounds of AT_ONCE orders: as straight-line code they would exceed the processor's instruction cache, and
-fetching them would take most of the time.
+a loop over rounds of AT_ONCE orders, and orders in double-doubles of large tapes a loop over single ones: as
+straight-line code they would exceed the processor's instruction cache, and fetching them would take most of the time.
 """
 
 from __future__ import annotations
 
 from integrable.series.room import FIRST, RATIOS, UNITS, Room
-from integrable.series.sums_text import AT_ONCE, Sums
+from integrable.series.sums_text import Loop, Sums
 from integrable.series.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, ROOT, SUM, VARIABLE
 from integrable.series.text import Text, Wide
 from jacobian.numbers.double_double_steps import quotient, reciprocal, square_root
@@ -31,12 +31,14 @@ class Series(Sums):
 
     def function(self) -> str:
         """The LLVM function; constants, units and coefficients of order 0 must be in memory before the call."""
-        text = self.text
-        for k in range(min(self._loop, self.order)):
-            self._built.clear()
-            self._order(k)
-        if self._loop < self.order:
-            self._rounds()
+        text, done = self.text, 0
+        for loop in self.loops:
+            for k in range(done, loop.begin):
+                self._built.clear()
+                self._order(k)
+            if loop.begin < loop.end:
+                self._rounds(loop)
+            done = loop.end
         head = "define void @series(ptr noalias %s) nounwind {\nentry:\n  %word = load i64, ptr %s\n"
         # the first word is never −1; the branch that is never taken keeps LLVM from joining the blocks
         head += "  %never = icmp eq i64 %word, -1\n"
@@ -64,18 +66,19 @@ class Series(Sums):
             self._put(i, k + 1, self._integrated(self._value(tape.results[i], k), k))
         self._put_variables(k + 1)
 
-    def _rounds(self) -> None:
-        """Writes the loop over the orders from ``self._loop`` on, AT_ONCE in each round."""
-        lines = self.text.lines
-        lines += ["  br label %begin", "begin:", "  br label %orders", "orders:"]
-        done = self.text.write("phi i64 [ 0, %begin ], [ %next, %again ]")
-        self._begin_round(done)
-        for k in range(self._loop, self._loop + AT_ONCE):
+    def _rounds(self, loop: Loop) -> None:
+        """Writes the loop over orders."""
+        lines, name = self.text.lines, f"orders{loop.begin}"
+        following = f"%{name}_next"
+        lines += [f"  br label %{name}_begin", f"{name}_begin:", f"  br label %{name}", f"{name}:"]
+        done = self.text.write(f"phi i64 [ 0, %{name}_begin ], [ {following}, %{name}_again ]")
+        self._begin_round(loop, done)
+        for k in range(loop.begin, loop.begin + loop.at_once):
             self._order(k)
-        lines += ["  br label %again", "again:", f"  %next = add i64 {done}, {AT_ONCE}"]
-        lines += [f"  %more = icmp slt i64 %next, {self.order - self._loop}"]
-        lines += ["  br i1 %more, label %orders, label %end", "end:"]
-        self._moving.clear()
+        lines += [f"  br label %{name}_again", f"{name}_again:", f"  {following} = add i64 {done}, {loop.at_once}"]
+        more = self.text.write(f"icmp slt i64 {following}, {loop.end - loop.begin}")
+        lines += [f"  br i1 {more}, label %{name}, label %{name}_end", f"{name}_end:"]
+        self._end_rounds()
 
     def _end_of_block(self) -> None:
         lines = self.text.lines
@@ -149,15 +152,15 @@ class Series(Sums):
 
     def _integrated(self, rate: Wide, k: int) -> Wide:
         """Coefficient k + 1 of a variable, computed from coefficient k of its derivative."""
-        room = self.room
-        unit = self.text.load(UNITS + k, self._base(k, 1))
+        base = self._base(k, 1)
+        unit = self.text.load(UNITS + k, base)
         if k + 1 > self.wide:
             # the parts of a sum with cancellation overlap, so that the high part alone has too few digits
             return self.text.fmul(self.text.fadd(*rate) if rate[1] else rate[0], unit), ""
-        if (k + 1) & k == 0:
+        if (k + 1) & k == 0 and base == "%s":
             # k + 1 is a power of two, so that unit/(k + 1) has no low part
             return self.text.fmul(rate[0], unit), self.text.fmul(rate[1], unit)
-        return self.text.wide_product(rate, (unit, self.text.load(room.lows_of_units + k)))
+        return self.text.wide_product(rate, (unit, self.text.load(self.room.lows_of_units + k, base)))
 
     def ratios(self) -> str:
         """The LLVM function that stores maxima over the variables: of the ratio of a coefficient to its variable's

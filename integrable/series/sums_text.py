@@ -1,16 +1,17 @@
 """Sums of products of Taylor coefficients as LLVM text: the coefficients in memory and in registers.
 
 The sums of several nodes form one vector, and their factors are stored side by side. In straight-line code a sum has
-all its terms. In the loop over rounds of AT_ONCE orders, a smaller loop adds the terms of earlier rounds to the sums of
-all orders of a round.
+all its terms. In a loop over rounds of orders, a smaller loop adds the terms of earlier rounds to the sums of all
+orders of a round.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 from integrable.series.room import Room, Side
-from integrable.series.tape import CONSTANT, DIFFERENCE, SUM
+from integrable.series.tape import CONSTANT, DIFFERENCE, SUM, VARIABLE
 from integrable.series.text import Text, Wide, joined_lanes
 from jacobian.numbers.double_double_steps import fast_two_sum
 
@@ -19,10 +20,21 @@ AT_ONCE = 4
 # with at least this many orders in double-doubles, sums are renormalized at once, which takes a tenth of the time of a
 # step. Such steps are used only where others lose too many digits (a body of Veselova's with a moment of 5e-10)
 CAREFUL = 10
+# orders in double-doubles are a loop if their operations in straight-line code are more than this: about 15 KB, half of
+# an instruction cache. Straight-line code of fewer operations takes less time (python -m benchmarks near)
+LONGEST = 200
 Term = tuple[int, int, int]
 """(factor, j, k − j), for the term factor·p_j q_{k−j}."""
 Factor = tuple[str, Side, int]
 """The coefficients of a side at an order, counted from a pointer."""
+
+
+class Loop(NamedTuple):
+    """The orders from ``begin`` to ``end``, without ``end``, as rounds of ``at_once`` orders."""
+
+    begin: int
+    end: int
+    at_once: int
 
 
 class Sums:
@@ -32,27 +44,38 @@ class Sums:
         self.room, self.tape = room, room.tape
         self.wide, self.order = room.orders
         self.text = Text(room.lanes)
-        # the first order of the loop
-        self._loop = (low := max(self.wide + 1, 2 * AT_ONCE)) + (self.order - low) % AT_ONCE
+        operations = sum(kind not in (VARIABLE, CONSTANT) for kind in self.tape.kinds)
+        first = self.wide + 1 if operations * (self.wide + 1) <= LONGEST else 2
+        low = max(self.wide + 1, 2 * AT_ONCE)
+        self.loops = (
+            Loop(first, self.wide + 1, 1),
+            Loop(low + (self.order - low) % AT_ONCE, self.order, AT_ONCE),
+        )
+        self._loop = self.loops[0]
         # ``_recent`` has the registers of coefficients by (node, order, part), ``_built`` those of vectors by (place,
         # order, part)
         self._recent: dict[tuple[int, int, int], str] = {}
         self._built: dict[tuple[int, int, int], str] = {}
-        self._sums: dict[int, Wide] = {}
+        self._sums: dict[tuple[int, ...], Wide] = {}
         # within the loop, ``_before`` has the sums of a vector of products over earlier rounds, one for each order of
         # the round
-        self._before: dict[tuple[int, ...], list[str]] = {}
+        self._before: dict[tuple[int, ...], list[Wide]] = {}
         # within the loop, ``_moving`` has pointers that advance with the order; a key is the number of vectors between
         # orders
         self._moving: dict[int, str] = {}
 
-    def _begin_round(self, done: str) -> None:
-        """Begins a round of the loop, which is ``done`` orders after the first one."""
+    def _begin_round(self, loop: Loop, done: str) -> None:
+        """Begins a round of a loop, which is ``done`` orders after the first one."""
+        self._loop = loop
         strides = {1, self.room.apart, *(side.width * side.apart for side in self.room.placed)}
         self._moving = {n: self._further("%s", done, n * self.room.lanes) for n in sorted(strides)}
         # registers do not outlast a round
         self._recent, self._built = {}, {}
-        self._before = {nodes: self._earlier_rounds(nodes, done) for nodes in self.room.packs}
+        earlier = self._earlier_orders if loop.end <= self.wide + 1 else self._earlier_rounds
+        self._before = {nodes: earlier(nodes, done) for nodes in self.room.packs}
+
+    def _end_rounds(self) -> None:
+        self._recent, self._built, self._moving, self._before = {}, {}, {}, {}
 
     def _further(self, base: str, count: str, stride: int) -> str:
         """The pointer ``base`` moved by ``count``·``stride`` floats."""
@@ -61,13 +84,13 @@ class Sums:
 
     def _base(self, k: int, stride: int) -> str:
         """The pointer from which the places of coefficients of order k are counted."""
-        return self._moving[stride] if self._moving and k >= self._loop else "%s"
+        return self._moving[stride] if self._moving and k >= self._loop.begin else "%s"
 
     def _hi(self, n: int, k: int) -> str:
         return self._recent.get((n, k, 0)) or self.text.load(self.room.high(n, k), self._base(k, self.room.apart))
 
     def _lo(self, n: int, k: int) -> str:
-        return self._recent.get((n, k, 1)) or self.text.load(self.room.low(n, k))
+        return self._recent.get((n, k, 1)) or self.text.load(self.room.low(n, k), self._base(k, self.room.apart))
 
     def _value(self, n: int, k: int) -> Wide:
         """Coefficient k of node n: (hi, lo) up to the order ``wide``, (float, "") beyond it."""
@@ -115,6 +138,8 @@ class Sums:
         for side in self.room.placed:
             if of_variables != (max(side.factors) < self.room.count):
                 continue
+            if side.shared and not any((n, k, 0) in self._recent for n in side.factors):
+                continue
             text = Text(self.room.lanes * side.width, self.text)
             for part, y in enumerate(self._together(text, side.factors, k)):
                 if y:
@@ -134,7 +159,7 @@ class Sums:
         terms = [term for term in _terms(p == q, begin, end, k) if not all(term[1:])]
         # the term whose coefficient is computed last comes last
         terms.sort(key=lambda term: p if term[1] else q)
-        pairs = [_later_first(f, (i, self._value(p, i)), (j, self._value(q, j))) for f, i, j in terms]
+        pairs = _pairs(terms, lambda side, order: self._value((p, q)[side], order))
         if before and not before[1]:
             # doubling a factor keeps all terms in one sum; the newest term waits for no other
             pairs = [(1, x, _doubled(self.text, y) if f == 2 else y) for f, x, y in pairs]
@@ -142,63 +167,93 @@ class Sums:
 
     def _sum_of_earlier(self, n: int, k: int) -> Wide | None:
         """Σ p_j q_{k−j} over 0 < j < k, for the factors of a node, computed in one vector with those of other nodes."""
-        if k > 1 and n not in self._sums:
-            nodes = self.room.pack_of[n]
+        nodes = self.room.pack_of[n]
+        found = self._sums_of_earlier(nodes, k)
+        return found and self._apart(self._vector(nodes), nodes, found)[n]
+
+    def _sums_of_earlier(self, nodes: tuple[int, ...], k: int) -> Wide | None:
+        if k > 1 and nodes not in self._sums:
             text, sides = self._vector(nodes), self.room.sides[nodes]
             if self._before:
-                self._sums |= self._apart(text, nodes, (self._of_round(text, nodes, k), ""))
+                self._sums[nodes] = self._of_round(text, nodes, k)
             else:
-                self._sums |= self._apart(text, nodes, self._products(text, sides, _terms(len(sides) == 1, 1, k, k), k))
-        return self._sums.get(n)
+                self._sums[nodes] = self._products(text, sides, _terms(len(sides) == 1, 1, k, k), k)
+        return self._sums.get(nodes)
 
     def _vector(self, nodes: tuple[int, ...]) -> Text:
         return Text(self.room.lanes * self.room.packs[nodes], self.text)
 
     def _group(self, nodes: tuple[int, ...], k: int) -> dict[int, Wide]:
         """The coefficients k of several products, computed in one vector."""
-        text = Text(self.room.lanes * len(nodes), self.text)
+        pack = self.room.pack_of[nodes[0]]
+        text, sides, before = self._vector(pack), self.room.sides[pack], None
+        terms = _terms(len(sides) == 1, 0, k + 1, k)
+        if self._before or nodes[0] not in self.room.at_once:
+            terms, before = [term for term in terms if not all(term[1:])], self._sums_of_earlier(pack, k)
         if nodes[0] in self.room.at_once:
-            sides = self.room.sides[nodes]
-            return self._apart(text, nodes, self._products(text, sides, _terms(len(sides) == 1, 0, k + 1, k), k))
-        sums = [self._sum_of_earlier(n, k) for n in nodes]
-        before = None
-        if k > 1:
-            before = self._joined(text, [x[0] for x in sums if x]), self._joined(text, [x[1] for x in sums if x])
-        factors = [[self.room.factors[n][side] for n in nodes] for side in (0, 1)]
-        pairs = []
-        for _, i, j in _terms(False, 0, 1, k) + (_terms(False, k, k + 1, k) if k else []):
-            x, y = (
-                (self._joined(text, [self._hi(n, o) for n in side]), self._joined(text, [self._lo(n, o) for n in side]))
-                for side, o in zip(factors, (i, j), strict=True)
-            )
-            pairs.append(_later_first(1, (i, x), (j, y)))
-        return self._apart(text, nodes, _summed(text, pairs, True, before))
+            return self._apart(text, nodes, self._products(text, sides, terms, k, before))
+
+        def joined(side: int, order: int) -> Wide:
+            factors = [self.room.factors[n][side] for n in nodes]
+            high, low = (self._joined(text, [part(n, order) for n in factors]) for part in (self._hi, self._lo))
+            return high, low
+
+        return self._apart(text, nodes, _summed(text, _pairs(terms, joined), True, before))
 
     def _joined(self, text: Text, parts: list[str]) -> str:
         """Joins the parts into one vector, whose remaining lanes repeat the last part."""
         width = text.lanes // self.room.lanes
         return joined_lanes(text, parts + parts[-1:] * (width - len(parts)), self.room.lanes)
 
-    def _products(self, text: Text, sides: Sequence[Side], terms: Sequence[Term], k: int) -> Wide:
-        """The sums of several products in one vector; their factors are contiguous in memory."""
+    def _products(
+        self, text: Text, sides: Sequence[Side], terms: Sequence[Term], k: int, before: Wide | None = None
+    ) -> Wide:
+        """``before`` plus the sums of several products in one vector; their factors are contiguous in memory."""
         wide = k <= self.wide
-        pairs = []
-        for f, i, j in terms:
-            x, y = (
-                (self._fetched(text, side, order, 0), self._fetched(text, side, order, 1) if wide else "")
-                for side, order in ((sides[0], i), (sides[-1], j))
-            )
-            pairs.append(_later_first(f, (i, x), (j, y)))
-        return _summed(text, pairs, wide, None)
 
-    def _earlier_rounds(self, nodes: tuple[int, ...], done: str) -> list[str]:
+        def fetched(side: int, order: int) -> Wide:
+            high, low = (
+                self._fetched(text, (sides[0], sides[-1])[side], order, part) if wide or not part else ""
+                for part in (0, 1)
+            )
+            return high, low
+
+        return _summed(text, _pairs(terms, fetched), wide, before)
+
+    def _earlier_orders(self, nodes: tuple[int, ...], done: str) -> list[Wide]:
+        """Σ p_j q_{k−j} over 0 < j < k in double-doubles, for the order k of the round; in a square over j ≤ k/2."""
+        text, sides = self._vector(nodes), self.room.sides[nodes]
+        left, right, begin, square = sides[0], sides[-1], self._loop.begin, len(sides) == 1
+        here_right = self._base(begin, right.width * right.apart)
+        order = self.text.write(f"add i64 {done}, {begin}")
+        end = self.text.write(f"lshr i64 {order}, 1" if square else f"add i64 {order}, -1")
+
+        def term(count: str, sums: list[str]) -> list[str]:
+            up = self._further("%s", count, self._floats(left))
+            down = self._further(here_right, count, -self._floats(right))
+            x, y = (
+                (text.load(self._place(side, k, 0), there), text.load(self._place(side, k, 1), there))
+                for side, k, there in ((left, 1, up), (right, begin - 1, down))
+            )
+            if square:
+                # all terms but the middle one are doubled
+                last = self.text.write(f"shl i64 {self.text.write(f'add i64 {count}, 1')}, 1")
+                middle = self.text.write(f"icmp eq i64 {last}, {order}")
+                twice = text.spread(self.text.write(f"select i1 {middle}, double 1.0, double 2.0"))
+                x = text.fmul(x[0], twice), text.fmul(x[1], twice)
+            return [*text.wide_plus_product((sums[0], sums[1]), x, y)]
+
+        high, low = self._repeated(f"terms{nodes[0]}", text, [text.real(0.0)] * 2, (end, 1), term)
+        return [(high, low)]
+
+    def _earlier_rounds(self, nodes: tuple[int, ...], done: str) -> list[Wide]:
         """For each order k of the round: Σ p_j q_{k−j} over the j for which j and k − j belong to earlier rounds.
 
         In a square the terms j and k − j are equal, so only j up to the middle are summed.
         """
-        text, sides = self._vector(nodes), self.room.sides[nodes]
+        text, sides, begin = self._vector(nodes), self.room.sides[nodes], self._loop.begin
         left, right, square = sides[0], sides[-1], len(sides) == 1
-        at_once, last = (AT_ONCE // 2, (self._loop - 1) // 2) if square else (AT_ONCE, self._loop - 1)
+        at_once, last = (AT_ONCE // 2, (begin - 1) // 2) if square else (AT_ONCE, begin - 1)
         # terms with j ≤ ``first`` are added after the loop: they include the newest, and leave a multiple of
         # ``at_once`` terms to the loop
         first = AT_ONCE - 1 + (last - AT_ONCE + 1) % at_once
@@ -206,19 +261,33 @@ class Sums:
         if square:
             done = self.text.write(f"lshr i64 {done}, 1")
             sums = self._middles(text, left, self._further("%s", done, self._floats(left)), last)
-        name, lines, kind = f"sum{nodes[0]}", self.text.lines, text.types.double
-        lines += [f"  br label %{name}_begin", f"{name}_begin:"]
+        here_right = self._base(begin, right.width * right.apart)
+
+        def terms(count: str, sums: list[str]) -> list[str]:
+            up = self._further("%s", count, self._floats(left))
+            down = self._further(here_right, count, -self._floats(right))
+            for j in range(first + 1, first + at_once + 1):
+                self._add(text, sums, AT_ONCE, (up, left, j), (down, right, begin - j), square)
+            return sums
+
         end = text.write(f"add i64 {done}, {last - first}")
-        lines += [f"  br label %{name}", f"{name}:"]
+        known = self._repeated(f"sum{nodes[0]}", text, sums, (end, at_once), terms)
+        for j in range(first, 0, -1):
+            self._add(text, known, j, ("%s", left, j), (here_right, right, begin - j), square)
+        return [(x, "") for x in known]
+
+    def _repeated(
+        self, name: str, text: Text, sums: list[str], steps: tuple[str, int],
+        terms: Callable[[str, list[str]], list[str]],
+    ) -> list[str]:  # fmt: skip
+        """Writes a loop that adds ``terms`` to ``sums``, with a count from 0 to an end by a step; returns the sums."""
+        lines, kind, (end, step) = self.text.lines, text.types.double, steps
+        lines += [f"  br label %{name}_begin", f"{name}_begin:", f"  br label %{name}", f"{name}:"]
         count, further, known, here = text.fresh(), text.fresh(), [text.fresh() for _ in sums], len(lines)
         more = text.write(f"icmp slt i64 {count}, {end}")
         lines += [f"  br i1 {more}, label %{name}_terms, label %{name}_end", f"{name}_terms:"]
-        later, here_right = list(known), self._base(self._loop, right.width * right.apart)
-        up = self._further("%s", count, self._floats(left))
-        down = self._further(here_right, count, -self._floats(right))
-        for j in range(first + 1, first + at_once + 1):
-            self._add(text, later, AT_ONCE, (up, left, j), (down, right, self._loop - j), square)
-        lines += [f"  {further} = add i64 {count}, {at_once}", f"  br label %{name}", f"{name}_end:"]
+        later = terms(count, list(known))
+        lines += [f"  {further} = add i64 {count}, {step}", f"  br label %{name}", f"{name}_end:"]
         places = f"%{name}_begin ], [ ", f"%{name}_terms ]"
         lines[here:here] = [
             f"  {count} = phi i64 [ 0, {places[0]}{further}, {places[1]}",
@@ -227,8 +296,6 @@ class Sums:
                 for x, before, after in zip(known, sums, later, strict=True)
             ),
         ]
-        for j in range(first, 0, -1):
-            self._add(text, known, j, ("%s", left, j), (here_right, right, self._loop - j), square)
         return known
 
     def _floats(self, side: Side) -> int:
@@ -241,7 +308,7 @@ class Sums:
         The pointer ``base`` advances half as fast as the order.
         """
         sums = []
-        for k in range(self._loop, self._loop + AT_ONCE):
+        for k in range(self._loop.begin, self._loop.begin + AT_ONCE):
             total = text.real(0.0)
             for j in range(last + 1, k // 2 + 1):
                 x, y = (text.load(self._place(side, i, 0), base) for i in (j, k - j))
@@ -260,15 +327,15 @@ class Sums:
             y = text.load(self._place(other, i + m, 0), down)
             sums[m] = text.fma(x, y, sums[m])
 
-    def _of_round(self, text: Text, nodes: tuple[int, ...], k: int) -> str:
+    def _of_round(self, text: Text, nodes: tuple[int, ...], k: int) -> Wide:
         """Σ p_j q_{k−j} over 0 < j < k, from the sum over earlier rounds."""
-        sides, m = self.room.sides[nodes], k - self._loop
-        total = self._before[nodes][m]
+        sides, m = self.room.sides[nodes], k - self._loop.begin
+        total, low = self._before[nodes][m]
         for j in range(m, 0, -1):
             for i in (j, k - j):
                 x, y = self._fetched(text, sides[0], i, 0), self._fetched(text, sides[-1], k - i, 0)
                 total = text.fma(x, y, total)
-        return total
+        return total, low
 
     def _apart(self, text: Text, nodes: tuple[int, ...], x: Wide) -> dict[int, Wide]:
         return {n: (self._part(text, x[0], i), self._part(text, x[1], i)) for i, n in enumerate(nodes)}
@@ -307,9 +374,10 @@ def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:
     return sorted(found, key=lambda term: max(term[1:]))
 
 
-def _later_first(f: int, x: tuple[int, Wide], y: tuple[int, Wide]) -> tuple[int, Wide, Wide]:
-    """The term f·x·y of two coefficients with their orders, where the coefficient of higher order comes first."""
-    return (f, x[1], y[1]) if x[0] >= y[0] else (f, y[1], x[1])
+def _pairs(terms: Sequence[Term], value: Callable[[int, int], Wide]) -> list[tuple[int, Wide, Wide]]:
+    """The terms f·x·y of two coefficients ``value``(side, order), where the one of higher order comes first."""
+    values = ((f, (i, value(0, i)), (j, value(1, j))) for f, i, j in terms)
+    return [(f, x[1], y[1]) if x[0] >= y[0] else (f, y[1], x[1]) for f, x, y in values]
 
 
 def _summed(text: Text, pairs: Sequence[tuple[int, Wide, Wide]], wide: bool, before: Wide | None) -> Wide:

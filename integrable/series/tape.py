@@ -22,9 +22,9 @@ class Tape(NamedTuple):
     """The nodes of a formula: node n is the operation ``kinds[n]`` on the nodes ``left[n]`` and ``right[n]``.
 
     Variables come first, then constants, then operations; independent operations are grouped by kind. A MULTIPLE has a
-    constant on the left. A ROOT has its radicand on both sides, and a GROWTH, e^x − 1, its argument x. No series is
-    available for a GROWTH. ``constants`` are the values of the constant nodes and 0 elsewhere. ``results`` are the
-    nodes of the values that the formula returned.
+    constant on the left, or a constant of motion. A ROOT has its radicand on both sides, and a GROWTH, e^x − 1, its
+    argument x. No series is available for a GROWTH. ``constants`` are the values of the constant nodes and 0 elsewhere.
+    ``results`` are the nodes of the values that the formula returned.
     """
 
     kinds: list[int]
@@ -51,6 +51,18 @@ def recorded(formula: Callable[[Sequence[Any]], Sequence[object]], variables: in
     kinds = [nodes[n][0] for n in order]
     left, right = ([place.get(nodes[n][side], nodes[n][side]) for n in order] for side in (1, 2))
     return Tape(kinds, left, right, [recorder.constants[n] for n in order], [place[n] for n in results])
+
+
+def with_multiples(rates: Tape) -> Tape:
+    """The tape of rates in which products with variables of rate 0, and with functions of these, are MULTIPLEs."""
+    fixed = {i for i, n in enumerate(rates.results) if rates.kinds[n] == CONSTANT and rates.constants[n] == 0}
+    kinds, left, right, _, _ = rates = Tape(*map(list, rates))
+    for n, (kind, p, q) in enumerate(rates.nodes):
+        if kind == CONSTANT or {p, q} <= fixed:
+            fixed.add(n)
+        elif kind == PRODUCT and (p in fixed or q in fixed):
+            kinds[n], left[n], right[n] = MULTIPLE, *((p, q) if p in fixed else (q, p))
+    return rates
 
 
 def levels_of(nodes: Iterable[tuple[int, int, int]]) -> list[int]:
@@ -152,6 +164,8 @@ class Recorded(Operand):
                 return y if p == 1 else x if p == 0 else recorder.node(MULTIPLE, x.index, y.index)
         if q == 0 and kind in (SUM, DIFFERENCE):
             return x
+        if kind == DIFFERENCE and x.index == y.index:
+            return recorder.lifted(0)
         if p == 0 and kind in (SUM, QUOTIENT):
             return y if kind == SUM else x
         if kind in (SUM, PRODUCT) and x.index > y.index:

@@ -75,7 +75,7 @@ class Text(Code):
         """total + x·y for an x that becomes available after y, and a y that becomes available after the total."""
         p, e = two_product(self, x[0], y[0])
         s, f = two_sum(self, total[0], p)
-        return s, self.fma(x[1], y[0], self.fma(x[0], y[1], self.fadd(total[1], self.fadd(e, f))))
+        return s, self.fadd(total[1], self.fadd(f, self.fma(x[1], y[0], self.fma(x[0], y[1], e))))
 
 
 def joined_lanes(text: Text, parts: Sequence[str], lanes: int) -> str:

@@ -9,7 +9,7 @@ motions, which do not affect each other.
 from __future__ import annotations
 
 import ctypes
-from math import exp, floor, log, log2
+from math import floor, log2, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
 from integrable.series.room import BENT, FIRST, STEP, UNITS, WALKS
@@ -50,24 +50,19 @@ class Codes(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """The bounds that determine the steps of a walk.
+    """Bounds on the terms of a walk's series relative to q and to p, which determine its steps.
 
-    The first four fields are base-2 logarithms. ``left_out`` bounds the last two terms, ``rounded`` the first two terms
-    in floats; ``coarser`` and ``rougher`` are added to these bounds in the second walk. Then come the reciprocals of
-    the orders of these four terms, the difference up to which rows agree, and ``farthest``, the farthest time in units
-    of the first step.
+    ``left_out`` bounds the last two terms, ``rounded`` the first two terms in floats. In the second walk these bounds
+    are ``coarser`` and ``rougher`` times as large. Rows on which both walks agree to ``agreed`` count as right. Times
+    more than ``farthest`` first steps away are not tried.
     """
 
     left_out: float
     rounded: float
     coarser: float
     rougher: float
-    last_but_one: float
-    last: float
-    first_float: float
-    second_float: float
     agreed: float
-    farthest: float
+    farthest: float = FARTHEST
 
 
 class Layout(NamedTuple):
@@ -299,9 +294,9 @@ def onward(
 
 def all_moved(codes: Codes, room: Array) -> None:
     """Advances all walks by a step each, and computes the series there."""
-    advance(codes.advance, room)
-    series(codes.series, room)
-    ratios(codes.ratios, room)
+    execute(codes.advance, room)
+    execute(codes.series, room)
+    execute(codes.ratios, room)
 
 
 def in_order(times: Array) -> bool:
@@ -323,7 +318,7 @@ def unit_of(codes: Codes, layout: Layout, room: Array, lane: int) -> float:
     and steps do not depend on the unit in which the motion is given. The series of other motions stay as they are.
     """
     put_unit(layout, room, lane, 1.0)
-    series(codes.series, room)
+    execute(codes.series, room)
     unit, shortest = 1.0, shortest_time(layout, room, lane)
     while unit < shortest < FARTHEST:
         unit *= 2.0
@@ -334,8 +329,8 @@ def unit_of(codes: Codes, layout: Layout, room: Array, lane: int) -> float:
         if LEAST_UNIT <= unit <= 1 / LEAST_UNIT:
             to_unit(layout, room, lane, unit)
         else:
-            series(codes.series, room)
-    ratios(codes.ratios, room)
+            execute(codes.series, room)
+    execute(codes.ratios, room)
     return unit
 
 
@@ -372,7 +367,7 @@ def shortest_time(layout: Layout, room: Array, lane: int) -> float:
             # near rest every other coefficient is small, so coefficients two orders apart are compared
             before, after = largest(layout, room[lane:], begin, j), largest(layout, room[lane:], begin, j + 2)
             if 0 < before < FARTHEST and 0 < after < FARTHEST:
-                shortest = min(shortest, exp((log(before) - log(after)) / 2))
+                shortest = min(shortest, sqrt(before) / sqrt(after))
     return shortest
 
 
@@ -389,17 +384,19 @@ def reach(bounds: Bounds, layout: Layout, room: Array, lane: int) -> float:
 
     FARTHEST if the motion is exactly linear in time.
     """
-    left_out, rounded, lanes = bounds.left_out, bounds.rounded, layout.lanes
+    left_out, rounded, order, wide, lanes = bounds.left_out, bounds.rounded, layout.order, layout.wide, layout.lanes
     if lane % WALKS > 0:
-        left_out, rounded = left_out + bounds.coarser, rounded + bounds.rougher
+        left_out, rounded = left_out * bounds.coarser, rounded * bounds.rougher
     before, last, odd, even = room[lane], room[lanes + lane], room[2 * lanes + lane], room[3 * lanes + lane]
     if not (before < FARTHEST and last < FARTHEST and odd < FARTHEST and even < FARTHEST):
         return 0.0
     if before == 0 and last == 0 and odd == 0 and even == 0:
         return FARTHEST if room[lanes * BENT + lane] == 0 else 0.0
-    found = min((left_out - logarithm(before)) * bounds.last_but_one, (left_out - logarithm(last)) * bounds.last)
-    found = min(found, (rounded - logarithm(odd)) * bounds.first_float)
-    found = min(found, (rounded - logarithm(even)) * bounds.second_float)
+    left_out, rounded = logarithm(left_out), logarithm(rounded)
+    found = min((left_out - logarithm(before)) / (order - 1), (left_out - logarithm(last)) / order)
+    if wide >= 0:
+        found = min(found, (rounded - logarithm(odd)) / (wide + 1))
+        found = min(found, (rounded - logarithm(even)) / (wide + 2))
     return float(floor(power(min(found, 25.0)) / GRAIN)) * GRAIN if found > -1000 else 0.0
 
 
@@ -526,18 +523,8 @@ def start(code: int, constants: Array, state: Array, room: Array, lane: int) -> 
     _called(code, constants, state, room[lane:])
 
 
-def series(code: int, room: Array) -> None:
-    """Computes the coefficients about the state in memory."""
-    _called(code, room)
-
-
-def ratios(code: int, room: Array) -> None:
-    """Computes the ratios of coefficients that determine a step."""
-    _called(code, room)
-
-
-def advance(code: int, room: Array) -> None:
-    """Advances the state in memory by a step."""
+def execute(code: int, room: Array) -> None:
+    """Computes in memory the coefficients about the state, or ratios of them, or advances the state by a step."""
     _called(code, room)
 
 

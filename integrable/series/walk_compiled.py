@@ -12,7 +12,7 @@ from jacobian.native.operators import Operators, real
 from jacobian.native.special import SPECIAL
 
 CODES = record(Codes, *[INT] * 5)
-BOUNDS = record(Bounds, *[FLOAT] * 10)
+BOUNDS = record(Bounds, *[FLOAT] * 6)
 LAYOUT = record(Layout, FLOATS, *[INT] * 8)
 GIVEN = record(Given, FLOATS, FLOATS)
 MANY = record(Many, FLOATS, FLOATS, INTS, FLOATS)
@@ -54,9 +54,7 @@ STRAIGHT: dict[object, Callable[..., Value]] = {
     walk.start: lambda b, code, constants, state, room, lane: _call(
         b, code, constants.parts[0], state.parts[0], _in_lane(b, room, lane)
     ),
-    walk.series: lambda b, code, room: _call(b, code, room.parts[0]),
-    walk.ratios: lambda b, code, room: _call(b, code, room.parts[0]),
-    walk.advance: lambda b, code, room: _call(b, code, room.parts[0]),
+    walk.execute: lambda b, code, room: _call(b, code, room.parts[0]),
     walk.dense: lambda b, code, room, lane, ahead: _call(b, code, _in_lane(b, room, lane), ahead.parts[0]),
 }
 WALK = CODES, BOUNDS, LAYOUT

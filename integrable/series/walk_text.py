@@ -23,9 +23,8 @@ from jacobian.numbers.double_double_steps import (
 
 # the relative change of the start of the second walk, about a rounding unit, in double-doubles and in floats
 MOVED, MOVED_IN_FLOATS = 2.0**-104, 2.0**-52
-# between steps only the terms of the lowest orders, 1/FIRST_TERMS of the double-double terms, are summed in
-# double-doubles; the others sum to a hundredth of the value
-FIRST_TERMS = 2
+# between steps the last double-double terms, one in FLOATS, are summed in floats: they sum to less than a thousandth
+FLOATS = 3
 # number of times that one vector holds
 TIMES = WIDEST
 # for |x| below about 2^9, e^x − 1 takes TERMS terms of its series at x/2^HALVED, then HALVED doublings of the argument
@@ -129,7 +128,7 @@ def _dense(room: Room, count: int) -> str:
     def spread(place: int) -> str:
         return text.spread(_float_at(text, "%s", place * lanes))
 
-    first, variables = (wide + 1) // FIRST_TERMS, range(count)
+    first, variables = wide - wide // FLOATS, range(count)
     # the variables are interleaved, so that the latency of one is hidden by the others
     rest = [spread(room.high(i, order)) for i in variables]
     for k in range(order - 1, max(first, 1) - 1, -1):
@@ -153,7 +152,7 @@ def _start(room: Room, start: Tape) -> str:
     state. The lanes of the walks begin at %s.
     """
     text, wide, rates = Text(WALKS), room.orders.wide, room.tape
-    apart = room.lanes // WALKS
+    apart, shown = room.lanes // WALKS, start.kinds.count(VARIABLE)
     single = Text(1, text)
     known: dict[Key, Wide] = {}
     results = _values(single, start, known)
@@ -162,7 +161,8 @@ def _start(room: Room, start: Tape) -> str:
         if kind not in (VARIABLE, CONSTANT):
             continue
         high, low = results[n] if kind == VARIABLE else _constant(single, key_of(rates.constants[n]), known)
-        again = single.fma(high, single.real(moved * (n % 5 - 2.5)), low)
+        # all that is no state changes by one factor: functions of the state that are equal to a constant stay so
+        again = single.fma(high, single.real(moved * (min(n, shown) % 5 - 2.5)), low)
         # constants of a walk in floats have no low part, so their change must show in the high part
         both = kind == CONSTANT and wide < 0
         highs = [single.fadd(high, low), single.fadd(high, again)] if both else [high]

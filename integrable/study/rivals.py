@@ -89,7 +89,7 @@ def _compile_walks(scene: Scene) -> None:
     """
     from integrable.deformations.equations import kind_in
     from integrable.deformations.hamiltonian import Hamiltonian
-    from integrable.series.steps import steps_for
+    from integrable.series.steps import WIDE
 
     system, _ = scene.start(FLOAT_DIGITS)
     if isinstance(system, Hamiltonian):
@@ -97,8 +97,7 @@ def _compile_walks(scene: Scene) -> None:
     else:
         kinds = [system.system._kind] if scene.classical else []
     for kind in filter(None, kinds):
-        for steps in steps_for(None):
-            kind.walk(steps.orders)
+        kind.walk(WIDE)
 
 
 def method_once(scene: Scene, method: Method, value: float) -> tuple[Problem, Callable[[], Timed]]:

@@ -18,13 +18,15 @@ from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
 from integrable.mumford.flow import ROUNDED, Point
 from integrable.mumford.system import MumfordSystem
+from integrable.series import sums_text
 from integrable.series.kinds import Formulas, Kind
-from integrable.series.steps import FINE, FINEST, ROUGH, WIDE, bounds_of, steps_for
-from integrable.series.walk import WRONG, Bounds, Codes, Compared, Given, Outputs, compared
+from integrable.series.room import Orders
+from integrable.series.steps import FINE, FINEST, ROUGH, WIDE, Steps, steps_for
+from integrable.series.walk import WRONG, Codes, Compared, Given, Outputs, compared
 from integrable.series.walk import walked as by_the_readable_loop
 from integrable.series.walk_compiled import LIBRARY
 from jacobian import MP, RR, ArgumentError
-from jacobian.native import machine
+from jacobian.native import kept, machine
 from tests.integrable.classical.rows import REAL
 from tests.integrable.series.readable import states_of
 from tests.integrable.ways import constrained, inside
@@ -177,7 +179,7 @@ def test_the_compiled_loop_is_the_readable_one() -> None:
     times = np.array([0.25, 0.5, 2.0, 2.0, 7.0])
     found = []
     for loop in (by_the_readable_loop, LIBRARY.walked):
-        bounds = Bounds(*bounds_of(FINE))
+        bounds = FINE.bounds
         asked = Outputs(np.empty(4 * 5 * 4), np.zeros(5), times, np.empty(5 * 4))
         given = Given(np.zeros(1), np.array([*state.q, *state.p]))
         said = loop(Codes(*walk.codes), bounds, walk.layout, given, np.zeros(walk.size), asked, 1e3)
@@ -190,14 +192,14 @@ def test_the_compiled_loop_is_the_readable_one() -> None:
 
 def test_rows_that_are_not_compared_are_right_and_wrong_beside_wrong_ones() -> None:
     system, state = REAL["neumann"](RR, 2)
-    walk, times = system._kind.walk(ROUGH.orders), np.linspace(0, -1, 61)
+    walk, times = system._kind.walk(WIDE), np.linspace(0, -1, 61)
     given = system.flow(state)._walk_given
     found = walk(*given, times, ROUGH, 1e3)
     assert (found.reached, found.wrong) == (61, None)
     true = np.reshape(states_of(system._kind, *given, times), (61, 2, 3))
     assert off(found.states, true) <= 2.0**-52
     # without a row on which the walks agree, each is wrong, but the walks must be far from any common error
-    found = walk(*given, times, ROUGH._replace(agreed=1e-30), 1e3)
+    found = walk(*given, times, Steps(WIDE, ROUGH.bounds._replace(agreed=1e-30)), 1e3)
     assert found.reached == 0
     # rows 2, 5 and 6 are compared, and 5 is wrong: so are its neighbours from row 3 on
     asked = Outputs(np.ones(56), np.array([0.0, 0, 1, 0, 0, 1, 1]), np.arange(1.0, 8.0), np.zeros(14))
@@ -286,9 +288,9 @@ def test_a_walk_ends_where_its_rows_say_that_the_last_is_lost() -> None:
     steps = steps_for(1e-13)[0]
     walk, times = system._kind.walk(steps.orders), np.linspace(0, 300, 301)
     given = *system.flow(state)._walk_given, times
-    found, whole = walk(*given, steps, 1e6), walk(*given, steps._replace(agreed=1.0), 1e6)
+    found, whole = walk(*given, steps, 1e6), walk(*given, steps._replace(bounds=steps.bounds._replace(agreed=1.0)), 1e6)
     assert whole.reached == 301
-    assert whole.gap > 4 * steps.agreed
+    assert whole.gap > 4 * steps.bounds.agreed
     assert found.reached < 301
     assert found.steps < whole.steps / 4
     right = slice(0, found.reached) if found.wrong is None else np.flatnonzero(~found.wrong)
@@ -331,3 +333,21 @@ def test_sums_that_cancel_in_the_finest_steps_are_renormalized() -> None:
     assert (found.reached, found.wrong) == (2, None)
     true = states_of(system._kind, *given, [0.001, 0.024])
     assert off(found.states, np.reshape(true, found.states.shape)) <= 2.0**-52
+
+
+@pytest.mark.parametrize(("name", "n"), [("neumann", 2), ("toda", 3), ("garnier", 3), ("lagrange", 3)])
+@pytest.mark.parametrize("orders", [WIDE, Orders(5, 30)])
+def test_orders_in_a_loop_are_those_of_straight_line_code(name, n, orders, monkeypatch) -> None:
+    system, state = REAL[name](RR, n)
+    given, times, found = system.flow(state)._walk_given, np.array([0.5, 3.0]), []
+    monkeypatch.setattr(kept, "place", lambda: None)
+    for longest in (0, 10**6):
+        monkeypatch.setattr(sums_text, "LONGEST", longest)
+        walk = system._made_kind().walk(orders)
+        steps = Steps(orders, FINE.bounds._replace(left_out=1e-24, rounded=1e-8))
+        reached = walk(*given, times, steps, 1e3)
+        assert reached.gap < 2.0**-56
+        found.append((reached.states, walk.codes.ratios - walk.codes.series))
+    (looped, short), (straight, long) = found
+    assert short < long
+    assert off(looped, straight) <= 2.0**-52
