@@ -12,9 +12,9 @@ is fixed, or adapted to a tolerance by the last Legendre coefficient of the stag
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import cache
-from typing import Any, NamedTuple
+from math import prod
+from typing import NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
@@ -61,15 +61,8 @@ def rule() -> Rule:
     legendre = np.polynomial.legendre.Legendre.basis(STAGES - 1)
     nodes = np.array(exact.nodes, dtype=float)
     last = (2 * STAGES - 1) * weights * legendre(2 * nodes - 1)
-    inverse = np.array([float(1 / _product(c - x for x in exact.nodes if x != c)) for c in exact.nodes])
+    inverse = np.array([float(1 / prod(c - x for x in exact.nodes if x != c)) for c in exact.nodes])
     return Rule(nodes, weights, low, ratios, last, inverse)
-
-
-def _product(values: Iterable[Any]) -> Any:
-    total = 1
-    for value in values:
-        total = total * value
-    return total
 
 
 @register_jitable(**INLINED)
@@ -81,16 +74,11 @@ def _weigh(weights, weights_low, h, high, low):  # type: ignore[no-untyped-def]
 
 
 @register_jitable(**INLINED)
-def _copy(source, out):  # type: ignore[no-untyped-def]
-    """Writes ``source`` into ``out``. An assignment of slices would compile the text of its error, for seconds."""
-    for n in range(len(source)):
-        for i in range(STAGES):
-            out[n, i] = source[n, i]
-
-
-@register_jitable(**INLINED)
 def _write(y, out, first, last):  # type: ignore[no-untyped-def]
-    """Writes the state y into the rows of ``out`` from ``first`` to ``last`` − 1."""
+    """Writes the state y into the rows of ``out`` from ``first`` to ``last`` − 1, number by number.
+
+    An assignment of slices would compile the text of its error, which takes as long as the method itself.
+    """
     for t in range(first, last):
         for n in range(len(y)):
             out[t, n] = y[n]
@@ -103,7 +91,9 @@ def _predict(nodes, inverse, ratio, k, guess):  # type: ignore[no-untyped-def]
     They extrapolate the polynomial through the previous slopes ``k``. Ratio 0 means no previous step, and gives ``k``.
     """
     if ratio == 0:
-        _copy(k, guess)
+        for n in range(len(k)):
+            for i in range(STAGES):
+                guess[n, i] = k[n, i]
         return
     for i in range(STAGES):
         x = 1 + ratio * nodes[i]
@@ -278,7 +268,7 @@ def fixed(constants, rule, start, times, setting, out):  # type: ignore[no-untyp
         while done < count:
             if done > 0:
                 _predict(nodes, inverse, 1.0, k, guess)
-                _copy(guess, k)
+                k, guess = guess, k
             passes = _step(constants, transposed, (high, low), (y, rest), k, work)
             if passes == FAILED:
                 return FAILED
@@ -333,7 +323,7 @@ def adaptive(constants, rule, start, times, setting, out):  # type: ignore[no-un
             _write(part, out, t, t + 1)
             t += 1
         y, rest, length = next_y, next_rest, step
-        _copy(part_k, k)
+        k, part_k = part_k, k
         now, error_now = two_sum(now, step)
         now_low += error_now
         step *= min(2.0, max(0.5, 0.9 * (tolerance / max(error, 1e-300)) ** 0.0625))
