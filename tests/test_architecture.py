@@ -199,6 +199,7 @@ def test_a_class_or_function_of_motions_has_a_name_of_its_own():
     assert {name for name, homes in found.items() if len(homes) > 1} == WALKS
 
 
+@cache
 def defined(name: str) -> set[str]:
     """What a module defines at its top: classes, functions and names of values."""
     found = set()

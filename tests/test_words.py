@@ -7,10 +7,11 @@ import re
 from codeop import compile_command
 from collections import Counter
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 
 import pytest
+
+from tests.test_architecture import modules, tree
 
 ROOT = Path(__file__).resolve().parent.parent
 # made by `integrable report`, from texts in integrable/study
@@ -83,9 +84,6 @@ def test_sentences_and_paragraphs_are_short(page):
     assert too_long(prose(read(page)), OF_A_PAGE) == []
 
 
-MODULES = sorted(path for room in ("jacobian", "integrable") for path in (ROOT / room).rglob("*.py"))
-
-
 def docstrings(tree: ast.Module) -> Iterator[tuple[str, str]]:
     """(name, text) for the module and its public names, without indented lines, which are formulas or code."""
     for node in ast.walk(tree):
@@ -103,17 +101,12 @@ def messages(tree: ast.Module) -> Iterator[tuple[str, str]]:
             yield f"line {node.lineno}", " ".join(parts)
 
 
-@cache
-def parsed(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
-
-
 @pytest.mark.parametrize("texts", [docstrings, messages])
 def test_sentences_of_docstrings_and_messages_are_short(texts):
     found = {
-        f"{path.relative_to(ROOT)}, {name}": wrong
-        for path in MODULES
-        for name, text in texts(parsed(path))
+        f"{module}, {name}": wrong
+        for module in modules()
+        for name, text in texts(tree(module))
         if (wrong := too_long(text))
     }
     assert found == {}

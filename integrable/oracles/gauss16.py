@@ -74,13 +74,26 @@ def _weigh(weights, weights_low, h, high, low):  # type: ignore[no-untyped-def]
 
 
 @register_jitable(**INLINED)
+def _write(y, out, first, last):  # type: ignore[no-untyped-def]
+    """Writes the state y into the rows of ``out`` from ``first`` to ``last`` − 1, number by number.
+
+    An assignment of slices would compile the text of its error, which takes as long as the method itself.
+    """
+    for t in range(first, last):
+        for n in range(len(y)):
+            out[t, n] = y[n]
+
+
+@register_jitable(**INLINED)
 def _predict(nodes, inverse, ratio, k, guess):  # type: ignore[no-untyped-def]
     """Writes guesses of the slopes at the stages of a step ``ratio`` times as long as the previous one.
 
     They extrapolate the polynomial through the previous slopes ``k``. Ratio 0 means no previous step, and gives ``k``.
     """
     if ratio == 0:
-        guess[:, :] = k
+        for n in range(len(k)):
+            for i in range(STAGES):
+                guess[n, i] = k[n, i]
         return
     for i in range(STAGES):
         x = 1 + ratio * nodes[i]
@@ -255,13 +268,13 @@ def fixed(constants, rule, start, times, setting, out):  # type: ignore[no-untyp
         while done < count:
             if done > 0:
                 _predict(nodes, inverse, 1.0, k, guess)
-                k[:, :] = guess
+                k, guess = guess, k
             passes = _step(constants, transposed, (high, low), (y, rest), k, work)
             if passes == FAILED:
                 return FAILED
             cost += passes * STAGES
             done += 1
-        out[t] = y
+        _write(y, out, t, t + 1)
         if remainder > 0:
             part, part_rest = y.copy(), rest.copy()
             _weigh(weights, weights_low, sign * remainder, part_high, part_low)
@@ -270,7 +283,7 @@ def fixed(constants, rule, start, times, setting, out):  # type: ignore[no-untyp
             if passes == FAILED:
                 return FAILED
             cost += passes * STAGES
-            out[t] = part
+            _write(part, out, t, t + 1)
     return cost
 
 
@@ -280,7 +293,7 @@ def adaptive(constants, rule, start, times, setting, out):  # type: ignore[no-un
     (sign, tolerance), (nodes, weights, weights_low, ratios, last, inverse) = setting, rule
     transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)
     high, low = np.empty(STAGES), np.empty(STAGES)
-    out[:, :] = y
+    _write(y, out, 0, len(times))
     speed = _speed(y, k)
     if speed == 0:
         return 0
@@ -307,10 +320,10 @@ def adaptive(constants, rule, start, times, setting, out):  # type: ignore[no-un
             if passes == FAILED:
                 return FAILED
             cost += passes * STAGES
-            out[t] = part
+            _write(part, out, t, t + 1)
             t += 1
         y, rest, length = next_y, next_rest, step
-        k[:, :] = part_k
+        k, part_k = part_k, k
         now, error_now = two_sum(now, step)
         now_low += error_now
         step *= min(2.0, max(0.5, 0.9 * (tolerance / max(error, 1e-300)) ** 0.0625))

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from jacobian import poly
 from jacobian.addition.cantor import Triple
 from jacobian.batch import libraries
 from jacobian.batch.block_loops import SCRATCH
@@ -206,12 +207,11 @@ class StoredRows:
 
     def to_divisors(self, x: Rows) -> list[Divisor]:
         """The rows as Divisors."""
-        trim = np.trim_zeros
-        u, v = self.to_arrays(x)
+        u, v = (part.tolist() for part in self.to_arrays(x))
         weights = x.weight.tolist() if self.split else [None] * len(x)
         return [
-            Divisor(self.jacobian, tuple(trim(a, "b").tolist()), tuple(trim(b, "b").tolist()), n)
-            for a, b, n in zip(u, v, weights, strict=True)
+            Divisor(self.jacobian, tuple(a[: d + 1]), poly.trim(self.field, b[:d]), n)
+            for a, b, d, n in zip(u, v, x.degree.tolist(), weights, strict=True)
         ]
 
     def _room(self) -> Any:

@@ -177,8 +177,8 @@ def test_a_few_cases(name):
     assert not tally.failures, tally.failures[0]
 
 
-# suites and the number of cases that takes about a minute; --cases runs any number
-MANY = {"engine": 250, "flow": 400, "systems": 60, "inexact": 300, "calls": 6000, "command": 2000, "outside": 120}
+# suites and the number of cases that takes about 40 seconds; --cases runs any number
+MANY = {"engine": 150, "flow": 240, "systems": 36, "inexact": 180, "calls": 3600, "command": 1200, "outside": 72}
 
 
 # kinds whose oracle is a formula; the other oracles take minutes without heyoka

@@ -33,6 +33,7 @@ def same(name: str, digits: int, *requests: Any) -> None:
         assert [bits(lambda i=i: flow.at(requests[i])) for i in order] == [alone[i] for i in order]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_a_state_has_the_same_bits_whatever_was_asked_before(name: str) -> None:
     same(name, 15, NEAR, BETWEEN, MANY, FAR)

@@ -41,12 +41,12 @@ def test_thirty_digits_against_an_integration(name, n) -> None:
 @pytest.mark.slow
 @over_cases
 def test_thirty_digits_after_some_periods(name, n) -> None:
-    assert error_in_many_digits(name, n, 20, 107, 18) < 1e-30
+    assert error_in_many_digits(name, n, 10, 54, 18) < 1e-30
 
 
 @pytest.mark.thinned(2)
 @over_cases
-@pytest.mark.parametrize("time", [1e6, *(pytest.param(t, marks=pytest.mark.slow) for t in (1e-9, -12.5, -1e9, 1e15))])
+@pytest.mark.parametrize("time", [1e6, *(pytest.param(t, marks=pytest.mark.slow) for t in (1e-9, -1e9, 1e15))])
 def test_floats_against_forty_digits(name, n, time) -> None:
     """A run in floats is the rounded run in many digits from the same floats, at any time."""
     system, state = REAL[name](RR, n)

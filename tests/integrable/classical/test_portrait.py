@@ -93,7 +93,7 @@ def turns_of(system, state, path):
     return np.unwrap(np.where(heights >= 0, part, -part), axis=0) / (2 * np.pi)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("name", "n"), [case for case in CASES if case[0] not in ("barriers", "galaxy", "lagrange", "pendulum")]
 )

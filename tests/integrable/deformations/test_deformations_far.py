@@ -345,6 +345,7 @@ def test_times_that_no_digits_reach_are_refused_by_name() -> None:
         free.flow(free.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))).at(["1e900"])
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "system",
     [

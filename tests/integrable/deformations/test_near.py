@@ -47,7 +47,8 @@ def assert_rounded(found, true) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow if name == "two poles" else ()) for name in SYSTEMS]
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow if name in ("one pole", "two poles") else ()) for name in SYSTEMS],
 )
 def test_near_times_are_those_of_thirty_digits(name) -> None:
     system = SYSTEMS[name]
@@ -74,6 +75,7 @@ def test_far_times_are_those_of_the_curves() -> None:
     assert motion.at([1.0, 1e6]).way == "elliptic curves"
 
 
+@pytest.mark.slow
 def test_a_pole_that_attracts_is_refused_as_ever() -> None:
     """γ_1 reaches 0 near t = 0.4: no walk continues beyond, and the message comes from the integrated equations."""
     system = Tilde((1, 2, 4), potential=(0, 0, -1.5, 0, 0))

@@ -74,7 +74,7 @@ def test_the_rule_integrates_polynomials_of_twice_its_stages(stages):
 def test_the_compiled_steps_are_the_readable_ones(name):
     """With a step so long that the method's own error is visible, the two have the same error."""
     system, state = problem(name)
-    times = [1.75 * k for k in (1, 2, 3, 4)] + [4.0, -1.75, -3.0]
+    times = [1.75, 3.5, 4.0, -3.0]
     found = gauss16(system, state, times, step=1.75)
     wanted = steps_of(name, MP(30), 8, times, 1.75)
     exact = taylor(system, state, times, digits=18)
@@ -88,7 +88,7 @@ def test_it_is_of_order_sixteen(name):
     system, state = problem(name)
     K = MP(45)
     exact = taylor(system, state, [2], digits=40)
-    errors = [np.abs(steps_of(name, K, 8, [2], Fraction(2, n)).gamma - exact.gamma).max() for n in (8, 12)]
+    errors = [np.abs(steps_of(name, K, 8, [2], Fraction(2, n)).gamma - exact.gamma).max() for n in (6, 9)]
     slope = float(K.context.log(errors[0] / errors[1]) / K.context.log(1.5))
     assert slope == pytest.approx(16, abs=1)
     # the method with a tolerance is the same method
@@ -147,12 +147,12 @@ def test_a_body_at_rest_stays():
 # --- the compiled pieces
 
 
-@njit
+@njit(cache=True)
 def _exact(a, b):
     return exact_floats.two_sum(a, b), exact_floats.two_product(a, b)
 
 
-@njit
+@njit(cache=True)
 def _whole(time, step):
     return exact_floats.whole_steps(time, step)
 

@@ -359,6 +359,7 @@ def test_far_times_against_the_same_motion_in_multiprecision() -> None:
     assert np.abs(found - truth.astype(float)).max() < 1e-14
 
 
+@pytest.mark.slow
 def test_modes_that_rounding_has_drowned_are_not_looked_for_among_more(monkeypatch) -> None:
     """Twice and four times as many modes used to be computed, for half a minute, before the same refusal.
 

@@ -11,7 +11,7 @@ from tests.jacobian.group_curves import inside
 from tests.jacobian.jacobian_rows import ROWS
 
 TABLE = [pytest.param(row, id=str(row)) for row in ROWS]
-ADDITIONS = 40_000
+ADDITIONS = 20_000
 
 
 def compare(row, additions, rng):
@@ -37,6 +37,7 @@ def compare(row, additions, rng):
         A, B = (total if total else B), A
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("row", TABLE)
 def test_additions(row):
     compare(row, 12 if row.K != QQ else 8, Random(f"flint {row}"))

@@ -12,6 +12,7 @@ from tests.jacobian.group_curves import inside
 from tests.jacobian.jacobian_rows import ROWS
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("row", [pytest.param(row, id=str(row)) for row in ROWS])
 def test_equal_to_cantor(row):
     C = row.curve.arithmetic_model

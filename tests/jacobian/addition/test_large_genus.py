@@ -86,6 +86,7 @@ def test_every_genus_up_to_thirty(field, model):
         assert_equal(C, classes(C, rng)[:4])
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "row", [pytest.param(row, id=str(row)) for row in ROWS if row.genus <= 4 and row.model != "moved"]
 )

@@ -23,7 +23,7 @@ def assert_equal_to_cantor(J, classes):
     model, triples, found = J.curve.arithmetic_model, [inside(D) for D in classes], cache(partial(outside, J))
     expected = [found(cantor.sum_of(model, a, b)) for a in triples for b in triples]
     assert (A + B).to_list() == expected
-    assert ((A + B) - B).to_list() == [D for D in classes for _ in classes]
+    assert ((A + B) - B == A).all()
     assert C.double().to_list() == expected[:: len(classes) + 1]
     assert (-C).to_list() == [found(cantor.negate(model, a)) for a in triples]
     assert not any(C - C)

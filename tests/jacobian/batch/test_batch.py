@@ -94,9 +94,9 @@ def test_rows_over_large_primes(name, model):
 @pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", PRIMES)
-def test_a_million_rows(name, model):
+def test_many_rows(name, model):
     """All rows are compared with the compiled Cantor, a sample with Cantor in Python: residual 0."""
-    assert_rows_equal_cantor(large_curve(name, model).jacobian(), 1_000_000, 3000)
+    assert_rows_equal_cantor(large_curve(name, model).jacobian(), 200_000, 1000)
 
 
 @pytest.mark.parametrize("count", [1, 255, 256, 257, 513])
@@ -326,7 +326,8 @@ def test_pickle(A):
     assert (pickle.loads(pickle.dumps(A)) == A).all()
 
 
-@pytest.mark.parametrize("field", ["GF(101)", "GF(2^8)"])
+# galois compiles its arithmetic for seconds, once for each characteristic
+@pytest.mark.parametrize("field", [pytest.param("GF(101)", marks=pytest.mark.slow), "GF(2^8)"])
 def test_galois_arrays(field):
     row = next(row for row in ROWS if row.field == field and row.genus == 2 and row.model == "split")
     A = DivisorArray.stack(row.pool)

@@ -68,7 +68,7 @@ def test_special_cases_on_rational_points(curve):
     f = (*curve.f, *[QQ.zero] * (6 - len(curve.f)))
     pairs = pairs_of(curve, known_points(curve))
     expected, wanted, kinds = [], [], Counter()
-    for (u, v), (s, t) in product(pairs[::2], pairs):
+    for (u, v), (s, t) in product(pairs[::4], pairs):
         numbers_of = [[K.coerce(c) for c in part] for part in (curve.f, u, v, s, t)]
         try:
             total = composition.compose(K, 2, numbers_of[0], tuple(numbers_of[1:3]), tuple(numbers_of[3:]))

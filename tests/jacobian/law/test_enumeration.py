@@ -37,18 +37,17 @@ def random_curve(K, genus, model, rng):
 @pytest.mark.parametrize(("name", "genus", "model"), CASES)
 def test_the_reduced_divisors_are_the_group(name, genus, model):
     rng = Random(f"{name} {genus} {model}")
-    for _ in range(2):
-        C = random_curve(SMALL[name], genus, model, rng)
-        J = C.jacobian()
-        elements = list(J.points())
-        group = set(elements)
-        assert len(elements) == len(group) == J.order()
-        assert J.zero() in group
-        for _ in range(25):
-            A, B = rng.choice(elements), rng.choice(elements)
-            assert {A + B, A - B, -A, A.double()} <= group
-            assert not J.order() * A
-            assert J.from_mumford(A.u, A.v, A.n) == A
+    C = random_curve(SMALL[name], genus, model, rng)
+    J = C.jacobian()
+    elements = list(J.points())
+    group = set(elements)
+    assert len(elements) == len(group) == J.order()
+    assert J.zero() in group
+    for _ in range(25):
+        A, B = rng.choice(elements), rng.choice(elements)
+        assert {A + B, A - B, -A, A.double()} <= group
+        assert not J.order() * A
+        assert J.from_mumford(A.u, A.v, A.n) == A
 
 
 @pytest.mark.parametrize(("name", "genus", "model"), [case for case in CASES if case[1] <= 2])
@@ -104,10 +103,10 @@ def test_random_is_uniform_where_points_generate_a_subgroup(rng):
 
 def assert_uniform(J, rng):
     elements = list(J.points())
-    draws = 20 * len(elements)
+    draws = 10 * len(elements)
     counts = Counter(J.random(rng) for _ in range(draws))
     assert set(counts) <= set(elements)
-    chi_square = sum((counts[D] - 20) ** 2 / 20 for D in elements)
+    chi_square = sum((counts[D] - 10) ** 2 / 10 for D in elements)
     freedom = len(elements) - 1
     # five standard deviations of the χ² distribution
     assert abs(chi_square - freedom) < 5 * (2 * freedom) ** 0.5

@@ -35,6 +35,7 @@ def test_the_table_covers_every_field_model_and_genus():
         assert {row.genus for row in ROWS if row.field == name} >= {1, 2, 3, 4}
 
 
+@pytest.mark.thinned(5)
 @table
 def test_identity_and_inverse(row):
     J = row.curve.jacobian()
@@ -55,6 +56,7 @@ def test_commutativity_and_doubling(row):
             assert valid(D + E) == E + D
 
 
+@pytest.mark.thinned(5)
 @table
 def test_associativity(row):
     rng = Random(f"associativity {row}")

@@ -21,7 +21,7 @@ SMALL = {
 def test_sums_of_places_are_uniform(name, monkeypatch):
     """The method of large genus on groups that can be counted: χ² within five standard deviations."""
     monkeypatch.setattr(sampling, "MOST_GENUS", 0)
-    J, rng, times = SMALL[name].jacobian(), Random(5), 8
+    J, rng, times = SMALL[name].jacobian(), Random(5), 5
     n = J.order()
     counts = Counter(J.random(rng) for _ in range(times * n))
     found = sum((counts[D] - times) ** 2 / times for D in J.points())

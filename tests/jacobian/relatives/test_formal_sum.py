@@ -104,6 +104,7 @@ def test_multiplicities_are_orders_of_power_series(name):
     assert min(orders[0], orders[1], orders[2]) > 1
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("row", TABLE, ids=str)
 def test_the_divisor_of_a_product(row):
     """div(FG) = div F + div G, also at infinity; div F is principal, and the divisor of the conjugate is its mirror

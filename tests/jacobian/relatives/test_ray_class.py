@@ -37,6 +37,7 @@ def _element(G, row, rng):
     return G.lift(rng.choice(row.pool)) + G.from_fibre(*C.unit) if rng.random() < 0.6 else C
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("row", [row for row in TABLE if row.K.order < 1000 or row.genus <= 3], ids=str)
 def test_axioms(row):
     rng = Random(f"ray {row}")
@@ -54,6 +55,7 @@ def test_axioms(row):
         assert (-A).divisor == -A.divisor
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("row", [row for row in TABLE if row.K.order**row.genus < 12000], ids=str)
 def test_the_order_annihilates(row):
     rng = Random(f"order {row}")
