@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from math import ceil
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mpmath import mag, nstr
 
@@ -22,7 +22,6 @@ from integrable.moving_point import addition
 from integrable.moving_point.addition import opposite
 from integrable.moving_point.balls import BallField, BallTranslations, around, picard_box, time_after
 from integrable.moving_point.problem import Problem, vectors
-from integrable.moving_point.translations import Translations
 from integrable.phase.enclosure import Enclosure, Precisions, exact_times, is_bounded, widest
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
@@ -98,10 +97,7 @@ class BallMotion:
             K = self.field = BallField(self.reals)
             given = (*body.inertia, body.d, *state.row)
             problem = self.problem = Problem.of(self.reals, given, state.tilted)
-            middle = [[x.mid() for x in row] for row in (problem.f, problem.axes)]
-            half_step: Any = problem.half_step
-            plain = Translations(self.reals, middle[0], middle[1], half_step.mid())
-            self._translations = BallTranslations(problem, plain)
+            self._translations = BallTranslations(self.reals, problem.f, problem.axes, problem.half_step)
             # an exact 0 would send an addition into a branch for degenerate positions, which is not valid for nearby
             # points
             tiny = self._flint.arb(0, K.one / 2**bits)

@@ -3,29 +3,33 @@
 Every formula of :mod:`integrable.moving_point.addition` holds exactly for exact points of the curve, in each branch of
 the code. It therefore maps balls around such points to balls around the result, whichever branch a comparison of balls
 takes. Division by a ball that contains 0 gives an unbounded result; :func:`integrable.phase.enclosure.is_bounded`
-detects it. Truncation errors are bounded here: those of power series by Cauchy's estimate, that of Newton's iteration
-by Krawczyk's test (1969).
+detects it. Truncation errors are bounded here: those of the series of translations by a majorant of their recurrence.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from math import inf
+from typing import TYPE_CHECKING, NamedTuple
 
-from integrable.moving_point.addition import abel_slopes, abel_sums, carried, conjugate_points
-from integrable.moving_point.translations import Translations, series_of
+from integrable.moving_point.addition import carried
+from integrable.moving_point.translations import Expansion, Translations
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.inexact import InexactField
 
 if TYPE_CHECKING:
     from flint import acb, arb
 
-    from integrable.moving_point.problem import Problem
     from jacobian.numbers.long_reals import BallReals
-
 
 MOST_TRIALS = 12
 MOST_BOXES = 6
+# Σ_{i = 0 … k} (k + 1)²/((i + 1)²(k − i + 1)²) is less than this for all k: it is at most 4Σ1/i² = 2π²/3
+CONVOLVED = 6.6
+LARGEST_RADIUS = 4.0
+BOUND_BITS = 64
+# half a step is halved once more for this many bits; each halving widens balls by about 14 bits
+HALVED_ONCE_MORE = 300
 
 
 class BallField(InexactField["arb"]):
@@ -91,93 +95,95 @@ def time_after(tau: arb, rest: arb, rate: Callable[[arb], arb]) -> arb:
     raise PrecisionLoss("dt/dτ could not be bounded at this precision: use more digits")
 
 
-class BallTranslations:
-    """Enclosures of the translations T(eps) of a motion."""
+class BallTranslations(Translations):
+    """Enclosures of the translations T(eps) of a motion; ``f``, ``axes`` and ``half_step`` are balls."""
 
-    def __init__(self, problem: Problem, plain: Translations) -> None:
-        self._plain = plain
-        one = plain.reals.number(1)
-        self.f = problem.f
-        self.axes = (*problem.axes[:3], one, one, one, one, 0 * one)
-        size = len(plain.series)
-        self._series, self._roots = (series_of(problem.f, power, size) for power in (-1, 1))
-        # a lower bound of the distance to the nearest branch point
-        self._nearest = min(x.abs_lower() for x in problem.branch_points)
+    few = inf
 
-    def near(self, eps: arb) -> tuple[arb, ...]:
-        """T(eps) for a ball eps that does not contain 0."""
-        plain = self._plain
-        doublings, term_bits = plain.plan(eps.mid())
-        small = eps / 2**doublings
-        size = plain.terms(plain.reals.bits, term_bits)
-        m, r, tail, reach = self._zero(*plain.centre(small.mid(), term_bits), small, size)
-        roots = list(self._roots[:size])
-        # the first coefficients include the truncation errors of both sums of :func:`conjugate_points`
-        roots[0] = around(roots[0], tail)
-        roots[1] = around(roots[1], tail / reach)
-        step = conjugate_points(roots, self.f[0], self.axes, small, m, r)
-        for _ in range(doublings):
-            step = carried(self.f, self.axes, step, step)
-        return step
+    def __init__(self, reals: BallReals, f: Sequence[arb], axes: Sequence[arb], half_step: arb) -> None:
+        super().__init__(reals, f, axes, half_step)
+        # most enclosures take a single translation, so that many orders do not pay
+        self._halvings += reals.bits // HALVED_ONCE_MORE
 
-    def _zero(self, m: arb, r: arb, eps: arb, size: int) -> tuple[arb, arb, arb, arb]:
-        """(enclosure of m, enclosure of r, the bound of :meth:`_tail`, a bound of |m| + √|r|)."""
-        target = self.f[0] * eps * eps / 4
-        noise = 2.0 ** (20 - self._plain.reals.bits) + 8 * (eps.rad() / eps).abs_upper()
-        radii = [abs(x).abs_upper() * noise for x in (m, r)]
-        for _ in range(MOST_TRIALS):
-            box = [around(x, radius) for x, radius in zip((m, r), radii, strict=True)]
-            reach = (abs(box[0]) + abs(box[1]).sqrt()).abs_upper()
-            tail = self._tail(reach, size)
-            value = self._system(m, r, target, size, tail, reach)[:2]
-            *slope, phi = self._system(box[0], box[1], target, size, tail, reach)[2:]
-            new = _krawczyk(value, slope, (m, r), [y - x for x, y in zip((m, r), box, strict=True)])
-            if phi > 0 and all(y.contains_interior(x) for x, y in zip(new, box, strict=True)):
-                return new[0], new[1], tail, reach
-            radii = [3 * abs(y - x).abs_upper() + 2 * radius for x, y, radius in zip((m, r), new, radii, strict=True)]
-        raise PrecisionLoss("a translation could not be enclosed at this precision: use more digits")
+    def _estimated_radius(self) -> float:
+        # the majorant needs a smaller radius, and more orders for a larger one: at this one it needs 10 to 25
+        return min(super()._estimated_radius() / 3, LARGEST_RADIUS)
 
-    def _system(self, m: arb, r: arb, target: arb, size: int, tail: arb, reach: arb) -> tuple[arb, ...]:
-        """(r·phi² − target, psi, the derivatives of the first and of the second with respect to m and r, phi).
+    def _ends(self, rows: Expansion, square: arb, radius: float) -> bool:
+        """Whether the remainders of the series are bounded."""
+        self._ratio = ((self.half_step * radius) ** -2).abs_upper()
+        if not self._ratio * square < 1:
+            raise PrecisionLoss("a translation could not be enclosed at this precision: use more digits")
+        with self.reals.at(BOUND_BITS):
+            self._sizes = majorant(self.f, rows, self._ratio)
+        return bool(self._sizes)
 
-        Let |m| + √|r| ≤ R, and let the coefficients of the series satisfy |c_k| ≤ (k+1)(k+2)/2·nearest^(−k). The sums
-        of the terms omitted from phi, psi, ∂phi/∂m, ∂phi/∂r, ∂psi/∂m and ∂psi/∂r are then at most ``tail`` times 1, R,
-        1/R, 1/R², 1 and 1/R.
-        """
-        series = self._series[:size]
-        sums = *abel_sums(series, m, r), *abel_slopes(series, m, r)
-        weights = (1, reach, 1 / reach, 1 / (reach * reach), 1, 1 / reach)
-        phi, psi, phi_m, phi_r, psi_m, psi_r = (around(x, tail * w) for x, w in zip(sums, weights, strict=True))
-        return (
-            r * phi * phi - target,
-            psi,
-            2 * r * phi * phi_m,
-            phi * phi + 2 * r * phi * phi_r,
-            psi_m,
-            psi_r,
-            phi,
-        )
+    def _summed(self, rows: Expansion, terms: int, eps: arb) -> tuple[arb, ...]:
+        # the remainder is bounded after all known orders
+        return super()._summed(rows, len(rows.u0), eps)
 
-    def _tail(self, reach: arb, size: int) -> arb:
-        """An upper bound of Σ_{k ≥ size} (k+1)⁴(reach/nearest)^k."""
-        q = (reach / self._nearest).abs_upper()
-        ratio = q * (size + 2) ** 4 / (size + 1) ** 4
-        if not ratio < 1:
-            raise PrecisionLoss("a translation could not be enclosed: its series was not seen to converge")
-        return (q**size * (size + 1) ** 4 / (1 - ratio)).abs_upper()
+    def _whole(self, sums: Sequence[arb], terms: int, square: arb) -> tuple[arb, ...]:
+        part = (self._ratio * square).abs_upper()
+        rest = part**terms / ((1 - part) * (terms + 1) ** 2)
+        return tuple(around(x, rest * size) for x, size in zip(sums, self._sizes, strict=True))
+
+    def _plain(self, step: Sequence[arb]) -> tuple[arb, ...]:
+        return tuple(step)
+
+    def sum(self, first: tuple[arb, ...], second: tuple[arb, ...]) -> tuple[arb, ...]:
+        """The sum of two translations."""
+        return carried(self.f, self.axes, first, second)
 
 
-def _krawczyk(value: Sequence[arb], slope: Sequence[arb], point: Sequence[arb], apart: Sequence[arb]) -> list[arb]:
-    """x − Y·F(x) + (1 − Y·J)(box − x) for x = ``point``: ``value`` is F(x), ``slope`` the derivative J of F on the box,
-    ``apart`` is box − x, and Y an approximate inverse of J. If the result lies inside the box, the box contains exactly
-    one zero of F, and the result contains it.
+class Sizes(NamedTuple):
+    """Bounds of the coefficients x_k of a series: ``head`` is Σ|x_k|/ratio^k over the first half of the known orders,
+    and |x_k| ≤ ``tail``·ratio^k/(k + 1)² for all later ones.
     """
-    a, b, c, d = (x.mid() for x in slope)
-    det = a * d - b * c
-    rows = [[(x / det).mid() for x in row] for row in ((d, -b), (-c, a))]
-    new = []
-    for i, (p, q) in enumerate(rows):
-        rest = [-(p * slope[k] + q * slope[2 + k]) for k in range(2)]
-        rest[i] += 1
-        new.append(point[i] - (p * value[0] + q * value[1]) + rest[0] * apart[0] + rest[1] * apart[1])
-    return new
+
+    head: arb
+    tail: arb
+
+    def times(self, other: Sizes) -> arb:
+        """The ``tail`` of a product, for orders not yet known. There the weight of a factor is at most four times that
+        of the product if the order of the other factor is in the first half.
+        """
+        return 4 * (self.head * other.tail + other.head * self.tail) + CONVOLVED * self.tail * other.tail
+
+    def up_to(self, tail: arb) -> Sizes:
+        """These bounds, with a ``tail`` at least as large as the given one."""
+        return Sizes(self.head, max(self.tail, tail.abs_upper()))
+
+
+def majorant(f: Sequence[arb], rows: Expansion, ratio: arb) -> tuple[arb, ...]:
+    """The tails (:class:`Sizes`) of the series u0, u1, v0 and v1; () if the known orders do not prove them.
+
+    The tails hold for the known orders k < n. If the recurrences of
+    :func:`integrable.moving_point.translations.expand_orders` prove them for k = n, they do so for all later k, because
+    their divisors grow.
+    """
+    n, powers = len(rows.u0), [ratio**-k for k in range(len(rows.u0))]
+
+    def known(row: Sequence[arb], begin: int = 0) -> Sizes:
+        scaled = [abs(x) * power for x, power in zip(row, powers, strict=True)]
+        tail = max((scaled[k] * (k + 1) ** 2).abs_upper() for k in range(n // 2, n))
+        return Sizes(sum(scaled[begin : n // 2], 0 * ratio).abs_upper(), tail)
+
+    u0, u1, v0, s0, less = map(known, (rows.u0, rows.u1, rows.v0, rows.s0, rows.less))
+    v1, f4, f5 = known(rows.v1, 1), abs(f[4]), abs(f[5])
+    # ``later`` is the factor from a bound of order n − 1 to one of order n
+    later = (n + 1) ** 2 / (n * n * ratio)
+    for _ in range(MOST_TRIALS):
+        s0 = s0.up_to(f5 * (u1.times(u1) + 2 * u0.tail) + f4 * u1.tail)
+        rest, own = u1.times(s0) + f4 * u0.tail, v1.times(v1)
+        less = less.up_to(rest + ratio * (4 * v1.tail + own))
+        bounds = u0, u1, v0, v1
+        proven = (
+            (v1.times(u0) + later * u1.times(v0)) / (2 * n - 2),
+            later * v0.tail / (2 * n),
+            (u1.times(less) + u0.times(s0)) * (n + 1) / (2 * n * (2 * n + 3)),
+            (later * (rest + f4 * u0.tail + 2 * f5 * u0.times(u1)) + own) / (4 * n + 2),
+        )
+        if all(new <= bound.tail for new, bound in zip(proven, bounds, strict=True)):
+            return tuple(bound.tail for bound in bounds)
+        u0, u1, v0, v1 = (bound.up_to(1.25 * new) for new, bound in zip(proven, bounds, strict=True))
+    return ()

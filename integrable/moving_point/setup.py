@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from functools import cached_property
-from math import ceil, log, log10
+from math import ceil, log10
 
 import numpy as np
 
 from integrable.moving_point.addition import opposite, rate_at, shift
 from integrable.moving_point.problem import Problem
-from integrable.moving_point.translations import REACH, Translations
+from integrable.moving_point.translations import Translations
 from integrable.phase.body import Body, Vector
 from integrable.phase.precisions import EPS_DIGITS, SET_UP_DIGITS
 from integrable.phase.state import State, onto_constraints
@@ -133,11 +133,6 @@ class Setup:
             point = known
         return point
 
-    @property
-    def terms(self) -> int:
-        """The number of terms that a power series needs for the wide precision, at 1.4·REACH of its radius."""
-        return ceil(self.digits * TERMS_A_DIGIT) + 4 + ceil(1.3 * (self.wide.dps - self.digits))
-
     @cached_property
     def step_time(self) -> float:
         """The duration of a basic step at the start, in the user's units of physical time.
@@ -147,10 +142,6 @@ class Setup:
         """
         problem = self.problem
         return abs(float(self.step_length * rate_at(problem.axes, problem.start) / self.time_scale))
-
-
-# number of terms per digit of a power series at 1.4·REACH of its radius of convergence
-TERMS_A_DIGIT = log(10) / -log(1.4 * REACH)
 
 
 def digits_of_closeness(body: Body) -> int:

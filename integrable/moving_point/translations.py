@@ -1,29 +1,22 @@
 """Translations T(eps) of a flow by a time eps, to any precision: Σ∫dx/y = eps and Σ∫x dx/y = 0.
 
-Over bare reals T(eps) is a power series in eps² (:func:`expand_orders`) within half a basic step; beyond, it is 2^k
-times T(eps/2^k). Balls need bounds of truncation errors and therefore use Newton's iteration on the integrals in x
-(:meth:`Translations.centre`); each iteration doubles the digits.
+T(eps) is a power series in eps² (:func:`expand_orders`) within half a basic step; beyond, it is 2^k times T(eps/2^k).
+:class:`integrable.moving_point.balls.BallTranslations` bounds the remainder of the series.
 """
 
 from __future__ import annotations
 
 from functools import cached_property
-from math import ceil, frexp, inf, isqrt, log2
+from math import ceil, inf, isqrt, log2
 from typing import NamedTuple
 
-from integrable.moving_point.addition import Row, centre, leading, opposite, shift, trust_of
-from integrable.moving_point.legendre import doubling_precisions
+from integrable.moving_point.addition import Row, leading, opposite, shift, trust_of
 from jacobian.element import Real
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 
-# the points of T(half step) lie at about this fraction of the distance from x = 0 to the nearest branch point; the
-# terms of the series decrease like its powers
+# the points of T(half step) lie at about this fraction of the distance from x = 0 to the nearest branch point
 REACH = 0.3
-# bits gained per term of the series at half a step, where the two points are at most at 1.4·REACH of that
-# distance from 0. Each halving of eps gains another bit
-TERM_BITS = -log2(1.4 * REACH)
-FLOAT_BITS = 44
 # the radius of an expansion is estimated from SCOUT terms. For more than FEW translations a longer series is computed,
 # for which half a step is halved only once per HALVED_FROM bits
 SCOUT = 24
@@ -36,6 +29,9 @@ class Translations:
     ``half_step`` is half of a basic step, chosen by REACH.
     """
 
+    few: float = FEW
+    """The number of translations up to which halvings cost less than a longer series."""
+
     def __init__(self, reals: BareReals, f: Row, axes: Row, half_step: Real) -> None:
         self.reals = reals
         self.f = reals.row(f)
@@ -46,13 +42,6 @@ class Translations:
         self._asked = 0
         self._expansions: dict[int, tuple[Expansion, float]] = {}
 
-    @cached_property
-    def series(self) -> tuple[Real, ...]:
-        """The coefficients of 1/√(f/f0) about x = 0."""
-        size = int(self.reals.bits / (TERM_BITS + self._halvings)) + 6
-        with self.reals:
-            return series_of(self.f, -1, size)
-
     def _expansion(self, rest: int) -> tuple[Expansion, float]:
         """The :class:`Expansion` for half a step divided by 2^``rest``, and its radius in half steps."""
         if rest not in self._expansions:
@@ -60,23 +49,30 @@ class Translations:
         return self._expansions[rest]
 
     def _expanded(self, rest: int) -> tuple[Expansion, float]:
-        half = self.half_step
-        with self.reals.at(64):
-            square = half * half
-            scaled = [[x * square**k for k, x in enumerate(row)] for row in self._orders(SCOUT)[:4]]
-            falls = [abs(row[SCOUT // 2] / row[-1]) for row in scaled if row[-1] != 0]
-            known = SCOUT - 1 - SCOUT // 2
-            radius = float(min(falls)) ** (0.5 / known) if falls else inf
+        radius = self._estimated_radius()
         while True:
-            size = self._terms(radius, 2.0**-rest)
             with self.reals:
-                found = self._orders(size)
-                square = (half / 2**rest) ** 2
-                least = square ** (size - 1) * 2**self.reals.bits
-                # the last coefficients are compared with the first that are not 0, of order 0 or 1
-                if all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in found[:4]):
+                found = self._orders(self._terms(radius, 2.0**-rest))
+                if self._ends(found, (self.half_step / 2**rest) ** 2, radius):
                     return found, radius
-            radius = 1 + 0.8 * (radius - 1)
+            radius *= 0.75
+
+    def _estimated_radius(self) -> float:
+        """The radius of the expansion in half steps, from the decrease of its first coefficients in floats."""
+        with self.reals:
+            # in half steps the curve is f·half_step²
+            f = tuple(float(c * self.half_step * self.half_step) for c in self.f)
+        rows = expansion_of([0.0] * (7 * SCOUT))
+        expand_orders(f, rows, 0, SCOUT)
+        falls = [abs(row[SCOUT // 2] / row[-1]) for row in rows[:4] if row[-1] != 0]
+        return min(falls) ** (0.5 / (SCOUT - 1 - SCOUT // 2)) if falls else inf
+
+    def _ends(self, rows: Expansion, square: Real, radius: float) -> bool:
+        """Whether the last coefficients are negligible at eps² = ``square``. They are compared with the first that are
+        not 0, of order 0 or 1.
+        """
+        least = square ** (len(rows.u0) - 1) * 2**self.reals.bits
+        return all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in rows[:4])
 
     def _orders(self, count: int) -> Expansion:
         """The first orders of the expansion."""
@@ -95,7 +91,7 @@ class Translations:
         reals = self.reals
         self._asked += 1
         # a longer series with fewer halvings costs less for many translations
-        rest = reals.bits // HALVED_FROM if self._asked > FEW else self._halvings
+        rest = reals.bits // HALVED_FROM if self._asked > self.few else self._halvings
         with reals:
             eps = reals.number(eps)
             size = float(max(abs(eps) / self.half_step, 2.0**-500))
@@ -103,8 +99,8 @@ class Translations:
             rows, radius = self._expansion(rest)
             step = self._summed(rows, self._terms(radius, size * 2.0**-doublings), eps / 2**doublings)
             for _ in range(doublings):
-                step = reals.plain_row(shift(self.f, self.axes, step, step))
-        return reals.plain_row(step)
+                step = self.sum(step, step)
+        return step
 
     def _summed(self, rows: Expansion, terms: int, eps: Real) -> tuple[Real, ...]:
         """T(eps) by its expansion."""
@@ -112,9 +108,20 @@ class Translations:
         u0, u1, v0, v1 = (0 * eps,) * 4
         for a, b, c, d in zip(*(row[min(terms, len(row)) - 1 :: -1] for row in rows[:4]), strict=True):
             u0, u1, v0, v1 = u0 * square + a, u1 * square + b, v0 * square + c, v1 * square + d
+        u0, u1, v0, v1 = self._whole((u0, u1, v0, v1), terms, square)
         v0, v1 = v0 * eps, v1 / eps
         sigma = [root((a + u1) * a + u0) for a in self.axes[:3]]
-        return (u0, u1, v0, v1, *sigma, *((v0 + v1 * a) / x for a, x in zip(self.axes[:3], sigma, strict=True)))
+        nu = ((v0 + v1 * a) / x for a, x in zip(self.axes[:3], sigma, strict=True))
+        return self._plain((u0, u1, v0, v1, *sigma, *nu))
+
+    def _whole(self, sums: Row, terms: int, square: Real) -> Row:
+        """The sums of the four series at eps² = ``square``, of which ``sums`` have the first terms: the same to the
+        last digit.
+        """
+        return sums
+
+    def _plain(self, step: Row) -> tuple[Real, ...]:
+        return self.reals.plain_row(step)
 
     def level(self, k: int) -> tuple[int, tuple[Real, ...]]:
         """(n, the translation by n basic steps): n = 1 for k = 0, and about 2n for the next k.
@@ -139,7 +146,7 @@ class Translations:
     def sum(self, first: tuple[Real, ...], second: tuple[Real, ...]) -> tuple[Real, ...]:
         """The sum of two translations."""
         with self.reals:
-            return self.reals.plain_row(shift(self.f, self.axes, first, second))
+            return self._plain(shift(self.f, self.axes, first, second))
 
     def at_nodes(self, nodes: list[Real], length: int) -> list[tuple[Real, ...]]:
         """T at the nodes of a panel of ``length`` basic steps. ``nodes`` lie in [−1, 1], symmetric about 0, and do not
@@ -149,35 +156,6 @@ class Translations:
         with self.reals:
             outer = [self.near(self.half_step * length * x) for x in nodes[: len(nodes) // 2]]
             return outer + [opposite(step) for step in outer[::-1]]
-
-    def plan(self, eps: Real) -> tuple[int, float]:
-        """(number of halvings of eps, bits gained per term of the series after them)."""
-        exponent = frexp(float(max(abs(eps) / self.half_step, 2.0**-500)))[1]
-        doublings = max(0, exponent + self._halvings)
-        return doublings, TERM_BITS + doublings - exponent
-
-    def centre(self, eps: Real, term_bits: float) -> tuple[Real, Real]:
-        """(m, r) of T(eps), whose points are at m ± √r, by Newton's method. It starts from floats or, for a tiny eps,
-        from the leading order.
-        """
-        reals, f0 = self.reals, self.f[0]
-        r = f0 * eps * eps / 4
-        m = -self.series[1] * r / 3
-        known = int(2 * term_bits)
-        if term_bits < 100:
-            known = FLOAT_BITS
-            series = tuple(map(float, self.series[: self.terms(53, term_bits)]))
-            passes = max(2, 2 + int(log2(27 / term_bits)))
-            floats = (float(f0), float(eps), float(m), float(r))
-            m, r = map(reals.number, centre(series, *floats, passes))
-        for bits in doubling_precisions(reals.bits, known):
-            with reals.at(bits + 16):
-                m, r = map(reals.plain, centre(self.series[: self.terms(bits, term_bits)], f0, eps, m, r, 1))
-        return m, r
-
-    def terms(self, bits: int, term_bits: float) -> int:
-        """The number of terms of the series that give ``bits`` bits, if each gains ``term_bits``."""
-        return min(len(self.series), int(bits / term_bits) + 6)
 
 
 class Expansion(NamedTuple):
@@ -247,30 +225,3 @@ def expand_orders(f: Row, rows: Expansion, begin: int, end: int) -> None:
             s += u1[i] * less[k - i]
             t += u0[i] * s0[k - i]
         v0[k] = (s - t) * (k + 1) / (2 * k * (2 * k + 3))
-
-
-def series_of(f: tuple[Real, ...], power: int, size: int) -> tuple[Real, ...]:
-    """The first coefficients of (f/f0)^(power/2) about 0."""
-    out = [f[0]] * size
-    power_series(f, power, out)
-    return tuple(out)
-
-
-def power_series(f: Row, power: int, out: Row) -> None:
-    """Writes the coefficients of (f/f0)^(power/2) about 0 to ``out``, by the recurrence from its logarithmic
-    derivative. f has six coefficients, ascending.
-    """
-    one = f[0] / f[0]
-    out[0] = one
-    r1, r2, r3, r4, r5 = f[1] / f[0], f[2] / f[0], f[3] / f[0], f[4] / f[0], f[5] / f[0]
-    for k in range(1, len(out)):
-        total = (power + 2 - 2 * k) * r1 * out[k - 1]
-        if k > 1:
-            total += (2 * (power + 2) - 2 * k) * r2 * out[k - 2]
-        if k > 2:
-            total += (3 * (power + 2) - 2 * k) * r3 * out[k - 3]
-        if k > 3:
-            total += (4 * (power + 2) - 2 * k) * r4 * out[k - 4]
-        if k > 4:
-            total += (5 * (power + 2) - 2 * k) * r5 * out[k - 5]
-        out[k] = total / (2 * k)

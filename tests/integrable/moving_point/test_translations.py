@@ -10,6 +10,7 @@ from integrable.moving_point.translations import FEW, Expansion, Translations, e
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 from tests.integrable.moving_point.expansion_by_lists import expansion
+from tests.integrable.torus.translations import centre, series_of
 
 BODIES = {
     "ball": ChaplyginBall((1, 2, 3), 0.7),
@@ -33,12 +34,13 @@ def test_the_expansion_in_time_solves_the_integrals_in_x(ball, digits) -> None:
     few, many = (Translations(setup.reals, setup.bare.f, setup.bare.axes, setup.bare.half_step) for _ in range(2))
     many._asked = FEW
     with setup.reals as reals:
+        series, f0 = series_of(few.f, -1, reals.bits // 4), few.f[0]
         for part in ("0.9", "-0.4", "1e-7", "1e-90"):
             eps = setup.bare.half_step * reals.number(setup.wide.coerce(part))
-            # so small that Newton's series are short; the result is doubled back below
-            doublings, term_bits = few.plan(eps)
-            small = eps / 2**doublings
-            m, r = few.centre(small, term_bits)
+            # so small that Newton's series are short
+            small = eps / 16
+            r = f0 * small * small / 4
+            m, r = centre(series, f0, small, -series[1] * r / 3, r, 12)
             for translations in (few, many):
                 u0, u1 = translations.near(small)[:2]
                 assert abs(u0 - m * m + r) <= 1e3 * 2.0**-reals.bits * abs(u0)

@@ -4,13 +4,15 @@
 
 from __future__ import annotations
 
+from math import ceil
 from typing import TYPE_CHECKING, Any
 
-from integrable.moving_point.addition import centre, conjugate_points, shift
+from integrable.moving_point.addition import Row, shift
 from integrable.moving_point.elliptic_integrals import oval_periods
-from integrable.moving_point.translations import series_of
 from integrable.torus.lattice import oval_ends
 from jacobian import poly
+from jacobian.element import Real
+from jacobian.numbers.roots import root
 from jacobian.periods.matrix import Oval
 
 if TYPE_CHECKING:
@@ -60,7 +62,7 @@ def directed(setup: Setup, centre: Any, eps: Any) -> tuple[Any, ...]:
     while abs(eps) > reach:
         eps, doublings = eps / 2, doublings + 1
     with setup.reals as reals:
-        series, roots = (reals.elements(K, series_of(reals.row(f), power, setup.terms)) for power in (-1, 1))
+        series, roots = (reals.elements(K, series_of(reals.row(f), power, terms_of(setup))) for power in (-1, 1))
     step = centred(near_identity(series, roots, f[0], axes, eps, PASSES), x0)
     for _ in range(doublings):
         step = combine(setup, step, step)
@@ -101,3 +103,102 @@ def moved(setup: Setup, step: tuple[Any, ...], point: tuple[Any, ...]) -> tuple[
     reals, bare = setup.reals, setup.bare
     with reals:
         return reals.elements(setup.wide, shift(bare.f, bare.axes, reals.row(point), reals.row(step)))
+
+
+def terms_of(setup: Setup) -> int:
+    """The number of terms of a power series in x for the wide precision of a set-up, at REACH of its radius."""
+    return ceil(2.7 * setup.wide.dps)
+
+
+def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> tuple[Real, Real]:
+    """(m, r) of T(eps), whose two points are at m ± √r, by ``passes`` Newton steps from an estimate."""
+    target = f0 * eps * eps / 4
+    for _ in range(passes):
+        # the equations are r·phi² = target and psi = 0; their slopes need only the digits that the iterate has
+        phi, psi = abel_sums(series, m, r)
+        phi_m, phi_r, psi_m, psi_r = abel_slopes(series, m, r)
+        first = r * phi * phi - target
+        first_m, first_r = 2 * r * phi * phi_m, phi * phi + 2 * r * phi * phi_r
+        det = first_m * psi_r - first_r * psi_m
+        m, r = m - (first * psi_r - first_r * psi) / det, r - (first_m * psi - first * psi_m) / det
+    return m, r
+
+
+def abel_sums(series: Row, m: Real, r: Real) -> tuple[Real, Real]:
+    """phi, psi with 2√r·phi = y0·Σ∫dx/y and 2√r·psi = y0·Σ∫x dx/y for the points at m ± √r, where y0 = √f0."""
+    phi, psi = 0 * r, 0 * r
+    c = m * m - r
+    # S_j = ((m+√r)^j − (m−√r)^j)/(2√r), by S_{j+1} = 2m·S_j − c·S_{j−1}
+    s0, s1 = 0 * r, 1 + 0 * r
+    for k in range(len(series)):
+        s2 = 2 * m * s1 - c * s0
+        phi += series[k] / (k + 1) * s1
+        psi += series[k] / (k + 2) * s2
+        s0, s1 = s1, s2
+    return phi, psi
+
+
+def abel_slopes(series: Row, m: Real, r: Real) -> tuple[Real, Real, Real, Real]:
+    """The derivatives of :func:`abel_sums`: of phi with respect to m and r, then of psi."""
+    phi_m, phi_r, psi_m, psi_r = 0 * r, 0 * r, 0 * r, 0 * r
+    c = m * m - r
+    # s0 and s1 are the S_j of :func:`abel_sums`, d0 and d1 their derivatives with respect to m, e0 and e1 with respect
+    # to r
+    s0, s1, d0, d1, e0, e1 = 0 * r, 1 + 0 * r, 0 * r, 0 * r, 0 * r, 0 * r
+    for k in range(len(series)):
+        s2 = 2 * m * s1 - c * s0
+        d2 = 2 * s1 + 2 * m * d1 - 2 * m * s0 - c * d0
+        e2 = 2 * m * e1 + s0 - c * e0
+        weight = series[k] / (k + 1)
+        phi_m += weight * d1
+        phi_r += weight * e1
+        weight = series[k] / (k + 2)
+        psi_m += weight * d2
+        psi_r += weight * e2
+        s0, s1, d0, d1, e0, e1 = s1, s2, d1, d2, e1, e2
+    return phi_m, phi_r, psi_m, psi_r
+
+
+def conjugate_points(roots: Row, f0: Real, axes: Row, eps: Real, m: Real, r: Real) -> Row:
+    """The translation whose divisor has points at m ± √r, as a moving point with κ = 1."""
+    # ``even`` is the sum of the values of √(f/f0) at the two points, ``odd`` their difference divided by 2√r
+    c = m * m - r
+    s0, s1, c0, c1 = 0 * r, 1 + 0 * r, 2 + 0 * r, 2 * m
+    even, odd = 0 * r, 0 * r
+    for k in range(len(roots)):
+        even += roots[k] * c0
+        odd += roots[k] * s0
+        s0, s1, c0, c1 = s1, 2 * m * s1 - c * s0, c1, 2 * m * c1 - c * c0
+    phi = root(f0 * eps * eps / (4 * r))
+    t1 = phi / eps * even
+    t0 = 2 * r * phi / eps * odd - t1 * m
+    x1, x2, x3 = axes[0] - m, axes[1] - m, axes[2] - m
+    r1, r2, r3 = root(x1 * x1 - r), root(x2 * x2 - r), root(x3 * x3 - r)
+    return (c, -2 * m, t0, t1, r1, r2, r3, (t0 + t1 * axes[0]) / r1, (t0 + t1 * axes[1]) / r2, (t0 + t1 * axes[2]) / r3)
+
+
+def series_of(f: tuple[Real, ...], power: int, size: int) -> tuple[Real, ...]:
+    """The first coefficients of (f/f0)^(power/2) about 0."""
+    out = [f[0]] * size
+    power_series(f, power, out)
+    return tuple(out)
+
+
+def power_series(f: Row, power: int, out: Row) -> None:
+    """Writes the coefficients of (f/f0)^(power/2) about 0 to ``out``, by the recurrence from its logarithmic
+    derivative. f has six coefficients, ascending.
+    """
+    one = f[0] / f[0]
+    out[0] = one
+    r1, r2, r3, r4, r5 = f[1] / f[0], f[2] / f[0], f[3] / f[0], f[4] / f[0], f[5] / f[0]
+    for k in range(1, len(out)):
+        total = (power + 2 - 2 * k) * r1 * out[k - 1]
+        if k > 1:
+            total += (2 * (power + 2) - 2 * k) * r2 * out[k - 2]
+        if k > 2:
+            total += (3 * (power + 2) - 2 * k) * r3 * out[k - 3]
+        if k > 3:
+            total += (4 * (power + 2) - 2 * k) * r4 * out[k - 4]
+        if k > 4:
+            total += (5 * (power + 2) - 2 * k) * r5 * out[k - 5]
+        out[k] = total / (2 * k)
