@@ -96,7 +96,11 @@ class CurveQuestions(Immutable, Generic[Element]):
         if d is None:
             if K.order is None:
                 raise ArgumentError(f"d = None: over {K.name} there are many twists, say which")
-            d = next(x for x in map(K.element, range(K.order)) if x != K.zero and not self._twists_nothing(x))
+            # in characteristic 2, d has trace 1, as a power of the generator has if any smaller element does; in even
+            # degree all elements of the prime field are squares
+            odd = range(1 if K.degree % 2 else K.characteristic, K.order)
+            first = (1 << k for k in range(K.degree)) if even else odd
+            d = next(x for x in map(K.element, first) if not self._twists_nothing(x))
         by = K.coerce(d, "d")
         if (K.is_zero(by) and not even) or (K.exact and self._twists_nothing(by)):
             raise ArgumentError(f"d = {shown(by)}: the twist by it is the curve itself, or none; give a non-square")

@@ -161,6 +161,22 @@ def test_a_twist_has_the_other_points():
         C.quadratic_twist()
 
 
+@pytest.mark.parametrize("K", [GF(3), GF(7), GF(101), GF(7, 2), GF(3, 3), GF(2), GF(2, 3), GF(2, 8)])
+def test_the_default_twist_is_by_the_first_element_that_has_no_root(K):
+    C = next(curves(3, 1, [K]))
+    squares = {K.mul(x, x) if K.characteristic > 2 else K.add(K.mul(x, x), x) for x in K.elements()}
+    assert C.quadratic_twist().f == C.quadratic_twist(next(x for x in K.elements() if x not in squares)).f
+
+
+def test_a_default_twist_over_the_square_of_a_large_field_is_found():
+    """The squares of the prime field were tried one by one: about a minute at p = 10⁶."""
+    K = GF(1000003, 2)
+    C = HyperellipticCurve(K, (1, 1, 0, 0, 0, 1))
+    assert C.quadratic_twist().genus == 2
+    with pytest.raises(ArgumentError, match="is the curve itself"):
+        C.quadratic_twist(K.element(1000002))
+
+
 def test_the_matrix_of_cartier_and_manin():
     """Compared with its definition; p-rank and slopes compared with the polynomial of Frobenius (Yui 1978)."""
     kinds = set()
