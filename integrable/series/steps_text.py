@@ -3,8 +3,8 @@
 Coefficients up to the order ``wide`` are double-doubles, higher ones floats. The two walks of
 :mod:`integrable.series.walk` are lanes of one vector. Recent values stay in registers, and products of them are added
 last, because all other terms of the sum are known one order earlier. Low orders are straight-line code. Higher ones are
-a loop over rounds of AT_ONCE orders, and orders in double-doubles of large tapes a loop over single ones: as
-straight-line code they would exceed the processor's instruction cache, and fetching them would take most of the time.
+a loop over rounds of AT_ONCE orders, and the double-doubles of large tapes are a loop over orders. Straight-line code
+would exceed the processor's instruction cache, and fetching it would take most of the time.
 """
 
 from __future__ import annotations

@@ -47,10 +47,8 @@ class Sums:
         operations = sum(kind not in (VARIABLE, CONSTANT) for kind in self.tape.kinds)
         first = self.wide + 1 if operations * (self.wide + 1) <= LONGEST else 2
         low = max(self.wide + 1, 2 * AT_ONCE)
-        self.loops = (
-            Loop(first, self.wide + 1, 1),
-            Loop(low + (self.order - low) % AT_ONCE, self.order, AT_ONCE),
-        )
+        in_floats = Loop(low + (self.order - low) % AT_ONCE, self.order, AT_ONCE)
+        self.loops = Loop(first, self.wide + 1, 1), in_floats
         self._loop = self.loops[0]
         # ``_recent`` has the registers of coefficients by (node, order, part), ``_built`` those of vectors by (place,
         # order, part)
@@ -221,12 +219,10 @@ class Sums:
         return _summed(text, _pairs(terms, fetched), wide, before)
 
     def _earlier_orders(self, nodes: tuple[int, ...], done: str) -> list[Wide]:
-        """Σ p_j q_{k−j} over 0 < j < k in double-doubles, for the order k of the round; in a square over j ≤ k/2."""
-        text, sides = self._vector(nodes), self.room.sides[nodes]
-        left, right, begin, square = sides[0], sides[-1], self._loop.begin, len(sides) == 1
+        """Σ p_j q_{k−j} over 0 < j < k in double-doubles, for the order k of the round."""
+        text, sides, begin = self._vector(nodes), self.room.sides[nodes], self._loop.begin
+        left, right = sides[0], sides[-1]
         here_right = self._base(begin, right.width * right.apart)
-        order = self.text.write(f"add i64 {done}, {begin}")
-        end = self.text.write(f"lshr i64 {order}, 1" if square else f"add i64 {order}, -1")
 
         def term(count: str, sums: list[str]) -> list[str]:
             up = self._further("%s", count, self._floats(left))
@@ -235,14 +231,9 @@ class Sums:
                 (text.load(self._place(side, k, 0), there), text.load(self._place(side, k, 1), there))
                 for side, k, there in ((left, 1, up), (right, begin - 1, down))
             )
-            if square:
-                # all terms but the middle one are doubled
-                last = self.text.write(f"shl i64 {self.text.write(f'add i64 {count}, 1')}, 1")
-                middle = self.text.write(f"icmp eq i64 {last}, {order}")
-                twice = text.spread(self.text.write(f"select i1 {middle}, double 1.0, double 2.0"))
-                x = text.fmul(x[0], twice), text.fmul(x[1], twice)
             return [*text.wide_plus_product((sums[0], sums[1]), x, y)]
 
+        end = self.text.write(f"add i64 {done}, {begin - 1}")
         high, low = self._repeated(f"terms{nodes[0]}", text, [text.real(0.0)] * 2, (end, 1), term)
         return [(high, low)]
 
