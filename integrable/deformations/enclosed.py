@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
-from integrable.motion.enclosure import BOUND_BITS
 from integrable.motion.trajectory import Motion
-from integrable.moving_point.balls import BallField, picard_box
+from integrable.moving_point.balls import BOUND_BITS, Balls, picard_box
 from integrable.moving_point.balls import around as widened
 from integrable.phase.enclosure import Enclosure, ball_digits, exact_times, rounded_up, widest
 from integrable.phase.state import State, onto_constraints
@@ -25,7 +24,6 @@ from integrable.series.recurrences import coefficients, values_at
 from integrable.series.tape import CONSTANT, ROOT, recorded
 from jacobian.element import Numbers, Real
 from jacobian.errors import Infeasible, PrecisionLoss, written
-from jacobian.numbers.long_reals import BallReals
 from jacobian.progress import Progress
 
 __all__ = ["EnclosedMotion"]
@@ -109,9 +107,9 @@ class _March:
         import flint
 
         self._flint = flint
-        self.reals = BallReals(bits)
-        with self.reals:
-            balls: Any = BallField(self.reals)
+        balls: Any = Balls(bits)
+        self.reals = balls.reals
+        with balls:
             wide = system.over(balls)
             start = onto_constraints(wide, state)
             self._rolls, zero = system.body.rolls, wide.field.zero

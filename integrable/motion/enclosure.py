@@ -20,12 +20,11 @@ from mpmath import mag, nstr
 from integrable.motion.precise import PreciseFlow
 from integrable.moving_point import addition
 from integrable.moving_point.addition import opposite
-from integrable.moving_point.balls import BallField, BallTranslations, around, picard_box, time_after
+from integrable.moving_point.balls import BOUND_BITS, Balls, BallTranslations, around, picard_box, time_after
 from integrable.moving_point.problem import Problem, vectors
 from integrable.phase.enclosure import Enclosure, Precisions, exact_times, is_bounded, widest
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
-from jacobian.numbers.long_reals import BallReals
 from jacobian.progress import Progress
 
 if TYPE_CHECKING:
@@ -39,8 +38,6 @@ if TYPE_CHECKING:
 ELLIPSE = 3
 # approximate number of bits that balls lose in one addition
 LOST = 14
-# bits of bounds on complex discs, which need few
-BOUND_BITS = 64
 MOST_PANELS = 100_000
 # largest number of doublings: with more, the number of steps exceeds the range of floats
 MOST_DOUBLINGS = 1000
@@ -91,10 +88,9 @@ class BallMotion:
         import flint
 
         self._flint = flint
-        self.reals = BallReals(bits)
-        self._digits = digits
-        with self.reals:
-            K = self.field = BallField(self.reals)
+        K = self.field = Balls(bits)
+        self.reals, self._digits = K.reals, digits
+        with K:
             given = (*body.inertia, body.d, *state.row)
             problem = self.problem = Problem.of(self.reals, given, state.tilted)
             self._translations = BallTranslations(self.reals, problem.f, problem.axes, problem.half_step)

@@ -1,61 +1,107 @@
 """Ball arithmetic for flows (python-flint's arb; Johansson 2017): numbers that carry an error bound.
 
 Every formula of :mod:`integrable.moving_point.addition` holds exactly for exact points of the curve, in each branch of
-the code. It therefore maps balls around such points to balls around the result, whichever branch a comparison of balls
-takes. Division by a ball that contains 0 gives an unbounded result; :func:`integrable.phase.enclosure.is_bounded`
-detects it. Truncation errors are bounded here: those of the series of translations by a majorant of their recurrence.
+the code, and so do compositions and reduction steps of pairs of any genus. They therefore map balls around such points
+to balls around the result, whichever branch a comparison of balls takes. Division by a ball that contains 0 gives an
+unbounded result; :func:`integrable.phase.enclosure.is_bounded` detects it. Truncation errors are bounded here: those of
+the series of translations by a majorant of their recurrence.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import inf
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from integrable.moving_point.addition import carried
 from integrable.moving_point.translations import Expansion, Translations
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.inexact import InexactField
+from jacobian.numbers.long_reals import BallReals
 
 if TYPE_CHECKING:
     from flint import acb, arb
 
-    from jacobian.numbers.long_reals import BallReals
+Values = TypeVar("Values")
 
 MOST_TRIALS = 12
 MOST_BOXES = 6
 # Σ_{i = 0 … k} (k + 1)²/((i + 1)²(k − i + 1)²) is less than this for all k: it is at most 4Σ1/i² = 2π²/3
 CONVOLVED = 6.6
 LARGEST_RADIUS = 4.0
+# bits of bounds on complex discs and of majorants, which need few
 BOUND_BITS = 64
 # half a step is halved once more for this many bits; each halving widens balls by about 14 bits
 HALVED_ONCE_MORE = 300
 
 
-class BallField(InexactField["arb"]):
-    """Real balls as a field, at the precision of flint's context. Given numbers are taken as exact."""
+class _Elementary:
+    """exp and log of balls."""
+
+    @staticmethod
+    def exp(x: arb | acb) -> arb | acb:
+        return x.exp()
+
+    @staticmethod
+    def log(x: arb | acb) -> arb | acb:
+        return x.log()
+
+
+class Balls(InexactField["arb | acb"]):
+    """The field of balls of ``bits`` bits, real or complex, in place of long numbers; enter it with ``with``. Given
+    numbers are taken as exact.
+    """
 
     name = "balls"
+    context = _Elementary()
 
-    def __init__(self, reals: BallReals) -> None:
-        self.reals = reals
-        self.zero, self.one = reals.number(0), reals.number(1)
-        self.eps = self.one * 2.0**-50
+    def __init__(self, bits: int, complex: bool = False) -> None:
+        from flint import acb
 
-    def coerce(self, value: object, argument: str = "value") -> arb:
-        """The ball of radius 0 around a number; balls are returned unchanged."""
-        return self.reals.number(value)
+        self.bits, self.complex, self.reals = bits, complex, BallReals(bits)
+        self._acb = acb
+        self.zero, self.one = self.coerce(0), self.coerce(1)
+        # a ball counts as 0 only if it is proven to be 0
+        self.eps = abs(self.zero)
 
-    def sqrt(self, x: arb) -> arb:
+    def __enter__(self) -> Balls:
+        self.reals.__enter__()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.reals.__exit__(*error)
+
+    def coerce(self, value: Any, argument: str = "value") -> arb | acb:
+        """The ball of radius 0 around a number; a ball is returned unchanged."""
+        if not self.complex:
+            return self.reals.number(value)
+        if isinstance(value, self._acb):
+            return value
+        return self._acb(self.reals.number(value.real), self.reals.number(value.imag))
+
+    def sqrt(self, x: arb | acb) -> arb | acb:
         """√x."""
         return x.sqrt()
 
+    def nearest(self, x: arb | acb) -> int:
+        """The integer nearest to the real part of the midpoint of x."""
+        return self.reals.nearest(x.real)
 
-def around(middle: arb, radius: arb) -> arb:
-    """A ball that contains all numbers within ``radius`` of the ball ``middle``."""
-    from flint import arb
+    def balls(self, values: Values) -> Values:
+        """Returns ``values`` unchanged: they are balls already."""
+        return values
 
-    return middle + arb(0, radius.abs_upper())
+    def from_ball(self, x: Values) -> Values:
+        """Returns the ball ``x`` unchanged."""
+        return x
+
+
+def around(x: arb | acb, radius: arb) -> arb | acb:
+    """A ball, real or complex like x, that contains x widened by an upper bound of ``radius``."""
+    from flint import acb, arb
+
+    wide = arb(0, radius.abs_upper())
+    return acb(x.real + wide, x.imag + wide) if isinstance(x, acb) else x + wide
 
 
 def picard_box(

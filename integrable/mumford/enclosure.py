@@ -1,4 +1,4 @@
-"""States of motions of any genus with proven bounds, by additions in balls (:mod:`integrable.mumford.balls`).
+"""States of motions of any genus with proven bounds, by additions in balls (:mod:`integrable.moving_point.balls`).
 
 The constants of a system, a start and the times count as exact; a start is projected onto its constraints. A state at
 any time takes a few additions, so a far time costs little besides more bits. If t is not linear in τ but
@@ -12,8 +12,7 @@ from functools import partial
 from math import frexp
 from typing import TYPE_CHECKING, Any
 
-from integrable.moving_point.balls import time_after
-from integrable.mumford.balls import Balls
+from integrable.moving_point.balls import Balls, time_after
 from integrable.mumford.motion import Placed, Start
 from integrable.mumford.translations import GroupTranslations, reference
 from integrable.phase.enclosure import Enclosure, Precisions, exact_times, widest

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from integrable.moving_point.balls import Balls, around
 from integrable.moving_point.legendre import doubling_precisions
-from integrable.mumford.balls import Balls, ball_around, polynomials
 from jacobian import poly
 from jacobian.element import Arithmetic, Element, Real
 from jacobian.errors import PrecisionLoss
@@ -43,6 +43,8 @@ class PointIntegrals:
     """
 
     def __init__(self, K: Balls, f: Poly, point: tuple[Ball, Ball], others: Sequence[Ball], order: int) -> None:
+        from flint import acb_poly, arb_poly
+
         self._one, self._point = K.one, point
         (x, y), genus = point, (len(f) - 2) // 2
         if not abs(y) > 0:
@@ -53,7 +55,7 @@ class PointIntegrals:
         for _ in range(genus):
             rates.append([x * b + a for a, b in zip((K.zero, *rates[-1]), rates[-1], strict=False)])
         rates += [_over(x - e, rates[0]) for e in others]
-        polynomial = polynomials(K.complex)
+        polynomial = acb_poly if K.complex else arb_poly
         self._f = polynomial(list(f))
         self._rows = [polynomial([K.zero, *(c / (m + 1) for m, c in enumerate(row))]) for row in rates]
         # on the disc |f| is at least a third of |f(x)|, and the distance to each e at least half of |x − e|
@@ -78,8 +80,7 @@ class PointIntegrals:
         if not rest >= 0:
             raise PrecisionLoss("a time is not known well enough to enclose the motion there: use more digits")
         return [
-            ball_around(row(move), rest * bound)
-            for row, bound in zip(self._rows[which], self._bounds[which], strict=True)
+            around(row(move), rest * bound) for row, bound in zip(self._rows[which], self._bounds[which], strict=True)
         ]
 
     def reached(self, move: Ball) -> tuple[Ball, Ball]:
@@ -155,7 +156,7 @@ class PointMotion:
             missing = self._missing(time, middle)
             step = self._solved(missing, middle)
             width = [2 * abs(x).abs_upper() for x in step]
-            found = self._solved(missing, [ball_around(x, w) for x, w in zip(middle, width, strict=True)])
+            found = self._solved(missing, [around(x, w) for x, w in zip(middle, width, strict=True)])
             # the iteration ends when the box widens the result no more than rounding and the radius of the time do
             if all(abs(x) <= w and x.rad() <= 2 * y.rad() for x, y, w in zip(found, step, width, strict=True)):
                 return [x + y for x, y in zip(middle, found, strict=True)]

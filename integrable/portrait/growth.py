@@ -19,9 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from integrable.phase.body import Body
 from integrable.portrait.differences import GUARD, differences
 from integrable.portrait.sensitivity import expected, in_field
+from integrable.portrait.variations import commuting_spin
 from integrable.torus.long_clock import phases
 from integrable.torus.oval_modes import modes_of_rate
 from integrable.torus.series import LongSeries
@@ -90,18 +90,10 @@ def _growth(run: Any, slopes: np.ndarray, digits: int) -> np.ndarray:
     if not body.rolls:
         Y = np.hstack([np.cross(run.gamma, run.M), 0 * run.M])
     else:
-        spin = _spin(body, run.gamma, run.M)
+        spin = commuting_spin(body, run.gamma, run.M)
         Y = np.hstack([np.cross(run.gamma, spin), np.cross(run.M, spin)]) - _lean(run, (e1, e2), digits)[:, None] * x
     found: np.ndarray = run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)
     return found
-
-
-def _spin(body: Body, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
-    """The vectors Ω = M/g + dg(γ, AM)γ of the field Y, shape (N, 3)."""
-    slowness = np.frompyfunc(body.field.sqrt, 1, 1)(np.sum(np.array(body.contact) * gamma**2, axis=1))[:, None]
-    along = np.sum(gamma * np.array(body.a) * M, axis=1)[:, None]
-    spin: np.ndarray = slowness * M + body.d * along / slowness * gamma
-    return spin
 
 
 def _lean(run: Any, rates: tuple[Real, Real], digits: int) -> np.ndarray:

@@ -47,8 +47,7 @@ class Variation(NamedTuple):
         n = np.sum(gamma * a * M, axis=1)[:, None] / q
         omega = a * (M + d * n * gamma)
         g = q**-0.5
-        spin = M / g + d * g * q * n * gamma
-        fields = np.stack([_moved(rows, omega), _moved(rows, spin)], axis=2)
+        fields = np.stack([_moved(rows, omega), _moved(rows, commuting_spin(body, gamma, M))], axis=2)
         n_gamma, n_M = (a * M - 2 * n * thin * gamma) / q, a * gamma / q
         one = np.eye(3)
         by_gamma = d * a[:, None] * (n[:, :, None] * one + gamma[:, :, None] * n_gamma[:, None, :])
@@ -90,6 +89,14 @@ def gradient(body: Body, row: Array) -> Array:
     result[:, :6] = np.linalg.pinv(found.inverse[0])
     result[2, 6:] = found.energy[0]
     return result
+
+
+def commuting_spin(body: Body, gamma: Array, M: Array) -> Array:
+    """The vectors Ω = M/g + dg(γ, AM)γ of the field Y, shape (N, 3); numbers are floats or mpf."""
+    slowness = (np.sum(np.array(body.contact) * gamma**2, axis=1) ** 0.5)[:, None]
+    along = np.sum(gamma * np.array(body.a) * M, axis=1)[:, None]
+    spin: Array = slowness * M + body.d * along / slowness * gamma
+    return spin
 
 
 def _left_inverse(columns: Array) -> Array:

@@ -13,7 +13,8 @@ from integrable.classical.kdv import KdV
 from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.veselova import Veselova
-from integrable.mumford import balls, enclosure, series
+from integrable.moving_point import balls
+from integrable.mumford import enclosure, series
 from integrable.mumford.flow import MumfordFlow, Point
 from integrable.mumford.translations import through
 from integrable.systems.on_layer import BodyOnLayer

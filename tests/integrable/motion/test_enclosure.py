@@ -9,7 +9,7 @@ from integrable import ChaplyginBall, EulerTop
 from integrable.motion.enclosure import BallMotion
 from integrable.motion.precise import PreciseFlow
 from integrable.moving_point.addition import rate_at
-from integrable.moving_point.balls import BallField, BallTranslations, majorant
+from integrable.moving_point.balls import Balls, BallTranslations, majorant
 from integrable.moving_point.translations import Expansion
 from jacobian import MP
 from jacobian.errors import ArgumentError
@@ -182,9 +182,7 @@ def test_all_coefficients_are_below_the_majorant(name) -> None:
 
 
 def test_the_field_of_balls() -> None:
-    reals = BallReals(100)
-    with reals:
-        K = BallField(reals)
+    with Balls(100) as K:
         assert K.sqrt(K.coerce(2)).contains(flint.arb(2).sqrt().mid())
         assert K.dot([K.one, K.coerce(0.5)], [K.coerce(3), K.coerce(4)]) == 5
         assert K.coerce(K.one) is K.one
