@@ -57,6 +57,8 @@ class CurvesCarrier(Carrier):
     levels: Sequence[Sequence[Real]]
     """z at e₁, e₂ and e₃ of each curve, and 1/scale (:mod:`integrable.deformations.oval`)."""
     frame: NamedTuple
+    shown: GammaM
+    """The state at τ = 0, computed from the curves."""
     speed: Real = 1
     pace: Pace | None = None
 
@@ -163,7 +165,7 @@ class OnCurves(ManyDigits):
         for _ in range(3):
             with LongField(ceil((digits + GUARD_DIGITS) * log2(10))) as numbers:
                 carrier = self._made(*widened(self._system, self._state, numbers))
-                gap = carrier.difference(carrier.point(carrier.field.zero), carrier.start.vectors)
+                gap = carrier.difference(carrier.shown, carrier.start.vectors)
             missing = gap + self.digits + SPARE
             if missing <= 0:
                 return carrier

@@ -78,9 +78,15 @@ def put_points(curve: OvalThetas, levels: Row, times: Row, place: tuple[int, int
         out[3 * count + n] = height(levels, (out[n], out[count + n], out[2 * count + n]))
 
 
-def paces(first: Row, second: Row, table: Row) -> None:
-    """Writes 1/√(x + y) to ``table`` for each x of ``first``, row by row, and each y of ``second``."""
+def paces(first: Row, second: Row, numbers: Row, table: Row) -> None:
+    """Writes 1/g to ``table`` for each height of ``first``, row by row, and each of ``second``; heights are replaced by
+    their shares of g². ``numbers`` are d and the weights.
+    """
     columns = len(second)
+    for i in abreast(0, len(first)):
+        first[i] = numbers[1] * (1 + numbers[0] * first[i])
+    for j in abreast(0, columns):
+        second[j] = numbers[2] * (1 + numbers[0] * second[j])
     for i in range(len(first)):
         for j in abreast(0, columns):
             table[i * columns + j] = 1 / root(first[i] + second[j])
@@ -90,7 +96,7 @@ LIBRARY = Library(
     "deformations",
     {
         "points": (points, (TupleKind((OVAL, OVAL)), TupleKind((WIDES, WIDES)), WIDES, INT, WIDES)),
-        "paces": (paces, (WIDES, WIDES, WIDES)),
+        "paces": (paces, (WIDES, WIDES, WIDES, WIDES)),
     },
     SPECIAL,
 )

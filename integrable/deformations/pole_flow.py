@@ -70,6 +70,7 @@ class CubicCarrier(CurvesCarrier):
             self.levels.append([*((x - shift) / value for x in e), 1 / value])
         x, y, z = (K.one if g > 0 else -K.one for g in state.vectors[0])
         self.frame = PoleFrame((one, two), (x, y, z))
+        self.shown = self.moved((K.zero, K.zero))
 
     @staticmethod
     def read(N: FormulaField, system: Any, frame: Any, first: CurvePoint, second: CurvePoint) -> GammaM:

@@ -51,12 +51,13 @@ Made = TypeVar("Made")
 class PackedCurves(NamedTuple):
     """A motion in double-doubles.
 
-    ``curves`` are its ovals for times τ, ``levels`` are those of
+    ``curves`` are its ovals for times τ, ``turning`` those for phases in turns; ``levels`` are those of
     :mod:`integrable.deformations.oval`. ``fixed`` is what ``formulas`` need of the motion. H and K are
     ``before`` at the start; ``sizes`` are the units of their errors.
     """
 
     curves: tuple[OvalThetas, OvalThetas]
+    turning: tuple[OvalThetas, OvalThetas]
     levels: tuple[np.ndarray, np.ndarray]
     formulas: PointFormulas
     fixed: np.ndarray
@@ -79,7 +80,7 @@ class PackedCurves(NamedTuple):
     def at(self, phases: np.ndarray) -> np.ndarray:
         """The same at N pairs of phases since the start."""
         out = np.empty((8, len(phases) // 2, 2))
-        LIBRARY.points((*map(turning, self.curves),), self.levels, phases, 2, out.reshape(-1, 2))
+        LIBRARY.points(self.turning, self.levels, phases, 2, out.reshape(-1, 2))
         return out
 
 
@@ -228,12 +229,9 @@ def samples(pace: Pace, packed: PackedCurves, sizes: tuple[int, int], known: np.
     phases = np.zeros((count, 2, 2))
     # the sizes are powers of 2, so that the fractions are exact
     phases[:, :, 0] = np.arange(count)[:, None] / sizes
-    points, d, shares = packed.at(phases.reshape(-1, 2)), Column.of(pace.d), []
-    for z, size, weight in zip(points[3::4], sizes, pace.weights, strict=True):
-        share = Column.of(weight) * (Column(1.0) + d * Column(*z[:size].T))
-        shares.append(np.stack([share.hi, share.lo], axis=1))
-    table = np.empty((rows * columns, 2))
-    LIBRARY.paces(*shares, table)
+    points, table = packed.at(phases.reshape(-1, 2)), np.empty((rows * columns, 2))
+    numbers = double_double_row((pace.d, *pace.weights))
+    LIBRARY.paces(points[3][:rows], points[7][:columns], numbers, table)
     return table.reshape(rows, columns, 2)
 
 
@@ -249,6 +247,7 @@ def packed(carrier: CurvesCarrier) -> PackedCurves:
     levels = double_double_row((*carrier.levels[0], *carrier.levels[1]))
     return PackedCurves(
         curves,
+        (turning(curves[0]), turning(curves[1])),
         (levels[:4], levels[4:]),
         formulas,
         formulas.fixed(carrier.field, [*compress(system.constants, there), *flat(carrier.frame)]),

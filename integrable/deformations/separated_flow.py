@@ -113,9 +113,9 @@ class OvalCarrier(CurvesCarrier):
         e, slope = ([x / spin for x in v] for v in _image(K, state, rate, h2))
         self._on_curves(e, slope)
         self.frame = self._frame(e, slope, back)
-        found = self._state(*(curve.start for curve in self.curves))[0]
-        if dot(found, self.origin.vectors[0]) < 0:
-            self.frame = self.frame._replace(side=-K.one)
+        self.shown = x, M = self.moved((K.zero, K.zero))
+        if dot(x, self.start.vectors[0]) < 0:
+            self.frame, self.shown = self.frame._replace(side=-K.one), ((-x[0], -x[1], -x[2]), M)
 
     def _on_curves(self, e: Sequence[Real], slope: Sequence[Real]) -> None:
         """Makes the curves through the image e = w/|M| of the start and its derivative ``slope``."""

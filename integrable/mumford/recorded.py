@@ -127,7 +127,7 @@ class PointFormulas:
 
     def __init__(self, tape: Tape, count: int) -> None:
         self._program, fixed = divided(tape, count)
-        self._fixed = LongTape(fixed)
+        self._fixed, self._rooms = LongTape(fixed), list[np.ndarray]()
 
     def fixed(self, N: LongField, numbers: Sequence[Real]) -> Row:
         """What the results at the points of a motion have in common, in double-doubles, from the fixed variables."""
@@ -137,8 +137,14 @@ class PointFormulas:
         """The results at N points, shape (N, results, 2); ``given`` has the shape (other variables, N, 2)."""
         variables, count, _ = given.shape
         (codes, results), wide = self._program, len(self._program.results)
-        room, out = np.empty(((len(fixed) + variables + len(codes) // 3) * BLOCK, 2)), np.empty((count * wide, 2))
+        out = np.empty((count * wide, 2))
+        # fresh memory of this size would take as long as the operations on some points
+        try:
+            room = self._rooms.pop()
+        except IndexError:
+            room = np.empty(((len(fixed) + variables + len(codes) // 3) * BLOCK, 2))
         LIBRARY.applied(codes, results, fixed, given.reshape(-1, 2), room, out)
+        self._rooms.append(room)
         return out.reshape(count, wide, 2)
 
 
