@@ -591,6 +591,8 @@ def test_a_miss_of_the_floor_is_told_with_its_cause_and_silent_errors_are_found(
         return found.over_floor, found.silently_wrong, found.cause
 
     assert judged(5 * floor["floor_gamma"], 0.0)[:2] == (pytest.approx(5), False)
+    by_momentum = flow | {"error_gamma": 0.0, "error_M": 5 * floor["floor_M"]}
+    assert replace(scene, flow=[scene.flow[0] | {"result": by_momentum}]).over_floor == pytest.approx(5)
     over, silent, cause = judged(1e-3, 1e-3)
     assert over > 1e9
     assert silent
