@@ -9,7 +9,6 @@ suffice, and in multiprecision, states are computed with as many digits as they 
 from __future__ import annotations
 
 import os
-from contextlib import suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -261,14 +260,10 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
     def _torus(self) -> TorusFlow | None:
         """The torus of the motion; None if it is not compact, or if it loses too many digits."""
         from integrable.torus.access import TorusFlow
-        from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
+        from integrable.torus.loops import CompiledLoops, ReadableLoops
 
         try:
-            if not self._compiled:
-                return TorusFlow(self.setup, ReadableLoops(self.setup))
-            with suppress(NotClosed):
-                return TorusFlow(self.setup, CompiledLoops())
-            return TorusFlow(self.setup, CompiledLoops(), exact=ReadableLoops(self.setup))
+            return TorusFlow(self.setup, CompiledLoops() if self._compiled else ReadableLoops(self.setup))
         except PrecisionLoss:
             return None
 

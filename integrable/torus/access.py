@@ -22,7 +22,6 @@ from integrable.torus.loops import (
     BEYOND,
     CompiledLoops,
     Loops,
-    NotClosed,
     PeriodBasis,
     in_basis,
     shortest,
@@ -30,7 +29,6 @@ from integrable.torus.loops import (
 )  # fmt: skip
 from integrable.torus.panels import NODES, Panels, States, panel_length
 from integrable.torus.states import BodyStates
-from integrable.torus.theta_series import ThetaSums
 from integrable.torus.theta_setup import CLASSES, FOUND, FREQUENCIES, IMAGINARY, MEAN, PLACING, rule_of_phases
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
@@ -51,42 +49,36 @@ class BodyTorus:
 
     ``turns`` are the signs that γ1, γ2, γ3 get over either period. ``basis`` has the periods as integer rows, in the
     periods around the two ovals; ``doubled`` are the periods of 1/g in the periods of the divisor. ``closure`` is the
-    difference between the start and the state at the phases of the start. ``exact`` are loops with more digits for the
-    set-up. PrecisionLoss where the torus is not compact. NotClosed where the states are not those of the motion.
+    difference between the start and the state at the phases of the start. PrecisionLoss where the torus is not compact,
+    and where its states are not those of the motion.
     """
 
-    def __init__(self, setup: Setup, loops: Loops, exact: Loops | None = None) -> None:
+    def __init__(self, setup: Setup, loops: Loops) -> None:
         self.setup, self.loops = setup, loops
-        made = exact or loops
         # numbers of the motion, in units of length and time of its own
-        self.units, self._motion, self.tilt, start, self._problem = made.begun(setup)
-        found = made.room(FOUND)
-        m1, n1, m2, n2 = made.periods(self._motion, made.short, made.room(4), found)
+        self.units, self._motion, self.tilt, start, self._problem = loops.begun(setup)
+        found = loops.room(FOUND)
+        m1, n1, m2, n2 = loops.periods(self._motion, loops.short, loops.room(4), found)
         self.basis = (m1, n1), (m2, n2)
-        chars = characteristics(made.floats(self._motion[4:8]).tolist(), self.basis)
+        chars = characteristics(loops.floats(self._motion[4:8]).tolist(), self.basis)
         # θ changes its sign over period k where ε_k is 1
         self.turns = np.array([[1.0 - 2.0 * char[k] for char in chars] for k in (0, 1)])
         odd = [sum(char[k] for char in chars) % 2 == 1 for k in (0, 1)]
         self.odd = odd[0], odd[1]
         # for a tilted body, a sign change of an odd number of γ_i changes 1/g, whose period is then twice the divisor's
-        self.doubled = (1 + odd[0], 1 + odd[1]) if made.floats(self.tilt)[1] != 0 else (1, 1)
-        self.rates, matrix, rate, units = made.room(4), made.room(4), made.room(10), self.units
-        made.rates(self._problem, found, self._motion, self.tilt, (units.length, units.lift), matrix, self.rates, rate)
-        torus = self._placed(made, start, found, chars)
-        if exact:
-            torus = loops.packed(in_numbers(loops, torus))
-            found, matrix, rate, self._motion, self._problem, self.rates = (
-                loops.row(row) for row in (found, matrix, rate, self._motion, self._problem, self.rates)
-            )
-        self.torus = loops.packed(BodyStates(torus, matrix))
+        self.doubled = (1 + odd[0], 1 + odd[1]) if loops.floats(self.tilt)[1] != 0 else (1, 1)
+        self.rates, matrix, rate, units = loops.room(4), loops.room(4), loops.room(10), self.units
+        loops.rates(self._problem, found, self._motion, self.tilt, (units.length, units.lift), matrix, self.rates, rate)
+        self.torus = loops.packed(BodyStates(self._placed(start, found, chars), matrix))
         self._rate = RateSums(0, 3, True, self.doubled != (1, 1), rate)
         self._check(found)
 
-    def _placed(self, loops: Loops, start: Row, found: Row, chars: Sequence[Whole]) -> Torus:
+    def _placed(self, start: Row, found: Row, chars: Sequence[Whole]) -> Torus:
         """The torus as the loops take it, with the phases and the signs of the start."""
+        loops = self.loops
         shape = found[IMAGINARY:MEAN]
         if not np.isfinite(loops.floats(shape)).all():
-            raise NotClosed(BEYOND)
+            raise PrecisionLoss(BEYOND)
         self._decay = shortest(loops.floats(shape[:3]).tolist())
         sums, scales = theta_sums(loops, shape, (0, 0, 0), chars)
         torus: Torus = loops.packed(Torus(sums, loops.room(2), loops.room(3)))
@@ -97,14 +89,14 @@ class BodyTorus:
         return torus
 
     def _check(self, found: Row) -> None:
-        """Raises NotClosed if the states are not those of the motion."""
+        """Raises PrecisionLoss if the states are not those of the motion."""
         if not self.closure <= CLOSED:
-            raise NotClosed(f"the torus of this motion leads back to {self.closure:.1e} only; use more digits")
+            raise PrecisionLoss(f"the torus of this motion leads back to {self.closure:.1e} only; use more digits")
         frequencies = found[FREQUENCIES : FREQUENCIES + 2]
         room = self.loops.room(6 * (AROUND + 1) * CHECKED)
         self.loops.strayed(self.torus, self._motion, frequencies, room, gaps := np.empty(CHECKED))
         if not gaps.max() <= RIGHT:
-            raise NotClosed("the states on the torus of this motion do not obey its equations; use more digits")
+            raise PrecisionLoss("the states on the torus of this motion do not obey its equations; use more digits")
 
     @property
     def compiled(self) -> bool:
@@ -140,13 +132,6 @@ class BodyTorus:
         return samples_of(self.loops, self.torus[0], self._rate, self.odd, sizes, known)
 
 
-def in_numbers(loops: Loops, torus: Torus) -> Torus:
-    """The torus in the numbers of ``loops``."""
-    table, sizes, lengths, chars, _ = torus.sums
-    sums = ThetaSums(loops.row(table), sizes, loops.integers(lengths), loops.integers(chars), loops.circle)
-    return Torus(sums, loops.row(torus.places), loops.row(torus.factors))
-
-
 def characteristics(points: list[float], basis: PeriodBasis) -> list[Whole]:
     """(ε₁, ε₂, δ₁, δ₂) of the theta functions of α1, α2, α3; ``points`` are α1, α2, α3 and ζ."""
     # α_i that are equal in floats are distinguished by their index
@@ -160,14 +145,14 @@ def characteristics(points: list[float], basis: PeriodBasis) -> list[Whole]:
 class TorusFlow(BodyTorus):
     """γ and M at any times of a motion, in the user's units, from a :class:`~integrable.moving_point.setup.Setup`.
 
-    PrecisionLoss where the torus is not compact, or needs more than ``most`` samples of 1/g. NotClosed where the loops
-    lose too many digits. ``exact`` are loops with more digits for the set-up.
+    PrecisionLoss where the torus is not compact, needs more than ``most`` samples of 1/g, or where the loops lose too
+    many digits.
     """
 
     way = "torus"
 
-    def __init__(self, setup: Setup, loops: Loops, most: int = MOST_SAMPLES, exact: Loops | None = None) -> None:
-        super().__init__(setup, loops, exact)
+    def __init__(self, setup: Setup, loops: Loops, most: int = MOST_SAMPLES) -> None:
+        super().__init__(setup, loops)
         time_scale, half_step = loops.floats(self._problem[TIME_SCALE : HALF_STEP + 1])[
             :: HALF_STEP - TIME_SCALE
         ].tolist()
@@ -183,7 +168,7 @@ class TorusFlow(BodyTorus):
 
     def _check(self, found: Row) -> None:
         if not all(map(isfinite, self._turns)) or not all(map(isfinite, self._turns_in_t)):
-            raise NotClosed(BEYOND)
+            raise PrecisionLoss(BEYOND)
         super()._check(found)
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

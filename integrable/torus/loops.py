@@ -41,10 +41,6 @@ READ = {
 }  # fmt: skip
 
 
-class NotClosed(PrecisionLoss):
-    """The states of a torus are not those of the motion: the loops lose too many digits on it."""
-
-
 class ReadableLoops:
     """The loops of :mod:`integrable.torus.states` interpreted, on lists of numbers of the set-up's wide precision;
     results are accurate to ``digits``.
@@ -169,7 +165,7 @@ class CompiledLoops:
 
     def wide(self, values: Row, field: MultiprecisionField) -> tuple[Real, ...]:
         if not np.isfinite(values).all():
-            raise NotClosed(BEYOND)
+            raise PrecisionLoss(BEYOND)
         return tuple(field.coerce(high) + field.coerce(low) for high, low in values.tolist())
 
     def floats(self, values: Row) -> np.ndarray:
