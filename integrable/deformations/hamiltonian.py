@@ -192,7 +192,7 @@ class Hamiltonian(Made):
         return check_state(self, state)
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
-        """The integrals (H, K), for numbers with operators."""
+        """The integrals (H, K), for any numbers with Python's operators."""
         raise NotImplementedError
 
     def motion(self, q: Scalars) -> RateTerms:
@@ -212,7 +212,7 @@ class Hamiltonian(Made):
         raise ArgumentError(f"potential = {shown(potential)}: {type(self).__name__} has none")
 
     def _constants(self) -> Callable[[Any], Any]:
-        """The function that converts elements of the field to numbers with operators."""
+        """The function that converts elements of the field to numbers with Python's operators."""
         return JetField(self.field, 0).constant if self.field.exact else lambda x: x
 
     def scalars(self, wrap: Any, gamma: Any, M: Any) -> Scalars:

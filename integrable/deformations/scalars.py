@@ -1,4 +1,4 @@
-"""The functions of (γ, M) of which the Hamiltonians of the deformations are composed, for numbers with operators."""
+"""The functions of (γ, M) in the Hamiltonians of the deformations, for any numbers with Python's operators."""
 
 from __future__ import annotations
 

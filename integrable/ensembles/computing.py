@@ -46,7 +46,7 @@ class Said(NamedTuple):
 
 
 class Names(NamedTuple):
-    """The names of the ways to the states of members, and the one that is not reported."""
+    """The names of the ways, and the ``usual`` one, which is that of members without a report."""
 
     words: tuple[str, ...]
     usual: str

@@ -55,9 +55,11 @@ class Many(Record, Generic[One]):
 
 
 class Contents(NamedTuple):
-    """The content of a file about motions: for each array of states its part of a state and its column, which has no
-    values yet; the parameters of the members, and attributes that hold for all. ``identity`` is everything else that
-    the states depend on, ``words`` are the names of their ways.
+    """The content of a file about motions.
+
+    ``states``: for each array of the file the part of a state that it contains, and its column, still without values;
+    ``parameters`` of the members; ``attributes`` that hold for all members; ``identity``: everything else that the
+    states depend on; ``words``: the names of the ways to compute them.
     """
 
     states: dict[str, tuple[slice | int, Column]]
@@ -87,10 +89,10 @@ class Starts(Many[One], Generic[One, Found]):
     def at(self, times: Numbers, *, out: np.ndarray | None = None) -> Found:
         """The states of all members at times of any order, sign and size: shape (N,), the same for all, or (K, N).
 
-        The states of a member are those of its own motion, for near ones as far as the class says. A refused member or
-        time does not affect the others: see ``status`` of the result. ``out``, an array of floats of shape (K, N, C)
-        for states of C floats, receives the states and is used in the result. For results larger than memory give a
-        ``numpy.memmap``, or use :meth:`chunks`. ArgumentError for times or an array of another shape.
+        The states of a member are those of its own motion; for near times the class states how accurately. A refused
+        member or time does not affect the others: see ``status`` of the result. ``out``, an array of floats of shape
+        (K, N, C) for states of C floats, receives the states and is used in the result. For results larger than memory
+        give a ``numpy.memmap``, or use :meth:`chunks`. ArgumentError for times or an array of another shape.
         """
         given = time_rows(times, len(self))
         shape = len(self), given.shape[1], self._columns

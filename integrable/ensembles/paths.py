@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 # from this number of members on, walks run together: their code takes a second to compile, once per kind of systems and
 # machine. AT_A_TIME members are the unit of work of a thread
 MANY, AT_A_TIME = 64, 256
-# the ways of paths, and those of a body described as a system
+# the names that ``ways`` may have: those of paths, alone or in combination, and those of bodies
 OF_PATHS = [", ".join(words) for n in (1, 2, 3) for words in combinations((SERIES, TORUS, ADDITIONS), n)]
 OF_SYSTEMS = Names(tuple(dict.fromkeys([*OF_PATHS, *WAYS])), SERIES)
 PARTS = ("q", "p")

@@ -61,7 +61,7 @@ class Runs(Many[Any], Exported):
 
     @property
     def ways(self) -> list[str]:
-        """What has computed each member; "" for a member refused as a whole."""
+        """The name of the method that computed each member; "" for a member refused as a whole."""
         return [self._words[way] if way >= 0 else "" for way in self._ways.tolist()]
 
     @property

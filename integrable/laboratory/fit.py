@@ -30,7 +30,7 @@ NAMES = ("turn1", "turn2", "turn3", "omega1", "omega2", "omega3", "log ratio1", 
 class OrientationFit(Record):
     """The result of :meth:`integrable.laboratory.motion.LaboratoryMotion.fitted`.
 
-    ``motion`` is the fitted motion. ``ratios`` (2,) are the moments of the first two principal axes over the third.
+    ``motion`` is the fitted motion. ``ratios`` (2,) are the first two principal moments divided by the third.
     ``omega`` (3,) is ω of the start in the laboratory, in rad/s, ``rms`` the root mean square of the residual angles,
     in rad. ``covariance`` (8, 8) of :data:`NAMES` is estimated from these angles: a turn of the start in the
     laboratory, ω of the start along the principal axes, and the logarithms of the ratios.

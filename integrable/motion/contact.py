@@ -118,8 +118,8 @@ class Rolling:
         """The derivatives of the bounded part with respect to τ, dt = dτ/g, at states γ and M side by side: shape (N,
         2).
 
-        The middle a_i is subtracted from A, because the a_i of heavy bodies hardly differ; as (M, γ×M) = (γ, γ×M) = 0,
-        this changes nothing. With p of Chaplygin's transformation to an upright body (tildes), n minus its mean is
+        The middle a_i is subtracted from A, because the a_i hardly differ if m r² is large. Since (M, γ×M) = (γ, γ×M) =
+        0, this changes nothing. With p of Chaplygin's transformation to an upright body (tildes), n minus its mean is
         ñ·g/(p·g̃), ñ = g̃²(γ̃, AM̃).
         """
         gamma, M = rows[:, :3], rows[:, 3:]

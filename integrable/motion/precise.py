@@ -354,7 +354,7 @@ class BodyCarrier(Carrier):
     def tau(self, times: list[Real], digits: int = 0) -> list[Real]:
         """The values of τ at physical times, to the digits of the set-up."""
         setup = self.setup
-        # a heavy ball's τ may run a thousand times faster than t, so τ is estimated from the initial rate
+        # for large m r² τ may run a thousand times faster than t, so τ is estimated from the initial rate
         rate = abs(addition.rate_at(setup.problem.axes, setup.problem.start))
         torus = self._far([t / rate for t in times])
         if torus:

@@ -43,7 +43,7 @@ def long_roots(N: LongField, f: poly.Poly, known: Sequence[Complex]) -> list[Com
     slope, degree, out = poly.derivative(N, rest), len(rest) - 1, np.empty(2 * len(rest) - 2)
     if LIBRARY.real_roots(np.array([*map(float, rest)]), out):
         found = [*known, *(polished(N, rest, slope, N.coerce(x)) for x in out[:degree].tolist())]
-        # the sum shows that each root was found, and once
+        # the sum of the roots shows that each was found exactly once
         if not abs(sum(found) + f[-2] / f[-1]) > N.root_of_eps * max(map(abs, found)):
             check_apart(known, found[len(known) :])
             return sorted(found)

@@ -1,4 +1,4 @@
-"""Columns of double-doubles with operators, with which a formula is evaluated for many states of a motion at once."""
+"""Columns of double-doubles with Python's operators: they evaluate a formula for many states of a motion at once."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ RIGHT = 1e-12
 # trying (python -m benchmarks near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(400, 1), 3: Cost(60_000, 100)}
-# what is added in genus 2 if t is not linear in τ, in microseconds (python -m benchmarks near)
+# the additional cost in genus 2 if t is not linear in τ, in microseconds (python -m benchmarks near)
 ON_CLOCK = Cost(350, 1)
 # series in FINEST steps may cost this fraction of a torus of genus ≥ 3 before it is made: 23 ms of 62 for
 # Neumann's point on S³ to t = 1000
@@ -257,8 +257,8 @@ class MumfordFlow(StateFlow[Path]):
     def spectrum(self) -> Spectrum:
         """The spectral lines of q and p (:mod:`integrable.portrait.spectrum`), in floats.
 
-        The uniform motion of a centre of mass is subtracted. NotRepresentable over a field other than RR, if the points
-        of the pair do not turn in g real ovals. PrecisionLoss if a grid on the torus would be too fine.
+        The uniform motion of a centre of mass is subtracted. NotRepresentable over a field other than RR, or if the
+        points of the pair do not turn in g real ovals. PrecisionLoss if a grid on the torus would be too fine.
         """
         from integrable.portrait.spectrum import lines_of, torus_states
 

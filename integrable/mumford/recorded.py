@@ -178,8 +178,9 @@ def shaped(shape: Sequence[Any], values: Iterator[Real]) -> tuple[Any, ...]:
 
 
 def divided(tape: Tape, count: int) -> tuple[Program, Tape]:
-    """The program of what depends on variables after the first ``count``, and the tape of the numbers, fixed for a
-    motion, that it uses. TypeError for an exponential of a variable, which no compiled loop computes.
+    """The program that computes what depends on variables after the first ``count``, and the tape that computes the
+    other numbers it uses, which are fixed for a motion. TypeError for an exponential of a variable, which no compiled
+    loop computes.
     """
     fixed = list[bool]()
     for kind, left, right in tape.nodes:

@@ -22,9 +22,10 @@ from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift
 # h is about 2^−PART of the time in which a point reaches the boundary of its disc, so each term of a series gains at
 # least PART − 1 bits; T(2^k h) is in general position from about k = FRACTION on
 PART, FRACTION = 6, 8
-# T is in general position if the largest root of its U is at most NEAR times as large as that of E. Besides, V must be
-# at most NEAR times as large as √f there, by the sizes of their terms. V is large if two points of T are nearly P + ιP.
-# A short shift along (1, 0, …) in genus 4 has two such pairs near x = 0, and their sums lose hundreds of bits
+# T is in general position under two conditions. Let R be the largest root of E's U: the roots of T's U are at most NEAR
+# times as large. At |x| = R the sizes of the terms of V sum to at most NEAR times √(the sum of those of f). V is large
+# if two points of T are nearly P + ιP. A short shift along (1, 0, …) in genus 4 has two such pairs near x = 0, and
+# their sums lose hundreds of bits
 NEAR = 4
 
 

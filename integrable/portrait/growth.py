@@ -36,7 +36,7 @@ from jacobian.numbers.long_reals import BallReals
 def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
     """The secular part at times for a system whose phases are linear in t; its shape is that of the derivatives."""
     (inputs, _), portrait, (digits, size) = flow._inputs(), flow.portrait, expected(flow, times)
-    # an axis about which a motion turns, and the centre of a lattice, leave numbers of a state without a phase
+    # no phase or action gives the angle of a turn about an axis, or the position of a lattice's centre
     free = 2 * flow.system.size - sum(" = " in name for name in flow.system._constraint_names)
     if portrait.actions is None or free != 2 * flow._genus:
         raise NotRepresentable(f"secular: the phases of {flow.system!r} and its actions do not determine a state")
@@ -52,7 +52,7 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
 
     by_start = differences(states, inputs, digits, size)[:, :, : 2 * flow.system.size]
     angles, actions, slopes = differences(numbers_of, inputs, digits, size)
-    # the least change of the start that changes one phase lies in the constraints
+    # the least change of the start that changes one phase is tangent to the constraints
     change = np.vstack([angles, actions])[:, : 2 * flow.system.size]
     square = change @ change.T
     columns = [pivoted([[*row, row[0] * 0 + (i == k)] for i, row in enumerate(square)]) for k in range(len(angles))]

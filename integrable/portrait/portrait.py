@@ -63,8 +63,8 @@ class Portrait(Immutable):
 
     ``drift`` is the mean velocity of the point of contact along −y of :attr:`Trajectory.attitude`, in the unit of the
     radius or in radii; None for a body that does not roll. ``mean_spin`` is the mean of (γ, ω) and ``mean_g`` the mean
-    of g = dτ/dt, both over t. ``wide_frequencies`` are (f1, f2), and ``wide_tau_frequencies`` (ν1, ν2), to the digits
-    of the set-up. ``ovals`` holds the periods, None where the ovals have met; ``level`` describes the curve.
+    of g = dτ/dt, both with respect to t. ``wide_frequencies`` are (f1, f2), and ``wide_tau_frequencies`` (ν1, ν2), to
+    the digits of the set-up. ``ovals`` holds the periods, None where the ovals have met; ``level`` describes the curve.
     """
 
     def __init__(self, system: PhaseSpace, state: State, setup: Setup) -> None:

@@ -155,5 +155,7 @@ class StateFlow(Generic[AnyRun]):
         raise NotImplementedError
 
     def _panel(self, first: float, last: float) -> float:
-        """The length of a part of an interval of time in which the motion hardly turns round, for a flow over RR."""
+        """The length of a panel of a search for events in an interval of time, so short that its nodes resolve the
+        motion; for a flow over RR.
+        """
         raise NotImplementedError

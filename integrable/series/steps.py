@@ -12,8 +12,8 @@ from integrable.series.room import Orders
 from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Tape
 from integrable.series.walk import Bounds
 
-# a step of a system costs (FIXED + its number of products)/STANDARD as much as a step of a geodesic of the ellipsoid in
-# space, which has STANDARD − FIXED products
+# a step of a system costs (FIXED + its number of products)/STANDARD times as much as a step of a geodesic of the
+# ellipsoid in space, which has STANDARD − FIXED products
 FIXED, STANDARD = 3, 13
 # the microseconds of a step of this geodesic: per order, per square of the order, and more per order in
 # double-doubles
@@ -33,8 +33,8 @@ WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE = Steps(WIDE, Bounds(1e-25, 1e-7, 1e1, 1e1, 2.0**-56))
 FINEST = Steps(WIDEST, Bounds(1e-29, 1e-11, 1e3, 1e3, 2.0**-56))
 # BRIEF takes 3/4, ROUGH 5/6 of the time of FINE; they are for at most 64 and 600 first steps. In eleven motions of 12
-# to 45 steps of BRIEF the walks differed by at most 2.8e-18. With ROUGH they disagreed in none of 145 to 525 steps, and
-# in two geodesics as long as 180 and 580
+# to 45 steps of BRIEF the walks differed by at most 2.8e-18. With ROUGH they agreed in motions of 145 to 525
+# steps but for a geodesic of 180, and not in one of 580
 BRIEF = Steps(WIDE, Bounds(1e-20, 1e-5, 1e1, 1e1, 2.0**-56, 64.0))
 ROUGH = Steps(WIDE, Bounds(1e-22, 1e-6, 1e1, 1e1, 2.0**-56, 600.0))
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)

@@ -58,8 +58,8 @@ class Sums:
         # within the loop, ``_before`` has the sums of a vector of products over earlier rounds, one for each order of
         # the round
         self._before: dict[tuple[int, ...], list[Wide]] = {}
-        # within the loop, ``_moving`` has pointers that advance with the order; a key is the number of vectors between
-        # orders
+        # within the loop, ``_moving`` has pointers that advance with the order, each under its stride: the number of
+        # vectors from one order to the next
         self._moving: dict[int, str] = {}
 
     def _begin_round(self, loop: Loop, done: str) -> None:
@@ -345,7 +345,7 @@ class Sums:
         """Coefficients k of the factors on one side of a group, as one vector."""
         key = side.place, k, part
         if key not in self._built:
-            # coefficients of the order that is being computed; those of order 0 of variables are not recent
+            # coefficients of the order that is being computed are in registers, except those of order 0 of variables
             if any((n, k, part) in self._recent for n in side.factors):
                 parts = [self._lo(n, k) if part else self._hi(n, k) for n in side.factors]
                 self._built[key] = self._joined(text, parts)

@@ -40,7 +40,7 @@ class Tape(NamedTuple):
 
 
 def recorded(formula: Callable[[Sequence[Any]], Sequence[object]], variables: int) -> Tape:
-    """The tape of a formula of ``variables`` variables; its constants may be numbers of any kind with operators."""
+    """The tape of a formula of ``variables`` variables; its constants may be any numbers with Python's operators."""
     recorder = _Recorder()
     given = [recorder.node(VARIABLE, -1 - i, -1) for i in range(variables)]
     results = [recorder.lifted(x).index for x in formula(given)]

@@ -108,7 +108,8 @@ class Compared(NamedTuple):
     """The comparison of the first ``rows`` rows of both walks.
 
     ``wrong`` counts the comparisons that failed, ``lost`` those that failed or predict that the last one will.
-    ``first`` is the row after the comparison that precedes the first lost one. ``gap`` is the largest difference.
+    ``first`` is the number of rows up to the last comparison before the first lost one. ``gap`` is the largest
+    difference.
     """
 
     rows: int

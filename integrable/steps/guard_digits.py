@@ -83,7 +83,7 @@ def with_enough_digits(step: Step, state: State) -> State:
 
 
 def body_condition(system: PhaseSpace) -> float:
-    """The amplification of errors where the a_i nearly agree (heavy bodies): max a_i over their spread, ≤ 1/eps."""
+    """The amplification of errors where the a_i nearly agree (large m r²): max a_i/(max a_i − min a_i), ≤ 1/eps."""
     K: Any = system.field
     body = system.body
     low, _, high = sorted(range(3), key=lambda i: body.inertia[i])

@@ -174,8 +174,8 @@ class ConicStep(Move):
     """The step along the pencil y = V(x) + cU(x) to the parabola through a plane point (x0, y0), at d = 0.
 
     (U, V) is mapped to ((P² − f)/U made monic, −P), P = V + cU, as in
-    :meth:`jacobian.relatives.conic.Representative.step`. The class on the curve is unchanged, and M̃ = M. γ turns about
-    M: the pairs of P are reflected with s, s² = c² + 4H2.
+    :meth:`jacobian.relatives.conic.Representative.step`. The class on the curve is unchanged, and M̃ = M. γ is turned
+    about M: its new components are those of ν/s for the pairs (σ, ν) of (U, P), s² = c² + 4H2.
 
     If y0 is a constant or a function of x0·H2 − H1, the map preserves {u_i, p_j} = (u_i − x0)δ_ij, which for x0 = 0 is
     the bracket W of :mod:`integrable.phase.brackets`. x0 = None means the point at infinity; y0 is then c, and the

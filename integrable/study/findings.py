@@ -27,7 +27,7 @@ SCENE_FLOOR_FACTOR = 10.0
 WRONG, WRONG_FLOORS = 1e-6, 1000.0
 """An error in floats above the first number, and above the second times the floor, should have raised an exception."""
 OFF_LEVEL = 0.1
-"""An error counts as one off the level set if an integral drifts by at least this multiple of it."""
+"""An error is said to be off the level set if an integral drifts by more than this fraction of the error."""
 LOST = 10.0
 """The allowed difference of truth and independent integrator, in units of the last digit, after amplification by the
 motion.

@@ -32,7 +32,7 @@ ENOUGH = 0.1
 FIRST = 15.0
 """Seconds that the first trial of a method may take, imports included."""
 NEAR = 30.0
-"""An error above this multiple of the allowed one is not accumulated rounding of too many steps."""
+"""A setting whose error exceeds this multiple of the allowed one did not fail by accumulated rounding alone."""
 MARGIN, CLOCK = 2.0, 0.01
 """A run that takes this multiple of the fastest so far, and this many seconds, is not timed again; the time of a single
 shorter run is too uncertain.
@@ -196,7 +196,7 @@ def near_enough(task: Task, truth: Truth, error: float, fastest: float) -> tuple
 
 
 def _cheapest(task: Task) -> float:
-    """Seconds of a whole run, estimated from short ones; 0 if a short one fails, as a whole run may succeed."""
+    """Seconds of a whole run, estimated by :func:`pilot`; 0 if a trial fails, as the whole run may succeed."""
     try:
         return pilot(task)
     except (JacobianError, ArithmeticError, RuntimeError):
@@ -213,10 +213,10 @@ def affordable(told: float, task: Task) -> None:
 
 
 def pilot(task: Task) -> float:
-    """The seconds of a whole run, estimated from short runs, each over four times the time span of the previous one.
+    """The seconds of a whole run, estimated from trials, each over four times the time span of the previous one.
 
-    Raises TooLong if a short run takes longer than a whole run may. This happens to a coarse setting at a stiff body or
-    a pole, and in the first step of a series with many digits.
+    Raises TooLong if a trial takes longer than a whole run may. This happens to coarse settings if the body is stiff or
+    a pole is near, and in the first step of a series with many digits.
     """
     system, state = task.scene.start(FLOAT_DIGITS)
     last, method = max(task.scene.times.floats()), METHODS[task.method]

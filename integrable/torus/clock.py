@@ -29,8 +29,8 @@ POINTS = 1.8
 MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this fraction of its mean are omitted from the series that starts Newton's method
 ROUGH = 1e-4
-# modes that move τ by at least this, times the least dt/dτ relative to its mean, are summed in double-doubles, since
-# floats would lose digits of τ. The unit is the time in which the body turns by about a radian
+# a mode is summed in double-doubles if τ oscillates with it by LOUD·(least dt/dτ)/(mean dt/dτ) or more: floats would
+# lose digits of τ. The unit is the time in which the body turns by about a radian
 LOUD = 0.05
 # the accuracy of a spectrum is SLOW times the frequency of a phase, since slow modes are divided by their frequencies,
 # but at best EXTENDED; modes below ROUNDING of the largest are left out. Both are the same on every machine

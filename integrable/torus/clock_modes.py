@@ -186,7 +186,7 @@ def put_pace(turns: Row, doubled: tuple[int, int], pace: Row) -> Row:
 
 
 def swing_of(values: Row, columns: int, k: int, m: int, rates: Row) -> tuple[Real, Real]:
-    """The coefficient of S for the modes ±(k, m): the coefficient of 1/g over the mode's rate and the mean of 1/g."""
+    """The coefficient of S for the modes ±(k, m): that of 1/g, divided by the mode's rate and by the mean of 1/g."""
     n = 2 * (k * columns + (m if m >= 0 else m + columns))
     factor = 2 / (rates[3] * (k * rates[0] + m * rates[1]) * rates[2])
     return values[n + 1] * factor, -values[n] * factor

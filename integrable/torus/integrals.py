@@ -183,7 +183,7 @@ class LongIntegral:
 
 
 class LongStates(BodyTorus):
-    """A torus whose states have all digits of its loops."""
+    """A torus whose states are not rounded: they have all digits of the numbers in which its loops compute."""
 
     def __init__(self, setup: Setup, loops: ReadableLoops) -> None:
         super().__init__(setup, loops)

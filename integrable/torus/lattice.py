@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
 
-# sizes above this keep the unit 1
+# lengths and lifts above this get the unit 1, smaller ones a power of two
 CLOSE = 2.0**-6
 # with the origin 0 a motion has enough digits if neighbouring branch points differ by more than the fraction APART of
 # the larger one, and |γ × M|² is more than this part of |M|²
@@ -51,7 +51,7 @@ class Units(NamedTuple):
 
     @staticmethod
     def of(problem: Problem) -> Units:
-        """Units for branch points that are all close together, as for nearly equal moments or a heavy ball. For other
+        """Units for branch points that are all close together, as for nearly equal moments or large m r². For other
         motions length and lift are 1. To be called within ``with setup.reals``, as :meth:`of_point`.
         """
         origin, axes = best_origin(problem), problem.axes[:3]

@@ -37,7 +37,7 @@ TOGETHER = 64
 
 
 class Torus(NamedTuple):
-    """The theta functions of a motion. Class k of ``sums`` belongs to a branch point; a further class is θ_∞.
+    """The theta functions of a motion. θ_k of ``sums`` (class k) belongs to branch point k; a further one is θ_∞.
 
     ``places`` are the phases of the start in turns. σ of class k is ``factors[k]`` times θ_k, before it is normalized.
     """
@@ -71,7 +71,7 @@ def frame_from(factors: Row, values: Row, slopes: Row) -> Row:
 
 
 def lifts_at(torus: Torus, first: Real, second: Real, count: int, out: Row, place: int) -> None:
-    """Writes σ and ν of the first ``count`` classes, at phases in turns from the start, to out[place …]."""
+    """Writes σ and ν at the first ``count`` branch points, at phases in turns from the start, to out[place …]."""
     sums, factors = torus.sums, torus.factors
     if sums.sizes[0] == len(factors):
         x, y, z, p, q, s = frame_at(torus, first, second)

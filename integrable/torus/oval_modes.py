@@ -39,7 +39,8 @@ MOST_WORK = 1 << 26
 # times the number that the decay of the first suggests. The first nodes give HELD more digits, or aliasing would be
 # mistaken for decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# a σ may be small at one point, but not at all of STEPS points, a step apart, from the start on
+# the sign of σ₁σ₂σ₃ is read where this product is largest among STEPS points, a step apart, from the start on: a σ may
+# be small at one of them, but not at all
 STEPS = 4
 
 
@@ -222,8 +223,8 @@ class OvalTorus:
             ),
             strict=True,
         )
-        # an angle is lost on a tiny oval. The integrals then hardly depend on it, except in the tilt term of an oval
-        # between two α_i
+        # on a tiny oval the angle has no correct digits. The integrals hardly depend on it, except those of the tilt
+        # term if the oval lies between two α_i
         if count > 1 and not blurs[self.low] < 10.0**-self.digits:
             raise PrecisionLoss("two moments of this body are equal, or all but equal, to these digits; use more")
         sums = [oval.node(angle).sums for oval, angle in zip(self.ovals, angles, strict=True)]

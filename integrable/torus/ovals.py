@@ -218,7 +218,7 @@ class Oval:
         return 1 if self._at_end or angle.mid() > 0 else -1
 
     def roots(self) -> list[Part]:
-        """y/R and R, over Y√(1 − du)."""
+        """y/R and R, both divided by Y√(1 − du)."""
         others, first, second = self._others, [], []
         for u, below, above, light, slow, _ in self.nodes:
             if self._first == self._low:

@@ -25,13 +25,13 @@ from jacobian.numbers.abreast import abreast
 
 
 class PairTorus(NamedTuple):
-    """A motion on its torus. Class k belongs to the branch point ``ends[k]``, the last class to infinity.
+    """A motion on its torus. The theta function θ_k belongs to the branch point ``ends[k]``, the last one to infinity.
 
     ``frequencies`` are the turns of both phases per unit of the flow's own time; ``sides[k]`` is the sign of U at
-    ``ends[k]``. ``curve`` are the coefficients of f, ``direction`` is that of the motion. ``sizes`` are the
-    factors of σ and ν of the first classes, for which results are needed. ``units`` convert σ and ν from the abscissa ξ
-    to x, in which the first two branch points are ``abscissae``. Results are pairs in x, or in E − 1/x if ``pole`` has
-    an entry E.
+    ``ends[k]``. ``curve`` are the coefficients of f, ``direction`` is that of the motion. ``sizes`` has two numbers for
+    each lift that is a result, by which its σ and ν are multiplied. ``units`` convert σ and ν from the abscissa ξ to x,
+    in which the first two branch points are ``abscissae``. Results are pairs in x, or in E − 1/x if ``pole`` has an
+    entry E.
     """
 
     torus: Torus
@@ -79,7 +79,7 @@ def pair_between(ends: Row, sides: Row, lifts: Row, place: int) -> tuple[Real, R
 
 
 def pairs_at(torus: PairTorus, phases: Row, room: Row, out: Row) -> None:
-    """Writes the lifts of the first classes, then u₀, u₁, v₀ and v₁, for each pair of phases in turns from the start.
+    """Writes the lifts that are results, then u₀, u₁, v₀ and v₁, for each pair of phases in turns from the start.
 
     ``out`` has a row of all points for each of these numbers. ``room`` is memory for the lifts.
     """
@@ -127,7 +127,7 @@ def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> None:
 
 
 def rates_of(torus: PairTorus, lifts: Row, place: int, k: int) -> tuple[Real, Real]:
-    """The derivatives of σ and ν of class k along the direction (c₀, c₁).
+    """The derivatives of σ and ν at branch point k along the direction (c₀, c₁).
 
     2σ' = −nν + c₀v₁σ and 2ν' = −qσ − c₀v₁ν at e, with n = c₁ + c₀(u₁ + ξ), W = (f − V²)/U and q = ⌊nW/U⌋.
     """
@@ -147,7 +147,7 @@ def rates_of(torus: PairTorus, lifts: Row, place: int, k: int) -> tuple[Real, Re
 
 
 def mean_square(torus: PairTorus, k: int, along: Row, beyond: Row, out: Row) -> None:
-    """Writes the mean over the torus of σ² of class k, at a branch point e beyond both ovals, to out[0].
+    """Writes the mean over the torus of σ² at branch point k, e = ``ends[k]`` beyond both ovals, to out[0].
 
     ℓσ²/4 − ∂∂'log θ_∞ is constant, ∂' along (1, e), and ∂∂'log θ_∞ has mean 0. ``along`` are the turns of both phases
     along (0, 1), ``beyond`` those along (1, e).

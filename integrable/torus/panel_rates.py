@@ -1,9 +1,9 @@
 """1/g around moving points, in compiled double-doubles, for a multiprecision clock that integrates 1/g panel by panel;
 and the number of nodes that such a clock needs.
 
-A moving point has all its digits, so 1/g near it loses only the digits of one addition. Double-doubles keep at least 28
-digits, in a fortieth of the time of multiprecision. Some values are computed again with all digits; if one differs by
-more than the clock's tolerance, double-doubles are no longer used.
+A moving point is known to all digits, so 1/g near it loses only the digits of one addition. Double-doubles keep at
+least 28 digits, in a fortieth of the time of multiprecision. Some values are computed again with all digits; if one
+differs by more than the clock's tolerance, double-doubles are no longer used.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ DEPTH = 22.0
 
 
 class ThetaSums(NamedTuple):
-    """The weights of the theta series of all classes (characteristics).
+    """The weights of several theta series. Here a class is a characteristic, by its index.
 
     ``table`` has ``sizes`` = (classes, rows, columns) entries of four numbers, one after the other. Rows are a = e₁, e₁
     + 2, …, columns b = e₂, e₂ + 2, …. An entry holds w₊ + w₋ and w₊ − w₋ for the weights w± of n = (a, ±b)/2, first of

@@ -10,8 +10,8 @@ sum carry weight at infinity, so the same cubic serves. There an addition takes 
 
 The product that is inverted is 0 in the special cases, which are left to Cantor's algorithm. These are common points
 (resultant r = 0); on a ramified model a cubic of lower degree (s₁ = 0); on a model of degree 6 a cubic that meets
-infinity (s₁² + h₃s₁ = f₆). A line is (a₁, a₀, b₁, b₀), a quotient (r, r·s₁, r·s₀). :mod:`jacobian.addition.straight`
-turns the steps into code.
+infinity (s₁² + h₃s₁ = f₆). In code a ``Line`` is a divisor as (a₁, a₀, b₁, b₀), a ``Quotient`` is (r, r·s₁, r·s₀).
+:mod:`jacobian.addition.straight` turns the steps into code.
 """
 
 from __future__ import annotations

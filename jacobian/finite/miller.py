@@ -1,8 +1,9 @@
 """Miller's loop on an elliptic curve over GF(p), p odd: the function of m·P at one point, without an inversion.
 
 For m·P = 0 the function f has divisor m·P − m·∞ and leading coefficient 1 at ∞. Each step of the loop doubles or adds
-in Jacobian coordinates x = X/Z², y = Y/Z³ (Cohen, Miyaji and Ono 1998) and multiplies f by a line over a vertical line
-(Miller 2004). The loop is compiled by :mod:`jacobian.native` for p < 2^128, and runs unchanged on Python's ints.
+in Jacobian coordinates x = X/Z², y = Y/Z³ (Cohen, Miyaji and Ono 1998). It multiplies f by the equation of a line,
+divided by that of a vertical line (Miller 2004). The loop is compiled by :mod:`jacobian.native` for p < 2^128, and runs
+unchanged on Python's ints.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
 
 
 def doubled(K: Any, cubic: Any, T: Any, x: Any, y: Any) -> Any:
-    """(2T, numerator, denominator). Their quotient is the tangent in T over the vertical line in 2T, at (x, y).
+    """(2T, numerator, denominator). The quotient is the value at (x, y) of the tangent in T, divided by that of the
+    vertical line in 2T.
 
     T must not be 0; ``cubic`` is (a, b) of y² = x³ + ax² + bx + c.
     """

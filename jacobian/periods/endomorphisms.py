@@ -1,7 +1,7 @@
 """Endomorphisms of a Jacobian over the complex numbers, found from its period matrix.
 
-An endomorphism is an integral R of 2g × 2g with A·Π = Π·R for some A of g × g, where Π = (Π_1, Π_2) are the periods.
-With τ = Π_1⁻¹Π_2 and R = (a, b; c, d) the relation is b + τd − aτ − τcτ = 0. It is linear in R, so its integral
+An endomorphism is an integer 2g × 2g matrix R with A·Π = Π·R for some g × g matrix A, where Π = (Π_1, Π_2) are the
+periods. With τ = Π_1⁻¹Π_2 and R = (a, b; c, d) the relation is b + τd − aτ − τcτ = 0. It is linear in R, so its integer
 solutions are the small vectors of a lattice (Lenstra, Lenstra & Lovász 1982; van Wamelen 1999). An endomorphism is
 defined over QQ if A is rational, because the x^k dx/Y are a basis over QQ. The rational endomorphisms too are small
 vectors of a lattice.
@@ -33,7 +33,7 @@ class Endomorphisms(NamedTuple):
     """The endomorphisms of a Jacobian found from its ``periods``.
 
     ``matrices``: a ℤ-basis R_i of the ring over the complex numbers, each by its action on the cycles of ``periods``.
-    ``rational``: integral vectors c for which the Σ c_i R_i are a QQ-basis of the endomorphisms over QQ. ``digits``:
+    ``rational``: integer vectors c for which the Σ c_i R_i are a QQ-basis of the endomorphisms over QQ. ``digits``:
     the number of digits to which b + τd − aτ − τcτ = 0 holds, relative to the largest entries that R may have.
     """
 
@@ -54,9 +54,9 @@ class Endomorphisms(NamedTuple):
 def endomorphisms(C: HyperellipticCurve, digits: int = 100) -> Endomorphisms:
     """The endomorphisms of the Jacobian of a curve over QQ, found from periods in balls with this many digits.
 
-    They are numerical evidence: A·Π = Π·R holds to some four fifths of the digits, relative to the largest entries that
-    R may have, at most a quarter of the digits long. PrecisionLoss if a small relation does not hold;
-    FieldError over other fields, Infeasible beyond genus 4.
+    They are numerical evidence. Entries of R have at most a quarter of the digits. Relative to the largest such entry,
+    A·Π = Π·R holds to some four fifths of the digits. PrecisionLoss if a small relation does not hold; FieldError over
+    other fields, Infeasible beyond genus 4.
     """
     if C.field != QQ:
         raise FieldError(f"field = {C.field.name}: endomorphisms are looked for on curves over QQ")
@@ -94,7 +94,7 @@ def _equations(tau: Any, g: int) -> list[list[Any]]:
 
 
 def _relations(rows: Sequence[Sequence[Any]], digits: int) -> list[list[int]]:
-    """A basis of the small integral vectors v with Σ v_i·rows_i = 0 to ``digits`` digits."""
+    """A basis of the small integer vectors v with Σ v_i·rows_i = 0 to ``digits`` digits."""
     from flint import arb, fmpz_mat
 
     scale, size = arb(10) ** digits, len(rows)

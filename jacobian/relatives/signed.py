@@ -3,12 +3,12 @@
 At a root e of f the numbers U(e), V(e), −W(e), W = (f − V²)/U, form a symmetric matrix of rank one, because V² + UW = f
 vanishes there. A *pair* (σ, ν) with κσ² = U(e), κσν = V(e), κν² = −W(e) is a square root of this matrix up to the
 constant κ. The pairs at several branch points resolve the signs that the divisor forgets. Pairs add as follows, with
-one prime for the second summand and two for the sum. If q·y − p vanishes on D and D', b² is the leading coefficient of
-(p² − q²f)/(U·U'), and
+one prime for the second summand and two for the sum. Let q·y − p vanish on D and D', let b² be the leading coefficient
+of (p² − q²f)/(U·U'), and let
 
     L = (p − qV)/U,    L'' = (p + qV'')/U'',    N = (L(V'' − V) + qW)/U''
 
-then (σ'', ν'') = (L(e)σ + qν, N(e)σ + L''(e)ν)/(bκ'σ') and κ'' = κκ'. This linear map of (σ, ν) has the determinant
+Then (σ'', ν'') = (L(e)σ + qν, N(e)σ + L''(e)ν)/(bκ'σ') and κ'' = κκ'. This linear map of (σ, ν) has the determinant
 1/κ', and the summands may change places. The addition is a commutative group law on divisors of weight g = 2, with
 inverse (−D; σ, −ν). (Tsiganov's s'' = P(e)/(b s s') is its first component; the second keeps it regular where U(e) =
 0.)
