@@ -1,8 +1,8 @@
 """States of the tilde, check and hat pairs in floats, by theta functions on both curves, compiled for double-doubles.
 
 Physical times use the clock of :mod:`integrable.torus.clock` on the torus of both curves. The loss is measured on
-every call: by H and K of all states in double-doubles, by a computation of the farthest state with more digits, by the
-time that the clock returns there, and by 1/g there. If the loss exceeds the rounding of floats, or if τ is too many
+every call. H and K of all states are computed in double-doubles, and the farthest state with more digits. There the
+time that the clock returns, and 1/g, are checked too. If the loss exceeds the rounding of floats, or if τ is too many
 periods away, the states are computed with more digits.
 """
 

@@ -57,9 +57,9 @@ class Many(Record, Generic[One]):
 class Contents(NamedTuple):
     """The content of a file about motions.
 
-    ``states``: for each array of the file the part of a state that it contains, and its column, still without values;
-    ``parameters`` of the members; ``attributes`` that hold for all members; ``identity``: everything else that the
-    states depend on; ``words``: the names of the ways to compute them.
+    ``states`` has, for each array of the file, the part of a state that the array contains and a column without values.
+    ``parameters`` belong to members, ``attributes`` to all of them. ``identity`` is everything else on which the states
+    depend. ``words`` are the names of the ways to compute them.
     """
 
     states: dict[str, tuple[slice | int, Column]]

@@ -24,9 +24,9 @@ CLOSED = 1e-18
 # a lift at the start that is smaller than this part of the largest one belongs to an oval that was a point and has been
 # opened
 SMALLEST = 2.0**-40
-# number of points at which the equations of motion are checked, each with AROUND − 1 others, and the largest step of a
-# phase there, in turns: the error of the quotients of differences is about the fourth power of 2π·STEP times the
-# highest harmonic
+# the equations of motion are checked at CHECKED points. At each, quotients of differences are taken between AROUND
+# points, STEP turns of the faster phase apart. Their error is about the fourth power of 2π·STEP times the highest
+# harmonic
 CHECKED, AROUND, STEP = 8, 5, 2.0**-24
 # the phases of the points of a check are multiples of these parts of a turn, which no symmetry of a motion shares
 ALONG_FIRST, ALONG_SECOND = 0.7548776662466927, 0.5698402909980532

@@ -2,15 +2,17 @@
 
 Let D = (U, V), U = x² + a₁x + a₀, V = b₁x + b₀, and D' = (U', V') likewise. The cubic ℓ = V + U·(s₁x + s₀) passes
 through both, and D + D' = (u, −ℓ − h mod u) with u = (ℓ² + hℓ − f)/(U U') made monic. Lange 2005 ("Formulae for
-arithmetic on genus 2 hyperelliptic curves", tables 2 and 3) orders the steps so that one inversion is enough. For h = 0
-and a monic f an addition takes 1I + 22M + 3S and, where f₄ = 0 too, a doubling 1I + 22M + 5S, as published; products
-by a coefficient 0 or 1 are left out. On models of degree 6, split or inert, neither the two divisors nor their
+arithmetic on genus 2 hyperelliptic curves", tables 2 and 3) orders the steps so that one inversion is enough. Products
+by a coefficient 0 or 1 are left out. For h = 0 and a monic f an addition takes 1I + 22M + 3S, as published. A doubling
+takes 1I + 22M + 5S if also f₄ = 0. On models of degree 6, split or inert, neither the two divisors nor their
 sum carry weight at infinity, so the same cubic serves. There an addition takes 1I + 29M + 3S for any h, and a doubling
 1I + 36M + 3S (f₆ = 1, h = 0).
 
-The product that is inverted is 0 in the special cases, which are left to Cantor's algorithm. These are common points
-(resultant r = 0); on a ramified model a cubic of lower degree (s₁ = 0); on a model of degree 6 a cubic that meets
-infinity (s₁² + h₃s₁ = f₆). In code a ``Line`` is a divisor as (a₁, a₀, b₁, b₀), a ``Quotient`` is (r, r·s₁, r·s₀).
+The product that is inverted is 0 in the special cases, which are left to Cantor's algorithm. One is common points
+(resultant r = 0). Another, on a ramified model, is a cubic of lower degree (s₁ = 0). On a model of degree 6 it is a
+cubic that meets infinity (s₁² + h₃s₁ = f₆).
+
+In code a ``Line`` is a divisor as (a₁, a₀, b₁, b₀), a ``Quotient`` is (r, r·s₁, r·s₀).
 :mod:`jacobian.addition.straight` turns the steps into code.
 """
 
