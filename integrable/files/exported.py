@@ -20,9 +20,9 @@ class Exported(Record):
     """Base of results that are arrays with names and units.
 
     ``quantities`` are names of :data:`integrable.files.quantities.QUANTITIES`: "gamma", "M", "omega", "quaternion",
-    "contact"; "q" and "p" for a system of any genus. In the laboratory the names are in
-    :data:`integrable.laboratory.in_files.QUANTITIES`. By default the usual quantities are written. The libraries needed
-    are in the extra ``io``; ArgumentError names a missing one.
+    "contact"; "q" and "p" for a system of any genus. The names for the laboratory are in
+    :data:`integrable.laboratory.in_files.QUANTITIES`. The default is "gamma", "M" and "omega" for a body. The libraries
+    needed are in the extra ``io``; ArgumentError names a missing library.
     """
 
     @property

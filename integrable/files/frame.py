@@ -43,7 +43,7 @@ class Frame:
     """A set of arrays along common dimensions, the content of one file.
 
     ``dims`` are the dimensions of ``coordinates`` and ``variables``, such as ("time",) or ("member", "time").
-    ``attributes`` describe the whole by numbers, strings and lists of numbers.
+    ``attributes`` describe the motion by numbers, strings and lists of numbers.
     """
 
     dims: tuple[str, ...]

@@ -45,8 +45,8 @@ def target_of(path: File, wanted: str, argument: str = "path") -> Path:
 def replacing(target: Path, folder: Path | None = None) -> Iterator[Path]:
     """A temporary name with the suffix of ``target``, in its folder or in another ``folder`` on the same disk.
 
-    When the block ends, the file or folder of that name becomes ``target``; if an exception leaves the block, it is
-    removed.
+    When the block ends, the file or folder of that name becomes ``target``. If the block raises an exception, the file
+    or folder is removed instead.
     """
     temporary = (folder or target.parent) / f".{target.stem}.{secrets.token_hex(4)}{target.suffix}"
     try:
@@ -85,7 +85,7 @@ def said(target: Path, argument: str = "path") -> Iterator[None]:
 
 
 def reason(error: OSError) -> str:
-    """The reason of an OSError, in one line; a full disk, quota or limit is named."""
+    """The reason of an OSError, in one line, which names a full disk, quota or limit."""
     why = error.strerror or " ".join(str(error).split())
     return f"{why}: {FULL[error.errno]}" if error.errno in FULL else why
 

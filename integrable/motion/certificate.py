@@ -1,4 +1,4 @@
-"""How many digits of every state agree between a run and the same run at more digits."""
+"""The states of a body computed with more digits, with which a certificate compares a run."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ BESIDE = 3
 
 
 def finer(flow: Motion, times: list[Real], K: MultiprecisionField) -> Pairs:
-    """γ and M at physical times, which are wide numbers, to the digits of K: by additions or an independent formula."""
+    """γ and M to the digits of K at physical times (wide numbers), by additions or by an independent formula."""
     body, state = flow.system.body, flow.state
     if body.rolls and state.tilted and symmetry_axis(flow.system.inertia) is not None:
         if len(set(flow.system.inertia)) == 1:
             return [_turned(flow, t, K) for t in times]
-        # with two equal moments the clock has no torus, and its cost grows with the time; moments slightly apart
-        # have one
+        # with two equal moments the clock has no torus, and its cost grows with the time; a body with slightly
+        # different moments has a torus
         body = _beside(flow, max(map(abs, times), default=K.zero), K)
     precise = PreciseFlow(body, state, K.dps)
     return precise.vectors(precise.at(times)[1])
@@ -52,7 +52,9 @@ def _turned(flow: Motion, time: Real, K: MultiprecisionField) -> tuple[Sequence[
 
 
 def _turns(flow: Motion, time: Real, K: MultiprecisionField) -> int:
-    """The number of decimal digits of the number of radians turned until a time, plus some spare ones."""
+    """The number of decimal digits that a bound of the angle of rotation until ``time`` has before the point, plus
+    BESIDE.
+    """
     # |ω| ≤ |M|/min I
     fastest = sum(abs(K.coerce(m)) for m in flow.state.vectors[1]) / min(map(K.coerce, flow.system.inertia))
     return BESIDE + ceil(K.context.log10(1 + abs(time) * fastest))

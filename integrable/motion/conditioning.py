@@ -25,7 +25,7 @@ from jacobian.errors import ArgumentError
 __all__ = ["Conditioning", "conditioning"]
 
 FLOAT_CHANGE = 1e-7
-"""Relative change of an input in floats. Rounding errors of the motion, about 1e-15, are then 1e-8 of a difference."""
+"""Relative change of an input in floats. The change of the state is then about 1e8 times the rounding errors, 1e-15."""
 LINEAR = 1e-3
 """Differences larger than this are recomputed with a smaller change."""
 
@@ -43,7 +43,7 @@ class Conditioning:
     gamma: float
     M: float
     inputs: dict[str, float] = dataclasses.field(hash=False)
-    """The contribution of each input to ``gamma``, at the worst time of that input."""
+    """The contribution of each input to ``gamma``, at the time at which it is largest."""
 
     def floor(self, eps: float = 2.0**-52) -> tuple[float, float]:
         """The errors of γ and of M (relative to |M|) that inputs rounded to ``eps`` cause."""
@@ -54,8 +54,8 @@ def conditioning(system: Any, state: State, times: Sequence[Real], motion: State
     """The conditioning of the states at ``times`` of a motion over RR or MP(digits).
 
     ``motion(system, state, times)`` returns γ and M, shapes (N, 3); by default the system's own motion. In floats an
-    input is changed by 1e-7 of itself, or by less where the motion is that sensitive. In multiprecision it is changed
-    by 2⁻⁵², so the result holds for doubles even where the motion is not linear in its inputs. Inputs that are 0 are
+    input is changed by 1e-7 of itself, or by less if the motion is very sensitive. In multiprecision it is changed by
+    2⁻⁵², so the result holds for doubles even where the motion is not linear in its inputs. Inputs that are 0 are
     exact. Raises the errors of the motion (PrecisionLoss where floats do not suffice: use MP(30)).
     """
     field = system.field

@@ -1,4 +1,4 @@
-"""Where a rolling body touches the plane.
+"""The path of the point at which a rolling body touches the plane.
 
 The centre moves with the velocity r·ω×γ, and the point of contact stays below it. In the axes of space of
 :mod:`integrable.phase.attitude`, x points along the horizontal part M − cγ of the momentum, c = (γ, M), and y = z × x.
@@ -6,9 +6,9 @@ With the length m of this part
 
     ẋ = r(ω, γ×M)/m,    ẏ = −r(H1 − c·n)/m,    n = (γ, ω).
 
-On average ẋ is 0, n is −kH1 and ẏ is −rH1(1 + kc)/m, with k of Chaplygin's transformation (k = 0 at c = 0); the rest is
-bounded, an integral of a function with mean 0. With two equal moments it is a function of the state
-(:mod:`integrable.motion.contact_symmetric`), with three equal moments it is 0.
+On average ẋ is 0, n is −kH1 and ẏ is −rH1(1 + kc)/m, with k of Chaplygin's transformation (k = 0 at c = 0). The rest of
+the path is the integral of a function with mean 0, and is bounded. For two equal moments this rest is a function of the
+state (:mod:`integrable.motion.contact_symmetric`), for three equal moments it is 0.
 """
 
 from __future__ import annotations
@@ -46,17 +46,18 @@ FAR_GAUSS, MOST_GAUSS = 4, 40
 GUARD = 2
 # γ × M loses digits if it is this many times smaller than M
 PARALLEL = 30
-# rounding errors of ẋ are about LEAST of their bound; near a rotation about a principal axis ẋ consists of them only
+# rounding errors of ẋ are about LEAST times their bound; near a rotation about a principal axis ẋ is nothing but
+# rounding errors
 LEAST = 1 / 16
 # the accuracy of states near the start, computed in floats
 TOLERANCE = 1e-13
 
 
 def positions(run: Trajectory) -> np.ndarray:
-    """(x, y) of the contact point at the times of a run, shape (N, 2), (0, 0) at t = 0; in the unit of the radius if
-    the ball has one, else in radii.
+    """(x, y) of the contact point at the times of a run, shape (N, 2); (0, 0) at t = 0. The unit is that of
+    ``system.radius`` if the radius was given, else the radius itself.
 
-    NotRepresentable for a body that does not roll, PrecisionLoss for far times of a motion on no torus.
+    NotRepresentable for a body that does not roll, PrecisionLoss for times far from 0 of a motion without a torus.
     """
     flow, system = run.flow, run.flow.system
     if not system.body.rolls:

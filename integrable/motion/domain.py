@@ -1,8 +1,9 @@
 """The bodies and states that a flow over RR accepts (docs/flow.md, "The domain of floats").
 
-Inside, the torus in double-double numbers or the closed form of equal moments computes the states. Outside, branch
-points are closer together than the digits of the set-up, or numbers leave the range of floats; the call is refused at
-once. Over MP(digits) nothing is refused here: digits are added as needed, with PrecisionLoss where they do not suffice.
+Inside this domain, states are computed from the torus in double-double numbers or, for equal moments, in closed form.
+Outside it, branch points are too close together for the digits of the set-up, or numbers leave the range of floats. The
+call then raises an error at once. Over MP(digits) nothing is refused here: digits are added as needed, with
+PrecisionLoss where they do not suffice.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
 
 LARGEST = 1e100
-"""Bounds of moments, d and |M|: at most this and at least its inverse, so that products stay in the range of floats."""
+"""Moments, |M| and d ≠ 0 are at most this number and at least its inverse, so that products stay in the range of
+floats.
+"""
 WIDEST = 1e10
 """The largest allowed ratio of the largest moment to the least, if all three differ."""
 HEAVIEST = 1e16

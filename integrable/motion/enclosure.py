@@ -52,7 +52,7 @@ def enclosure(body: Body, state: State, times: Sequence[Real], digits: int, in_t
     starts = PreciseFlow(body, state, digits).at(list(times))[0] if body.rolls else times
     # all times use the precision of the farthest, so that they share the panels of one motion
     lost, rows = max((_lost(body, state, tau) for tau in starts), default=0), {}
-    # the farthest time comes first: it determines the common precision, and the others use its panels
+    # the farthest time comes first, because it may need more bits, which the later rows then share
     for i in sorted(range(len(times)), key=lambda i: -abs(times[i])):
         rows[i] = _row(motions, partial(BallMotion.tau_at, t=times[i], guess=starts[i]), lost)
     return Enclosure(exact_times(times), [rows[i] for i in range(len(times))])
@@ -204,8 +204,8 @@ class BallMotion:
     def _bounded_disc(self, point: Sequence[arb], start: float, enough: Real) -> tuple[float, arb | None]:
         """(radius, bound of |1/g|) of a disc of complex τ about the τ of ``point``.
 
-        On the disc the motion exists by Picard's theorem. Its radius is the first that suffices, from ``start``
-        downwards; the result is (0, None) if none above ``enough`` does.
+        On the disc the motion exists by Picard's theorem. Radii are tried from ``start`` downwards, and the first that
+        suffices is taken. The result is (0, None) if no radius above ``enough`` suffices.
         """
         with self.reals.at(BOUND_BITS):
             speed = [abs(x).abs_upper() for x in self._velocity(point)]

@@ -1,9 +1,10 @@
 """The exact flow: time is addition on the Jacobian.
 
 D(τ + δ) = D(τ) + T(δ), with T(δ) independent of the state (Abel quadratures; Tsiganov 2017, section 3). On a compact
-torus any τ and any physical time t = ∫dτ/g costs six short series (:mod:`integrable.torus.access`). A few
-turns are computed as a short run, without a torus (:mod:`integrable.motion.short`). Where floats or the torus do not
-suffice, and in multiprecision, states are computed with as many digits as they need (:mod:`integrable.motion.precise`).
+torus the state at any τ, or at any physical time t = ∫dτ/g, is found from six short series
+(:mod:`integrable.torus.access`). Within a few turns of the start, a short run computes the states without a torus
+(:mod:`integrable.motion.short`). Where floats or the torus do not suffice, and in multiprecision, states are computed
+with as many digits as they need (:mod:`integrable.motion.precise`).
 """
 
 from __future__ import annotations
@@ -56,7 +57,8 @@ DRIFT = 1e-9
 CHUNK = 8192
 # up to this many states plain floats are faster than arrays
 FEW = 16
-# largest number of values of 1/g on the way to a time, if the motion has no torus in floats: about half a second
+# largest number of values of 1/g on the way to a time, if the motion has no torus in floats; they take about half a
+# second
 MOST_RATES = 16_000
 # digits of the clock that suffice for states in floats at the farthest times that MOST_RATES values of 1/g reach
 CLOCK_DIGITS = 24
@@ -70,8 +72,8 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
     The ``kernel`` "python" is the readable loop, "compiled" the same source compiled (floats only), and "auto" chooses
     by the amount of work. With NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done once, when needed;
     :meth:`at` and :meth:`at_tau` may be called any number of times. The same times give the same states, to the last
-    bit, whatever was computed before. ``kernel="compiled"`` uses no short runs, which is faster if a flow is called
-    often, each time for a single t of some hundreds.
+    bit, whatever was computed before. ``kernel="compiled"`` uses no short runs. This is faster if a flow is called many
+    times, each time for a single t of several hundred.
     """
 
     kernel: str
@@ -95,7 +97,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
 
     @cached_property
     def setup(self) -> Setup:
-        """What is computed once for the motion, before its first state."""
+        """The data computed once for the motion, before its first state."""
         return Setup(self.system.body, *self.state.vectors, self.state.tilted)
 
     @cached_property
@@ -157,7 +159,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         g1, g2, g3, m1, m2, m3, i1, i2, i3, d = map(field.coerce, numbers)
         size = field.sqrt(g1 * g1 + g2 * g2 + g3 * g3)
         state = State((g1 / size, g2 / size, g3 / size), (m1, m2, m3), tilted=tilted)
-        # not of the type of this flow, which may need more for its set-up
+        # a plain Flow, because a subclass may need further arguments
         return Flow(replaced(self.system, body=Body.make((i1, i2, i3), d, field)), state)
 
     def _over(self, field: Field) -> Flow:
@@ -194,7 +196,9 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
 
     @cached_property
     def _variations(self) -> TorusVariations | None:
-        """The equations of variation on the torus; None if floats do not suffice or the torus is not compact."""
+        """The equations of variation on the torus; None over MP(digits), for a closed form, without compiled loops, or
+        if floats do not suffice.
+        """
         if self.system.field != RR or self._closed or not (self._torus and self._torus.compiled):
             return None
         from integrable.portrait.sensitivity import TorusVariations
@@ -206,7 +210,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
 
     def _ways(self) -> Iterator[Way]:
         floats, turns = self.system.body.field == RR, rotation_axis(self.state) is not None
-        # closed forms are faster for rotations, and for equal moments where nothing is compiled
+        # closed forms are faster than short runs for rotations, and for equal moments where nothing is compiled
         if floats and self.kernel != "compiled" and not turns and (not self._equal or self._compiled):
             yield self._near
         yield self._closed or (self._torus if floats else None) or self._precise

@@ -1,10 +1,10 @@
 """The exact flow in multiprecision: the same additions as for floats, in bare reals, at a precision chosen
 automatically.
 
-Numbers have 30 digits more than requested, and as many more as errors can grow by next to a separatrix
+Numbers have 30 digits more than requested, plus the number of digits by which errors can grow next to a separatrix
 (:func:`integrable.moving_point.losses.lost_digits`). Every call also measures the loss, from the integrals of all
 states and from the farthest state, computed again with more digits. If digits are missing, the computation is repeated
-with as many more.
+with more.
 """
 
 from __future__ import annotations
@@ -41,14 +41,15 @@ if TYPE_CHECKING:
 WIDER = 10
 # digits that a result keeps in addition to the requested ones
 SPARE = 2
-# a loss of this many digits takes half a minute on the separatrix
+# a motion on the separatrix that loses this many digits takes half a minute
 MOST_LOST = 400
 # from this many basic steps (Setup.step_length) per digit on, the torus costs less than stepping
 TORUS_FROM = 20
-# a basic step costs as much as WORK_A_STEP multiplications per digit for the tables of a torus; tables of up to
-# WORK_WITH_ROOM multiplications fit into memory
+# the tables of a torus are measured in multiplications. A basic step costs as much as WORK_A_STEP of these per digit,
+# and tables of up to WORK_WITH_ROOM multiplications fit into memory
 WORK_A_STEP, WORK_WITH_ROOM = 20, 1 << 28
-# from ALONE_FROM digits on, the first time is computed without a series of the clock, starting from ROUGH_DIGITS digits
+# from ALONE_FROM digits on, the first time is computed without a series of the clock, from a value of τ with
+# ROUGH_DIGITS digits
 ALONE_FROM, ROUGH_DIGITS = 250, 30
 
 
@@ -65,9 +66,9 @@ class Carrier:
     rolls: bool
     """Whether τ differs from t: the carrier then has a clock."""
     witness: Self | None = None
-    """The carrier with more digits that has checked the farthest point of this one."""
+    """A carrier with more digits, which has computed the farthest point of this carrier again."""
     witnessed: Real = 0
-    """The largest |τ| whose point the witness has checked."""
+    """The largest |τ| whose point the witness has computed again."""
 
     def scaled(self, t: Real) -> Real:
         """A time in the user's units, converted to those of the carrier."""
@@ -142,7 +143,7 @@ class ManyDigits:
 
     def __init__(self, digits: int, carrier: Carrier) -> None:
         self.digits = digits
-        # the carrier in use, the one with the fewest digits (the first) and the one with the most
+        # the carrier in use, the first carrier, which has the fewest digits, and the carrier with the most digits
         self.carrier = self._first = self._finest = carrier
         # the nearest time, in units of the user, for which the digits of the first carrier did not suffice
         self._too_far: Real = inf
@@ -307,8 +308,8 @@ def rounded(K: Field, values: Sequence[Real] | Sequence[Sequence[Real]]) -> np.n
 class BodyCarrier(Carrier):
     """The motion of a body at one internal precision, in bare reals and in the units of ``setup``.
 
-    ``limits`` bound the cost of the clock; finite limits mean that the torus has failed in floats, and none is tried.
-    ``scouts``, shared by all clocks, measure the decay of the series of 1/g.
+    ``limits`` bound the cost of the clock; finite limits mean that the torus has failed in floats, and no torus is
+    tried. ``scouts``, shared by all clocks, measure the decay of the series of 1/g.
     """
 
     def __init__(self, setup: Setup, limits: ClockLimits = NONE, scouts: Scouts | None = None) -> None:
@@ -416,7 +417,7 @@ class BodyCarrier(Carrier):
         return self._clocks[sign]
 
     def _far(self, tau: list[Real]) -> LongClock | None:
-        """The clock on the torus, where it costs less; None where the torus degenerates."""
+        """The clock on the torus; None where panels cost less, or where the torus degenerates."""
         setup = self.setup
         steps = float(max(map(abs, tau), default=0) / setup.step_length)
         if self._limits.most < inf or steps < TORUS_FROM * setup.digits:
@@ -455,7 +456,7 @@ class BodyCarrier(Carrier):
 class PreciseFlow(ManyDigits):
     """The motion of a body through a state to ``digits`` digits.
 
-    ``limits`` are those of its clock.
+    ``limits`` are the limits of the motion's clock.
     """
 
     carrier: BodyCarrier

@@ -30,7 +30,7 @@ Found = TypeVar("Found")
 # no long panel
 LONG = 9
 NEAR_CELLS = 27
-# on the first cells the clock may run this many times faster or slower than on later ones
+# on the first cells the clock may run this many times faster or slower than on later cells
 UNEVEN = 4
 # long panels are used only if each coefficient gains more than this many decimal digits
 SLOWEST_LONG = 0.12

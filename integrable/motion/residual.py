@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 # from this many additions on, the compiled loop is faster even if it must be compiled first
 COMPILE_FROM = 100_000
-# the largest number of additions: compiled ones take a minute
+# the largest number of additions, which take a minute in compiled code
 MOST_COUNT = 100_000_000
 
 

@@ -4,7 +4,8 @@ A run includes its own set-up, so a new flow needs no other (:mod:`integrable.mo
 some tens of microseconds plus a few per panel; interpreted, the same source is some hundred times slower. Doubtful
 cases are left to the next method.
 
-Up to the time 100, a compiled Taylor walk (:mod:`integrable.series`) of the ball's equations takes four times as long.
+A compiled Taylor walk (:mod:`integrable.series`) of the ball's equations to the time 100 takes four times as long as a
+short run.
 """
 
 from __future__ import annotations
@@ -41,8 +42,8 @@ if TYPE_CHECKING:
 # -m benchmarks short); only the ratio matters
 PANEL_COST, START_COST = 2.4, 50.0
 # costs of a torus in the same units, by the same command. FREE is for d = 0, where t = τ, and ROLLING for d ≠ 0. THIN
-# is for I/(I + d) that differ by more than the factor THINNER, as 1/g then has far more Fourier modes. Interpolation
-# between many states within few turns halves a state's cost, but short runs are cheaper still there
+# is for I/(I + d) that differ by more than the factor THINNER, as 1/g then has far more Fourier modes. For many states
+# within few turns, interpolation on the torus halves the cost of a state, but short runs still cost less
 FREE, ROLLING, THIN = Cost(250, 0.75), Cost(560, 3.2), Cost(2900, 12)
 THINNER = 20.0
 # states from panels are less accurate by some roundings than states from a torus, so a single run must be WORTH times

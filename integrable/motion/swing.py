@@ -38,7 +38,7 @@ class Swing(NamedTuple):
         (g1, g2, g3), (m1, m2, m3) = upright.gamma, upright.M
         delta = upright.d * a * ratio
         h2, across = m1 * m1 + m2 * m2 + m3 * m3, turning * (g1 * m2 - g2 * m1)
-        # a rotation about axis 2 has the sign of M₂ here, and φ = 0
+        # for a rotation about axis 2 ``momentum`` has the sign of M₂, so that φ = 0
         momentum = m2 if m1 == m3 == 0 else gmpy2.sqrt(h2)
         spin = m3 * m3 / (r * (g1 * g1 + g2 * g2) + r3 * g3 * g3)
         rest = h2 - spin * delta
@@ -51,7 +51,8 @@ class Swing(NamedTuple):
         size = gmpy2.sqrt(g3 * g3 + (across / rate) ** 2)
         theta = gmpy2.atan2(g3, across / rate)
         swing = Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, 0 * theta)
-        # φ turns the point of the ellipse of γ or of M, whichever is farther from the axis, to the given one
+        # φ turns the point of the ellipse of γ or of M, whichever is farther from the axis, to its position at the
+        # start
         c, s = gmpy2.cos(theta), gmpy2.sin(theta)
         before_gamma, before_M = swing.ellipse(c, s)
         near_axis = c * c + kappa2 * s * s < 0.5
@@ -94,7 +95,7 @@ class Swing(NamedTuple):
 
 class Upright(NamedTuple):
     """A body and a state with (γ, M) = 0, |γ| = 1 to the last digit, with axes in the order (equal, equal, other). If
-    all moments differ, the second axis is that of a rotation.
+    all moments differ, the second axis is the axis of the rotation.
 
     ``a``, ``contact`` and ``d`` are a_i, r_i and d of the body, ``ratio`` is (a₃ − a₁)/a₁. ``columns`` are the
     positions of the user's axes, ``clock`` is the pair (α, β) of dt/dt̃ = α + βñ, ñ = g̃²(γ̃, AM̃), with tildes for this

@@ -1,5 +1,5 @@
-"""The motion of a body in closed form, rolling or not, at any time: two or three equal moments, or a rotation about a
-principal axis.
+"""The motion of a body in closed form, rolling or not, at any time: for two or three equal moments, or for a rotation
+about a principal axis.
 
 Axis 3 is the symmetry axis, a = a₁ = a₂, r_i = 1 − d·a_i, r = r₁ = r₂, δ = d(a₃ − a) = r − r₃ and (γ, M) = 0. Then gM₃
 is constant, and γ₃ oscillates harmonically in *physical* time:
@@ -23,8 +23,8 @@ elementary: the free symmetric top. Chaplygin's transformation brings a tilted b
 function of θ, so θ(t) solves an equation like Kepler's.
 
 If M lies along a principal axis i and γ is orthogonal to it, (γ, AM) = 0 and ω = a_iM is constant, also for the
-unstable middle axis. γ and M are then those above with κ = 0, A = 1, constant φ and θ̇ = a_iM_i, where axis 2 is i and
-the moments of the axes 1 and 3 may differ.
+unstable middle axis. γ and M are then given by the formulas above with κ = 0, A = 1, constant φ and θ̇ = a_iM_i, where
+axis 2 is i and the moments of the axes 1 and 3 may differ.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class SymmetricFlow:
     """γ and M at any times from a state with a :func:`rotation_axis` or of a body with a :func:`symmetry_axis`, in the
     arithmetic N of :mod:`integrable.moving_point.arithmetic`: long doubles, rounded to floats, or bare reals.
 
-    Constants are computed in wide numbers. PrecisionLoss for so many turns that N does not resolve a fraction of one.
+    Constants are computed in wide numbers. PrecisionLoss for so many turns that N does not resolve fractions of a turn.
     """
 
     way = "closed form"
@@ -97,7 +97,7 @@ class SymmetricFlow:
         first, third = swing.factors
         self._advance = -first * 2 * quarter / pi
         self._turning = self._advance * self._rate, self._advance * self._flow_rate
-        # the mean rates of τ by t, and of t by τ
+        # the mean rates dτ/dt and dt/dτ
         self.paces = number(self._rate / self._flow_rate), number(self._flow_rate / self._rate)
         self._third_advance = 0 * pi
         if not self._flat:
@@ -189,7 +189,8 @@ class SymmetricFlow:
         k2 = self._first_kind.k**2
         root0, root = N.sqrt(c0 * c0 + k2 * s0 * s0), N.sqrt(c * c + k2 * s * s)
         left, right = s * c0 * root0, s0 * c * root
-        # sin ψ·(1 − m sin²θ sin²θ₀) = left − right; if both have one sign, sin ψ = (sin²θ − sin²θ₀)/(left + right)
+        # sin ψ·(1 − m sin²θ sin²θ₀) = left − right; if left and right have the same sign, sin ψ = (sin²θ −
+        # sin²θ₀)/(left + right)
         alike = left * right > 0
         sine = np.where(alike, -self._change_of_square(gap) / np.where(alike, left + right, 1), left - right)
         sine = np.where(alike, sine, sine / (c0 * c0 + s0 * s0 * (c * c + k2 * s * s)))
@@ -199,8 +200,8 @@ class SymmetricFlow:
         return turned
 
     def _gap(self, gap: np.ndarray, goal: np.ndarray) -> np.ndarray:
-        """θ − θ₀ to its last digit, from the nearby value ``gap``. For an upright body it is ``goal``; the clock of a
-        tilted body adds a correction.
+        """θ − θ₀ to its last digit, from the nearby value ``gap``. For an upright body the result is ``goal``; the
+        clock of a tilted body adds a correction.
         """
         if not self._kepler:
             return goal
@@ -260,7 +261,8 @@ class SymmetricFlow:
         """φ(x) − φ(0) as a function of θ, without the contribution of F."""
         if self._flat:
             return 0 * x
-        # at θ = π/2 the arctangent and Π each change by half a turn within about κ; cos ≥ 0 keeps both on the same side
+        # at θ = π/2 the arctangent and Π each change by half a turn within a distance of about κ; cos ≥ 0 keeps both on
+        # the same side
         N = self.numbers
         s, c = N.sin(x), np.maximum(N.cos(x), 0)
         k2, n, square = self._first_kind.k**2, self._size**2, self._kappa**2

@@ -63,7 +63,7 @@ class ClosedCarrier(Carrier):
         return digits_of(abs(again - tau) / (abs(tau) or 1)) + digits
 
     def drift(self, points: list[Any]) -> int:
-        # every point is computed from the start alone
+        # every point is computed from the start alone, so no drift accumulates
         return -NOTHING
 
     def _computed(self, compute: Callable[[np.ndarray], Any], times: list[Real]) -> list[list[Any]]:

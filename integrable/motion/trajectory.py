@@ -68,8 +68,8 @@ class Motion(Immutable):
     def at(self, times: Numbers, *, strict: bool = True) -> Trajectory:
         """The states at physical times t, in any order, of any sign and size: a Trajectory of shape (N,).
 
-        One row that cannot be computed refuses the call (PrecisionLoss, Infeasible). With ``strict=False`` the other
-        rows are kept; see :attr:`Trajectory.status` and :attr:`Trajectory.reasons`.
+        If a row cannot be computed, the call raises PrecisionLoss or Infeasible. With ``strict=False`` the other rows
+        are kept; see :attr:`Trajectory.status` and :attr:`Trajectory.reasons`.
         """
         return self._run(self._checked(times, "times"), flag(strict, "strict"), physical=True)
 
@@ -103,7 +103,7 @@ class Motion(Immutable):
         next(self._ways())
 
     def _off(self, rows: np.ndarray, way: str) -> tuple[np.ndarray, str]:
-        """Returns (indices of rows that have left the motion, description of the first row's defect)."""
+        """Returns (indices of the rows whose states are off the motion, description of the first such row's defect)."""
         return NO_ROWS, ""
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:
@@ -170,9 +170,10 @@ class Trajectory(Run[State], Exported):
     booleans gives a Trajectory.
 
     ``times`` has shape (N,), vectors (N, 3); floats give float64 arrays, multiprecision object arrays of mpf. ``tau``
-    is the time of the flow, dτ = g dt. ``way`` names the method that computed the rows, by a word of :data:`WAYS`.
-    ``reasons``: see :attr:`status`. ``report`` is the report of a scene's run, or None; ``error`` and ``digits`` are
-    set by :meth:`integrable.motion.flow.Flow.certify`, otherwise None. Arrays are read-only; a ``.copy()`` is not.
+    is the time of the flow, dτ = g dt. ``way`` names the method that computed the rows, by one of the names in
+    :data:`WAYS`. ``reasons``: see :attr:`status`. ``report`` is the report of a scene's run, or None; ``error`` and
+    ``digits`` are set by :meth:`integrable.motion.flow.Flow.certify`, otherwise None. Arrays are read-only; a
+    ``.copy()`` is not.
     """
 
     flow: Any
@@ -213,8 +214,8 @@ class Trajectory(Run[State], Exported):
         return replaced(self.flow.state, vectors=(tuple(values[:3]), tuple(values[3:])))
 
     def concatenated(self, *others: Trajectory) -> Trajectory:
-        """A Trajectory of these rows and those of ``others``, which belong to the same motion. ``way`` names all
-        ways.
+        """A Trajectory of these rows and those of ``others``, which belong to the same motion. Its ``way`` lists the
+        ways of all of them.
         """
         return joined(self, *others)
 

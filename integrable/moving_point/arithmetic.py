@@ -1,4 +1,4 @@
-"""Arithmetic on arrays for closed forms: long doubles for results in floats, bare reals for those of many digits.
+"""Arithmetic on arrays for closed forms: long doubles for results in floats, bare reals for results of many digits.
 
 Constants are computed in numbers of a wide field and converted once.
 """

@@ -3,8 +3,8 @@
 Every formula of :mod:`integrable.moving_point.addition` holds exactly for exact points of the curve, in each branch of
 the code, and so do compositions and reduction steps of pairs of any genus. They therefore map balls around such points
 to balls around the result, whichever branch a comparison of balls takes. Division by a ball that contains 0 gives an
-unbounded result; :func:`integrable.phase.enclosure.is_bounded` detects it. Truncation errors are bounded here: those of
-the series of translations by a majorant of their recurrence.
+unbounded result; :func:`integrable.phase.enclosure.is_bounded` detects it. This module also bounds the truncation
+errors of the series of translations, by a majorant of their recurrence.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ CONVOLVED = 6.6
 LARGEST_RADIUS = 4.0
 # bits of bounds on complex discs and of majorants, which need few
 BOUND_BITS = 64
-# half a step is halved once more for this many bits; each halving widens balls by about 14 bits
+# half a step is halved once more per this many bits; each halving widens balls by about 14 bits
 HALVED_ONCE_MORE = 300
 
 
@@ -148,11 +148,11 @@ class BallTranslations(Translations):
 
     def __init__(self, reals: BallReals, f: Sequence[arb], axes: Sequence[arb], half_step: arb) -> None:
         super().__init__(reals, f, axes, half_step)
-        # most enclosures take a single translation, so that many orders do not pay
+        # most enclosures need a single translation, for which a halving costs less than further orders
         self._halvings += reals.bits // HALVED_ONCE_MORE
 
     def _estimated_radius(self) -> float:
-        # the majorant needs a smaller radius, and more orders for a larger one: at this one it needs 10 to 25
+        # the majorant exists for smaller radii only, and needs fewer orders the smaller the radius is: 10 to 25 here
         return min(super()._estimated_radius() / 3, LARGEST_RADIUS)
 
     def _ends(self, rows: Expansion, square: arb, radius: float) -> bool:
@@ -165,7 +165,7 @@ class BallTranslations(Translations):
         return bool(self._sizes)
 
     def _summed(self, rows: Expansion, terms: int, eps: arb) -> tuple[arb, ...]:
-        # the remainder is bounded after all known orders
+        # the bound of the remainder holds after all known orders, so all of them are summed
         return super()._summed(rows, len(rows.u0), eps)
 
     def _whole(self, sums: Sequence[arb], terms: int, square: arb) -> tuple[arb, ...]:
@@ -190,8 +190,8 @@ class Sizes(NamedTuple):
     tail: arb
 
     def times(self, other: Sizes) -> arb:
-        """The ``tail`` of a product, for orders not yet known. There the weight of a factor is at most four times that
-        of the product if the order of the other factor is in the first half.
+        """The ``tail`` of a product, for orders not yet known. For the order k of the product, the weight 1/(i + 1)² of
+        a factor is at most 4/(k + 1)² if the order k − i of the other factor is in the first half.
         """
         return 4 * (self.head * other.tail + other.head * self.tail) + CONVOLVED * self.tail * other.tail
 

@@ -72,7 +72,7 @@ def arctan_over(N: LongDoubles | Multiprecision, e: Array) -> Array:
     # fmax ignores a NaN, which therefore does not affect the other entries
     most, series = float(np.fmax.reduce(e, axis=None, initial=0)), 0 * e
     if np.fmin.reduce(e, axis=None, initial=SMALL) < SMALL:
-        # number of terms that the largest of these arguments needs
+        # number of terms for the largest argument below SMALL
         least = max(min(most, SMALL), 1e-300)
         for n in range(ceil((N.bits + 2) * log(2) / -log(least)), -1, -1):
             series = 1 / (2 * n + 1 + 0 * N.eps) - e * series
@@ -132,9 +132,9 @@ def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) ->
 
     The method is the arithmetic-geometric mean of genus 2 (Richelot 1837; Bost & Mestre 1988). With U = Q'R − QR', V
     and W by cyclic permutation, and Δ the determinant of the coefficients of P, Q and R, ∫dx/√|PQR| = 2√Δ∫dx/√|UVW|.
-    The new limits are a root of V and one of W, or one of W and one of U; they are closer together. The method
-    converges quadratically, however close the branch points are. It ends when each oval is shorter than ``near``, of
-    the order of √eps, times the distance to the other branch points.
+    The new limits of integration are a root of V and a root of W, or a root of W and a root of U. They are closer
+    together than the old limits. The method converges quadratically, however close the branch points are. It ends when
+    each oval is shorter than ``near``, of the order of √eps, times the distance to the other branch points.
     """
     one = 1 + 0 * ends[0]
     # the coefficients of R, ascending, and its values at the ends
@@ -177,8 +177,8 @@ def apart(points: Row, gap: Real, values: Row, near: Real) -> bool:
 
 
 def richelot(points: Row, gap: Real, rest: Row, values: Row) -> tuple[Row, Real, Row, Row, Real]:
-    """One step of :func:`oval_periods`: the ends of the new ovals, the gap between these, the new R, its values there,
-    and 2√|Δ/leads|, where leads is the product of the leading coefficients of U, V and W.
+    """One step of :func:`oval_periods`: the ends of the new ovals, the gap between the ovals, the new R, its values at
+    the ends, and 2√|Δ/leads|, where leads is the product of the leading coefficients of U, V and W.
     """
     (p1, p2, q1, q2), (r0, r1, r2) = points, rest
     one = 1 + 0 * p1

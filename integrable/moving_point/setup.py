@@ -31,8 +31,8 @@ class Setup:
     """One motion as a :class:`Problem` in three kinds of numbers, and its translations.
 
     ``floats`` has floats, ``problem`` numbers of the MP field ``wide``, and ``bare`` numbers of ``reals``, for long
-    loops. The argument ``digits`` sets the number of digits independently of the body's field, whose numbers are taken
-    as exact. The attribute ``digits`` includes guard digits.
+    loops. The argument ``digits`` sets the number of digits independently of the body's field. The numbers of the body
+    and of the state are taken as exact. The attribute ``digits`` includes guard digits.
     """
 
     def __init__(self, body: Body, gamma: Vector, M: Vector, tilted: bool = False, digits: int | None = None) -> None:
@@ -52,7 +52,7 @@ class Setup:
 
     @cached_property
     def wide(self) -> MultiprecisionField:
-        """The field of results."""
+        """The field of the wide numbers, in which results are returned."""
         if self._wanted is None:
             return MP(SET_UP_DIGITS + digits_of_closeness(self.body))
         return MP(self.digits + WIDER)
@@ -97,7 +97,7 @@ class Setup:
     @cached_property
     def step_length(self) -> Mpf:
         """A basic step in the flow's own time, in the wide field. The points of the translation by half a step lie at
-        REACH of the distance from x = 0 to the nearest branch point.
+        about REACH times the distance from x = 0 to the nearest branch point.
         """
         return 2 * self.reals.element(self.wide, self.bare.half_step)
 
@@ -108,7 +108,7 @@ class Setup:
 
     @cached_property
     def translations(self) -> Translations:
-        """T(eps) for eps of any size."""
+        """The translations T(eps), for eps of any size."""
         problem = self.bare
         return Translations(self.reals, problem.f, problem.axes, problem.half_step)
 
@@ -149,7 +149,7 @@ class Setup:
 
 
 def digits_of_closeness(body: Body) -> int:
-    """The number of extra digits for a divisor if all moments are nearly equal, or tiny compared with d. U then
+    """The number of extra digits that a divisor needs if all moments are nearly equal, or tiny compared with d. U then
     vanishes like the square of their differences, V like the third power.
     """
     most, least = max(body.inertia), min(body.inertia)

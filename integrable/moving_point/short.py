@@ -241,7 +241,8 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
         return UNRESOLVED
     if stepless(room, rule) <= WIDE_STEP:
         return 0
-    # if the coefficients of a series still decrease, halving reduces the jump; otherwise it comes from the panel before
+    # if the coefficients of a series still decrease, halving reduces the jump; otherwise the jump comes from the panel
+    # before
     return UNRESOLVED if tail < before / 4 and level < LEVELS else ROUNDING
 
 
@@ -267,7 +268,9 @@ def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
 
 
 def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
-    """The sum of the sizes of the last two Chebyshev coefficients, and of the two coefficients four places earlier."""
+    """The sum of the absolute values of the last two Chebyshev coefficients, and that of the two coefficients four
+    orders lower.
+    """
     count, matrix = len(rule.nodes), rule.coefficients
     a, b, c, d = 0.0, 0.0, 0.0, 0.0
     for j in range(count):

@@ -25,9 +25,9 @@ def entry(
     """Calls :func:`integrable.moving_point.short.short_run` for every row of ``given``, shape (K, 10). ``work`` comes
     from :func:`work_room`; ``asked`` are the first five fields of a :class:`Request`.
 
-    γ and M are written to ``rows``, shape (K, 6N), and the ``other`` times, shape (K, N). The integers of ``work`` get
-    K statuses (0, or the reason for failure), then K costs in panels. ``times`` and ``order`` have one row per motion,
-    or one for all. With an empty ``order`` the ``times`` must ascend; otherwise the status is UNSORTED.
+    γ and M are written to ``rows``, shape (K, 6N), and τ or physical times to ``other``, shape (K, N). The integers of
+    ``work`` get K statuses (0, or the reason for failure), then K costs in panels. ``times`` and ``order`` have one row
+    per motion, or one for all. With an empty ``order`` the ``times`` must ascend; otherwise the status is UNSORTED.
     """
     wide, floats, numbers = work
     count, members = times.shape[1], len(given)

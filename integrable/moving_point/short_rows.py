@@ -31,7 +31,7 @@ POINT = OFF + 1
 # number of rows of wide points: one for a centre, and one for each level of halving
 POINTS = LEVELS + 1
 # AHEAD centres of the motion and as many of its shadow are computed together, so that all SIMD lanes are used. The rows
-# of ``ahead`` are these centres, first those of the motion, and the two starts
+# of ``ahead`` are the centres of the motion, those of the shadow, and the two starts
 AHEAD = 4
 AHEAD_POINTS = 2 * AHEAD + 2
 # rows of wide translations: row HALF has the translation by half a panel h, the rows before it those by h/2^l, and
@@ -55,7 +55,9 @@ class Rule(NamedTuple):
 
     nodes: Row
     coefficients: Row
-    """The matrix from values to Chebyshev coefficients, column by column: one node's contribution to all of them."""
+    """The matrix from values to Chebyshev coefficients, column by column. A column has the contributions of one node to
+    all coefficients.
+    """
     weights: Row
     """The weights of barycentric interpolation."""
     sums: Row

@@ -57,8 +57,8 @@ def set_up(given: Row, tilted: bool, wide: Row, point: Row) -> FloatMotion:
 
 
 def cast_shadow(wide: Row, ahead: Row) -> None:
-    """Writes the start, and the start of the shadow (:mod:`integrable.moving_point.short`), whose pairs deviate by
-    :data:`OFF_BY`, to the last two rows of ``ahead``.
+    """Writes two moving points to the last two rows of ``ahead``: the start of the motion, and that of the shadow
+    (:mod:`integrable.moving_point.short`), whose pairs deviate by :data:`OFF_BY`.
     """
     start, beside, r = 20 * AHEAD, 20 * AHEAD + 10, contact_of(wide)
     sigma, nu = 0 * wide[14], 0 * wide[14]

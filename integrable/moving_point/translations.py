@@ -68,8 +68,8 @@ class Translations:
         return min(falls) ** (0.5 / (SCOUT - 1 - SCOUT // 2)) if falls else inf
 
     def _ends(self, rows: Expansion, square: Real, radius: float) -> bool:
-        """Whether the last coefficients are negligible at eps² = ``square``. They are compared with the first that are
-        not 0, of order 0 or 1.
+        """Whether the last coefficients are negligible at eps² = ``square``. They are compared with the first nonzero
+        coefficients, of order 0 or 1.
         """
         least = square ** (len(rows.u0) - 1) * 2**self.reals.bits
         return all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in rows[:4])
@@ -115,8 +115,8 @@ class Translations:
         return self._plain((u0, u1, v0, v1, *sigma, *nu))
 
     def _whole(self, sums: Row, terms: int, square: Real) -> Row:
-        """The sums of the four series at eps² = ``square``, of which ``sums`` have the first terms: the same to the
-        last digit.
+        """The four series at eps² = ``square``, from the ``sums`` of their first ``terms`` terms. Here these are the
+        series to the last digit; a subclass adds bounds of the remainders.
         """
         return sums
 
@@ -193,7 +193,7 @@ def expand_orders(f: Row, rows: Expansion, begin: int, end: int) -> None:
     """Computes the orders ``begin`` … ``end`` − 1 of an expansion from the earlier ones; compiled unchanged.
 
     The orders follow from u0' = v1u0 − u1v0, u1' = −v0, 2v0' = u1w0 − s0u0, 2v1' = w0 + u1w1 − s0u1 − w2u0, where W =
-    (f − V²)/U and s0 = w1 − f5u0 (:meth:`integrable.motion.enclosure.BallMotion.velocity`). These equations leave two
+    (f − V²)/U and s0 = w1 − f5u0 (:meth:`integrable.motion.enclosure.BallMotion._velocity`). These equations leave two
     coefficients undetermined (resonance), so u0 = −f0z/4 + … and u1 = −f1z/12 + … are prescribed.
     """
     f0, f1, f2, f3, f4, f5 = f

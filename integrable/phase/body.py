@@ -84,7 +84,7 @@ class Body(Generic[Element]):
 
     @cached_property
     def contact(self) -> Vector[Element]:
-        """The numbers 1 − d·a_i, computed as I_i·a_i so that thin bodies lose no digits."""
+        """The numbers 1 − d·a_i, computed as I_i·a_i so that no digits cancel if I_i is small compared with d."""
         K = self.field
         r1, r2, r3 = (K.mul(moment, a) for moment, a in zip(self.inertia, self.a, strict=True))
         return r1, r2, r3
@@ -152,7 +152,7 @@ def check_body_field(field: Field[Element]) -> None:
 
 
 def say_unphysical(inertia: Sequence[Any], field: Any) -> None:
-    """Warns the caller's caller of a moment above the sum of the two others; the equations of motion still hold."""
+    """Warns the caller's caller if a moment exceeds the sum of the two others; the equations of motion still hold."""
     if field.characteristic != 0 or _unwarned.get():
         return
     least, middle, most = sorted(inertia)
@@ -187,7 +187,7 @@ def energy(a: Iterable[Real], weight: Real, gamma: Iterable[Real], M: Iterable[R
 def energies(
     a: Iterable[Real], contact: Iterable[Real], d: Real, gamma: Iterable[Real], M: Iterable[Real]
 ) -> tuple[Real, Real]:
-    """H1 and H2 from a_i, r_i = 1 − d·a_i, d, γ and M; compiled unchanged."""
+    """H1 and H2 from a_i, r_i = 1 − d·a_i, d, γ and M. The compiler takes this function unchanged."""
     (r1, r2, r3), (x1, x2, x3), (m1, m2, m3) = contact, gamma, M
     weight = d / (r1 * x1 * x1 + r2 * x2 * x2 + r3 * x3 * x3)
     return energy(a, weight, gamma, M), m1 * m1 + m2 * m2 + m3 * m3

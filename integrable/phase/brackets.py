@@ -90,7 +90,6 @@ def jacobian_matrix(K: Any, function: OfVariables, point: Sequence[Real]) -> Mat
         try:
             return tuple(jets.coerce(y).slopes for y in function(jets, jets.variables(point)))
         except ZeroDivisionError:
-            # a square root is zero at the point but not near it
             raise NotRepresentable(
                 f"the function passes a special position over {K.name}: no derivative there"
             ) from None

@@ -49,8 +49,8 @@ def root_of_g(body: Body[Element], gamma: Vector[Element]) -> Element:
 
 
 def upright_pairs(body: Body, state: State) -> tuple[Pair, ...]:
-    """The pairs (gγ_i, 2w_i) at a1, a2, a3, w = γ × M. They are those of (U, P), P = V − λU, with P(1/d) = 0; at d = 0,
-    P = V.
+    """The pairs (gγ_i, 2w_i) at a1, a2, a3, where w = γ × M. They belong to (U, P), where P = V − λU vanishes at 1/d;
+    at d = 0, P = V.
 
     NotASquare when g = √g² is not in the field.
     """

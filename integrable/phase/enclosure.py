@@ -37,7 +37,7 @@ class Enclosure(Record):
 
     ``tau`` and ``times`` have shape (N,); ``times`` is None where τ was given and t is not linear in τ. ``radius``,
     shape (N,), is the largest radius in each row, as a float rounded up and at least 2.2e-308. It is relative to |γ|
-    and |M|; for other systems to the largest number of q, or of p, at the start or at that time.
+    and |M|; for other systems, to the largest component of q, or of p, at the start or at that time.
     """
 
     def __init__(self, times: Sequence[arb] | np.ndarray | None, rows: Sequence[Row], size: int = 3) -> None:
@@ -116,7 +116,7 @@ class Precisions(Generic[Enclosed]):
 
 
 def _lost_bits(bits: int, radius: arb) -> int:
-    """The number of bits that balls with this radius have lost; 0 if they have no bounds."""
+    """The number of bits that balls with this radius have lost; 0 if the radius is infinite."""
     if not radius.is_finite():
         return 0
     mantissa, exponent = radius.mid().man_exp()

@@ -1,4 +1,4 @@
-"""The Poisson–Nijenhuis structure of the separated variables: λ_k, the second bracket, N, J_m and the torsion of N.
+"""The Poisson–Nijenhuis structure of the separated variables: a second bracket and a recursion operator.
 
 On (u1, u2, p1, p2) let Π be the canonical bracket {u_i, p_j} = δ_ij, and λ_k = φ(u_k)p_k² = H1 − u_kH2 with φ of
 :mod:`integrable.phase.separation`. The second bracket Π' is {u_i, p_j}' = λ_iδ_ij. Π' is compatible with Π, and the

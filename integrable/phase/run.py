@@ -1,4 +1,4 @@
-"""States of a motion at given times: what the results of all flows have in common."""
+"""States of a motion at given times: the base class of the results of all flows."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Run(Record, Generic[One]):
     """N states of a motion, the base of :class:`integrable.motion.trajectory.Trajectory` (γ and M of a body) and
     :class:`integrable.mumford.flow.Path` (q and p of another system).
 
-    ``run[k]`` is one state; a slice or an array of indices or booleans gives a run of several.
+    ``run[k]`` is one state; a slice or an array of indices or booleans gives a run of several states.
     """
 
     way: str

@@ -43,7 +43,8 @@ def to_separated(body: Body, state: State) -> Separated:
     returns the roots.
 
     NotASquare where u1, u2 are not in the field; NotRepresentable where u1 = u2 or a γ_i vanishes (some u_k = a_i,
-    whose momentum is infinite). The divisor and the pairs are regular in all these cases.
+    whose momentum is infinite). The divisor and the pairs of :mod:`integrable.phase.coordinates` are regular in all
+    these cases.
     """
     u, v = coordinates.to_mumford(body, coordinates.to_pairs(body, state))
     return of_mumford(body, u, v)

@@ -153,8 +153,8 @@ class PhaseSpace(Made, Generic[Element]):
         """(system, state, transformation): Chaplygin's map of a tilted state to a state with (γ̃, M̃) = 0 of another
         body.
 
-        ``transformation.invert`` is the inverse. Raises NotRepresentable at M ∥ γ, NotASquare over a field without the
-        roots.
+        ``transformation.invert`` is the inverse. Raises NotRepresentable at M ∥ γ, NotASquare over a field that lacks a
+        square root which the map needs.
         """
         from integrable.phase.upright import ChaplyginTransformation
 

@@ -1,8 +1,8 @@
 """The free motion on the sphere (d = 0), and steps of divisors by parabolas through points of the plane.
 
 The coordinates (u, p) are those of :mod:`integrable.phase.separation` at d = 0, but φ(x) = 4Π(a_i − x) has the opposite
-sign. H1 = (M, M), H2 = −(M, AM), y_k = φ(u_k)p_k and y² = f(x) = φ(x)(H1·x + H2), so V is minus the V of
-:meth:`System.divisor`. (Tsiganov, "Integrable discretization …", section 4.1.)
+sign. In this module H1 = (M, M) and H2 = −(M, AM). The points (u_k, y_k) with y_k = φ(u_k)p_k lie on y² = f(x) =
+φ(x)(H1·x + H2), so V is minus the V of :meth:`System.divisor`. (Tsiganov, "Integrable discretization …", section 4.1.)
 """
 
 from __future__ import annotations
@@ -42,10 +42,11 @@ def sphere_integrals(K: Field, a: tuple[Real, Real, Real], point: Separated) -> 
 
 
 def conic_sum(K: Field, f: poly.Poly, divisor: Divisor, x0: Real | None, y0: Real) -> Divisor:
-    """The divisor (Ũ, Ṽ) = ((P² − f)/U made monic, −P mod Ũ), P = V + cU through (x0, y0). If x0 is None, c = y0.
+    """The divisor (Ũ, Ṽ) = ((P² − f)/U made monic, −P mod Ũ), where P = V + cU and P(x0) = y0. If x0 is None, c = y0.
 
     (U, V) represents N points of y² = f(x), deg f = 2N (:meth:`jacobian.relatives.conic.Representative.step`). For
-    constant y0 the map preserves {u_i, p_j} = (u_i − x0)δ_ij, y = φp. NotRepresentable where U(x0) = 0.
+    constant y0 the map preserves the bracket {u_i, p_j} = (u_i − x0)δ_ij, where y_k = φ(u_k)p_k. NotRepresentable where
+    U(x0) = 0.
     """
     image = Representative(HyperellipticCurve(K, f), *divisor).step(x0, y0)
     return image.u, image.v

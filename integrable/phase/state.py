@@ -51,7 +51,7 @@ class _Part:
 class State(Immutable, Generic[Element]):
     """A state (γ, M): the unit vertical γ and the angular momentum M about the contact point, both in the body frame.
 
-    ``system.state(gamma, M)`` makes one and checks it. ``gamma`` and ``M`` are read-only arrays of shape (3,) over RR
+    ``system.state(gamma, M)`` makes and checks a state. ``gamma`` and ``M`` are read-only arrays of shape (3,) over RR
     and MP, and tuples over an exact field. ``vectors`` is the pair (γ, M) of tuples over every field, and ``row``
     has the six numbers.
 

@@ -4,8 +4,8 @@
     s = (1 + dk²H1)^(−1/2),  p = ((1 + kc)(1 + dk²H1))^(−1/2),  c·d·H1·k² − (H2 − dH1)k − c = 0.
 
 The a_i = 1/(I_i + d), H1 and the time τ of the flow (dτ = g dt) are the same for both bodies. Over the reals k is the
-root with −1 < kc ≤ 0, continuous from k = 0 at c = 0. At d = 0, γ̃ is the unit vector of γ − (c/H2)M and M̃ = M.
-(Chaplygin 1903; tests/integrable/phase/test_identities_tilted.py checks the constants exactly.)
+root with −1 < kc ≤ 0, which depends continuously on c and is 0 at c = 0. At d = 0, γ̃ is the unit vector of γ − (c/H2)M
+and M̃ = M. (Chaplygin 1903; tests/integrable/phase/test_identities_tilted.py checks the constants exactly.)
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The choice of the method that computes the states of a motion, the same for every system.
 
 A motion lists its methods, called ways, in the order of their cost: a walk near the start, a closed form or a torus,
-additions to as many digits as needed. A way is set up only if the ways before it have not reached all times. Results do
-not depend on earlier calls.
+and additions with as many digits as needed. A way is set up only if the ways before it have not reached all times.
+Results do not depend on earlier calls.
 """
 
 from __future__ import annotations

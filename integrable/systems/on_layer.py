@@ -1,4 +1,4 @@
-"""The ball and the top as systems of any genus (:mod:`integrable.mumford.bodies` with l(x) = 1 − dx)."""
+"""The ball and the top as members of the family of :mod:`integrable.mumford.bodies`, with l(x) = 1 − dx there."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class BodyOnLayer(BodySystem):
-    """A ball (d ≠ 0) or a top of three different moments: a state has q = γ and p = M.
+    """A ball (d ≠ 0) or a top with three different moments. In a state q is γ and p is M.
 
     ``flow`` is the body's own flow, compiled over RR. For d ≠ 0, ``by_additions`` uses the method for systems of any
     genus.
@@ -71,7 +71,7 @@ class BodyOnLayer(BodySystem):
             check_domain(self.body, self.body.state(*state))
         return super().flow(state)
 
-    # this system has no compiled walk: the body's own flow is faster near its start too
+    # this system has no compiled walk: the body's own flow is faster even near the start
     _kind = None
 
     def _constants_in(self, N: FormulaField) -> tuple[Real, ...]:

@@ -41,7 +41,7 @@ class System(PhaseSpace[Element]):
         signs: Sequence[int] | None = None,
         multiple: int = 1,
     ) -> Translation:
-        """The Bäcklund map D ↦ D + [multiple]Σ((x_k, ±√f(x_k)) − ∞), for two abscissas x_k or, if d ≠ 0, one.
+        """The Bäcklund map D ↦ D + [multiple]Σ((x_k, ±√f(x_k)) − ∞), for two abscissas x_k, or for one if d ≠ 0.
 
         Abscissas are numbers, or functions of (h1, h2) as in :class:`integrable.steps.translation.Translation`.
 
