@@ -30,7 +30,7 @@ def target_of(path: File, wanted: str, argument: str = "path") -> Path:
         raise ArgumentError(f"{argument} = {shown(path)}: give {wanted}")
     target = Path(path)
     with said(target, argument):
-        # this call only raises the error of a name that is too long for the file system
+        # the result is not used; the call raises an OSError if the name is too long for the file system
         target.exists()
         there = target.parent.is_dir()
     if not there:
@@ -120,7 +120,7 @@ class Patient(io.FileIO):
 
     def _write_all(self, view: memoryview) -> None:
         while len(view):
-            # near a limit the system writes fewer bytes than requested
+            # the system writes fewer bytes than requested if space runs out
             view = view[super().write(view) :]
 
     def _try(self, act: Callable[[], object]) -> None:

@@ -50,7 +50,7 @@ def enclosure(body: Body, state: State, times: Sequence[Real], digits: int, in_t
         at_tau = [_row(motions, partial(BallMotion.scaled, t=t), _lost(body, state, t)) for t in times]
         return Enclosure(None if body.rolls else exact_times(times), at_tau)
     starts = PreciseFlow(body, state, digits).at(list(times))[0] if body.rolls else times
-    # all times use the precision of the farthest, so that they share the panels of one motion
+    # all times use the precision of the farthest time, so that they share the panels of one motion
     lost, rows = max((_lost(body, state, tau) for tau in starts), default=0), {}
     # the farthest time comes first, because it may need more bits, which the later rows then share
     for i in sorted(range(len(times)), key=lambda i: -abs(times[i])):

@@ -60,9 +60,10 @@ FEW = 16
 # largest number of values of 1/g on the way to a time, if the motion has no torus in floats; they take about half a
 # second
 MOST_RATES = 16_000
-# digits of the clock that suffice for states in floats at the farthest times that MOST_RATES values of 1/g reach
+# digits of the clock that suffice for states in floats at the farthest times that can be reached with MOST_RATES values
+# of 1/g
 CLOCK_DIGITS = 24
-# basic steps (Setup.step_time) per panel of a search for events, so few that its nodes resolve γ and M
+# basic steps (Setup.step_time) per panel of a search for events, so few that the nodes of a panel resolve γ and M
 PANEL_STEPS = 6
 
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     Compute: TypeAlias = "Callable[[Carrier, list[Real]], tuple[Found, int] | None]"
 
-# extra digits of the second computation of the farthest state, beyond those that it may lose
+# the second computation of the farthest state has the digits of the first, those that may be lost, and WIDER more
 WIDER = 10
 # digits that a result keeps in addition to the requested ones
 SPARE = 2
@@ -188,7 +188,7 @@ class ManyDigits:
                     return found
                 if times:
                     self._too_far = min(self._too_far, far)
-                # if no digit is right, the number of missing ones is unknown
+                # if no digit is right, the number of missing digits is unknown
                 self.add_digits(min(missing, self.carrier.digits) + WIDER)
         except KeyboardInterrupt:
             self.carrier = before
@@ -372,7 +372,7 @@ class BodyCarrier(Carrier):
 
     def tau_alone(self, time: Real, digits: int) -> Real:
         near = 0 < abs(float(self.unscaled(time))) <= NEAR_CELLS * self.setup.step_time
-        # a series of the clock costs less only from the second time on
+        # for a single time, a series of the clock costs more than this method
         if near and self.digits >= ALONE_FROM and not self._alone and not self._clocks and self._limits == NONE:
             self._alone = True
             found = self._one_time(time)
@@ -424,7 +424,7 @@ class BodyCarrier(Carrier):
             return None
         work = min(WORK_A_STEP * setup.digits * steps, WORK_WITH_ROOM)
         if self._torus is None and work >= self._least_work:
-            # each digit of τ before the decimal point costs the phases one digit after it
+            # for each decimal digit of τ before the point, the phases lose one digit after the point
             whole = setup.wide.exponent(max(map(abs, tau))) * 3 // 10
             self._torus = self._made_torus(work, setup.digits + SPARE - whole)
         return self._torus

@@ -32,13 +32,13 @@ LONG = 9
 NEAR_CELLS = 27
 # on the first cells the clock may run this many times faster or slower than on later cells
 UNEVEN = 4
-# long panels are used only if each coefficient gains more than this many decimal digits
+# long panels are used only if each Legendre coefficient gains more than this many decimal digits
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
 # 1/g is computed from U(1/d) if 1 − dα_i is at least LIGHT for every axis i; this costs up to three guard digits
 LIGHT = 1e-3
-# the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so the start value of τ needs more correct digits
-# than that
+# the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so the start value of τ needs more than END_DIGITS
+# correct digits
 END_DIGITS = 12
 
 
@@ -318,7 +318,7 @@ class OneTime(RatePanels):
             rates = self._rates_at(point(self._sign * (2 * k + 1) * panel), steps)
             whole = sum(map(mul, weights, rates))
             tail = [(2 * n - 1) * sum(map(mul, row, rates)) for row in (last, other)]
-            # a Gauss rule is accurate to twice the digits to which the last coefficients are small
+            # if the last coefficients are small to n digits, the Gauss rule is accurate to 2n digits
             if not self._resolves(whole, tail, self._digits / 2):
                 return None
             total += whole

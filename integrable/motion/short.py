@@ -46,16 +46,16 @@ PANEL_COST, START_COST = 2.4, 50.0
 # within few turns, interpolation on the torus halves the cost of a state, but short runs still cost less
 FREE, ROLLING, THIN = Cost(250, 0.75), Cost(560, 3.2), Cost(2900, 12)
 THINNER = 20.0
-# states from panels are less accurate by some roundings than states from a torus, so a single run must be WORTH times
-# cheaper than the torus. For many runs the factor is WORTH_OF_MANY
+# states from panels are less accurate than states from a torus, by a few rounding errors, so a single run must be WORTH
+# times cheaper than the torus. For many runs the factor is WORTH_OF_MANY
 WORTH, WORTH_OF_MANY = 2.0, 1.0
-# largest number of panels: errors grow with the number, as the effect of input rounding does
+# largest number of panels: errors grow with the number of panels, as does the effect of rounded inputs
 MOST_PANELS = 3000
 MOST_TIMES = 20_000
 # the largest numbers of panels and of times of a run where nothing is compiled
 INTERPRETED_PANELS, INTERPRETED_TIMES = 64, 500
 # the allowed error of a run's clock: DRIFT in the units of the motion, PACE relative to the time. For many motions at
-# once the limits are wider, since rounding of the inputs moves the clocks as much
+# once the limits are wider, since rounding of the inputs changes the clocks by as much
 DRIFT, PACE = 3e-14, 2.0**-53
 DRIFT_OF_MANY, PACE_OF_MANY = 2e-13, 2.0**-51
 # runs with at most this many times keep their working memory for the next run
@@ -131,7 +131,7 @@ class ShortRuns:
                 room = new_room(motion, wide, floats, [0] * MADE)
                 status = short.short_run(room, _listed(), request, given, self._tilted)
             except (ArithmeticError, ValueError, TypeError):
-                # compiled code returns infinities or NaN here instead of raising
+                # in these cases compiled code returns infinities or NaN instead of raising an exception
                 status = short.LOST
         rows, other = np.array(request.out).reshape(-1, 6), np.array(request.other)
         if status == 0:

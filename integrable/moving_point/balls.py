@@ -216,7 +216,7 @@ def majorant(f: Sequence[arb], rows: Expansion, ratio: arb) -> tuple[arb, ...]:
 
     u0, u1, v0, s0, less = map(known, (rows.u0, rows.u1, rows.v0, rows.s0, rows.less))
     v1, f4, f5 = known(rows.v1, 1), abs(f[4]), abs(f[5])
-    # ``later`` is the factor from a bound of order n − 1 to one of order n
+    # ``later`` is the factor from a bound of order n − 1 to a bound of order n
     later = (n + 1) ** 2 / (n * n * ratio)
     for _ in range(MOST_TRIALS):
         s0 = s0.up_to(f5 * (u1.times(u1) + 2 * u0.tail) + f4 * u1.tail)

@@ -17,7 +17,8 @@ from jacobian.numbers.long_reals import BallReals, BareReals
 
 # a function that needs more nodes per digit than this is taken as not smooth on the interval
 MOST_NODES = 20
-# Newton's steps in floats end below NEAR; if the last is below ROUGH, NEAR_BITS bits are right, otherwise ROUGH_BITS
+# Newton's method in floats ends with a step below NEAR. If its last step is below ROUGH, NEAR_BITS bits of the result
+# are right, otherwise ROUGH_BITS
 NEAR, ROUGH, NEAR_BITS, ROUGH_BITS = 1e-14, 1e-10, 40, 16
 
 

@@ -47,7 +47,7 @@ def drift(setup: Setup, point: Row) -> Real:
     """The larger of the relative changes of H1 and H2 at a moving point of bare reals."""
     reals = setup.reals
     with reals:
-        # M, h1 and h2 are relative to the momentum
+        # M is divided by |M| at the start, so the true h2 is 1 and the true h1 is ``ratio``
         _, M = directions_of(tuple(point))
         h2 = sum(m * m for m in M)
         # σ = gγ stands for γ, so the weight d·g² becomes d

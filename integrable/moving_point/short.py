@@ -59,7 +59,7 @@ WORTHWHILE = 3
 # WIDE_STEP replaces STEP if the nodes are computed in wide numbers, since those of the panel before may be in floats
 TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
-# cost of a panel with nodes in wide numbers, in units of one with nodes in floats
+# cost of a panel with nodes in wide numbers, relative to a panel with nodes in floats
 CAREFUL = 10
 # INTEGRALS is the relative tolerance of H1 and H2 of returned states, CENTRE the tolerance of H2 at centres: near a
 # cluster of branch points centres lose most digits, and panels that share a centre show no jump
@@ -72,8 +72,8 @@ APART = 2.0**-45
 # after PACED panels the time per panel is known up to a factor of UNSTEADY; a run that cannot reach its end at that
 # pace is abandoned
 PACED, UNSTEADY = 32, 1.05
-# a run under way may take 1/SPARE more panels than planned, because a run abandoned near its end would waste all
-# its panels
+# a run under way may take more panels than planned, by the fraction 1/SPARE, because a run abandoned near its end would
+# waste all its panels
 SPARE = 4
 # reasons to abandon a run: rounding in floats (ROUNDING), panels that do not converge (UNRESOLVED), too many panels
 # (FAR), too few digits (LOST). UNSORTED times are a reason not to start it

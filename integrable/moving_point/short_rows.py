@@ -12,7 +12,7 @@ from integrable.phase.body import Vector
 # the number of given values: the moments, d, γ and M
 GIVEN = 10
 NODES = 28
-# a panel is halved at most LEVELS times; nodes need translations by half a panel over 2^l for l up to FINEST
+# a panel is halved at most LEVELS times; nodes need translations by half a panel divided by 2^l for l up to FINEST
 LEVELS, FINEST = 6, 7
 # translations are expanded to ORDERS orders, the first WIDE_ORDERS in wide numbers; each order is smaller than the one
 # before by at least the factor ORDER_GAIN, and 15 such factors make 107 bits

@@ -51,7 +51,7 @@ OFF_BY = 2.0**-99
 # in :func:`levelled`: at a squared slope of this size, relative to its upper bound, the damped turn of ν is half as
 # long as required
 LEAST_SLOPE = 2.0**-20
-# sums of quantities divided by Π(α_i − α_j) have too few digits if this product is smaller
+# if a product Π(α_i − α_j) is smaller than this, sums of quantities divided by it have too few digits
 LEAST_KAPPA = 2.0**-33
 
 
@@ -340,7 +340,7 @@ def looked_at(wide: Row, points: Row, target: int, point: Row, place: int) -> No
         point[place + i] = float(points[10 * target + i])
     point[place + RATE] = float(rate_at(axes_of(wide), there))
     _, (x, y, z) = gamma_and_w(there)
-    # the deviation from |w| = 1
+    # w is in units of |M|, so |w|² differs from 1 as H2 does from its value at the start
     point[place + OFF] = abs(float(x * x + y * y + z * z - 1))
 
 

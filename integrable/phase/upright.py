@@ -152,8 +152,8 @@ def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[
     rolling, double = d * h1, 2 * c
     rest = h2 - rolling
     whole = root(rest * rest + double * double * rolling)
-    # (whole + rest)(whole − rest) = 4c²dH1, and a similar identity below, replace the differences in which digits
-    # cancel
+    # where digits would cancel in whole + rest, it is computed from (whole + rest)(whole − rest) = 4c²dH1; ``left`` is
+    # treated alike
     total = rest + whole if rest > 0 else double * double * rolling / (whole - rest)
     k = -(double / total)
     below = rest - double * c
