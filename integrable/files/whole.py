@@ -25,7 +25,9 @@ FULL = {
 
 
 def target_of(path: File, wanted: str, argument: str = "path") -> Path:
-    """``path`` as a Path. ArgumentError with the words ``wanted`` if it names no file, or if its folder is missing."""
+    """``path`` as a Path. ArgumentError if it names no file (the message asks for ``wanted``), or if its folder is
+    missing.
+    """
     if not names_a_file(path):
         raise ArgumentError(f"{argument} = {shown(path)}: give {wanted}")
     target = Path(path)

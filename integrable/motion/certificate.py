@@ -52,9 +52,7 @@ def _turned(flow: Motion, time: Real, K: MultiprecisionField) -> tuple[Sequence[
 
 
 def _turns(flow: Motion, time: Real, K: MultiprecisionField) -> int:
-    """The number of decimal digits that a bound of the angle of rotation until ``time`` has before the point, plus
-    BESIDE.
-    """
+    """BESIDE plus log10 of a bound of the angle of rotation until ``time``, in radians, rounded up."""
     # |ω| ≤ |M|/min I
     fastest = sum(abs(K.coerce(m)) for m in flow.state.vectors[1]) / min(map(K.coerce, flow.system.inertia))
     return BESIDE + ceil(K.context.log10(1 + abs(time) * fastest))

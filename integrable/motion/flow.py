@@ -124,9 +124,9 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         return enclosure(self.system.body, self.state, times, digits, in_tau)
 
     def section(self, count: int, axis: str = "largest") -> BodySection:
-        """The next ``count`` crossings of a Poincaré section, in closed form: γ is orthogonal to the axis of the
-        "largest" or the "least" moment. For a tilted state, γ̃ of Chaplygin's transformation takes the place of γ.
-        (:mod:`integrable.portrait.section`)
+        """The next ``count`` crossings of a Poincaré section, in closed form. On the section γ is orthogonal to the
+        axis of the "largest" or the "least" moment. For a tilted state, γ̃ of Chaplygin's transformation takes the
+        place of γ. (:mod:`integrable.portrait.section`)
         """
         from integrable.portrait.section import body_section
 

@@ -1,10 +1,10 @@
 """The exact flow in multiprecision: the same additions as for floats, in bare reals, at a precision chosen
 automatically.
 
-Numbers have 30 digits more than requested, plus the number of digits by which errors can grow next to a separatrix
-(:func:`integrable.moving_point.losses.lost_digits`). Every call also measures the loss, from the integrals of all
-states and from the farthest state, computed again with more digits. If digits are missing, the computation is repeated
-with more.
+Numbers have 30 digits more than requested. Next to a separatrix, where errors can grow, they have as many more as the
+motion may lose (:func:`integrable.moving_point.losses.lost_digits`). Every call also measures the loss, from the
+integrals of all states and from the farthest state, computed again with more digits. If digits are missing, the
+computation is repeated with more.
 """
 
 from __future__ import annotations
@@ -139,7 +139,7 @@ class ManyDigits:
     step = 50
     """The number of digits added at a time, so that few set-ups serve many calls."""
     most_lost = MOST_LOST
-    """A motion may lose this many digits more than the requested number."""
+    """The number of digits that a motion may lose, beyond the number requested."""
 
     def __init__(self, digits: int, carrier: Carrier) -> None:
         self.digits = digits

@@ -1,8 +1,8 @@
 """Physical time to many digits: t = ∫dτ/g by Gauss–Legendre quadrature on panels of the flow's own time.
 
-A *cell* is an interval of one basic step (:attr:`Setup.step_length`), centred at a multiple of the step. On it 1/g is
-stored as a Legendre series, which gives t and its inverse. Far from the start one rule integrates nine cells at once,
-without a series and with fewer nodes than nine rules.
+A *cell* is an interval of one basic step (:attr:`Setup.step_length`), centred at a multiple of the step. On a cell 1/g
+is stored as a Legendre series, which gives t(τ) and its inverse. Far from the start one rule integrates nine cells at
+once, without a series and with fewer nodes than nine rules.
 """
 
 from __future__ import annotations
@@ -123,7 +123,7 @@ class RatePanels:
 
 
 class PanelClock(RatePanels):
-    """t(τ) and τ(t) of a setup in one direction, in its units and bare reals, extended on request.
+    """t(τ) and τ(t) of a setup in one direction of time, in the setup's units and bare reals, extended on request.
 
     Cells are numbered 0, 1, …; a place is (cell, x), x in [−1, 1] across the cell. PrecisionLoss if 1/g is too uneven
     for Legendre series with at most 6 nodes per digit, or if a time needs more values of 1/g than ``limits`` allow.

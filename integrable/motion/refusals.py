@@ -11,7 +11,7 @@ from jacobian.element import Real
 from jacobian.errors import Infeasible, PrecisionLoss
 
 REFUSALS = (PrecisionLoss, Infeasible)
-"""The errors that refuse a row. Errors in the arguments are raised for either value of ``strict``."""
+"""The errors for which a row is refused. Errors in the arguments are raised for either value of ``strict``."""
 
 Compute = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 

@@ -81,8 +81,8 @@ class SymmetricFlow:
         self._factors = number(first), number(third)
 
     def _phases(self, swing: Swing, rate: Real, kepler: Real) -> None:
-        """Sets the rates of θ and φ in turns per unit of t and of τ, the turn of φ by Π per half turn of θ, and the
-        start.
+        """Sets the rates of θ and φ in turns per unit of t and of τ, the turn of φ due to Π per half turn of θ, and the
+        phases at the start.
         """
         N, number, pi, near = self.numbers, self.numbers.number, gmpy2.const_pi(), self.numbers.field.root_of_eps
         self._kepler, self._rate = number(kepler / (2 * pi)), rate / (2 * pi)
@@ -115,7 +115,7 @@ class SymmetricFlow:
         self._origin -= N.wide(self._turned(x) / (2 * N.pi))
 
     def radians(self, tau: Real) -> Real:
-        """The approximate number of radians by which all angles turn until τ."""
+        """The approximate sum of the angles, in radians, by which θ and φ turn until τ."""
         turns = abs(tau * self._flow_rate)
         factors = (
             abs(self._advance) + 2 * abs(self._third_advance) + sum(abs(self.numbers.wide(x)) for x in self._factors)
@@ -179,7 +179,8 @@ class SymmetricFlow:
 
     def _turned_nearby(self, times: np.ndarray, gap: np.ndarray, turned: np.ndarray) -> np.ndarray:
         """``turned``, recomputed from F(θ) − F(θ₀) where θ − θ₀ (about ``gap``) is small. φ may turn a million times as
-        fast as F, and the difference of two F loses digits. By the addition theorem F(θ) − F(θ₀) = F(ψ).
+        fast as F, and the difference of two F loses digits. By the addition theorem the difference is F(ψ), with ψ as
+        below.
         """
         near, N = np.flatnonzero(np.abs(gap) < NEARBY), self.numbers
         if self._flat or not len(near):

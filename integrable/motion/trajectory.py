@@ -325,8 +325,8 @@ class Trajectory(Run[State], Exported):
     def contact(self) -> VectorArray:
         """(x, y) of the point where the ball touches the plane, in the axes of :attr:`attitude`, shape (N, 2).
 
-        (0, 0) at t = 0; in the unit of the ball's radius, or in radii if d alone was given. NotRepresentable for a body
-        that does not roll (:mod:`integrable.motion.contact`).
+        It is (0, 0) at t = 0. The unit is that of the ball's radius, or the radius itself if d alone was given.
+        NotRepresentable for a body that does not roll (:mod:`integrable.motion.contact`).
         """
         self._check_kept("contact")
         return read_only(self.flow._contact_points(self))

@@ -94,8 +94,8 @@ def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust:
 
 
 def pair(a: Real, kappa: Real, sigma: Real, nu: Real, sigma2: Real, nu2: Real, transfer: Row) -> tuple[Real, Real]:
-    """The pair (σ'', ν'') of the sum of two points at the branch point a, from the pairs (σ, ν) and (σ', ν') of both
-    and the ``transfer`` polynomials of their sum.
+    """The pair (σ'', ν'') of the sum of two points at the branch point a, from the pairs (σ, ν) and (σ', ν') of the two
+    points and the ``transfer`` polynomials of their sum.
 
     Two formulas give the pair: one divides by σ', the other by κσ. Their least-squares combination divides by a small
     number only if both points are at the same branch point.
@@ -150,8 +150,8 @@ def upright_rates(f: Row, axes: Row, d: Real, point: Row, steps: Row, roots: Row
     """:func:`rate_after` of an upright body for many translations, fast in interpreted code. ``roots`` holds
     √(1 + d(u1 + du0)) of each translation.
 
-    g² is proportional to U(1/d). As f(1/d) = 0, the sum has U''(1/d) = P²/(l1²·U·U'), where U' belongs to the
-    translation and P = qV + LU. The chord is y = V + UL/q with L = l1·x + l0. P loses digits if a 1 − dα_i is
+    g² is proportional to U(1/d). As f(1/d) = 0, the polynomial U'' of the sum is P²/(l1²·U·U') at 1/d, where U' belongs
+    to the translation and P = qV + LU. The chord is y = V + UL/q with L = l1·x + l0. P loses digits if a 1 − dα_i is
     small.
     """
     curve, first = (f[0], f[1], f[2], f[3], f[4], f[5]), (point[0], point[1], point[2], point[3])

@@ -40,7 +40,7 @@ def integral(
 ) -> np.ndarray:
     """The integral from ``first`` to ``last`` of a ``function`` that maps N times to an array of shape (N, m). The
     number of nodes is raised until the last Legendre coefficients are below ``loss`` times the rounding of K.
-    PrecisionLoss if too many are needed.
+    PrecisionLoss if too many nodes are needed.
     """
     half, middle, count = (last - first) / 2, (last + first) / 2, K.dps + 16
     while True:

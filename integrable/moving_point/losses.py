@@ -18,8 +18,9 @@ def lost_digits(setup: Setup, tau: Real) -> int:
     """The number of digits by which an error may grow until τ (in the units of the setup), estimated from the curve.
 
     A double root e of f = (x − e)²h belongs to the unstable rotation. At that rotation τ = Σ∫dx/y is a logarithm
-    divided by √h(e), so points and translations grow like exp(√h·τ). Near it points and translations grow during one
-    passage to about 16·(distance to the other roots)/(distance of the two roots). All other errors grow like τ.
+    divided by √h(e), so points and translations grow like exp(√h·τ). Near this rotation, points and translations grow
+    during one passage to about 16·(distance to the other roots)/(distance of the two roots). All other errors grow like
+    τ.
     """
     K = setup.wide
     roots = sorted(setup.problem.branch_points)

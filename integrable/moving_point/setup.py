@@ -150,7 +150,7 @@ class Setup:
 
 def digits_of_closeness(body: Body) -> int:
     """The number of extra digits that a divisor needs if all moments are nearly equal, or tiny compared with d. U then
-    vanishes like the square of their differences, V like the third power.
+    vanishes like the square of the relative differences of the I_i + d, V like the third power.
     """
     most, least = max(body.inertia), min(body.inertia)
     return 0 if most == least else ceil(3 * log10((most + body.d) / (most - least)))

@@ -84,8 +84,8 @@ def scaled(times: Row, wide: Row, unit: int, high: Row, low: Row) -> None:
 
 
 def at_start(given: Row, tilted: bool, times: Row, out: Row, other: Row) -> None:
-    """Writes γ and M of the start, projected onto the constraints, wherever a time is 0, and 0 as the ``other`` time.
-    This avoids the interpolant's error there.
+    """Writes γ and M of the start, projected onto the constraints, and 0 as the ``other`` time, to the rows whose time
+    is 0. These rows are then free of the interpolant's error.
     """
     length = 1 / root(given[4] * given[4] + given[5] * given[5] + given[6] * given[6])
     x, y, u, m0, m1, m2 = given[4] * length, given[5] * length, given[6] * length, given[7], given[8], given[9]

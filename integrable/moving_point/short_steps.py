@@ -306,7 +306,7 @@ def less(x: Vector[Real], k: Real, y: Vector[Real]) -> Vector[Real]:
 
 def seen(room: ShortRoom, j: int) -> None:
     """Writes the data of the j-th precomputed centre and its distance from the shadow (:mod:`.short`): the distance in
-    σ relative to |σ|, plus the distance in ν, to compare with |w| = 1.
+    σ relative to |σ|, plus the distance in ν, relative to |w| = 1.
     """
     looked_at(room.wide, room.ahead, j, room.seen, POINT * j)
     here, there, square, apart, lean = 10 * j, 10 * (j + AHEAD), 0.0, 0.0, 0.0

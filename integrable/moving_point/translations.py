@@ -1,7 +1,7 @@
 """Translations T(eps) of a flow by a time eps, to any precision: Σ∫dx/y = eps and Σ∫x dx/y = 0.
 
-T(eps) is a power series in eps² (:func:`expand_orders`) within half a basic step; beyond, it is 2^k times T(eps/2^k).
-:class:`integrable.moving_point.balls.BallTranslations` bounds the remainder of the series.
+T(eps) is a power series in eps² (:func:`expand_orders`) within half a basic step. For larger eps it is 2^k times
+T(eps/2^k). :class:`integrable.moving_point.balls.BallTranslations` bounds the remainder of the series.
 """
 
 from __future__ import annotations
@@ -193,8 +193,8 @@ def expand_orders(f: Row, rows: Expansion, begin: int, end: int) -> None:
     """Computes the orders ``begin`` … ``end`` − 1 of an expansion from the earlier ones; compiled unchanged.
 
     The orders follow from u0' = v1u0 − u1v0, u1' = −v0, 2v0' = u1w0 − s0u0, 2v1' = w0 + u1w1 − s0u1 − w2u0, where W =
-    (f − V²)/U and s0 = w1 − f5u0 (:meth:`integrable.motion.enclosure.BallMotion._velocity`). These equations leave two
-    coefficients undetermined (resonance), so u0 = −f0z/4 + … and u1 = −f1z/12 + … are prescribed.
+    (f − V²)/U and s0 = w1 − f5u0 (``BallMotion._velocity`` in :mod:`integrable.motion.enclosure`). These equations
+    leave two coefficients undetermined (resonance), so u0 = −f0z/4 + … and u1 = −f1z/12 + … are prescribed.
     """
     f0, f1, f2, f3, f4, f5 = f
     u0, u1, v0, v1, s0, squares, less = rows

@@ -32,8 +32,8 @@ SPARE_BITS = 16
 
 
 class Enclosure(Record):
-    """Balls (``flint.arb``) that contain the states of a motion: ``q`` and ``p`` of shape (N, n), for a body ``gamma``
-    and ``M``.
+    """Balls (``flint.arb``) that contain the states of a motion: ``q`` and ``p`` of shape (N, n), for a body also
+    called ``gamma`` and ``M``.
 
     ``tau`` and ``times`` have shape (N,); ``times`` is None where τ was given and t is not linear in τ. ``radius``,
     shape (N,), is the largest radius in each row, as a float rounded up and at least 2.2e-308. It is relative to |γ|
