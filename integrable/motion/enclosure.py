@@ -1,5 +1,5 @@
-"""States with proven bounds: the flow in ball arithmetic (:mod:`integrable.moving_point.balls`), every truncation
-bounded.
+"""States with proven bounds: the flow in ball arithmetic (:mod:`integrable.moving_point.balls`), with bounds of all
+truncation errors.
 
 A state at a given τ is the start plus T(τ), one addition; T(τ) is 2^k times a translation near the identity. Physical
 time is a sum of Gauss–Legendre rules on panels. A bound of |1/g| on a disc of complex τ bounds the error of a rule

@@ -1,8 +1,8 @@
 """The flow in floats over a few turns, by short runs: one compiled call each, without a torus.
 
-A run includes its own set-up, so a new flow needs no other (:mod:`integrable.moving_point.short`). Compiled, it costs
-some tens of microseconds plus a few per panel; interpreted, the same source is some hundred times slower. Doubtful
-cases are left to the next method.
+A run includes its own set-up, so a new flow needs no other (:mod:`integrable.moving_point.short`). In compiled code it
+takes some tens of microseconds plus a few per panel; interpreted, the same source is about a hundred times slower.
+Doubtful cases are left to the next method.
 
 A compiled Taylor walk (:mod:`integrable.series`) of the ball's equations to the time 100 takes four times as long as a
 short run.

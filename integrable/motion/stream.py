@@ -1,4 +1,4 @@
-"""Long runs to a file: equally spaced states in bounded memory."""
+"""Writes long runs, equally spaced states, to a file in bounded memory."""
 
 from __future__ import annotations
 

@@ -13,14 +13,14 @@ gM₃ = |M|κ/√μ, where κ = ±√(1 − A²) has the sign of M₃. The other
 
     φ = φ₀ + arctan(κ tan θ) − κ√(r₃/r)·Π(A²; θ | m) − κ(a₃ − a)/(a√(r·r₃))·F(θ | m),  m = δA²/r,
 
-with elliptic integrals Π of the third and F of the first kind; τ is proportional to F. F is its mean (2K(m)/π)θ plus an
-oscillation of the size of m. Where the moments are of very different sizes, φ turns much faster than θ, so the mean is
-computed from the time since the start.
+with elliptic integrals Π of the third and F of the first kind; τ is proportional to F. F is the sum of its mean
+(2K(m)/π)θ and an oscillation of order m. Where the moments are of very different sizes, φ turns much faster than θ, so
+the mean is computed from the time since the start.
 
 Chaplygin (1903) integrates the ball with theta functions; with equal moments his curve has a double point, and the
-formulas above are the limit. The formulas are derived from γ̇ = γ×ω with the integral gM₃. At d = 0 F and Π are
-elementary: the free symmetric top. Chaplygin's transformation brings a tilted body to (γ, M) = 0; its time is t plus a
-function of θ, so θ(t) solves an equation like Kepler's.
+formulas above are the limit. The formulas are derived from γ̇ = γ×ω with the integral gM₃. For the free symmetric top
+(d = 0), F and Π are elementary. Chaplygin's transformation maps a tilted state to an upright motion, whose time is t
+plus a function of θ, so θ(t) solves an equation like Kepler's.
 
 If M lies along a principal axis i and γ is orthogonal to it, (γ, AM) = 0 and ω = a_iM is constant, also for the
 unstable middle axis. γ and M are then given by the formulas above with κ = 0, A = 1, constant φ and θ̇ = a_iM_i, where

@@ -1,4 +1,4 @@
-"""Functions that compiled loops on moving points share, and repeated addition."""
+"""Functions that the compiled loops on moving points share, and the compiled loop of repeated additions."""
 
 from __future__ import annotations
 

@@ -2,9 +2,9 @@
 
 On (u1, u2, p1, p2) let Π be the canonical bracket {u_i, p_j} = δ_ij, and λ_k = φ(u_k)p_k² = H1 − u_kH2 with φ of
 :mod:`integrable.phase.separation`. The second bracket Π' is {u_i, p_j}' = λ_iδ_ij. Π' is compatible with Π, and the
-recursion operator N = Π'Π⁻¹ = diag(λ1, λ2, λ1, λ2) has the eigenvalues λ_k. The torsion of N is 0, and its traces
-J_m = tr N^m/(2m) obey Lenard's relations Π'dJ_m = ΠdJ_(m+1). At the image of a state under the 2-torsion map, J_1 and
-−λ1λ2 are the integrals of the tilde pair (:mod:`integrable.deformations.tilde`). (Tsiganov, section 4; Magri and Morosi
+recursion operator N = Π'Π⁻¹ = diag(λ1, λ2, λ1, λ2) has the eigenvalues λ_k. The torsion of N is 0, and the traces J_m =
+tr N^m/(2m) obey Lenard's relations Π'dJ_m = ΠdJ_(m+1). At the image of a state under the 2-torsion map, J_1 and −λ1λ2
+are the integrals of the tilde pair (:mod:`integrable.deformations.tilde`). (Tsiganov, section 4; Magri and Morosi
 1984.)
 
 Points are tuples (u1, u2, p1, p2); ``body`` may be over jets.

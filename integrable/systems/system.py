@@ -1,4 +1,4 @@
-"""The base class of the ball and the top: their steps and their flow."""
+"""The base class of the ball and the top, with their steps and their flow."""
 
 from __future__ import annotations
 
