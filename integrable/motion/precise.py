@@ -54,8 +54,8 @@ ALONE_FROM, ROUGH_DIGITS = 250, 30
 
 
 class Carrier:
-    """A motion at one precision: the working part of :class:`ManyDigits`. Times and τ are wide numbers in the carrier's
-    units.
+    """A motion computed with one number of digits; :class:`ManyDigits` replaces it by a wider one if digits are
+    missing. Times and τ are wide numbers in the carrier's units.
 
     ``digits`` is the number of digits of its results, without guard digits.
     """
@@ -438,8 +438,8 @@ class BodyCarrier(Carrier):
 
         setup, self._least_work = self.setup, inf
         digits = min(digits, setup.digits)
-        # close branch points lose digits, and errors then look like modes of 1/g, so a set-up of twice the digits is
-        # tried next
+        # if branch points are close, digits are lost and errors look like modes of 1/g; a set-up with twice the digits
+        # is then tried
         for make in (lambda: setup, lambda: setup.finer(2 * setup.digits)):
             try:
                 made = make()

@@ -152,7 +152,7 @@ def one_way(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bo
     farthest = abs(request.high[request.order[len(request.order) - 1 if sign > 0 else 0]])
     level, n = 0, 0
     while 0 <= i < len(request.order):
-        # ``n`` counts a halved panel once; made[3] counts its actual cost
+        # ``n`` counts a halved panel as one; made[3] counts the cost of all its parts
         if n >= most + most // SPARE or room.made[3] > 2 * request.most:
             return FAR
         status = centre_after(room, n, sign)
@@ -253,7 +253,7 @@ def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):
         last, earlier = two_ends(rule, room.values, e * count)
-        # a comparison with NaN is false, so that a NaN is kept
+        # comparisons with NaN are false, so this form with ``not`` keeps a NaN
         tail = last if not last <= tail else tail
         before = max(before, earlier)
     if request.physical or request.clock:

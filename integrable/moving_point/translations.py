@@ -202,7 +202,7 @@ def expand_orders(f: Row, rows: Expansion, begin: int, end: int) -> None:
     if begin == 0:
         u0[0], u1[0], v0[0], v1[0] = zero, zero, f1 / 6, 2 + zero
     for k in range(max(begin, 1), end):
-        # sums of equal length share a loop: their terms do not wait for one another
+        # sums of equal length share a loop, so that their independent additions overlap
         s, t, own, straight, mixed, bent = zero, zero, zero, zero, zero, zero
         for i in range(1, k):
             s += v1[i] * u0[k - i]

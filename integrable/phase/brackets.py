@@ -35,7 +35,8 @@ Variables = tuple[Any, ...]
 """A point, in numbers of a field or in jets over it."""
 Matrix = tuple[Variables, ...]
 OfVariables = Callable[[Any, Variables], Sequence[Real]]
-# (distance in steps, weight) of a central difference quotient of sixth order; its divisor is STENCIL_SCALE steps
+# pairs (distance in steps, weight) of a central difference quotient of sixth order, which is divided by STENCIL_SCALE
+# steps
 STENCIL = ((1, 45), (2, -9), (3, 1))
 STENCIL_SCALE = 60
 

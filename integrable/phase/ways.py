@@ -33,8 +33,8 @@ class Cost(NamedTuple):
 
 
 class Way(Protocol):
-    """A method of computing the states of a motion over its field; ``way`` is its name. It returns None if it does not
-    reach all times, and raises PrecisionLoss or Infeasible if no later way should be tried.
+    """A method of computing the states of a motion over its field; ``way`` is its name. Its functions return None if it
+    does not reach all times. They raise PrecisionLoss or Infeasible if no later way should be tried.
     """
 
     way: str
@@ -70,8 +70,8 @@ class InOrder:
 class StatesReached(NamedTuple):
     """States of a motion, as q and p of shape (N, 2, n), and the name of the ``way`` that computed them.
 
-    ``places`` are the indices of their times, None for all times in order. ``error`` is an estimate relative to the
-    largest component of q, or of p.
+    ``places`` are the indices of the times of these states; None means all times, in order. ``error`` is an estimate
+    relative to the largest component of q, or of p.
     """
 
     way: str
