@@ -1,9 +1,9 @@
 """States of Lagrange's top and the spherical pendulum by theta functions: loops over bare reals, compiled unchanged.
 
-Let v = πu/2K, u the argument of sn. The height of the axis z = x₁ + (x₂ − x₁)sn²u is a function of θ₁(v)/θ₄(v). Its
-horizontal part is g = Ce^{iRt}θ₂(v − iα)θ₁(v − iβ)/θ₄(v)², with constants C, R, α and β. The zeros of θ₂ and θ₁ are the
-points of the curve at z = 1 and z = −1 where g vanishes. This formula also holds at the vertical, where g changes its
-sign (Whittaker 1904, §§ 55, 73).
+Let v = πu/2K, u the argument of sn. The height of the axis z = x₁ + (x₂ − x₁)sn²u is a function of θ₁(v)/θ₄(v). The
+horizontal part of the axis is g = Ce^{iRt}θ₂(v − iα)θ₁(v − iβ)/θ₄(v)², with constants C, R, α and β. The zeros of θ₂
+and θ₁ are the points of the curve at z = 1 and z = −1 where g vanishes. This formula also holds at the vertical, where
+g changes its sign (Whittaker 1904, §§ 55, 73).
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Stars in the galaxy of Kuzmin and Kutuzov (1962; Dejonghe & de Zeeuw 1988), by spheroidal coordinates.
 
 With R² = x² + y², P = √(a²c² + c²R² + a²z²) and S = √(R² + z² + a² + c² + 2P) the potential is −GM/S. S and P are the
-sum and the product of √λ and √ν, the values of s; λ and ν are the roots of R²/(τ − a²) + z²/(τ − c²) = 1. With A = (q,
-p), B = c²(xẋ + yẏ) + a²zż, the energy E, the angular momentum L about the axis, and I = ½(L_x² + L_y²) + (a² − c²)(½ż²
-+ GM z²/(S(c² + cS + P))),
+sum and the product of √λ and √ν, the abscissas s of the pair; λ and ν are the roots of R²/(τ − a²) + z²/(τ − c²) = 1.
+With A = (q, p), B = c²(xẋ + yẏ) + a²zż, the energy E, the angular momentum L about the axis, and I = ½(L_x² + L_y²) +
+(a² − c²)(½ż² + GM z²/(S(c² + cS + P))),
 
     U = s² − Ss + P,   V = ASs − AP − B,   f = 2(s² − c²)P₄,
     P₄ = E(s² − a²)(s² − c²) + GM(s − c)(s² − a²) − ½L²(s² − c²) − I(s² − a²).
@@ -34,7 +34,7 @@ class KuzminKutuzov(MumfordSystem):
     """A star in a galaxy with the axes (a, c), two different positive numbers, and the mass ``GM``.
 
     The galaxy is flattened for a > c. q is the position, z the axis of the galaxy, and p the velocity. The motion of an
-    unbound star, E ≥ 0, is known at times near the start only.
+    unbound star, E ≥ 0, is computed only at times near the start.
     """
 
     size, clocked, flow_type = 3, True, SummedFlow

@@ -6,7 +6,8 @@ and the curve are
     U = f₁Σ q_i²/(x − a_i),   V = f₁Σ q_i p_i/(x − a_i),   W = −f₁(1 + Σ p_i²/(x − a_i)),   f = V² + UW = −f₁f₂
 
 The genus is n and the direction is −2e_{n−1}; the roots of f₂ are constants of motion. (q_i, p_i) is the lift at the
-branch point a_i, with κ = f₁'(a_i). So signs are determined, also where the motion crosses a coordinate plane.
+branch point a_i, with κ = f₁'(a_i). So the signs of q_i and p_i are determined, also after the motion crosses a
+coordinate plane.
 """
 
 from __future__ import annotations
@@ -48,10 +49,10 @@ class Neumann(SurfaceSystem, QuadricSystem):
         return Point(state.p, rates[self.size : -1])
 
     def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
-        """The multiplier m, which is 2c − 2H + 2Σ(a_i − c)q_i² for any c: so the equations of motion have few products.
+        """The multiplier m, which is 2c − 2H + 2Σ(a_i − c)q_i² for any c. Its derivative needs few products.
 
         By rounding, |q|² − 1 becomes a product of two solutions of u'' = (m − c)u. So c is the largest a_i, for which
-        these grow no faster than small changes of the motion.
+        these solutions grow no faster than small changes of the motion.
         """
         return (N.dot(self._constants_in(N), [x * x for x in state.q]) - N.dot(state.p, state.p),)
 

@@ -34,8 +34,8 @@ MOST_STEPS, SMALL = 200, 256
 
 
 class Start(NamedTuple):
-    """The start of a motion: f, the pair (u, v) at τ = 0, its ``data``, one for each of ``kinds``, and the direction of
-    τ.
+    """The start of a motion: f, the pair (u, v) at τ = 0, its ``data``, one datum for each of ``kinds``, and the
+    direction of τ.
 
     ``further`` are the directions of any other times on which the pair depends.
     """
@@ -121,7 +121,8 @@ class Placed:
     def rests(self) -> bool:
         """Whether the pair is at rest: each point is at a double point of the curve, where no addition is regular.
 
-        PrecisionLoss if the pair is so close to rest that more bits are needed to decide this, or to follow it.
+        PrecisionLoss if the pair is so close to rest that more bits are needed to decide this, or to compute its
+        motion.
         """
         K, moved = self.field, self._moved
         # balls have eps = 0, and their comparison with 0 is a proof
@@ -277,8 +278,8 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
             # slow convergence leads to bisection, because the cubic may alternate between the sides forever
             step = (low[0] + high[0]) / 2 - tau if slow else _between(low, high, target) - tau
         else:
-            # a lower bound on the rate limits steps across flat places; the bound is lowered if the target may lie in a
-            # flat place
+            # a lower bound on the rate limits steps where the clock t(τ) is flat; the bound is lowered if the target
+            # may lie there
             flat = flat / 16 if slow else flat
             step = rest / max(rate, mean * flat)
         if low and high and not low[0] < tau + step < high[0]:

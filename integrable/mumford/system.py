@@ -332,7 +332,7 @@ class MumfordSystem(Made):
 
     @property
     def _alike(self) -> tuple[object, ...]:
-        """What systems with the same formulas have in common."""
+        """The key that exactly the systems with the same formulas share."""
         return type(self), self.size, len(self.constants), self._standing
 
     @quick_property
@@ -392,7 +392,7 @@ class MumfordSystem(Made):
         try:
             return PairFormulas(start, back, count)
         except (TypeError, ArgumentError, NotImplementedError):
-            # a formula calls a function that cannot be recorded, or there is no way back
+            # a formula calls a function that cannot be recorded, or the system does not define _back
             return None
 
     @property

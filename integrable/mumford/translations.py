@@ -57,7 +57,7 @@ class GroupTranslations:
         self._singles: dict[int, Extended | None] = {}
         self._size = group.size_of_x(pair[0])
         self._height = poly.size_at(group.f, self._size)
-        # the first k for which the growth of T(2^k h) has not been checked
+        # the first k for which :meth:`_check_growth` has not checked T(2^k h)
         self._unseen = FRACTION
 
     def _reference(self) -> tuple[list[Real], list[Real]]:
@@ -99,8 +99,8 @@ class GroupTranslations:
     def _check_growth(self, k: int) -> None:
         """Raises PrecisionLoss if T(2^k h) may move a pair away from a double point e at which it has to stay.
 
-        Sums keep the pair there only up to √eps, at every precision. Along a motion that leaves the neighbourhood this
-        deviation grows like 1/U(e), U that of T, and in total at most like (1/U(e))^(4/3).
+        Sums keep the pair there only up to √eps, at every precision. Along a motion that leaves the neighbourhood, this
+        deviation grows like 1/U(e) with the U of T, and in total at most like (1/U(e))^(4/3).
         """
         K = self.field
         for j in range(self._unseen, k + 1):

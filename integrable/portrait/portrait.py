@@ -9,8 +9,9 @@ middle a, otherwise that of the largest. All means are in closed form, at any d 
     ν1 = B1/(2D), ν2 = −A1/(2D), ⟨1/g⟩ = sN⟨1/√((1 − d̃u1)(1 − d̃u2))⟩, f = ν/⟨1/g⟩,
     J1 = (h1A0 − h2A1)/π, J2 = (h2B1 − h1B0)/π.
 
-J are the actions of (γ, M) = 0 in :func:`integrable.phase.separation.to_separated`, J_k = (1/2π)∮|p_k|du_k; for (γ, M)
-≠ 0 those of the upright body. (Chaplygin 1903; at d = 0 Euler 1758, Jacobi 1849.)
+At (γ, M) = 0 the J_k = (1/2π)∮|p_k|du_k are the actions in the coordinates of
+:func:`integrable.phase.separation.to_separated`; at (γ, M) ≠ 0 they are those of the upright body. (Chaplygin 1903; at
+d = 0 Euler 1758, Jacobi 1849.)
 """
 
 from __future__ import annotations

@@ -68,7 +68,7 @@ class Sensitivity(Record):
         """The part of ``matrix`` that grows with t, of the same shape.
 
         If ``way`` is "differences", its computation needs other motions, and for a ball the modes of 1/g.
-        NotRepresentable where no torus carries the motion, and for a system other than a body if it turns about an axis
+        NotRepresentable where the motion lies on no torus, and for a system other than a body if it turns about an axis
         or moves as a whole, or if t is not linear in its phases. PrecisionLoss where the modes are too many.
         """
         return read_only(self._flow._secular(self.times) if self._secular is None else self._secular)

@@ -39,13 +39,14 @@ from jacobian.numbers.long_reals import BareReals
 # largest number of nodes of an oval, a power of 2; where more are needed, branch points nearly meet
 MOST_NODES = 1 << 13
 # the first and the largest number of samples of dt/dτ, of which modes below the fraction NOISE of the mean are rounding
+# errors
 FIRST_GRID, MOST_SAMPLES, NOISE = (32, 32), 1 << 18, 1e-15
 # modes below this fraction of the mean are not needed in floats
 NEGLIGIBLE = 1e-18
 # number of correct bits after Newton's method in floats
 FLOAT_BITS = 40
-# an oval has SPARE_NODES extra nodes, and π DIGITS_BEYOND extra digits; the radius of an oval is more than rounding
-# above 2^SPARE_BITS·eps, relative to the largest branch point
+# an oval has SPARE_NODES extra nodes, and π has DIGITS_BEYOND extra digits; a point rests in an oval whose radius is at
+# most 2^SPARE_BITS·eps, relative to the largest branch point
 SPARE_NODES, DIGITS_BEYOND, SPARE_BITS = 8, 5, 20
 
 
