@@ -72,10 +72,11 @@ class AxialSystem(SurfaceSystem):
         return (N.one,)
 
     def _separation(self, N: FormulaField, state: Point) -> Separation:
-        """The forms of p dq = z' dz/(1 − z²), and of the horizontal angle, whose rate is w + ½m₁/(1 − z) − ½m₂/(1 +
-        z).""" axis, vertical = self._axis(N, state), (N.one, -N.one) (m1, m2), action = axis.m, Form(poly.neg(N,
-        self._curve(N, state)), vertical) turn = Form(((m2 - m1) / 2, -(m1 + m2) / 2), vertical) return
-        Separation([Form((N.one,))], (N.one,), action, [(turn, axis.w)], (self._momentum(N, state),))
+        """The forms of p dq = z' dz/(1 − z²), and of the horizontal angle with rate w + ½m₁/(1 − z) − ½m₂/(1 + z)."""
+        axis, vertical = self._axis(N, state), (N.one, -N.one)
+        (m1, m2), action = axis.m, Form(poly.neg(N, self._curve(N, state)), vertical)
+        turn = Form(((m2 - m1) / 2, -(m1 + m2) / 2), vertical)
+        return Separation([Form((N.one,))], (N.one,), action, [(turn, axis.w)], (self._momentum(N, state),))
 
     def _momentum(self, N: FormulaField, state: Point) -> Real:
         """Defined by subclasses: the momentum conjugate to the angle of the horizontal part."""

@@ -35,7 +35,7 @@ BITS, FEWER_BITS = 400, 180
 # largest number of Newton steps from a root in floats
 NEWTON_STEPS = 8
 # a gap below LOST times the spread of the roots has no correct digits; a swing x₂ − x₁ below NOTHING times the other
-# gaps does not change states in double-doubles
+# gaps has no effect on states in floats
 LOST, NOTHING = 2.0**-130, 2.0**-90
 
 

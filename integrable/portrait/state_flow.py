@@ -36,8 +36,8 @@ class StateFlow(Generic[AnyRun]):
     _vectors: ClassVar[tuple[str, str]] = ("q", "p")
     """The names of both vectors, for messages."""
     _unit: ClassVar[int | None] = None
-    """The number to which errors of the first vector are relative; None if they are relative to its largest
-    component."""
+    """The number to which errors of the first vector are relative; None if they are relative to its largest component.
+    """
 
     def at(self, times: Numbers) -> AnyRun:
         """The states at times."""
