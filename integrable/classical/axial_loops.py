@@ -58,7 +58,7 @@ def axis_at(motion: AxialThetas, time: Real) -> tuple[Triple, Triple]:
     numbers, table = motion.numbers, motion.table
     cv, sv = circle((numbers[0] * time + numbers[2]) / 2, motion.inverse)
     zero = 0 * cv
-    # ce and se are cos and sin of the even harmonic, c2 and s2 those of 2v, by which harmonics advance
+    # ce and se are cos and sin of 2nv; c2 and s2, those of 2v, lead from 2nv to (2n + 2)v
     ce, se, c2, s2 = 1 + zero, zero, cv * cv - sv * sv, 2 * cv * sv
     upr, upi, dupr, dupi = zero, zero, zero, zero
     low, lowi, dlow, dlowi = zero, zero, zero, zero

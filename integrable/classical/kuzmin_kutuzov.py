@@ -140,7 +140,7 @@ class KuzminKutuzov(MumfordSystem):
         *lifts, (cosine, sine) = D.data
         (a, c), (x, y), turn, spin = self._constants_in(N), self._ahead(N, start), D.v[1] / D.u[1], N.zero
         if len(lifts) == 1:
-            # L ≠ 0: R and its lift, a root, never change sign
+            # for L ≠ 0 R never vanishes, so its lift is a root of constant sign
             sigma = N.sqrt(-(self._side * poly.evaluate(N, D.u, a)))
             lifts.append((-self._side, sigma, -(self._side * poly.evaluate(N, D.v, a)) / sigma))
             spin = self._integrals(N, start)["L"] / (sigma * self._scales(N, D.u, a)[1])

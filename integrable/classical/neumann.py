@@ -43,8 +43,8 @@ class Neumann(SurfaceSystem, QuadricSystem):
         return self.size - 1
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
-        # dividing by |q|², which is 1 at a state, keeps an integrator that leaves the sphere by rounding from drifting
-        # farther away
+        # because of the division by |q|², which is 1 at a state, an integrator does not drift off the sphere by
+        # rounding
         rates = self._rational_rates(N, state, (self._auxiliary(N, state)[0] / N.dot(state.q, state.q),))
         return Point(state.p, rates[self.size : -1])
 
@@ -79,5 +79,5 @@ class Neumann(SurfaceSystem, QuadricSystem):
         step = self._time_step(h)
         sign = 1 if (step > 0) == (genus % 2 == 0) else -1
         new = self.step(state, self.curve_point(state, -1 / (step * step), sign))
-        # ``step`` takes positive square roots; for h < 0 they are negative, which changes the signs of q and p
+        # ``step`` takes positive square roots; for h < 0 they must be negative, which changes the signs of q and p
         return new if step > 0 else Point(tuple(-x for x in new.q), tuple(-y for y in new.p))

@@ -94,7 +94,7 @@ class BodyFlow(MumfordFlow):
             wide = MP(digits + SPARE + self._body.close_digits(MP(digits + MOST_SHARED)))
             return SeriesClock(wide, self._body._unit(wide, self._inner(wide)), digits)
         except PrecisionLoss:
-            # the ovals meet, or nearly so
+            # the ovals meet or nearly meet, and no Fourier series resolves t(τ)
             reals = BareReals(K.context.prec)
             fastest = float(max(self._body._weights(RR))) ** 0.5
             length = STEP / (self._pace * fastest)

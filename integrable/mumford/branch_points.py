@@ -104,7 +104,7 @@ def real_roots(f: Row, out: Row) -> bool:
             return False
         out[degree - n] = x
         for k in range(n - 1, -1, -1):
-            # division by the found factor
+            # Horner's scheme divides the polynomial by the linear factor of the root x
             top, out[degree + k] = out[degree + k] + x * top, top
     return True
 

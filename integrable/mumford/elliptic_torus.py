@@ -32,7 +32,7 @@ from jacobian.relatives.extended import Extended, Lift
 
 Row = np.ndarray
 
-# bits in which a torus is set up
+# precision in bits of the set-up of a torus
 BITS = 200
 # series end at a term below LAST; if this takes more than MOST_TERMS terms, double-doubles cannot distinguish the
 # motion from one on a separatrix
@@ -61,7 +61,7 @@ def oval_points(oval: OvalThetas, times: Row, place: tuple[int, int], out: Row) 
     """
     numbers, count, (begin, step) = oval.numbers, len(out) // 3, place
     for n in abreast(0, count):
-        # sn and cn have twice the period of Z, hence half the phase
+        # sn and cn have twice the period of Z, so their angle is half the phase of Z
         c, s = circle((numbers[0] * times[begin + step * n] + numbers[1]) / 2, oval.inverse)
         one, two, three = theta_quotients(oval.table, c, s)
         out[n], out[count + n], out[2 * count + n] = numbers[2] * one, numbers[3] * two, numbers[4] * three
@@ -105,7 +105,7 @@ class EllipticOval:
         second, third, fourth = self.thetas.at_zero
         self.factors = narrow * third / second, narrow * fourth / second, wide * fourth / third
         self.period = half_turn() / (wide * self.thetas.mean)
-        # an oval of length 0 is a point
+        # in an oval of length 0 the phase is arbitrary
         self.phase = part_of_round(N, self.thetas.levels, one, two) / half_turn() if swing else N.zero
 
     def at(self, turns: Real) -> tuple[Real, Real, Real]:

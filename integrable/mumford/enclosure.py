@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
     Vectors = tuple[arb, Sequence[arb], Sequence[arb]]
 
-# the initial allowance for lost bits is OF_GENUS per genus, and OF_DOUBLING per genus and doubling
+# the initial allowance for lost bits is OF_GENUS times the genus, plus OF_DOUBLING times the genus for each doubling of
+# the time
 OF_GENUS, OF_DOUBLING = 160, 20
 # guard digits of the first guess of τ
 GUARD = 6

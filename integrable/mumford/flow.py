@@ -300,7 +300,6 @@ class MumfordFlow(StateFlow[Path]):
         return largest_rate([floats.system.linearized(floats.start)])
 
     def _panel(self, first: float, last: float) -> float:
-        # PANEL_TURN divided by the largest eigenvalue of the linearized motion at PROBES times, or the whole time
         import numpy as np
 
         states = zip(*self._states(np.linspace(first, last, PROBES)), strict=True)

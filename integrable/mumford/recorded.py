@@ -173,7 +173,7 @@ def flat(parts: Any) -> Iterator[Any]:
 
 
 def shaped(shape: Sequence[Any], values: Iterator[Real]) -> tuple[Any, ...]:
-    """Nested tuples of the same shape, with the next ``values``."""
+    """Nested tuples of the given ``shape``, filled with the next ``values``."""
     return tuple([shaped(x, values) if isinstance(x, tuple) else next(values) for x in shape])
 
 

@@ -111,7 +111,7 @@ def _over(start: Ball, row: Sequence[Ball]) -> list[Ball]:
 class PointMotion:
     """D(τ) along a direction from the pair with ``points`` (xs, ys), with the third-kind integrals for ``others``.
 
-    ``field`` is a field of long numbers, or of balls that then contain D(τ). Series have ``order`` terms.
+    ``field`` is a field of long numbers, or of balls, which then contain D(τ). Series have ``order`` terms.
     """
 
     def __init__(
@@ -157,7 +157,8 @@ class PointMotion:
             step = self._solved(missing, middle)
             width = [2 * abs(x).abs_upper() for x in step]
             found = self._solved(missing, [around(x, w) for x, w in zip(middle, width, strict=True)])
-            # the iteration ends when the box widens the result no more than rounding and the radius of the time do
+            # the iteration ends when the step over the box is at most twice as wide as the step at its midpoint, which
+            # only rounding and the radius of the time widen
             if all(abs(x) <= w and x.rad() <= 2 * y.rad() for x, y, w in zip(found, step, width, strict=True)):
                 return [x + y for x, y in zip(middle, found, strict=True)]
             middle = [(x + y).mid() for x, y in zip(middle, step, strict=True)]

@@ -28,7 +28,7 @@ TOLERANCE = 1e-12
 COARSEST = 1e-7
 # a zero is kept if it lies outside the interval by at most ROUNDING·eps half panels
 ROUNDING = 1e3
-# the largest number of steps of Newton's method; a step with a slope in floats gains twelve digits
+# the largest number of steps of Newton's method; slopes are floats, so each step gains about twelve digits
 MOST_STEPS = 100
 # a zero is rejected if Newton's method moves it farther than NEAR or leaves it uncertain by more than SHARP, in half
 # panels

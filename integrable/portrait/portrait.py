@@ -230,7 +230,7 @@ def start_angles(system: PhaseSpace, state: State, wide: MultiprecisionField, di
         except PrecisionLoss:
             if lost == LOST[-1]:
                 raise
-    # phases start at the inner end of the second oval
+    # the phases of an OvalTorus are 0 at the inner end of the second oval
     first, second = found[0], found[1] + wide.one / 2
     floor = wide.context.floor
     return first - floor(first), second - floor(second)

@@ -65,8 +65,8 @@ class Sampled(NamedTuple):
         return {name: values.reshape(*shape, -1) for name, values in self.read(phases).items()}
 
     def lines(self, counted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The modes and the frequencies (L,) of waves that have the numbers ``counted`` (L, n) of periods along the
-        directions of the grid.
+        """The modes and the frequencies (L,) of L waves; ``counted`` (L, n) are their numbers of periods along each
+        direction of the grid.
         """
         modes = np.rint(2 * (counted / self.doubled) @ self.turns).astype(int)
         rows = [zip(row, self.frequencies, strict=True) for row in modes.tolist()]
