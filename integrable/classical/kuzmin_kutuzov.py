@@ -123,7 +123,7 @@ class KuzminKutuzov(MumfordSystem):
         """The lift of z at s = c; if L = 0, also that of R at s = a, where R is positive on the half plane of
         ``state``.
 
-        |e² − e'²|x² = |U(e)|U(−e) for (e, x) = (c, z) and (a, R), e' the other axis; ẋ follows from V(e).
+        |e² − e'²|x² = |U(e)|U(−e) for (e, x) = (c, z) and (a, R), where e' is the other axis; ẋ follows from V(e).
         """
         (f, u, v), (long, short), (q, p) = self._spectral(N, state), self._constants_in(N), state
         ahead, moved = self._ahead(N, state), [(short, self._side, q[2], p[2])]

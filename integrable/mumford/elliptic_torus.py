@@ -1,8 +1,8 @@
 """States at far times of motions of genus 1 with real data: theta functions give sn, cn and dn of a phase linear in
 time.
 
-On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the point moves between x₁ and x₂ (:class:`EllipticOval`). There x = x₁ + (x₂
-− x₁)sn², x₂ − x = (x₂ − x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are multiples of sn, cn and dn,
+On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the point of D moves between x₁ and x₂ (:class:`EllipticOval`). There x = x₁ +
+(x₂ − x₁)sn², x₂ − x = (x₂ − x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are multiples of sn, cn and dn,
 signs included. Models with ℓ < 0 are first transformed by x ↦ −x, those of degree 4 by x ↦ 1/(E − x), where E is the
 largest root.
 """

@@ -47,8 +47,7 @@ BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(400, 1), 3: Cost(60_000, 100)}
 # the additional cost in genus 2 if t is not linear in τ, in microseconds (python -m benchmarks near)
 ON_CLOCK = Cost(350, 1)
-# in genus ≥ 3 series with the finest steps replace a torus if they cost less than this fraction of it (Neumann's point
-# on S³ to t = 1000: 23 ms by series, 62 ms on a torus)
+# in genus ≥ 3 series with the finest steps are tried before a torus, up to this fraction of the cost of the torus
 SHARE_OF_FINEST = 1 / 3
 # in genus ≥ 3 fewer far times than this are computed by additions: in genus 3 six of them take 72 ms, as long as a
 # torus and its check (python -m benchmarks mumford)
@@ -149,9 +148,9 @@ class MumfordFlow(StateFlow[Path]):
 
         Floats are accurate to their last bits, numbers of MP(digits) to their digits; see
         :meth:`integrable.mumford.motion.MumfordMotion.row`. In floats, states near the start are computed by Taylor
-        series (:mod:`integrable.series.kinds`). Farther states are computed on the real torus. In genus ≥ 3, where its
-        set-up is long, fewer than six times are computed by additions. Repeated calls return the same bits, whatever
-        was requested before. ArgumentError for times that are not numbers.
+        series (:mod:`integrable.series.kinds`). Farther states are computed on the real torus. In genus ≥ 3, where the
+        set-up of a torus takes long, states at fewer than six times are computed by additions. Repeated calls return
+        the same bits, whatever was requested before. ArgumentError for times that are not numbers.
         """
         given = times_in(self.system.field, times, "times")
         return self._path(given, (self._by_additions,) if given.dtype == object else (self._near, *self._far))
@@ -271,8 +270,8 @@ class MumfordFlow(StateFlow[Path]):
     def section(self, count: int, oval: int = 0, end: str = "lower") -> Section:
         """The next ``count`` states with a point of the pair at the "lower" or the "upper" end of its oval, in floats.
 
-        ``oval`` is the number of the oval, in ascending order. If the end is a branch point a_i at which q_i is a lift,
-        q_i = 0 there. The errors are those of :meth:`spectrum`. (:mod:`integrable.portrait.section`)
+        ``oval`` is the number of the oval, from 0 in ascending order. If the end is a branch point a_i at which q_i is
+        a lift, q_i = 0 there. The errors are those of :meth:`spectrum`. (:mod:`integrable.portrait.section`)
         """
         from integrable.portrait.section import Section, crossings
 

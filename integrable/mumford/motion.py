@@ -295,7 +295,7 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
 
 
 def _between(low: tuple[Real, ...], high: tuple[Real, ...], target: Real) -> Real:
-    """τ at the time ``target`` between two points (τ, t, dt/dτ), on Hermite's cubic."""
+    """τ at the time ``target`` between two points (τ, t, dt/dτ), by Hermite's cubic."""
     (first, begin, rate), (last, end, other) = low, high
     length = end - begin
     s = (target - begin) / length

@@ -337,7 +337,7 @@ class MumfordSystem(Made):
 
     @quick_property
     def _kind(self) -> Kind | None:
-        """The compiled walks of systems like this one; None if its equations cannot be recorded as a tape."""
+        """The compiled walks of systems with the same formulas; None if these cannot be recorded as a tape."""
         return made_once(("walks", *self._alike), self._made_kind)
 
     def _made_kind(self) -> Kind | None:
@@ -365,7 +365,7 @@ class MumfordSystem(Made):
 
     @quick_property
     def _formulas(self) -> PairFormulas | None:
-        """The recorded formulas of systems like this one; None if they cannot be recorded."""
+        """The recorded formulas between states and pairs; None if they cannot be recorded."""
         return made_once(("pairs", *self._alike), self._made_formulas) if self._for_all_states else None
 
     def _made_formulas(self) -> PairFormulas | None:

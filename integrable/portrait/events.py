@@ -1,4 +1,4 @@
-"""Events along a motion: zeros of a function of the state, found on the motion itself."""
+"""Events along a motion: zeros of a function of the state, refined by Newton's method on the motion itself."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """Global quantities of a motion: frequencies, rates, drift, actions and angles, and its place among the motions of its
 body.
 
-M̃ = s(M − dkH1γ) and γ̃ ∥ γ + kM are the fixed vectors of Chaplygin's transformation (:mod:`integrable.phase.upright`),
-M and γ themselves where (γ, M) = 0. M̃ circles the axis of the least a = 1/(I + d) where ζ = H̃1/H̃2 is below the
-middle a, otherwise that of the largest. All means are in closed form, at any d and (γ, M), by the periods of
+M̃ = s(M − dkH1γ) and γ̃ ∥ γ + kM are the fixed vectors of Chaplygin's transformation (:mod:`integrable.phase.upright`).
+Where (γ, M) = 0 they are M and γ themselves. M̃ circles the axis of the least a = 1/(I + d) where ζ = H̃1/H̃2 is below the
+middle a, otherwise that of the largest. All means have closed forms, at any d and (γ, M), in the periods of
 :mod:`integrable.portrait.ovals`: with D = A0B1 − A1B0 and N = √Π(1 − d̃a_i),
 
     ν1 = B1/(2D), ν2 = −A1/(2D), ⟨1/g⟩ = sN⟨1/√((1 − d̃u1)(1 − d̃u2))⟩, f = ν/⟨1/g⟩,

@@ -1,8 +1,8 @@
 """The spectral lines of a motion: its quantities as sums of e^(2πift), f = ½Σm_k f_k with the frequencies f_k of its
 torus.
 
-Amplitudes are discrete Fourier coefficients on a grid of phases that are linear in t. They are accurate to
-rounding without a long run, however close two lines are (Laskar 1993 estimates them from a long run).
+Amplitudes are discrete Fourier coefficients on a grid of phases that are linear in t. They are accurate
+to rounding without a long run, however close two lines are (Laskar 1993 estimates them from a long run).
 
 The phases θ of a body's torus are linear in τ. The phases φ = θ + ν·S/⟨1/g⟩, with the bounded part S of t(τ), are
 linear in t; Newton steps along the flow find θ at φ.
