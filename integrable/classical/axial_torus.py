@@ -4,8 +4,8 @@ The constants of :mod:`integrable.classical.axial_loops` are computed once, in l
 
 With the roots x₁ ≤ z ≤ x₂ ≤ 1 ≤ x₃ of f the moduli are m = (x₂ − x₁)/(x₃ − x₁) and m' = 1 − m. The zeros of g are at
 u = K + is₁ and u = is₂, where z = ±1: sn²(s₁|m') = (1 − x₂)(x₃ − x₁)/((1 − x₁)(x₃ − x₂)), sc²(s₂|m') = (1 + x₁)/(x₂ −
-x₁). The rate R of rotation about the vertical is the sum of w and of the rates of both factors of g at turning points
-of z: at x₁ for the factor that vanishes at z = 1, at x₂ for the other factor.
+x₁). The rate R of rotation about the vertical follows from the logarithmic derivatives of the two factors of g at
+turning points of z. For the factor that vanishes at z = 1 the turning point is x₁, for the other factor x₂.
 """
 
 from __future__ import annotations

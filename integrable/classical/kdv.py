@@ -158,7 +158,7 @@ class Wave:
 
         For a g-gap solution the error is below the last digit of floats, or of MP(digits), times the span of the edges,
         at any x and t. In floats, 24 or more x at one t are evaluated on one torus, which is fast for many x. The
-        bits that a double edge loses grow in proportion to x and t: PrecisionLoss at about 500 widths of a soliton.
+        bits that a double edge loses grow in proportion to x and t: PrecisionLoss beyond about 500 widths of a soliton.
         """
         import numpy as np
 

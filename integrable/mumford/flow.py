@@ -133,8 +133,8 @@ class MumfordFlow(StateFlow[Path]):
     @cached_property
     def _recorded(self) -> tuple[Vectors, Start, np.ndarray] | None:
         """(q, p) and the start in the long numbers of a torus, and the numbers that all states of the motion share
-        (:meth:`integrable.mumford.recorded.PairFormulas.fixed`). None if no code is compiled, if data are complex, or
-        if the formulas of the system cannot be recorded.
+        (:meth:`integrable.mumford.recorded.PairFormulas.fixed`). None over a field other than RR, if no code is
+        compiled, if data are complex, or if the formulas of the system cannot be recorded.
         """
         formulas = self.system._formulas if self._in_floats and not self.system.complex_data else None
         if formulas is None:

@@ -52,7 +52,7 @@ class Start(NamedTuple):
 Vectors = Sequence[Sequence[Real]]
 Read = Callable[[LongField, Extended], Vectors]
 TimeAt = Callable[[LongField, Extended], tuple[Real, Real]]
-"""(t, dt/dτ) at a divisor."""
+"""A function that returns (t, dt/dτ) at a divisor."""
 
 
 class Placed:

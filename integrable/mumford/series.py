@@ -132,7 +132,7 @@ class PointMotion:
             self._rates = self._solved(self._direction, [K.zero] * len(self._points))
             reaches = (p.radius / abs(rate) for p, rate in zip(self._points, self._rates, strict=True))
             self.reach = min(float(x.lower()) for x in reaches)
-            """The approximate time in which a point reaches the boundary of its disc."""
+            """The approximate time at which the first point reaches the boundary of its disc."""
 
     def at(self, time: Real) -> tuple[Poly, Poly, Real, list[Real]]:
         """(U, V, Ω, the third-kind integrals) of D(τ), Ω = Σ∫x^g dx/y."""

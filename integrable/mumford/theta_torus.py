@@ -132,9 +132,9 @@ class ThetaTorus(FarTimes):
 
     ``place(K)`` returns the :class:`Start` over K, ``rate(K)`` the :class:`Rate` of a motion whose time is not linear
     in τ. The only datum of the second kind that is allowed is the time t with dt/dτ = |U(0)|. PrecisionLoss for data
-    other than lifts and this time, if branch points nearly meet, if fewer than two are real, or if the pairs of the
-    torus are not those of the motion. On a model of even degree it is also raised for lifts. On such a model, or if t
-    is not linear in τ, each oval must have one point of the pair.
+    other than lifts and this time, if branch points nearly meet, or if fewer than two are real. It is also raised if
+    the pairs of the torus are not those of the motion, and for lifts on a model of even degree. On such a model, or if
+    t is not linear in τ, each oval must have one point of the pair.
     """
 
     def __init__(self, place: Callable[[LongField], Start], rate: Callable[[LongField], Rate] | None = None) -> None:

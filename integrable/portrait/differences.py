@@ -17,7 +17,7 @@ from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.progress import Progress
 
 FlowMap = Callable[[np.ndarray, MultiprecisionField], np.ndarray]
-"""From inputs in a field to rows of numbers, first the states at the times: shape (N, m)."""
+"""A function from inputs, as numbers of a field, to N rows of m numbers."""
 
 # extra digits of the motions, and the largest number of attempts. An attempt assumes the size of the derivatives that
 # the previous one found

@@ -16,7 +16,7 @@ from jacobian.fields.multiprecision import Mpf
 
 Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
 VectorsAt = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
-"""From times to both vectors of the states there, γ and M or q and p, shape (N, n)."""
+"""A function from N times to both vectors of the states, γ and M or q and p, each of shape (N, n)."""
 # number of panels that are searched together
 PANELS = 512
 # the largest number of panels of one search, each of which takes some ten microseconds

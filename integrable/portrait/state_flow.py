@@ -94,7 +94,7 @@ class StateFlow(Generic[AnyRun]):
 
     def sensitivity(self, times: Numbers) -> Sensitivity:
         """The derivatives of the states at the given times with respect to the start and to the constants and
-        parameters of the system, with all digits of the field relative to the largest element.
+        parameters of the system. All digits of the field are correct, relative to the largest element.
 
         ``matrix`` of the result has shape (N, 2n, 2n + m) for m constants; ``columns`` names the inputs. The start
         varies within its constraints. On the torus of a body the secular and periodic parts are separate. Otherwise
