@@ -1,4 +1,4 @@
-"""The formulas that convert states of a kind of systems to pairs and back, recorded once as tapes of operations.
+"""The formulas that convert states of one kind of system to pairs and back, recorded once as tapes of operations.
 
 A formula of a system, written for any field, takes microseconds for each operation. Its tape takes a tenth of that in
 long numbers, and nanoseconds in double-doubles, where a compiled loop applies it to many pairs at once.
@@ -65,7 +65,7 @@ class PairField(SymbolField):
 
 
 class PairFormulas:
-    """The formulas of a kind of systems.
+    """The formulas of one kind of system.
 
     ``start``(N, y) returns (q, p), projected onto its constraints, and the start of the motion, where y are ``count``
     numbers: q and p, then those of the system. ``back``(N, y, D, time) returns (q, p) at a pair D of the motion.

@@ -157,8 +157,8 @@ class PointMotion:
             step = self._solved(missing, middle)
             width = [2 * abs(x).abs_upper() for x in step]
             found = self._solved(missing, [around(x, w) for x, w in zip(middle, width, strict=True)])
-            # the iteration ends when the step over the box is at most twice as wide as the step at its midpoint, which
-            # only rounding and the radius of the time widen
+            # the iteration ends when the Newton step over the box is at most twice as wide as that at the midpoint,
+            # whose width is due to rounding and to the radius of the time
             if all(abs(x) <= w and x.rad() <= 2 * y.rad() for x, y, w in zip(found, step, width, strict=True)):
                 return [x + y for x, y in zip(middle, found, strict=True)]
             middle = [(x + y).mid() for x, y in zip(middle, step, strict=True)]

@@ -66,8 +66,8 @@ CLOSE, CLOSEST = 2.0**-10, 2.0**-16
 # phases in double-doubles keep enough digits up to MOST_TURNS turns, or up to MOST_TURNS·CLOSE_TURNS·gap if this is
 # less
 CLOSE_TURNS = 16
-# second derivatives of theta functions, from which a mean is computed, need more terms, down to terms smaller by the
-# factor e^(−π·FURTHER)
+# second derivatives of theta functions, from which a mean is computed, also need terms that are smaller by the factor
+# e^(−π·FURTHER)
 FURTHER = 4.0
 # Newton's method ends if the computed start differs from the given one by less than ENOUGH. A torus is refused if rates
 # of lifts on it and by the equations of motion differ by more than OBEYED

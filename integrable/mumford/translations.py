@@ -1,10 +1,10 @@
 """The translations T(τ) of a motion with constant direction on a Jacobian of any genus, and their addition.
 
 D(τ + δ) = D(τ) + E(δ) − E for every divisor E of the curve, where E(δ) is the result of moving E along the direction
-for the time δ. E is chosen where the curve is real and away from its
-branch points. For a short time h, E(h) is computed from series (:mod:`integrable.mumford.series`). While T(2^k h) is
-small, it has points near infinity and is stored as E_k − E, where E_{k+1} = 2E_k − E. Once it is in general position,
-T(2^k h) itself is stored. The remainder r of τ beyond a multiple of h contributes E(r) − E.
+for the time δ. E is chosen where the curve is real and away from its branch points. For a short time h, E(h) is
+computed from series (:mod:`integrable.mumford.series`). While T(2^k h) is small, it has points near infinity and is
+stored as E_k − E, where E_{k+1} = 2E_k − E. Once it is in general position, T(2^k h) itself is stored. The remainder r
+of τ beyond a multiple of h contributes E(r) − E.
 """
 
 from __future__ import annotations
