@@ -72,7 +72,7 @@ class AxialSystem(SurfaceSystem):
         return (N.one,)
 
     def _separation(self, N: FormulaField, state: Point) -> Separation:
-        """The forms of p dq = z' dz/(1 − z²), and of the horizontal angle of rate w + ½m₁/(1 − z) − ½m₂/(1 + z)."""
+        """The forms of p dq = z' dz/(1 − z²), and of the horizontal angle with rate w + ½m₁/(1 − z) − ½m₂/(1 + z)."""
         axis, vertical = self._axis(N, state), (N.one, -N.one)
         (m1, m2), action = axis.m, Form(poly.neg(N, self._curve(N, state)), vertical)
         turn = Form(((m2 - m1) / 2, -(m1 + m2) / 2), vertical)
@@ -88,8 +88,8 @@ class AxialSystem(SurfaceSystem):
         return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
 
     def _carrier(self, axis: Axis) -> int | None:
-        """The index of the end z = ±1 nearer to the start if it is a branch point, else None. The lift there starts as
-        g.
+        """The index of the end z = ±1 nearer to the start if it is a branch point, else None. The lift at this end
+        equals g at the start.
         """
         near = 0 if abs(1 - axis.z) < abs(1 + axis.z) else 1
         return near if branches(axis.m[near]) else None

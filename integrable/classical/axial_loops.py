@@ -1,9 +1,9 @@
 """States of Lagrange's top and the spherical pendulum by theta functions: loops over bare reals, compiled unchanged.
 
-Let v = πu/2K, u the argument of sn. The height of the axis z = x₁ + (x₂ − x₁)sn²u is a function of θ₁(v)/θ₄(v). Its
-horizontal part is g = Ce^{iRt}θ₂(v − iα)θ₁(v − iβ)/θ₄(v)², with constants C, R, α and β. The zeros of θ₂ and θ₁ are the
-points of the curve at z = 1 and z = −1 where g vanishes. This formula also holds at the vertical, where g changes its
-sign (Whittaker 1904, §§ 55, 73).
+Let v = πu/2K, u the argument of sn. The height of the axis z = x₁ + (x₂ − x₁)sn²u is a function of θ₁(v)/θ₄(v). The
+horizontal part of the axis is g = Ce^{iRt}θ₂(v − iα)θ₁(v − iβ)/θ₄(v)², with constants C, R, α and β. The zeros of θ₂
+and θ₁ are the points of the curve at z = 1 and z = −1 where g vanishes. This formula also holds at the vertical, where
+g changes its sign (Whittaker 1904, §§ 55, 73).
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def axis_at(motion: AxialThetas, time: Real) -> tuple[Triple, Triple]:
     numbers, table = motion.numbers, motion.table
     cv, sv = circle((numbers[0] * time + numbers[2]) / 2, motion.inverse)
     zero = 0 * cv
-    # ce and se are cos and sin of the even harmonic, c2 and s2 those of 2v, by which harmonics advance
+    # ce and se are cos and sin of 2nv; c2 and s2, those of 2v, lead from 2nv to (2n + 2)v
     ce, se, c2, s2 = 1 + zero, zero, cv * cv - sv * sv, 2 * cv * sv
     upr, upi, dupr, dupi = zero, zero, zero, zero
     low, lowi, dlow, dlowi = zero, zero, zero, zero

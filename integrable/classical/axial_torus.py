@@ -4,8 +4,8 @@ The constants of :mod:`integrable.classical.axial_loops` are computed once, in l
 
 With the roots x₁ ≤ z ≤ x₂ ≤ 1 ≤ x₃ of f the moduli are m = (x₂ − x₁)/(x₃ − x₁) and m' = 1 − m. The zeros of g are at
 u = K + is₁ and u = is₂, where z = ±1: sn²(s₁|m') = (1 − x₂)(x₃ − x₁)/((1 − x₁)(x₃ − x₂)), sc²(s₂|m') = (1 + x₁)/(x₂ −
-x₁). The rate R of rotation about the vertical follows from g'/g at the turning points of z, at x₁ for one zero and at
-x₂ for the other.
+x₁). The rate R of rotation about the vertical follows from the logarithmic derivatives of the two factors of g at
+turning points of z. For the factor that vanishes at z = 1 the turning point is x₁, for the other factor x₂.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ from jacobian.numbers.double_double import double_double_row
 BITS, FEWER_BITS = 400, 180
 # largest number of Newton steps from a root in floats
 NEWTON_STEPS = 8
-# a gap below LOST times the spread of the roots has no digits; a swing x₂ − x₁ below NOTHING times the other gaps has
-# no effect
+# a gap below LOST times the spread of the roots has no correct digits; a swing x₂ − x₁ below NOTHING times the other
+# gaps has no effect on states in floats
 LOST, NOTHING = 2.0**-130, 2.0**-90
 
 
@@ -62,7 +62,7 @@ class AxialTorus(FarTimes):
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times a period and more from the start, in both directions, for a comparison with another method."""
+        """Two times, more than a period after and before the start, for a comparison with another method."""
         return np.array(TURNS) / (self._nods or self._turns or 1.0)
 
     def at(self, times: np.ndarray) -> np.ndarray:
@@ -73,7 +73,7 @@ class AxialTorus(FarTimes):
 
 
 class AxialFlow(MumfordFlow):
-    """The motion of a state; far times in floats are computed in closed form."""
+    """The motion of a state; states in floats at far times are computed in closed form."""
 
     _of_a_torus = True
 

@@ -5,9 +5,9 @@ The equation is x'' = −νA⁻¹x with v = x', constant |v| and ν = (Σv_i²/a
 
     U = f₁Σ(x_i²/a_i)/(x − a_i),   V = f₁Σx_iv_i/(x − a_i) − λU,   f₁ΣF_i/(x − a_i) = xR(x),   f = −x·f₁·R
 
-The roots of U are the elliptic coordinates, those of R the caustics; the genus is n. The direction is ±2e_0 in τ with
-dt = |U(0)|dτ. With Ω = Σ∫x^n dx/y, of the second kind, t = −½Ω. Every addition of pairs also gives Ω, so no quadrature
-is needed. At a branch point a_i the lift is (x_i, a_iv_i − λx_i).
+The roots of U are the elliptic coordinates, those of R the parameters of the caustics; the genus is n. The direction is
+±2e_0 in τ with dt = |U(0)|dτ. With Ω = Σ∫x^n dx/y, of the second kind, t = −½Ω. Every addition of pairs also gives Ω,
+so no quadrature is needed. At a branch point a_i the lift is (x_i, a_iv_i − λx_i).
 
 The discretization adds (l, m) − (0, 0) to the divisor. The tangent meets the quadric Σy_i²/(a_i − l) = 1 at x + hv,
 and Ivory's affinity y_i ↦ √(a_i/(a_i − l))·y_i leads back to the ellipsoid. The tangent backwards from the new point

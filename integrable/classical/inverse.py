@@ -22,7 +22,8 @@ OFF = 1e-6
 
 
 def joining(ellipsoid: Ellipsoid, first: Iterable[Value], last: Iterable[Value]) -> Point:
-    """The state at the point ``first`` that reaches ``last`` at time 1, over RR or MP(digits); |p| is the length.
+    """The state at the point ``first`` that reaches ``last`` at time 1, over RR or MP(digits). |p| is the length of the
+    geodesic.
 
     The search starts in the direction of the chord and finds the shortest geodesic, unless the points are nearly
     opposite. Points are projected radially onto the ellipsoid. PrecisionLoss if no geodesic is found; ArgumentError

@@ -7,8 +7,8 @@ eigenvalue γ_j in each gap [e_{2j}, e_{2j+1}]:
     f = −Π(x − e_i),   U = Π(x − γ_j),   V = ½∂U/∂x,   u = Σe_i − 2Σγ_j
 
 On the Jacobian of y² = f the solution is linear in x and in t, with the directions −2e_{g−1} and −4Σe_i·e_{g−1} −
-8e_{g−2}. A band that shrinks to a point, e_{2j−1} = e_{2j}, is the eigenvalue of a soliton. A gap that shrinks to a
-point has no effect.
+8e_{g−2}. A band that shrinks to a point, e_{2j−1} = e_{2j}, becomes the eigenvalue of a soliton. A gap that shrinks to
+a point has no effect.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
     Profile = EllipticTorus | ThetaTorus | PhaseTorus
 
-# a profile is u at one t, computed on a torus from a pair of PROFILE_DIGITS digits; a narrow band may cost MOST_LOST
+# a profile is u at one t, computed on a torus from a pair of PROFILE_DIGITS digits; a narrow band may lose MOST_LOST
 # bits
 PROFILE_DIGITS, MOST_LOST = 60, 24
 # least number of x at one t for which a profile is computed
@@ -157,8 +157,8 @@ class Wave:
         """u(x, t), an array of the shape to which x and t broadcast; ``at(x, t[:, None])`` is a table over all x and t.
 
         For a g-gap solution the error is below the last digit of floats, or of MP(digits), times the span of the edges,
-        at any x and t. In floats, 24 or more x at one t are evaluated on one torus, which is fast for many x. A double
-        edge needs bits in proportion to x and t: PrecisionLoss about 500 widths of a soliton away.
+        at any x and t. In floats, 24 or more x at one t are evaluated on one torus, which is fast for many x. The
+        bits that a double edge loses grow in proportion to x and t: PrecisionLoss beyond about 500 widths of a soliton.
         """
         import numpy as np
 
@@ -279,10 +279,10 @@ class Wave:
     def _lost(self, x: Real, t: Real) -> int:
         """A bound on the bits lost between (0, 0) and (x, t) because of a narrow band or double edge n.
 
-        On the way U(n) = ψ² may shrink. By −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at rates of at
-        most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) from falling below the square
-        root of the rounding unit. Two precisions lose the same bits, so comparing them does not show the loss. The
-        width of the band bounds it.
+        Between these points U(n) = ψ² may shrink. By −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at
+        rates of at most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) from falling below
+        the square root of the rounding unit. Two precisions lose the same bits, so comparing them does not show the
+        loss. The width of the band bounds it.
         """
         edges, needed = self._edges, 0.0
         bounds = [float(sum(edges) - 2 * sum(edges[k::2])) for k in (1, 2)]

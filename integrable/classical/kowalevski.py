@@ -1,4 +1,4 @@
-"""Kowalevski's top, forward: from a state to its divisor, whose class moves linearly (Kowalevski 1889).
+"""Kowalevski's top: the map from a state to its divisor, whose class moves linearly (Kowalevski 1889).
 
 ω = (p, q, r). In the units used the moments are 2, 2, 1, and the weight times the distance of the centre of mass, which
 is on the first axis, is 1. Then 2p' = qr, 2q' = −pr − γ_3, r' = γ_2, γ' = γ×ω, and with |γ| = 1 the integrals are

@@ -1,9 +1,9 @@
 """Stars in the galaxy of Kuzmin and Kutuzov (1962; Dejonghe & de Zeeuw 1988), by spheroidal coordinates.
 
 With R² = x² + y², P = √(a²c² + c²R² + a²z²) and S = √(R² + z² + a² + c² + 2P) the potential is −GM/S. S and P are the
-sum and the product of √λ and √ν, the values of s; λ and ν are the roots of R²/(τ − a²) + z²/(τ − c²) = 1. With A = (q,
-p), B = c²(xẋ + yẏ) + a²zż, the energy E, the angular momentum L about the axis, and I = ½(L_x² + L_y²) + (a² − c²)(½ż²
-+ GM z²/(S(c² + cS + P))),
+sum and the product of √λ and √ν, the abscissas s of the pair; λ and ν are the roots of R²/(τ − a²) + z²/(τ − c²) = 1.
+With A = (q, p), B = c²(xẋ + yẏ) + a²zż, the energy E, the angular momentum L about the axis, and I = ½(L_x² + L_y²) +
+(a² − c²)(½ż² + GM z²/(S(c² + cS + P))),
 
     U = s² − Ss + P,   V = ASs − AP − B,   f = 2(s² − c²)P₄,
     P₄ = E(s² − a²)(s² − c²) + GM(s − c)(s² − a²) − ½L²(s² − c²) − I(s² − a²).
@@ -34,7 +34,7 @@ class KuzminKutuzov(MumfordSystem):
     """A star in a galaxy with the axes (a, c), two different positive numbers, and the mass ``GM``.
 
     The galaxy is flattened for a > c. q is the position, z the axis of the galaxy, and p the velocity. The motion of an
-    unbound star, E ≥ 0, is known at times near the start only.
+    unbound star, E ≥ 0, is computed only at times near the start.
     """
 
     size, clocked, flow_type = 3, True, SummedFlow
@@ -123,7 +123,7 @@ class KuzminKutuzov(MumfordSystem):
         """The lift of z at s = c; if L = 0, also that of R at s = a, where R is positive on the half plane of
         ``state``.
 
-        |e² − e'²|x² = |U(e)|U(−e) for (e, x) = (c, z) and (a, R), e' the other axis; ẋ follows from V(e).
+        |e² − e'²|x² = |U(e)|U(−e) for (e, x) = (c, z) and (a, R), where e' is the other axis; ẋ follows from V(e).
         """
         (f, u, v), (long, short), (q, p) = self._spectral(N, state), self._constants_in(N), state
         ahead, moved = self._ahead(N, state), [(short, self._side, q[2], p[2])]
@@ -140,7 +140,7 @@ class KuzminKutuzov(MumfordSystem):
         *lifts, (cosine, sine) = D.data
         (a, c), (x, y), turn, spin = self._constants_in(N), self._ahead(N, start), D.v[1] / D.u[1], N.zero
         if len(lifts) == 1:
-            # L ≠ 0: R and its lift, a root, never change sign
+            # for L ≠ 0 R never vanishes, so its lift is a root of constant sign
             sigma = N.sqrt(-(self._side * poly.evaluate(N, D.u, a)))
             lifts.append((-self._side, sigma, -(self._side * poly.evaluate(N, D.v, a)) / sigma))
             spin = self._integrals(N, start)["L"] / (sigma * self._scales(N, D.u, a)[1])

@@ -6,7 +6,8 @@ and the curve are
     U = f₁Σ q_i²/(x − a_i),   V = f₁Σ q_i p_i/(x − a_i),   W = −f₁(1 + Σ p_i²/(x − a_i)),   f = V² + UW = −f₁f₂
 
 The genus is n and the direction is −2e_{n−1}; the roots of f₂ are constants of motion. (q_i, p_i) is the lift at the
-branch point a_i, with κ = f₁'(a_i). So signs are determined, also where the motion crosses a coordinate plane.
+branch point a_i, with κ = f₁'(a_i). So the signs of q_i and p_i are determined, also after the motion crosses a
+coordinate plane.
 """
 
 from __future__ import annotations
@@ -42,16 +43,16 @@ class Neumann(SurfaceSystem, QuadricSystem):
         return self.size - 1
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
-        # dividing by |q|², which is 1 at a state, keeps an integrator that leaves the sphere by rounding from drifting
-        # farther away
+        # because of the division by |q|², which is 1 at a state, an integrator does not drift off the sphere by
+        # rounding
         rates = self._rational_rates(N, state, (self._auxiliary(N, state)[0] / N.dot(state.q, state.q),))
         return Point(state.p, rates[self.size : -1])
 
     def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
-        """The multiplier m, which is 2c − 2H + 2Σ(a_i − c)q_i² for any c: so the equations of motion have few products.
+        """The multiplier m, which is 2c − 2H + 2Σ(a_i − c)q_i² for any c. Its derivative needs few products.
 
         By rounding, |q|² − 1 becomes a product of two solutions of u'' = (m − c)u. So c is the largest a_i, for which
-        these grow no faster than small changes of the motion.
+        these solutions grow no faster than small changes of the motion.
         """
         return (N.dot(self._constants_in(N), [x * x for x in state.q]) - N.dot(state.p, state.p),)
 
@@ -78,5 +79,5 @@ class Neumann(SurfaceSystem, QuadricSystem):
         step = self._time_step(h)
         sign = 1 if (step > 0) == (genus % 2 == 0) else -1
         new = self.step(state, self.curve_point(state, -1 / (step * step), sign))
-        # ``step`` takes positive square roots; for h < 0 they are negative, which changes the signs of q and p
+        # ``step`` takes positive square roots; for h < 0 they must be negative, which changes the signs of q and p
         return new if step > 0 else Point(tuple(-x for x in new.q), tuple(-y for y in new.p))

@@ -28,7 +28,8 @@ class SphericalPendulum(AxialSystem):
         self.field = check_field(field, "field")
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
-        # dividing by |q|², which is 1 at a state, keeps an integrator from drifting off the sphere by rounding
+        # because of the division by |q|², which is 1 at a state, an integrator does not drift off the sphere by
+        # rounding
         rates = self._rational_rates(N, state, (self._auxiliary(N, state)[0] / N.dot(state.q, state.q),))
         return Point(rates[:3], rates[3:6])
 

@@ -18,7 +18,7 @@ from jacobian.inexact.long_field import LongField
 class SummedFlow(MumfordFlow):
     """The motion, at any times, of a state whose pair has one point in each of g ovals."""
 
-    # states in long numbers come from the same sums, so their way has the torus's name
+    # states in long numbers are computed from the same sums, so their ``way`` is TORUS too
     _long_way = TORUS
 
     def _budget(self, count: int) -> float:
@@ -32,7 +32,7 @@ class SummedFlow(MumfordFlow):
 
     @cached_property
     def _tori(self) -> dict[int, tuple[SeparatedTorus, Callable[..., Point]]]:
-        """The torus and the function that reads states from it, by number of bits; empty at first."""
+        """For each number of bits, the torus and the function that computes states on it; empty at first."""
         return {}
 
     def _state(self, N: LongField, time: Number) -> Point:

@@ -8,8 +8,8 @@ l(x) = x, a_i = 1/I_i,
 
     f = 4xΠ(a_i − x)(xH₂ − H₁),   dt = √(γ, Aγ) dτ
 
-The point Aγ/√(γ, Aγ) moves along a geodesic of Σx_i²/a_i = 1. In the time τ√(H₁ det A) the normal γ there moves as the
-point of Neumann's system with the constants I_i.
+The point Aγ/√(γ, Aγ) moves along a geodesic of Σx_i²/a_i = 1. With respect to the time τ√(H₁ det A) the normal γ there
+moves as the point of Neumann's system with the constants I_i.
 """
 
 from __future__ import annotations

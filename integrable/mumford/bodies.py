@@ -51,9 +51,9 @@ STEP = 0.5
 
 
 class BodyFlow(MumfordFlow):
-    """The motion of a body through a state; on a separatrix only at times near the start.
+    """The motion of a body from a state. On a separatrix it is computed only at times near the start.
 
-    τ at a time is computed first, from a Fourier series of t.
+    At each time τ is computed first, from a Fourier series of t(τ), or from quadratures on a separatrix.
     """
 
     _cost = Cost(30_000, BY_ADDITIONS.each)
@@ -94,7 +94,7 @@ class BodyFlow(MumfordFlow):
             wide = MP(digits + SPARE + self._body.close_digits(MP(digits + MOST_SHARED)))
             return SeriesClock(wide, self._body._unit(wide, self._inner(wide)), digits)
         except PrecisionLoss:
-            # the ovals meet, or nearly so
+            # the ovals meet or nearly meet, and no Fourier series resolves t(τ)
             reals = BareReals(K.context.prec)
             fastest = float(max(self._body._weights(RR))) ** 0.5
             length = STEP / (self._pace * fastest)
@@ -209,10 +209,10 @@ class BodySystem(SurfaceSystem):
     def close_digits(self, N: Any) -> int:
         """The number of digits beyond SPARE that periods lose because branch points are close.
 
-        The c_i are close together for a light ball, and one is close to 0 for a thin body. Returns 0 if two of them
-        coincide over N.
+        The c_i are close together for a light ball, and one is close to 0 for a thin body. Returns 0 if two of the
+        c_i coincide over N.
         """
-        # 0 joins the c_i, because the curve also has a branch point where l(x) = 0
+        # 0 is included, because the curve also has a branch point where l(x) = 0
         weights = [N.zero, *sorted(self._weights(N))]
         gap = min(y - x for x, y in pairwise(weights)) / weights[-1]
         return max(0, ceil(-DIGITS_A_GAP * float(N.context.log10(gap))) - SPARE) if gap else 0

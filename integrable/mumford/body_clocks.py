@@ -1,8 +1,9 @@
 """Clocks t(τ) of the bodies of :mod:`integrable.mumford.bodies`, to any number of digits.
 
-For these bodies dt/dτ is a constant divided by √((1 − X₁)(1 − X₂)), where X = 1 is a branch point beyond both ovals.
-Its mean is a determinant of elliptic integrals, and t is the mean times τ plus a Fourier series
-(:mod:`integrable.torus.long_clock`). If the ovals meet, t is computed by quadrature along the motion.
+For these bodies dt/dτ is a constant divided by √((1 − X₁)(1 − X₂)), where X₁ and X₂ are the abscissas of the moving
+points, and X = 1 is a branch point beyond both ovals. The mean of dt/dτ is a determinant of elliptic integrals, and t
+is this mean times τ plus a Fourier series (:mod:`integrable.torus.long_clock`). If the ovals meet, t is computed by
+quadrature along the motion.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ class RateSource(NamedTuple):
     digits: int
 
     def reached(self, sign: int, steps: int) -> tuple[Real, ...]:
-        """Never called: points of the motion would decide only a sign, on which dt/dτ does not depend."""
+        """Never called, because points of the motion determine only a sign, and dt/dτ does not depend on it."""
         raise NotImplementedError
 
 
@@ -100,7 +101,7 @@ class WalkedClock:
         step = 1 if t >= 0 else -1
         if abs(t) > MOST_PANELS * self._longest:
             raise self._too_far(t)
-        # ``shown`` is the time t at the near end of the panel
+        # ``shown`` is the time t at that end of the panel which is nearer to the start
         panel, shown = min(step, 0), 0 * t
         while abs(t - shown) > self._panel(panel)[1]:
             shown += step * self._panel(panel)[1]
@@ -118,7 +119,7 @@ class WalkedClock:
         )
 
     def _panel(self, n: int) -> tuple[list[Real], Real]:
-        """The series of dt/dτ on panel n, from n to n + 1 lengths of τ, and the time t that the panel takes."""
+        """The series of dt/dτ on panel n, where τ is between n and n + 1 lengths, and the length of the panel in t."""
         if n not in self._panels:
             values = [self._rate(self._half * (2 * n + 1 + x)) for x in self._rule.nodes]
             series = self._rule.coefficients(values)

@@ -70,14 +70,16 @@ def check_apart(known: Sequence[Complex], found: Sequence[Complex]) -> None:
 
 
 def real_roots(f: Row, out: Row) -> bool:
-    """Writes the roots of a real polynomial to ``out``, the largest first, by Laguerre's method from beyond the largest
-    one. Returns whether all are real; then the method converges to each. The rest of ``out`` is memory.
+    """Writes the roots of a real polynomial to ``out`` in descending order, and returns whether all are real.
+
+    Laguerre's method starts above all roots; if all are real, it converges to the largest one. The second half of
+    ``out`` is working memory.
     """
     degree = len(f) - 1
     for k in range(degree):
         out[degree + k] = f[k] / f[degree]
     for n in range(degree, 0, -1):
-        # of n real roots with the mean m, all are below m + √((n − 1)·variance) (Samuelson)
+        # n real roots with the mean m are at most m + √((n − 1)·variance) (Samuelson)
         mean, square, top = -out[degree + n - 1] / n, 0.0, 1.0
         if n > 1:
             square = (n - 1) * (mean * mean * (n - 1) - 2 * out[degree + n - 2] / n)
@@ -102,7 +104,7 @@ def real_roots(f: Row, out: Row) -> bool:
             return False
         out[degree - n] = x
         for k in range(n - 1, -1, -1):
-            # division by the found factor
+            # Horner's scheme divides the polynomial by the linear factor of the root x
             top, out[degree + k] = out[degree + k] + x * top, top
     return True
 
@@ -111,7 +113,7 @@ LIBRARY = Library("branch_points", {"real_roots": (real_roots, (FLOATS, FLOATS))
 
 
 def coincident(N: LongField, points: Sequence[Complex]) -> list[int]:
-    """The indices k for which branch points k and k + 1 are too close to be told apart."""
+    """The indices k for which branch points k and k + 1 are too close to be distinguished."""
     size = max(map(abs, points))
     return [k for k, (x, y) in enumerate(pairwise(points)) if not abs(x - y) > N.root_of_eps * size]
 
@@ -119,7 +121,7 @@ def coincident(N: LongField, points: Sequence[Complex]) -> list[int]:
 def opened(N: LongField, model: PairModel, known: Collection[Complex]) -> PairModel:
     """The model of degree 5 in which bounded ovals that are points become intervals, too short to change any float.
 
-    Of the two ends of such an oval, one that is not ``known`` is moved. PrecisionLoss if other branch points coincide.
+    An end of such an oval that is not ``known`` is moved. PrecisionLoss if other branch points coincide.
     """
     roots, first = list(model.roots), 0 if model.lead > 0 else 1
     size = max(map(abs, roots))
@@ -191,7 +193,7 @@ def without_root(even: PairModel) -> PairModel:
     v = (-m * s * p + v1 * p, m * (s * s - p) - v1 * s)
     c0, c1 = even.direction
     moved = [1 / (pole - e) for e in roots]
-    # unless each bounded oval contains one of the points, a point may pass the largest root
+    # a point may pass the largest root unless each bounded oval contains one of the points
     ends = [(x - s) * x + p for x in moved[1:]]
     if lead > 0 or any(sign * height < -SMALL * p for sign, height in zip((1, -1, -1, 1), ends, strict=True)):
         raise PrecisionLoss(APART)

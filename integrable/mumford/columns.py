@@ -19,7 +19,7 @@ EXP_BITS = 140
 class Column:
     """A double-double number hi + lo; both parts are floats, or arrays of one shape (Dekker 1971)."""
 
-    # this makes an array as left operand defer to this class
+    # with None, an array as left operand leaves the operation to this class
     __array_ufunc__ = None
     __slots__ = ("hi", "lo")
 

@@ -1,8 +1,8 @@
 """States at far times of motions of genus 1 with real data: theta functions give sn, cn and dn of a phase linear in
 time.
 
-On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the point moves between x₁ and x₂ (:class:`EllipticOval`). There x = x₁ + (x₂
-− x₁)sn², x₂ − x = (x₂ − x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are multiples of sn, cn and dn,
+On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the point of D moves between x₁ and x₂ (:class:`EllipticOval`). There x = x₁ +
+(x₂ − x₁)sn², x₂ − x = (x₂ − x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are multiples of sn, cn and dn,
 signs included. Models with ℓ < 0 are first transformed by x ↦ −x, those of degree 4 by x ↦ 1/(E − x), where E is the
 largest root.
 """
@@ -32,17 +32,17 @@ from jacobian.relatives.extended import Extended, Lift
 
 Row = np.ndarray
 
-# bits in which a torus is set up
+# precision in bits of the set-up of a torus
 BITS = 200
-# series end at a term below LAST; beyond MOST_TERMS terms double-doubles cannot distinguish the motion from one on a
-# separatrix
+# series end at a term below LAST; if this takes more than MOST_TERMS terms, double-doubles cannot distinguish the
+# motion from one on a separatrix
 LAST, MOST_TERMS = 2.0**-113, 26
 # |sn| or |cn| below which a point counts as being at its branch point
 NEAR = 1e-8
 
 
 class OvalThetas(NamedTuple):
-    """An :class:`EllipticOval` for :func:`oval_points`.
+    """The data of an :class:`EllipticOval` that :func:`oval_points` needs.
 
     ``numbers`` are turns of the phase per unit time, turns at the start, and the factors of θ₁/θ₄, θ₂/θ₄ and θ₃/θ₄ in
     R₁, R₂ and R₃. ``table`` are the coefficients of harmonics 2n + 1 of θ₁ and θ₂, and 2n of θ₃ and θ₄. ``inverse`` is
@@ -61,7 +61,7 @@ def oval_points(oval: OvalThetas, times: Row, place: tuple[int, int], out: Row) 
     """
     numbers, count, (begin, step) = oval.numbers, len(out) // 3, place
     for n in abreast(0, count):
-        # sn and cn have twice the period of Z, hence half the phase
+        # sn and cn have twice the period of Z, so their angle is half the phase of Z
         c, s = circle((numbers[0] * times[begin + step * n] + numbers[1]) / 2, oval.inverse)
         one, two, three = theta_quotients(oval.table, c, s)
         out[n], out[count + n], out[2 * count + n] = numbers[2] * one, numbers[3] * two, numbers[4] * three
@@ -91,9 +91,9 @@ LIBRARY = Library("elliptic", {"oval_points": (oval_points, (OVAL, WIDES, TupleK
 class EllipticOval:
     """A point that moves on Z'² = 4(Z − e₁)(Z − e₂)(Z − e₃) in the oval e₁ ≤ Z ≤ e₂ ≤ e₃, in long numbers.
 
-    It has the roots R₁ = √(Z − e₁), R₂ = √(e₂ − Z) and R₃ = √(e₃ − Z), multiples of sn, cn and dn. As Z' = 2R₁R₂R₃,
-    R₁ and R₂ change their signs; R₃ is positive. ``swing`` is e₂ − e₁, ``above`` is e₃ − e₂; ``start`` are R₁ and
-    R₂ ≥ 0 at the start. ``period`` is the time in which Z returns, ``phase`` the turns since Z = e₁.
+    The roots R₁ = √(Z − e₁), R₂ = √(e₂ − Z) and R₃ = √(e₃ − Z) are multiples of sn, cn and dn. Their signs are those
+    for which Z' = 2R₁R₂R₃ and R₃ > 0, so R₁ and R₂ change sign. ``swing`` is e₂ − e₁, ``above`` is e₃ − e₂; ``start``
+    are R₁ and R₂ ≥ 0 at the start. ``period`` is the time in which Z returns, ``phase`` the turns since Z = e₁.
     """
 
     def __init__(self, N: LongField, swing: Real, above: Real, start: Sequence[Real]) -> None:
@@ -105,7 +105,7 @@ class EllipticOval:
         second, third, fourth = self.thetas.at_zero
         self.factors = narrow * third / second, narrow * fourth / second, wide * fourth / third
         self.period = half_turn() / (wide * self.thetas.mean)
-        # an oval of length 0 is a point
+        # in an oval of length 0 the phase is arbitrary
         self.phase = part_of_round(N, self.thetas.levels, one, two) / half_turn() if swing else N.zero
 
     def at(self, turns: Real) -> tuple[Real, Real, Real]:
@@ -159,8 +159,9 @@ class CubicModel(NamedTuple):
 class EllipticTorus(FarTimes):
     """The divisor D of a motion of genus 1 at any times, in double-doubles.
 
-    ``place(K)`` returns the :class:`Start` over K. PrecisionLoss if branch points are not real or too close, if the
-    point is on an unbounded branch or at rest, for data other than lifts, and for lifts on a model of degree 4.
+    ``place(K)`` returns the :class:`Start` over K. PrecisionLoss if branch points are not real or too close, or
+    if the point is on an unbounded branch or at rest. It is also raised for data other than lifts, and for lifts on a
+    model of degree 4.
     """
 
     def __init__(self, place: Callable[[LongField], Start]) -> None:
@@ -178,7 +179,7 @@ class EllipticTorus(FarTimes):
             oval = EllipticOval(N, model.swing, model.above, (side * N.sqrt(low), N.sqrt(high)))
             lead = N.sqrt(model.lead)
             self._oval = oval.packed(lead * abs(model.pace) / (2 * oval.period))
-            # θ changes its sign after half a turn
+            # the roots R₁ and R₂ have twice the period of Z
             self.paces, self._side = [float(self._oval.numbers[0, 0]) / 2], model.side
             self._first = Column.of(model.first)
             self._pole = None if model.pole is None else Column.of(model.pole)
@@ -239,7 +240,7 @@ def _lift(
         raise PrecisionLoss(APART)
     size = N.sqrt(square)
     own, one, other = (oval.start[k] for k in (which, which - 1, which - 2))
-    # if the point is at e, ν carries the sign
+    # if the point is at e, then σ = 0, and the sign is that of ν
     if (own * sigma if own * own > NEAR * NEAR * swing else one * other * slope / kappa * nu) < 0:
         size = -size
     return Column.of(kappa), Column.of(size), Column.of(slope / (kappa * size)), which
@@ -301,7 +302,7 @@ class ThetaTable(NamedTuple):
     """The constants of the theta functions of one modulus, in long numbers.
 
     ``levels`` are the :func:`means` of 1 and k', ``others`` those of 1 and k (none if k = 0). ``table`` is that of
-    :class:`OvalThetas`, and ``at_zero`` are θ₂, θ₃ and θ₄ at 0. Coefficients and value of θ₂ are divided by its first
+    :class:`OvalThetas`, and ``at_zero`` are θ₂, θ₃ and θ₄ at 0. θ₁ and θ₂ are divided by their common first
     coefficient.
     """
 

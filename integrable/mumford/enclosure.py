@@ -1,7 +1,7 @@
 """States of motions of any genus with proven bounds, by additions in balls (:mod:`integrable.moving_point.balls`).
 
 The constants of a system, a start and the times count as exact; a start is projected onto its constraints. A state at
-any time takes a few additions, so a far time costs little besides more bits. If t is not linear in τ but
+any time takes a few additions, so a far time needs little more than additional bits. If t is not linear in τ but
 computed with the pair, as for geodesics, the interval Newton method finds τ at a time.
 """
 
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
     Vectors = tuple[arb, Sequence[arb], Sequence[arb]]
 
-# the initial allowance for lost bits is OF_GENUS per genus, and OF_DOUBLING per genus and doubling
+# the initial allowance for lost bits is OF_GENUS times the genus, plus OF_DOUBLING times the genus for each doubling of
+# the time
 OF_GENUS, OF_DOUBLING = 160, 20
 # guard digits of the first guess of τ
 GUARD = 6

@@ -47,8 +47,7 @@ BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(400, 1), 3: Cost(60_000, 100)}
 # the additional cost in genus 2 if t is not linear in τ, in microseconds (python -m benchmarks near)
 ON_CLOCK = Cost(350, 1)
-# series in FINEST steps may cost this fraction of a torus of genus ≥ 3 before it is made: 23 ms of 62 for
-# Neumann's point on S³ to t = 1000
+# in genus ≥ 3 series with the finest steps are tried before a torus, up to this fraction of the cost of the torus
 SHARE_OF_FINEST = 1 / 3
 # in genus ≥ 3 fewer far times than this are computed by additions: in genus 3 six of them take 72 ms, as long as a
 # torus and its check (python -m benchmarks mumford)
@@ -133,8 +132,9 @@ class MumfordFlow(StateFlow[Path]):
 
     @cached_property
     def _recorded(self) -> tuple[Vectors, Start, np.ndarray] | None:
-        """(q, p) and the start in the long numbers of a torus, and what its states have in common. None where nothing
-        is compiled, if data are complex, or if the formulas of the system cannot be recorded.
+        """(q, p) and the start in the long numbers of a torus, and the numbers that all states of the motion share
+        (:meth:`integrable.mumford.recorded.PairFormulas.fixed`). None over a field other than RR, if no code is
+        compiled, if data are complex, or if the formulas of the system cannot be recorded.
         """
         formulas = self.system._formulas if self._in_floats and not self.system.complex_data else None
         if formulas is None:
@@ -148,20 +148,20 @@ class MumfordFlow(StateFlow[Path]):
 
         Floats are accurate to their last bits, numbers of MP(digits) to their digits; see
         :meth:`integrable.mumford.motion.MumfordMotion.row`. In floats, states near the start are computed by Taylor
-        series (:mod:`integrable.series.kinds`). Farther ones are computed on the real torus. In genus ≥ 3, where its
-        set-up is long, fewer than six times are computed by additions. Repeated calls return the same bits, whatever
-        was requested before. ArgumentError for times that are not numbers.
+        series (:mod:`integrable.series.kinds`). Farther states are computed on the real torus. In genus ≥ 3, where the
+        set-up of a torus takes long, states at fewer than six times are computed by additions. Repeated calls return
+        the same bits, whatever was requested before. ArgumentError for times that are not numbers.
         """
         given = times_in(self.system.field, times, "times")
         return self._path(given, (self._by_additions,) if given.dtype == object else (self._near, *self._far))
 
     @property
     def _far(self) -> tuple[Callable[[np.ndarray], StatesReached | None], ...]:
-        """The ways to states in floats that are not near the start."""
+        """The methods for states in floats at times that are not near the start."""
         return self._on_torus, self._by_additions
 
     def _after(self, near: Near, given: np.ndarray) -> Path:
-        """The states at times in floats, of which ``near`` has those that Taylor series reach."""
+        """The states at times in floats; ``near`` contains those of them that Taylor series reach."""
         return self._path(given, (lambda times: self._completed(near, times), *self._far))
 
     def _path(self, given: np.ndarray, ways: Iterable[Callable[[np.ndarray], StatesReached | None]]) -> Path:
@@ -182,7 +182,7 @@ class MumfordFlow(StateFlow[Path]):
         return min(self._cost.of(count), LONGEST)
 
     def _near(self, times: np.ndarray) -> StatesReached | None:
-        """The states at those times that Taylor series reach sooner than the next way would."""
+        """The states at those times that Taylor series reach at a lower cost than the next method."""
         kind = self.system._kind
         if kind is None:
             return None
@@ -190,7 +190,7 @@ class MumfordFlow(StateFlow[Path]):
         return self._completed(near, times)
 
     def _completed(self, near: Near, times: np.ndarray) -> StatesReached:
-        """The states in ``near``, and those that finer steps reach sooner than the next way would."""
+        """The states in ``near``, and those that finer steps reach at a lower cost than the next method."""
         kind, count = self.system._kind, len(times)
         if near.lacks(count) and self._genus > 2:
             near = kind.finished(near, *self._walk_given, times, SHARE_OF_FINEST * self._budget(count))
@@ -217,7 +217,7 @@ class MumfordFlow(StateFlow[Path]):
         return StatesReached(self._long_way, found)
 
     _long_way = ADDITIONS
-    """The name of the way of :meth:`_by_additions`."""
+    """The value of ``way`` for states that :meth:`_by_additions` computes."""
 
     def _row(self, time: Real) -> Vectors:
         """The state at a time, in long numbers."""
@@ -270,8 +270,8 @@ class MumfordFlow(StateFlow[Path]):
     def section(self, count: int, oval: int = 0, end: str = "lower") -> Section:
         """The next ``count`` states with a point of the pair at the "lower" or the "upper" end of its oval, in floats.
 
-        ``oval`` is the number of the oval, in ascending order. If the end is a branch point a_i at which q_i is a lift,
-        q_i = 0 there. The errors are those of :meth:`spectrum`. (:mod:`integrable.portrait.section`)
+        ``oval`` is the number of the oval, from 0 in ascending order. If the end is a branch point a_i at which q_i is
+        a lift, q_i = 0 there. The errors are those of :meth:`spectrum`. (:mod:`integrable.portrait.section`)
         """
         from integrable.portrait.section import Section, crossings
 
@@ -299,7 +299,6 @@ class MumfordFlow(StateFlow[Path]):
         return largest_rate([floats.system.linearized(floats.start)])
 
     def _panel(self, first: float, last: float) -> float:
-        # PANEL_TURN divided by the largest eigenvalue of the linearized motion at PROBES times, or the whole time
         import numpy as np
 
         states = zip(*self._states(np.linspace(first, last, PROBES)), strict=True)
@@ -312,7 +311,9 @@ class MumfordFlow(StateFlow[Path]):
         return type(self)(replaced(self.system, field=field, constants=constants, parameters=parameters), Point(q, p))
 
     def _separated_in_floats(self, N: LongField, name: str) -> SeparatedTorus:
-        """The torus in separated coordinates; NotRepresentable names the requested quantity."""
+        """The torus in separated coordinates. NotRepresentable over a field other than RR; its message begins with
+        ``name``.
+        """
         K = self.system.field
         if K != RR:
             raise NotRepresentable(f"{name}: it is computed in floats, this flow is over {K.name}")
@@ -323,7 +324,7 @@ class MumfordFlow(StateFlow[Path]):
         return [kind.e for kind in self._place(N).kinds if isinstance(kind, Lift)]
 
     def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Arrays, Arrays]]:
-        """The function of :meth:`_states_on` that returns q and p, for arrays of floats."""
+        """The function of :meth:`_states_on` for arrays of floats."""
         import numpy as np
 
         from integrable.mumford.columns import Column, Columns
@@ -395,7 +396,7 @@ class MumfordFlow(StateFlow[Path]):
 
     @property
     def _may_have_torus(self) -> bool:
-        """Whether a torus is tried, for which compiled loops are needed."""
+        """Whether a torus is tried; it needs compiled loops."""
         return self._of_a_torus and self._in_floats
 
     @property
@@ -454,7 +455,7 @@ class MumfordFlow(StateFlow[Path]):
         return bool((gaps <= RIGHT * np.abs(true).max(axis=2)).all())
 
     def _walked(self, times: np.ndarray) -> StatesReached | None:
-        """The states at those times that Taylor series reach sooner than additions would."""
+        """The states at those times that Taylor series reach at a lower cost than additions."""
         kind, given, most = self.system._kind, self._walk_given, self._cost_of_additions(len(times))
         if kind is None:
             return None

@@ -21,12 +21,12 @@ from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, ExtendedGroup, Kind, Lift, PointLift
 
 # a motion is computed at two precisions, APART bits apart; the initial allowance for lost bits is OF_START, plus
-# OF_GENUS per genus and OF_DOUBLING per doubling
+# OF_GENUS times the genus, plus OF_DOUBLING for each doubling of the time
 APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
 MOST_BITS = 4000
-# bits in which tori for states in floats are set up, and for which starts are recorded
+# precision in bits of the set-up of tori for states in floats, at which recorded formulas compute the starts
 BITS_OF_TORUS = 160
-# largest rates that rounding may leave for a pair at rest, in units of the last bit
+# a pair counts as being at rest if its relative rates are at most STILL units of the last bit
 STILL = 2.0**16
 # a clock is inverted in at most MOST_STEPS steps. They end with a step below unit·√eps/SMALL, where unit is that of
 # translations, because the next step would be negligible
@@ -34,8 +34,8 @@ MOST_STEPS, SMALL = 200, 256
 
 
 class Start(NamedTuple):
-    """The start of a motion: f, the pair (u, v) at τ = 0, its ``data``, one for each of ``kinds``, and the direction of
-    τ.
+    """The start of a motion: f, the pair (u, v) at τ = 0, its ``data``, one datum for each of ``kinds``, and the
+    direction of τ.
 
     ``further`` are the directions of any other times on which the pair depends.
     """
@@ -52,7 +52,7 @@ class Start(NamedTuple):
 Vectors = Sequence[Sequence[Real]]
 Read = Callable[[LongField, Extended], Vectors]
 TimeAt = Callable[[LongField, Extended], tuple[Real, Real]]
-"""(t, dt/dτ) at a divisor."""
+"""A function that returns (t, dt/dτ) at a divisor."""
 
 
 class Placed:
@@ -121,7 +121,8 @@ class Placed:
     def rests(self) -> bool:
         """Whether the pair is at rest: each point is at a double point of the curve, where no addition is regular.
 
-        PrecisionLoss if the pair is so close to rest that more bits are needed to decide this, or to follow it.
+        PrecisionLoss if the pair is so close to rest that more bits are needed to decide this, or to compute its
+        motion.
         """
         K, moved = self.field, self._moved
         # balls have eps = 0, and their comparison with 0 is a proof
@@ -131,7 +132,7 @@ class Placed:
         if still:
             with LongField(MOST_BITS, K.complex) as L:
                 still = Placed(L, self._place)._moved <= STILL * L.eps
-        # near a double point sums lose quantities below √eps, at every precision
+        # near a double point sums of divisors lose quantities below √eps, at every precision
         if not still and moved * moved <= STILL * K.eps:
             raise PrecisionLoss("the state is too near to one at rest: use more digits")
         return still
@@ -157,7 +158,7 @@ class MumfordMotion:
         self._placed: dict[int, Placed] = {}
         # (t, τ) of the last row
         self._reached: tuple[Any, Any] = (None, None)
-        # number of bits beyond those requested that has sufficed so far
+        # number of additional bits that has sufficed so far
         self._extra = OF_START + OF_GENUS * genus
 
     def row(
@@ -277,13 +278,13 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
             # slow convergence leads to bisection, because the cubic may alternate between the sides forever
             step = (low[0] + high[0]) / 2 - tau if slow else _between(low, high, target) - tau
         else:
-            # a lower bound on the rate limits steps across flat places; the bound is lowered if the target may lie in a
-            # flat place
+            # a lower bound on the rate limits steps where the clock t(τ) is flat; the bound is lowered if the target
+            # may lie there
             flat = flat / 16 if slow else flat
             step = rest / max(rate, mean * flat)
         if low and high and not low[0] < tau + step < high[0]:
             step = (low[0] + high[0]) / 2 - tau
-        # only the first step is long; later ones lose few bits
+        # only the first step is long; a later step starts from D and loses few bits
         D = placed.after(D, tau, step) if n else placed.at(step)
         tau += step
         if abs(step) < unit * K.eps**0.5 / SMALL:
@@ -294,7 +295,7 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
 
 
 def _between(low: tuple[Real, ...], high: tuple[Real, ...], target: Real) -> Real:
-    """τ at the time ``target`` between two points (τ, t, dt/dτ), on Hermite's cubic."""
+    """τ at the time ``target`` between two points (τ, t, dt/dτ), by Hermite's cubic."""
     (first, begin, rate), (last, end, other) = low, high
     length = end - begin
     s = (target - begin) / length

@@ -19,7 +19,7 @@ from integrable.torus.theta_series import inverse_factorials
 from jacobian.element import Real
 from jacobian.numbers.double_double import double_double_row
 
-# modes below NEGLIGIBLE of the largest are not needed
+# high modes below NEGLIGIBLE times the largest mode are omitted
 NEGLIGIBLE = 1e-34
 
 

@@ -6,8 +6,8 @@ and momenta p_i on the axes
 
     U = f₁(u₀ + εΣ q_i²/(x − a_i)),   V = ½U',   W = f₁(w₀ − εΣ (p_i² + l_i²/q_i²)/(x − a_i)),   f = V² + UW
 
-The direction is −2e_{g−1}. If l_i = 0, a_i is a branch point and (q_i, p_i) is the lift there. So signs are determined,
-also where q_i changes sign. If l_i ≠ 0, q_i does not vanish and keeps its sign.
+The direction is −2e_{g−1}. If l_i = 0, a_i is a branch point and (q_i, p_i) is the lift there. So the sign of q_i is
+determined, also after q_i passes 0. If l_i ≠ 0, q_i does not vanish and keeps its sign.
 """
 
 from __future__ import annotations
@@ -138,8 +138,8 @@ class QuadricSystem(MumfordSystem):
 
         ``point`` = (λ, μ) with μ² = f(λ). On the axes q̃ = A⁻¹(p + cq), p̃ = −Aq + cq̃ with A = diag√(−ℓ(a_i − λ)), ℓ
         the leading coefficient of f, and c = (μ − V(λ))/U(λ). ``roots`` replaces the square roots in A. For large λ the
-        map is a time step of about 1/√(ℓλ), forward or back by the sign of μ. ArgumentError if the point is not on the
-        curve, NotASquare if a square root does not exist.
+        map is a time step of about 1/√(ℓλ), forward or backward by the sign of μ. ArgumentError if the point is not on
+        the curve, NotASquare if a square root does not exist.
         """
         if any(map(self._stands, self._barriers())):
             raise ArgumentError(f"{self!r} has no steps: all its barriers would have to be 0")

@@ -1,4 +1,4 @@
-"""The formulas between states and pairs of a kind of systems, recorded once as tapes of their operations.
+"""The formulas that convert states of one kind of system to pairs and back, recorded once as tapes of operations.
 
 A formula of a system, written for any field, takes microseconds for each operation. Its tape takes a tenth of that in
 long numbers, and nanoseconds in double-doubles, where a compiled loop applies it to many pairs at once.
@@ -65,11 +65,11 @@ class PairField(SymbolField):
 
 
 class PairFormulas:
-    """The formulas of a kind of systems.
+    """The formulas of one kind of system.
 
-    ``start``(N, y) returns (q, p) within its constraints and the start of the motion, where y are ``count`` numbers: q
-    and p, then those of the system. ``back``(N, y, D, time) returns (q, p) at a pair D of the motion. TypeError or
-    ArgumentError if they call a function that cannot be recorded.
+    ``start``(N, y) returns (q, p), projected onto its constraints, and the start of the motion, where y are ``count``
+    numbers: q and p, then those of the system. ``back``(N, y, D, time) returns (q, p) at a pair D of the motion.
+    TypeError or ArgumentError if one of them calls a function that cannot be recorded.
     """
 
     def __init__(
@@ -106,8 +106,8 @@ class PairFormulas:
         return vectors, Start(f, u, v, direction, kinds, data)
 
     def fixed(self, N: LongField, numbers: Sequence[Real]) -> Row:
-        """What the states of one motion have in common, in double-doubles; ``numbers`` are as for ``start``, with q and
-        p within their constraints.
+        """The numbers that all states of one motion share, in double-doubles. ``numbers`` are as for ``start``, with q
+        and p projected onto their constraints.
         """
         return self._back.fixed(N, numbers)
 
@@ -130,7 +130,7 @@ class PointFormulas:
         self._fixed, self._rooms = LongTape(fixed), list[np.ndarray]()
 
     def fixed(self, N: LongField, numbers: Sequence[Real]) -> Row:
-        """What the results at the points of a motion have in common, in double-doubles, from the fixed variables."""
+        """The numbers that the results at all points of a motion share, in double-doubles, from the fixed variables."""
         return double_double_row(self._fixed(N, numbers)).reshape(-1, 2)
 
     def at(self, fixed: Row, given: np.ndarray) -> np.ndarray:
@@ -138,7 +138,7 @@ class PointFormulas:
         variables, count, _ = given.shape
         (codes, results), wide = self._program, len(self._program.results)
         out = np.empty((count * wide, 2))
-        # fresh memory of this size would take as long as the operations on some points
+        # memory is reused, because an allocation takes as long as the operations on several points
         try:
             room = self._rooms.pop()
         except IndexError:
@@ -173,13 +173,13 @@ def flat(parts: Any) -> Iterator[Any]:
 
 
 def shaped(shape: Sequence[Any], values: Iterator[Real]) -> tuple[Any, ...]:
-    """Nested tuples of the same shape, with the next ``values``."""
+    """Nested tuples of the given ``shape``, filled with the next ``values``."""
     return tuple([shaped(x, values) if isinstance(x, tuple) else next(values) for x in shape])
 
 
 def divided(tape: Tape, count: int) -> tuple[Program, Tape]:
-    """The program that computes what depends on variables after the first ``count``, and the tape that computes the
-    other numbers it uses, which are fixed for a motion. TypeError for an exponential of a variable, which no compiled
+    """The program for the nodes that depend on variables after the first ``count``, and the tape for the other numbers
+    that the program uses, which are fixed for a motion. TypeError for an exponential of a variable, which no compiled
     loop computes.
     """
     fixed = list[bool]()
@@ -251,7 +251,7 @@ def of_first(function: Callable[[Any], Any]) -> Callable[[Any, Any], Any]:
 
 
 def of_key(N: LongField, key: Key) -> Real:
-    """The value of a symbol without constants of a system."""
+    """The value of a symbol that contains no constant of a system."""
     if key[0] == "number":
         return N.coerce(key[1])
     return OPERATIONS[key[0]](of_key(N, key[1]), of_key(N, key[2]))

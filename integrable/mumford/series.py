@@ -111,7 +111,7 @@ def _over(start: Ball, row: Sequence[Ball]) -> list[Ball]:
 class PointMotion:
     """D(τ) along a direction from the pair with ``points`` (xs, ys), with the third-kind integrals for ``others``.
 
-    ``field`` is a field of long numbers, or of balls that then contain D(τ). Series have ``order`` terms.
+    ``field`` is a field of long numbers, or of balls, which then contain D(τ). Series have ``order`` terms.
     """
 
     def __init__(
@@ -132,7 +132,7 @@ class PointMotion:
             self._rates = self._solved(self._direction, [K.zero] * len(self._points))
             reaches = (p.radius / abs(rate) for p, rate in zip(self._points, self._rates, strict=True))
             self.reach = min(float(x.lower()) for x in reaches)
-            """The approximate time in which a point reaches the boundary of its disc."""
+            """The approximate time at which the first point reaches the boundary of its disc."""
 
     def at(self, time: Real) -> tuple[Poly, Poly, Real, list[Real]]:
         """(U, V, Ω, the third-kind integrals) of D(τ), Ω = Σ∫x^g dx/y."""
@@ -157,7 +157,8 @@ class PointMotion:
             step = self._solved(missing, middle)
             width = [2 * abs(x).abs_upper() for x in step]
             found = self._solved(missing, [around(x, w) for x, w in zip(middle, width, strict=True)])
-            # the iteration ends when the box widens the result no more than rounding and the radius of the time do
+            # the iteration ends when the Newton step over the box is at most twice as wide as that at the midpoint,
+            # whose width is due to rounding and to the radius of the time
             if all(abs(x) <= w and x.rad() <= 2 * y.rad() for x, y, w in zip(found, step, width, strict=True)):
                 return [x + y for x, y in zip(middle, found, strict=True)]
             middle = [(x + y).mid() for x, y in zip(middle, step, strict=True)]

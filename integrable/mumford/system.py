@@ -332,12 +332,12 @@ class MumfordSystem(Made):
 
     @property
     def _alike(self) -> tuple[object, ...]:
-        """What systems with the same formulas have in common."""
+        """The key that exactly the systems with the same formulas share."""
         return type(self), self.size, len(self.constants), self._standing
 
     @quick_property
     def _kind(self) -> Kind | None:
-        """The compiled walks of systems like this one; None if its equations cannot be recorded as a tape."""
+        """The compiled walks of systems with the same formulas; None if these cannot be recorded as a tape."""
         return made_once(("walks", *self._alike), self._made_kind)
 
     def _made_kind(self) -> Kind | None:
@@ -365,7 +365,7 @@ class MumfordSystem(Made):
 
     @quick_property
     def _formulas(self) -> PairFormulas | None:
-        """The recorded formulas of systems like this one; None if they cannot be recorded."""
+        """The recorded formulas between states and pairs; None if they cannot be recorded."""
         return made_once(("pairs", *self._alike), self._made_formulas) if self._for_all_states else None
 
     def _made_formulas(self) -> PairFormulas | None:
@@ -392,7 +392,7 @@ class MumfordSystem(Made):
         try:
             return PairFormulas(start, back, count)
         except (TypeError, ArgumentError, NotImplementedError):
-            # a formula calls a function that cannot be recorded, or there is no way back
+            # a formula calls a function that cannot be recorded, or the system does not define _back
             return None
 
     @property

@@ -63,13 +63,16 @@ from jacobian.relatives.extended import Extended, Lift, SecondKind
 # computed in double-doubles if it is larger than CLOSE, or if t is not linear in τ. Below CLOSEST pairs on a model of
 # even degree may lose digits
 CLOSE, CLOSEST = 2.0**-10, 2.0**-16
-# double-doubles resolve the fractions of MOST_TURNS·CLOSE_TURNS·gap turns if that is less than MOST_TURNS
+# phases in double-doubles keep enough digits up to MOST_TURNS turns, or up to MOST_TURNS·CLOSE_TURNS·gap if this is
+# less
 CLOSE_TURNS = 16
-# second derivatives of theta functions, from which a mean is computed, need terms that are smaller by e^(−π·FURTHER)
+# second derivatives of theta functions, from which a mean is computed, also need terms that are smaller by the factor
+# e^(−π·FURTHER)
 FURTHER = 4.0
-# Newton's method ends if the start is met to ENOUGH. A torus is refused if rates of lifts on it and by the equations of
-# motion differ by more than OBEYED (:func:`integrable.torus.pair_loops.lifts_strayed`). At up to AMPLIFIED points they
-# may differ by ROUGHLY: in a narrow peak of a lift, errors of 1e-23 of other lifts are amplified to 3e-12
+# Newton's method ends if the computed start differs from the given one by less than ENOUGH. A torus is refused if rates
+# of lifts on it and by the equations of motion differ by more than OBEYED
+# (:func:`integrable.torus.pair_loops.lifts_strayed`). At up to AMPLIFIED points they may differ by ROUGHLY: in a narrow
+# peak of a lift, errors of 1e-23 of other lifts are amplified to 3e-12
 ENOUGH, OBEYED, AMPLIFIED, ROUGHLY = 1e-31, 1e-15, 2, 1e-10
 # the time of the one witness, in turns of the faster phase
 WITNESS = 0.3
@@ -129,9 +132,9 @@ class ThetaTorus(FarTimes):
 
     ``place(K)`` returns the :class:`Start` over K, ``rate(K)`` the :class:`Rate` of a motion whose time is not linear
     in τ. The only datum of the second kind that is allowed is the time t with dt/dτ = |U(0)|. PrecisionLoss for data
-    other than lifts and this time, if branch points nearly meet, if fewer than two are real, or if the pairs of the
-    torus are not those of the motion. On a model of even degree it is also raised for lifts. On such a model, or if t
-    is not linear in τ, each oval must have one point of the pair.
+    other than lifts and this time, if branch points nearly meet, or if fewer than two are real. It is also raised if
+    the pairs of the torus are not those of the motion, and for lifts on a model of even degree. On such a model, or if
+    t is not linear in τ, each oval must have one point of the pair.
     """
 
     def __init__(self, place: Callable[[LongField], Start], rate: Callable[[LongField], Rate] | None = None) -> None:

@@ -1,9 +1,10 @@
 """The translations T(τ) of a motion with constant direction on a Jacobian of any genus, and their addition.
 
-D(τ + δ) = D(τ) + E(δ) − E for every divisor E of the curve. E is chosen where the curve is real and away from its
-branch points. For a short time h, E(h) is computed from series (:mod:`integrable.mumford.series`). While T(2^k h) is
-small, it has points near infinity and is stored as E_k − E, where E_{k+1} = 2E_k − E. Once it is in general position,
-T(2^k h) itself is stored. The remainder r of τ beyond a multiple of h contributes E(r) − E.
+D(τ + δ) = D(τ) + E(δ) − E for every divisor E of the curve, where E(δ) is the result of moving E along the direction
+for the time δ. E is chosen where the curve is real and away from its branch points. For a short time h, E(h) is
+computed from series (:mod:`integrable.mumford.series`). While T(2^k h) is small, it has points near infinity and is
+stored as E_k − E, where E_{k+1} = 2E_k − E. Once it is in general position, T(2^k h) itself is stored. The remainder r
+of τ beyond a multiple of h contributes E(r) − E.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ class GroupTranslations:
         self._singles: dict[int, Extended | None] = {}
         self._size = group.size_of_x(pair[0])
         self._height = poly.size_at(group.f, self._size)
-        # the first k for which the growth of T(2^k h) has not been checked
+        # the first k for which :meth:`_check_growth` has not checked T(2^k h)
         self._unseen = FRACTION
 
     def _reference(self) -> tuple[list[Real], list[Real]]:
@@ -99,8 +100,8 @@ class GroupTranslations:
     def _check_growth(self, k: int) -> None:
         """Raises PrecisionLoss if T(2^k h) may move a pair away from a double point e at which it has to stay.
 
-        Sums keep the pair there only up to √eps, at every precision. Along a motion that leaves the neighbourhood this
-        deviation grows like 1/U(e), U that of T, and in total at most like (1/U(e))^(4/3).
+        Sums keep the pair there only up to √eps, at every precision. Along a motion that leaves the neighbourhood, this
+        deviation grows like 1/U(e) with the U of T, and in total at most like (1/U(e))^(4/3).
         """
         K = self.field
         for j in range(self._unseen, k + 1):

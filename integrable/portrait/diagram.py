@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 NODES = 512
 MOST_COUNT = 300
-"""The largest number of rows of a grid of rotation numbers: this grid takes about half a minute."""
+"""The largest number of rows of a grid of rotation numbers; the largest grid takes about half a minute."""
 
 
 class Diagram(Record):

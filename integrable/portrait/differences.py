@@ -17,9 +17,10 @@ from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.progress import Progress
 
 FlowMap = Callable[[np.ndarray, MultiprecisionField], np.ndarray]
-"""From inputs in a field to rows of numbers, first the states at the times: shape (N, m)."""
+"""A function from inputs, as numbers of a field, to N rows of m numbers."""
 
-# extra digits of the motions, and the most attempts: each expects derivatives of the size that the previous one found
+# extra digits of the motions, and the largest number of attempts. An attempt assumes the size of the derivatives that
+# the previous one found
 GUARD, ATTEMPTS = 8, 6
 # the weights of values in quotients of second order, by the number of steps: an input that must not decrease has
 # one-sided quotients

@@ -1,4 +1,4 @@
-"""Events along a motion: zeros of a function of the state, found on the motion itself."""
+"""Events along a motion: zeros of a function of the state, refined by Newton's method on the motion itself."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jacobian.fields.multiprecision import Mpf
 
 Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
 VectorsAt = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
-"""From times to both vectors of the states there, γ and M or q and p, shape (N, n)."""
+"""A function from N times to both vectors of the states, γ and M or q and p, each of shape (N, n)."""
 # number of panels that are searched together
 PANELS = 512
 # the largest number of panels of one search, each of which takes some ten microseconds
@@ -28,7 +28,7 @@ TOLERANCE = 1e-12
 COARSEST = 1e-7
 # a zero is kept if it lies outside the interval by at most ROUNDING·eps half panels
 ROUNDING = 1e3
-# the largest number of steps of Newton's method; a step with a slope in floats gains twelve digits
+# the largest number of steps of Newton's method; slopes are floats, so each step gains about twelve digits
 MOST_STEPS = 100
 # a zero is rejected if Newton's method moves it farther than NEAR or leaves it uncertain by more than SHARP, in half
 # panels

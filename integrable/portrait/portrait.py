@@ -1,16 +1,17 @@
 """Global quantities of a motion: frequencies, rates, drift, actions and angles, and its place among the motions of its
 body.
 
-M̃ = s(M − dkH1γ) and γ̃ ∥ γ + kM are the fixed vectors of Chaplygin's transformation (:mod:`integrable.phase.upright`),
-M and γ themselves where (γ, M) = 0. M̃ circles the axis of the least a = 1/(I + d) where ζ = H̃1/H̃2 is below the
-middle a, otherwise that of the largest. All means are in closed form, at any d and (γ, M), by the periods of
+M̃ = s(M − dkH1γ) and γ̃ ∥ γ + kM are the fixed vectors of Chaplygin's transformation (:mod:`integrable.phase.upright`).
+Where (γ, M) = 0 they are M and γ themselves. M̃ circles the axis of the least a = 1/(I + d) where ζ = H̃1/H̃2 is below the
+middle a, otherwise that of the largest. All means have closed forms, at any d and (γ, M), in the periods of
 :mod:`integrable.portrait.ovals`: with D = A0B1 − A1B0 and N = √Π(1 − d̃a_i),
 
     ν1 = B1/(2D), ν2 = −A1/(2D), ⟨1/g⟩ = sN⟨1/√((1 − d̃u1)(1 − d̃u2))⟩, f = ν/⟨1/g⟩,
     J1 = (h1A0 − h2A1)/π, J2 = (h2B1 − h1B0)/π.
 
-J are the actions of (γ, M) = 0 in :func:`integrable.phase.separation.to_separated`, J_k = (1/2π)∮|p_k|du_k; for (γ, M)
-≠ 0 those of the upright body. (Chaplygin 1903; at d = 0 Euler 1758, Jacobi 1849.)
+At (γ, M) = 0 the J_k = (1/2π)∮|p_k|du_k are the actions in the coordinates of
+:func:`integrable.phase.separation.to_separated`; at (γ, M) ≠ 0 they are those of the upright body. (Chaplygin 1903; at
+d = 0 Euler 1758, Jacobi 1849.)
 """
 
 from __future__ import annotations
@@ -229,7 +230,7 @@ def start_angles(system: PhaseSpace, state: State, wide: MultiprecisionField, di
         except PrecisionLoss:
             if lost == LOST[-1]:
                 raise
-    # phases start at the inner end of the second oval
+    # the phases of an OvalTorus are 0 at the inner end of the second oval
     first, second = found[0], found[1] + wide.one / 2
     floor = wide.context.floor
     return first - floor(first), second - floor(second)

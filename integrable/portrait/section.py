@@ -2,7 +2,8 @@
 
 On the torus of a motion φ_k = 2πn is a section, where φ_k is the angle of a point in its oval. Let t_n be the time at
 which the phase θ_k, which is linear in time, completes n turns. From t_n to t_{n+1} the other phases θ_j advance by
-f_j/f_k. The crossing itself is a bounded time away from t_n. Time is τ where the sums of forms grow with τ.
+f_j/f_k, where f are the frequencies. The crossing itself is a bounded time away from t_n. If the sums of forms grow
+linearly with τ rather than t, time means τ here.
 
 The component of γ̃ of a body along the axis of the largest moment vanishes where u1 = a₁; the component along the axis
 of the least moment vanishes where u2 = a₃. Every motion crosses these surfaces transversally, once per turn of u1 or of
@@ -56,7 +57,7 @@ class Section(Record):
 
     @property
     def path(self) -> Any:
-        """The states at the crossings, under the name of a system's results."""
+        """Another name of ``run``, since the states of other systems are a ``Path``."""
         return self.run
 
     @property

@@ -3,13 +3,13 @@ parts.
 
 On a compact torus :mod:`integrable.portrait.variations` reduces the derivatives to integrals of functions of the state.
 Each is a mean rate times τ plus a Fourier series (:mod:`integrable.torus.series`). Let ẋ, Y, a and b be as in
-``variations``, w₁ and w₂ its right-hand sides, and σ the integral of Y(1/g) over τ with mean 0. With a = a' − σb,
+``variations``, w₁ and w₂ the right-hand sides there, and σ the integral of Y(1/g) over τ with mean 0. With a = a' − σb,
 da'/dτ = (w₁ + σw₂)/g and db/dτ = w₂/g the derivatives are
 
     S(t) = t·[ẋ ⊗ α + (Y − σẋ) ⊗ β] + bounded,
 
 with α and β the mean rates of a' and b per unit of t, which the changes of the frequencies determine. The secular part
-has rank two; the third independent integral changes only shapes.
+has rank two: one combination of the three independent integrals changes the shape of the motion, but no frequency.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Sensitivity(Record):
         """The part of ``matrix`` that grows with t, of the same shape.
 
         If ``way`` is "differences", its computation needs other motions, and for a ball the modes of 1/g.
-        NotRepresentable where no torus carries the motion, and for a system other than a body if it turns about an axis
+        NotRepresentable where the motion lies on no torus, and for a system other than a body if it turns about an axis
         or moves as a whole, or if t is not linear in its phases. PrecisionLoss where the modes are too many.
         """
         return read_only(self._flow._secular(self.times) if self._secular is None else self._secular)

@@ -39,13 +39,14 @@ from jacobian.numbers.long_reals import BareReals
 # largest number of nodes of an oval, a power of 2; where more are needed, branch points nearly meet
 MOST_NODES = 1 << 13
 # the first and the largest number of samples of dt/dτ, of which modes below the fraction NOISE of the mean are rounding
+# errors
 FIRST_GRID, MOST_SAMPLES, NOISE = (32, 32), 1 << 18, 1e-15
 # modes below this fraction of the mean are not needed in floats
 NEGLIGIBLE = 1e-18
 # number of correct bits after Newton's method in floats
 FLOAT_BITS = 40
-# an oval has SPARE_NODES extra nodes, and π DIGITS_BEYOND extra digits; the radius of an oval is more than rounding
-# above 2^SPARE_BITS·eps, relative to the largest branch point
+# an oval has SPARE_NODES extra nodes, and π has DIGITS_BEYOND extra digits; a point rests in an oval whose radius is at
+# most 2^SPARE_BITS·eps, relative to the largest branch point
 SPARE_NODES, DIGITS_BEYOND, SPARE_BITS = 8, 5, 20
 
 
@@ -240,7 +241,7 @@ class SeparatedTorus:
         return [gmpy2.sin_cos(phi / 2) for phi in self.start]
 
     def moves(self, oval: PointOval) -> bool:
-        """Whether the point of an oval moves: the radius of the oval is more than rounding."""
+        """Whether the point of an oval moves: the radius of the oval is larger than rounding errors."""
         return bool(oval.radius > self._field.doubled(self._field.eps, SPARE_BITS) * max(map(abs, self._known)))
 
     def may_rest(self, oval: PointOval) -> bool:
@@ -252,7 +253,7 @@ class SeparatedTorus:
         return min(range(len(self._known)), key=lambda k: abs(self._known[k] - e))
 
     def angles_at(self, time: Real) -> tuple[list[Real], list[Real]]:
-        """(angles φ of all points, growth of each further angle) after a time from the start."""
+        """(angles φ of all points, growth of each angle about an axis) after a time from the start."""
         N, genus = self._field, len(self.ovals)
         whole, rest = [], []
         for place, nu in zip(self.phases, self.frequencies, strict=False):
@@ -320,7 +321,7 @@ class SeparatedTorus:
     @cached_property
     def frequencies(self) -> list[Real]:
         """The frequencies in turns per unit of time: first of each point, positive if it moves upwards where y > 0,
-        then of the further angles.
+        then of the angles about an axis.
         """
         found = [nu / self.slowness for nu in self.tau_frequencies]
         genus = len(found)
@@ -336,7 +337,7 @@ class SeparatedTorus:
 
     @cached_property
     def slowness(self) -> Real:
-        """The mean of dt/dτ: for a time that is no sum over the points, a quotient of determinants of integrals."""
+        """The mean of dt/dτ: 1, or a quotient of determinants of integrals if time is not a sum over the points."""
         if self.separation.slow is None:
             return self.one
         N, (end, factor) = self._field, self.separation.slow

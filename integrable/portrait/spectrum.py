@@ -1,8 +1,8 @@
 """The spectral lines of a motion: its quantities as sums of e^(2πift), f = ½Σm_k f_k with the frequencies f_k of its
 torus.
 
-Amplitudes are discrete Fourier coefficients on a grid of phases that are linear in t. They are right to rounding,
-without a long run, however close two lines are (Laskar 1993 estimates them from a long run).
+Amplitudes are discrete Fourier coefficients on a grid of phases that are linear in t. They are accurate
+to rounding without a long run, however close two lines are (Laskar 1993 estimates them from a long run).
 
 The phases θ of a body's torus are linear in τ. The phases φ = θ + ν·S/⟨1/g⟩, with the bounded part S of t(τ), are
 linear in t; Newton steps along the flow find θ at φ.
@@ -65,8 +65,8 @@ class Sampled(NamedTuple):
         return {name: values.reshape(*shape, -1) for name, values in self.read(phases).items()}
 
     def lines(self, counted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The modes and the frequencies (L,) of waves that have the numbers ``counted`` (L, n) of periods along the
-        directions of the grid.
+        """The modes and the frequencies (L,) of L waves; ``counted`` (L, n) are their numbers of periods along each
+        direction of the grid.
         """
         modes = np.rint(2 * (counted / self.doubled) @ self.turns).astype(int)
         rows = [zip(row, self.frequencies, strict=True) for row in modes.tolist()]

@@ -36,7 +36,8 @@ class StateFlow(Generic[AnyRun]):
     _vectors: ClassVar[tuple[str, str]] = ("q", "p")
     """The names of both vectors, for messages."""
     _unit: ClassVar[int | None] = None
-    """The size of the first vector, to which its errors are relative; None for its largest component."""
+    """The number to which errors of the first vector are relative; None if they are relative to its largest component.
+    """
 
     def at(self, times: Numbers) -> AnyRun:
         """The states at times."""
@@ -83,8 +84,8 @@ class StateFlow(Generic[AnyRun]):
         ``condition`` takes both vectors, each of shape (N, n), and returns N numbers that depend smoothly on them:
         ``lambda q, p: q[:, 0]`` finds q_0 = 0, ``lambda gamma, M: gamma[:, 2]`` finds γ₃ = 0. ``direction`` 1 selects
         zeros at which the condition rises, −1 those at which it falls. Zeros without a change of sign may be missed.
-        ArgumentError for times that don't ascend and values of another shape, PrecisionLoss for a condition that is not
-        smooth, or if floats do not resolve the time; Infeasible for a search of more than ten million panels.
+        ArgumentError if ``end`` is not after ``start`` or values have another shape, PrecisionLoss for a condition that
+        is not smooth, or if floats do not resolve the time; Infeasible for a search of more than ten million panels.
         (:mod:`integrable.portrait.events`)
         """
         from integrable.portrait.events import event_times
@@ -93,7 +94,7 @@ class StateFlow(Generic[AnyRun]):
 
     def sensitivity(self, times: Numbers) -> Sensitivity:
         """The derivatives of the states at the given times with respect to the start and to the constants and
-        parameters of the system, with all digits of the field relative to the largest element.
+        parameters of the system. All digits of the field are correct, relative to the largest element.
 
         ``matrix`` of the result has shape (N, 2n, 2n + m) for m constants; ``columns`` names the inputs. The start
         varies within its constraints. On the torus of a body the secular and periodic parts are separate. Otherwise

@@ -19,8 +19,8 @@ class TorusPortrait(Immutable):
     ``frequencies`` are turns per unit of time: first of each point of the pair in its oval, in ascending order of
     ovals, then of the angles about an axis. ``actions`` are conjugate to 2π times the phases, so that dH = 2πΣf dJ;
     those of ovals are positive, and so is the frequency of a point that rests. Actions are None for a system that is
-    not Hamiltonian in q and p. The state itself may return only after two turns of an oval: a sign that it has at a
-    branch point changes in one turn.
+    not Hamiltonian in q and p. The state itself may return only after two turns of an oval, because the sign of a lift
+    at an end of the oval changes in one turn.
     """
 
     def __init__(self, flow: Any) -> None:
