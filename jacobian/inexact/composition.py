@@ -6,7 +6,7 @@ x → 2x and y → 2y to the bit. :mod:`jacobian.inexact.stacked` adds in these 
 More digits (:mod:`jacobian.inexact.decided`) are used in two cases: if the points, or the coefficients of the curve,
 are of very different sizes, or if a remainder that must vanish exceeds rounding. The summands are then moved onto the
 curve, within their last bits. A quantity that these bits can make zero counts as zero where a degree depends on it.
-PrecisionLoss where the last bits leave the sum undetermined.
+PrecisionLoss is raised where the last bits leave the sum undetermined.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def _split(curve: Any, *summands: Triple) -> Triple:
     lean = sum(lean_of(g, len(u) - 1, n) for u, _, n in summands if n is not None)
     pairs = [(list(u), list(v)) for u, v, _ in summands if len(u) > 1]
     units = units_of(K, curve.f, curve.h, pairs)
-    # −h/2 lies midway between the values at ∞₊ and ∞₋, so half their difference is that of y + h/2
+    # −h/2 lies midway between the values of y at ∞₊ and ∞₋, so half their difference is the value of y + h/2 at ∞₊
     plus = curve.infinity_plus - curve.infinity_minus
     infinity = Infinity(lean, complex(plus / abs(plus)))
     total, lean = _careful(K, partial(_turned, g, infinity), curve.f, curve.h, pairs, units)

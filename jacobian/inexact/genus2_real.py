@@ -44,7 +44,7 @@ def add(f: Six, first: Four, second: Four) -> tuple[Four, tuple[Real, Real, Real
 
 
 def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
-    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0, the largest of the three about 1.
+    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0; the largest has size 1.
 
     Each congruence L·A ≡ q·R is solved by itself, L = q·R/A mod U', with the resultant of A and U' as the denominator.
     The two solutions are averaged with the squared resultants as weights. Where both resultants are small (opposite
@@ -77,7 +77,7 @@ def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
 
 
 def slope(a: Four, b: Four, r: Four) -> tuple[Real, Real, Real]:
-    """(l0, l1, q) with l0·a + l1·b = q·r in the least-squares sense: two Householder reflections."""
+    """(l0, l1, q) with l0·a + l1·b = q·r in the least-squares sense, by two Householder reflections."""
     a0, a1, a2, a3 = a
     b0, b1, b2, b3 = b
     r0, r1, r2, r3 = r
@@ -159,7 +159,7 @@ def second_polynomial(
 def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right: Six) -> tuple[Real, Real]:
     """V'' from the stacked system of :func:`second_polynomial`, solved by Householder reflections.
 
-    The equation of the curve determines V'' in a direction in which the system does not.
+    If the system leaves one combination of the two coefficients undetermined, the equation of the curve determines it.
     """
     x2, x3, x4, x5 = factors
     r0, r1, r2, r3, r4, r5 = right

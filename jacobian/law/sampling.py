@@ -1,15 +1,17 @@
-"""Uniform random divisor classes, and all of them, over finite fields.
+"""Uniform random divisor classes, and lists of all classes, over finite fields.
 
-A class is one reduced (u, v, n). For a given u = Π P^e the v are counted place by place: two choices of v modulo P^e
-where y² + hy − f has two roots modulo P, one where it has a double root and e = 1, none otherwise. So rejection gives a
-uniform class: draw the degree d of u with weight (2q)^d times the number of n, u uniformly among the monic polynomials
-of that degree, and keep it with probability (number of v)/2^d. Sums of rational points would reach a subgroup only.
+Each class has exactly one reduced triple (u, v, n). For a given u = Π P^e, P irreducible, the number of v is a product
+over the P. Its factor is 2 if y² + hy − f has two roots modulo P, 1 if it has a double root and e = 1, otherwise 0. So
+rejection gives a uniform class: draw the degree d of u with weight (2q)^d times the number of n, draw u uniformly among
+the monic polynomials of degree d, and keep u with probability (number of v)/2^d. Sums of rational points may reach only
+a subgroup.
 
-About one in 2^g is kept. In large genus a class is instead a sum of random places of a prime degree k: a point P over
-GF(q^k) with its conjugates. P → Σ σ(P) extends to the norm from J(GF(q^k)), which is onto (Lang 1956). So the mean of a
-character χ ≠ 1 over these sums is at most ε = ((2g − 2)Q^(1/2) + s)/(Q − 1 − 2gQ^(1/2) − s), where Q = q^k and s counts
-the points over GF(q), which are left out (Weil 1948). The sum of t places is within √#J·ε^t/2 of uniform in total
-variation (Diaconis 1988, chapter 3).
+Rejection keeps about one u in 2^g. In large genus a class is instead a sum of random places of a prime degree k. Such a
+place consists of a point P over GF(q^k) and its conjugates. P → Σ σ(P) extends to the norm from J(GF(q^k)), which is
+onto (Lang 1956). So the mean of a character χ ≠ 1 of J over the places is at most
+ε = ((2g − 2)Q^(1/2) + s)/(Q − 1 − 2gQ^(1/2) − s) in absolute value. Here Q = q^k, and s is the number of points over
+GF(q), which are left out (Weil 1948). The sum of t places is within √#J·ε^t/2 of uniform in total variation (Diaconis
+1988, chapter 3).
 """
 
 from __future__ import annotations
@@ -122,7 +124,8 @@ def _try_random(J: GroupLaw, rng: Rng) -> Divisor | None:
             break
     threshold = random_below(rng, 1 << degree)
     u = poly.random(K, degree, rng, monic=True)
-    # the number of v is at most 2^(number of places) and must exceed the threshold: most u fail this before factoring
+    # the number of v is at most 2^(number of places) and must exceed the threshold. Most u fail this test, which needs
+    # no complete factorization
     if degree > 1:
         linear = len(linear_part(K, u)) - 1
         if 1 << (linear + (degree - linear) // 2) <= threshold:
@@ -138,8 +141,8 @@ def _try_random(J: GroupLaw, rng: Rng) -> Divisor | None:
 
 
 def all_divisors(J: GroupLaw) -> Iterator[Divisor]:
-    """Every class once, over a finite field (NotRepresentable elsewhere); about q^g factorisations, at most 10^9
-    (Infeasible beyond). The logger ``jacobian.progress`` reports the remaining time.
+    """Yields every class once, over a finite field (NotRepresentable elsewhere). This takes about q^g factorisations;
+    Infeasible if q^g > 10^9. The logger ``jacobian.progress`` reports the remaining time.
     """
     C, K = J.curve, J.field
     if K.order is None:

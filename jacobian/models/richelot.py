@@ -82,7 +82,7 @@ class RichelotIsogeny(Immutable):
 
 class DualIsogeny(Immutable):
     """The map back from the target of a Richelot isogeny, of determinant D: the Richelot isogeny of the quadratics
-    D·H₁, H₂, H₃, then y → −y/(4D⁴).
+    D·H₁, H₂, H₃, followed by y → −y/(4D⁴).
     """
 
     def __init__(self, forward: RichelotIsogeny) -> None:

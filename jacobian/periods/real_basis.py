@@ -27,7 +27,7 @@ NEARLY, NEARLY_IN_FLOATS = 1e-22, 1e-6
 
 class Periods(NamedTuple):
     """``cycles``: a₁, a₂, b₁, b₂ as vectors of integrals of (dx/y, x dx/y); ``halves``: the integrals from the first
-    root to every branch point, infinity the last.
+    root to every branch point, the last of which is infinity.
     """
 
     cycles: list[Vector]

@@ -70,7 +70,7 @@ class Reduction(NamedTuple):
 
 
 class Kind(Protocol):
-    """The rules for one datum: its value at zero, and how −D, a composition and a reduction step change it."""
+    """The rules for one datum: its value for the class 0, and how −D, a composition and a reduction step change it."""
 
     def zero(self, group: ExtendedGroup) -> Any: ...
 

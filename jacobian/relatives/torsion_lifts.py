@@ -30,7 +30,7 @@ from jacobian.relatives.pseudo_sums import SCRATCH, multiple_of, unit
 
 
 def grow(group: PrimaryGroup, reduced: PrimaryGroup, whole: PrimaryGroup) -> None:
-    """Enlarges a ``group`` of rational classes of ℓ-power order to the group of all of them.
+    """Enlarges a ``group`` of rational classes of ℓ-power order to the group of all such classes.
 
     ``reduced``: the group of their reductions modulo a prime p of good reduction, p ≠ 2, ℓ; ``whole``: the group of all
     classes of ℓ-power order modulo p. For ℓ = 2 the group must already have all classes of order two, which are nodes
