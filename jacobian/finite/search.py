@@ -160,7 +160,7 @@ class Side:
         raise AssertionError(f"no order within the Weil bounds annihilates {D} on {self.J.curve!r}")
 
     def fitting(self, D: Divisor, candidates: Candidates) -> list[list[int]] | None:
-        """The R whose orders annihilate D, or None for more than _FEW."""
+        """The R whose orders annihilate D, or None if there are more than _FEW."""
         found = [[*prefix, value] for prefix, value in islice(self._annihilating(D, candidates), _FEW + 1)]
         return found if len(found) <= _FEW else None
 

@@ -77,7 +77,7 @@ def chord(f: Seven, first: Four, second: Four) -> tuple[Number, Number, Number]:
 
     Each congruence L·A ≡ q·R is solved by itself, L = q·R/A mod U', with the resultant of A and U' as the denominator.
     The two solutions are averaged with the squared resultants as weights. Where both resultants are small (opposite
-    points) the stacked system is solved by reflections.
+    points) the system of both congruences is solved by reflections.
     """
     u0, u1, v0, v1 = first
     s0, s1, t0, t1 = second
@@ -171,7 +171,7 @@ def second_polynomial(
 
 
 def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Four, right: Six) -> tuple[Number, Number]:
-    """V'' from the stacked system of :func:`second_polynomial`, solved by Householder reflections.
+    """V'' from the three congruences of :func:`second_polynomial`, solved together by Householder reflections.
 
     If the system leaves one combination of the two coefficients undetermined, the equation of the curve determines it.
     """
@@ -195,7 +195,7 @@ def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Fou
     # c0 follows from c1: c0 = lean·c1 + rest
     inverse = turn.conjugate() * (1 / norm)
     lean, rest = -dot_y * h * inverse, -(r0 - dot_r * h) * inverse
-    # with size = 0 only the curve determines the tangent
+    # if size = 0, only the equation of the curve determines V''
     c1 = overlap * (1 / size) if size > 0 else 0 * overlap
     c0 = lean * c1 + rest
     # two Newton steps towards the curve, along the direction that the rows determine least

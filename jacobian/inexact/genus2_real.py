@@ -48,7 +48,7 @@ def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
 
     Each congruence L·A ≡ q·R is solved by itself, L = q·R/A mod U', with the resultant of A and U' as the denominator.
     The two solutions are averaged with the squared resultants as weights. Where both resultants are small (opposite
-    points) the stacked system is solved by reflections.
+    points) the system of both congruences is solved by reflections.
     """
     f2, f3, f4, f5 = f[2], f[3], f[4], f[5]
     u0, u1, v0, v1 = first
@@ -157,7 +157,7 @@ def second_polynomial(
 
 
 def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right: Six) -> tuple[Real, Real]:
-    """V'' from the stacked system of :func:`second_polynomial`, solved by Householder reflections.
+    """V'' from the three congruences of :func:`second_polynomial`, solved together by Householder reflections.
 
     If the system leaves one combination of the two coefficients undetermined, the equation of the curve determines it.
     """
@@ -176,7 +176,7 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
     y2, y3, y4, y5 = y2 - dot_y * x2, y3 - dot_y * x3, y4 - dot_y * x4, y5 - dot_y * x5
     r2, r3, r4, r5 = r2 - dot_r * x2, r3 - dot_r * x3, r4 - dot_r * x4, r5 - dot_r * x5
     size = q * q + y2 * y2 + y3 * y3 + y4 * y4 + y5 * y5
-    # with size = 0 only the curve determines the tangent
+    # if size = 0, only the equation of the curve determines V''
     c1 = size if size == 0 else (q * r1 + y2 * r2 + y3 * r3 + y4 * r4 + y5 * r5) / size
     c0 = (y0 * c1 - r0) / norm
     # two Newton steps towards the curve, along the direction that the rows determine least

@@ -208,11 +208,11 @@ def _cancel_inexact(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[l
 
 
 def pair_of_points(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[poly.Poly, poly.Poly]:
-    """The Mumford pair (u, v) through the points, with multiplicities; no point comes with its opposite.
+    """The Mumford pair (u, v) through the points, which may be repeated; no two of them are opposite.
 
-    Over an inexact field :mod:`jacobian.law.inexact_points` finds it; else Newton's interpolation adds the points: v →
-    v + u·k with k(x₀) = (y₀ − v(x₀))/u(x₀) for a new x₀, and k(x₀) = w(x₀)/(2v + h)(x₀), w = (f − hv − v²)/u, where
-    u(x₀) = 0 already.
+    Over an inexact field :mod:`jacobian.law.inexact_points` computes it; else Newton's interpolation. Each point adds
+    k·u to v: a new point (x₀, y₀) with k = (y₀ − v(x₀))/u(x₀), a repeated one with k = w(x₀)/(2y₀ + h(x₀)), w = (f −
+    hv − v²)/u.
     """
     K = C.field
     if not K.exact:

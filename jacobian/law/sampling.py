@@ -74,8 +74,8 @@ def _by_places(J: GroupLaw, rng: Rng) -> Divisor:
         above, below = (2 * g - 2) * (root + 1) + own, q**k - 1 - 2 * g * (root + 1) - own
         if 8 * above < below:
             break
-    # enough places for the bits of √#J ≤ (1 + √q)^g and of the distance, at log₂(below/above) bits a place; an even
-    # number, which inert models need
+    # a place lowers the bound √#J·ε^t/2 by log₂(below/above) bits, and √#J ≤ (1 + √q)^g. Inert models need an even
+    # number of places
     places = ceil((g * log2(1 + q**0.5) + DISTANCE) / log2(below / above) / 2) * 2
     degree = k * round(log(q, K.characteristic))
     L = GF(K.characteristic, degree, first_irreducible(prime_field(K.characteristic), degree))
@@ -101,7 +101,7 @@ def _random_points(C: HyperellipticCurve, rng: Rng) -> list[Any]:
     points: list[Any] = []
     while len(points) < count:
         point = C.random_point(rng)
-        # two points with equal x would be P + P or P + ιP
+        # equal x would give P + P or P + ιP, which random points do not contain
         if all(point.x != other.x for other in points):
             points.append(point)
     return points
@@ -185,7 +185,7 @@ def _local_choices(C: HyperellipticCurve, u: poly.Poly) -> list[tuple[poly.Poly,
 
 
 def _lift(C: HyperellipticCurve, P: poly.Poly, v: poly.Poly, multiplicity: int) -> tuple[poly.Poly, poly.Poly]:
-    """The pair (P^e, v) from v modulo P: e-fold composition without reduction."""
+    """The pair (P^e, v) from v modulo P, by e-fold composition without reduction."""
     local = pair = (P, v, None)
     for _ in range(multiplicity - 1):
         pair = cantor.compose(C, pair, local)  # type: ignore[assignment]

@@ -105,7 +105,7 @@ class FormalSum(Immutable):
         """Whether no multiplicity is negative."""
         if min(self.weights) < 0:
             return False
-        # the denominator consists of whole fibres, and the pair has at most one of the two points of a fibre
+        # a denominator subtracts whole fibres, but the pair contains at most one of the two points of a fibre
         return len(self.denominator) == 1
 
     def multiplicity(self, point: Given) -> int:
