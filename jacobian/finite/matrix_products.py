@@ -1,4 +1,4 @@
-"""The last coefficients below x^p of F^((p−1)/2) in Õ(√p) operations (Bostan, Gaudry and Schost 2007).
+"""The coefficients of x^(p−1), x^(p−2), … in F^((p−1)/2), in Õ(√p) operations (Bostan, Gaudry and Schost 2007).
 
 A matrix M(k)/k, M linear in k, advances the window of d = deg F neighbouring coefficients
 (:mod:`jacobian.finite.hasse_witt`). The denominators have the product (p − 1)! = −1 (Wilson), so the start value is
@@ -48,7 +48,7 @@ class Products:
         self.progress: Progress | None = Progress(f"Cartier–Manin matrix modulo {p}, β = {beta}", work, part)
 
     def last(self, start: int, count: int) -> list[int]:
-        """The last ``count`` coefficients below x^p, the last first; ``start`` is the coefficient of x^0."""
+        """The coefficients of x^(p−1), …, x^(p−count); ``start`` is the coefficient of x^0."""
         p, beta = self.p, self.beta
         window = np.zeros(max(self.d, count))
         window[0] = balanced(-start, p)

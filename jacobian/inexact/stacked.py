@@ -160,7 +160,7 @@ def _monic_quotient(
 
 
 def _vanishing(field: Any, psi: Coefficients, lead: Number, plus: complex | None, scale: Number) -> int:
-    """The lean of a function y − w that vanishes at infinity; ``lead`` is the leading coefficient of w.
+    """The change of the lean by a function y − w that vanishes at infinity; ``lead`` is the leading coefficient of w.
 
     ``psi`` is proportional to w² − f; its leading coefficients, which are then zero, are removed.
     """
@@ -219,7 +219,7 @@ def _second_polynomial(
 def _reduction_step(
     field: Any, f: Coefficients, u: Coefficients, v: Coefficients, plus: complex | None
 ) -> tuple[Coefficients, Coefficients, int]:
-    """The pair after one step of Cantor's reduction (u, v) → ((f − v²)/u, −v), and the lean of that step."""
+    """The pair after one step of Cantor's reduction (u, v) → ((f − v²)/u, −v), and the change of the lean."""
     scale = max(size(v), size(f) ** 0.5)
     v = list(v)
     while v and field.is_zero(v[-1], scale):
