@@ -114,8 +114,8 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
 
     The p and q of the result belong to y + h/2 in place of y.
 
-    A quartic f with ``genus=2`` is the elliptic curve with its two points at infinity glued. The sum is then that of the
-    generalized Jacobian with modulus ∞₊ + ∞₋, because (y − p)/x³ takes the same value at both points.
+    A quartic f with ``genus=2`` is the elliptic curve with its two points at infinity glued. The sum is then that of
+    the generalized Jacobian with modulus ∞₊ + ∞₋, because (y − p)/x³ takes the same value at both points.
     """
     units = units_of(field, f, h, (first, second))
     try:
