@@ -91,7 +91,7 @@ class TorsionLifts:
         are required.
         """
         x = list(self.reduced.point(T))
-        # the reduction has the equation y² = F = h² + 4f, the surface y² = scale²·F
+        # the reduction has the surface of y² = F = h² + 4f, but ``surface`` is that of y² = scale²·F
         x[3] = x[3] * self.surface.scale**2 % self.p
         i = unit(x)
         x = self._scaled(x, i, self.p)
