@@ -38,7 +38,7 @@ def frobenius_polynomial(C: HyperellipticCurve) -> list[int] | None:
         return None
     p, g = K.p, C.genus
     if p % degree == degree - 1:
-        # over GF(p²) a is an ℓ-th power and a square, so the curve is a quotient of the Hermitian curve and maximal
+        # a is an ℓ-th power and a square in GF(p²), so the curve is a quotient of the Hermitian curve, hence maximal
         return [comb(g, k // 2) * p ** (g - k // 2) * (1 - k % 2) for k in range(2 * g + 1)]
     if all(pow(p, i, degree) != 1 for i in range(1, degree - 1)):
         # x → x^ℓ is bijective on GF(p^i) for all i < 2g

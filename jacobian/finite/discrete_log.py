@@ -111,7 +111,7 @@ def baby_step_giant_step(base: Divisor, target: Divisor, low: int, high: int) ->
     baby = base.jacobian.zero()
     for i in range(step):
         if baby in table:
-            break  # then i is the order of base, and one round is enough
+            break  # i is the order of base, and the table contains all its multiples
         table[baby] = i
         baby = baby + base
     rest, giant = target - low * base, -step * base
@@ -142,7 +142,7 @@ def _hunt(base: Divisor, target: Divisor, low: int, width: int, rng: Rng) -> int
     mean = isqrt(width) // 2 + 1
     lengths = [1 + random_below(rng, 2 * mean) for _ in range(32)]
     jumps = [length * base for length in lengths]
-    # about one class in √width/32 is a trap, so a few hundred traps are stored
+    # about one class in √width/32 is distinguished, so a few hundred of them are stored as traps
     mask = (1 << max(0, mean.bit_length() - 5)) - 1
     start = low + width // 2 + random_below(rng, mean)
     positions, distances = [start * base, target], [start, 0]

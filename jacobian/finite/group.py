@@ -56,8 +56,8 @@ class FiniteGroup(GroupLaw[Element]):
         It is computed by counting or by a search. The search reaches prime fields up to 2^49 in genus 2 and 3, in time
         Õ(√p), and any field of up to 10^22 elements in genus 1, in time O(q^(1/4)). Curves y² = bx⁵ + a, and bx⁷ + a
         where p ≢ 2, 4 modulo 7, are covered over GF(p) of any size. Infeasible beyond
-        (:mod:`jacobian.finite.frobenius`). The result is proven. From p = 10^13 on this takes minutes: the logger
-        jacobian.finite.matrix_products reports progress at level INFO.
+        these limits (:mod:`jacobian.finite.frobenius`). The result is proven. From p = 10^13 on this takes minutes;
+        the logger ``jacobian.progress`` reports the remaining time.
         """
         from jacobian.finite.frobenius import frobenius_polynomial
 

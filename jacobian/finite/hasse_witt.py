@@ -22,14 +22,14 @@ from jacobian.linear import echelon
 from jacobian.numbers.compiler import interpreted
 
 COMPILED_FROM = 20_000
-"""For larger p the compiled recurrence is used over GF(p). At this p it takes as long as the power of F, a few
+"""Above this p the compiled recurrence is used over GF(p). At this p it takes as long as the power of F, a few
 milliseconds in genus 2.
 """
 WORD_SAFE = 1 << 29
-"""For smaller p the recurrence runs on machine integers."""
+"""Below this p the recurrence runs on machine integers."""
 PRODUCTS_FROM, PRODUCTS_TO, PRODUCTS_DEGREE = 1 << 20, 1 << 49, 20
-"""The range of p, and the largest degree of F, for products of matrices. They are cheaper from about 3·10^5 on, but
-their first use compiles for half a second.
+"""The range of p, and the largest degree of F, for products of matrices. Products are cheaper than the recurrence from
+about p = 3·10^5 on, but their first use compiles for half a second.
 """
 PLAIN_TO = 10**7
 """The largest p for which F is raised to the power (p − 1)/2, in ten seconds and hundreds of megabytes."""
@@ -148,12 +148,11 @@ def _first_column(K: Any, F: poly.Poly, g: int, index: int = 0) -> list[Any]:
 
 
 def recurrence_on_words(ratios: Any, p: int, weights: Any, inverses: Any, window: Any) -> None:
-    """Writes the last coefficients below x^p of G = F^n, n = (p−1)/2, the last first, from the ratios f_i/f_0, i ≥ 1.
+    """Writes the coefficients G_(p−1), G_(p−2), … of G = F^n, n = (p−1)/2, into ``window``; ``ratios``: f_i/f_0, i ≥ 1.
 
     F·G' = n·F'·G implies k·f_0·G_k = Σ ((n+1)i − k) f_i G_(k−i). Nine products of two residues, p < 2^29, stay below
-    2^63. ``window`` contains the start values on entry and the coefficients at the end; ``weights`` are ((n+1)i −
-    k)·f_i/f_0, which fall by f_i/f_0 with each k, and begin with k = 0; ``inverses`` is scratch for a block of 1/k,
-    computed by one inversion (Montgomery 1987).
+    2^63. On entry ``window`` is (G_0, 0, …), and ``weights`` are ((n+1)i − k)·f_i/f_0 for k = 0; each step in k
+    subtracts f_i/f_0. ``inverses`` is scratch for a block of 1/k, computed by one inversion (Montgomery 1987).
     """
     start, room = 1, 8 * p * p
     while start < p:

@@ -16,8 +16,8 @@ TRIAL_LIMIT = 2000
 MOST_COMPOSITE = 176
 """The largest number of bits of a number that the quadratic sieve factors, in a second."""
 SMOOTH, SMOOTH_IF_SHORT, SHORT = (16, 24, 32), (40,), 600
-"""The bits of the factors that one call looks for; SMOOTH_IF_SHORT only in numbers of at most SHORT bits. A call cannot
-be interrupted, so it takes a second at most.
+"""The sizes in bits of the factors that successive calls look for; those of SMOOTH_IF_SHORT only in numbers of at most
+SHORT bits. A call cannot be interrupted, so these limits keep it within a second.
 """
 LONGEST = 4096
 """The largest number of bits of a number to factor."""

@@ -1,12 +1,12 @@
-"""The last coefficients below x^p of F^((p−1)/2) in Õ(√p) operations (Bostan, Gaudry and Schost 2007).
+"""The coefficients of x^(p−1), x^(p−2), … in F^((p−1)/2), in Õ(√p) operations (Bostan, Gaudry and Schost 2007).
 
 A matrix M(k)/k, M linear in k, advances the window of d = deg F neighbouring coefficients
 (:mod:`jacobian.finite.hasse_witt`). The denominators have the product (p − 1)! = −1 (Wilson), so the start value is
 negated and M(k) is used alone. For β = 2^m near √p the entries of P(x) = M(x + β − 1)·…·M(x + 1) are polynomials of
 degree β − 1. Doubling gives their values at x = 0, β, 2β, …: P_2n(x) = P_n(x + n)·M(x + n)·P_n(x), P_n with n − 1
-factors. Shifts give the values at x + n and at later points from the values at x. A shift is a convolution with
-1/(a + t) (Bostan, Gaudry and Schost, theorem 5). No a + t vanishes: a is n/β or an integer, and t·β/n ≠ ±1 modulo p
-for |t| ≤ 2n, n | β/2.
+factors. Shifts give the values at x + n and at later points from the values at x. A shift by a, in units of β, is
+a convolution with 1/(a + t), t an integer (Bostan, Gaudry and Schost, theorem 5). No a + t vanishes: a is n/β or an
+integer, and t·β/n ≠ ±1 modulo p for |t| ≤ 2n, n | β/2.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Products:
         self.progress: Progress | None = Progress(f"Cartier–Manin matrix modulo {p}, β = {beta}", work, part)
 
     def last(self, start: int, count: int) -> list[int]:
-        """The last ``count`` coefficients below x^p, the last first; ``start`` is the coefficient of x^0."""
+        """The coefficients of x^(p−1), …, x^(p−count); ``start`` is the coefficient of x^0."""
         p, beta = self.p, self.beta
         window = np.zeros(max(self.d, count))
         window[0] = balanced(-start, p)
@@ -121,8 +121,8 @@ def step(p: int, d: int) -> int:
 
 
 def transforms(p: int, beta: int) -> float:
-    """The work for one entry. A transform of length 2n counts n·log₂ n; each doubling takes four transforms, and every
-    β points beyond the first β take two.
+    """The work for one entry of the matrices. A transform of length 2n counts n·log₂ n. Each doubling takes four
+    transforms, and every β points beyond the first β take two.
     """
     levels = range(FIRST.bit_length() - 1, beta.bit_length() - 1)
     more = ((p - 1) // beta - 1) // beta

@@ -1,9 +1,9 @@
-"""Miller's loop on an elliptic curve over GF(p), p odd: the function of m·P at one point, without an inversion.
+"""Miller's loop on an elliptic curve over GF(p), p odd: the value of Miller's function at a point, without inversions.
 
-For m·P = 0 the function f has divisor m·P − m·∞ and leading coefficient 1 at ∞. Each step of the loop doubles or adds
-in Jacobian coordinates x = X/Z², y = Y/Z³ (Cohen, Miyaji and Ono 1998). It multiplies f by the equation of a line,
-divided by that of a vertical line (Miller 2004). The loop is compiled by :mod:`jacobian.native` for p < 2^128, and runs
-unchanged on Python's ints.
+For m·P = 0 this function f has the divisor m·P − m·∞ and the leading coefficient 1 at ∞. Each step of the loop doubles
+or adds in Jacobian coordinates x = X/Z², y = Y/Z³ (Cohen, Miyaji and Ono 1998). It multiplies f by the equation of a
+line, divided by that of a vertical line (Miller 2004). The loop is compiled by :mod:`jacobian.native` for p < 2^128,
+and runs unchanged on Python's ints.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 
 def doubled(K: Any, cubic: Any, T: Any, x: Any, y: Any) -> Any:
-    """(2T, numerator, denominator). The quotient is the value at (x, y) of the tangent in T, divided by that of the
-    vertical line in 2T.
+    """(2T, numerator, denominator). The quotient is the value at (x, y) of the tangent at T, divided by that of the
+    vertical line through 2T.
 
     T must not be 0; ``cubic`` is (a, b) of y² = x³ + ax² + bx + c.
     """
@@ -66,7 +66,7 @@ def added(K: Any, cubic: Any, T: Any, P: Any, x: Any, y: Any) -> Any:
 
 
 def function_at(K: Any, cubic: Any, P: Any, Q: Any, bits: Any) -> Any:
-    """(Z of m·P, numerator, denominator) of f at Q; ``bits`` are those of m after the first. Z = 0 means m·P = 0.
+    """(Z of m·P, numerator of f(Q), its denominator); ``bits``: those of m after the first. Z = 0 means m·P = 0.
 
     The numerator or the denominator is 0 where a line of the loop passes through Q.
     """

@@ -1,12 +1,12 @@
 """The Weil and Tate pairings on m-torsion, by Miller's algorithm (Miller 2004; Frey and Rück 1994 for Jacobians;
 Galbraith, Hess and Vercauteren 2007).
 
-Let [mD] be the reduced divisor of m·D. The function f_m with m·D = [mD] + div(f_m) is collected from Cantor's steps:
-composition removes div(d), and a reduction from (u, v) to (u', v') removes div((y − v)/u'). A function is evaluated at
-the affine points of a pair (u, v) by a norm, that is a resultant. Divisors are shifted, D ~ (D + R) − R with random R
-of degree g, so that they are affine with disjoint supports. Then no function needs normalising at infinity, and every
-model works: ramified, split, inert of even genus. Small fields are enlarged for the random R, since Miller's functions
-would vanish at most of their points.
+Let [mD] be the reduced divisor of m·D. The function f_m with m·D = [mD] + div(f_m) is a product of functions from
+Cantor's steps: composition divides out a gcd d and gives the factor d, and a reduction from (u, v) to (u', v') gives
+(y − v)/u'. A function is evaluated at the affine points of a pair (u, v) by a norm, that is a resultant. Divisors are
+shifted, D ~ (D + R) − R with random R of degree g, so that they are affine with disjoint supports. Then no function
+needs normalising at infinity, and every model works: ramified, split, inert of even genus. Over a small field Miller's
+functions would vanish at most points, so the field is extended before R is drawn.
 
 In genus 1 over GF(p) on ramified models the function is evaluated at one point, without shifts
 (:mod:`jacobian.finite.miller`).

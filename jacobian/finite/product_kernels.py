@@ -20,7 +20,7 @@ BLOCK = 64
 
 
 class Room(NamedTuple):
-    """The memory of a loop over blocks of points: BLOCK numbers, d times as many, and twice d² times as many."""
+    """Scratch memory of a loop over blocks of points: arrays of BLOCK, d·BLOCK, and twice d²·BLOCK numbers."""
 
     k: Any
     row: Any

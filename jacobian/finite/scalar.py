@@ -24,8 +24,9 @@ WINDOW = 4
 class FixedBase(Immutable):
     """A table of multiples of one divisor: ``table(m)``, ``m * table`` and ``table * m`` are m·D.
 
-    Row i holds d·2^(wi)·D for 1 ≤ d ≤ 2^(w−1), so that a multiple is one addition per w bits and no doubling (Brickell,
-    Gordon, McCurley and Wilson 1992, with signed digits). Rows are added when a longer scalar needs them.
+    Row i contains d·2^(wi)·D for 1 ≤ d ≤ 2^(w−1), w = ``window``. So a multiple takes one addition per w bits and no
+    doubling (Brickell, Gordon, McCurley and Wilson 1992, with signed digits). Rows are added when a longer scalar needs
+    them.
     """
 
     def __init__(self, D: Divisor, window: int = 5) -> None:
@@ -180,7 +181,7 @@ def frobenius(D: Divisor, power: int = 1) -> Divisor:
         raise FieldError(f"field = {K.name}: Frobenius is an endomorphism over finite fields")
     if power < 0:
         raise ArgumentError(f"power = {shown(power)}: a number ≥ 0 of p-th powers is needed")
-    # x^q = x on K of order q, so the exponent is taken modulo the degree of K
+    # x^q = x on K of order q, so ``power`` is reduced modulo the degree of K
     exponent = K.characteristic ** (power % K.degree)
 
     def image(a: poly.Poly) -> poly.Poly:

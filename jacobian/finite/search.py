@@ -130,7 +130,7 @@ def _is_weil(r: list[int], q: int) -> bool:
 
 
 class Side:
-    """The curve (sign 1) or its twist (sign −1): its Jacobian and what is known to divide its order."""
+    """The curve (sign 1) or its twist (sign −1): its Jacobian, and known divisors of its order and exponent."""
 
     def __init__(self, C: HyperellipticCurve, sign: int) -> None:
         self.J: Any = C.jacobian()
@@ -147,7 +147,7 @@ class Side:
         return self.order([*prefix, 0], q), self.sign ** len(prefix)
 
     def learn(self, D: Divisor, candidates: Candidates) -> None:
-        """Enlarges ``exponent`` and ``divisor`` by the order of D."""
+        """Replaces ``exponent`` and ``divisor`` by multiples that the order of D divides."""
         if self.exponent * D:
             multiple = self._annihilator(D, candidates)
             self.exponent = lcm(self.exponent, reduce_order(D, factorization(multiple)))
@@ -160,7 +160,7 @@ class Side:
         raise AssertionError(f"no order within the Weil bounds annihilates {D} on {self.J.curve!r}")
 
     def fitting(self, D: Divisor, candidates: Candidates) -> list[list[int]] | None:
-        """The R whose orders annihilate D, or None for more than _FEW."""
+        """The R whose orders annihilate D, or None if there are more than _FEW."""
         found = [[*prefix, value] for prefix, value in islice(self._annihilating(D, candidates), _FEW + 1)]
         return found if len(found) <= _FEW else None
 
@@ -190,7 +190,7 @@ class Side:
                 progress.add(1)
 
     def grow(self, D: Divisor) -> None:
-        """Adds D, of an order that divides ``exponent``, to the known subgroup, whose order enters ``divisor``."""
+        """Adds D, whose order divides ``exponent``, to the known subgroup, the order of which divides ``divisor``."""
         for prime, e in factorization(self.exponent).items():
             group = self._groups.setdefault(prime, PrimaryGroup(self.J.zero(), prime))
             group.insert(self.exponent // prime**e * D)
@@ -230,7 +230,7 @@ def search(C: HyperellipticCurve) -> list[int]:
 
 
 def _without_factors(candidates: Candidates, sides: tuple[Side, Side], rng: Random) -> list[int] | None:
-    """The only R that multiples of classes do not exclude, found without factoring; None if several are left."""
+    """The only R whose order annihilates random classes, found without factoring; None if several are left."""
     q = candidates.q
     few = sides[0].fitting(sides[0].J.random(rng), candidates)
     if few is None:

@@ -30,7 +30,7 @@ def p_rank(C: HyperellipticCurve, chi: Any) -> int:
     try:
         a = frobenius_modulo_p(C)
     except Infeasible:
-        # χ of a curve with complex multiplication is known over any field
+        # for a curve with complex multiplication ``chi`` succeeds over any field
         a = None
     if a is None:
         p = K.characteristic

@@ -212,7 +212,7 @@ def _diagonalise(rows: list[list[int]], basis: list[Any], prime: int, top: int) 
         pivot = [entry * unit % modulus for entry in pivot]
         for k, entry in enumerate(pivot):
             if k != j and entry:
-                # column k minus (entry/power) times column j: generator j takes up the difference
+                # subtracting c times column j from column k, c = entry/power, adds c times generator k to generator j
                 basis[j] = basis[j] + entry // power * basis[k]
         rows = [[entry - row[j] // power * c for entry, c in zip(row, pivot, strict=True)] for row in rows]
         rows = [[entry % modulus for k, entry in enumerate(row) if k != j] for row in rows]
@@ -246,8 +246,8 @@ def sylow_subgroup(J: GroupLaw, prime: int, rng: Rng | None = None) -> PrimaryGr
 def structure(J: GroupLaw, primes: Iterable[int] | None = None, rng: Rng | None = None) -> Structure:
     """The invariant factors d_1 | d_2 | … of the group, at most 2g of them, and generators of these orders.
 
-    ``primes``: the prime factors of #J, if known. The time grows like √ℓ^r for the largest prime ℓ whose Sylow subgroup
-    has rank r > 1; Infeasible beyond tables of 2^21 classes, or where #J cannot be computed or factored.
+    ``primes``: the prime factors of #J, if known. The time grows like (√ℓ)^r for the largest prime ℓ whose Sylow
+    subgroup has rank r > 1. Infeasible beyond tables of 2^21 classes, or where #J cannot be computed or factored.
     """
     rng = Random(0) if rng is None else rng
     return joined([sylow_subgroup(J, prime, rng) for prime in factorization(J.order(), primes)])

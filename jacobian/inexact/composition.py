@@ -6,7 +6,7 @@ x → 2x and y → 2y to the bit. :mod:`jacobian.inexact.stacked` adds in these 
 More digits (:mod:`jacobian.inexact.decided`) are used in two cases: if the points, or the coefficients of the curve,
 are of very different sizes, or if a remainder that must vanish exceeds rounding. The summands are then moved onto the
 curve, within their last bits. A quantity that these bits can make zero counts as zero where a degree depends on it.
-PrecisionLoss where the last bits leave the sum undetermined.
+PrecisionLoss is raised where the last bits leave the sum undetermined.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def _split(curve: Any, *summands: Triple) -> Triple:
     lean = sum(lean_of(g, len(u) - 1, n) for u, _, n in summands if n is not None)
     pairs = [(list(u), list(v)) for u, v, _ in summands if len(u) > 1]
     units = units_of(K, curve.f, curve.h, pairs)
-    # −h/2 lies midway between the values at ∞₊ and ∞₋, so half their difference is that of y + h/2
+    # −h/2 lies midway between the values of y at ∞₊ and ∞₋, so half their difference is the value of y + h/2 at ∞₊
     plus = curve.infinity_plus - curve.infinity_minus
     infinity = Infinity(lean, complex(plus / abs(plus)))
     total, lean = _careful(K, partial(_turned, g, infinity), curve.f, curve.h, pairs, units)
@@ -89,7 +89,9 @@ def _split(curve: Any, *summands: Triple) -> Triple:
 
 
 def _turned(genus: int, infinity: Infinity, field: Any, f: Coefficients, pairs: Sequence[Pair]) -> tuple[Total, Number]:
-    """The reduced sum of zero, one or two pairs with the lean of ``infinity``, and the largest relative remainder."""
+    """The reduced sum of zero, one or two pairs, and the largest relative remainder; ``infinity``: the sum of their
+    leans, and the phase.
+    """
     rest = field.zero
     if len(pairs) == 2:
         # reduction steps preserve the parity of the degree: they end at g or g + 1
@@ -112,8 +114,8 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
 
     The p and q of the result belong to y + h/2 in place of y.
 
-    A quartic f with ``genus=2`` is the elliptic curve with its two points at infinity glued: the sum is that of the
-    generalized Jacobian with modulus ∞₊ + ∞₋, because (y − p)/x³ then takes the same value at both points.
+    A quartic f with ``genus=2`` is the elliptic curve with its two points at infinity glued. The sum is then that of
+    the generalized Jacobian with modulus ∞₊ + ∞₋, because (y − p)/x³ takes the same value at both points.
     """
     units = units_of(field, f, h, (first, second))
     try:
@@ -225,7 +227,9 @@ def _centred(u: Coefficients, v: Coefficients, half: Coefficients) -> Pair:
 def _careful(
     field: Any, law: Any, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair], units: Units
 ) -> tuple[Sum, int]:
-    """The sum computed with more digits by ``law`` and rounded to the field, and its lean."""
+    """The sum computed with more digits by ``law`` and rounded to the field, and its lean
+    (:mod:`jacobian.inexact.at_infinity`).
+    """
     from jacobian.inexact.decided import Passes
     from jacobian.inexact.digits import Digits, MoreDigits
 

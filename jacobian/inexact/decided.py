@@ -1,15 +1,16 @@
 """Sums that a field's own digits do not decide: computed with more digits, several times, and compared.
 
-The summands are moved onto the curve, within their last bits, and count as exact from there on. Three passes compute
-the sum. The first takes these summands, the second moves them by some hundred units of the last working bit, the third
-by a few units of the last bit *of the field*. The second and third pass repeat the decisions of the first: which
+The summands are moved onto the curve, within their last bits, and are then taken as exact. Three passes compute the
+sum. The first takes these summands, the second moves them by some hundred units of the last working bit, the third by a
+few units of the last bit *of the field*. The second and third pass repeat the decisions of the first: which
 quantities are zero, and which column is the largest. The second pass shows the error of the working precision, the
 third the effect of the field's own rounding of the summands.
 
 At first only a quantity that vanishes at every precision counts as zero. If the sum is then known to all but its last
 digits, it is returned. Otherwise a point of the sum may be at infinity, or points of the summands may be opposite, up
-to rounding. A quantity then counts as zero if one unit in the last place of the summands moves it as far as it is from
-zero. It counts as not zero if it is far larger than the effect of rounding. In between, PrecisionLoss is raised.
+to rounding. A quantity then counts as zero if a change of the summands by a unit in the last place changes it by
+about its own size. It counts as not zero if it is far larger than the effect of rounding. In between, PrecisionLoss is
+raised.
 """
 
 from __future__ import annotations
@@ -87,7 +88,7 @@ class Pass:
 
 
 class Passes:
-    """The passes over one sum of pairs (u, v), while the precision ``digits`` is in force.
+    """The passes that compute one sum of pairs (u, v), to be used inside ``with digits:``.
 
     The pairs belong to y² + 2·half·y = curve − half², and are moved to Y² = curve with Y = y + half. ``even``: whether
     all sizes are moderate. ``law(field, curve, pairs)`` returns a sum and the largest remainder of its divisions.
@@ -186,7 +187,7 @@ class Compared(NamedTuple):
         return None
 
     def clear(self, least: float) -> bool:
-        """Whether the sum is known to all but its last digits, and every zero holds at every precision."""
+        """Whether the sum is known to all but its last digits, and every number that counted as nonzero is resolved."""
         asked = zip(self.first.questions, self.near.questions, self.first.answers, strict=True)
         return (
             all(zero or abs(x) >= RESOLVED * abs(x - y) for (x, _), (y, _), zero in asked)

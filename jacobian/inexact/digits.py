@@ -25,7 +25,7 @@ class MoreDigits(Exception):
 class Digits:
     """Numbers of ``bits`` bits, real or complex, that stand for elements of an inexact field.
 
-    They are computed inside ``with digits:``, since the precision belongs to the thread.
+    They must be computed inside ``with digits:``, which sets the precision of the thread.
     """
 
     def __init__(self, field: Any, bits: int) -> None:
@@ -33,7 +33,7 @@ class Digits:
         self.field = field
         self._complex = field.complex
         self._reals = BareReals(bits)
-        # quantities that vanish at every precision stay below the floor
+        # a computed quantity whose exact value is 0 is at most ``floor`` in size
         self.floor = self._reals.number(0.5) ** (bits // 2)
         self.eps = self._reals.number(0.5) ** bits
         self.own_eps = self._reals.number(field.eps)
@@ -75,8 +75,9 @@ class Digits:
 def on_curve(digits: Digits, f: Coefficients, half: Coefficients, pair: Pair, even: bool, known: Any = None) -> Pair:
     """The pair (u, v + half mod u) on y² = f near the given (u, v), by Newton's method with steps of least length.
 
-    Every coefficient is measured in units of its own size; where all sizes are moderate (``even``) the unit is at least
-    the last bit of the largest. The iteration ends with a step below ``known`` units, by default the working precision.
+    The length of a step is measured relative to the sizes of the coefficients. If all sizes are moderate (``even``),
+    the unit of a coefficient is at least the last bit of its size in :func:`places`. The iteration ends with a step
+    shorter than ``known``, by default the working precision.
     """
     (u, v), size, last = map(list, pair), None, digits.own_eps
     m, known = len(u) - 1, known or digits.eps

@@ -7,8 +7,8 @@ and inner products conjugate their first factor. The polynomial f has a seventh 
 polynomials of the lift, which only real motions need, are left out.
 
 Numbers are ``complex`` or ``float``, which is its own conjugate. Coordinates must be in units that make the
-coefficients of f of moderate size. The result must be of weight two; it is if the leading coefficient of p² − q²f,
-returned with it, is not small.
+coefficients of f of moderate size. The result must be of weight two. This is so if the leading coefficient of
+p² − q²f, which is returned too, is not small.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def add(f: Seven, first: Four, second: Four) -> tuple[Four, Number]:
     """(D + D', the leading coefficient of p² − q²f) for D = (u0, u1, v0, v1), U = x² + u1·x + u0 and V = v1·x + v0.
 
     p = q·V + L·U with the largest of |q| and the coefficients of L equal to 1. Where the leading coefficient is small,
-    D + D' has a point that is far out or at infinity.
+    D + D' has a point with large |x| or at infinity.
     """
     u0, u1, v0, v1 = first
     s0, s1 = second[0], second[1]
@@ -77,7 +77,7 @@ def chord(f: Seven, first: Four, second: Four) -> tuple[Number, Number, Number]:
 
     Each congruence L·A ≡ q·R is solved by itself, L = q·R/A mod U', with the resultant of A and U' as the denominator.
     The two solutions are averaged with the squared resultants as weights. Where both resultants are small (opposite
-    points) the stacked system is solved by reflections.
+    points) the system of both congruences is solved by reflections.
     """
     u0, u1, v0, v1 = first
     s0, s1, t0, t1 = second
@@ -103,7 +103,7 @@ def chord(f: Seven, first: Four, second: Four) -> tuple[Number, Number, Number]:
 
 
 def slope(a: Four, b: Four, r: Four) -> tuple[Number, Number, Number]:
-    """(l0, l1, q) with l0·a + l1·b = q·r in the least-squares sense: two Householder reflections."""
+    """(l0, l1, q) with l0·a + l1·b = q·r in the least-squares sense, by two Householder reflections."""
     swap = square(a[0]) + square(a[1]) + square(a[2]) + square(a[3]) < (
         square(b[0]) + square(b[1]) + square(b[2]) + square(b[3])
     )
@@ -139,8 +139,8 @@ def second_polynomial(
 ) -> tuple[Number, Number]:
     """V'' = c0 + c1·x from q·V'' ≡ −p and L·(V'' − V) ≡ −q·W for both summands, modulo U'' = x² + b1·x + b0.
 
-    The solutions of the three congruences are averaged as in :func:`chord`. Where all three are ill-conditioned, V''
-    follows by reflections and from the equation of the curve.
+    The solutions of the three congruences are averaged as in :func:`chord`. If all three are ill-conditioned,
+    :func:`tangent_polynomial` computes V''.
     """
     v0, v1 = first[2], first[3]
     s1, t0, t1 = second[1], second[2], second[3]
@@ -171,9 +171,9 @@ def second_polynomial(
 
 
 def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Four, right: Six) -> tuple[Number, Number]:
-    """V'' from the stacked system of :func:`second_polynomial`, solved by Householder reflections.
+    """V'' from the three congruences of :func:`second_polynomial`, solved together by Householder reflections.
 
-    The equation of the curve determines V'' in a direction in which the system does not.
+    If the system leaves one combination of the two coefficients undetermined, the equation of the curve determines it.
     """
     x2, x3, x4, x5 = factors
     r0, r1, r2, r3, r4, r5 = right
@@ -195,7 +195,7 @@ def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Fou
     # c0 follows from c1: c0 = lean·c1 + rest
     inverse = turn.conjugate() * (1 / norm)
     lean, rest = -dot_y * h * inverse, -(r0 - dot_r * h) * inverse
-    # with size = 0 only the curve determines the tangent
+    # if size = 0, only the equation of the curve determines V''
     c1 = overlap * (1 / size) if size > 0 else 0 * overlap
     c0 = lean * c1 + rest
     # two Newton steps towards the curve, along the direction that the rows determine least

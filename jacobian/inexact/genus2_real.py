@@ -44,11 +44,11 @@ def add(f: Six, first: Four, second: Four) -> tuple[Four, tuple[Real, Real, Real
 
 
 def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
-    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0, the largest of the three about 1.
+    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0; the largest has size 1.
 
     Each congruence L·A ≡ q·R is solved by itself, L = q·R/A mod U', with the resultant of A and U' as the denominator.
     The two solutions are averaged with the squared resultants as weights. Where both resultants are small (opposite
-    points) the stacked system is solved by reflections.
+    points) the system of both congruences is solved by reflections.
     """
     f2, f3, f4, f5 = f[2], f[3], f[4], f[5]
     u0, u1, v0, v1 = first
@@ -77,7 +77,7 @@ def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
 
 
 def slope(a: Four, b: Four, r: Four) -> tuple[Real, Real, Real]:
-    """(l0, l1, q) with l0·a + l1·b = q·r in the least-squares sense: two Householder reflections."""
+    """(l0, l1, q) with l0·a + l1·b = q·r in the least-squares sense, by two Householder reflections."""
     a0, a1, a2, a3 = a
     b0, b1, b2, b3 = b
     r0, r1, r2, r3 = r
@@ -157,9 +157,9 @@ def second_polynomial(
 
 
 def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right: Six) -> tuple[Real, Real]:
-    """V'' from the stacked system of :func:`second_polynomial`, solved by Householder reflections.
+    """V'' from the three congruences of :func:`second_polynomial`, solved together by Householder reflections.
 
-    The equation of the curve determines V'' in a direction in which the system does not.
+    If the system leaves one combination of the two coefficients undetermined, the equation of the curve determines it.
     """
     x2, x3, x4, x5 = factors
     r0, r1, r2, r3, r4, r5 = right
@@ -176,7 +176,7 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
     y2, y3, y4, y5 = y2 - dot_y * x2, y3 - dot_y * x3, y4 - dot_y * x4, y5 - dot_y * x5
     r2, r3, r4, r5 = r2 - dot_r * x2, r3 - dot_r * x3, r4 - dot_r * x4, r5 - dot_r * x5
     size = q * q + y2 * y2 + y3 * y3 + y4 * y4 + y5 * y5
-    # with size = 0 only the curve determines the tangent
+    # if size = 0, only the equation of the curve determines V''
     c1 = size if size == 0 else (q * r1 + y2 * r2 + y3 * r3 + y4 * r4 + y5 * r5) / size
     c0 = (y0 * c1 - r0) / norm
     # two Newton steps towards the curve, along the direction that the rows determine least

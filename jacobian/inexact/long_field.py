@@ -13,7 +13,7 @@ from jacobian.numbers.long_reals import BareReals
 class LongField(InexactField):
     """A field of numbers of ``bits`` bits, real or complex, that stand for elements of RR, CC, MP and QQ.
 
-    They are computed inside ``with field:``, since the precision belongs to the thread.
+    They must be computed inside ``with field:``, which sets the precision of the thread.
     """
 
     name = "long numbers"

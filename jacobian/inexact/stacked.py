@@ -8,7 +8,7 @@ vanishes on both divisors is found as the null vector of a stacked linear system
 The first congruence alone is the classical one; it loses all digits when D' = (U', V') approaches D = (U, V). The
 second fails when D' approaches −D. Together, with q kept as an unknown, they determine p/q wherever the sum depends
 continuously on the summands; q → 0 means that a point of D' meets the opposite of a point of D. The sum has U'' ∝
-(p² − q²f)/(U·U'). V'' solves a system stacked in the same way, to which the equation of the curve is added, each row
+(p² − q²f)/(U·U'). V'' solves a system stacked in the same way, to which the equation of the curve is added. Each row is
 divided by its rounding noise.
 
 Sizes are compared directly, since :mod:`jacobian.inexact.composition` chooses units in which the points are at |x| ≤ 1
@@ -43,7 +43,7 @@ from jacobian.inexact.dense import (
 
 Pair = tuple[Coefficients, Coefficients]
 
-# a p smaller than U has lost digits; the loss counts as a remainder above one unit only beyond this factor
+# if p is smaller than U, cancellation has cost digits: the remainder is taken to be at least ε|U|/(FEWER·|p|)
 FEWER = 16
 
 UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
@@ -77,7 +77,7 @@ def compose(
     p = added([q * c for c in v1], product(u1, slope))
     if len(both) - 1 <= genus and not field.is_zero(q, size(p), of_degree=False):
         v = [c / q for c in p]
-        # L and q are accurate relative to their largest entry; p, relative to itself, is less accurate if it is small
+        # the error of (L, q) is relative to the largest entry, so a small p has a large relative error
         return Total(both, v, p, q), max(departure(f, both, v), field.eps * size(u1) / (FEWER * (size(p) or 1)))
     p, q = _without_noise(field, f, p, q)
     u, rest, lean = _monic_quotient(field, f, p, q, both, plus)
@@ -160,7 +160,7 @@ def _monic_quotient(
 
 
 def _vanishing(field: Any, psi: Coefficients, lead: Number, plus: complex | None, scale: Number) -> int:
-    """The lean of a function y − w that vanishes at infinity; ``lead`` is the leading coefficient of w.
+    """The change of the lean by a function y − w that vanishes at infinity; ``lead`` is the leading coefficient of w.
 
     ``psi`` is proportional to w² − f; its leading coefficients, which are then zero, are removed.
     """
@@ -188,7 +188,7 @@ def _second_polynomial(
     modulus, unit = bound(u), size(f) ** 0.5
 
     def stack(factor: Coefficients, value: Coefficients, noise: Coefficients) -> None:
-        # if U'' has a root at 0, remainders do not show the noise of the factor's first coefficient
+        # if 0 is a root of U'', the remainders do not contain the noise of the first coefficient of ``factor``
         least = field.eps**0.5 * size(factor)
         weight = size(remainder(noise, modulus)) + unit * (size(remainder(absolute(factor), modulus)) + least) or 1
         for row, c in zip(multiplication(factor, u), remainder(value, u), strict=True):
@@ -219,7 +219,7 @@ def _second_polynomial(
 def _reduction_step(
     field: Any, f: Coefficients, u: Coefficients, v: Coefficients, plus: complex | None
 ) -> tuple[Coefficients, Coefficients, int]:
-    """The pair after one step of Cantor's reduction (u, v) → ((f − v²)/u, −v), and the lean of that step."""
+    """The pair after one step of Cantor's reduction (u, v) → ((f − v²)/u, −v), and the change of the lean."""
     scale = max(size(v), size(f) ** 0.5)
     v = list(v)
     while v and field.is_zero(v[-1], scale):

@@ -78,7 +78,8 @@ def divisor_of_points(J: GroupLaw, points: list[Point], descent: Descent | None 
     semireduced, cancelled = _cancel_opposites(descent.curve if descent else C, affine)
     n = None
     if C.model == "split":
-        # the class of ΣP − r·∞₋ has n = ⌈g/2⌉ + (points at ∞₊) + (pairs cancelled); then r·∞₋ is shared evenly
+        # for r points the class of ΣP − r·∞₋ has n = ⌈g/2⌉ + (points at ∞₊) + (pairs cancelled); dividing r·∞₋ evenly
+        # between ∞₊ and ∞₋ subtracts r/2
         at_plus = sum(1 for point in points if not isinstance(point, AffinePoint) and point.sign == 1)
         n = at_plus + cancelled + (C.genus - len(points) + 1) // 2
     return _exact_sum(J, semireduced, n, descent) if C.field.exact else _inexact_sum(J, semireduced, n)
@@ -88,8 +89,8 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
     """The class of Σ P_i minus infinity over an exact field. A few points at a time become a reduced class, and the
     group adds these classes, because the time for one pair grows like the cube of its number of points.
 
-    On a split model a part of weight ⌈g/2⌉ at ∞₊ adds nothing to n; the weight of the last part makes up for the excess
-    of the others.
+    On a split model a part of weight w at ∞₊ adds w − ⌈g/2⌉ to n. The weight of the last part is chosen so that the sum
+    has the weight n.
     """
     C = J.curve
     pairs = _equal_pairs(C, points) if descent is None else {}
@@ -207,11 +208,11 @@ def _cancel_inexact(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[l
 
 
 def pair_of_points(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[poly.Poly, poly.Poly]:
-    """The Mumford pair (u, v) through the points, with multiplicities; no point comes with its opposite.
+    """The Mumford pair (u, v) through the points, which may be repeated; no two of them are opposite.
 
-    Over an inexact field :mod:`jacobian.law.inexact_points` finds it; else Newton's interpolation adds the points: v →
-    v + u·k with k(x₀) = (y₀ − v(x₀))/u(x₀) for a new x₀, and k(x₀) = w(x₀)/(2v + h)(x₀), w = (f − hv − v²)/u, where
-    u(x₀) = 0 already.
+    Over an inexact field :mod:`jacobian.law.inexact_points` computes it; else Newton's interpolation. Each point adds
+    k·u to v: a new point (x₀, y₀) with k = (y₀ − v(x₀))/u(x₀), a repeated one with k = w(x₀)/(2y₀ + h(x₀)), w = (f −
+    hv − v²)/u.
     """
     K = C.field
     if not K.exact:

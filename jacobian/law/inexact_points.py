@@ -1,6 +1,7 @@
 """From points to Mumford pairs over RR, CC and MP.
 
-The pairs are interpolated with more digits and rounded once, so they do not depend on the order of the points.
+The interpolation uses more digits than the field and rounds once, so its result does not depend on the order of the
+points.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.dense import added, product, remainder, residue, value_at
 from jacobian.inexact.digits import Digits
 
-# the relative accuracy of y that a rounded v must keep
+# the largest relative error of y at a point that rounding the coefficients of v may cause
 KNOWN = 2**-7
 # (x, y) is taken for a rounded point of the curve if y² agrees with f up to this many units of the last digit
 NEAR = 2**20
@@ -26,13 +27,13 @@ def in_order(points: Sequence[AffinePoint]) -> list[AffinePoint]:
 
 
 def opposite(C: HyperellipticCurve, P: AffinePoint, Q: AffinePoint) -> bool:
-    """Whether two points with the same x are opposite up to rounding; a branch point is its own opposite."""
+    """Whether P and Q have the same x and are opposite up to rounding; a branch point is its own opposite."""
     h = [C.field.zero, *C.h]
     return bool(P.x == Q.x and abs(P.y + Q.y + value_at(h[1:], P.x)) <= abs(P.y - Q.y))
 
 
 def pair_of_points(C: HyperellipticCurve, points: Sequence[AffinePoint]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """The Mumford pair (u, v) through the points. Equal x mean a repeated point; no point comes with its opposite.
+    """The Mumford pair (u, v) through the points. No two of them are opposite, so equal x mean a repeated point.
 
     PrecisionLoss is raised if the rounded coefficients of v do not reproduce y at some point, because the x differ too
     much in size.
@@ -50,8 +51,8 @@ def pair_of_points(C: HyperellipticCurve, points: Sequence[AffinePoint]) -> tupl
 
 
 def _through(digits: Any, f: list[Any], half: list[Any], points: Sequence[AffinePoint]) -> tuple[Any, Any]:
-    """Newton's interpolation: a new point adds u·k with k(x₀) = (y₀ − v(x₀))/u(x₀), a repeated one with k(x₀) =
-    w(x₀)/2v(x₀), w = (f − v²)/u, on y² = f, where y stands for the given y + h/2.
+    """(u, v) by Newton's interpolation on y² = f, where y stands for the given y + h/2. Each point adds k·u to v: a new
+    point (x₀, y₀) with k = (y₀ − v(x₀))/u(x₀), a repeated one with k = w(x₀)/(2y₀), w = (f − v²)/u.
     """
     one = digits.number(digits.field.one)
     u: list[Any] = [one]
@@ -73,7 +74,9 @@ def _through(digits: Any, f: list[Any], half: list[Any], points: Sequence[Affine
 
 
 def _on_curve(digits: Any, y: Any, square: Any) -> Any:
-    """The exact y of the curve, y² = ``square``, nearest to the rounded y; near a branch point the given y."""
+    """The solution of y² = ``square`` nearest to the rounded y, or the given y if it is no rounded solution, as near a
+    branch point.
+    """
     if abs(square - y * y) > NEAR * digits.own_eps * abs(y * y):
         return y
     for _ in range(digits.bits.bit_length()):

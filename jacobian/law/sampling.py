@@ -1,15 +1,17 @@
-"""Uniform random divisor classes, and all of them, over finite fields.
+"""Uniform random divisor classes, and lists of all classes, over finite fields.
 
-A class is one reduced (u, v, n). For a given u = Π P^e the v are counted place by place: two choices of v modulo P^e
-where y² + hy − f has two roots modulo P, one where it has a double root and e = 1, none otherwise. So rejection gives a
-uniform class: draw the degree d of u with weight (2q)^d times the number of n, u uniformly among the monic polynomials
-of that degree, and keep it with probability (number of v)/2^d. Sums of rational points would reach a subgroup only.
+Each class has exactly one reduced triple (u, v, n). For a given u = Π P^e, P irreducible, the number of v is a product
+over the P. Its factor is 2 if y² + hy − f has two roots modulo P, 1 if it has a double root and e = 1, otherwise 0. So
+rejection gives a uniform class: draw the degree d of u with weight (2q)^d times the number of n, draw u uniformly among
+the monic polynomials of degree d, and keep u with probability (number of v)/2^d. Sums of rational points may reach only
+a subgroup.
 
-About one in 2^g is kept. In large genus a class is instead a sum of random places of a prime degree k: a point P over
-GF(q^k) with its conjugates. P → Σ σ(P) extends to the norm from J(GF(q^k)), which is onto (Lang 1956). So the mean of a
-character χ ≠ 1 over these sums is at most ε = ((2g − 2)Q^(1/2) + s)/(Q − 1 − 2gQ^(1/2) − s), where Q = q^k and s counts
-the points over GF(q), which are left out (Weil 1948). The sum of t places is within √#J·ε^t/2 of uniform in total
-variation (Diaconis 1988, chapter 3).
+Rejection keeps about one u in 2^g. In large genus a class is instead a sum of random places of a prime degree k. Such a
+place consists of a point P over GF(q^k) and its conjugates. P → Σ σ(P) extends to the norm from J(GF(q^k)), which is
+onto (Lang 1956). So the mean of a character χ ≠ 1 of J over the places is at most
+ε = ((2g − 2)Q^(1/2) + s)/(Q − 1 − 2gQ^(1/2) − s) in absolute value. Here Q = q^k, and s is the number of points over
+GF(q), which are left out (Weil 1948). The sum of t places is within √#J·ε^t/2 of uniform in total variation (Diaconis
+1988, chapter 3).
 """
 
 from __future__ import annotations
@@ -72,8 +74,8 @@ def _by_places(J: GroupLaw, rng: Rng) -> Divisor:
         above, below = (2 * g - 2) * (root + 1) + own, q**k - 1 - 2 * g * (root + 1) - own
         if 8 * above < below:
             break
-    # enough places for the bits of √#J ≤ (1 + √q)^g and of the distance, at log₂(below/above) bits a place; an even
-    # number, which inert models need
+    # a place lowers the bound √#J·ε^t/2 by log₂(below/above) bits, and √#J ≤ (1 + √q)^g. Inert models need an even
+    # number of places
     places = ceil((g * log2(1 + q**0.5) + DISTANCE) / log2(below / above) / 2) * 2
     degree = k * round(log(q, K.characteristic))
     L = GF(K.characteristic, degree, first_irreducible(prime_field(K.characteristic), degree))
@@ -99,7 +101,7 @@ def _random_points(C: HyperellipticCurve, rng: Rng) -> list[Any]:
     points: list[Any] = []
     while len(points) < count:
         point = C.random_point(rng)
-        # two points with equal x would be P + P or P + ιP
+        # equal x would give P + P or P + ιP, which random points do not contain
         if all(point.x != other.x for other in points):
             points.append(point)
     return points
@@ -122,7 +124,8 @@ def _try_random(J: GroupLaw, rng: Rng) -> Divisor | None:
             break
     threshold = random_below(rng, 1 << degree)
     u = poly.random(K, degree, rng, monic=True)
-    # the number of v is at most 2^(number of places) and must exceed the threshold: most u fail this before factoring
+    # the number of v is at most 2^(number of places) and must exceed the threshold. Most u fail this test, which needs
+    # no complete factorization
     if degree > 1:
         linear = len(linear_part(K, u)) - 1
         if 1 << (linear + (degree - linear) // 2) <= threshold:
@@ -138,8 +141,8 @@ def _try_random(J: GroupLaw, rng: Rng) -> Divisor | None:
 
 
 def all_divisors(J: GroupLaw) -> Iterator[Divisor]:
-    """Every class once, over a finite field (NotRepresentable elsewhere); about q^g factorisations, at most 10^9
-    (Infeasible beyond). The logger ``jacobian.progress`` reports the remaining time.
+    """Yields every class once, over a finite field (NotRepresentable elsewhere). This takes about q^g factorisations;
+    Infeasible if q^g > 10^9. The logger ``jacobian.progress`` reports the remaining time.
     """
     C, K = J.curve, J.field
     if K.order is None:
@@ -182,7 +185,7 @@ def _local_choices(C: HyperellipticCurve, u: poly.Poly) -> list[tuple[poly.Poly,
 
 
 def _lift(C: HyperellipticCurve, P: poly.Poly, v: poly.Poly, multiplicity: int) -> tuple[poly.Poly, poly.Poly]:
-    """The pair (P^e, v) from v modulo P: e-fold composition without reduction."""
+    """The pair (P^e, v) from v modulo P, by e-fold composition without reduction."""
     local = pair = (P, v, None)
     for _ in range(multiplicity - 1):
         pair = cantor.compose(C, pair, local)  # type: ignore[assignment]

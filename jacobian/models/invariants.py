@@ -36,8 +36,8 @@ class Ring(NamedTuple):
 def igusa_clebsch_invariants(C: HyperellipticCurve[Element]) -> tuple[Element, Element, Element, Element]:
     """(I2, I4, I6, I10) of the sextic h² + 4f (Mestre 1991, after Clebsch 1872); I10 is its discriminant.
 
-    ArgumentError for another genus; FieldError in characteristic 2, where they vanish: use :func:`igusa_invariants`
-    there.
+    ArgumentError for another genus; FieldError in characteristic 2, where the invariants vanish: use
+    :func:`igusa_invariants` there.
     """
     K = _genus_two(C).field
     if K.characteristic == 2:

@@ -56,7 +56,7 @@ def isomorphisms(C: HyperellipticCurve, E: HyperellipticCurve) -> list[Isomorphi
     """All isomorphisms from C to E over their field, a finite one of odd characteristic or QQ, for genus ≥ 2.
 
     They come in pairs that differ by y → −y − h. ArgumentError in genus 1, which has other isomorphisms; FieldError in
-    characteristic 2 and over inexact fields; CurveMismatch for two fields.
+    characteristic 2 and over inexact fields; CurveMismatch for curves over different fields.
     """
     return list(_isomorphisms(C, E))
 
@@ -144,7 +144,7 @@ def _equations(K: Any, P: Place, Q: Place) -> list[list[list[Any]]]:
     if k == 1:
         (x, y), (z, w) = (_rational_point(K, place) for place in (P, Q))
         return [[[K.mul(x, w), K.mul(y, w), K.neg(K.mul(x, z)), K.neg(K.mul(y, z))]]]
-    # over GF(p) the factor itself is a modulus, so no table of moduli is loaded
+    # over GF(p) the factor itself serves as the modulus of L
     L = GF(K.characteristic, k, P[1]) if K.degree == 1 else GF(K.characteristic, K.degree * k)
     inclusion = embedding(K, L)
     alpha = roots(L, inclusion.polynomial(P[1]))[0]

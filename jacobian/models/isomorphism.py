@@ -22,12 +22,12 @@ from jacobian.relatives.formal_sum import FormalSum
 
 
 class Isomorphism(Immutable):
-    """The isomorphism from ``source`` by ``matrix`` = (a, b, c, d), ``scale`` e and ``move`` t, of degree at most g + 1
-    (ascending). The field is exact.
+    """The isomorphism from ``source`` by ``matrix`` = (a, b, c, d), ``scale`` e and ``move`` t, the ascending
+    coefficients of a polynomial of degree at most g + 1. The field is exact.
 
     ``target``: the curve that it maps to. ``iso(P)`` and ``iso(D)`` are the images of points and divisors; ``other *
     iso`` is ``iso`` followed by ``other``. ArgumentError for ad = bc, e = 0 and a longer t. The argument
-    ``infinity_plus`` is that of the target.
+    ``infinity_plus`` chooses the point ∞₊ of the target.
     """
 
     def __init__(

@@ -129,7 +129,7 @@ def _pushed(E: HyperellipticCurve, D: Divisor, families: Families, move: Callabl
         if family is None or value is None:
             return None
         u = family.norm()
-        # the divisor of C over x = ∞ is mapped to a multiple of E's: equally many points are subtracted at ∞₊ and ∞₋
+        # the fibre of C over x = ∞ is mapped to a multiple of that of E: ∞₊ and ∞₋ are subtracted equally often
         n = (E.genus + 1) // 2 - (len(u) - 1) // 2 if E.model == "split" else None
         return E.jacobian()._reduced(u, value, n)
 

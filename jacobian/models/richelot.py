@@ -82,7 +82,7 @@ class RichelotIsogeny(Immutable):
 
 class DualIsogeny(Immutable):
     """The map back from the target of a Richelot isogeny, of determinant D: the Richelot isogeny of the quadratics
-    D·H₁, H₂, H₃, then y → −y/(4D⁴).
+    D·H₁, H₂, H₃, followed by y → −y/(4D⁴).
     """
 
     def __init__(self, forward: RichelotIsogeny) -> None:
@@ -245,12 +245,12 @@ def _brackets(K: Field, quadratics: Quadratics) -> Quadratics:
 def _to_squares(K: Field, quadratics: Quadratics) -> tuple[Any, Any, Any, Any]:
     """The matrix of x' = (x − s₁)/(x − s₂): s₁ and s₂ are the fixed points of the involution that all G_i share.
 
-    The involution exchanges the roots of each G_i. Its fixed points are the roots of the Jacobian of any two
-    independent G_i.
+    The involution exchanges the roots of each G_i. Its fixed points are the roots of the Jacobian
+    determinant of any two independent G_i.
     """
     for a, b in combinations(quadratics, 2):
         jacobian = poly.sub(K, poly.mul(K, poly.derivative(K, a), b), poly.mul(K, a, poly.derivative(K, b)))
-        # the G_i are forms of degree 2: the terms that derivatives by x alone omit cancel
+        # by Euler's relation this is half the Jacobian determinant of the two forms of degree 2
         if jacobian:
             break
     degree = len(jacobian) - 1

@@ -1,4 +1,4 @@
-"""The Abel–Jacobi map and its inverse in balls: images with proven errors, and proven divisors of an image.
+"""The Abel–Jacobi map and its inverse in balls: images with proven errors, and divisors proven to have a given image.
 
 The image is that of :mod:`jacobian.periods.image`, with the quadratures of :mod:`jacobian.periods.balls`. The inverse
 starts from the floats of :class:`jacobian.periods.abel.AbelMap`; Newton's method in the midpoints of balls sharpens
@@ -97,7 +97,7 @@ class AbelBalls(Immutable):
     def _floats(self) -> AbelMap:
         from jacobian.fields import CC
 
-        # coefficients in doubles do not determine clusters of branch points
+        # the branch points are given, because coefficients in doubles do not determine clusters of them
         return AbelMap(complexified(self.curve, CC), [complex(e) for e in self.periods.cover.roots])
 
     def _radius(self) -> Any:

@@ -1,7 +1,7 @@
 """Balls as working numbers (python-flint's arb and acb; Johansson 2017), and integrals with a proven error bound.
 
-The quadratures are those of :mod:`jacobian.periods.quadrature`, with Gauss's nodes instead of Fejér's; their error is
-bounded by the size M of the integrand on the ellipse with foci ±1 and semi-axis cosh ρ:
+The quadratures are those of :mod:`jacobian.periods.quadrature`, with Gauss's nodes instead of Fejér's. Let |φ| ≤ M on
+the ellipse with foci ±1 and semi-axis cosh ρ. Then their errors are at most:
 
 * Gauss–Chebyshev, n nodes, ∫ φ/√(1−t²): 2πM/(e^(2ρn) − 1) (Chawla & Jain 1968; Molin & Neurohr 2019, section 4);
 * Gauss–Legendre, n ≥ 2 nodes, ∫ φ: 64M/(15(1 − e^(−2ρ))e^(2ρn)) (Rabinowitz 1969).
@@ -33,7 +33,7 @@ NODES_A_DIGIT, MORE_NODES, LEAST_PIECE = 2, 40, 2.0**-30
 
 
 class BallNumbers(Numbers):
-    """Complex balls of ``bits`` bits, the working numbers of a cover, computed inside ``with numbers.working():``."""
+    """Complex balls of ``bits`` bits, the working numbers of a cover. Compute inside ``with numbers.working():``."""
 
     def __init__(self, bits: int) -> None:
         import flint
@@ -128,7 +128,7 @@ class BallNumbers(Numbers):
         middle, half = (0.0, end) if start == 0 else ((start + end) / 2, (end - start) / 2)
         axes = []
         for ratio in ratios:
-            # a ratio that may be 0 has its singularities far away
+            # the singularities of a ratio near 0 are at a large distance
             w = 1 / self.sqrt(ratio) if abs(ratio) > 1e-30 else self.convert(10**15)
             axes.append(tuple(semi_axis((sign * w - middle) / half) for sign in (1, -1)))
         most = NODES_A_DIGIT * self.digits + MORE_NODES

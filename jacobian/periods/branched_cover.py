@@ -176,7 +176,7 @@ def rough_root(others: Sequence[tuple[complex, bool]], t: float) -> complex:
 def crossings(edges: Sequence[Edge]) -> list[list[int]]:
     """The matrix of intersection numbers of the edges' cycles, from their directions at common branch points.
 
-    Edges of a minimal tree meet at 60° or more, their lifts at 30°; PrecisionLoss where two lifts nearly touch.
+    Edges of a minimal tree meet at 60° or more, their lifts at 30° or more; PrecisionLoss where two lifts nearly touch.
     """
     size = len(edges)
     matrix = [[0] * size for _ in range(size)]

@@ -5,7 +5,8 @@ differ:
 
 * here x^k dx/(y + h/2);
 * Magma, ``BigPeriodMatrix(AnalyticJacobian(f))``: x^k dx/y on y² = f; for a curve with h, on y² = 4f + h²;
-* Sage, ``RiemannSurface(y^2 + h*y - f).period_matrix()``: x^k dx/(2y + h), over the derivative by y; also the LMFDB.
+* Sage, ``RiemannSurface(y^2 + h*y - f).period_matrix()``: x^k dx/(2y + h), with the derivative of
+  the equation by y as denominator; so does the LMFDB.
 
 Each program chooses its own cycles: its matrix is (A, B)·M with M in Sp(2g, ℤ).
 """
@@ -58,7 +59,7 @@ def whole_coordinates(P: PeriodMatrix, z: Sequence[Any]) -> list[int] | None:
 
 
 def _size(P: PeriodMatrix, program: str | None) -> Any:
-    """The quotient of the program's differentials and this package's."""
+    """The quotient of the program's differentials by those of this package."""
     if program is None:
         return 1
     one_of(program, "program", PROGRAMS, '"magma" or "sage" is needed')

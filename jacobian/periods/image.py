@@ -63,7 +63,7 @@ class AbelImage(Immutable):
         return x, self.cover.numbers.root(horner(self.cover.coefficients, x), rough)
 
     def _gap(self, points: Sequence[Point], target: Vector) -> Vector:
-        """target − image of g points, less the nearest period."""
+        """target − image of g points, reduced modulo periods."""
         return self.periods.reduce(plus(target, self._image_of(points, full_weight(self.curve)), -1))
 
     def _steps(self, points: Sequence[Point], gap: Vector) -> Vector:

@@ -201,7 +201,7 @@ def _oval(cover: BranchedCover, a: Any, b: Any) -> Oval:
     i, j = (next(k for k, e in enumerate(cover.roots) if e.imag == 0 and e.real == x) for x in (a, b))
     first, *others = cover.edge(i, j).integrals
     size = 2 * abs(first)
-    # Y has one phase on the oval
+    # the phase of Y is constant on the oval, so the integrals have real ratios
     periods = (size, *(size * (x / first).real for x in others))
     return Oval(field.coerce(a), field.coerce(b), tuple(map(field.coerce, periods)))
 

@@ -179,13 +179,13 @@ LIBRARY = Library("path_sums", {"path_sums": (path_sums, (WIDES, WIDES, INTS, WI
 
 
 def nodes_needed(poles: Sequence[Complex]) -> int:
-    """The number of nodes of a rule on [−1, 1] for an integrand with these branch points, an even number."""
+    """The number of nodes, a multiple of 8, of a rule on [−1, 1] for an integrand with these branch points."""
     rates = []
     for pole in map(complex, poles):
         beyond = (pole * pole - 1) ** 0.5
         rates.append(log(max(abs(pole + beyond), abs(pole - beyond))))
     count = ceil(DIGITS * log(10) / (2 * max(min(rates), 1e-9))) + 6
-    # multiples of 8 make fewer rules, which are cached
+    # with multiples of 8 fewer rules are computed and cached
     return count + -count % 8
 
 

@@ -63,7 +63,7 @@ class Numbers:
         return 10.0**exponent if self.machine else self.context.mpf(10) ** exponent
 
     def working(self) -> AbstractContextManager[Any]:
-        """A context manager that does nothing, because these numbers carry their precision themselves."""
+        """A context manager that does nothing: the precision of these numbers does not depend on the thread."""
         return nullcontext()
 
     def root(self, square: Any, approximation: Any) -> Any:

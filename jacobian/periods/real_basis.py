@@ -27,7 +27,7 @@ NEARLY, NEARLY_IN_FLOATS = 1e-22, 1e-6
 
 class Periods(NamedTuple):
     """``cycles``: a₁, a₂, b₁, b₂ as vectors of integrals of (dx/y, x dx/y); ``halves``: the integrals from the first
-    root to every branch point, infinity the last.
+    root to every branch point, the last of which is infinity.
     """
 
     cycles: list[Vector]
@@ -124,7 +124,7 @@ def real_basis(found: Periods) -> Periods:
 
 @cache
 def real_cycles(rows: tuple[Whole, Whole, Whole, Whole]) -> tuple[Whole, Whole, Whole, Whole]:
-    """A symplectic basis a₁, a₂, b₁, b₂ with real a₁ and a₂; ``rows`` are the complex conjugates of the cycles."""
+    """A symplectic basis a₁, a₂, b₁, b₂ with real a₁ and a₂; ``rows``: the conjugates of the given cycles."""
     few = range(-2, 3)
     small = sorted(((a, b, c, d) for a, b, c, d in product(few, few, few, few)), key=lambda v: sum(x * x for x in v))
     fixed = [v for v in small if any(v) and all(sum(v[i] * rows[i][j] for i in range(4)) == v[j] for j in range(4))]

@@ -1,9 +1,9 @@
 """Extensions of a Jacobian of any genus: Mumford pairs together with data that the divisor forgets.
 
-A pair (U, V) on y² = f(x) carries any of these, each a group extension:
+A pair (U, V) on y² = f(x) can have any of the following data. Each kind of datum gives an extension of the Jacobian:
 
-* at a root e of f the *lift* (κ, σ, ν), κσ² = U(e), κσν = V(e), κν² = −W(e), W = (f − V²)/U. σ holds the sign
-  of √U(e); where U(e) = 0, ν holds the sign of √(−W(e)). (κ, σ, ν) and (κ/c², cσ, cν) are the same lift;
+* at a root e of f the *lift* (κ, σ, ν), κσ² = U(e), κσν = V(e), κν² = −W(e), W = (f − V²)/U. σ gives the sign
+  of √U(e); where U(e) = 0, ν gives the sign of √(−W(e)). (κ, σ, ν) and (κ/c², cσ, cν) are the same lift;
 * at any other point (x₀, y₀) the triple (κ, σ, σ̄), κσσ̄ = Π(x_i − x₀), the same as (κ/c², cσ, cσ̄). Its group is the
   generalized Jacobian with modulus (x₀, y₀) + (x₀, −y₀) (Rosenlicht 1954);
 * on a model of odd degree the second-kind datum Ω = Σ∫x^g dx/y, with its pole at ∞;
@@ -70,7 +70,7 @@ class Reduction(NamedTuple):
 
 
 class Kind(Protocol):
-    """The rules for one datum: its value at zero, and how −D, a composition and a reduction step change it."""
+    """The rules for one datum: its value for the class 0, and how −D, a composition and a reduction step change it."""
 
     def zero(self, group: ExtendedGroup) -> Any: ...
 

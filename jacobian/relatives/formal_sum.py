@@ -105,7 +105,7 @@ class FormalSum(Immutable):
         """Whether no multiplicity is negative."""
         if min(self.weights) < 0:
             return False
-        # the denominator consists of whole fibres, and the pair has at most one of the two points of a fibre
+        # a denominator subtracts whole fibres, but the pair contains at most one of the two points of a fibre
         return len(self.denominator) == 1
 
     def multiplicity(self, point: Given) -> int:
@@ -278,8 +278,8 @@ def _at_infinity(affine: FormalSum, function: tuple[poly.Poly, poly.Poly], conte
     total = affine.degree
     if C.model != "split":
         return (-total if C.model == "ramified" else -total // 2,)
-    # y is z·x^(g+1) + … at infinity, with z of opposite sign at ∞₊ and ∞₋ if h = 0: at one of the two points at least
-    # the leading terms of a and by do not cancel
+    # y is z·x^(g+1) + … at infinity, with different z at ∞₊ and ∞₋, so the leading terms of a and by cancel at one of
+    # the two points at most
     g, rise = C.genus, len(content) - 1
     top = max(len(a) - 1, len(b) + g if b else 0)
     lead = K.add(coefficient(K, a, top), K.mul(coefficient(K, b, top - g - 1), C.infinity_plus))

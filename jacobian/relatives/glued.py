@@ -130,7 +130,7 @@ class GeneralizedJacobian(Jacobian):
         return Divisor(self, D.u, poly.neg(self.field, D.v), None)
 
     def multiply(self, m: int, D: Divisor) -> Divisor:
-        """m·D for any int m, by this group's additions, because compiled code adds in the Jacobian instead."""
+        """m·D for any int m. The compiled code cannot be used here, because it adds in the Jacobian."""
 
         def double(E: Divisor) -> Divisor:
             check_growth(self.field, E.u, E.v)

@@ -1,5 +1,5 @@
 """The Kummer surface of a curve of genus 2 over QQ or GF(p), and doubling on it (Flynn 1993; Cassels & Flynn 1996,
-chapter 3). :mod:`jacobian.relatives.pseudo_group` has the sums on it.
+chapter 3). Sums on it are in :mod:`jacobian.relatives.pseudo_group`.
 
 For y² = f(x) with integral f the class of (x₁, y₁) + (x₂, y₂) − (∞₊ + ∞₋) is mapped by κ to (1 : x₁+x₂ : x₁x₂ : (F₀(x₁,
 x₂) − 2y₁y₂)/(x₁−x₂)²), F₀ as in chapter 3. A class and its negative have the same image. Doubling is given by four

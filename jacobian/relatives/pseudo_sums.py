@@ -1,8 +1,8 @@
 """Sums on a Kummer surface modulo a prime, from the biquadratic forms of :mod:`jacobian.relatives.pseudo_group`.
 
 With x = κ(a + b) and y = κ(a − b) the forms at κ(a), κ(b) are b_ij = x_i·y_j + x_j·y_i, b_ii = x_i·y_i, up to a common
-factor. Where y_i = 1, x_i = b_ii and x_j = b_ij − b_ii·y_j: four forms give the sum of any points, because no two
-classes have all forms 0. A double is the sum with the difference 0.
+factor. If y_i = 1, then x_i = b_ii and x_j = b_ij − b_ii·y_j, so four forms give the sum. This holds for all points,
+because the forms never all vanish. A double is the sum with the difference κ(0).
 
 :mod:`jacobian.native` compiles the functions for primes of two words; Python runs them for longer ones.
 """
@@ -112,7 +112,7 @@ def is_point(K: Any, F: Any, S: Any, a: Any) -> Any:
 
 
 def multiple_of(K: Any, F: Any, S: Any, x: Any, i: Any, bits: Any) -> Any:
-    """κ(ma) for x = κ(a), whose coordinate i is 1, by Montgomery's ladder (1987); ``bits``: those of m from the top."""
+    """κ(ma) for x = κ(a), whose coordinate i is 1, by Montgomery's ladder (1987); ``bits``: those of m, descending."""
     low, high = identity(K), x
     for n in range(len(bits)):
         total = sum_of(K, F, S, low, high, x, i)
@@ -168,7 +168,7 @@ def double_point(K: Any, F: Any, x: Any, S: Any) -> Any:
 
 
 def multiply_point(K: Any, F: Any, x: Any, bits: Any, S: Any) -> Any:
-    """(0, κ(mD)) for x = κ(D) and the bits of m from the top, or the number of the wrong argument."""
+    """(0, κ(mD)) for x = κ(D) and the bits of m, descending, or the number of the wrong argument."""
     a = encoded(K, x)
     if not is_point(K, F, S, a):
         return 1, x

@@ -35,7 +35,7 @@ Subgroups = dict[int, PrimaryGroup]
 
 # the reductions modulo REDUCTIONS primes bound the group, or fewer if the next J(GF(p)) is larger than MOST_CLASSES
 REDUCTIONS, MOST_CLASSES = 8, 10**7
-# sums and differences of the first SUMMED points are tried, and u with coefficients of size at most SMALL
+# the search tries sums and differences of the first SUMMED points, and u with coefficients of size at most SMALL
 SUMMED, SMALL = 12, 6
 MOST_BOUND = 1000
 

@@ -197,7 +197,7 @@ class RayClassGroup(Immutable):
         if poly.evaluate(K, u, x0) != K.zero:
             return []
         if poly.evaluate(K, cantor.cofactor(model, u, v), x0) == K.zero:
-            # y − v vanishes to too high an order at the point of D; y − v − u does not, as this is no branch point
+            # y − v vanishes to too high an order at the point of D; y − v − u does not, because it is no branch point
             v = poly.add(K, v, u)
         return [self._minus(v)]
 
@@ -207,7 +207,7 @@ class RayClassGroup(Immutable):
             if len(u) % 2 or self.curve.model == "inert":
                 return []
             return [(poly.monomial(K, K.neg(self.curve.infinity_plus), g + 1), (K.one,))]
-        # (weight at ∞₊) − (weight at ∞₋), and a function with a simple zero at ∞₊ alone
+        # ``weight`` is (weight at ∞₊) − (weight at ∞₋); ``zero`` has a simple zero at ∞₊ and none at ∞₋
         weight = 2 * n + len(u) - 1 - 2 * ((g + 1) // 2)
         second = K.zero if coefficient(K, self.curve.principal_parts[0], g) != K.zero else K.one
         zero = ((*[K.zero] * g, K.neg(second), K.neg(self.curve.infinity_plus)), (K.one,))

@@ -10,7 +10,7 @@ of (p² − q²f)/(U·U'), and let
 
 Then (σ'', ν'') = (L(e)σ + qν, N(e)σ + L''(e)ν)/(bκ'σ') and κ'' = κκ'. This linear map of (σ, ν) has the determinant
 1/κ', and the summands may change places. The addition is a commutative group law on divisors of weight g = 2, with
-inverse (−D; σ, −ν). (Tsiganov's s'' = P(e)/(b s s') is its first component; the second keeps it regular where U(e) =
+inverse (−D; σ, −ν). (Tsiganov's formula s'' = P(e)/(b s s') gives σ''; with ν the addition stays regular where U(e) =
 0.)
 """
 

@@ -30,7 +30,7 @@ from jacobian.relatives.pseudo_sums import SCRATCH, multiple_of, unit
 
 
 def grow(group: PrimaryGroup, reduced: PrimaryGroup, whole: PrimaryGroup) -> None:
-    """Enlarges a ``group`` of rational classes of ℓ-power order to the group of all of them.
+    """Enlarges a ``group`` of rational classes of ℓ-power order to the group of all such classes.
 
     ``reduced``: the group of their reductions modulo a prime p of good reduction, p ≠ 2, ℓ; ``whole``: the group of all
     classes of ℓ-power order modulo p. For ℓ = 2 the group must already have all classes of order two, which are nodes
@@ -91,7 +91,7 @@ class TorsionLifts:
         are required.
         """
         x = list(self.reduced.point(T))
-        # the reduction has the equation y² = F = h² + 4f, the surface y² = scale²·F
+        # the reduction has the surface of y² = F = h² + 4f, but ``surface`` is that of y² = scale²·F
         x[3] = x[3] * self.surface.scale**2 % self.p
         i = unit(x)
         x = self._scaled(x, i, self.p)
