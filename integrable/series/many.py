@@ -85,6 +85,6 @@ class _Walks:
         found.states[rows[right], columns[right]] = states[right]
         found.reached[rows[right], columns[right]] = True
         errors = SPARE * np.minimum(results[:, 2], steps.bounds.agreed)
-        # the estimates of walks that have found no state are forgotten
+        # estimates of walks that found no state are discarded
         found.errors[at_first] = 0
         np.maximum.at(found.errors, which, errors)

@@ -17,8 +17,9 @@ from jacobian.numbers.double_double_steps import fast_two_sum
 
 # number of orders in a round of the loop: a factor is loaded once for all of them
 AT_ONCE = 4
-# with at least this many orders in double-doubles, sums are renormalized at once, which takes a tenth of the time of a
-# step. Such steps are used only where others lose too many digits (a body of Veselova's with a moment of 5e-10)
+# if at least this many orders are in double-doubles, sums are renormalized at once, which takes a tenth of the time of
+# a step. Such steps are used only where steps with fewer orders in double-doubles lose too many digits (a body of
+# Veselova's with a moment of 5e-10)
 CAREFUL = 10
 # orders in double-doubles are a loop if their operations in straight-line code are more than this: about 15 KB, half of
 # an instruction cache. Straight-line code of fewer operations takes less time (python -m benchmarks near)
@@ -26,7 +27,7 @@ LONGEST = 200
 Term = tuple[int, int, int]
 """(factor, j, k − j), for the term factor·p_j q_{k−j}."""
 Factor = tuple[str, Side, int]
-"""The coefficients of a side at an order, counted from a pointer."""
+"""(pointer, side, order): coefficients of this order, whose position is counted from the pointer."""
 
 
 class Loop(NamedTuple):

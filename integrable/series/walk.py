@@ -402,8 +402,8 @@ def reach(bounds: Bounds, layout: Layout, room: Array, lane: int) -> float:
 
 
 def put_rows(codes: Codes, layout: Layout, room: Array, at: Place, limit: int, per: float, outputs: Outputs) -> int:
-    """Writes the rows that the series of one walk reach, from its next row on; returns the first row beyond. For the
-    second walk these are compared rows only. ``per`` is the reciprocal of the unit of time.
+    """Writes the rows that the series of one walk reach, from its next row on; returns the first row that they do not
+    reach. The second walk writes only the compared rows. ``per`` is the reciprocal of the unit of time.
     """
     ahead = room[layout.spare : layout.spare + (2 + 2 * layout.parts * layout.half) * TIMES]
     lane, now, step, row = at
@@ -525,12 +525,12 @@ def start(code: int, constants: Array, state: Array, room: Array, lane: int) -> 
 
 
 def execute(code: int, room: Array) -> None:
-    """Computes in memory the coefficients about the state, or ratios of them, or advances the state by a step."""
+    """Calls code that computes the coefficients in memory, or their ratios, or that advances the state by a step."""
     _called(code, room)
 
 
 def dense(code: int, room: Array, lane: int, ahead: Array) -> None:
-    """Reads distances from the front of ``ahead``, and writes the states of a walk at these distances behind them."""
+    """Writes to ``ahead``, after the distances with which it begins, the states of a walk at these distances."""
     _called(code, room[lane:], ahead)
 
 

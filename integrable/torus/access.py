@@ -40,17 +40,17 @@ if TYPE_CHECKING:
 # from DENSE_FROM ascending times on, with at least DENSE of them per node, interpolation on panels is faster
 DENSE_FROM = 5000
 DENSE = 3
-# the equations of motion are met to RIGHT of the largest velocity
+# the states must satisfy the equations of motion up to RIGHT times the largest velocity
 RIGHT = 1e-12
 
 
 class BodyTorus:
     """The states of a motion on its torus, by loops of :mod:`integrable.torus.loops`.
 
-    ``turns`` are the signs that γ1, γ2, γ3 get over either period. ``basis`` has the periods as integer rows, in the
-    periods around the two ovals; ``doubled`` are the periods of 1/g in the periods of the divisor. ``closure`` is the
-    difference between the start and the state at the phases of the start. PrecisionLoss where the torus is not compact,
-    and where its states are not those of the motion.
+    ``turns`` are the signs by which γ1, γ2, γ3 are multiplied after each period. ``basis`` has the periods as integer
+    combinations of the periods around the two ovals; ``doubled`` has the periods of 1/g in units of those of the
+    divisor. ``closure`` is the difference between the start and the state at the phases of the start. PrecisionLoss
+    where the torus is not compact, and where its states are not those of the motion.
     """
 
     def __init__(self, setup: Setup, loops: Loops) -> None:
@@ -74,7 +74,7 @@ class BodyTorus:
         self._check(found)
 
     def _placed(self, start: Row, found: Row, chars: Sequence[Whole]) -> Torus:
-        """The torus as the loops take it, with the phases and the signs of the start."""
+        """The torus, packed for the loops, with the phases and the signs of the start."""
         loops = self.loops
         shape = found[IMAGINARY:MEAN]
         if not np.isfinite(loops.floats(shape)).all():
@@ -257,7 +257,7 @@ class TorusFlow(BodyTorus):
 
     @cached_property
     def _scale(self) -> float:
-        """One unit of τ in units of the flow's own time."""
+        """The length of the user's unit of τ in units of the time of the set-up."""
         return float(self.loops.floats(self._problem[TIME_SCALE : TIME_SCALE + 1])[0])
 
     @cached_property

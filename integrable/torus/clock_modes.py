@@ -179,7 +179,9 @@ def part_loud(
 
 
 def put_pace(turns: Row, doubled: tuple[int, int], pace: Row) -> Row:
-    """Writes the ``pace`` of :func:`clock_series`; returns what it begins with, for phases in the periods of 1/g."""
+    """Writes the ``pace`` of :func:`clock_series`. Returns the rates of both phases, in periods of 1/g per unit of τ,
+    the mean of 1/g, and 2π.
+    """
     nu1, nu2, mean = turns[0], turns[1], turns[2]
     pace[0], pace[1], pace[2], pace[3], pace[4], pace[5] = nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean
     return nu1 / doubled[0], nu2 / doubled[1], mean, turns[3]

@@ -1,4 +1,4 @@
-"""The loops for random access on a torus, interpreted or compiled, and the theta series that they take."""
+"""The loops for random access on a torus, interpreted or compiled, and the theta series that they use."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ point e
 
     σ = √|U(e)| = |f'(e)/ℓ|^¼·|θ_e/θ_∞|,   V = −∂U,   V(e) = ±σν with ν = −2∂σ and the sign of U(e)
 
-(Thomae; Mumford 1984). If all branch points are real and each bounded oval has one of the points, the periods are
+(Thomae; Mumford 1984). If all branch points are real and each bounded oval contains one point of D, the periods are
 those of :mod:`integrable.torus.theta_setup`.
 """
 
@@ -103,10 +103,10 @@ def pairs_at(torus: PairTorus, phases: Row, room: Row, out: Row) -> None:
 def with_root(pole: Real, p: Real, s: Real, y: Real, slope: Real) -> tuple[Real, Real, Real, Real]:
     """The pair in x = E − 1/X from the pair (p, s), (y, slope) in X; E is ``pole``."""
     for _ in range(3):
-        # V is divided by X: on the pair, 1/X = −(X + s)/p
+        # V is divided by X: modulo U = X² + sX + p, 1/X = −(X + s)/p
         y, slope = slope - s * y / p, -y / p
     a, b = -s / p, 1 / p
-    # on the pair, X = p(x − E) − s
+    # modulo U, X = p(x − E) − s
     slope, y = slope * p, y - slope * s
     return pole * pole - a * pole + b, a - 2 * pole, y - slope * pole, slope
 
@@ -115,7 +115,7 @@ def with_root(pole: Real, p: Real, s: Real, y: Real, slope: Real) -> tuple[Real,
 
 
 def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> None:
-    """:func:`integrable.torus.lifts.most_strayed` of the pairs and the equations of motion."""
+    """Compares the pairs with the equations of motion by :func:`integrable.torus.lifts.most_strayed`."""
     count = len(torus.ends)
     wide, right = 2 * count, room[2 * count * AROUND * CHECKED :]
     put_around(torus.torus, torus.frequencies, room)
