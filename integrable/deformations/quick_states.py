@@ -94,7 +94,8 @@ class QuickStates:
 
     def __init__(self, many: OnCurves) -> None:
         self._many = many
-        # numbers such as |M|² may exceed the range of floats; 1/g may need too many samples, or have resonant modes
+        # both return None if numbers such as |M|² exceed the range of floats; the clock also does if 1/g needs too many
+        # samples or has resonant modes
         self._packed: Callable[[CurvesCarrier], PackedCurves | None] = cache(lambda x: _unless(packed, x))
         self._clock = cache(lambda x: _unless(QuickClock, x.pace, self._packed(x)))
 

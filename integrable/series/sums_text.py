@@ -21,8 +21,9 @@ AT_ONCE = 4
 # a step. Such steps are used only where steps with fewer orders in double-doubles lose too many digits (a body of
 # Veselova's with a moment of 5e-10)
 CAREFUL = 10
-# orders in double-doubles are a loop if their operations in straight-line code are more than this: about 15 KB, half of
-# an instruction cache. Straight-line code of fewer operations takes less time (python -m benchmarks near)
+# the orders in double-doubles are computed by a loop if straight-line code would have more operations than this, which
+# take about 15 KB, half of an instruction cache. Straight-line code of fewer operations is faster than a loop (python
+# -m benchmarks near)
 LONGEST = 200
 Term = tuple[int, int, int]
 """(factor, j, k − j), for the term factor·p_j q_{k−j}."""
@@ -68,7 +69,7 @@ class Sums:
         self._loop = loop
         strides = {1, self.room.apart, *(side.width * side.apart for side in self.room.placed)}
         self._moving = {n: self._further("%s", done, n * self.room.lanes) for n in sorted(strides)}
-        # registers do not outlast a round
+        # the values in registers are those of the previous round
         self._recent, self._built = {}, {}
         earlier = self._earlier_orders if loop.end <= self.wide + 1 else self._earlier_rounds
         self._before = {nodes: earlier(nodes, done) for nodes in self.room.packs}
@@ -160,7 +161,7 @@ class Sums:
         terms.sort(key=lambda term: p if term[1] else q)
         pairs = _pairs(terms, lambda side, order: self._value((p, q)[side], order))
         if before and not before[1]:
-            # doubling a factor keeps all terms in one sum; the newest term waits for no other
+            # a factor is doubled, not a partial sum, so that all terms are in one sum and the newest is added last
             pairs = [(1, x, _doubled(self.text, y) if f == 2 else y) for f, x, y in pairs]
         return _summed(self.text, pairs, k <= self.wide, before) if pairs or before else None
 

@@ -55,7 +55,7 @@ class BodyTorus:
 
     def __init__(self, setup: Setup, loops: Loops) -> None:
         self.setup, self.loops = setup, loops
-        # numbers of the motion, in units of length and time of its own
+        # the data of the motion, in its own units of length and time
         self.units, self._motion, self.tilt, start, self._problem = loops.begun(setup)
         found = loops.room(FOUND)
         m1, n1, m2, n2 = loops.periods(self._motion, loops.short, loops.room(4), found)

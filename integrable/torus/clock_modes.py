@@ -13,10 +13,11 @@ from typing import NamedTuple
 from integrable.moving_point.addition import Real, Row
 from jacobian.numbers.fourier import half_spectrum
 
-# modes that no longer decrease, and are below this fraction of the largest, are taken as rounding errors
+# modes that no longer decrease, and are below this fraction of the largest, count as rounding errors
 LEVEL = 1e-8
-# the largest number of modes that are summed in numbers longer than floats. Ordinary bodies have fewer than 8, bodies
-# whose moments differ by 10⁶ up to 90 (tests.fuzz flow); each takes about 0.3 µs a time
+# the largest number of modes that are summed in numbers longer than floats. Ordinary bodies have fewer than 8 such
+# modes, bodies whose moments differ by a factor of 10⁶ up to 90 (tests.fuzz flow). Each mode costs about 0.3 µs per
+# time
 MOST_LOUD = 400
 # a mode that moves τ by more turns than this is in resonance: floats would invert the clock only to 1e-4 of a turn
 MOST_SWING = 1e12

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
 
-# lengths and lifts above this get the unit 1, smaller ones a power of two
+# the unit of a length or a lift is 1 if it is larger than this, otherwise a power of two near it
 CLOSE = 2.0**-6
 # with the origin 0 a motion has enough digits if neighbouring branch points differ by more than the fraction APART of
 # the larger one, and |γ × M|² is more than APART·|M|²

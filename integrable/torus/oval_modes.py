@@ -39,8 +39,8 @@ MOST_WORK = 1 << 26
 # times the number that the decay of the first suggests. The nodes of the first tables suffice for HELD more digits,
 # because aliasing would hide the decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# the sign of σ₁σ₂σ₃ is read where this product is largest among STEPS points, a step apart, from the start on: a σ may
-# be small at one of them, but not at all
+# the sign of σ₁σ₂σ₃ is taken where the product is largest among STEPS points, a step apart, from the start on, because
+# a σ may be small at one of these points
 STEPS = 4
 
 
@@ -214,7 +214,7 @@ class OvalTorus:
         n = max(range(count), key=lambda n: abs(float(points[n][4] * points[n][5] * points[n][6])))
         point = points[n]
         middle, square = -point[1] / 2, point[1] * point[1] / 4 - point[0]
-        # a double root may be negative by rounding
+        # at a double root, rounding may make the square negative
         spread = self.flint.arb(max(square.mid(), 0)).sqrt()
         angles, blurs = zip(
             *(

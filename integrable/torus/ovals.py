@@ -246,7 +246,7 @@ class Oval:
             real, imaginary = imaginary, real
         right, below = self._across[half_column]
         cosines, sines = real * right, imaginary * below
-        # these are the addition theorems of cos and sin; for −m their second term changes sign
+        # cos and sin of 2π(kθ₁ + mθ₂) by the addition theorems, whose second term changes its sign for −m
         sign = -1 if part.even else 1
         plus, minus = (cosines + sign * sines).table(), (cosines - sign * sines).table()
         first = 0 if half_column else 1

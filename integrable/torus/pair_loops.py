@@ -138,7 +138,7 @@ def rates_of(torus: PairTorus, lifts: Row, place: int, k: int) -> tuple[Real, Re
     w2 = curve[4] - u1 * w3
     w1 = curve[3] - u1 * w2 - u0 * w3
     high = c1 + c0 * u1
-    # q is a quotient of the terms of nW of degrees 4, 3 and 2
+    # q is the quotient of nW by U; it depends only on the terms of nW of degrees 4, 3 and 2
     q2 = c0 * w3
     q1 = c0 * w2 + high * w3 - u1 * q2
     q0 = c0 * w1 + high * w2 - u1 * q1 - u0 * q2

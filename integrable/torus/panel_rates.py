@@ -29,7 +29,8 @@ ONE_IN = 25
 # decrease, up to the last that exceeds LEAST_SEEN
 SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
 SCOUT_BITS = 240
-# if all coefficients but the mean of 1/g are below FLAT, relative to the mean, they are divided by their maximum first
+# if all coefficients except the mean of 1/g are below FLAT times the mean, their decrease is measured relative to the
+# largest of them
 FLAT = 1e-6
 SAMPLES = range(0, 512, 61)
 
