@@ -254,7 +254,7 @@ class Compiled:
         return Reached(reached, found, off, gap, done)
 
     def _working(self, known: int, count: int) -> Working:
-        """The working memory of a walk from ``known`` constants to ``count`` times."""
+        """The working memory of a walk with ``known`` constants and ``count`` times."""
         numbers, compared = struct.Struct(f"={known + self._count}d"), 4 * count * self._count
         here = RESULT + BACK.size
         memory = bytearray(here + numbers.size + LINE + 8 * (self.size + compared + count))

@@ -50,7 +50,7 @@ def walked_by_many(
 
 
 class _Walks:
-    """The walks of K motions; ``order`` has the indices of the times of each by their sizes."""
+    """The walks of K motions; ``_order`` has the indices of the times of each motion, in ascending size."""
 
     def __init__(
         self, kind: Kind, constants: np.ndarray, starts: np.ndarray, times: np.ndarray, most: np.ndarray

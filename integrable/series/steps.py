@@ -73,8 +73,8 @@ class Reached(NamedTuple):
 
 
 class ReachedByMany(NamedTuple):
-    """The results of K walks: for each the number of times reached, of wrong rows, the gap, and the number of steps, as
-    in :class:`Reached`; the states at all times, and which rows are wrong.
+    """The results of K walks. ``results`` has for each walk the number of times reached, the number of comparisons that
+    failed, the gap and the number of steps. ``states`` are those at all times; ``wrong`` marks the wrong rows.
     """
 
     results: np.ndarray

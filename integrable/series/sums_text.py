@@ -65,7 +65,7 @@ class Sums:
         self._moving: dict[int, str] = {}
 
     def _begin_round(self, loop: Loop, done: str) -> None:
-        """Begins a round of a loop, which is ``done`` orders after the first one."""
+        """Begins a round of a loop, ``done`` orders after the first round."""
         self._loop = loop
         strides = {1, self.room.apart, *(side.width * side.apart for side in self.room.placed)}
         self._moving = {n: self._further("%s", done, n * self.room.lanes) for n in sorted(strides)}
@@ -83,7 +83,7 @@ class Sums:
         return self.text.write(f"getelementptr double, ptr {base}, i64 {there}")
 
     def _base(self, k: int, stride: int) -> str:
-        """The pointer from which the places of coefficients of order k are counted."""
+        """The pointer from which the positions of coefficients of order k are counted."""
         return self._moving[stride] if self._moving and k >= self._loop.begin else "%s"
 
     def _hi(self, n: int, k: int) -> str:
@@ -374,8 +374,8 @@ def _pairs(terms: Sequence[Term], value: Callable[[int, int], Wide]) -> list[tup
 
 
 def _summed(text: Text, pairs: Sequence[tuple[int, Wide, Wide]], wide: bool, before: Wide | None) -> Wide:
-    """``before`` + Σ factor·x·y, where the last pair is added last; other terms of factor 2 are summed apart and
-    doubled once.
+    """``before`` + Σ factor·x·y, where the last pair is added last; the other terms of factor 2 are summed separately,
+    and their sum is doubled.
     """
     last = pairs[-1:] if wide else []
     earlier = pairs[: len(pairs) - len(last)]

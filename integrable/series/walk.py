@@ -147,7 +147,7 @@ class Course(NamedTuple):
 
 class Many(NamedTuple):
     """The states of K motions with the same constants. ``ends`` are the indices of their first times, then the number
-    of all times. ``most`` are their largest numbers of steps.
+    of all times. ``most`` has the largest number of steps of each motion.
     """
 
     constants: Array
@@ -250,7 +250,9 @@ def put_course(slots: Slots, slot: int, course: Course) -> None:
 def begun(
     codes: Codes, bounds: Bounds, layout: Layout, given: Given, room: Array, lane: int, outputs: Outputs
 ) -> Course:
-    """The progress of a motion whose walks begin in this lane; no row is to be reached if the walks do not begin."""
+    """The progress of a motion whose walks begin in this lane. Its ``limit`` is 0 if the times are not in order, or if
+    the last one is too far.
+    """
     times, unit, limit, rows = outputs.times, 1.0, 0, 0
     if in_order(times):
         start(codes.start, given.constants, given.state, room, lane)
@@ -313,7 +315,7 @@ def in_order(times: Array) -> bool:
 
 
 def unit_of(codes: Codes, layout: Layout, room: Array, lane: int) -> float:
-    """Computes the series at the start, and returns their unit of time.
+    """Computes the series of a motion at its start, and returns the unit of time.
 
     The unit is a power of two near the shortest time scale of q or p. So coefficients stay within the range of floats,
     and steps do not depend on the unit in which the motion is given. The series of other motions stay as they are.

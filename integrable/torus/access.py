@@ -128,7 +128,7 @@ class BodyTorus:
         return first_grid(self.loops.noise, self._decay)
 
     def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> np.ndarray:
-        """:func:`samples_of` 1/g on a grid of its periods, with ``sizes`` points per period of the divisor."""
+        """1/g on a grid over its periods, with ``sizes`` points per period of the divisor, by :func:`samples_of`."""
         return samples_of(self.loops, self.torus[0], self._rate, self.odd, sizes, known)
 
 
@@ -198,8 +198,8 @@ class TorusFlow(BodyTorus):
         return self._rows_at_tau(tau) if panels is None else panels.at(tau, self.loops.panel_values)
 
     def phases(self, times: np.ndarray, physical: bool, periods: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-        """Both phases at physical times, or at values of τ unless ``physical``, each divided by its entry of
-        ``periods``, 1 or 2, up to whole numbers. They keep the digits that a rounded τ has lost.
+        """Both phases at physical times, or at values of τ unless ``physical``. Each is divided by its entry of
+        ``periods``, 1 or 2, and is determined modulo 1. The phases keep the digits that a rounded τ has lost.
         """
         check_turns(times, self._turns_in_t if physical else self._turns)
         rows = self.loops.room(2 * len(times))

@@ -21,7 +21,7 @@ class ClockSeries(NamedTuple):
     ``lines`` has three numbers for each k = 0, 1, …: its first m, counted from ``least``, and where its coefficients
     begin and end. For k > 0 coefficients are doubled, to account for −k. ``parts`` are the real parts of all
     coefficients of S, then the imaginary parts, then both for dS/dτ. ``least`` is the least m, ``width`` the number of
-    m, ``bound`` a bound of |S|. S is ``origin`` plus the modes. ``mean`` is the mean rate of τ + S: 1 up to errors.
+    m, ``bound`` a bound of |S|. S is ``origin`` plus the modes. ``mean`` is the mean rate of τ + S, 1 up to rounding.
     """
 
     lines: Row

@@ -102,7 +102,7 @@ def modes_of_rate(
 
 
 class FoundModes(NamedTuple):
-    """Tables of modes of 1/g, of this ``size``; ``leaning`` is the table of the tilt term."""
+    """Tables of modes, of this ``size``: ``upright`` of 1/g without its tilt term, ``leaning`` of the tilt term."""
 
     size: tuple[int, int]
     upright: list[list[acb]]

@@ -26,8 +26,8 @@ IntegralTable: TypeAlias = "tuple[list[list[arb]], bool]"
 
 
 class OvalPair(Protocol):
-    """The data of both ovals that each one needs: d, whether ζ is below the middle α_i, and how integrals become
-    phases.
+    """The data of both ovals that an :class:`Oval` uses: d, whether ζ is below the middle α_i (``low``), and the phases
+    that belong to integrals.
     """
 
     flint: ModuleType

@@ -86,8 +86,8 @@ class Panels:
 
 
 def panel_length(states: States, start: float, end: float, least: float) -> float:
-    """A length at which most panels between two times converge, found by halving the length of the
-    interval, or 1024·``least`` if that is less.
+    """A length at which most panels between two times converge. The search begins with the length of the interval, or
+    with 1024·``least`` if that is less, and halves it.
     """
     length = min(end - start, 1024 * least)
     places = start + (end - start) * (np.arange(PROBES) + 0.5) / PROBES
@@ -115,8 +115,8 @@ def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.nd
 
 
 def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: float | np.ndarray = 0.0) -> np.ndarray:
-    """Whether the series of every panel has ended: its last terms are below ``tolerance``, or below NOISE and no longer
-    decrease.
+    """For each panel, whether its series has converged: its last terms are below ``tolerance``, or are below NOISE and
+    no longer decrease.
     """
     sizes = np.abs(coefficients).max(axis=(0, 1))
     tails = np.abs(coefficients[:, -3:]).max(axis=1)
@@ -127,7 +127,7 @@ def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: fl
 
 
 def _rounded(coefficients: np.ndarray) -> np.ndarray:
-    """Whether in every panel the last terms are below ROUGH and no longer decrease, or are below NOISE."""
+    """For each panel, whether its last terms are below ROUGH and no longer decrease, or are below NOISE."""
     sizes = np.abs(coefficients).max(axis=(0, 1))
     tails = np.abs(coefficients[:, -3:]).max(axis=1)
     before = np.abs(coefficients[:, -10:-3]).max(axis=1)

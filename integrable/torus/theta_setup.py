@@ -36,7 +36,8 @@ BEFORE, AFTER, SPACING = 160, 110, 0.75
 
 
 def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
-    """Writes 2∫dx/|y| and 2∫x dx/|y| over the gap between the ovals, then over the gap behind the second, to ``out``.
+    """Writes to ``out`` 2∫dx/|y| and 2∫x dx/|y| over the gap between the ovals, then over the gap after the second
+    oval.
 
     For d = 0 the latter is infinite, and 0 is written. In the variable X = (e₂ − c)/(c − x), with c in the first oval,
     all six branch points are finite.
