@@ -2,8 +2,8 @@
 
 Physical times use the clock of :mod:`integrable.torus.clock` on the torus of both curves. The loss of digits is
 measured on every call: H and K of all states are computed in double-doubles, and the state at the largest time is
-computed again with more digits, with its time by the clock and 1/g. If the loss exceeds the rounding of floats, or if τ
-is too many periods away, all states are computed with more digits.
+computed again with more digits. At this time the clock is checked too: its t(τ), and 1/g by its series. If the loss
+exceeds the rounding of floats, or if τ is too many periods away, all states are computed with more digits.
 """
 
 from __future__ import annotations

@@ -143,7 +143,7 @@ def is_square(tape: Tape, n: int) -> bool:
 
 
 def _abreast(tape: Tape, most: int) -> list[tuple[int, ...]]:
-    """Groups of two or more products that do not depend on each other, and are all squares or none."""
+    """Groups of two or more products that do not depend on each other; all are squares, or none is."""
     levels, alike = levels_of(tape.nodes), dict[tuple[int, bool], list[int]]()
     for n, kind in enumerate(tape.kinds):
         if kind == PRODUCT:

@@ -40,8 +40,8 @@ EXTENDED, ROUNDING = 2.0**-58, 2.0**-60
 # a mode is dropped only if it moves τ by less than this, in the unit of LOUD: a slow mode may be small in 1/g and still
 # move τ
 LEAST_SWING = 1e-17
-# turns of a phase at the checked times: more than one in either direction, after which all signs that the period
-# changes have changed
+# turns of a phase at the checked times: more than one in either direction, after which every sign that changes over its
+# period has changed
 TURNS = (1.23, -1.38)
 # beyond this number of turns the faster phase loses its fraction
 FAR = 2.0**48
@@ -65,7 +65,7 @@ class FarTimes:
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Two times for each phase, one in each direction, after which every sign that its period changes has
+        """Two times for each phase, one in each direction, after which every sign that changes over its period has
         changed.
         """
         # if the faster phase loses its fraction before a turn of the slower one, the signs of the latter do not matter
@@ -208,7 +208,7 @@ class TorusClock:
         self._room = 2 * max(part.width for part in series[:2])
 
     def at(self, torus: BodyStates | Packed, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(γ and M, τ, τ − t·mean dτ/dt) at physical times, of shapes (N, 6), (N,) and (N,). ``torus`` is packed."""
+        """(γ and M, τ, τ − t·(mean dτ/dt)) at physical times, of shapes (N, 6), (N,) and (N,). ``torus`` is packed."""
         out, tau, delays = np.empty(6 * len(times)), np.empty(len(times)), np.empty(len(times))
         room = np.empty(self._room), self._loops.room(2 * len(times))
         self._loops.states_at_times(torus, self._clock, times, (tau, delays, out), room)

@@ -155,8 +155,8 @@ def clock_series(
 def part_loud(
     values: Row, columns: int, rates: Row, least: float, series: tuple[int, int, int, int], tables: Tables, loud: Row
 ) -> tuple[int, float]:
-    """Moves the modes by which τ oscillates by ``least`` or more from the quiet series to ``loud``. Returns how many
-    they are, and the sum of the quiet modes at the start.
+    """Moves the modes by which τ oscillates by ``least`` or more from the quiet series to ``loud``. Returns their
+    number, and the sum of the quiet modes at the start.
     """
     for n in range(4 * series[3]):
         tables.quiet_parts[n] = tables.parts[n]
@@ -241,7 +241,7 @@ def packed_modes(
     tables: Tables, grid: tuple[int, int], least: float, lines: Row, parts: Row
 ) -> tuple[int, int, int, int]:
     """Packs the modes left by :func:`swings` whose part of dS/dτ exceeds ``least``, in the layout of
-    :class:`~integrable.torus.clock_loops.ClockSeries`. Returns (least m, the number of m, rows, modes in all).
+    :class:`~integrable.torus.clock_loops.ClockSeries`. Returns the least m, and the numbers of m, rows and modes.
     """
     (height, columns), modes = (grid[0] // 2, grid[1]), tables.modes
     low, high, used, total = columns, 0, 1, 0

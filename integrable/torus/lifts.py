@@ -1,6 +1,6 @@
 """Square roots of |U| at branch points on a real torus of genus 2, by theta functions; on bare reals, compiled or
 interpreted. The same functions find the phases of the start, check a torus, and compute dt/dτ on a grid, for bodies and
-for Mumford's pairs on any curve of genus 2.
+for Mumford's pairs on other curves.
 
 Let σ = √|U(e)| at a branch point e, and ν = −2∂σ with the derivative ∂ along (0, 1). Then σ ∝ θ_e/θ_∞ (Thomae; Mumford
 1984). A body has three such points, and its lifts (γ̃_i, w̃_i) are normalized by γ̃² = w̃² = 1 instead, without θ_∞.

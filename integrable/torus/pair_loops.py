@@ -1,4 +1,4 @@
-"""Pairs of genus 2 on a real torus by theta functions: loops over bare reals, compiled unchanged.
+"""Mumford's pairs of genus 2 on a real torus, by theta functions: loops over bare reals, compiled unchanged.
 
 On y² = f(ξ), deg f = 5, with leading coefficient ℓ and D = (U, V), let ∂ be the derivative along (0, 1). At a branch
 point e
@@ -147,7 +147,7 @@ def rates_of(torus: PairTorus, lifts: Row, place: int, k: int) -> tuple[Real, Re
 
 
 def mean_square(torus: PairTorus, k: int, along: Row, beyond: Row, out: Row) -> None:
-    """Writes the mean over the torus of σ² at branch point k, e = ``ends[k]`` beyond both ovals, to out[0].
+    """Writes to out[0] the mean over the torus of σ² at branch point k, where e = ``ends[k]`` is beyond both ovals.
 
     ℓσ²/4 − ∂∂'log θ_∞ is constant, ∂' along (1, e), and ∂∂'log θ_∞ has mean 0. ``along`` are the turns of both phases
     along (0, 1), ``beyond`` those along (1, e).

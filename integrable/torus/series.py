@@ -37,9 +37,9 @@ class TorusSeries:
     """The function S of an F with the :func:`spectrum` ``grid``, with S = 0 at the phases (0, 0). ``frequencies`` are
     the turns of both phases per unit of τ, as wide numbers.
 
-    S is divided by ``scale``, for a clock the mean rate; coefficients below ``noise`` times the largest are left out.
-    Slow modes are divided by their small rates: a spectrum in long doubles has the digits for that. PrecisionLoss where
-    a mode (k, m) of F is in resonance: kν₁ + mν₂ = 0.
+    F and S are divided by ``scale``, for a clock the mean rate; coefficients below ``noise`` times the largest are left
+    out. Slow modes are divided by their small rates: a spectrum in long doubles has the digits for that. PrecisionLoss
+    where a mode (k, m) of F is in resonance: kν₁ + mν₂ = 0.
     """
 
     def __init__(
