@@ -41,7 +41,7 @@ MOST_LOST, LOST_DIGIT = 1e-20, -20
 MOST_OFF = 4e-14
 # modes of 1/g below this, relative to its mean, are omitted; larger ones would affect the last bit of τ
 NOISE = 4e-18
-# largest ratio of a body's rotation rate, where d is large, to the rate of its phases
+# the body turns at most this many times as fast as the faster of its phases; the largest ratios occur for large d
 SWIFT = 100
 # number of samples of 1/g beyond which the series of integrable.deformations.ovals_clock is cheaper
 MOST_SAMPLES = 1 << 14

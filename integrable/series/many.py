@@ -59,7 +59,7 @@ class _Walks:
         sizes = np.abs(times)
         self._order = np.argsort(sizes, axis=1, kind="stable")
         ahead = np.where(times[:, -1:] < 0, -times, times)
-        # whether all times are in the order of a walk
+        # whether the times of a motion are in the order that a walk needs: of one sign, and ascending in size
         self._whole = (ahead[:, 0] >= 0) & (np.diff(ahead, axis=1) >= 0).all(axis=1) & (ahead[:, -1] < FARTHEST)
 
     def add(self, found: NearMany, steps: Steps) -> None:

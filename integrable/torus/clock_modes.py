@@ -41,9 +41,9 @@ class Cutoffs(NamedTuple):
 class Tables(NamedTuple):
     """Working memory. ``modes`` has four numbers for each mode, ``pairs`` the (k, m) of the loud ones. Lines and parts
     are those of three :class:`~integrable.torus.clock_loops.ClockSeries`: with all modes, with the larger ones (rough),
-    and with all but the loud ones (quiet). ``counts`` has four numbers of the first series (the least m; how many m,
-    rows and modes), then four of the rough series, then the number of loud modes, or −1 − n if the n-th of ``modes``
-    is in resonance.
+    and with all but the loud ones (quiet). ``counts`` has four numbers of the first series: the least m, and the
+    numbers of m, rows and modes. The same four of the rough series follow, then the number of loud modes, or −1 − n if
+    the n-th of ``modes`` is in resonance.
     """
 
     modes: Row

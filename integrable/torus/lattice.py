@@ -76,7 +76,7 @@ def _near_power(x: float) -> float:
 
 def motion_row(problem: Problem, setup: Setup, units: Units) -> tuple[Real, ...]:
     """The motion as :mod:`integrable.torus.theta_setup` takes it, in bare reals: the ends of both ovals, α1, α2, α3, ζ,
-    d' (elsewhere d), π, r and origin/length, in :class:`Units`.
+    d' (called d elsewhere), π, r and origin/length, in :class:`Units`.
 
     PrecisionLoss where the torus is not compact.
     """
