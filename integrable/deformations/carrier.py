@@ -45,10 +45,10 @@ class CurvesCarrier(Carrier):
     are called inside ``with field``, which :class:`OnCurves` enters.
 
     ``system`` and ``start`` are over long numbers, ``before`` are H and K there. ``inner`` and ``origin`` are the same
-    with the axes in ascending ``order`` of the moments of the tilde pair; M is reversed there if this order is a
-    reflection. Changes of H and K are relative to ``sizes``, the error of M relative to ``momentum`` if M = 0. A point
-    moves on each of ``curves`` for the time ``speed``·τ; :meth:`read` gives the state of ``inner``, from the constants
-    ``frame``. ``pace`` is dt/dτ if d ≠ 0.
+    with the axes in ascending ``order`` of the moments of the tilde pair; M is reversed there if this order is an odd
+    permutation. Changes of H and K are relative to ``sizes``, and the error of M to ``momentum`` if M = 0. A point
+    moves on each of ``curves`` for the time ``speed``·τ; from both, and from the constants ``frame``, :meth:`read`
+    computes the state of ``inner``. ``pace`` is dt/dτ if d ≠ 0.
     """
 
     sizes: tuple[Real, Real]

@@ -19,7 +19,7 @@ from jacobian.numbers.compiler import interpreted
 
 __all__ = ["DeformedFlow"]
 
-# λ_k above this fraction of their terms lose no essential digits in floats
+# floats lose no essential digits of a λ_k that exceeds this fraction of the terms of which it is the sum
 ORDINARY = 1e-6
 
 

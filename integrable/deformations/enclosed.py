@@ -1,10 +1,10 @@
 """Motions of deformations with proven bounds: Taylor series of their equations in ball arithmetic, with bounds on their
 remainders.
 
-From every state Picard's theorem gives a disc of complex times |t| ≤ r on which the motion stays in a box. Cauchy's
-estimate on this disc bounds the truncation error of a step of r/8. Balls grow with every step, so the precision is
-raised by the number of bits lost. The cost grows with the time, and with the number of digits that the motion loses in
-it. (Moore 1966, *Interval Analysis*; Tucker 2011, *Validated Numerics*.)
+For the motion from every state, Picard's theorem gives a disc of complex times |t| ≤ r on which it stays in a box.
+Cauchy's estimate on this disc bounds the truncation error of a step of r/8. Balls grow with every step, so the
+precision is raised by the number of bits lost. The cost grows with the time, and with the number of digits that the
+motion loses in this time. (Moore 1966, *Interval Analysis*; Tucker 2011, *Validated Numerics*.)
 """
 
 from __future__ import annotations
@@ -152,7 +152,7 @@ class _March:
         return float(abs(self.reals.number(end)) / (abs(self._now) + 2.0**-1000))
 
     def _check(self, end: Real) -> None:
-        """Counts a step; raises Infeasible if the way to ``end`` takes too many."""
+        """Counts a step; raises Infeasible if too many steps are needed to reach ``end``."""
         self._steps += 1
         expected = self._steps * self.left(end) if self._steps >= KNOWN_FROM else 0
         if expected > MOST_STEPS:

@@ -208,7 +208,7 @@ class Hamiltonian(Made):
         return self.motion(q).rates(q)
 
     def potential_energy(self, q: Scalars, potential: Potential) -> Real:
-        """The potential V(γ): H with the potential minus H without."""
+        """The potential V(γ), by which H exceeds the H without potential."""
         raise ArgumentError(f"potential = {shown(potential)}: {type(self).__name__} has none")
 
     def _constants(self) -> Callable[[Any], Any]:

@@ -108,8 +108,8 @@ class IntegratedStates(Integration):
     def _exponent(self) -> int:
         """The exponent of the unit of time, 2^−exponent, in which the equations are integrated.
 
-        In this unit a fast or slow γ moves by about 1. In other units the coefficients of order 20 and more, which grow
-        as powers of the rate, would exceed the range of floats.
+        In one such unit of time γ moves by about 1, however fast or slow it is. In other units the coefficients of
+        order 20 and more, which grow as powers of the rate, would exceed the range of floats.
         """
         context, rate = self._system.field.context, self._system.vector_field(self._state)
         # for a body at rest γ̈ is of the size of Ṁ divided by a moment

@@ -1,9 +1,9 @@
 """States of the tilde, check and hat pairs in floats, by theta functions on both curves, compiled for double-doubles.
 
-Physical times use the clock of :mod:`integrable.torus.clock` on the torus of both curves. The loss is measured on
-every call. H and K of all states are computed in double-doubles, and the farthest state with more digits. There the
-time that the clock returns, and 1/g, are checked too. If the loss exceeds the rounding of floats, or if τ is too many
-periods away, the states are computed with more digits.
+Physical times use the clock of :mod:`integrable.torus.clock` on the torus of both curves. The loss of digits is
+measured on every call: H and K of all states are computed in double-doubles, and the state at the largest time is
+computed again with more digits. At this time the clock is checked too: its t(τ), and 1/g by its series. If the loss
+exceeds the rounding of floats, or if τ is too many periods away, all states are computed with more digits.
 """
 
 from __future__ import annotations
@@ -34,13 +34,14 @@ from jacobian.numbers.double_double import double_double_row
 
 # number of periods after which double-doubles may lack digits
 MOST_TURNS = 1e6
-# largest error of H and K, relative to their sizes, and the digit up to which the farthest state may be lost
+# largest error of H and K, relative to their sizes, and largest decimal exponent of the relative error of the farthest
+# state
 MOST_LOST, LOST_DIGIT = 1e-20, -20
 # largest relative error of 1/g, and of a time from the clock: some rounding units of floats
 MOST_OFF = 4e-14
 # modes of 1/g below this, relative to its mean, are omitted; larger ones would affect the last bit of τ
 NOISE = 4e-18
-# largest ratio of a body's rotation rate, where d is large, to the rate of its phases
+# the body turns at most this many times as fast as the faster of its phases; the largest ratios occur for large d
 SWIFT = 100
 # number of samples of 1/g beyond which the series of integrable.deformations.ovals_clock is cheaper
 MOST_SAMPLES = 1 << 14
@@ -52,7 +53,7 @@ class PackedCurves(NamedTuple):
     """A motion in double-doubles.
 
     ``curves`` are its ovals for times τ, ``turning`` those for phases in turns; ``levels`` are those of
-    :mod:`integrable.deformations.oval`. ``fixed`` is what ``formulas`` need of the motion. H and K are
+    :mod:`integrable.deformations.oval`. ``fixed`` has the constants of the motion that ``formulas`` use. H and K are
     ``before`` at the start; ``sizes`` are the units of their errors.
     """
 
@@ -78,7 +79,7 @@ class PackedCurves(NamedTuple):
         return out
 
     def at(self, phases: np.ndarray) -> np.ndarray:
-        """The same at N pairs of phases since the start."""
+        """The result of :meth:`at_tau` for N pairs of phases, in turns since the start, instead of values of τ."""
         out = np.empty((8, len(phases) // 2, 2))
         LIBRARY.points(self.turning, self.levels, phases, 2, out.reshape(-1, 2))
         return out
@@ -93,7 +94,8 @@ class QuickStates:
 
     def __init__(self, many: OnCurves) -> None:
         self._many = many
-        # numbers such as |M|² may exceed the range of floats; 1/g may need too many samples, or have resonant modes
+        # both return None if numbers such as |M|² exceed the range of floats; the clock also does if 1/g needs too many
+        # samples or has resonant modes
         self._packed: Callable[[CurvesCarrier], PackedCurves | None] = cache(lambda x: _unless(packed, x))
         self._clock = cache(lambda x: _unless(QuickClock, x.pace, self._packed(x)))
 
@@ -257,7 +259,7 @@ def packed(carrier: CurvesCarrier) -> PackedCurves:
 
 
 def turning(curve: OvalThetas) -> OvalThetas:
-    """The curve for a time that is the phase since the start, in turns."""
+    """The curve with its period as the unit of time: a time is then the phase since the start, in turns."""
     numbers = curve.numbers.copy()
     numbers[0] = 1, 0
     return curve._replace(numbers=numbers)

@@ -36,7 +36,8 @@ SLOPES = (-1, -1, 1), (1, -1, -1)
 
 
 class FreeFrame(NamedTuple):
-    """The constants of states without potential; the axes are those of the tilde pair on whose curves they are.
+    """The constants from which states without potential are computed. The axes are those of the tilde pair on whose
+    curves the motion runs.
 
     ``spread`` is λ1 − λ2. e_i = w_i/|M| is proportional to ``weights``_i·p_iq_i, where p_i and q_i are the roots at
     axis i on the two curves. ``leans`` are the factors of N_i (:mod:`integrable.deformations.two_curves`),

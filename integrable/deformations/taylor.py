@@ -30,17 +30,18 @@ __all__ = ["integrate"]
 # the remaining steps are estimated after KNOWN_FROM steps; the estimate may be wrong by the factor UNEVEN
 KNOWN_FROM = 4
 UNEVEN = 4
-# reasons why a march ends before its last time: its steps shrink to 0 (ENDS), or are too many (FAR)
+# reasons why :func:`march_along` stops before the last time: steps shrink to 0 (ENDS), or would be too many (FAR)
 ENDS, FAR = 1, 2
-# indices in a march's report: number of steps, lengths of the first and of the current step, number of times reached
+# indices in the report of :func:`march_along`: number of steps, lengths of the first and of the current step, number of
+# times reached
 STEPS, LONGEST, STEP, REACHED = range(4)
 
 
 class SeriesRoom(NamedTuple):
     """The memory of :func:`march_along`.
 
-    ``middles`` are the values of all nodes at the expansion point, ``now`` is its time, ``series`` the coefficients and
-    ``told`` the report.
+    ``middles`` are the values of all nodes at the expansion point, ``now`` is its time, ``series`` are the
+    coefficients, and ``told`` is the report, with the indices STEPS, LONGEST, STEP and REACHED.
     """
 
     middles: Row

@@ -96,7 +96,7 @@ class Kind:
     def walk(self, orders: Orders, lanes: int = WALKS) -> Compiled | None:
         """The compiled walk, made on first use unless it is on disk; None where nothing is compiled.
 
-        With ``lanes`` = :data:`integrable.series.room.WIDEST` it is of several motions at once.
+        With ``lanes`` = :data:`integrable.series.room.WIDEST` it computes several motions at once.
         """
         key = orders, lanes
         found = self._walks.get(key)
@@ -194,13 +194,15 @@ def _right(found: Reached, order: np.ndarray, steps: Steps) -> Near:
 SHARED, WORKING, CALL, BACK = map(struct.Struct, ("=5q6dQq8q", "=" + "Qq" * 5, "=QqQqd", "=qqdq"))
 ASKED = SHARED.size + WORKING.size
 RESULT = ASKED + CALL.size
-# walks to at most this many times keep their working memory for later walks
+# the working memory of a walk to at most this many times is kept for later walks
 KEPT_TIMES = 512
 from_buffer: Any = c_char.from_buffer
 
 
 class Working(NamedTuple):
-    """The memory of a walk and its address, the form of its constants and state, and the position of its marks."""
+    """The memory of a walk and its address, the binary format of its constants and state, and the position of its
+    marks.
+    """
 
     memory: bytearray
     base: int
@@ -252,7 +254,7 @@ class Compiled:
         return Reached(reached, found, off, gap, done)
 
     def _working(self, known: int, count: int) -> Working:
-        """The working memory of a walk from ``known`` constants to ``count`` times."""
+        """The working memory of a walk with ``known`` constants and ``count`` times."""
         numbers, compared = struct.Struct(f"={known + self._count}d"), 4 * count * self._count
         here = RESULT + BACK.size
         memory = bytearray(here + numbers.size + LINE + 8 * (self.size + compared + count))

@@ -50,7 +50,7 @@ def walked_by_many(
 
 
 class _Walks:
-    """The walks of K motions; ``order`` has the indices of the times of each by their sizes."""
+    """The walks of K motions; ``_order`` has the indices of the times of each motion, in ascending size."""
 
     def __init__(
         self, kind: Kind, constants: np.ndarray, starts: np.ndarray, times: np.ndarray, most: np.ndarray
@@ -59,7 +59,7 @@ class _Walks:
         sizes = np.abs(times)
         self._order = np.argsort(sizes, axis=1, kind="stable")
         ahead = np.where(times[:, -1:] < 0, -times, times)
-        # whether all times are in the order of a walk
+        # whether the times of a motion are in the order that a walk needs: of one sign, and ascending in size
         self._whole = (ahead[:, 0] >= 0) & (np.diff(ahead, axis=1) >= 0).all(axis=1) & (ahead[:, -1] < FARTHEST)
 
     def add(self, found: NearMany, steps: Steps) -> None:
@@ -85,6 +85,6 @@ class _Walks:
         found.states[rows[right], columns[right]] = states[right]
         found.reached[rows[right], columns[right]] = True
         errors = SPARE * np.minimum(results[:, 2], steps.bounds.agreed)
-        # the estimates of walks that have found no state are forgotten
+        # estimates of walks that found no state are discarded
         found.errors[at_first] = 0
         np.maximum.at(found.errors, which, errors)

@@ -56,7 +56,7 @@ class Room:
         begin = self.lows_of_units + wide + 1
         self.factors = _factors(tape)
         packs, groups = _packed(tape, list(self.factors), min(4, WIDEST // WALKS))
-        # results do not depend on ``lanes``, so neither does what is summed at once
+        # the grouping of sums does not depend on ``lanes``, so that results do not depend on it either
         self.at_once = {n for nodes in packs if nodes in groups for n in nodes}
         most = max(1, WIDEST // lanes)
         self.members = {n: part for nodes in groups for part in _parts(nodes, most) for n in part}
@@ -66,9 +66,9 @@ class Room:
         self.abreast = ABREAST * WALKS // lanes
         self.begin = begin + -begin % self.abreast
         self.apart = count + -count % self.abreast
-        # a loop over orders writes one low part more
+        # a loop over orders writes one more low part
         begin = self.begin + (order + max(wide, 0) + 3) * self.apart
-        # only the coefficients of order 0 are kept, as hi and lo, of constants and of factors that are no variables
+        # of constants, and of factors that are not variables, only the coefficient of order 0 is stored, as (hi, lo)
         kept = {n for n, kind in enumerate(tape.kinds) if kind == CONSTANT}.union(*self.factors.values())
         kept |= {p for kind, p, _ in tape.nodes if kind == MULTIPLE}
         self._highs = {n: begin + 2 * i for i, n in enumerate(sorted(kept - set(range(count))))}
@@ -143,7 +143,7 @@ def is_square(tape: Tape, n: int) -> bool:
 
 
 def _abreast(tape: Tape, most: int) -> list[tuple[int, ...]]:
-    """Groups of two or more products that do not depend on each other, and are all squares or none."""
+    """Groups of two or more products that do not depend on each other; all are squares, or none is."""
     levels, alike = levels_of(tape.nodes), dict[tuple[int, bool], list[int]]()
     for n, kind in enumerate(tape.kinds):
         if kind == PRODUCT:
@@ -152,8 +152,8 @@ def _abreast(tape: Tape, most: int) -> list[tuple[int, ...]]:
 
 
 def _packed(tape: Tape, products: list[int], most: int) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
-    """The products of each vector, at most ``most``, and the groups among them. A vector has room for others than its
-    group, whose sums over earlier coefficients it computes too.
+    """The products of each vector, at most ``most``, and the groups among them. A vector that its group does not fill
+    also computes the sums over earlier coefficients of other products.
     """
     groups, packs = _abreast(tape, most), []
     rest = [n for n in products if not any(n in nodes for nodes in groups)]

@@ -15,7 +15,7 @@ from integrable.series.walk import Bounds
 # a step of a system costs (FIXED + its number of products)/STANDARD times as much as a step of a geodesic of the
 # ellipsoid in space, which has STANDARD − FIXED products
 FIXED, STANDARD = 3, 13
-# the microseconds of a step of this geodesic: per order, per square of the order, and more per order in
+# the microseconds of a step of this geodesic: per order, per square of the order, and in addition per order in
 # double-doubles
 PER_ORDER, PER_SQUARE, PER_WIDE_ORDER = 5e-3, 0.25e-3, 28e-3
 
@@ -32,9 +32,10 @@ class Steps(NamedTuple):
 WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE = Steps(WIDE, Bounds(1e-25, 1e-7, 1e1, 1e1, 2.0**-56))
 FINEST = Steps(WIDEST, Bounds(1e-29, 1e-11, 1e3, 1e3, 2.0**-56))
-# BRIEF takes 3/4, ROUGH 5/6 of the time of FINE; they are for at most 64 and 600 first steps. In eleven motions of 12
-# to 45 steps of BRIEF the walks differed by at most 2.8e-18; in the scene hat they disagree within 36 (python -m
-# benchmarks near). With ROUGH they agreed in motions of 145 to 525 steps, except a geodesic of 180 and one of 580
+# BRIEF takes 3/4, ROUGH 5/6 of the time of FINE; they are for times of at most 64 and 600 first steps. In eleven
+# motions of 12 to 45 steps of BRIEF the walks differed by at most 2.8e-18; in the scene ``hat`` they disagree within 36
+# steps (python -m benchmarks near). With ROUGH they agreed in motions of 145 to 525 steps, except in a geodesic of 180
+# steps and in one of 580
 BRIEF = Steps(WIDE, Bounds(1e-20, 1e-5, 1e1, 1e1, 2.0**-56, 64.0))
 ROUGH = Steps(WIDE, Bounds(1e-22, 1e-6, 1e1, 1e1, 2.0**-56, 600.0))
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
@@ -72,8 +73,8 @@ class Reached(NamedTuple):
 
 
 class ReachedByMany(NamedTuple):
-    """The results of K walks: for each the number of times reached, of wrong rows, the gap, and the number of steps, as
-    in :class:`Reached`; the states at all times, and which rows are wrong.
+    """The results of K walks. ``results`` has for each walk the number of times reached, the number of comparisons that
+    failed, the gap and the number of steps. ``states`` are those at all times; ``wrong`` marks the wrong rows.
     """
 
     results: np.ndarray

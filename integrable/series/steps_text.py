@@ -163,8 +163,8 @@ class Series(Sums):
         return self.text.wide_product(rate, (unit, self.text.load(self.room.lows_of_units + k, base)))
 
     def ratios(self) -> str:
-        """The LLVM function that stores maxima over the variables: of the ratio of a coefficient to its variable's
-        size, at the last two orders and the first two in floats; then of coefficients 2 and 3.
+        """The LLVM function that stores five maxima over the variables. Four are of |coefficient|/(size of the
+        variable), at the last two orders and at the first two orders in floats; the fifth is of coefficients 2 and 3.
         """
         self.text = Text(self.room.lanes)
         last, several = self.order, self.room.chunks(self._shown)

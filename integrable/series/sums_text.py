@@ -17,16 +17,18 @@ from jacobian.numbers.double_double_steps import fast_two_sum
 
 # number of orders in a round of the loop: a factor is loaded once for all of them
 AT_ONCE = 4
-# with at least this many orders in double-doubles, sums are renormalized at once, which takes a tenth of the time of a
-# step. Such steps are used only where others lose too many digits (a body of Veselova's with a moment of 5e-10)
+# if at least this many orders are in double-doubles, sums are renormalized at once, which takes a tenth of the time of
+# a step. Such steps are used only where steps with fewer orders in double-doubles lose too many digits (a body of
+# Veselova's with a moment of 5e-10)
 CAREFUL = 10
-# orders in double-doubles are a loop if their operations in straight-line code are more than this: about 15 KB, half of
-# an instruction cache. Straight-line code of fewer operations takes less time (python -m benchmarks near)
+# the orders in double-doubles are computed by a loop if straight-line code would have more operations than this, which
+# take about 15 KB, half of an instruction cache. Straight-line code of fewer operations is faster than a loop (python
+# -m benchmarks near)
 LONGEST = 200
 Term = tuple[int, int, int]
 """(factor, j, k − j), for the term factor·p_j q_{k−j}."""
 Factor = tuple[str, Side, int]
-"""The coefficients of a side at an order, counted from a pointer."""
+"""(pointer, side, order): coefficients of this order, whose position is counted from the pointer."""
 
 
 class Loop(NamedTuple):
@@ -63,11 +65,11 @@ class Sums:
         self._moving: dict[int, str] = {}
 
     def _begin_round(self, loop: Loop, done: str) -> None:
-        """Begins a round of a loop, which is ``done`` orders after the first one."""
+        """Begins a round of a loop, ``done`` orders after the first round."""
         self._loop = loop
         strides = {1, self.room.apart, *(side.width * side.apart for side in self.room.placed)}
         self._moving = {n: self._further("%s", done, n * self.room.lanes) for n in sorted(strides)}
-        # registers do not outlast a round
+        # the values in registers are those of the previous round
         self._recent, self._built = {}, {}
         earlier = self._earlier_orders if loop.end <= self.wide + 1 else self._earlier_rounds
         self._before = {nodes: earlier(nodes, done) for nodes in self.room.packs}
@@ -81,7 +83,7 @@ class Sums:
         return self.text.write(f"getelementptr double, ptr {base}, i64 {there}")
 
     def _base(self, k: int, stride: int) -> str:
-        """The pointer from which the places of coefficients of order k are counted."""
+        """The pointer from which the positions of coefficients of order k are counted."""
         return self._moving[stride] if self._moving and k >= self._loop.begin else "%s"
 
     def _hi(self, n: int, k: int) -> str:
@@ -159,7 +161,7 @@ class Sums:
         terms.sort(key=lambda term: p if term[1] else q)
         pairs = _pairs(terms, lambda side, order: self._value((p, q)[side], order))
         if before and not before[1]:
-            # doubling a factor keeps all terms in one sum; the newest term waits for no other
+            # a factor is doubled, not a partial sum, so that all terms are in one sum and the newest is added last
             pairs = [(1, x, _doubled(self.text, y) if f == 2 else y) for f, x, y in pairs]
         return _summed(self.text, pairs, k <= self.wide, before) if pairs or before else None
 
@@ -372,8 +374,8 @@ def _pairs(terms: Sequence[Term], value: Callable[[int, int], Wide]) -> list[tup
 
 
 def _summed(text: Text, pairs: Sequence[tuple[int, Wide, Wide]], wide: bool, before: Wide | None) -> Wide:
-    """``before`` + Σ factor·x·y, where the last pair is added last; other terms of factor 2 are summed apart and
-    doubled once.
+    """``before`` + Σ factor·x·y, where the last pair is added last; the other terms of factor 2 are summed separately,
+    and their sum is doubled.
     """
     last = pairs[-1:] if wide else []
     earlier = pairs[: len(pairs) - len(last)]

@@ -51,7 +51,8 @@ class SymbolField(InexactField):
     def coerce(self, value: Any, argument: str = "value") -> Any:
         """Returns symbols and recorded numbers unchanged, 0 and powers of two as floats, and other numbers as symbols.
 
-        The reciprocals of powers of two are exact in floats. Other reciprocals, such as 1/3, need more digits.
+        A division by a constant is recorded as a product with its reciprocal, which is exact in floats only for powers
+        of two.
         """
         if isinstance(value, Operand):
             return value

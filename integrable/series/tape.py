@@ -21,10 +21,10 @@ VARIABLE, CONSTANT, SUM, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, GROWTH =
 class Tape(NamedTuple):
     """The nodes of a formula: node n is the operation ``kinds[n]`` on the nodes ``left[n]`` and ``right[n]``.
 
-    Variables come first, then constants, then operations; independent operations are grouped by kind. A MULTIPLE has a
-    constant on the left, or a constant of motion. A ROOT has its radicand on both sides, and a GROWTH, e^x − 1, its
-    argument x. No series is available for a GROWTH. ``constants`` are the values of the constant nodes and 0 elsewhere.
-    ``results`` are the nodes of the values that the formula returned.
+    Variables come first, then constants, then operations; independent operations are grouped by kind. A MULTIPLE is a
+    product whose left factor is a constant or a constant of motion. A ROOT has its radicand on both sides, and a
+    GROWTH, e^x − 1, its argument x. No series is available for a GROWTH. ``constants`` has the values of the constant
+    nodes, and 0 for all other nodes. ``results`` are the nodes of the values that the formula returned.
     """
 
     kinds: list[int]

@@ -13,7 +13,7 @@ Wide = tuple[str, str]
 
 
 class Text(Code):
-    """Instructions on vectors of ``lanes`` floats. Places in memory count such vectors from the pointer %s."""
+    """Instructions on vectors of ``lanes`` floats. Positions in memory are numbers of such vectors from pointer %s."""
 
     def __init__(self, lanes: int, before: Text | None = None) -> None:
         super().__init__(types_in(lanes))

@@ -147,7 +147,7 @@ class Course(NamedTuple):
 
 class Many(NamedTuple):
     """The states of K motions with the same constants. ``ends`` are the indices of their first times, then the number
-    of all times. ``most`` are their largest numbers of steps.
+    of all times. ``most`` has the largest number of steps of each motion.
     """
 
     constants: Array
@@ -250,7 +250,9 @@ def put_course(slots: Slots, slot: int, course: Course) -> None:
 def begun(
     codes: Codes, bounds: Bounds, layout: Layout, given: Given, room: Array, lane: int, outputs: Outputs
 ) -> Course:
-    """The progress of a motion whose walks begin in this lane; no row is to be reached if the walks do not begin."""
+    """The progress of a motion whose walks begin in this lane. Its ``limit`` is 0 if the times are not in order, or if
+    the last one is too far.
+    """
     times, unit, limit, rows = outputs.times, 1.0, 0, 0
     if in_order(times):
         start(codes.start, given.constants, given.state, room, lane)
@@ -313,7 +315,7 @@ def in_order(times: Array) -> bool:
 
 
 def unit_of(codes: Codes, layout: Layout, room: Array, lane: int) -> float:
-    """Computes the series at the start, and returns their unit of time.
+    """Computes the series of a motion at its start, and returns the unit of time.
 
     The unit is a power of two near the shortest time scale of q or p. So coefficients stay within the range of floats,
     and steps do not depend on the unit in which the motion is given. The series of other motions stay as they are.
@@ -402,8 +404,8 @@ def reach(bounds: Bounds, layout: Layout, room: Array, lane: int) -> float:
 
 
 def put_rows(codes: Codes, layout: Layout, room: Array, at: Place, limit: int, per: float, outputs: Outputs) -> int:
-    """Writes the rows that the series of one walk reach, from its next row on; returns the first row beyond. For the
-    second walk these are compared rows only. ``per`` is the reciprocal of the unit of time.
+    """Writes the rows that the series of one walk reach, from its next row on; returns the first row that they do not
+    reach. The second walk writes only the compared rows. ``per`` is the reciprocal of the unit of time.
     """
     ahead = room[layout.spare : layout.spare + (2 + 2 * layout.parts * layout.half) * TIMES]
     lane, now, step, row = at
@@ -525,12 +527,12 @@ def start(code: int, constants: Array, state: Array, room: Array, lane: int) -> 
 
 
 def execute(code: int, room: Array) -> None:
-    """Computes in memory the coefficients about the state, or ratios of them, or advances the state by a step."""
+    """Calls code that computes the coefficients in memory, or their ratios, or that advances the state by a step."""
     _called(code, room)
 
 
 def dense(code: int, room: Array, lane: int, ahead: Array) -> None:
-    """Reads distances from the front of ``ahead``, and writes the states of a walk at these distances behind them."""
+    """Writes to ``ahead``, after the distances with which it begins, the states of a walk at these distances."""
     _called(code, room[lane:], ahead)
 
 

@@ -1,4 +1,6 @@
-"""Straight-line code of a walk other than its series: it fills memory from a state, takes a step, and reads states."""
+"""The straight-line code of a walk, except its series: it fills memory from a state, takes a step, and computes states
+between steps.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,8 @@ from jacobian.numbers.double_double_steps import (
 
 # the relative change of the start of the second walk, about a rounding unit, in double-doubles and in floats
 MOVED, MOVED_IN_FLOATS = 2.0**-104, 2.0**-52
-# between steps the last double-double terms, one in FLOATS, are summed in floats: they sum to less than a thousandth
+# for states between steps, the last 1/FLOATS of the double-double terms are summed in floats: their sum is less than a
+# thousandth of the state
 FLOATS = 3
 # number of times that one vector holds
 TIMES = WIDEST
@@ -161,7 +164,8 @@ def _start(room: Room, start: Tape) -> str:
         if kind not in (VARIABLE, CONSTANT):
             continue
         high, low = results[n] if kind == VARIABLE else _constant(single, key_of(rates.constants[n]), known)
-        # all that is no state changes by one factor: functions of the state that are equal to a constant stay so
+        # constants and variables that are functions of the state all change by the same factor, so that a variable that
+        # is equal to a constant stays equal to it
         again = single.fma(high, single.real(moved * (min(n, shown) % 5 - 2.5)), low)
         # constants of a walk in floats have no low part, so their change must show in the high part
         both = kind == CONSTANT and wide < 0

@@ -40,22 +40,22 @@ if TYPE_CHECKING:
 # from DENSE_FROM ascending times on, with at least DENSE of them per node, interpolation on panels is faster
 DENSE_FROM = 5000
 DENSE = 3
-# the equations of motion are met to RIGHT of the largest velocity
+# the states must satisfy the equations of motion up to RIGHT times the largest velocity
 RIGHT = 1e-12
 
 
 class BodyTorus:
     """The states of a motion on its torus, by loops of :mod:`integrable.torus.loops`.
 
-    ``turns`` are the signs that γ1, γ2, γ3 get over either period. ``basis`` has the periods as integer rows, in the
-    periods around the two ovals; ``doubled`` are the periods of 1/g in the periods of the divisor. ``closure`` is the
-    difference between the start and the state at the phases of the start. PrecisionLoss where the torus is not compact,
-    and where its states are not those of the motion.
+    ``turns`` are the signs by which γ1, γ2, γ3 are multiplied after each period. ``basis`` has the periods as integer
+    combinations of the periods around the two ovals; ``doubled`` has the periods of 1/g in units of those of the
+    divisor. ``closure`` is the difference between the start and the state at the phases of the start. PrecisionLoss
+    where the torus is not compact, and where its states are not those of the motion.
     """
 
     def __init__(self, setup: Setup, loops: Loops) -> None:
         self.setup, self.loops = setup, loops
-        # numbers of the motion, in units of length and time of its own
+        # the data of the motion, in its own units of length and time
         self.units, self._motion, self.tilt, start, self._problem = loops.begun(setup)
         found = loops.room(FOUND)
         m1, n1, m2, n2 = loops.periods(self._motion, loops.short, loops.room(4), found)
@@ -74,7 +74,7 @@ class BodyTorus:
         self._check(found)
 
     def _placed(self, start: Row, found: Row, chars: Sequence[Whole]) -> Torus:
-        """The torus as the loops take it, with the phases and the signs of the start."""
+        """The torus, packed for the loops, with the phases and the signs of the start."""
         loops = self.loops
         shape = found[IMAGINARY:MEAN]
         if not np.isfinite(loops.floats(shape)).all():
@@ -128,7 +128,7 @@ class BodyTorus:
         return first_grid(self.loops.noise, self._decay)
 
     def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> np.ndarray:
-        """:func:`samples_of` 1/g on a grid of its periods, with ``sizes`` points per period of the divisor."""
+        """1/g on a grid over its periods, with ``sizes`` points per period of the divisor, by :func:`samples_of`."""
         return samples_of(self.loops, self.torus[0], self._rate, self.odd, sizes, known)
 
 
@@ -198,8 +198,8 @@ class TorusFlow(BodyTorus):
         return self._rows_at_tau(tau) if panels is None else panels.at(tau, self.loops.panel_values)
 
     def phases(self, times: np.ndarray, physical: bool, periods: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-        """Both phases at physical times, or at values of τ unless ``physical``, each divided by its entry of
-        ``periods``, 1 or 2, up to whole numbers. They keep the digits that a rounded τ has lost.
+        """Both phases at physical times, or at values of τ unless ``physical``. Each is divided by its entry of
+        ``periods``, 1 or 2, and is determined modulo 1. The phases keep the digits that a rounded τ has lost.
         """
         check_turns(times, self._turns_in_t if physical else self._turns)
         rows = self.loops.room(2 * len(times))
@@ -257,7 +257,7 @@ class TorusFlow(BodyTorus):
 
     @cached_property
     def _scale(self) -> float:
-        """One unit of τ in units of the flow's own time."""
+        """The length of the user's unit of τ in units of the time of the set-up."""
         return float(self.loops.floats(self._problem[TIME_SCALE : TIME_SCALE + 1])[0])
 
     @cached_property

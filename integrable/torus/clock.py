@@ -1,5 +1,5 @@
-"""Times on the torus of any motion: those that it reaches, and in genus 2 physical time, by a clock made of samples of
-dt/dτ.
+"""Times on the torus of a motion: the range of times whose phases double-doubles resolve and, in genus 2, physical time
+t(τ) from samples of dt/dτ.
 """
 
 from __future__ import annotations
@@ -23,33 +23,35 @@ from jacobian.native.library import Packed
 
 # a first grid has at least this many points in each direction
 FIRST_SIZE = 16
-# a first grid of 1/g has POINTS·digits/(the :func:`shortest` nYn) points in each direction; mostly no finer one follows
+# a first grid of 1/g has POINTS·digits/(the result of :func:`shortest`) points in each direction; a finer grid is
+# rarely needed
 POINTS = 1.8
-# the largest number of samples of a rate; beyond it, branch points nearly meet
+# the largest number of samples of a rate; only a motion whose branch points nearly coincide needs more
 MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this fraction of its mean are omitted from the series that starts Newton's method
 ROUGH = 1e-4
-# a mode is summed in double-doubles if τ oscillates with it by LOUD·(least dt/dτ)/(mean dt/dτ) or more: floats would
-# lose digits of τ. The unit is the time in which the body turns by about a radian
+# floats would lose digits of τ in a mode with which τ oscillates by LOUD·(least dt/dτ)/(mean dt/dτ) or more, so that
+# double-doubles sum it. The unit is the time in which the body turns by about a radian
 LOUD = 0.05
-# the accuracy of a spectrum is SLOW times the frequency of a phase, since slow modes are divided by their frequencies,
-# but at best EXTENDED; modes below ROUNDING of the largest are left out. Both are the same on every machine
+# the error of a spectrum is at most SLOW times the frequency of a phase, since slow modes are divided by their
+# frequencies, but EXTENDED at best; modes below ROUNDING times the largest are left out
 SLOW = 1e-13
 EXTENDED, ROUNDING = 2.0**-58, 2.0**-60
-# a mode is dropped only if it moves τ by less than this, in the unit of LOUD, because a slow mode may be small in 1/g
+# a mode is dropped only if it moves τ by less than this, in the unit of LOUD: a slow mode may be small in 1/g and still
+# move τ
 LEAST_SWING = 1e-17
-# turns of a phase at the checked times: more than one in either direction, after which all signs that the period
-# changes have changed
+# turns of a phase at the checked times: more than one in either direction, after which every sign that changes over its
+# period has changed
 TURNS = (1.23, -1.38)
 # beyond this number of turns the faster phase loses its fraction
 FAR = 2.0**48
 
 
 Samples = Callable[[tuple[int, int], "np.ndarray | None"], np.ndarray]
-"""A function that gives values on a grid of given sizes; values on a coarser grid may be known."""
+"""A function that computes values on a grid of the given sizes, except those known from a coarser grid, if any."""
 Found = TypeVar("Found")
 Transform = Callable[[np.ndarray], tuple[Found, tuple[int, int]]]
-"""A function of samples that returns a result of them and the shape of a grid that is fine enough."""
+"""A function that returns a result computed from samples, and the shape of a grid that is fine enough."""
 
 
 class FarTimes:
@@ -63,7 +65,7 @@ class FarTimes:
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Two times for each phase, one in each direction, after which every sign that its period changes has
+        """Two times for each phase, one in each direction, after which every sign that changes over its period has
         changed.
         """
         # if the faster phase loses its fraction before a turn of the slower one, the signs of the latter do not matter
@@ -81,7 +83,7 @@ def turns_in(times: np.ndarray, paces: Sequence[float]) -> float:
 
 
 def check_turns(times: np.ndarray, paces: Sequence[float], most: float = MOST_TURNS) -> None:
-    """PrecisionLoss for times with more than ``most`` turns of a phase."""
+    """Raises PrecisionLoss if a phase makes more than ``most`` turns in one of the times."""
     turns = turns_in(times, paces)
     if turns > most:
         raise PrecisionLoss(
@@ -98,8 +100,8 @@ def samples_of(
     sizes: tuple[int, int],
     known: np.ndarray | None = None,
 ) -> np.ndarray:
-    """A rate on a grid with ``sizes`` points per period. If it is tilted, its periods are doubled where they are
-    ``odd``, after which the tilt has the opposite sign. Compiled loops give double-doubles with a last axis.
+    """A rate on a grid with ``sizes`` points per period of the divisor. A tilted rate has twice an ``odd`` period,
+    because its tilt term changes its sign after that period. Compiled loops give double-doubles with a last axis.
     ``known`` are the samples of a coarser grid.
     """
     (rows, columns), (down, across) = sizes, (1 + (rate.tilted and odd[0]), 1 + (rate.tilted and odd[1]))
@@ -129,9 +131,9 @@ def first_grid(noise: float, decay: tuple[float, float]) -> tuple[int, int]:
 
 
 def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, int], most: int) -> Found:
-    """The result of a grid that is fine enough, from a first grid of ``sizes``.
+    """The result on the first grid that is fine enough; ``sizes`` are those of the coarsest grid.
 
-    PrecisionLoss beyond ``most`` samples.
+    PrecisionLoss if more than ``most`` samples are needed.
     """
     known: np.ndarray | None = None
     while sizes[0] * sizes[1] <= most:
@@ -206,7 +208,7 @@ class TorusClock:
         self._room = 2 * max(part.width for part in series[:2])
 
     def at(self, torus: BodyStates | Packed, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(γ and M, τ, τ − t·mean dτ/dt) at physical times, of shapes (N, 6), (N,) and (N,). ``torus`` is packed."""
+        """(γ and M, τ, τ − t·(mean dτ/dt)) at physical times, of shapes (N, 6), (N,) and (N,). ``torus`` is packed."""
         out, tau, delays = np.empty(6 * len(times)), np.empty(len(times)), np.empty(len(times))
         room = np.empty(self._room), self._loops.room(2 * len(times))
         self._loops.states_at_times(torus, self._clock, times, (tau, delays, out), room)

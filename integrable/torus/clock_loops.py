@@ -21,7 +21,7 @@ class ClockSeries(NamedTuple):
     ``lines`` has three numbers for each k = 0, 1, …: its first m, counted from ``least``, and where its coefficients
     begin and end. For k > 0 coefficients are doubled, to account for −k. ``parts`` are the real parts of all
     coefficients of S, then the imaginary parts, then both for dS/dτ. ``least`` is the least m, ``width`` the number of
-    m, ``bound`` a bound of |S|. S is ``origin`` plus the modes. ``mean`` is the mean rate of τ + S: 1 up to errors.
+    m, ``bound`` a bound of |S|. S is ``origin`` plus the modes. ``mean`` is the mean rate of τ + S, 1 up to rounding.
     """
 
     lines: Row
@@ -62,7 +62,7 @@ def clock_in_tuples(clock: Clock) -> Clock:
 def states_at_times(
     body: BodyStates, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: tuple[Row, Row]
 ) -> None:
-    """Writes τ at physical times t, τ minus the mean dτ/dt times t, and γ and M, six floats each, into ``found``.
+    """Writes τ at physical times t, τ − t·(mean dτ/dt), and γ and M, six floats for each time, into ``found``.
 
     ``room`` is memory for powers, and for two phases at each time.
     """
@@ -72,8 +72,8 @@ def states_at_times(
 
 
 def phases_at_times(clock: Clock, times: Row, found: tuple[Row, Row, Row], room: Row) -> None:
-    """Writes the phases at physical times t in turns, modulo 2, one pair after the other, then τ, and τ minus the mean
-    dτ/dt times t, into ``found``.
+    """Writes into ``found`` the phases at physical times t (in turns, modulo 2, one pair after the other), τ, and
+    τ − t·(mean dτ/dt).
     """
     own, (phases, tau, delays) = clock_in_tuples(clock), found
     for i in range(len(times)):
@@ -83,9 +83,9 @@ def phases_at_times(clock: Clock, times: Row, found: tuple[Row, Row, Row], room:
 
 
 def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, Real]:
-    """Both phases at a physical time in turns, modulo 2, and x.
+    """Both phases at a physical time t, in turns, modulo 2, and x = τ − t·(mean dτ/dt).
 
-    τ is t times the mean dτ/dt, plus a bounded x from :func:`delay`, whose rounding error is then corrected.
+    :func:`delay` gives x, which is bounded; where its rounding error is large, it is then corrected.
     """
     pace1, pace2, nu1, nu2, _, _ = clock.pace
     (double1, double2), modes = clock.doubled, clock.modes
@@ -109,7 +109,7 @@ def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, Rea
 
 
 def times_at_tau(clock: Clock, tau: Row, times: Row, room: Row) -> None:
-    """Physical times at the times ``tau`` of the flow."""
+    """Writes the physical times at the times ``tau`` of the flow."""
     (double1, double2), nu1, nu2, mean = clock.doubled, clock.pace[2], clock.pace[3], clock.pace[5]
     for i in range(len(tau)):
         first, turn1 = whole_turns(nu1 * tau[i])

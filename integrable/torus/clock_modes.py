@@ -13,10 +13,11 @@ from typing import NamedTuple
 from integrable.moving_point.addition import Real, Row
 from jacobian.numbers.fourier import half_spectrum
 
-# modes that no longer decrease, and are below this fraction of the largest, are taken as rounding errors
+# modes that no longer decrease, and are below this fraction of the largest, count as rounding errors
 LEVEL = 1e-8
-# the largest number of modes that are summed in numbers longer than floats. Ordinary bodies have fewer than 8, bodies
-# whose moments differ by 10⁶ up to 90 (tests.fuzz flow); each takes about 0.3 µs a time
+# the largest number of modes that are summed in numbers longer than floats. Ordinary bodies have fewer than 8 such
+# modes, bodies whose moments differ by a factor of 10⁶ up to 90 (tests.fuzz flow). Each mode costs about 0.3 µs per
+# time
 MOST_LOUD = 400
 # a mode that moves τ by more turns than this is in resonance: floats would invert the clock only to 1e-4 of a turn
 MOST_SWING = 1e12
@@ -40,9 +41,9 @@ class Cutoffs(NamedTuple):
 class Tables(NamedTuple):
     """Working memory. ``modes`` has four numbers for each mode, ``pairs`` the (k, m) of the loud ones. Lines and parts
     are those of three :class:`~integrable.torus.clock_loops.ClockSeries`: with all modes, with the larger ones (rough),
-    and with all but the loud ones (quiet). ``counts`` has four numbers of the first series (the least m; how many m,
-    rows and modes), then four of the rough series, then the number of loud modes, or −1 − n if the n-th of ``modes``
-    is in resonance.
+    and with all but the loud ones (quiet). ``counts`` has four numbers of the first series: the least m, and the
+    numbers of m, rows and modes. The same four of the rough series follow, then the number of loud modes, or −1 − n if
+    the n-th of ``modes`` is in resonance.
     """
 
     modes: Row
@@ -154,8 +155,8 @@ def clock_series(
 def part_loud(
     values: Row, columns: int, rates: Row, least: float, series: tuple[int, int, int, int], tables: Tables, loud: Row
 ) -> tuple[int, float]:
-    """Moves the modes by which τ oscillates by ``least`` or more from the quiet series to ``loud``. Returns how many
-    they are, and the sum of the quiet modes at the start.
+    """Moves the modes by which τ oscillates by ``least`` or more from the quiet series to ``loud``. Returns their
+    number, and the sum of the quiet modes at the start.
     """
     for n in range(4 * series[3]):
         tables.quiet_parts[n] = tables.parts[n]
@@ -179,7 +180,9 @@ def part_loud(
 
 
 def put_pace(turns: Row, doubled: tuple[int, int], pace: Row) -> Row:
-    """Writes the ``pace`` of :func:`clock_series`; returns what it begins with, for phases in the periods of 1/g."""
+    """Writes the ``pace`` of :func:`clock_series`. Returns the rates of both phases, in periods of 1/g per unit of τ,
+    the mean of 1/g, and 2π.
+    """
     nu1, nu2, mean = turns[0], turns[1], turns[2]
     pace[0], pace[1], pace[2], pace[3], pace[4], pace[5] = nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean
     return nu1 / doubled[0], nu2 / doubled[1], mean, turns[3]
@@ -238,7 +241,7 @@ def packed_modes(
     tables: Tables, grid: tuple[int, int], least: float, lines: Row, parts: Row
 ) -> tuple[int, int, int, int]:
     """Packs the modes left by :func:`swings` whose part of dS/dτ exceeds ``least``, in the layout of
-    :class:`~integrable.torus.clock_loops.ClockSeries`. Returns (least m, the number of m, rows, modes in all).
+    :class:`~integrable.torus.clock_loops.ClockSeries`. Returns the least m, and the numbers of m, rows and modes.
     """
     (height, columns), modes = (grid[0] // 2, grid[1]), tables.modes
     low, high, used, total = columns, 0, 1, 0

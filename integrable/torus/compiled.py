@@ -1,5 +1,5 @@
-"""The loops of random access on the torus compiled from :mod:`integrable.torus.states` and other modules of this room:
-theta functions in double-double numbers, Fourier series in floats.
+"""The loops of random access on the torus, compiled from :mod:`integrable.torus.states` and other modules of this room.
+They use double-doubles for theta functions, and floats for most modes of Fourier series.
 
 Arrays of numbers are float arrays with a last axis (hi, lo).
 """
@@ -66,5 +66,5 @@ LOOPS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "panel_values": (clock_loops.panel_values, (FLOATS, FLOATS, _PANELS, FLOATS, _ROWS, _ROWS)),
 }
-"""The loops by name, with the kinds of their arguments."""
+"""The loops by name, with the compiled types of their arguments."""
 LIBRARY = Library("torus", LOOPS, SPECIAL, fast=(clock_loops.swing_and_rate,))

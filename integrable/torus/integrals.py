@@ -49,9 +49,9 @@ class TimedRun(Protocol):
 class TorusIntegral:
     """∫_0^τ F dτ for F with mean 0.
 
-    F may change sign with an odd number of the γ_i: it has the periods :func:`periods_of`. ``least``, shape (m,), is
-    the size of rounding errors in F. PrecisionLoss where no grid of at most MOST_COMPILED points (MOST_INTERPRETED for
-    interpreted states) resolves F.
+    F may change its sign if an odd number of the γ_i do, so its periods are those of :func:`periods_of`. ``least``,
+    shape (m,), is the size of rounding errors in F. PrecisionLoss where no grid of at most MOST_COMPILED points
+    (MOST_INTERPRETED for interpreted states) resolves F.
     """
 
     def __init__(self, flow: TorusFlow, function: Function, least: np.ndarray) -> None:
@@ -82,13 +82,14 @@ class TorusIntegral:
 
 
 def periods_of(flow: BodyTorus) -> tuple[int, int]:
-    """The periods, in turns of both phases, of functions that may change sign with an odd number of the γ_i."""
+    """The periods, in turns of both phases, of functions that may change their sign if an odd number of the γ_i do."""
     return 1 + flow.odd[0], 1 + flow.odd[1]
 
 
 class ResolvedSamples(NamedTuple):
-    """Samples of F on a grid over :func:`periods_of` that resolves it, (rows, columns, m), and of each part the Fourier
-    coefficients and the fraction of the largest below which they are rounding.
+    """Samples of F on a grid over :func:`periods_of` that resolves it, shape (rows, columns, m). For each of the m
+    parts of F, ``grids`` has the Fourier coefficients, and ``noises`` the fraction of the largest coefficient below
+    which the others are rounding errors.
     """
 
     values: np.ndarray
@@ -139,8 +140,8 @@ def resolved_samples(
 class LongIntegral:
     """∫_0^τ F dτ in multiprecision for F with mean 0, to ``digits`` relative to its largest part.
 
-    F takes states of bare reals, and may change sign with an odd number of the γ_i. PrecisionLoss where the torus
-    degenerates, or takes too many samples.
+    F takes states of bare reals, and may change its sign if an odd number of the γ_i do. PrecisionLoss where the torus
+    degenerates, or F needs too many samples.
     """
 
     def __init__(self, setup: Setup, digits: int, function: Function) -> None:

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
 
-# lengths and lifts above this get the unit 1, smaller ones a power of two
+# the unit of a length or a lift is 1 if it is larger than this, otherwise a power of two near it
 CLOSE = 2.0**-6
 # with the origin 0 a motion has enough digits if neighbouring branch points differ by more than the fraction APART of
-# the larger one, and |γ × M|² is more than this part of |M|²
+# the larger one, and |γ × M|² is more than APART·|M|²
 APART = 2.0**-6
 # sizes up to this, and their reciprocals, have powers within the range of floats
 FAR = 1e30
@@ -52,7 +52,7 @@ class Units(NamedTuple):
     @staticmethod
     def of(problem: Problem) -> Units:
         """Units for branch points that are all close together, as for nearly equal moments or large m r². For other
-        motions length and lift are 1. To be called within ``with setup.reals``, as :meth:`of_point`.
+        motions length and lift are 1. Like :meth:`of_point`, it must be called inside ``with setup.reals``.
         """
         origin, axes = best_origin(problem), problem.axes[:3]
         length = _near_power(float(max(axes) - min(axes)))
@@ -76,7 +76,7 @@ def _near_power(x: float) -> float:
 
 def motion_row(problem: Problem, setup: Setup, units: Units) -> tuple[Real, ...]:
     """The motion as :mod:`integrable.torus.theta_setup` takes it, in bare reals: the ends of both ovals, α1, α2, α3, ζ,
-    d' (elsewhere d), π, r and origin/length, in :class:`Units`.
+    d' (called d elsewhere), π, r and origin/length, in :class:`Units`.
 
     PrecisionLoss where the torus is not compact.
     """
@@ -90,7 +90,7 @@ def motion_row(problem: Problem, setup: Setup, units: Units) -> tuple[Real, ...]
 
 def with_open_ovals(problem: Problem, closest: Real) -> Problem:
     """The motion with ovals of at least the length ``closest``, relative to the largest difference of the α_i. This
-    moves states by about its root. An oval is a point if two α_i are equal, and for a rotation about an axis.
+    changes states by about √``closest``. An oval is a point if two α_i are equal, and for a rotation about an axis.
     """
     axes, zeta = list(problem.axes[:3]), problem.ratio
     low, middle, high = sorted(range(3), key=lambda i: axes[i])
@@ -131,8 +131,8 @@ def oval_ends(problem: Problem | RateCurve, near: Real) -> tuple[tuple[Real, Rea
 
 
 class Beginning(NamedTuple):
-    """The data from which a torus is made, in rows of numbers of its loops. They are a :func:`motion_row` and its
-    ``units``, (α, β) of the tilt term of 1/g, the start in these units, and a
+    """The data from which a torus is made, as rows of the numbers with which its loops compute: a :func:`motion_row`
+    and its ``units``, (α, β) of the tilt term of 1/g, the start in these units, and a
     :func:`~integrable.moving_point.problem.problem_row` in the set-up's units, of which only the entries from
     TIME_SCALE on are needed.
     """

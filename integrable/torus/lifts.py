@@ -1,6 +1,6 @@
 """Square roots of |U| at branch points on a real torus of genus 2, by theta functions; on bare reals, compiled or
-interpreted. The start of a motion, the check of a torus and dt/dτ on a grid are the same for bodies and for pairs of
-any curve.
+interpreted. The same functions find the phases of the start, check a torus, and compute dt/dτ on a grid, for bodies and
+for Mumford's pairs on other curves.
 
 Let σ = √|U(e)| at a branch point e, and ν = −2∂σ with the derivative ∂ along (0, 1). Then σ ∝ θ_e/θ_∞ (Thomae; Mumford
 1984). A body has three such points, and its lifts (γ̃_i, w̃_i) are normalized by γ̃² = w̃² = 1 instead, without θ_∞.
@@ -16,30 +16,30 @@ from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 from jacobian.numbers.sums import joined, plus_product
 
-# the number of points between which Newton's method takes quotients of differences; its largest number of steps; a step
-# by more turns than FARTHEST has no meaning
+# Newton's method takes difference quotients between POINTS points, and at most MOST_STEPS steps; a step by more turns
+# than FARTHEST has no meaning
 POINTS, MOST_STEPS, FARTHEST = 3, 100, 1e3
-# a motion is on its torus if the start is met to CLOSED of the largest lift
+# a torus is accepted if its lifts at the start differ from the given ones by at most CLOSED times the largest lift
 CLOSED = 1e-18
-# a lift at the start that is smaller than this part of the largest one belongs to an oval that was a point and has been
-# opened
+# a lift at the start below this fraction of the largest one is due to an oval that was a point and has been opened
 SMALLEST = 2.0**-40
-# the equations of motion are checked at CHECKED points. At each, quotients of differences are taken between AROUND
-# points, STEP turns of the faster phase apart. Their error is about the fourth power of 2π·STEP times the highest
-# harmonic
+# the equations of motion are checked at CHECKED points, by difference quotients between AROUND points that are STEP
+# turns of the faster phase apart. Their error is about (2π·STEP·(the highest harmonic))⁴
 CHECKED, AROUND, STEP = 8, 5, 2.0**-24
-# the phases of the points of a check are multiples of these parts of a turn, which no symmetry of a motion shares
+# the checked points have the phases (n·ALONG_FIRST, n·ALONG_SECOND): these numbers are irrational, so that no symmetry
+# of a motion maps one point to another
 ALONG_FIRST, ALONG_SECOND = 0.7548776662466927, 0.5698402909980532
-# quotients of differences are inaccurate where all lifts change by more than this part in a step, as next to a pole
+# difference quotients are inaccurate where all lifts change by more than this fraction in a step, as next to a pole
 POLE = 1e-4
 # number of columns of a grid whose sums are computed together, so that they stay in a cache
 TOGETHER = 64
 
 
 class Torus(NamedTuple):
-    """The theta functions of a motion. θ_k of ``sums`` (class k) belongs to branch point k; a further one is θ_∞.
+    """The theta functions of a motion. The k-th of ``sums``, θ_k (class k), belongs to branch point k; if there is one
+    more than there are factors, the last is θ_∞.
 
-    ``places`` are the phases of the start in turns. σ of class k is ``factors[k]`` times θ_k, before it is normalized.
+    ``places`` are the phases of the start in turns. σ at branch point k is ``factors[k]``·θ_k, before it is normalized.
     """
 
     sums: ThetaSums
@@ -48,7 +48,7 @@ class Torus(NamedTuple):
 
 
 def frame_at(torus: Torus, first: Real, second: Real) -> Row:
-    """(γ̃, w̃) at phases in turns from the start, below 2: larger phases would lose digits."""
+    """(γ̃, w̃) at phases in turns since the start. They must be below 2, because larger phases would lose digits."""
     sums, places = torus.sums, torus.places
     one, two = circle((first + places[0]) / 2, sums.inverse), circle((second + places[1]) / 2, sums.inverse)
     x, p = theta(sums, 0, one, two)
@@ -71,7 +71,9 @@ def frame_from(factors: Row, values: Row, slopes: Row) -> Row:
 
 
 def lifts_at(torus: Torus, first: Real, second: Real, count: int, out: Row, place: int) -> None:
-    """Writes σ and ν at the first ``count`` branch points, at phases in turns from the start, to out[place …]."""
+    """Writes σ and ν of the first ``count`` branch points to out[place …]. ``first`` and ``second`` are the phases, in
+    turns since the start.
+    """
     sums, factors = torus.sums, torus.factors
     if sums.sizes[0] == len(factors):
         x, y, z, p, q, s = frame_at(torus, first, second)
@@ -94,8 +96,8 @@ def lifts_at(torus: Torus, first: Real, second: Real, count: int, out: Row, plac
 
 
 class Limits(NamedTuple):
-    """The difference from the start, relative to each lift, at which Newton's method ends, and the step of its
-    quotients of differences in turns.
+    """Newton's method ends if no lift differs from that of the start by more than the fraction ``enough``. ``nudge`` is
+    the step of its difference quotients, in turns.
     """
 
     enough: float
@@ -103,10 +105,12 @@ class Limits(NamedTuple):
 
 
 def met(torus: Torus, tops: Row, target: Row, limits: Limits, room: Row) -> float:
-    """Multiplies the factors by ``tops``, the numbers by which theta functions are divided. Then corrects the phases of
-    the start, given in floats, to those at which the lifts are ``target``, by Newton's method, and gives the factors
-    the signs of the target. Returns the largest remaining difference relative to the largest of the target, NaN if a
-    phase is NaN. ``room`` is memory for 3·(lifts) + (classes) numbers.
+    """Finds the phases of the start, at which the lifts are ``target``, by Newton's method from phases in floats.
+
+    First it multiplies the factors by ``tops``, by which :func:`~integrable.torus.theta_series.theta_weights` has
+    divided the theta functions; it also changes the signs of the factors to those of the target. Returns the largest
+    remaining difference, relative to the largest number in ``target``, or NaN if a phase is NaN. ``room`` is memory
+    for 7 numbers per factor.
     """
     places, factors, nudge = torus.places, torus.factors, limits.nudge
     count, zero, wide = len(factors), 0 * places[0], 2 * len(factors)
@@ -124,7 +128,7 @@ def met(torus: Torus, tops: Row, target: Row, limits: Limits, room: Row) -> floa
             if point == 2:
                 second = second + nudge
             lifts_at(torus, first, second, count, room, wide * point)
-        # near a separatrix phases in floats may leave the sign of a small lift open
+        # this is repeated in each step: near a separatrix, phases in floats may give a small lift the wrong sign
         give_signs(factors, target, room)
         gap, move1, move2 = newton_step(target, weights, nudge, room)
         # NaN ends the loop too
@@ -142,8 +146,9 @@ def met(torus: Torus, tops: Row, target: Row, limits: Limits, room: Row) -> floa
 
 
 def weigh(target: Row, weights: Row) -> float:
-    """Writes 1/(the size of the lift of each class), so that small lifts, as at an end of a short oval, count as much
-    as others. Those of an oval that was a point do not. Returns the largest size in the target.
+    """Writes the weight 1/max(|σ|, |ν|) of each lift, so that a small lift, as at an end of a short oval, counts as
+    much as the others. A lift below SMALLEST times the largest gets the weight of the largest. Returns the largest size
+    in ``target``.
     """
     size = 0.0
     for n in range(len(target)):
@@ -170,8 +175,8 @@ def give_signs(factors: Row, target: Row, room: Row) -> None:
 def newton_step(target: Row, weights: Row, nudge: float, room: Row) -> tuple[float, Real, Real]:
     """(the largest weighted difference from the target, the changes of both phases), by least squares.
 
-    ``room`` has the lifts at the present phases, then those a ``nudge`` further along the first phase, and along the
-    second.
+    ``room`` has the lifts at the present phases, then at a first phase larger by ``nudge``, then at a second phase
+    larger by ``nudge``.
     """
     zero, gap, wide = 0 * target[0], 0.0, len(target)
     aa, ab, bb, ar, br, rest = zero, zero, zero, zero, zero, 0.0
@@ -200,12 +205,12 @@ def put_around(torus: Torus, frequencies: Row, room: Row) -> None:
 
 
 def most_strayed(frequencies: Row, wide: int, lifts: Row, right: Row, out: Row) -> None:
-    """Writes, for each point of :func:`put_around`, the largest difference between rates of σ, or of ν, on the torus
-    and the ``right`` ones of the equations of motion, to ``out``. It is relative to the largest such rate at the same
-    point, or to σ, or ν, times the frequency of the faster phase if that is more. It is NaN if a rate is NaN, and 0
-    next to a pole. ``wide`` is the number of lifts.
+    """Writes to ``out``, for each point of :func:`put_around`, the relative error of the rates of σ and ν on the torus.
+    ``right`` are the rates by the equations of motion; ``wide`` is the number of σ and ν at a point.
 
-    The check covers signs, periods and frequencies, for all times, because theta functions are analytic.
+    The largest error of a rate of σ is divided by the largest rate of σ, or by the largest σ times the frequency of the
+    faster phase if that is more; likewise for ν. The result is NaN if a rate is NaN, and 0 next to a pole. The check
+    covers signs, periods and frequencies, for all times, because theta functions are analytic.
     """
     fastest = max(abs(float(frequencies[0])), abs(float(frequencies[1])))
     step = STEP / fastest
@@ -234,7 +239,7 @@ class RateSums(NamedTuple):
     of theta functions from the class ``first`` on. f_n are the factors of the torus, 1 for θ_∞. ``numbers`` are a_n
     and b_n of three classes, then s.
 
-    If the body is ``tilted``, Σ c_i·w̃_iγ̃_jγ̃_k/√q for cyclic (i, j, k) is added, and the c_i follow.
+    If the body is ``tilted``, Σ c_i·w̃_iγ̃_jγ̃_k/√q for cyclic (i, j, k) is added, and ``numbers`` ends with the c_i.
     """
 
     first: int
@@ -247,8 +252,8 @@ class RateSums(NamedTuple):
 def gridded(
     torus: Torus, rate: RateSums, sizes: tuple[int, int], coarser: tuple[int, int], room: Row, rates: Row, others: Row
 ) -> None:
-    """Writes dt/dτ on a grid of one turn of either phase from the start to ``rates``, and to ``others`` dt/dτ with the
-    opposite tilt. ``sizes`` are the rows and columns of the grid.
+    """Writes dt/dτ to ``rates``, and dt/dτ with the opposite tilt to ``others``, on a grid that begins at the start and
+    covers one turn of each phase. ``sizes`` are the rows and columns of the grid.
 
     Points of a coarser grid, whose rows and columns are ``coarser`` apart (0: there is none), are left out. ``room`` is
     memory for 4·TOGETHER + 2·rows numbers per harmonic of φ₁ in each theta series.
@@ -299,8 +304,8 @@ def put_harmonics(
 
 
 def rates_in(torus: Torus, rate: RateSums, room: Row, circles: tuple[int, int], j: int) -> tuple[Real, Real]:
-    """dt/dτ in column j, and with the opposite tilt, from what :func:`gridded` has put into ``room``. ``circles`` are
-    the position of the first harmonic and the distance from each harmonic to the next.
+    """(dt/dτ, dt/dτ with the opposite tilt) in column j, from the sums that :func:`gridded` has put into ``room``.
+    ``circles`` are the position of the first harmonic and the distance from each harmonic to the next.
     """
     sums, factors, numbers = torus.sums, torus.factors, rate.numbers
     scale = numbers[6]
@@ -328,8 +333,8 @@ def rates_in(torus: Torus, rate: RateSums, room: Row, circles: tuple[int, int], 
 def column_values(
     sums: ThetaSums, place: tuple[int, int], room: Row, circles: tuple[int, int], j: int, tilted: bool
 ) -> tuple[Real, Real]:
-    """θ of class k in column j, and its derivative for a ``tilted`` body, else 0. ``place`` is (k, n) if it is the n-th
-    class in ``room``.
+    """θ_k in column j, and its derivative for a ``tilted`` body, else 0. ``place`` is (k, n) if θ_k is the n-th
+    function in ``room``.
     """
     (k, own), height = place, sums.sizes[1]
     odd, zero = is_odd(sums.chars, k), 0 * room[j]

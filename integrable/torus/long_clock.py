@@ -37,8 +37,8 @@ SETTLED = 1e-9
 
 
 class LongClock:
-    """t(τ) and τ(t) for any τ, to ``digits``, from the modes of dt/dτ; numbers are those of ``wide``, an MP field. The
-    modes of a nearly degenerate torus do not exist; such a motion needs a clock of panels
+    """t(τ) and τ(t) for any τ, to ``digits``, from the modes of dt/dτ; numbers are those of ``wide``, an MP field. A
+    nearly degenerate torus has too many modes; its motion needs a clock of panels
     (:class:`integrable.motion.precise_clock.PanelClock`).
 
     Modes in or near resonance with the motion are integrated one by one; in the series they would have small divisors.

@@ -1,4 +1,4 @@
-"""The loops for random access on a torus, interpreted or compiled, and the theta series that they take."""
+"""The loops for random access on a torus, interpreted or compiled, and the theta series that they use."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ class ReadableLoops:
         return inside
 
     def begun(self, setup: Setup) -> Beginning:
-        """The rows of a motion."""
+        """The rows of numbers from which the torus of a motion is made."""
         return beginning(setup, self)
 
 
@@ -143,7 +143,9 @@ class CompiledLoops:
         return np.fromiter(values, dtype=np.int64)
 
     def begun(self, setup: Setup) -> Beginning:
-        """The rows of a motion, computed in more digits unless branch points are well separated."""
+        """The rows of numbers from which the torus of a motion is made. They are computed in more digits than
+        double-doubles have unless branch points are well separated.
+        """
         if setup.floats_given is not None:
             given, tilted = setup.floats_given
             wide = np.zeros((10 + ROW + 12, 2))

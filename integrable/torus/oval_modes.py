@@ -36,11 +36,11 @@ if TYPE_CHECKING:
 # the largest number of multiplications for the tables, which take half a minute at 50 digits
 MOST_WORK = 1 << 26
 # the first tables have SCOUT_DIGITS digits and MODES_A_DIGIT modes per digit in either direction; the next have BEYOND
-# times the number that the decay of the first suggests. The first nodes give HELD more digits, or aliasing would be
-# mistaken for decay
+# times the number that the decay of the first suggests. The nodes of the first tables suffice for HELD more digits,
+# because aliasing would hide the decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# the sign of σ₁σ₂σ₃ is read where this product is largest among STEPS points, a step apart, from the start on: a σ may
-# be small at one of them, but not at all
+# the sign of σ₁σ₂σ₃ is taken where the product is largest among STEPS points, a step apart, from the start on, because
+# a σ may be small at one of these points
 STEPS = 4
 
 
@@ -102,7 +102,7 @@ def modes_of_rate(
 
 
 class FoundModes(NamedTuple):
-    """Tables of modes of 1/g, of this ``size``; ``leaning`` is the table of the tilt term."""
+    """Tables of modes, of this ``size``: ``upright`` of 1/g without its tilt term, ``leaning`` of the tilt term."""
 
     size: tuple[int, int]
     upright: list[list[acb]]
@@ -111,7 +111,7 @@ class FoundModes(NamedTuple):
     def wanted(self, digits: int, held: int) -> tuple[int, int]:
         """The numbers of modes in both directions beyond which modes are below 10^(−digits) of the mean: ``size`` if
         its last modes are that small. The rate of decay is measured where modes exceed 10^(−``held``). PrecisionLoss
-        where the last modes are rounding, so that more modes are no smaller.
+        where the last modes are only rounding errors, so that further modes would be no smaller.
         """
         rows, columns = self.size
         tables = [self.upright] if self.leaning is None else [self.upright, self.leaning]
@@ -130,7 +130,7 @@ class FoundModes(NamedTuple):
             last, before = (exponent(c) - lead for c in (end, largest(middle)))
             if last >= -digits and end.contains(0):
                 raise PrecisionLoss("the modes of 1/g end in lost digits: use more digits")
-            # the decay shows only in modes above 10^(−held); a light ball's modes, except the mean, are as small as d
+            # the decay shows only in modes above 10^(−held); for small d, all modes except the mean are of order d
             while before < -held:
                 middle -= 1
                 before = exponent(largest(middle)) - lead
@@ -214,7 +214,7 @@ class OvalTorus:
         n = max(range(count), key=lambda n: abs(float(points[n][4] * points[n][5] * points[n][6])))
         point = points[n]
         middle, square = -point[1] / 2, point[1] * point[1] / 4 - point[0]
-        # a double root may be negative by rounding
+        # at a double root, rounding may make the square negative
         spread = self.flint.arb(max(square.mid(), 0)).sqrt()
         angles, blurs = zip(
             *(
@@ -238,7 +238,7 @@ class OvalTorus:
         self._sign = signs[0] * signs[1] * (-1 if sigma[0] * sigma[1] * sigma[2] < 0 else 1)
 
     def use(self, size: tuple[int, int], most_work: float) -> None:
-        """Make tables for this many modes, with enough nodes for the highest of them."""
+        """Makes tables for this many modes, with enough nodes for the highest of them."""
         if size == self._size:
             return
         for oval in self.ovals:
@@ -255,7 +255,7 @@ class OvalTorus:
         self._size = size
 
     def upright(self) -> list[list[acb]]:
-        """The coefficients of 1/g less its tilt term, without the phase factor of the start."""
+        """The coefficients of 1/g without its tilt term and without the phase factor of the start."""
         first, second = ([oval.integrals(part, 0, 0) for part in oval.moments()] for oval in self.ovals)
         factor = self.constant * self.axes[6]
         return _combined(factor, (first[0], second[1]), (first[1], second[0]), -1)

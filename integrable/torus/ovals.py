@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 
 # −NOTHING is the decimal exponent of 0
 NOTHING = 1e9
-# harmonics of integrands fall like e^(−decay·n); a decay beyond this counts as this, since few nodes suffice anyway
+# the n-th harmonic of an integrand is about e^(−decay·n); a larger decay is replaced by this one: few nodes suffice
 LARGEST_DECAY = 40.0
 
 IntegralTable: TypeAlias = "tuple[list[list[arb]], bool]"
-"""A real matrix X, and whether X itself is meant; otherwise −iX is."""
+"""(X, True) for a real matrix X; (X, False) for the matrix −iX."""
 
 
 class OvalPair(Protocol):
-    """The data of both ovals that each one needs: d, whether ζ is below the middle α_i, and how integrals become
-    phases.
+    """The data of both ovals that an :class:`Oval` uses: d, whether ζ is below the middle α_i (``low``), and the phases
+    that belong to integrals.
     """
 
     flint: ModuleType
@@ -41,7 +41,7 @@ class OvalPair(Protocol):
 
 
 class Part(NamedTuple):
-    """The values of an integrand at the nodes of half a round, and whether it is even in φ."""
+    """The values of an integrand at the nodes in 0 ≤ φ ≤ π, and whether it is even in φ."""
 
     values: list[arb]
     even: bool
@@ -101,7 +101,7 @@ class Oval:
         self._waves = mat(count, 2, [2 * series[n, j] / n for n in range(1, count + 1) for j in (0, 1)])
 
     def sample(self, half: int) -> None:
-        """Take ``half`` + 1 nodes on half a round."""
+        """Computes the ``half`` + 1 equidistant nodes in 0 ≤ φ ≤ π."""
         self.nodes = self._round(range(half + 1), half)
         self._weights = [self.pi * (1 if i in (0, half) else 2) / half for i in range(half + 1)]
 
@@ -171,7 +171,7 @@ class Oval:
         return found / self._quarter, float(max(sine.rad(), cosine.rad()))
 
     def turn(self, pair: OvalPair, size: tuple[int, int]) -> None:
-        """Make tables at the nodes of e^(2πikθ₁) for k ≤ size[0], and of e^(2πimθ₂) for m ≤ size[1]."""
+        """Makes tables of e^(2πikθ₁) for k ≤ size[0], and of e^(2πimθ₂) for m ≤ size[1], at the nodes."""
         acb, mat = self.flint.acb, self.flint.arb_mat
         self._size, angles = size, [pair.phases(*node.sums) for node in self.nodes]
         self._halves = [[acb(x.cos_pi(), x.sin_pi()) for x in row] for row in zip(*angles, strict=True)]
@@ -204,7 +204,7 @@ class Oval:
         return max(map(exponent, totals)) - exponent(size0)
 
     def moments(self) -> list[Part]:
-        """1/(Y√(1 − du)) and u times that."""
+        """1/(Y√(1 − du)) and u/(Y√(1 − du))."""
         values = [node.light * node.slow for node in self.nodes]
         return [Part(values, True), Part([node.u * x for node, x in zip(self.nodes, values, strict=True)], True)]
 
@@ -246,7 +246,7 @@ class Oval:
             real, imaginary = imaginary, real
         right, below = self._across[half_column]
         cosines, sines = real * right, imaginary * below
-        # these are the addition theorems of cos and sin; for −m their second term changes sign
+        # cos and sin of 2π(kθ₁ + mθ₂) by the addition theorems, whose second term changes its sign for −m
         sign = -1 if part.even else 1
         plus, minus = (cosines + sign * sines).table(), (cosines - sign * sines).table()
         first = 0 if half_column else 1

@@ -1,11 +1,11 @@
-"""Pairs of genus 2 on a real torus by theta functions: loops over bare reals, compiled unchanged.
+"""Mumford's pairs of genus 2 on a real torus, by theta functions: loops over bare reals, compiled unchanged.
 
 On y² = f(ξ), deg f = 5, with leading coefficient ℓ and D = (U, V), let ∂ be the derivative along (0, 1). At a branch
 point e
 
     σ = √|U(e)| = |f'(e)/ℓ|^¼·|θ_e/θ_∞|,   V = −∂U,   V(e) = ±σν with ν = −2∂σ and the sign of U(e)
 
-(Thomae; Mumford 1984). If all branch points are real and each bounded oval has one of the points, the periods are
+(Thomae; Mumford 1984). If all branch points are real and each bounded oval contains one point of D, the periods are
 those of :mod:`integrable.torus.theta_setup`.
 """
 
@@ -103,10 +103,10 @@ def pairs_at(torus: PairTorus, phases: Row, room: Row, out: Row) -> None:
 def with_root(pole: Real, p: Real, s: Real, y: Real, slope: Real) -> tuple[Real, Real, Real, Real]:
     """The pair in x = E − 1/X from the pair (p, s), (y, slope) in X; E is ``pole``."""
     for _ in range(3):
-        # V is divided by X: on the pair, 1/X = −(X + s)/p
+        # V is divided by X: modulo U = X² + sX + p, 1/X = −(X + s)/p
         y, slope = slope - s * y / p, -y / p
     a, b = -s / p, 1 / p
-    # on the pair, X = p(x − E) − s
+    # modulo U, X = p(x − E) − s
     slope, y = slope * p, y - slope * s
     return pole * pole - a * pole + b, a - 2 * pole, y - slope * pole, slope
 
@@ -115,7 +115,7 @@ def with_root(pole: Real, p: Real, s: Real, y: Real, slope: Real) -> tuple[Real,
 
 
 def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> None:
-    """:func:`integrable.torus.lifts.most_strayed` of the pairs and the equations of motion."""
+    """Compares the pairs with the equations of motion by :func:`integrable.torus.lifts.most_strayed`."""
     count = len(torus.ends)
     wide, right = 2 * count, room[2 * count * AROUND * CHECKED :]
     put_around(torus.torus, torus.frequencies, room)
@@ -138,7 +138,7 @@ def rates_of(torus: PairTorus, lifts: Row, place: int, k: int) -> tuple[Real, Re
     w2 = curve[4] - u1 * w3
     w1 = curve[3] - u1 * w2 - u0 * w3
     high = c1 + c0 * u1
-    # q is a quotient of the terms of nW of degrees 4, 3 and 2
+    # q is the quotient of nW by U; it depends only on the terms of nW of degrees 4, 3 and 2
     q2 = c0 * w3
     q1 = c0 * w2 + high * w3 - u1 * q2
     q0 = c0 * w1 + high * w2 - u1 * q1 - u0 * q2
@@ -147,7 +147,7 @@ def rates_of(torus: PairTorus, lifts: Row, place: int, k: int) -> tuple[Real, Re
 
 
 def mean_square(torus: PairTorus, k: int, along: Row, beyond: Row, out: Row) -> None:
-    """Writes the mean over the torus of σ² at branch point k, e = ``ends[k]`` beyond both ovals, to out[0].
+    """Writes to out[0] the mean over the torus of σ² at branch point k, where e = ``ends[k]`` is beyond both ovals.
 
     ℓσ²/4 − ∂∂'log θ_∞ is constant, ∂' along (1, e), and ∂∂'log θ_∞ has mean 0. ``along`` are the turns of both phases
     along (0, 1), ``beyond`` those along (1, e).

@@ -25,11 +25,12 @@ from jacobian.numbers.long_reals import BareReals
 
 # one value in this many, and at least two values, are computed again with all digits
 ONE_IN = 25
-# the numbers of nodes, for a basic step and for a long panel, of the rule that shows how fast Legendre coefficients
-# decrease; later coefficients than the first below LEAST_SEEN are not used for this
+# Legendre coefficients from SCOUT_NODES nodes, for a basic step and for a long panel, show how fast the coefficients
+# decrease, up to the last that exceeds LEAST_SEEN
 SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
 SCOUT_BITS = 240
-# the decrease of a relative variation of 1/g below FLAT is measured from its largest coefficient on
+# if all coefficients except the mean of 1/g are below FLAT times the mean, their decrease is measured relative to the
+# largest of them
 FLAT = 1e-6
 SAMPLES = range(0, 512, 61)
 
@@ -45,7 +46,7 @@ LIBRARY = Library("panel_rates", {"rates_after": (rates_after, (WIDES,) * 5)}, S
 
 
 class PanelRates:
-    """1/g around the moving points of a setup; values are right to 10^−``digits``."""
+    """1/g around the moving points of a setup; the relative error of its values is at most 10^−``digits``."""
 
     def __init__(self, setup: Setup, digits: float) -> None:
         self._setup, self._bound = setup, 10.0**-digits
@@ -57,16 +58,16 @@ class PanelRates:
         return self._packed(steps).reshape(-1, 2)
 
     def around(self, point: Row, steps: Sequence[Row], packed: np.ndarray) -> np.ndarray | None:
-        """1/g after each of ``steps``, of which :meth:`steps` made ``packed``, as double-doubles, shape (N, 2); None if
-        these have too few digits.
+        """1/g after each of ``steps``, as double-doubles of shape (N, 2); None if double-doubles have too few digits.
+        ``packed`` is the result of :meth:`steps`.
         """
         rates = np.empty((len(steps), 2))
         LIBRARY.rates_after(*self._curve, self._packed([point])[0], packed, rates)
         return rates if self._right(point, steps, rates) else None
 
     def _right(self, point: Row, steps: Sequence[Row], rates: np.ndarray) -> bool:
-        """Whether a sample of the values, which varies from panel to panel and includes the ends, agrees with values of
-        all digits.
+        """Whether a sample of the values agrees with multiprecision. The sample contains the first and the last value,
+        and others that vary from panel to panel.
         """
         bare, count = self._setup.bare, len(steps)
         self._checked += 1
@@ -111,7 +112,7 @@ class Scouts:
         return -log10(max(sizes[last], LEAST_SEEN)) / last
 
     def _sizes(self, sign: int, length: int) -> list[float]:
-        """The largest Legendre coefficients over some panels, relative to the first."""
+        """The largest size of each Legendre coefficient over some panels, relative to the coefficient of degree 0."""
         setup, (series, steps) = self._setup, self._rule(length)
         bare, sizes = setup.bare, [0.0] * len(steps)
         for cell in SAMPLES:

@@ -14,15 +14,16 @@ from jacobian.errors import PrecisionLoss
 
 # the number of nodes of a panel is a compromise: with more nodes panels are longer, and their evaluation slower
 NODES = 28
-# a panel of states has converged if its last coefficients, relative to their column, are at most this
+# a panel of states has converged if its last coefficients are at most this, relative to the largest of their column
 TOLERANCE = 2e-15
-# the rounding errors of the states themselves are at most this, relative to their column, on motions with fast passages
+# on motions with fast passages, the rounding errors of the states are at most this, relative to the largest of their
+# column
 NOISE = 1e-13
 # a length is tried on PROBES panels; a panel is halved at most MOST_HALVINGS times
 PROBES = 8
 MOST_HALVINGS = 12
-# last coefficients below ROUGH of their column that do not decrease are rounding errors, which halving does not reduce;
-# this is certain after MOST_IN_VAIN halvings without progress
+# if the last coefficients are below ROUGH times the largest of their column but do not decrease, they may be rounding
+# errors, which halving does not reduce; after MOST_IN_VAIN halvings without progress this is certain
 ROUGH, MOST_IN_VAIN = 1e-8, 4
 # coefficients below this part of the largest count as zero in the search for zeros
 LEVEL = 1e-14
@@ -34,8 +35,8 @@ class Panels:
     """Values of ``states`` (times of shape (N,) to rows of shape (N, width)) between two times.
 
     ``length`` is the first length of a panel; panels whose series has not converged are halved. A series has converged
-    if its last coefficients are below ``tolerance`` times the largest of their column, or below ``least``, where they
-    are rounding.
+    if its last coefficients are below ``tolerance`` times the largest of their column, or below ``least``, the size of
+    rounding errors.
     """
 
     def __init__(
@@ -85,8 +86,8 @@ class Panels:
 
 
 def panel_length(states: States, start: float, end: float, least: float) -> float:
-    """A length at which most panels between two times converge, found by halving the length of the
-    interval, or 1024·``least`` if that is less.
+    """A length at which most panels between two times converge. The search begins with the length of the interval, or
+    with 1024·``least`` if that is less, and halves it.
     """
     length = min(end - start, 1024 * least)
     places = start + (end - start) * (np.arange(PROBES) + 0.5) / PROBES
@@ -114,8 +115,8 @@ def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.nd
 
 
 def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: float | np.ndarray = 0.0) -> np.ndarray:
-    """Whether the series of every panel has ended: its last terms are below ``tolerance``, or below NOISE and no longer
-    decrease.
+    """For each panel, whether its series has converged: its last terms are below ``tolerance``, or are below NOISE and
+    no longer decrease.
     """
     sizes = np.abs(coefficients).max(axis=(0, 1))
     tails = np.abs(coefficients[:, -3:]).max(axis=1)
@@ -126,7 +127,7 @@ def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: fl
 
 
 def _rounded(coefficients: np.ndarray) -> np.ndarray:
-    """Whether in every panel the last terms are below ROUGH and no longer decrease, or are below NOISE."""
+    """For each panel, whether its last terms are below ROUGH and no longer decrease, or are below NOISE."""
     sizes = np.abs(coefficients).max(axis=(0, 1))
     tails = np.abs(coefficients[:, -3:]).max(axis=1)
     before = np.abs(coefficients[:, -10:-3]).max(axis=1)

@@ -34,12 +34,12 @@ ROUNDED, SPARE_BITS = 1e-15, 40
 
 
 class TorusSeries:
-    """S for F of a given :func:`spectrum`; ``frequencies`` are turns in a unit of τ, wide numbers. S = 0 at the phases
-    (0, 0).
+    """The function S of an F with the :func:`spectrum` ``grid``, with S = 0 at the phases (0, 0). ``frequencies`` are
+    the turns of both phases per unit of τ, as wide numbers.
 
-    ``scale`` divides S (the mean rate of a clock); coefficients below ``noise`` times the largest are left out. Slow
-    modes are divided by their small rates: a spectrum in long doubles has the digits for that. PrecisionLoss where a
-    mode of F is in resonance: k·ν = 0.
+    F and S are divided by ``scale``, for a clock the mean rate; coefficients below ``noise`` times the largest are left
+    out. Slow modes are divided by their small rates: a spectrum in long doubles has the digits for that. PrecisionLoss
+    where a mode (k, m) of F is in resonance: kν₁ + mν₂ = 0.
     """
 
     def __init__(
@@ -148,7 +148,7 @@ class SeriesLevel(NamedTuple):
 
 
 class LongSeries:
-    """S in many digits, at many points at once; ``rough`` is the series in floats.
+    """The function S in many digits, at many points at once; ``rough`` is the series in floats.
 
     ``rows[k]`` are the modes of F for k ≥ 0 and m = −most, …, most, in python-flint's complex balls. Modes below
     ``noise`` times the largest are left out. ``field`` is the MP field of the frequencies.

@@ -1,12 +1,12 @@
 """States of the ball and the top at any point of their torus, from three theta functions; on bare reals, compiled or
 interpreted.
 
-At the axis α_i
+In the unit max a, component i of γ̃ and w̃ belongs to the branch point α_i = a_i/max a, and d stands for d·max a:
 
     γ̃_i ∝ C_iθ_i(φ),   w̃ = γ̃ × M̃/|M̃| ∝ −C_i∂θ_i(φ) less its part along γ̃,   C_i⁴ = |α_i − ζ|/((1 − dα_i)Π|α_i − α_j|)
 
-where θ_i is the theta function of the branch point α_i, ∂ the derivative in the direction (0, 1) and
-ζ = H1/(H2·max a) (Thomae; Mumford 1984). γ̃ and M̃ are those of the upright body, (γ̃, M̃) = 0.
+where θ_i is the theta function of α_i, ∂ is the derivative in the direction (0, 1), and ζ = H1/(H2·max a) (Thomae;
+Mumford 1984). γ̃ and M̃ belong to the upright body, so that (γ̃, M̃) = 0.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def whole_turns(x: Real) -> tuple[Real, int]:
 
 
 def state_at(body: BodyStates, first: Real, second: Real, out: Row, place: int) -> None:
-    """Writes γ and M at the phases (first, second) in turns from the start to out[place … place + 5]."""
+    """Writes γ and M to out[place … place + 5]. ``first`` and ``second`` are the phases, in turns since the start."""
     matrix = body.matrix
     p, q, r, s = matrix[0], matrix[1], matrix[2], matrix[3]
     (first, turn1), (second, turn2) = whole_turns(first), whole_turns(second)
@@ -58,20 +58,20 @@ def state_at(body: BodyStates, first: Real, second: Real, out: Row, place: int) 
 
 
 def states_at(body: BodyStates, phases: Row, out: Row) -> None:
-    """Writes γ and M, six floats each, at the pairs of phases in ``phases``."""
+    """Writes γ and M, six floats for each pair of ``phases``, which are in turns since the start."""
     zero = 0 * body.matrix[0]
     for i in abreast(0, len(phases) // 2):
         state_at(body, phases[2 * i] + zero, phases[2 * i + 1] + zero, out, 6 * i)
 
 
 def states_at_tau(body: BodyStates, rates: Row, tau: Row, out: Row) -> None:
-    """Writes γ and M, six floats each, at values of τ; ``rates`` begins with the turns of the phases per unit of τ."""
+    """Writes γ and M, six floats for each value of τ; ``rates`` begins with the turns of both phases per unit of τ."""
     for i in abreast(0, len(tau)):
         state_at(body, rates[0] * tau[i], rates[1] * tau[i], out, 6 * i)
 
 
 def phases_at(rates: Row, tau: Row, out: Row) -> None:
-    """Writes the phases in turns from the start, modulo 2, at values of τ; ``rates`` as for :func:`states_at_tau`."""
+    """Writes both phases at values of τ, in turns since the start, modulo 2; ``rates`` as in :func:`states_at_tau`."""
     for i in abreast(0, len(tau)):
         first, turn1 = whole_turns(rates[0] * tau[i])
         second, turn2 = whole_turns(rates[1] * tau[i])
@@ -82,7 +82,7 @@ def phases_at(rates: Row, tau: Row, out: Row) -> None:
 
 
 def strayed(body: BodyStates, motion: Row, frequencies: Row, room: Row, out: Row) -> None:
-    """:func:`integrable.torus.lifts.most_strayed` of the states and the equations of motion. ``motion`` is a
+    """Compares the states with the equations of motion by :func:`integrable.torus.lifts.most_strayed`. ``motion`` is a
     :func:`integrable.torus.lattice.motion_row`, ``frequencies`` are turns of the phases per unit of its time.
     """
     right = room[6 * AROUND * CHECKED :]
@@ -101,7 +101,9 @@ def strayed(body: BodyStates, motion: Row, frequencies: Row, room: Row, out: Row
 
 
 def velocity(motion: Row, frame: Row) -> Row:
-    """The derivatives of γ̃ and M̃/|M̃| in the time of ``motion``."""
+    """The derivatives of γ̃ and M̃/|M̃| with respect to the time of ``motion``, a
+    :func:`integrable.torus.lattice.motion_row`.
+    """
     x, y, z, _, _, _ = frame
     u, v, w = third_of(frame)
     d, r, origin = motion[8], motion[10], motion[11]

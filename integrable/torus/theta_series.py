@@ -163,7 +163,7 @@ def put_row(lattice: Lattice, sums: ThetaSums, place: tuple[int, int], side: int
     (k, i), sign, real = place, 1 - 2 * side, True
     _, rows, columns = sums.sizes
     a, e2 = sums.chars[4 * k] + 2 * i, sums.chars[4 * k + 1]
-    # from column to column, m grows by 2 in size
+    # |m| grows by 2 from column to column
     w, step, more = term(lattice, a, sign * e2) / top, steps(lattice, a, sign, e2), raised(lattice.bases[1], 8)
     for j in range(columns):
         m = sign * (e2 + 2 * j)

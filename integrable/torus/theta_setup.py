@@ -21,13 +21,13 @@ from integrable.phase.coordinates import directions_of
 from integrable.torus.lifts import Limits, Torus, met
 from jacobian.numbers.roots import root
 
-# positions in what :func:`torus_periods` finds: two periods, the turns of both phases per unit of the flow's time, the
-# shape of the theta functions (Y and the turns of both phases along (0, 1)) and the mean of 1/g
+# positions in the row that :func:`torus_periods` fills: two periods, the turns of both phases per unit of the flow's
+# time, the shape of the theta functions (Y and the turns of both phases along (0, 1)) and the mean of 1/g
 FREQUENCIES, IMAGINARY, ALONG, MEAN, FOUND = 4, 6, 9, 11, 12
 # the characteristics (ε₁, ε₂, δ₁, δ₂) of e₁, e₂, e₃, e₄, the fifth branch point and infinity, in the basis a₁, a₂ − a₁,
 # where a₁ and a₂ are the ovals
 CLASSES = ((1, 1, 0, 1), (1, 1, 1, 1), (0, 1, 1, 1), (0, 1, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1))
-# number of numbers in the working memory of :func:`placed`
+# the size of the working memory of :func:`placed`, in numbers
 PLACING = 27
 # the phases in floats are integrals along a path, by the trapezoidal rule in log(v/(1 − v)) for the fraction v of the
 # path: BEFORE and AFTER nodes before and after its middle, SPACING apart. The error is 1e-11, even if the next branch
@@ -36,7 +36,8 @@ BEFORE, AFTER, SPACING = 160, 110, 0.75
 
 
 def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
-    """Writes 2∫dx/|y| and 2∫x dx/|y| over the gap between the ovals, then over the gap behind the second, to ``out``.
+    """Writes to ``out`` 2∫dx/|y| and 2∫x dx/|y| over the gap between the ovals, then over the gap after the second
+    oval.
 
     For d = 0 the latter is infinite, and 0 is written. In the variable X = (e₂ − c)/(c − x), with c in the first oval,
     all six branch points are finite.
@@ -157,7 +158,8 @@ def rough_phases(motion: Row, start: Row, found: Row, rule: Row) -> tuple[float,
 def placed(
     torus: Torus, motion: Row, point: Row, found: Row, scales: Row, rule: Row, limits: Limits, room: Row
 ) -> float:
-    """:func:`integrable.torus.lifts.met` for the moving ``point`` of a body, with the factors C_i.
+    """Sets the factors to the C_i of :mod:`integrable.torus.states` and the phases to those of the moving ``point``, by
+    :func:`integrable.torus.lifts.met`, and returns its result.
 
     ``motion`` is a :func:`integrable.torus.lattice.motion_row`, ``found`` the result of :func:`torus_periods`;
     ``scales`` are the numbers by which theta functions are divided; ``rule`` is for :func:`rough_phases`.
@@ -185,8 +187,8 @@ def surveyed_rates(
     problem: Row, found: Row, motion: Row, tilt: Row, units: tuple[float, float], matrix: Row, rates: Row, out: Row
 ) -> None:
     """Writes the ``matrix`` of :class:`~integrable.torus.states.BodyStates`; the ``rates`` of
-    :class:`~integrable.torus.access.TorusClock`, in the user's units; and to ``out`` the numbers of the
-    :class:`~integrable.torus.lifts.Rate`: a_i = r − dα_i, b_i = 1, α, and β(α_k − α_j).
+    :class:`~integrable.torus.clock.TorusClock`, in the user's units; and to ``out`` the numbers of the
+    :class:`~integrable.torus.lifts.RateSums`: a_i = r − dα_i, b_i = 1, s = α, and c_i = β(α_k − α_j).
 
     ``problem`` is a :func:`~integrable.moving_point.problem.problem_row`, ``found`` the result of
     :func:`torus_periods`, ``motion`` a :func:`integrable.torus.lattice.motion_row`; ``tilt`` are α and β of the tilt

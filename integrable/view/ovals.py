@@ -19,7 +19,7 @@ SHORT = 1e-7
 
 
 class Ovals(NamedTuple):
-    """The points of N states: ``u`` and ``y``, shape (N, 2), are the coordinates of the point on either oval.
+    """The points of N states: ``u`` and ``y``, shape (N, 2), are the coordinates of the points on the two ovals.
 
     ``angles``, shape (N, 2), are the position of the sum of both points on the torus, in turns, not reduced. ``rates``,
     shape (2,), are the rates of the angles, in turns per unit of τ. ``outlines`` has a closed line (x, y) for each

@@ -84,7 +84,7 @@ def _last(scene: Scene, system: Any, state: State, until: float | None) -> float
 def _add_body(content: dict[str, Any], scene: Scene, system: Any, run: Any) -> None:
     if scene.steps is not None:
         raise NotRepresentable("a step maps one state to another; nothing rolls in between")
-    # the matrices turn from body to space, so that one product turns a point of the body
+    # the matrices map coordinates in the body to coordinates in space
     content["turning"] = _rounded(run.attitude.reshape(-1, 9))
     content["contact"] = _rounded(run.contact / (system.radius or 1.0)) if scene.system == "chaplygin_ball" else None
 
