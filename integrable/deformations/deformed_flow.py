@@ -59,9 +59,9 @@ class DeformedFlow(EnclosedMotion):
     def _is_ordinary(self) -> bool:
         """Whether a check in floats proves that the set-up will raise no error."""
         system = self.system
-        if system.field != RR or 0 in system.body.differences or min(system.body.contact) < ORDINARY:
+        if system.field != RR or len({*system.body.inertia}) < 3 or min(system.body.contact) < ORDINARY:
             return False
-        H, product = map(abs, system.eigenvalue_sums(*system.integrals(self.state)[2:]))
+        H, product = map(abs, system.eigenvalue_sums(*system.pair_at(self.state)))
         large, size = (H + (H * H + 4 * product) ** 0.5) / 2, self._terms()
         return product > ORDINARY * large * large and large > ORDINARY * size and size < 1 / ORDINARY
 

@@ -86,7 +86,7 @@ class NearWalk(Integration):
         given = system.constants, (*state.row, 0.0, 0.0, 0.0) if rolls else state.row
         most = self._cost.of(len(times))
         near = kind.walked(*given, times, most)
-        if self._cost == BY_STEPS and near.begun:
+        if self._cost == BY_STEPS and not near.exhausted:
             near = kind.finished(near, *given, times, most)
         if near.lacks(len(times)):
             return None

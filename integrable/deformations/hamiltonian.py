@@ -117,13 +117,15 @@ class Hamiltonian(Made):
 
     def integrals(self, state: State[Element]) -> DeformedIntegrals[Element]:
         """C1, C2, H and K; NotRepresentable if the potential is infinite (γ_i = 0 with a pole there)."""
-        K, state = self.field, self._checked(state)
+        K, (gamma, M) = self.field, self._checked(state).vectors
+        return DeformedIntegrals(K.dot(gamma, gamma), K.dot(gamma, M), *self.pair_at(state))
+
+    def pair_at(self, state: State[Element]) -> tuple[Element, Element]:
+        """H and K at a state that has been checked; NotRepresentable as from :meth:`integrals`."""
         wrap, (gamma, M) = self._constants(), state.vectors
         with _finite():
             energy, second = self.pair(self.scalars(wrap, map(wrap, gamma), map(wrap, M)), self._terms(wrap))
-        if K.exact:
-            energy, second = energy.value, second.value
-        return DeformedIntegrals(K.dot(gamma, gamma), K.dot(gamma, M), energy, second)
+        return (energy.value, second.value) if self.field.exact else (energy, second)
 
     def _integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> DeformedIntegrals:
         """The :meth:`integrals` of N real states, each of shape (N,); γ and M have the shape (N, 3)."""

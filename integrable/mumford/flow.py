@@ -192,7 +192,7 @@ class MumfordFlow(StateFlow[Path]):
     def _completed(self, near: Near, times: np.ndarray) -> StatesReached:
         """The states in ``near``, and those that finer steps reach at a lower cost than the next method."""
         kind, count = self.system._kind, len(times)
-        if near.lacks(count) and self._genus > 2:
+        if near.lacks(count) and self._genus > 2 and not near.exhausted:
             near = kind.finished(near, *self._walk_given, times, SHARE_OF_FINEST * self._budget(count))
         if near.lacks(count) and self._torus_for(count) is None:
             near = kind.finished(near, *self._walk_given, times, self._cost_of_additions(count))

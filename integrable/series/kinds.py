@@ -30,7 +30,7 @@ from integrable.series.steps import (
 )
 from integrable.series.symbols import SymbolField
 from integrable.series.tape import Tape, recorded, with_multiples
-from integrable.series.walk import WRONG, Bounds, Codes, Layout, Many, Outputs, Slots
+from integrable.series.walk import COUNTS, RESULTS, WRONG, Bounds, Codes, Layout, Many, Outputs, Slots
 from integrable.series.walk_text import TIMES, module
 from jacobian.native import kept, machine
 from jacobian.numbers.compiler import interpreted
@@ -65,18 +65,30 @@ class Near(NamedTuple):
     """The states at those times that were reached, of shape (N, parts, n): q, p and any further parts.
 
     ``error`` estimates the largest error, relative to the largest component of q, or of p. ``places`` are the indices
-    of the times, None for all times in order. ``begun`` is False if the last walk took no step, as the farthest time is
-    beyond its reach; finer steps, each of which costs more, would not reach it either.
+    of the times, None for all times in order. ``exhausted`` tells whether a walk was given up because it would have
+    taken too long; finer steps, each of which costs more, would not reach its times either.
     """
 
     places: np.ndarray | None
     states: np.ndarray
     error: float
-    begun: bool = True
+    exhausted: bool = False
 
     def lacks(self, count: int) -> bool:
         """Whether some of ``count`` times were not reached."""
         return self.places is not None and len(self.places) < count
+
+    def among(self, order: np.ndarray) -> Near:
+        """The same states, at times with the indices ``order`` among more times."""
+        return self._replace(places=order if self.places is None else order[self.places])
+
+
+class Departure(NamedTuple):
+    """The constants and the start of a motion, and the microseconds that each of its walks may take."""
+
+    constants: Sequence[float]
+    state: Sequence[float]
+    most: float
 
 
 class Kind:
@@ -129,69 +141,75 @@ class Kind:
 
         Where coarse steps miss the tolerance, states are computed again with steps accurate to the last bits of floats.
         """
-        found = None
-        for steps in steps_for(tolerance):
-            walk = self.walk(steps.orders) if len(times) else None
-            if walk is None:
-                break
-            if found is None or not len(found.states):
-                # times are mostly in order, so all of them are tried in one walk first
-                first = walk(constants, state, times, steps, most / walk.step_cost)
-                if first.reached == len(times) and first.wrong is None:
-                    return Near(None, first.states, SPARE * first.gap)
-                if first.reached >= 0:
-                    found = _right(first, np.arange(len(times)), steps)
-                    continue
-            found = self._completed(found or self._nothing(), constants, state, times, steps, most)
-        return found or self._nothing()
+        return self._reached(Departure(constants, state, most), times, steps_for(tolerance))
 
     def finished(
         self, near: Near, constants: Sequence[float], state: Sequence[float], times: np.ndarray, most: float
     ) -> Near:
         """Adds the states at the remaining times to ``near``, computed by finer steps with more guard digits."""
-        return self._completed(near, constants, state, times, FINEST, most)
-
-    def _completed(
-        self,
-        near: Near,
-        constants: Sequence[float],
-        state: Sequence[float],
-        times: np.ndarray,
-        steps: Steps,
-        most: float,
-    ) -> Near:
-        """Adds to ``near`` the states at remaining times that ``steps`` reach; times have either sign and any order."""
         if near.places is None or not near.lacks(len(times)):
             return near
-        walk = self.walk(steps.orders)
-        if walk is None:
-            return near
-        left, found = np.setdiff1d(np.arange(len(times)), near.places), [near]
-        for ahead in (times[left] >= 0, times[left] < 0):
-            order = left[ahead]
-            order = order[np.argsort(np.abs(times[order]), kind="stable")]
-            if len(order):
-                reached = walk(constants, state, times[order], steps, most / walk.step_cost)
-                found.append(_right(reached, order, steps))
-        places, states = np.concatenate([x.places for x in found]), np.concatenate([x.states for x in found])
-        return Near(places, states, max(x.error for x in found), any(x.begun for x in found[1:]))
+        left = np.setdiff1d(np.arange(len(times)), near.places)
+        more = self._reached(Departure(constants, state, most), times[left], (FINEST,))
+        return self._joined([near, more.among(left)])
 
-    def _nothing(self) -> Near:
-        return Near(np.empty(0, dtype=np.int64), np.empty((0, self.count // self.half, self.half)), 0.0)
+    def _reached(self, given: Departure, times: np.ndarray, plan: Sequence[Steps]) -> Near:
+        """The states at times of either sign, in any order, that the steps of ``plan`` reach."""
+        # times are mostly in the order of a walk
+        found = self._in_order(given, times, plan)
+        if found is not None:
+            return found
+        parts = []
+        for order in (np.flatnonzero(times >= 0), np.flatnonzero(times < 0)):
+            order = order[np.argsort(np.abs(times[order]), kind="stable")]
+            part = self._in_order(given, times[order], plan) if len(order) else None
+            if part is not None:
+                parts.append(part.among(order))
+        return self._joined(parts)
+
+    def _in_order(self, given: Departure, times: np.ndarray, plan: Sequence[Steps]) -> Near | None:
+        """The states at times of one sign in ascending size; None for times in another order.
+
+        Each tier of ``plan`` is tried at the times that the tiers before it have lost.
+        """
+        parts, left = list[Near](), None
+        for steps in plan:
+            walk, tier = self.walk(steps.orders) if len(times) else None, 0
+            while walk is not None and tier < len(steps.tiers):
+                most = given.most / walk.step_cost
+                found = walk(given.constants, given.state, times if left is None else times[left], steps, most, tier)
+                if found.reached < 0:
+                    return None
+                if left is None and found.reached == len(times) and found.wrong is None:
+                    return Near(None, found.states, SPARE * found.gap)
+                left = np.arange(len(times)) if left is None else left
+                parts.append(_right(found, left, steps))
+                if found.exhausted(len(left)) or len(parts[-1].places) == len(left):
+                    return self._joined(parts)
+                left, tier = np.setdiff1d(left, parts[-1].places), found.tier + 1
+        return self._joined(parts)
+
+    def _joined(self, parts: Sequence[Near]) -> Near:
+        """The states of several walks together. Estimates of walks that have found no state are left out."""
+        nothing = Near(np.empty(0, dtype=np.int64), np.empty((0, self.count // self.half, self.half)), 0.0)
+        had = [part for part in parts if len(part.states)] or [nothing]
+        places, states = (np.concatenate(x) for x in zip(*[part[:2] for part in had], strict=True))
+        return Near(places, states, max(part.error for part in had), any(part.exhausted for part in parts))
 
 
 def _right(found: Reached, order: np.ndarray, steps: Steps) -> Near:
     """The states that a walk reached and did not mark as wrong; ``order`` are the indices of its times."""
-    count, error, begun = max(found.reached, 0), SPARE * min(found.gap, steps.bounds.agreed), found.steps > 0
     right = slice(None) if found.wrong is None else ~found.wrong
-    return Near(order[:count][right], found.states[:count][right], error, begun)
+    states = found.states[: found.reached][right]
+    error = SPARE * min(found.gap, steps.tiers[0].agreed)
+    return Near(order[: found.reached][right], states, error, found.exhausted(len(order)))
 
 
-# the 64-bit words of a call. SHARED are those of all calls with the same steps: codes, bounds, units with their length,
-# half, parts, order, highs, wide, spare, apart, lanes. WORKING are the addresses and lengths of the working memory:
-# constants, state, room, both and marks. CALL are the times, the states found, and the largest number of steps. BACK
-# are the results
-SHARED, WORKING, CALL, BACK = map(struct.Struct, ("=5q6dQq8q", "=" + "Qq" * 5, "=QqQqd", "=qqdq"))
+# the 64-bit words of a call. SHARED are those of all calls with the same steps: codes, tiers with their length, units
+# with their length, half, parts, order, highs, wide, spare, apart, lanes. WORKING are the addresses and lengths of the
+# working memory: constants, state, room, both and marks. CALL are the times, the states found, the first tier, and the
+# largest number of steps. BACK are the results
+SHARED, WORKING, CALL, BACK = map(struct.Struct, ("=5qQqQq8q", "=" + "Qq" * 5, "=QqQqqd", "=qqqdqq"))
 ASKED = SHARED.size + WORKING.size
 RESULT = ASKED + CALL.size
 # the working memory of a walk to at most this many times is kept for later walks
@@ -226,32 +244,38 @@ class Compiled:
         self.layout = Layout(self.units, *sizes)
         self._layout_words = self.units.ctypes.data, len(self.units), *sizes
         self._walked = LIBRARY.walked.entry.call
-        self._shared: dict[Bounds, bytes] = {}
+        self._shared: dict[tuple[Bounds, ...], tuple[bytes, np.ndarray]] = {}
         self._kept: list[Working] = []
 
     def __call__(
-        self, constants: Sequence[float], state: Sequence[float], times: np.ndarray, steps: Steps, most: float
+        self,
+        constants: Sequence[float],
+        state: Sequence[float],
+        times: np.ndarray,
+        steps: Steps,
+        most: float,
+        tier: int = 0,
     ) -> Reached:
-        """The states at times of one sign in ascending size; for times in another order the number reached is −1."""
+        """The states at times of one sign in ascending size that about ``most`` steps reach. Their bounds are the first
+        tier of ``steps`` that serves, from ``tier`` on. For times in another order the number reached is −1.
+        """
         count, found = len(times), np.empty((len(times), *self._shape))
         try:
             working = self._kept.pop() if count <= KEPT_TIMES else self._working(len(constants), count)
         except IndexError:
             working = self._working(len(constants), KEPT_TIMES)
         memory, base, numbers, marks = working
-        bounds = steps.bounds
-        shared = self._shared.get(bounds) or self._shared.setdefault(bounds, self._shared_words(bounds))
+        shared, _ = self._shared.get(steps.tiers) or self._shared.setdefault(steps.tiers, self._shared_words(steps))
         memory[: SHARED.size] = shared
         numbers.pack_into(memory, RESULT + BACK.size, *constants, *state)
-        CALL.pack_into(
-            memory, ASKED, addressof(from_buffer(times)), count, addressof(from_buffer(found)), found.size, most
-        )
+        there, here = addressof(from_buffer(times)), addressof(from_buffer(found))
+        CALL.pack_into(memory, ASKED, there, count, here, found.size, tier, most)
         self._walked(base)
-        reached, wrong, gap, done = BACK.unpack_from(memory, RESULT)
+        reached, wrong, lost, gap, done, tier = BACK.unpack_from(memory, RESULT)
         off = np.frombuffer(memory, count=reached, offset=marks) == WRONG if wrong and reached else None
         if count <= KEPT_TIMES:
             self._kept.append(working)
-        return Reached(reached, found, off, gap, done)
+        return Reached(reached, found, off, lost, gap, done, tier)
 
     def _working(self, known: int, count: int) -> Working:
         """The working memory of a walk with ``known`` constants and ``count`` times."""
@@ -275,14 +299,16 @@ class Compiled:
 
         count, slots, width = len(many.most), self.layout.lanes // WALKS, self._count
         longest = int(np.diff(many.ends).max())
-        found, marks, results = np.empty((len(times), *self._shape)), np.empty(len(times)), np.empty((count, 4))
+        found, marks, results = np.empty((len(times), *self._shape)), np.empty(len(times)), np.empty((count, RESULTS))
         both, room = np.empty(slots * 2 * WALKS * width * longest), np.zeros(self.size + LINE // 8)
         room = room[-room.ctypes.data % LINE // 8 :]
         outputs = Outputs(both, marks, times, found.reshape(-1))
-        at_work = Slots(np.full(slots, -1), np.zeros(8 * slots, dtype=np.int64), np.zeros(4 * slots))
-        walk = self.codes, steps.bounds, self.layout
+        at_work = Slots(np.full(slots, -1), np.zeros(COUNTS * slots, dtype=np.int64), np.zeros(4 * slots))
+        walk = self.codes, np.array(steps.tiers).reshape(-1), self.layout
         LIBRARY.walked_abreast(*walk, many, room, outputs, at_work, results.reshape(-1))
         return ReachedByMany(results, found, marks == WRONG)
 
-    def _shared_words(self, bounds: Bounds) -> bytes:
-        return SHARED.pack(*self.codes, *bounds, *self._layout_words)
+    def _shared_words(self, steps: Steps) -> tuple[bytes, np.ndarray]:
+        """The words of calls with these steps, and the array of tiers to which they point."""
+        tiers = np.array(steps.tiers).reshape(-1)
+        return SHARED.pack(*self.codes, tiers.ctypes.data, len(tiers), *self._layout_words), tiers

@@ -13,22 +13,23 @@ import numpy as np
 from integrable.series.kinds import Kind, Near
 from integrable.series.room import WIDEST
 from integrable.series.steps import SPARE, Steps, steps_for
-from integrable.series.walk import FARTHEST, Many
+from integrable.series.walk import FARTHEST, MOST_LOST, Many
 
 
 class NearMany(NamedTuple):
-    """The states of K motions at N times, shape (K, N, parts, n), which of these were reached, and the estimates of
-    their errors, as in :class:`integrable.series.kinds.Near`.
+    """The states of K motions at N times, shape (K, N, parts, n), and which of these were reached; the estimates of
+    their errors, and which motions are exhausted, as in :class:`integrable.series.kinds.Near`.
     """
 
     states: np.ndarray
     reached: np.ndarray
     errors: np.ndarray
+    exhausted: np.ndarray
 
     def of(self, member: int) -> Near:
         """The states of one motion."""
         places = np.flatnonzero(self.reached[member])
-        return Near(places, self.states[member, places], float(self.errors[member]))
+        return Near(places, self.states[member, places], float(self.errors[member]), bool(self.exhausted[member]))
 
 
 def walked_by_many(
@@ -39,52 +40,64 @@ def walked_by_many(
     ``most`` microseconds each.
     """
     (count, length), parts = times.shape, kind.count // kind.half
-    found = NearMany(
-        np.empty((count, length, parts, kind.half)), np.zeros((count, length), dtype=bool), np.zeros(count)
-    )
+    states, none = np.empty((count, length, parts, kind.half)), np.zeros((count, length), dtype=bool)
+    found = NearMany(states, none, np.zeros(count), np.zeros(count, dtype=bool))
     walks = _Walks(kind, np.array(constants, dtype=float), starts, times, most)
     for steps in steps_for(tolerance):
-        if not found.reached.all():
-            walks.add(found, steps)
+        walks.tiers[:] = 0
+        while walks.add(found, steps):
+            pass
     return found
 
 
 class _Walks:
-    """The walks of K motions; ``_order`` has the indices of the times of each motion, in ascending size."""
+    """The walks of K motions: one for each with times in order, else one for each direction of time.
+
+    Row r of all walks is the time ``columns``[r] of the walk ``walk_of``[r], that of the motion ``members``[walk]; the
+    rows that are not yet reached are ``left``. ``tiers`` are the bounds that each walk tries next, and ``over`` tells
+    which walks would take too long.
+    """
 
     def __init__(
         self, kind: Kind, constants: np.ndarray, starts: np.ndarray, times: np.ndarray, most: np.ndarray
     ) -> None:
         self._kind, self._constants, self._starts, self._times, self._most = kind, constants, starts, times, most
-        sizes = np.abs(times)
-        self._order = np.argsort(sizes, axis=1, kind="stable")
+        count, length = times.shape
+        order = np.argsort(np.abs(times), axis=1, kind="stable")
         ahead = np.where(times[:, -1:] < 0, -times, times)
-        # whether the times of a motion are in the order that a walk needs: of one sign, and ascending in size
-        self._whole = (ahead[:, 0] >= 0) & (np.diff(ahead, axis=1) >= 0).all(axis=1) & (ahead[:, -1] < FARTHEST)
+        # whether all times are in the order of a walk
+        whole = (ahead[:, 0] >= 0) & (np.diff(ahead, axis=1) >= 0).all(axis=1) & (ahead[:, -1] < FARTHEST)
+        behind = np.take_along_axis(times < 0, order, axis=1) & ~whole[:, None]
+        # the walk of a motion and direction has the number 2·motion, or one more for times behind
+        number = (2 * np.arange(count)[:, None] + behind).ravel()
+        rows = np.argsort(number, kind="stable")
+        self.walk_of, self.columns = number[rows], order.ravel()[rows]
+        self.members = np.repeat(np.arange(count), 2)
+        self.left, self.tiers = np.ones(count * length, dtype=bool), np.zeros(2 * count, dtype=np.int64)
+        self.over = np.zeros(2 * count, dtype=bool)
 
-    def add(self, found: NearMany, steps: Steps) -> None:
-        """Adds the states at remaining times that ``steps`` reach."""
+    def add(self, found: NearMany, steps: Steps) -> bool:
+        """Adds the states at remaining times that a tier of ``steps`` reaches; False if no walk has one left."""
         walk = self._kind.walk(steps.orders, WIDEST)
-        if walk is None:
-            return
-        # times that are in order are tried in one walk until a state is found
-        at_first = self._whole & ~found.reached.any(axis=1)
-        behind = (self._times < 0) & ~at_first[:, None]
-        members, places, counts = [], [], []
-        for left in (~found.reached & ~behind, ~found.reached & behind):
-            rows, columns = np.nonzero(np.take_along_axis(left, self._order, axis=1))
-            members.append(np.unique(rows))
-            places.append(np.stack([rows, self._order[rows, columns]]))
-            counts.append(np.bincount(rows)[members[-1]])
-        which, count, (rows, columns) = np.concatenate(members), np.concatenate(counts), np.hstack(places)
-        ends = np.concatenate([[0], np.cumsum(count)])
-        asked = Many(self._constants, self._starts[which].reshape(-1), ends, self._most[which] / walk.step_cost)
-        results, states, wrong = walk.of_many(asked, self._times[rows, columns], steps)
-        right = np.arange(len(rows)) < np.repeat(ends[:-1] + results[:, 0], count)
-        right &= ~wrong | np.repeat(results[:, 1] == 0, count)
-        found.states[rows[right], columns[right]] = states[right]
-        found.reached[rows[right], columns[right]] = True
-        errors = SPARE * np.minimum(results[:, 2], steps.bounds.agreed)
-        # estimates of walks that found no state are discarded
-        found.errors[at_first] = 0
-        np.maximum.at(found.errors, which, errors)
+        going = ~self.over & (self.tiers < len(steps.tiers))
+        rows = np.flatnonzero(self.left & going[self.walk_of])
+        if walk is None or not len(rows):
+            return False
+        which, count = np.unique(self.walk_of[rows], return_counts=True)
+        members, ends = self.members[which], np.concatenate([[0], np.cumsum(count)])
+        most = self._most[members] / walk.step_cost
+        asked = Many(self._constants, self._starts[members].reshape(-1), ends, self.tiers[which], most)
+        places = self.members[self.walk_of[rows]], self.columns[rows]
+        results, states, wrong = walk.of_many(asked, self._times[places], steps)
+        reached, failed, lost, gap, _, tier = results.T
+        right = np.arange(len(rows)) < np.repeat(ends[:-1] + reached, count)
+        right &= ~wrong | np.repeat(failed == 0, count)
+        found.states[places[0][right], places[1][right]] = states[right]
+        found.reached[places[0][right], places[1][right]] = True
+        self.left[rows[right]] = False
+        self.tiers[which], self.over[which] = tier + 1, (reached < count) & (lost <= MOST_LOST)
+        np.logical_or.at(found.exhausted, members, self.over[which])
+        # the estimates of walks that have found no state are left out
+        had = np.add.reduceat(right, ends[:-1]) > 0
+        np.maximum.at(found.errors, members[had], SPARE * np.minimum(gap[had], steps.tiers[0].agreed))
+        return True

@@ -10,7 +10,7 @@ import numpy as np
 
 from integrable.series.room import Orders
 from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Tape
-from integrable.series.walk import Bounds
+from integrable.series.walk import MOST_LOST, Bounds
 
 # a step of a system costs (FIXED + its number of products)/STANDARD times as much as a step of a geodesic of the
 # ellipsoid in space, which has STANDARD − FIXED products
@@ -21,23 +21,26 @@ PER_ORDER, PER_SQUARE, PER_WIDE_ORDER = 5e-3, 0.25e-3, 28e-3
 
 
 class Steps(NamedTuple):
-    """The orders of a walk's series, and bounds on their terms."""
+    """The orders of a walk's series, and bounds on their terms, to be tried in turn; each takes more steps than those
+    before it.
+    """
 
     orders: Orders
-    bounds: Bounds
+    tiers: tuple[Bounds, ...]
 
 
 # FINE and FINEST are accurate to the last bits of floats: the walks may differ by an eighth of the rounding unit, since
 # terms in floats cause nearly as large an error in the finer walk
 WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
-FINE = Steps(WIDE, Bounds(1e-25, 1e-7, 1e1, 1e1, 2.0**-56))
-FINEST = Steps(WIDEST, Bounds(1e-29, 1e-11, 1e3, 1e3, 2.0**-56))
-# BRIEF takes 3/4, ROUGH 5/6 of the time of FINE; they are for times of at most 64 and 600 first steps. In eleven
-# motions of 12 to 45 steps of BRIEF the walks differed by at most 2.8e-18; in the scene ``hat`` they disagree within 36
-# steps (python -m benchmarks near). With ROUGH they agreed in motions of 145 to 525 steps, except in a geodesic of 180
-# steps and in one of 580
-BRIEF = Steps(WIDE, Bounds(1e-20, 1e-5, 1e1, 1e1, 2.0**-56, 64.0))
-ROUGH = Steps(WIDE, Bounds(1e-22, 1e-6, 1e1, 1e1, 2.0**-56, 600.0))
+FINE = Steps(WIDE, (Bounds(1e-25, 1e-7, 1e1, 1e1, 2.0**-56),))
+FINEST = Steps(WIDEST, (Bounds(1e-29, 1e-11, 1e3, 1e3, 2.0**-56),))
+# BRIEF takes 3/4, ROUGH 5/6 of the time of FINE; they are for times of at most 64 and 600 first steps. Their second
+# walk has bounds 3 times as large: at 10 times the walks of the scene ``hat`` disagreed within 36 steps of BRIEF. Rows on
+# which both walks agree were right to a tenth of the rounding unit in each of 900 motions
+# (tests/integrable/series/test_walks.py has some of them)
+BRIEF = Bounds(1e-20, 1e-5, 3.0, 1e1, 2.0**-56, 64.0)
+ROUGH = Bounds(1e-22, 1e-6, 3.0, 1e1, 2.0**-56, 600.0)
+IN_TURN = Steps(WIDE, (BRIEF, ROUGH, *FINE.tiers))
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # SHARE (steps in floats) and SHARE_OF_MIDDLE (steps whose first terms are double-doubles) bound truncation errors in
 # units of a tolerance. ROUNDED_IN_MIDDLE bounds the first float term of the latter steps. COARSER multiplies the bounds
@@ -50,31 +53,38 @@ SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 3e-5, 1e-6, 3e-3, 10
 def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
     """The steps to try, in this order; the last ones are accurate to the last bits of floats."""
     if tolerance is None:
-        return BRIEF, ROUGH, FINE
+        return (IN_TURN,)
     agreed = tolerance / SPARE
     plain = Bounds(tolerance * SHARE, 1.0, COARSER, 1.0, agreed)
     # a walk of some thousand steps in floats loses four more digits than one whose first terms are double-doubles
     middle = Bounds(tolerance * SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, COARSER, agreed)
-    return Steps(PLAIN, plain), Steps(MIDDLE, middle), FINE
+    return Steps(PLAIN, (plain,)), Steps(MIDDLE, (middle,)), FINE
 
 
 class Reached(NamedTuple):
     """The number of times reached (−1 if they are not in order), the states there, and which rows are ``wrong``.
 
-    ``wrong`` is None if no row is. ``gap`` is the largest difference of the two walks relative to q or p, ``steps`` the
-    number of steps.
+    ``wrong`` is None if no row is. ``lost`` is the number of comparisons that failed or predict that the last will.
+    ``gap`` is the largest difference of the two walks relative to q or p, ``steps`` the number of steps, ``tier`` the
+    index of the bounds.
     """
 
     reached: int
     states: np.ndarray
     wrong: np.ndarray | None
+    lost: int
     gap: float
     steps: int
+    tier: int
+
+    def exhausted(self, count: int) -> bool:
+        """Whether the walk was given up before it had reached ``count`` times, as it would have taken too long."""
+        return self.reached < count and self.lost <= MOST_LOST
 
 
 class ReachedByMany(NamedTuple):
-    """The results of K walks. ``results`` has for each walk the number of times reached, the number of comparisons that
-    failed, the gap and the number of steps. ``states`` are those at all times; ``wrong`` marks the wrong rows.
+    """The results of K walks. ``results`` has for each walk the numbers that
+    :func:`integrable.series.walk.walked` returns. ``states`` are those at all times; ``wrong`` marks the wrong rows.
     """
 
     results: np.ndarray

@@ -37,6 +37,8 @@ UNEVEN, KNOWN, EVEN = 4, 64, 1.25
 MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
 # APART is the time between compared rows in units of the present step; the others are values of marks
 APART, UNVISITED, COMPARED, WRONG = 1.0, -1.0, 1.0, 2.0
+# the numbers of numbers in Bounds, in the result of a walk, and of integers in a Course
+BOUNDS, RESULTS, COUNTS = 6, 6, 9
 
 
 class Codes(NamedTuple):
@@ -53,8 +55,8 @@ class Bounds(NamedTuple):
     """Bounds on the terms of a walk's series relative to q and to p, which determine its steps.
 
     ``left_out`` bounds the last two terms, ``rounded`` the first two terms in floats. In the second walk these bounds
-    are ``coarser`` and ``rougher`` times as large. Rows on which both walks agree to ``agreed`` count as right. Times
-    more than ``farthest`` first steps away are not tried.
+    are ``coarser`` and ``rougher`` times as large. Rows on which both walks agree to ``agreed`` count as right. The
+    bounds serve for times at most ``farthest`` first steps away.
     """
 
     left_out: float
@@ -131,11 +133,12 @@ class Place(NamedTuple):
 class Course(NamedTuple):
     """The progress of a motion, in its ``unit`` of time: ``limit`` rows are to be reached, and ``steps`` were taken.
 
-    The walk is at the time ``now``, its next row is ``done``. The second walk is at ``later``, its next row is
-    ``behind``. ``seen`` is the comparison of both.
+    ``tier`` is the index of its bounds. The walk is at the time ``now``, its next row is ``done``. The second walk is
+    at ``later``, its next row is ``behind``. ``seen`` is the comparison of both.
     """
 
     unit: float
+    tier: int
     limit: int
     steps: int
     now: float
@@ -147,18 +150,20 @@ class Course(NamedTuple):
 
 class Many(NamedTuple):
     """The states of K motions with the same constants. ``ends`` are the indices of their first times, then the number
-    of all times. ``most`` has the largest number of steps of each motion.
+    of all times. For each motion ``tiers`` has the index of the first bounds to be tried, ``most`` the largest number
+    of steps.
     """
 
     constants: Array
     states: Array
     ends: Array
+    tiers: Array
     most: Array
 
 
 class Slots(NamedTuple):
     """The motions whose walks are in the lanes of a vector: their numbers, −1 for none, and the integers and the floats
-    of their :class:`Course`, eight and four for each.
+    of their :class:`Course`, COUNTS and four for each.
     """
 
     members: Array
@@ -167,27 +172,30 @@ class Slots(NamedTuple):
 
 
 def walked(
-    codes: Codes, bounds: Bounds, layout: Layout, given: Given, room: Array, outputs: Outputs, most: float
-) -> tuple[int, int, float, int]:
-    """The number of times reached, how many comparisons failed, the largest difference, and the number of steps.
+    codes: Codes, tiers: Array, layout: Layout, given: Given, room: Array, outputs: Outputs, tier: int, most: float
+) -> tuple[int, int, int, float, int, int]:
+    """The number of times reached, how many comparisons failed, how many rows were lost, the largest difference, the
+    number of steps, and the index of the bounds.
 
-    ``most`` is the largest number of steps, by estimate. The difference is that of the two walks, relative to the
+    ``tiers`` are :class:`Bounds` one after the other, of which the first that serve are taken, from the index ``tier``
+    on. ``most`` is the largest number of steps, by estimate. The difference is that of the two walks, relative to the
     largest component of q, or of p. Times must be of one sign and ascend in size; otherwise the first number is −1.
     """
-    course = begun(codes, bounds, layout, given, room, 0, outputs)
+    course = begun(codes, tiers, layout, given, room, 0, outputs, tier)
     goes = course.limit > 0
     while goes:
-        course, goes = onward(codes, bounds, layout, most, room, 0, course, outputs)
+        course, goes = onward(codes, bounds_of(tiers, course.tier), layout, most, room, 0, course, outputs)
         if goes:
             all_moved(codes, room)
-    return course.seen.rows, course.seen.wrong, course.seen.gap, course.steps
+    seen = course.seen
+    return seen.rows, seen.wrong, seen.lost, seen.gap, course.steps, course.tier
 
 
 def walked_abreast(
-    codes: Codes, bounds: Bounds, layout: Layout, many: Many, room: Array, outputs: Outputs, slots: Slots, found: Array
+    codes: Codes, tiers: Array, layout: Layout, many: Many, room: Array, outputs: Outputs, slots: Slots, found: Array
 ) -> None:
-    """Writes the results of :func:`walked` for K motions, four numbers for each. Two lanes hold the walks of a motion;
-    as soon as these end, those of the next motion begin.
+    """Writes the results of :func:`walked` for K motions, RESULTS numbers for each. Two lanes hold the walks of a
+    motion; as soon as these end, those of the next motion begin.
     """
     following, going = 0, True
     while going:
@@ -196,13 +204,15 @@ def walked_abreast(
             member, lane, course, goes = slots.members[slot], WALKS * slot, course_in(slots, slot), False
             if member >= 0:
                 own = of_member(layout, many, member, slot, outputs)
+                bounds = bounds_of(tiers, course.tier)
                 course, goes = onward(codes, bounds, layout, many.most[member], room, lane, course, own)
                 put_result(found, member, course)
             while following < len(many.most) and not goes:
                 member, following = following, following + 1
                 own, given = of_member(layout, many, member, slot, outputs), given_of(layout, many, member)
-                course = begun(codes, bounds, layout, given, room, lane, own)
+                course = begun(codes, tiers, layout, given, room, lane, own, many.tiers[member])
                 if course.limit > 0:
+                    bounds = bounds_of(tiers, course.tier)
                     course, goes = onward(codes, bounds, layout, many.most[member], room, lane, course, own)
                 put_result(found, member, course)
             slots.members[slot] = member if goes else -1
@@ -210,6 +220,12 @@ def walked_abreast(
             going = going or goes
         if going:
             all_moved(codes, room)
+
+
+def bounds_of(tiers: Array, tier: int) -> Bounds:
+    """The bounds with this index."""
+    x = tiers[BOUNDS * tier : BOUNDS * tier + BOUNDS]
+    return Bounds(x[0], x[1], x[2], x[3], x[4], x[5])
 
 
 def given_of(layout: Layout, many: Many, member: int) -> Given:
@@ -229,42 +245,55 @@ def of_member(layout: Layout, many: Many, member: int, slot: int, outputs: Outpu
 
 def put_result(found: Array, member: int, course: Course) -> None:
     """Writes the result of a motion."""
-    row = found[4 * member : 4 * member + 4]
-    row[0], row[1], row[2], row[3] = course.seen.rows, course.seen.wrong, course.seen.gap, course.steps
+    row, seen = found[RESULTS * member : RESULTS * member + RESULTS], course.seen
+    row[0], row[1], row[2], row[3], row[4], row[5] = (
+        seen.rows, seen.wrong, seen.lost, seen.gap, course.steps, course.tier,
+    )  # fmt: skip
 
 
 def course_in(slots: Slots, slot: int) -> Course:
     """The progress of the motion in a slot."""
-    n, x = slots.counts[8 * slot : 8 * slot + 8], slots.floats[4 * slot : 4 * slot + 4]
-    return Course(x[0], n[0], n[1], x[1], n[2], x[2], n[3], Compared(n[4], n[5], n[6], n[7], x[3]))
+    n, x = slots.counts[COUNTS * slot : COUNTS * slot + COUNTS], slots.floats[4 * slot : 4 * slot + 4]
+    return Course(x[0], n[8], n[0], n[1], x[1], n[2], x[2], n[3], Compared(n[4], n[5], n[6], n[7], x[3]))
 
 
 def put_course(slots: Slots, slot: int, course: Course) -> None:
     """Stores the progress of the motion in a slot."""
-    n, x, seen = slots.counts[8 * slot : 8 * slot + 8], slots.floats[4 * slot : 4 * slot + 4], course.seen
+    n, x, seen = (
+        slots.counts[COUNTS * slot : COUNTS * slot + COUNTS],
+        slots.floats[4 * slot : 4 * slot + 4],
+        course.seen,
+    )
     x[0], x[1], x[2], x[3] = course.unit, course.now, course.later, seen.gap
     n[0], n[1], n[2], n[3] = course.limit, course.steps, course.done, course.behind
-    n[4], n[5], n[6], n[7] = seen.rows, seen.wrong, seen.lost, seen.first
+    n[4], n[5], n[6], n[7], n[8] = seen.rows, seen.wrong, seen.lost, seen.first, course.tier
 
 
 def begun(
-    codes: Codes, bounds: Bounds, layout: Layout, given: Given, room: Array, lane: int, outputs: Outputs
+    codes: Codes, tiers: Array, layout: Layout, given: Given, room: Array, lane: int, outputs: Outputs, tier: int
 ) -> Course:
-    """The progress of a motion whose walks begin in this lane. Its ``limit`` is 0 if the times are not in order, or if
-    the last one is too far.
+    """The progress of a motion whose walks begin in this lane; no row is to be reached if the walks do not begin, which
+    is so if the times are not in order or if no bounds serve.
     """
     times, unit, limit, rows = outputs.times, 1.0, 0, 0
     if in_order(times):
         start(codes.start, given.constants, given.state, room, lane)
         unit = unit_of(codes, layout, room, lane)
-        first = unit * reach(bounds, layout, room, lane)
-        if abs(times[len(times) - 1]) <= bounds.farthest * first:
+        last = abs(times[len(times) - 1]) / unit
+        while BOUNDS * tier < len(tiers) and not serves(bounds_of(tiers, tier), layout, room, lane, last):
+            tier += 1
+        if BOUNDS * tier < len(tiers):
             limit = len(times)
             for row in range(limit):
                 outputs.marks[row] = UNVISITED
     else:
         rows = -1
-    return Course(unit, limit, 0, 0.0, 0, 0.0, 0, Compared(rows, 0, 0, 0, 0.0))
+    return Course(unit, tier, limit, 0, 0.0, 0, 0.0, 0, Compared(rows, 0, 0, 0, 0.0))
+
+
+def serves(bounds: Bounds, layout: Layout, room: Array, lane: int, last: float) -> bool:
+    """Whether the last time is within ``farthest`` first steps."""
+    return last <= bounds.farthest * reach(bounds, layout, room, lane)
 
 
 def onward(
@@ -273,7 +302,7 @@ def onward(
     """Writes the rows that the series of both walks reach, and the next steps to memory. Returns the progress, and
     whether a walk takes a step.
     """
-    unit, limit, steps, now, done, later, behind, seen = course
+    unit, tier, limit, steps, now, done, later, behind, seen = course
     times, ahead = outputs.times, -1.0 if outputs.times[len(outputs.times) - 1] < 0 else 1.0
     first, second = reach(bounds, layout, room, lane), reach(bounds, layout, room, lane + 1)
     second = BACK * second if steps == 0 and second < FARTHEST else second
@@ -292,7 +321,7 @@ def onward(
     room[layout.lanes * STEP + lane], room[layout.lanes * STEP + lane + 1] = to_first, to_second
     goes = done < limit or behind < limit
     steps += 1 if goes else 0
-    return Course(unit, limit, steps, now + to_first, done, later + to_second, behind, seen), goes
+    return Course(unit, tier, limit, steps, now + to_first, done, later + to_second, behind, seen), goes
 
 
 def all_moved(codes: Codes, room: Array) -> None:

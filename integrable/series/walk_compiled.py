@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from integrable.series import walk
-from integrable.series.walk import Bounds, Codes, Given, Layout, Many, Outputs, Slots, walked, walked_abreast
+from integrable.series.walk import Codes, Given, Layout, Many, Outputs, Slots, walked, walked_abreast
 from jacobian.native.kinds import FLOAT, FLOATS, INT, INTS, NONE, Value, record
 from jacobian.native.library import Library
 from jacobian.native.operators import Operators, real
 from jacobian.native.special import SPECIAL
 
 CODES = record(Codes, *[INT] * 5)
-BOUNDS = record(Bounds, *[FLOAT] * 6)
 LAYOUT = record(Layout, FLOATS, *[INT] * 8)
 GIVEN = record(Given, FLOATS, FLOATS)
-MANY = record(Many, FLOATS, FLOATS, INTS, FLOATS)
+MANY = record(Many, FLOATS, FLOATS, INTS, INTS, FLOATS)
 SLOTS = record(Slots, INTS, INTS, FLOATS)
 OUTPUTS = record(Outputs, *[FLOATS] * 4)
 
@@ -57,11 +56,11 @@ STRAIGHT: dict[object, Callable[..., Value]] = {
     walk.execute: lambda b, code, room: _call(b, code, room.parts[0]),
     walk.dense: lambda b, code, room, lane, ahead: _call(b, code, _in_lane(b, room, lane), ahead.parts[0]),
 }
-WALK = CODES, BOUNDS, LAYOUT
+WALK = CODES, FLOATS, LAYOUT
 LIBRARY = Library(
     "walk",
     {
-        "walked": (walked, (*WALK, GIVEN, FLOATS, OUTPUTS, FLOAT)),
+        "walked": (walked, (*WALK, GIVEN, FLOATS, OUTPUTS, INT, FLOAT)),
         "walked_abreast": (walked_abreast, (*WALK, MANY, FLOATS, OUTPUTS, SLOTS, FLOATS)),
     },
     SPECIAL | NUMBERS | STRAIGHT,

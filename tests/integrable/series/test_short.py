@@ -23,7 +23,7 @@ from integrable.mumford.flow import Path, Point
 from integrable.mumford.system import MumfordSystem
 from integrable.series.kinds import Formulas, Kind
 from integrable.series.recurrences import coefficients, convolved, squared
-from integrable.series.steps import BRIEF, FINE, ROUGH, WIDE
+from integrable.series.steps import BRIEF, FINE, ROUGH, WIDE, Steps
 from integrable.series.tape import CONSTANT, PRODUCT, VARIABLE, recorded, with_multiples
 from jacobian import MP, RR, ArgumentError
 from tests.integrable.classical.rows import CASES, REAL
@@ -196,11 +196,12 @@ def test_equations_that_are_no_formula_are_left_to_additions() -> None:
     assert np.array_equal(foreign.flow(state).at([1.5]).q, system.flow(state).at([1.5]).q)
 
 
-@pytest.mark.parametrize(("steps", "last"), [(BRIEF, 10), (ROUGH, 100)])
-def test_steps_for_few_of_them_are_right_to_the_last_bits_and_go_no_further(steps, last) -> None:
+@pytest.mark.parametrize(("bounds", "last"), [(BRIEF, 10), (ROUGH, 100)])
+def test_steps_for_few_of_them_are_right_to_the_last_bits_and_go_no_further(bounds, last) -> None:
     system = Neumann((1, 2, 4))
     state, times = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)), np.linspace(0, last, 40)
     walk, given = system._kind.walk(WIDE), system.flow(state)._walk_given
+    steps = Steps(WIDE, (bounds,))
     found = walk(*given, times, steps, 1e4)
     assert found.reached == 40
     assert found.wrong is None

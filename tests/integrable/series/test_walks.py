@@ -12,6 +12,7 @@ from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.kuzmin_kutuzov import KuzminKutuzov
+from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
@@ -21,7 +22,7 @@ from integrable.mumford.system import MumfordSystem
 from integrable.series import sums_text
 from integrable.series.kinds import Formulas, Kind
 from integrable.series.room import Orders
-from integrable.series.steps import FINE, FINEST, ROUGH, WIDE, Steps, steps_for
+from integrable.series.steps import BRIEF, FINE, FINEST, ROUGH, WIDE, Steps, steps_for
 from integrable.series.walk import WRONG, Codes, Compared, Given, Outputs, compared
 from integrable.series.walk import walked as by_the_readable_loop
 from integrable.series.walk_compiled import LIBRARY
@@ -179,10 +180,10 @@ def test_the_compiled_loop_is_the_readable_one() -> None:
     times = np.array([0.25, 0.5, 2.0, 2.0, 7.0])
     found = []
     for loop in (by_the_readable_loop, LIBRARY.walked):
-        bounds = FINE.bounds
+        tiers = np.array(FINE.tiers[0])
         asked = Outputs(np.empty(4 * 5 * 4), np.zeros(5), times, np.empty(5 * 4))
         given = Given(np.zeros(1), np.array([*state.q, *state.p]))
-        said = loop(Codes(*walk.codes), bounds, walk.layout, given, np.zeros(walk.size), asked, 1e3)
+        said = loop(Codes(*walk.codes), tiers, walk.layout, given, np.zeros(walk.size), asked, 0, 1e3)
         found.append(asked.found)
         assert said[0] == 5
         assert said[1] == 0
@@ -194,12 +195,12 @@ def test_rows_that_are_not_compared_are_right_and_wrong_beside_wrong_ones() -> N
     system, state = REAL["neumann"](RR, 2)
     walk, times = system._kind.walk(WIDE), np.linspace(0, -1, 61)
     given = system.flow(state)._walk_given
-    found = walk(*given, times, ROUGH, 1e3)
+    found = walk(*given, times, Steps(WIDE, (ROUGH,)), 1e3)
     assert (found.reached, found.wrong) == (61, None)
     true = np.reshape(states_of(system._kind, *given, times), (61, 2, 3))
     assert off(found.states, true) <= 2.0**-52
     # without a row on which the walks agree, each is wrong, but the walks must be far from any common error
-    found = walk(*given, times, Steps(WIDE, ROUGH.bounds._replace(agreed=1e-30)), 1e3)
+    found = walk(*given, times, Steps(WIDE, (ROUGH._replace(agreed=1e-30),)), 1e3)
     assert found.reached == 0
     # rows 2, 5 and 6 are compared, and 5 is wrong: so are its neighbours from row 3 on
     asked = Outputs(np.ones(56), np.array([0.0, 0, 1, 0, 0, 1, 1]), np.arange(1.0, 8.0), np.zeros(14))
@@ -207,6 +208,53 @@ def test_rows_that_are_not_compared_are_right_and_wrong_beside_wrong_ones() -> N
     seen = compared(walk.layout._replace(half=1), 1e-12, Compared(0, 0, 0, 0, 0.0), 7, asked)
     assert (seen.rows, seen.wrong, seen.lost, seen.first) == (7, 1, 1, 3)
     assert asked.marks.tolist() == [0, 0, 1, WRONG, WRONG, WRONG, 1]
+
+
+def in_double_doubles(system, state, times: np.ndarray, steps: Steps) -> tuple[np.ndarray, np.ndarray]:
+    """The states of both walks, shape (2, N, parts, n, 2), and the marks of rows; wrong where a row is not reached."""
+    walk, count = system._kind.walk(steps.orders), len(times)
+    asked = Outputs(np.empty(4 * count * walk._count), np.zeros(count), times, np.empty(count * walk._count))
+    constants, start = system.flow(state)._walk_given
+    given, room = Given(np.array(constants), np.array(start)), np.zeros(walk.size)
+    said = LIBRARY.walked(Codes(*walk.codes), np.array(steps.tiers).ravel(), walk.layout, given, room, asked, 0, 1e4)
+    asked.marks[max(said[0], 0) :] = WRONG
+    return asked.both.reshape(2, count, *walk._shape, 2), asked.marks
+
+
+@pytest.mark.parametrize(("bounds", "longest"), [(BRIEF, 8.0), (ROUGH, 60.0)])
+@pytest.mark.parametrize("name", ["neumann", "toda", "garnier", "lagrange", "henon"])
+def test_rows_on_which_both_walks_agree_are_right_to_a_tenth_of_the_rounding_unit(name, bounds, longest) -> None:
+    """Slow and fast motions, some of them eccentric; the walks agree on nearly all rows."""
+    rng, agreed, rows = np.random.default_rng(3), 0, 0
+    for _ in range(8):
+        system, state = _at_random(name, rng)
+        times = np.linspace(0, longest * rng.uniform(0.2, 1), 21)
+        (found, _), marks = in_double_doubles(system, state, times, Steps(WIDE, (bounds,)))
+        (true, _), right = in_double_doubles(system, state, times, FINEST)
+        which = (marks == 1) & (right == 1)
+        size = np.abs(true[which, ..., 0]).max(axis=-1)
+        off = np.abs((found[which] - true[which]).sum(axis=-1)).max(axis=-1)
+        assert (off <= 0.1 * 2.0**-53 * size).all()
+        agreed, rows = agreed + which.sum(), rows + (marks != 0).sum()
+    assert agreed > 0.5 * rows
+
+
+def _at_random(name: str, rng: np.random.Generator) -> tuple[MumfordSystem, Point]:
+    """A system and a state, with a speed of 0.1 to 5 or so."""
+    unit = rng.normal(size=3)
+    q, speed = unit / np.linalg.norm(unit), 10 ** rng.uniform(-1, 0.7)
+    p, few = speed * rng.normal(size=3), speed * rng.normal(size=4)
+    if name == "neumann":
+        system, given = Neumann(tuple(rng.uniform(0, 8, 3).tolist())), (q, p - q * (q @ p))
+    elif name == "toda":
+        system, given = TodaLattice(3), (unit * speed, p)
+    elif name == "garnier":
+        system, given = Garnier(tuple(rng.uniform(0, 5, 2).tolist())), (few[:2], few[2:])
+    elif name == "lagrange":
+        system, given = LagrangeTop(float(rng.uniform(0.2, 2))), (q, p)
+    else:
+        system, given = HenonHeiles.with_frequencies(1, 1.25), (0.04 * unit[:2], 0.04 * p[:2] / speed)
+    return system, system.state(*(tuple(x.tolist()) for x in given))
 
 
 @pytest.mark.parametrize("name", ["neumann", "ellipsoid", "lagrange", "pendulum", "veselova"])
@@ -288,9 +336,12 @@ def test_a_walk_ends_where_its_rows_say_that_the_last_is_lost() -> None:
     steps = steps_for(1e-13)[0]
     walk, times = system._kind.walk(steps.orders), np.linspace(0, 300, 301)
     given = *system.flow(state)._walk_given, times
-    found, whole = walk(*given, steps, 1e6), walk(*given, steps._replace(bounds=steps.bounds._replace(agreed=1.0)), 1e6)
+    found, whole = (
+        walk(*given, steps, 1e6),
+        walk(*given, steps._replace(tiers=(steps.tiers[0]._replace(agreed=1.0),)), 1e6),
+    )
     assert whole.reached == 301
-    assert whole.gap > 4 * steps.bounds.agreed
+    assert whole.gap > 4 * steps.tiers[0].agreed
     assert found.reached < 301
     assert found.steps < whole.steps / 4
     right = slice(0, found.reached) if found.wrong is None else np.flatnonzero(~found.wrong)
@@ -344,7 +395,7 @@ def test_orders_in_a_loop_are_those_of_straight_line_code(name, n, orders, monke
     for longest in (0, 10**6):
         monkeypatch.setattr(sums_text, "LONGEST", longest)
         walk = system._made_kind().walk(orders)
-        steps = Steps(orders, FINE.bounds._replace(left_out=1e-24, rounded=1e-8))
+        steps = Steps(orders, (FINE.tiers[0]._replace(left_out=1e-24, rounded=1e-8),))
         reached = walk(*given, times, steps, 1e3)
         assert reached.gap < 2.0**-56
         found.append((reached.states, walk.codes.ratios - walk.codes.series))
