@@ -183,10 +183,12 @@ class Kind:
                 if left is None and found.reached == len(times) and found.wrong is None:
                     return Near(None, found.states, SPARE * found.gap)
                 left = np.arange(len(times)) if left is None else left
-                parts.append(_right(found, left, steps))
-                if found.exhausted(len(left)) or len(parts[-1].places) == len(left):
+                right, exhausted = found.right, found.exhausted(len(left))
+                error = SPARE * min(found.gap, steps.tiers[0].agreed)
+                parts.append(Near(left[right], found.states[right], error, exhausted))
+                left, tier = np.delete(left, right), found.tier + 1
+                if exhausted or not len(left):
                     return self._joined(parts)
-                left, tier = np.setdiff1d(left, parts[-1].places), found.tier + 1
         return self._joined(parts)
 
     def _joined(self, parts: Sequence[Near]) -> Near:
@@ -195,14 +197,6 @@ class Kind:
         had = [part for part in parts if len(part.states)] or [nothing]
         places, states = (np.concatenate(x) for x in zip(*[part[:2] for part in had], strict=True))
         return Near(places, states, max(part.error for part in had), any(part.exhausted for part in parts))
-
-
-def _right(found: Reached, order: np.ndarray, steps: Steps) -> Near:
-    """The states that a walk reached and did not mark as wrong; ``order`` are the indices of its times."""
-    right = slice(None) if found.wrong is None else ~found.wrong
-    states = found.states[: found.reached][right]
-    error = SPARE * min(found.gap, steps.tiers[0].agreed)
-    return Near(order[: found.reached][right], states, error, found.exhausted(len(order)))
 
 
 # the 64-bit words of a call. SHARED are those of all calls with the same steps: codes, tiers with their length, units

@@ -35,8 +35,8 @@ WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE = Steps(WIDE, (Bounds(1e-25, 1e-7, 1e1, 1e1, 2.0**-56),))
 FINEST = Steps(WIDEST, (Bounds(1e-29, 1e-11, 1e3, 1e3, 2.0**-56),))
 # BRIEF takes 3/4, ROUGH 5/6 of the time of FINE; they are for times of at most 64 and 600 first steps. Their second
-# walk has bounds 3 times as large: at 10 times the walks of the scene ``hat`` disagreed within 36 steps of BRIEF. Rows on
-# which both walks agree were right to a tenth of the rounding unit in each of 900 motions
+# walk has bounds 3 times as large: at 10 times the walks of the scene ``hat`` disagreed within 36 steps of BRIEF. In
+# 900 motions rows on which both walks agree were right to a tenth of the rounding unit
 # (tests/integrable/series/test_walks.py has some of them)
 BRIEF = Bounds(1e-20, 1e-5, 3.0, 1e1, 2.0**-56, 64.0)
 ROUGH = Bounds(1e-22, 1e-6, 3.0, 1e1, 2.0**-56, 600.0)
@@ -76,6 +76,11 @@ class Reached(NamedTuple):
     gap: float
     steps: int
     tier: int
+
+    @property
+    def right(self) -> np.ndarray:
+        """The indices of the rows that were reached and are not wrong."""
+        return np.arange(self.reached) if self.wrong is None else np.flatnonzero(~self.wrong)
 
     def exhausted(self, count: int) -> bool:
         """Whether the walk was given up before it had reached ``count`` times, as it would have taken too long."""
