@@ -183,7 +183,7 @@ class Kind:
                 if left is None and found.reached == len(times) and found.wrong is None:
                     return Near(None, found.states, SPARE * found.gap)
                 left = np.arange(len(times)) if left is None else left
-                right, exhausted = found.right, found.exhausted(len(left))
+                right, exhausted = found.right, found.exhausted(len(left), steps)
                 error = SPARE * min(found.gap, steps.tiers[0].agreed)
                 parts.append(Near(left[right], found.states[right], error, exhausted))
                 left, tier = np.delete(left, right), found.tier + 1

@@ -95,7 +95,8 @@ class _Walks:
         found.states[places[0][right], places[1][right]] = states[right]
         found.reached[places[0][right], places[1][right]] = True
         self.left[rows[right]] = False
-        self.tiers[which], self.over[which] = tier + 1, (reached < count) & (lost <= MOST_LOST)
+        self.tiers[which] = tier + 1
+        self.over[which] = (tier < len(steps.tiers)) & (reached < count) & (lost <= MOST_LOST)
         np.logical_or.at(found.exhausted, members, self.over[which])
         # the estimates of walks that have found no state are left out
         had = np.add.reduceat(right, ends[:-1]) > 0

@@ -47,6 +47,10 @@ PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # of the second walk. The error is estimated as SPARE times the difference of the walks: of 3,600 walks of eccentric
 # orbits in a galaxy 6 had more than twice this error, and with COARSER = 3 there were 22
 SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 3e-5, 1e-6, 3e-3, 10.0, 3.5
+# for a tolerance of 1e-12 steps in floats are tried at times of at most this many first steps: Neumann's point misses it
+# by 600 of them, the Toda lattice has lost 1e-13 after 480 (python -m benchmarks near). Their rounding errors grow as
+# the 3/2 power of the number of steps
+FARTHEST_IN_FLOATS = 500.0
 
 
 @cache
@@ -55,7 +59,8 @@ def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
     if tolerance is None:
         return (IN_TURN,)
     agreed = tolerance / SPARE
-    plain = Bounds(tolerance * SHARE, 1.0, COARSER, 1.0, agreed)
+    farthest = FARTHEST_IN_FLOATS * (tolerance / 1e-12) ** (2 / 3)
+    plain = Bounds(tolerance * SHARE, 1.0, COARSER, 1.0, agreed, farthest)
     # a walk of some thousand steps in floats loses four more digits than one whose first terms are double-doubles
     middle = Bounds(tolerance * SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, COARSER, agreed)
     return Steps(PLAIN, (plain,)), Steps(MIDDLE, (middle,)), FINE
@@ -82,9 +87,9 @@ class Reached(NamedTuple):
         """The indices of the rows that were reached and are not wrong."""
         return np.arange(self.reached) if self.wrong is None else np.flatnonzero(~self.wrong)
 
-    def exhausted(self, count: int) -> bool:
+    def exhausted(self, count: int, steps: Steps) -> bool:
         """Whether the walk was given up before it had reached ``count`` times, as it would have taken too long."""
-        return self.reached < count and self.lost <= MOST_LOST
+        return self.tier < len(steps.tiers) and self.reached < count and self.lost <= MOST_LOST
 
 
 class ReachedByMany(NamedTuple):
