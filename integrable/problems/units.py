@@ -47,4 +47,4 @@ UNITS = {
     "spherical_pendulum": Unit(1, 0.5, -0.5),
     "veselova": Unit(1, 0, 0),
 }
-"""How each system with constraints scales; the systems that are missing here have none."""
+"""How each system with constraints scales; the other systems have no constraints."""
