@@ -139,7 +139,7 @@ class _Work(NamedTuple):
         return _Work(many, members, frames, quick, times, out[..., :9].reshape(*out.shape[:2], 3, 3), out[..., 9:])
 
     def part(self, begin: int, end: int) -> list[Said]:
-        """Computes the members of a range, and returns those without a short run, with the reason if refused."""
+        """Computes the members of a range, and returns the outcome of those without a short run."""
         left = np.ones(end - begin, dtype=bool)
         which = begin + np.flatnonzero(self.quick[begin:end])
         if len(which):

@@ -176,5 +176,7 @@ def times_of(times: np.ndarray, member: int) -> np.ndarray:
 
 
 def times_of_some(times: np.ndarray, which: Any) -> np.ndarray:
-    """The times of some members, from the array that :func:`time_rows` returns; shape (1, N) if all have the same."""
+    """The times of some members, from the array that :func:`time_rows` returns; shape (1, N) if all members have
+    the same times.
+    """
     return times[which] if len(times) > 1 else times

@@ -124,7 +124,7 @@ class _Work(NamedTuple):
         return found
 
     def near(self, flows: dict[int, MumfordFlow]) -> NearMany | None:
-        """The states near the start, computed for several members at once; None for few members."""
+        """The states near the start, computed for several members at once; None if the ensemble has few members."""
         kind, length = self.many.system._kind, self.times.shape[1]
         if len(self.many) < MANY or not (flows and length) or kind is None or interpreted():
             return None

@@ -42,8 +42,8 @@ VERTICAL, NEARLY = 64, 1e-2
 class RigidBody(Made):
     """A free rigid body: no torque acts about its centre of mass or, if a point of it is fixed, about that point.
 
-    ``inertia`` is its tensor about that point in any axes, or three moments in its principal axes, in kg·m²; ``field``
-    RR or MP(digits). ``moments`` (3,) are the principal moments; the columns of ``axes`` (3, 3) are the principal
+    ``inertia`` is its tensor about that point in any axes, or three moments in its principal axes, in kg·m². ``field``
+    is RR or MP(digits). ``moments`` (3,) are the principal moments; the columns of ``axes`` (3, 3) are the principal
     axes, in the axes of the tensor.
     """
 
@@ -71,7 +71,7 @@ class RigidBody(Made):
         """The motion from an orientation and an angular velocity.
 
         ``orientation`` takes vectors in the axes of the tensor to the laboratory: a 3×3 matrix or SciPy's Rotation.
-        ``omega`` is in rad/s in the axes of the laboratory. ArgumentError names what is wrong.
+        ``omega`` is in rad/s in the axes of the laboratory. An ArgumentError names the wrong argument.
         """
         return LaboratoryMotion(self, *self._start(orientation, omega), None)
 
@@ -125,10 +125,11 @@ class RigidBody(Made):
 
 
 class RollingBall(RigidBody):
-    """A ball that rolls on a horizontal plane without slipping, its centre of mass in its centre.
+    """A ball that rolls on a horizontal plane without slipping, and whose centre of mass is its centre.
 
-    ``inertia`` is the tensor about the centre in any axes, or three moments in its principal axes, in kg·m²; ``mass``
-    in kg and ``radius`` in m; ``field`` RR or MP(digits). ``moments`` and ``axes`` are those of a :class:`RigidBody`.
+    ``inertia`` is the tensor about the centre in any axes, or three moments in its principal axes, in kg·m². ``mass``
+    is in kg, ``radius`` in m, and ``field`` is RR or MP(digits). ``moments`` and ``axes`` are those of a
+    :class:`RigidBody`.
     """
 
     def __init__(self, inertia: Table, mass: Value, radius: Value, *, field: Field = RR) -> None:
@@ -163,8 +164,8 @@ class RollingBall(RigidBody):
         """The motion from an orientation, an angular velocity and a point of contact.
 
         ``orientation`` takes vectors in the axes of the tensor to the laboratory, whose z is up: a 3×3 matrix or
-        SciPy's Rotation. ``omega`` is in rad/s in the axes of the laboratory, ``contact`` (x, y) in m. ArgumentError
-        names what is wrong.
+        SciPy's Rotation. ``omega`` is in rad/s in the axes of the laboratory, ``contact`` (x, y) in m. An
+        ArgumentError names the wrong argument.
         """
         start, spin = self._start(orientation, omega)
         given = entries(contact, "contact", "two numbers")

@@ -94,8 +94,8 @@ class Instant(NamedTuple):
 class LaboratoryRun(Exported):
     """Orientations, angular velocities and points of contact at ``times``, shape (N,), in s; computed on first use.
 
-    Floats are float64 arrays, numbers of MP(digits) object arrays of mpf; all are read-only. ``run[k]`` is an
-    :class:`Instant`; a slice or an array of numbers or truth values gives the run at some of the times.
+    The arrays are of float64 over RR, and of mpf objects over MP(digits); all are read-only. ``run[k]`` is an
+    :class:`Instant`; a slice, an array of indices or a Boolean mask gives the run at some of the times.
     """
 
     def __init__(self, motion: LaboratoryMotion, times: np.ndarray) -> None:

@@ -41,7 +41,7 @@ class WideFlow(Flow):
 
     @cached_property
     def setup(self) -> Setup:
-        """The set-up of the motion."""
+        """The set-up of the motion, made from the wide body and state."""
         body, state = self._wide_body, self._wide_state
         if self.system.field != RR:
             return Setup(body, *state.vectors, state.tilted, self.system.field.dps)

@@ -1,6 +1,6 @@
 """heyoka's Taylor integrator (Biscani and Izzo 2021), run as its users run it.
 
-It is built once for a kind and a tolerance, with the system's constants as parameters ``par[i]``; a start sets the
+It is built once for a kind and a tolerance, with the system's constants as parameters ``par[i]``. A start sets the
 state, the parameters and the time. heyoka compiles when the integrator is built, and caches on disk
 (HEYOKA_CACHE_DIR). It is an optional dependency, ``pip install 'jacobian-integrable[peers]'``, imported on first use.
 """

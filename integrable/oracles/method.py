@@ -84,7 +84,7 @@ class Spent(NamedTuple):
 
     @property
     def first(self) -> float:
-        """The seconds until a first answer: the sum of all parts."""
+        """The seconds until the first result: the sum of all parts."""
         return sum(self)
 
 

@@ -195,7 +195,7 @@ class Problem:
         """The solution at times t, as a :class:`Truth`. The times are doubles, taken as exact, in any order and shape.
 
         ``digits`` are relative to the largest component of q, and of p. ``proven`` selects ball arithmetic, which is
-        slower; its time grows in proportion to t where a body rolls or is tilted. Raises PrecisionLoss where that many
+        slower; its run time grows in proportion to t if a body rolls or is tilted. Raises PrecisionLoss where that many
         digits were not reached.
         """
         digits = whole(digits, "digits", "give an int ≥ 1, a number of decimal digits (16: doubles)", 1)

@@ -150,8 +150,8 @@ def _once(one: Problem, times: np.ndarray, entrant: Entrant, rung: int) -> Any:
 
 
 def _tried(one: Problem, times: np.ndarray, truth: Truth, entrant: Entrant, rung: int, limit: float) -> Run:
-    """A run of a method, or the reason why there is none. An uncounted trial before it absorbs the time of imports and
-    compilation.
+    """A run of a method, or the reason why there is none. Imports and compilation take place in a trial before it,
+    which is not counted.
     """
     setting = entrant.settings[rung]
     run = Run(entrant.name, setting, entrant.word)

@@ -85,8 +85,8 @@ def sweep(
 
     The motions are those of a scene at its times, for all combinations of the numbers in ``vary``, or those of an
     ensemble at ``times``. ``vary`` maps each name ("d", "M.scale", "inertia.2", … in docs/many.md) to a list of numbers
-    or to "first:last:count". ``executor`` is "processes" or "threads", as many as
-    :func:`jacobian.numbers.threads.threads` returns, or any ``concurrent.futures.Executor``.
+    or to "first:last:count". ``executor`` is "processes" or "threads", whose number is that of
+    :func:`jacobian.numbers.threads.threads`, or any ``concurrent.futures.Executor``.
 
     Each finished chunk of ``chunk`` members is kept in a folder next to ``out``, so the same call resumes a sweep that
     was killed. The states of a refused member are NaN, and the file contains the reason. ``progress`` draws a bar on
