@@ -7,7 +7,7 @@ from __future__ import annotations
 from integrable import _command
 
 if __name__ == "__main__":
-    # this call precedes the imports: _command makes the process answer interrupts, and then imports this file again
+    # this call precedes the imports: _command makes the process handle interrupts, and then imports this file again
     _command()
 
 import argparse
@@ -383,7 +383,7 @@ def _doctor() -> int:
 
 
 def _place(given: str | None, usual: Place) -> Path | Place:
-    """The output folder: that of --out, else the usual place."""
+    """The output folder or file: that of --out, else ``usual``."""
     if given == "":
         raise ArgumentError('--out: "" given; the name of a file or folder is needed')
     return usual if given is None else Path(given)
@@ -414,7 +414,11 @@ def _report(arguments: argparse.Namespace) -> None:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; the exit code is 0, 2 for a wrong argument or scene, 130 when interrupted."""
+    """Runs the command and returns the exit code.
+
+    The code is 0, 1 if ``doctor`` finds a problem, 2 for a wrong argument, a wrong scene or an output that cannot be
+    written, 130 when interrupted, and 141 if stdout is a pipe that was closed.
+    """
     write_anything()
     parser = _parser()
     if "_ARGCOMPLETE" in os.environ:  # a shell asks for completions
@@ -462,7 +466,7 @@ def _obey(arguments: argparse.Namespace) -> int:
         _write_no_more()
         return 141
     except OSError as error:
-        if error.filename is not None:  # an error about a file, which the writer should have explained
+        if error.filename is not None:  # the code that uses the file should have raised an ArgumentError
             raise
         _write_no_more()
         from integrable.files.whole import reason

@@ -11,7 +11,7 @@ from jacobian.errors import ArgumentError
 __all__ = ["APP", "MissingExtraWarning", "command", "installed", "needed", "without"]
 
 APP = ("scipy", "matplotlib", "tqdm")
-"""What the extra ``app`` installs."""
+"""The libraries that the extra ``app`` installs."""
 
 
 class MissingExtraWarning(UserWarning):
@@ -37,7 +37,7 @@ def needed(module: str, what: str, extra: str = "app") -> None:
 def without(uses: Mapping[str, str]) -> set[str]:
     """The missing libraries of the extra ``app``. One warning names them all, so call this before the work.
 
-    ``uses`` maps each library to what is left out without it.
+    ``uses`` maps each library to a description of the work that is left out without it.
     """
     missing = [module for module in uses if not installed(module)]
     if missing:

@@ -1,3 +1,3 @@
-"""Many motions at once, of many bodies and states of one kind of system; the flow of each member has the same
-results.
+"""Many motions of one kind of system, with different bodies or starts, computed together. The states are those of
+each member's own flow, up to the errors that the classes state.
 """

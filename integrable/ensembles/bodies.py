@@ -1,5 +1,5 @@
-"""The members of an ensemble of bodies as rows of numbers, and their states: short runs of compiled code for *plain*
-members, flows for the rest.
+"""The members of an ensemble of bodies as rows of numbers, and the computation of their states: by short runs of
+compiled code for *plain* members, by flows for the other members.
 
 The constructors of bodies, states and flows check one member at a time. The bounds of this module are checked for all
 members at once. A member within them is never refused, and a short run of compiled code may be tried for it.
@@ -46,11 +46,11 @@ STATES: dict[str, tuple[slice | int, Column]] = {
     "tau": (6, Column(AT, _EMPTY, "s", "time of the flow, dτ = g dt")),
 }
 """The arrays of states in files."""
-# a plain member lies within the fraction HALF of the tolerance of γ and M, and within the fraction FAR_INSIDE of the
-# bounds on moments and d
+# γ and M of a plain member satisfy their constraints to within HALF times the tolerance; the ratios of its moments, and
+# of d to the least moment, are at most FAR_INSIDE times their bounds
 HALF, FAR_INSIDE = 0.5, 1e-3
-# DISTINCT is the least difference of two unequal moments, relative to the largest plus d, ASIDE the least distance of M
-# from a principal axis and, for tilted states, from γ, relative to |M|
+# DISTINCT is the least difference of two unequal moments of a plain member, relative to the largest moment plus d.
+# ASIDE is the least distance, relative to |M|, of M from a principal axis and, for tilted states, from γ
 DISTINCT, ASIDE = 1e-12, 1e-10
 
 
@@ -105,8 +105,8 @@ def motion_of(system: Any, row: np.ndarray, tilted: bool, kernel: str = "auto") 
 def plain(members: np.ndarray, tilted: bool) -> np.ndarray:
     """A mask of shape (K,) of the plain members.
 
-    A plain member is certainly accepted. Its moments are well apart, or exactly two are equal, and M is not along a
-    principal axis.
+    The constructors accept every plain member. Its moments are well apart, or exactly two are equal, and M is not along
+    a principal axis.
     """
     inertia, d, gamma, M = members[:, :3], members[:, 3], members[:, 4:7], members[:, 7:]
     with np.errstate(all="ignore"):
@@ -180,7 +180,7 @@ class _Work(NamedTuple):
         return [self.one(k) for k in (begin + np.flatnonzero(left)).tolist()]
 
     def short_runs(self, which: np.ndarray, rolls: bool) -> np.ndarray:
-        """Computes members by short runs, and returns which of them had one."""
+        """Computes the members ``which`` by short runs, and returns those for which a short run exists."""
         had, rows, tau = short_runs(self.members, self.tilted, rolls, self.times, which)
         self.out[had, :, :6], self.out[had, :, 6] = rows, tau
         return had

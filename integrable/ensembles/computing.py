@@ -12,17 +12,17 @@ from integrable.motion.trajectory import WAYS
 from jacobian.errors import ArgumentError
 from jacobian.numbers.threads import in_ranges
 
-# the numbers of states and of members in a range, which is the unit of work of a thread
+# the largest numbers of states and of members in a range; a thread computes one range at a time
 STATES, MEMBERS = 1 << 16, 64
 REFUSED = -1
 
 
 class Outcome(NamedTuple):
-    """The outcome for all members, in numbers.
+    """The outcome for all K members, as arrays of numbers.
 
-    ``status``, shape (K,), holds 0 or the number of a reason, ``ways`` the indices of the ways in ``words``.
-    ``partial`` maps each member that is refused in some rows to the reason numbers of all its rows. ``words`` are the
-    names of the ways. ``estimates`` are those of the errors of members.
+    ``status``, shape (K,), holds 0 or the index of a reason in ``reasons``. ``ways`` holds the index of each member's
+    way in ``words``, the names of the ways. ``partial`` maps each member that is refused in some rows to the reason
+    numbers of all its rows. ``estimates`` holds an estimate of the error of each member.
     """
 
     status: np.ndarray
@@ -35,8 +35,8 @@ class Outcome(NamedTuple):
 
 class Said(NamedTuple):
     """The outcome for one member: its way, and ``why``. If the member is refused as a whole, ``why`` is the reason and
-    the way is ""; otherwise it has a reason for each row, "" where the row is not refused, or is [] if no row is.
-    ``estimate`` is an estimate of the error, 0 if there is none.
+    the way is "". Otherwise ``why`` is a list of the reasons of all rows, "" for a row that is not refused; it may be
+    empty if no row is refused. ``estimate`` is an estimate of the error, 0 if there is none.
     """
 
     member: int
@@ -46,7 +46,7 @@ class Said(NamedTuple):
 
 
 class Names(NamedTuple):
-    """The names of the ways, and the ``usual`` one, which is that of members without a report."""
+    """The names of the ways; the ``usual`` way is that of every member that a :data:`Part` does not report."""
 
     words: tuple[str, ...]
     usual: str
@@ -60,9 +60,9 @@ def gathered(
     count: int, length: int, part: Part, most: int | None = None, names: Names = OF_BODIES, members: int = MEMBERS
 ) -> Outcome:
     """The outcome of ``count`` members at ``length`` times, from ``part(begin, end)`` for ranges of them, on all
-    threads or on ``most``. A range has at most ``members``.
+    threads or on ``most``. A range has at most ``members`` members.
 
-    Members that ``part`` does not report have all their states, by the usual way.
+    A member that ``part`` does not report has all its states, computed by the usual way.
     """
     size = max(1, min(members, STATES // max(1, length)))
     status, ways = np.zeros(count, dtype=np.intp), np.full(count, names.words.index(names.usual), dtype=np.int8)

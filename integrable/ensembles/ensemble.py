@@ -74,8 +74,9 @@ def ensemble(
 class Ensemble(Starts[Motion, Trajectories]):
     """Many motions of bodies, made by :func:`ensemble`. ``members`` has the moments, d, γ and M of each, shape (K, 10).
 
-    A state has γ, M and τ. Motions over a few turns are short runs, whose times have an error of at most 2·10⁻¹³ plus
-    4·10⁻¹⁶ of the time; others come from :meth:`flow`.
+    A state consists of γ, M and τ. Motions over a few turns are short runs. The error of their states is at most that
+    of a change of t by 2·10⁻¹³/(2·max aᵢ·|M|) + 4·10⁻¹⁶·|t|, with aᵢ = 1/(Iᵢ + d). The other states are computed by
+    :meth:`flow`.
     """
 
     _columns, _arrays = COLUMNS, ("members",)

@@ -33,13 +33,13 @@ if TYPE_CHECKING:
 
 __all__ = ["LaboratoryEnsemble", "LaboratoryRuns", "laboratory_ensemble"]
 
-# the least ratio of the second largest to the largest component of ω for a quick computation; with a smaller ratio the
-# motion is nearly a rotation about an axis
+# the least ratio of the second largest to the largest component of ω for a short run; with a smaller ratio the motion
+# is nearly a rotation about a principal axis
 ASIDE = 1e-8
 # floats of one state: the nine entries of an orientation, and ω
 COLUMNS = 12
 WANTED = "rotations of shape (K, 3, 3) or (3, 3), or SciPy's Rotation, are needed"
-# the name of the way of a member that its own motion computes
+# the name of the way of a member that is computed by its own motion
 OWN = "own motion"
 IN_LABORATORY = Names(("short run", OWN), "short run")
 
@@ -79,8 +79,9 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
     """The result of :func:`laboratory_ensemble`: ``orientations`` (K, 3, 3), ``omega`` (K, 3) and ``contacts`` (K, 2)
     at time 0.
 
-    A state has the nine entries of an orientation and ω in the axes of the tensor. Motions over a few turns are short
-    runs of compiled code, as in :class:`integrable.ensembles.ensemble.Ensemble`; others come from :meth:`motion`.
+    A state consists of the nine entries of an orientation and ω in the axes of the tensor. Motions over a few turns are
+    short runs of compiled code, as in :class:`integrable.ensembles.ensemble.Ensemble`; the others are computed by
+    :meth:`motion`.
     """
 
     _columns, _arrays = COLUMNS, ("orientations", "omega", "contacts")
@@ -114,10 +115,11 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
 
 
 class _Work(NamedTuple):
-    """The inputs of K members, and the arrays ``matrices`` and ``omega`` for their results, parts of ``out``.
+    """The inputs of K members, and the arrays ``matrices`` and ``omega`` for their results.
 
     ``members``, shape (K, 10), has the moments, d, γ and M in principal axes. ``frames`` are the rotations from the
-    axes of :mod:`integrable.phase.attitude` to the laboratory. ``quick`` says which members may have short runs.
+    axes of :mod:`integrable.phase.attitude` to the laboratory. ``quick`` is the mask of the members for which a short
+    run is tried.
     """
 
     many: LaboratoryEnsemble
@@ -137,7 +139,7 @@ class _Work(NamedTuple):
         return _Work(many, members, frames, quick, times, out[..., :9].reshape(*out.shape[:2], 3, 3), out[..., 9:])
 
     def part(self, begin: int, end: int) -> list[Said]:
-        """Computes the members of a range, and returns those without a short run, with the reason if refused."""
+        """Computes the members of a range, and returns the outcome of those without a short run."""
         left = np.ones(end - begin, dtype=bool)
         which = begin + np.flatnonzero(self.quick[begin:end])
         if len(which):
@@ -197,7 +199,7 @@ def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.nda
 
 class LaboratoryRuns(Runs):
     """Orientations and ω of K motions at N times each, ``times`` in s. ``runs[k]`` is one member, a
-    :class:`integrable.laboratory.motion.LaboratoryRun`; a refused member has no row.
+    :class:`integrable.laboratory.motion.LaboratoryRun`; it raises ArgumentError for a refused member.
     """
 
     _shared = ("body",)

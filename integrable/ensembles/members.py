@@ -1,4 +1,4 @@
-"""Collections of motions: the base classes of ensembles and of their results, and arguments that broadcast."""
+"""The base classes of ensembles and of their results, and functions for arguments that broadcast."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jacobian.immutable import Record, replaced
 
 AT = "member", "time"
 """The dimensions of states in files."""
-# the size of the results of a chunk, in bytes
+# the default size of the results of a chunk, in bytes
 CHUNK_BYTES = 1 << 26
 
 One = TypeVar("One")
@@ -23,7 +23,7 @@ Found = TypeVar("Found")
 
 
 class Many(Record, Generic[One]):
-    """K members, which are counted, chosen and iterated: ``many[k]`` is one, a slice or an array gives several."""
+    """A sequence of K members: ``many[k]`` is one member, and a slice or an array of indices selects several."""
 
     _arrays: ClassVar[tuple[str, ...]]
     """The names of the attributes that are arrays with a row for each member."""
@@ -58,8 +58,8 @@ class Contents(NamedTuple):
     """The content of a file about motions.
 
     ``states`` has, for each array of the file, the part of a state that the array contains and a column without values.
-    ``parameters`` belong to members, ``attributes`` to all of them. ``identity`` is everything else on which the states
-    depend. ``words`` are the names of the ways to compute them.
+    ``parameters`` have a value for each member; ``attributes`` apply to all members. ``identity`` is everything else on
+    which the states depend. ``words`` are the names of the ways to compute the states.
     """
 
     states: dict[str, tuple[slice | int, Column]]
@@ -89,10 +89,10 @@ class Starts(Many[One], Generic[One, Found]):
     def at(self, times: Numbers, *, out: np.ndarray | None = None) -> Found:
         """The states of all members at times of any order, sign and size: shape (N,), the same for all, or (K, N).
 
-        The states of a member are those of its own motion; for near times the class states how accurately. A refused
-        member or time does not affect the others: see ``status`` of the result. ``out``, an array of floats of shape
-        (K, N, C) for states of C floats, receives the states and is used in the result. For results larger than memory
-        give a ``numpy.memmap``, or use :meth:`chunks`. ArgumentError for times or an array of another shape.
+        The states of a member are those of its own motion, up to errors that the class states. A refused member or
+        time does not affect the others: see ``status`` of the result. ``out``, an array of floats of shape (K, N, C)
+        for states of C floats, receives the states, and the result refers to it. If the results are larger than the
+        memory, give a ``numpy.memmap``, or use :meth:`chunks`. ArgumentError for times or an array of another shape.
         """
         given = time_rows(times, len(self))
         shape = len(self), given.shape[1], self._columns
@@ -176,5 +176,7 @@ def times_of(times: np.ndarray, member: int) -> np.ndarray:
 
 
 def times_of_some(times: np.ndarray, which: Any) -> np.ndarray:
-    """The times of some members, from the array that :func:`time_rows` returns; shape (1, N) if all have the same."""
+    """The times of some members, from the array that :func:`time_rows` returns; shape (1, N) if all members have
+    the same times.
+    """
     return times[which] if len(times) > 1 else times

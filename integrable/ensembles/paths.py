@@ -1,4 +1,6 @@
-"""Many motions of one system of any genus on all threads, near their starts as lanes of one vector, else one by one."""
+"""Many motions of one system of any genus, on all threads. Near their starts several motions are computed together, as
+lanes of a vector; for other times each is computed by its own flow.
+"""
 
 from __future__ import annotations
 
@@ -28,8 +30,8 @@ if TYPE_CHECKING:
     from integrable.series.kinds import Near
     from integrable.series.many import NearMany
 
-# from this number of members on, walks run together: their code takes a second to compile, once per kind of systems and
-# machine. AT_A_TIME members are the unit of work of a thread
+# MANY is the least number of members whose walks run together: the code for this takes a second to compile, once per
+# kind of system and machine. A thread computes AT_A_TIME members at a time
 MANY, AT_A_TIME = 64, 256
 # the names that ``ways`` may have: those of paths, alone or in combination, and those of bodies
 OF_PATHS = [", ".join(words) for n in (1, 2, 3) for words in combinations((SERIES, TORUS, ADDITIONS), n)]
@@ -41,7 +43,7 @@ class PathEnsemble(Starts[MumfordFlow, "Paths"]):
     """Many motions of one system of any genus over RR, made by :func:`integrable.ensemble`; ``q`` and ``p`` are the
     starts, of shape (K, n). ``tolerance`` is passed to ``system.flow``.
 
-    A state has q and p. States are those of :meth:`flow` to the bit.
+    A state consists of q and p. The states equal those of :meth:`flow` bit for bit.
     """
 
     _arrays = ("q", "p")
@@ -122,7 +124,7 @@ class _Work(NamedTuple):
         return found
 
     def near(self, flows: dict[int, MumfordFlow]) -> NearMany | None:
-        """The states near the start, computed for several members at once; None for few members."""
+        """The states near the start, computed for several members at once; None if the ensemble has few members."""
         kind, length = self.many.system._kind, self.times.shape[1]
         if len(self.many) < MANY or not (flows and length) or kind is None or interpreted():
             return None
@@ -134,7 +136,7 @@ class _Work(NamedTuple):
         return walked_by_many(kind, self.many.system._walk_constants, starts, times, most, self.many.tolerance)
 
     def one(self, member: int, flow: MumfordFlow, near: Near | None) -> Said:
-        """Computes the states of one member, of which ``near`` has some, and returns the outcome."""
+        """Computes the states of one member, some of which ``near`` may contain already, and returns the outcome."""
         times, way, estimate = times_of(self.times, member), "", 0.0
 
         def computed(given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -142,7 +144,7 @@ class _Work(NamedTuple):
             try:
                 path = flow._after(near, given) if near is not None and len(given) == len(times) else flow.at(given)
             except NotRepresentable as error:
-                # near times may have states where far ones have none
+                # states near the start may exist although states at later times cannot be computed
                 raise Infeasible(str(error)) from error
             way, estimate = path.way, path.estimate
             return np.hstack([path.q, path.p]), given
@@ -158,8 +160,8 @@ class _Work(NamedTuple):
 
 class Paths(Runs):
     """States of K motions of a system at N times each. ``runs[k]`` is one member, a
-    :class:`integrable.mumford.flow.Path`, if none of its rows was refused. ``ways`` and ``estimates``, shape (K,), are
-    those of the paths.
+    :class:`integrable.mumford.flow.Path`, if none of its rows was refused. ``ways`` and ``estimates``, of length K, are
+    the ways of the members and the estimates of their errors.
     """
 
     _arrays, _shared = (*Runs._arrays, "estimates"), ("system", "tolerance")

@@ -1,4 +1,4 @@
-"""Many motions at given times: the base of the results of all ensembles."""
+"""Many motions at given times: the base class of the results of all ensembles."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Runs(Many[Any], Exported):
     """K motions of an ``ensemble`` at N times each.
 
     ``status``, shape (K,), is 0 for a member all of whose states were computed, otherwise n > 0 with the reason
-    ``reasons[n]``. The numbers of refused rows are NaN, and :meth:`row_status` tells which rows these are. ``runs[k]``
+    ``reasons[n]``. The numbers in refused rows are NaN; :meth:`row_status` gives the status of each row. ``runs[k]``
     is one member; a slice or an array selects several members, :attr:`kept` all members with status 0.
     """
 

@@ -21,7 +21,7 @@ __all__ = ["Trajectories"]
 
 class Trajectories(Runs):
     """States of K bodies at N times each: γ, M and τ. ``runs[k]`` is one member, a
-    :class:`integrable.motion.trajectory.Trajectory`. ``ways`` are words of :data:`integrable.motion.trajectory.WAYS`.
+    :class:`integrable.motion.trajectory.Trajectory`. ``ways`` are from :data:`integrable.motion.trajectory.WAYS`.
     """
 
     _shared = ("system", "tilted")
@@ -77,7 +77,7 @@ class Trajectories(Runs):
         return found
 
     def _of_member(self, name: str, member: int, rows: np.ndarray) -> np.ndarray:
-        """An attribute of a member's Trajectory; a flow is made only if the attribute needs one."""
+        """The attribute ``name`` of a member's Trajectory; a flow is made only if the attribute needs one."""
         if name == "contact":
             points: np.ndarray = self[member].kept.contact
             return points

@@ -1,10 +1,11 @@
 """A rolling ball and a free rigid body in SI units, from tensors in any axes.
 
 Let J = Q diag(I) Qᵀ be the tensor, R₀ the orientation at time 0, z the upward vertical, and ω the angular velocity
-along the principal axes. Then γ = QᵀR₀ᵀz and M = (I + d)ω − d(γ, ω)γ with d = mr². R M, the angular momentum about the
-point of contact of a rolling body or about the centre of mass of a free one, is constant in space. So the states of the
-flow give the orientation without an integration (:mod:`integrable.phase.attitude`). The contact path of the flow,
-scaled, is the path in metres.
+along the principal axes. Then γ = QᵀR₀ᵀz and M = (I + d)ω − d(γ, ω)γ with d = mr². Let R be the rotation
+from the principal axes to the laboratory. Then R M is constant: it is the angular momentum about the point of contact
+of a rolling body, or about the centre of mass of a free one. So the states of the flow give the orientation without an
+integration (:mod:`integrable.phase.attitude`). The contact path of the flow, rotated into the laboratory, is the path
+in metres.
 """
 
 from __future__ import annotations
@@ -31,18 +32,18 @@ from jacobian.element import Real, Table, Value
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.fields.protocol import Field
 
-# over MP(digits) a set-up has GUARD more digits, and a flow INNER more
+# over MP(digits) a set-up has GUARD more digits than the results, and a flow INNER more
 GUARD, INNER = 15, 5
 # M counts as vertical if its horizontal part is below VERTICAL rounding units of |M|; if the part is below NEARLY·|M|,
-# floats lose digits
+# a flow in floats would lose digits
 VERTICAL, NEARLY = 64, 1e-2
 
 
 class RigidBody(Made):
     """A free rigid body: no torque acts about its centre of mass or, if a point of it is fixed, about that point.
 
-    ``inertia`` is its tensor about that point in any axes, or three moments in its principal axes, in kg·m²; ``field``
-    RR or MP(digits). ``moments`` (3,) are the principal moments; the columns of ``axes`` (3, 3) are the principal
+    ``inertia`` is its tensor about that point in any axes, or three moments in its principal axes, in kg·m². ``field``
+    is RR or MP(digits). ``moments`` (3,) are the principal moments; the columns of ``axes`` (3, 3) are the principal
     axes, in the axes of the tensor.
     """
 
@@ -58,7 +59,7 @@ class RigidBody(Made):
         say_unphysical([float(x) for x in self._principal.moments], RR)
         self.moments = tuple(field.coerce(x) for x in self._principal.moments)
         self._d = self._wide.zero
-        # the moments of the free body whose flow gives a motion; for a ball with vertical momentum they are I + d
+        # the moments of a free body that turns like this one; for a ball with vertical momentum they are I + d
         self._free_moments = self._principal.moments
 
     @property
@@ -70,7 +71,7 @@ class RigidBody(Made):
         """The motion from an orientation and an angular velocity.
 
         ``orientation`` takes vectors in the axes of the tensor to the laboratory: a 3×3 matrix or SciPy's Rotation.
-        ``omega`` is in rad/s in the axes of the laboratory. ArgumentError names what is wrong.
+        ``omega`` is in rad/s in the axes of the laboratory. An ArgumentError names the wrong argument.
         """
         return LaboratoryMotion(self, *self._start(orientation, omega), None)
 
@@ -81,7 +82,7 @@ class RigidBody(Made):
         moments, K = self._principal.moments, self._wide
         if _uniform(moments, spin, self.field.eps):
             return Uniform(self.field, start, spin, None)
-        # any vector fixed in space can serve as γ: one orthogonal to M keeps all digits
+        # any vector fixed in space can serve as γ; with one orthogonal to M no digits are lost
         M = np.array([x * w for x, w in zip(moments, spin, strict=True)], dtype=object)
         gamma, along = _across(K, M), M / K.sqrt(M @ M)
         frame = start @ np.stack([along, cross(gamma, along), gamma], axis=1)
@@ -124,10 +125,11 @@ class RigidBody(Made):
 
 
 class RollingBall(RigidBody):
-    """A ball that rolls on a horizontal plane without slipping, its centre of mass in its centre.
+    """A ball that rolls on a horizontal plane without slipping, and whose centre of mass is its centre.
 
-    ``inertia`` is the tensor about the centre in any axes, or three moments in its principal axes, in kg·m²; ``mass``
-    in kg and ``radius`` in m; ``field`` RR or MP(digits). ``moments`` and ``axes`` are those of a :class:`RigidBody`.
+    ``inertia`` is the tensor about the centre in any axes, or three moments in its principal axes, in kg·m². ``mass``
+    is in kg, ``radius`` in m, and ``field`` is RR or MP(digits). ``moments`` and ``axes`` are those of a
+    :class:`RigidBody`.
     """
 
     def __init__(self, inertia: Table, mass: Value, radius: Value, *, field: Field = RR) -> None:
@@ -162,8 +164,8 @@ class RollingBall(RigidBody):
         """The motion from an orientation, an angular velocity and a point of contact.
 
         ``orientation`` takes vectors in the axes of the tensor to the laboratory, whose z is up: a 3×3 matrix or
-        SciPy's Rotation. ``omega`` is in rad/s in the axes of the laboratory, ``contact`` (x, y) in m. ArgumentError
-        names what is wrong.
+        SciPy's Rotation. ``omega`` is in rad/s in the axes of the laboratory, ``contact`` (x, y) in m. An
+        ArgumentError names the wrong argument.
         """
         start, spin = self._start(orientation, omega)
         given = entries(contact, "contact", "two numbers")

@@ -32,8 +32,9 @@ class OrientationFit(Record):
 
     ``motion`` is the fitted motion. ``ratios`` (2,) are the first two principal moments divided by the third.
     ``omega`` (3,) is ω of the start in the laboratory, in rad/s, ``rms`` the root mean square of the residual angles,
-    in rad. ``covariance`` (8, 8) of :data:`NAMES` is estimated from these angles: a turn of the start in the
-    laboratory, ω of the start along the principal axes, and the logarithms of the ratios.
+    in rad. ``covariance`` (8, 8) is that of the parameters :data:`NAMES`, estimated from these angles. The parameters
+    are a turn of the start in the laboratory, ω of the start along the principal axes, and the logarithms of the
+    ratios.
     """
 
     def __init__(self, motion: Any, ratios: np.ndarray, rms: float, covariance: np.ndarray) -> None:
@@ -103,8 +104,10 @@ def _rotations(orientations: Any, count: int) -> np.ndarray:
 
 
 class _Problem:
-    """Residuals and their derivatives with respect to eight parameters, all 0 at the guess: a turn of the start in the
-    laboratory, changes of ω along the principal axes, and changes of the logarithms of the first two moments.
+    """Residuals and their derivatives with respect to eight parameters, which are 0 at the guess.
+
+    The parameters are a turn of the start in the laboratory, changes of ω along the principal axes, and changes of the
+    logarithms of the first two moments.
     """
 
     def __init__(self, guess: Any, times: np.ndarray, orientations: np.ndarray) -> None:

@@ -34,7 +34,9 @@ class LaboratoryMotion(Immutable):
     """
 
     def __init__(self, body: Any, start: np.ndarray, spin: np.ndarray, contact: Any) -> None:
-        """``start`` is the wide matrix from principal axes to the laboratory, ``spin`` is ω in principal axes."""
+        """``start`` is the matrix from principal axes to the laboratory, ``spin`` is ω along these axes, both in wide
+        numbers.
+        """
         self.body, self._start, self._spin, self._contact = body, start, spin, contact
         # the flow is made here, so that a refusal is raised at once
         self.flow = self._way.flow
@@ -92,8 +94,8 @@ class Instant(NamedTuple):
 class LaboratoryRun(Exported):
     """Orientations, angular velocities and points of contact at ``times``, shape (N,), in s; computed on first use.
 
-    Floats are float64 arrays, numbers of MP(digits) object arrays of mpf; all are read-only. ``run[k]`` is an
-    :class:`Instant`; a slice or an array of numbers or truth values gives the run at some of the times.
+    The arrays are of float64 over RR, and of mpf objects over MP(digits); all are read-only. ``run[k]`` is an
+    :class:`Instant`; a slice, an array of indices or a Boolean mask gives the run at some of the times.
     """
 
     def __init__(self, motion: LaboratoryMotion, times: np.ndarray) -> None:
@@ -170,7 +172,7 @@ class LaboratoryRun(Exported):
         matrices, omega = self.motion._way.at(self.times)
         body = self.motion.body
         axes, field = body._principal.axes, body.field
-        # the axes are wide numbers, usually the identity, for which no product is needed
+        # usually the principal axes are the axes of the tensor, and no product is needed
         if (axes == np.eye(3)).all():
             return numbers(field, matrices), numbers(field, omega)
         axes = numbers(field, axes)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 ROUNDED = 1e-9
 # allowed deviation of R Rᵀ from 1
 ORTHOGONAL = 1e-8
-# principal moments closer than this many eps count as equal
+# principal moments closer than this many eps, relative to the tensor's largest entry, count as equal
 ALIKE = 4
 SWEEPS = 60
 
@@ -37,7 +37,8 @@ class Principal(NamedTuple):
 
 
 def principal(K: Field, table: Matrix, eps: Any) -> Principal:
-    """The principal moments and axes of a tensor over K = MP(digits); moments within rounding (``eps``) are joined.
+    """The principal moments and axes of a tensor over K = MP(digits). Moments that are equal up to rounding (``eps``)
+    are replaced by their mean.
 
     ArgumentError for a tensor that is not symmetric, not positive, or belongs to no body.
     """
@@ -96,10 +97,10 @@ def diagonalised(K: Any, table: Matrix) -> tuple[np.ndarray, np.ndarray]:
 
 
 def rotation(K: Any, orientation: Orientation) -> Matrix:
-    """The rotation nearest to an orientation, a matrix from the axes of the body to those of the laboratory, or a
-    Rotation of SciPy.
+    """The rotation nearest to ``orientation``, which is a matrix from the axes of the body to those of the laboratory,
+    or a Rotation of SciPy.
 
-    ArgumentError where it differs from a rotation by more than rounding, or is a reflection.
+    ArgumentError if ``orientation`` differs from a rotation by more than :data:`ORTHOGONAL`, or is a reflection.
     """
     given = matrices_of(orientation)
     table = matrix(K, given, "orientation", "one rotation, a 3×3 matrix or SciPy's Rotation")

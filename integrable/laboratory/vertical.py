@@ -1,9 +1,10 @@
 """A ball whose momentum about the point of contact is vertical: M = cγ.
 
-Then γ̇ = λγ × Aγ with λ = c/(1 − d(γ, Aγ)) constant. So a free body of moments I_i + d and momentum λγ turns as the
-ball does; any vector orthogonal to M serves as its γ. (Chaplygin 1903 excludes the case.) The centre moves with ẋ =
-r(ω_y, −ω_x). In a period T of γ in the body the ball turns by an angle Δ about the vertical and moves by δ, so
-x(nT + s) = Σ_{j<n} R(jΔ)δ + R(nΔ)x(s): any time needs only the integral over one period.
+Then γ̇ = λγ × Aγ with A = diag(1/(I_i + d)) and the constant λ = c/(1 − d(γ, Aγ)). So a free body of moments I_i + d
+and momentum λγ turns as the ball does; any vector orthogonal to M serves as its γ. (Chaplygin 1903 excludes the case.)
+The centre x moves with ẋ = r(ω_y, −ω_x). In a period T of γ in the body the ball turns by an angle Δ about the vertical
+and moves by δ. So x(nT + s) = Σ_{j<n} R(jΔ)δ + R(nΔ)x(s), where R(φ) is the rotation by φ. For any time an integral
+within one period suffices.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from jacobian import RR
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 
-# tolerance of the last coefficients of a panel's velocities
+# tolerance for the last coefficients of the Chebyshev series of the velocity on a panel
 TOLERANCE = 1e-14
 # initial number of panels of a period
 PANELS = 8

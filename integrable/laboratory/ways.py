@@ -41,7 +41,7 @@ class WideFlow(Flow):
 
     @cached_property
     def setup(self) -> Setup:
-        """The set-up of the motion."""
+        """The set-up of the motion, made from the wide body and state."""
         body, state = self._wide_body, self._wide_state
         if self.system.field != RR:
             return Setup(body, *state.vectors, state.tilted, self.system.field.dps)
@@ -55,12 +55,14 @@ class WideFlow(Flow):
 
 
 class Uniform:
-    """A motion with constant ω: about a principal axis, of a homogeneous body, or of a body at rest."""
+    """A motion with constant ω: rotation about a principal axis, any rotation of a body with equal moments, or rest."""
 
     flow = None
 
     def __init__(self, field: Field, start: np.ndarray, omega: np.ndarray, radius: Real | None) -> None:
-        """``start`` is the wide matrix at time 0, ``omega`` wide and along the principal axes."""
+        """``start`` is the matrix from principal axes to the laboratory at time 0, ``omega`` is ω along these axes,
+        both in wide numbers.
+        """
         self._field, self._start, self._body = field, start, omega
         self._wide = omega[0].context
         self._space = start @ omega
@@ -95,10 +97,10 @@ class Uniform:
 
 
 class Along:
-    """A motion along a flow: γ and M of its state are fixed in space, and their directions in the laboratory known."""
+    """A motion that a flow gives: γ and M are fixed in space, and their directions in the laboratory are known."""
 
     def __init__(self, flow: WideFlow, frame: np.ndarray) -> None:
-        """``frame`` is the wide matrix from the axes of :attr:`Trajectory.attitude` to the laboratory."""
+        """``frame`` is the matrix, in wide numbers, from the axes of :attr:`Trajectory.attitude` to the laboratory."""
         self.flow, self._field = flow, flow.system.field
         self._frame = numbers(self._field, frame)
 
@@ -116,5 +118,5 @@ class Along:
 
 
 def numbers(field: Field, values: Any) -> np.ndarray:
-    """An array of numbers of a field."""
+    """The values as an array of numbers of ``field``."""
     return np.asarray(values).astype(float) if field == RR else np.frompyfunc(field.coerce, 1, 1)(values)

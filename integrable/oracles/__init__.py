@@ -1,1 +1,1 @@
-"""Integrators that share no code with the flow, to check the flow and to compare it with."""
+"""Integrators that share no code with the flow, for checks of the flow and for comparisons with it."""

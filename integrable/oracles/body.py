@@ -1,4 +1,4 @@
-"""The bodies and states of oracles, the equations of the ball and the top, and the result of a run."""
+"""The interfaces of bodies and states for these integrators, the equations of ball and top, and the result of a run."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["Body", "Solution", "Start", "body_equations", "is_body"]
 
 
 class Body(Protocol):
-    """A body for an oracle: three moments of inertia and d = m r² (0 for the Euler top)."""
+    """A body for an integrator: three moments of inertia and d = m r² (0 for the Euler top)."""
 
     @property
     def inertia(self) -> Sequence[Any]: ...
@@ -20,7 +20,7 @@ class Body(Protocol):
 
 
 class Start(Protocol):
-    """A state for an oracle: γ and M, three components each."""
+    """A state for an integrator: γ and M, three components each."""
 
     @property
     def gamma(self) -> Sequence[Any]: ...

@@ -65,8 +65,8 @@ def _zero(context: Any, x: Any, degree: int) -> Any:
 def collocation(rates: Callable[[Vector], Vector], number: Callable[[Any], Any], digits: int, stages: int) -> Advance:
     """A function that makes one step of Gauss's method on ẏ = ``rates``(y).
 
-    The stages are solved by fixed-point iteration until it no longer improves. ``number`` converts a value to
-    ``digits`` digits.
+    The equations of the stages are solved by fixed-point iteration, which ends when it no longer improves. ``number``
+    converts a value to ``digits`` digits.
     """
     rule = gauss_rule(stages, max(30, digits))
     matrix, weights = [list(map(number, row)) for row in rule.matrix], list(map(number, rule.weights))

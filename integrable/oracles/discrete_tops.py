@@ -113,7 +113,7 @@ def hirota_kimura_factors(moments: Sequence[Any], M: Sequence[Any], step: Any) -
 
 
 def _half_steps(moments: Sequence[Any], step: Any) -> Vector:
-    """The three products eα_i = (step/2)(a_k − a_j)."""
+    """The three products eα_i = (step/2)(a_k − a_j), with i, j, k cyclic."""
     return [step * (1 / moments[i - 1] - 1 / moments[i - 2]) / 2 for i in range(3)]
 
 

@@ -1,7 +1,8 @@
 """The Euler top in closed form (Jacobi 1850; Whittaker 1904, §69): elliptic functions, and for γ an elliptic integral
 of the third kind.
 
-Name the axes so that M circles the third axis and the second is the middle one. Then, with constants A_i, λ, u_0 and n,
+Name the axes so that M circles the third axis and the second is the middle one. Then, with
+a_i = 1/I_i and constants A_i, λ, u_0 and n,
 
     M = (A_1 cn u, A_2 sn u, A_3 dn u),  u = λt + u_0,  φ = |M|a_3t + (|M|(a_1 − a_3)/λ)·(Π(n; am u) − Π(n; am u_0)).
 
@@ -64,7 +65,7 @@ class EllipticTop:
         """Sets the amplitudes A_i, the rate λ, the parameter m, the characteristic n, and u at time 0."""
         c = self.context
         square = [m * m for m in M]
-        # h1 − a3·h2 and a1·h2 − h1 are computed as sums of terms of one sign, so that no digits cancel
+        # (M, AM) − a_3|M|² and a_1|M|² − (M, AM) are computed as sums of terms of one sign, so that no digits cancel
         low = (a[0] - a[2]) * square[0] + (a[1] - a[2]) * square[1]
         high = (a[0] - a[1]) * square[1] + (a[0] - a[2]) * square[2]
         wide = c.sqrt((a[0] - a[2]) / (a[1] - a[2]))
@@ -78,7 +79,9 @@ class EllipticTop:
         self.period = None if self.parameter == 1 else 2 * c.ellipk(self.parameter)
 
     def _phase(self, a: Vector, gamma: Vector, M: Vector) -> None:
-        """Sets c, ρ and the phase β of γ = c·e + ρ(cos β N + sin β e×N), with e and N of :func:`_frame`."""
+        """Sets the constants c (``along``) and ρ (``across``), and the rate and initial value of the phase β, of
+        γ = c·e + ρ(cos β N + sin β e×N), with e and N of :func:`_frame`.
+        """
         c = self.context
         self.turning = self.length * a[2]
         self.weight = self.length * (a[0] - a[2]) / self.speed
@@ -121,7 +124,7 @@ class EllipticTop:
     def _moving(self, times: Vector) -> Any:
         c = self.context
         places = [self._reduced(self.speed * t + self.origin) for t in times]
-        # only this product grows with t, so it is reduced with all digits
+        # the angles grow with t, so they are reduced modulo 2π in extended precision
         angles = [c.fmod(self.angle - self.rate * t, 2 * c.pi) for t in times]
         if self.digits <= FLOAT_DIGITS:
             return self._floats(places, angles)

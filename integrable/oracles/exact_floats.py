@@ -40,7 +40,7 @@ def two_product(a, b):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def whole_steps(time, step):  # type: ignore[no-untyped-def]
-    """(n, rest) with time = n·step + rest and 0 ≤ rest < step. The product is not rounded."""
+    """(n, rest) with time = n·step + rest and 0 ≤ rest < step. The product n·step is computed without rounding."""
     count = np.floor(time / step)
     product, error = two_product(count, step)
     rest = (time - product) - error

@@ -111,7 +111,9 @@ def source(nodes: Sequence[Node], y: str, c: str) -> list[str]:
 def evaluated(
     nodes: Iterable[Node], y: Sequence[Any], c: Sequence[Any], number: Callable[[Any], Any], context: Any = None
 ) -> list[Any]:
-    """The value of every line of a program. Numbers may have any type with operators, such as symbolic expressions."""
+    """The value of every line of a program. The numbers may be of any type that overloads the operators, such as
+    symbolic expressions.
+    """
     import math
 
     values: list[Any] = []
@@ -197,7 +199,7 @@ class Symbol:
         try:
             value = _DO[op](x, y)
         except ZeroDivisionError:
-            value = float("nan")  # the formula is undefined at this state only
+            value = float("nan")  # undefined at this state, but perhaps not at others
         return self.book.line(op, left.index, right.index, value=value)
 
     def __add__(self, other: Any) -> Symbol:

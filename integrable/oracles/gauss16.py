@@ -1,13 +1,13 @@
 """Gauss–Legendre of order 16, compiled for a kind of system. Of the integrators in doubles of
 :mod:`integrable.oracles.methods` it has the smallest error on long runs.
 
-The code reduces rounding errors as Hairer, McLachlan and Razakarivony (2008) do. The eight stages are solved by
-fixed-point iteration until it no longer improves. The weights h·b_i are pairs of floats, so the step has no systematic
-rounding error; γ and M are pairs of floats too (compensated sums).
+The code reduces rounding errors as Hairer, McLachlan and Razakarivony (2008) do. The equations of the eight
+stages are solved by fixed-point iteration, which ends when it no longer improves. The weights h·b_i are pairs of
+floats, so the step has no systematic rounding error; γ and M are pairs of floats too (compensated sums).
 
 The coefficients a_ij are used as μ_ij = a_ij/b_j with μ_ij + μ_ji = 1 exactly, so the rounded method preserves
-quadratic integrals (Antoñana, Makazaga and Murua 2017). Iterations start from the previous step's polynomial. The step
-is fixed, or adapted to a tolerance by the last Legendre coefficient of the stages.
+quadratic integrals (Antoñana, Makazaga and Murua 2017). Each iteration starts from the polynomial of the previous
+step, extrapolated. The step is fixed, or adapted to a tolerance by the last Legendre coefficient of the stages.
 """
 
 from __future__ import annotations
@@ -77,7 +77,8 @@ def _weigh(weights, weights_low, h, high, low):  # type: ignore[no-untyped-def]
 def _write(y, out, first, last):  # type: ignore[no-untyped-def]
     """Writes the state y into the rows of ``out`` from ``first`` to ``last`` − 1, number by number.
 
-    An assignment of slices would compile the text of its error, which takes as long as the method itself.
+    For an assignment of slices numba would also compile the message of a possible error. This takes as long as
+    compiling the method itself.
     """
     for t in range(first, last):
         for n in range(len(y)):
@@ -110,7 +111,10 @@ def _predict(nodes, inverse, ratio, k, guess):  # type: ignore[no-untyped-def]
 
 @register_jitable(fastmath={"contract"}, **INLINED)
 def _sums(ratios, terms, base, z):  # type: ignore[no-untyped-def]
-    """Writes Z_i = base_i + Σ_j μ_ij L_j. ``ratios`` is transposed, so that the inner loop reads adjacent memory."""
+    """Writes Z_i = base_i + Σ_j μ_ij L_j into ``z``, where the L_j are ``terms``.
+
+    ``ratios`` is transposed, so that the inner loop reads adjacent memory.
+    """
     for n in range(len(z)):
         for i in range(STAGES):
             z[n, i] = base[n, i]
@@ -257,7 +261,10 @@ def _begun(constants, ratios, start):  # type: ignore[no-untyped-def]
 
 @njit(**COMPILED)
 def fixed(constants, rule, start, times, setting, out):  # type: ignore[no-untyped-def]
-    """Integrates in whole steps, with a shorter one to each time. Returns the count of right-hand sides, or FAILED."""
+    """Integrates in steps of one length, with an extra shorter step to each time of ``times``.
+
+    Returns the number of right-hand sides, or FAILED.
+    """
     (sign, step), (nodes, weights, weights_low, ratios, _, inverse) = setting, rule
     transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)
     high, low, part_high, part_low = np.empty(STAGES), np.empty(STAGES), np.empty(STAGES), np.empty(STAGES)

@@ -66,7 +66,7 @@ def compiled(kind: Kind) -> ModuleType:
         exec(compile(text, f"<{module.__name__}>", "exec"), module.__dict__)
         return module
     name = f"equations_{kind.key}_{sha256((text + _sources()).encode()).hexdigest()[:12]}"
-    path = folder / f"{name}.source"  # not .py: a package must never import it as a module
+    path = folder / f"{name}.source"  # not .py, so that nothing imports it as an ordinary module
     if not path.exists():
         beside = path.with_suffix(f".{os.getpid()}")
         beside.write_text(text, encoding="utf-8")
@@ -111,7 +111,7 @@ def expansion(kind: Kind) -> tuple[int, list[str]]:
     """The number of rows of the table s of Taylor coefficients, and the lines of code that extend it by a column.
 
     The lines fill column k + 1 of the state, in the first rows, from the columns up to k. Every line of the equations
-    that depends on the state has a row; any other is a number.
+    that depends on the state has a row; every other line is a constant.
     """
     fixed: dict[int, str] = {}
     row: dict[int, int] = {}

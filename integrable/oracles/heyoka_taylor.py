@@ -1,6 +1,6 @@
 """heyoka's Taylor integrator (Biscani and Izzo 2021), run as its users run it.
 
-It is built once for a kind and a tolerance, with the system's constants as parameters ``par[i]``; a start sets the
+It is built once for a kind and a tolerance, with the system's constants as parameters ``par[i]``. A start sets the
 state, the parameters and the time. heyoka compiles when the integrator is built, and caches on disk
 (HEYOKA_CACHE_DIR). It is an optional dependency, ``pip install 'jacobian-integrable[peers]'``, imported on first use.
 """
@@ -43,7 +43,7 @@ class Heyoka(Method):
 
         def of_system(given: Given) -> Started:
             coefficients = np.array(kind.coefficients_of(given.constants, number), real)
-            # np.array itself converts to floats
+            # np.array converts to floats itself, but not to long doubles without loss
             exact = (lambda start: start) if number is float else (lambda start: [number(x) for x in start])
             return lambda start: _started(shared, coefficients, np.array(exact(start), real), number)
 
@@ -108,7 +108,7 @@ def _of_any_times(
         return values[1:][back], count
 
     def run(times: Iterable[Any]) -> Solution:
-        # heyoka accepts a list of floats faster than an array, so times it accepts are passed unconverted
+        # heyoka reads a list of floats faster than an array, so such a list is passed on as it is
         wanted: Any = [*times]
         if wanted and (number is not float or not isinstance(wanted[-1], float)):
             wanted = [number(t) for t in wanted]
@@ -116,7 +116,7 @@ def _of_any_times(
             try:
                 values, count = propagated(wanted)
                 return Solution(values[:, :half], values[:, half:], count)
-            except (ValueError, TypeError):  # a repeated time, or numbers of mixed types
+            except (ValueError, TypeError):  # heyoka refuses repeated times and mixed types
                 pass
         return by_sign(first, np.array(wanted, dtype=first.dtype), reach)
 

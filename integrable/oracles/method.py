@@ -41,7 +41,7 @@ from jacobian.errors import ArgumentError, shown
 __all__ = ["Given", "Method", "Problem", "Spent", "kept", "problem_of", "time_scale", "timed_run"]
 
 Run = Callable[[Iterable[Any]], Solution]
-"""A function times ↦ Solution; times of any order and sign, with the start at time 0."""
+"""A function times ↦ Solution. The times may have any order and sign; the start is at time 0."""
 
 
 class Given(NamedTuple):
@@ -79,12 +79,12 @@ class Spent(NamedTuple):
 
     @property
     def counted(self) -> float:
-        """The run time, of which ratios are formed: the sum of ``start`` and ``evaluation``."""
+        """The run time that comparisons use: the sum of ``start`` and ``evaluation``."""
         return self.start + self.evaluation
 
     @property
     def first(self) -> float:
-        """The seconds until a first answer: the sum of all parts."""
+        """The seconds until the first result: the sum of all parts."""
         return sum(self)
 
 
@@ -106,7 +106,7 @@ class Method(ABC):
     """The number type: "float", or "any" for methods that also compute in the mpf of a system over MP(digits)."""
     module: str = ""
     extra: str = ""
-    """The module that it imports, and the optional dependency of this package that installs it."""
+    """``module`` is the library that the method imports, and ``extra`` the extra of this package that installs it."""
     compiled: bool = False
     """Whether a compiler is part of :meth:`build`."""
     order: int | None = None

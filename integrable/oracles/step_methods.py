@@ -32,7 +32,7 @@ class Collocation(Method):
 
 @dataclass(frozen=True)
 class DiscreteTop(Method):
-    """A discretization of the Euler top: "Moser-Veselov" of order 2 or 4, "Hirota-Kimura"."""
+    """A discretization of the Euler top: "Moser-Veselov" of order 2 or 4, or "Hirota-Kimura"."""
 
     kinds: tuple[str, ...] = ("top",)
 

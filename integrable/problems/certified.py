@@ -25,8 +25,8 @@ class Certified(NamedTuple):
     """A motion with known states: ``gamma[k]`` and ``M[k]`` at ``times[k]``, as decimal strings.
 
     The true motion starts at ``gamma[0]``, ``M[0]`` and differs from the strings by at most ``bound[k]``, M relative to
-    |M|. ``inertia``, ``d``, ``times`` and, for deformations that have them, ``potential`` and ``c`` are doubles and
-    exact. The unit of time is the unit of the moments divided by that of M; for deformations it is the unit of their
+    |M|. ``inertia``, ``d``, ``times`` and, for deformations that have them, ``potential`` and ``c`` are exact doubles.
+    The unit of time is the unit of the moments divided by that of M; for deformations it is the unit of their
     equations.
     """
 

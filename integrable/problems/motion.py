@@ -34,7 +34,7 @@ class Scales(NamedTuple):
 class UnitMotion:
     """A scene in doubles, with its system, start and states in any number type.
 
-    The states have the length of the start's doubles (:mod:`integrable.problems.units`).
+    In the states |q| is that of the start in doubles (:mod:`integrable.problems.units`).
     """
 
     def __init__(self, scene: Scene) -> None:

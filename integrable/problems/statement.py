@@ -88,7 +88,10 @@ class Problem:
         return stacked(self.rates(Arrays(), columns(given)))
 
     def jacobian(self, t: Number, y: Sequence[Number] | np.ndarray) -> np.ndarray:
-        """∂f_i/∂y_j at states of shape (…, n): shape (…, n, n), to rounding (by complex steps: Squire & Trapp 1998)."""
+        """∂f_i/∂y_j at states of shape (…, n), an array of shape (…, n, n), right to rounding.
+
+        It is computed by complex steps (Squire & Trapp 1998).
+        """
         given = np.asarray(y, dtype=float)
         moved = given[..., None, :] + 1j * STEP * np.eye(given.shape[-1])
         return np.swapaxes(self.rhs(t, moved).imag / STEP, -1, -2)
@@ -113,7 +116,7 @@ class Problem:
         return tuple(self._invariants(columns(self.y0)))
 
     def _invariants(self, y: list[Any]) -> dict[str, Any]:
-        """The constraints, then the integrals of the motion of unit length."""
+        """The values of the constraints, then the integrals of the motion that is scaled to |q| = 1."""
         half, N, found = len(y) // 2, Arrays(), dict[str, Any]()
         q, p = y[:half], y[half:]
         unit, system = self.motion.unit, self.motion.in_floats
@@ -192,7 +195,7 @@ class Problem:
         """The solution at times t, as a :class:`Truth`. The times are doubles, taken as exact, in any order and shape.
 
         ``digits`` are relative to the largest component of q, and of p. ``proven`` selects ball arithmetic, which is
-        slower; its time grows in proportion to t where a body rolls or is tilted. Raises PrecisionLoss where that many
+        slower; its run time grows in proportion to t if a body rolls or is tilted. Raises PrecisionLoss where that many
         digits were not reached.
         """
         digits = whole(digits, "digits", "give an int ≥ 1, a number of decimal digits (16: doubles)", 1)

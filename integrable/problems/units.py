@@ -1,8 +1,8 @@
 """Starts whose vector q does not have unit length, and how each system's equations scale with that length.
 
-The systems of this package require |q| = 1, or Σq²/a = 1. Apart from the axes, no vector of doubles has exactly unit
-length. But the equations of motion hold for any length s: q = s^a·Q, p = s^b·P, t = T/s^c, where (Q, P) is the motion
-of unit length in the time T. So a start in doubles needs no rounding.
+The systems of this package require |q| = 1, or Σq²/a = 1. In three dimensions only vectors along the axes have exactly
+unit length in doubles. But the equations of motion hold for any length s: q = s^a·Q, p = s^b·P, t = T/s^c, where (Q, P)
+is the motion of unit length in the time T. So a start in doubles needs no rounding.
 """
 
 from __future__ import annotations
@@ -47,4 +47,4 @@ UNITS = {
     "spherical_pendulum": Unit(1, 0.5, -0.5),
     "veselova": Unit(1, 0, 0),
 }
-"""How each system with constraints scales; the systems that are missing here have none."""
+"""How each system with constraints scales; the other systems have no constraints."""

@@ -33,7 +33,9 @@ RIVALS = (
 
 
 class Entrant(NamedTuple):
-    """A method of a race: its settings from loose to tight, and a function for a timed run at one of them."""
+    """A method of a race: its settings from loose to tight, and a function for a timed run at one of them. ``word``
+    names the settings.
+    """
 
     name: str
     settings: tuple[float, ...]

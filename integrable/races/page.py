@@ -1,4 +1,4 @@
-"""The page of a race: for each problem a work–precision diagram and a table, in one HTML file that loads nothing."""
+"""The page of a race: for each problem a work–precision diagram and a table, in one HTML file that loads no other."""
 
 from __future__ import annotations
 

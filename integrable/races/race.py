@@ -1,10 +1,10 @@
 """A race measures error against run time, for several methods at several settings each, on a set of problems.
 
-The settings of a method form a ladder, and one of them is a rung. Each setting is first tried over 1 % and 4 % of the
+The settings of a method form a ladder; each of them is a rung. Each setting is first tried over 1 % and 4 % of the
 time span. If these trials predict a run beyond the limit, this setting and the tighter ones of the method are left out.
-Then all methods run in turn at one rung, so a slow second of the machine affects all alike. The time of a run is that
-of its set-up and its evaluation (:class:`integrable.oracles.method.Spent`). Results include the uncertainty of the
-truth.
+Then all methods run in turn at one rung, so a slow second of the machine affects all methods alike. The time of a run
+is that of its set-up and its evaluation (:class:`integrable.oracles.method.Spent`). Results include the uncertainty of
+the truth.
 """
 
 from __future__ import annotations
@@ -37,7 +37,9 @@ CONDITIONED = 5
 LIMIT = 4.0
 """Seconds that a run may take by default."""
 TRIAL, LONGER = 0.01, 4
-"""The first trial's part of the time span, and how many times longer the second is; both predict a whole run."""
+"""The first trial covers the fraction TRIAL of the time span, the second LONGER times as much. The two predict the time
+of a whole run.
+"""
 REPEAT, PATIENCE = 3, 0.4
 """The number of runs at each setting, and the seconds per method of a rung after which no more runs are begun."""
 
@@ -148,7 +150,9 @@ def _once(one: Problem, times: np.ndarray, entrant: Entrant, rung: int) -> Any:
 
 
 def _tried(one: Problem, times: np.ndarray, truth: Truth, entrant: Entrant, rung: int, limit: float) -> Run:
-    """A run of a method, or the reason why there is none. A trial before it absorbs imports and compilation."""
+    """A run of a method, or the reason why there is none. Imports and compilation take place in a trial before it,
+    which is not counted.
+    """
     setting = entrant.settings[rung]
     run = Run(entrant.name, setting, entrant.word)
     try:

@@ -57,7 +57,9 @@ class ClassicalSystem:
         return namedtuple("Integrals", [name.replace(" ", "_") for name in found])(*found.values())
 
     def rates_in(self, numbers: Field, y: Sequence[Any]) -> list[Any]:
-        """(q', p') at y = (q, p). Components may have any type with operators, such as symbolic expressions."""
+        """(q', p') at y = (q, p). The components may be of any type that overloads the operators, such
+        as symbolic expressions.
+        """
         size = len(y) // 2
         rate = self.system._vector_field(numbers, Point(tuple(y[:size]), tuple(y[size:])))
         return [*rate.q, *rate.p]

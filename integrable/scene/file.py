@@ -1,4 +1,4 @@
-"""Reading of scene files: TOML, strictly. ``docs/scenes.md`` lists every key."""
+"""The reader of scene files in TOML, which refuses unknown keys and values. ``docs/scenes.md`` lists every key."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def _read(name: str, place: str, text: str) -> Scene:
 
 
 def _read_words(name: str, top: Table, system: str) -> dict[str, Any]:
-    """The title and description of a scene."""
+    """The name, system, title, reference and description of a scene."""
     words = {key: top.text(key, "").strip() for key in _WORDS}
     return {"name": name, "system": system, **words, "title": top.text("title", name)}
 

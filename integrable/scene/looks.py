@@ -1,5 +1,5 @@
-"""Colours and markers of the methods in all figures. No two methods share both. The most used colours are those of
-Okabe & Ito (2008), distinguishable with any colour vision.
+"""Colours and markers of the methods in all figures. No two methods have the same colour and marker. The most used
+colours are those of Okabe & Ito (2008), distinguishable with any colour vision.
 """
 
 from __future__ import annotations

@@ -59,12 +59,12 @@ class OutputFolder:
                 return
 
     def write_text(self, name: str, text: str) -> Path:
-        """Write a UTF-8 text file, which appears complete."""
+        """Writes a UTF-8 text file, completely or not at all."""
         # the text may contain a file name whose undecodable bytes are surrogates
         return self.write_bytes(name, text.encode(errors="surrogateescape").decode(errors="replace").encode())
 
     def write_bytes(self, name: str, content: bytes) -> Path:
-        """Write a file under a temporary name in the same folder, then rename it to ``name``."""
+        """Writes a file under a temporary name in the same folder, then renames it to ``name``."""
         try:
             with replacing(self.path / name) as temporary:
                 temporary.write_bytes(content)

@@ -38,7 +38,7 @@ def bar_of_pieces(name: str, total: int) -> Iterator[Callable[[str], None]]:
 
 @contextmanager
 def compilation_said(bar: Any) -> Iterator[None]:
-    """Prints above the bar that loops are being compiled, which happens once."""
+    """Prints a message above the bar when loops are compiled, which happens only on first use."""
     log, handler = logging.getLogger("jacobian.native.library"), logging.Handler(logging.INFO)
     handler.emit = lambda record: bar.write(record.getMessage(), file=sys.stderr)  # type: ignore[method-assign]
     level = log.level

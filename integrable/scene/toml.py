@@ -74,7 +74,7 @@ class Table:
         return value if isinstance(value, str) else self.fail(key, f"{_shown(value)} given; a string is needed")
 
     def flag(self, key: str) -> bool:
-        """The true or false under ``key``; false where it is missing."""
+        """The Boolean under ``key``, False if the key is missing."""
         value = self.content.get(key, False)
         return value if isinstance(value, bool) else self.fail(key, f"{_shown(value)} given; true or false is needed")
 

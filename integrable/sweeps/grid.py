@@ -29,7 +29,7 @@ WANTED = "first:last:count, first:last:count:log or values with commas, such as 
 
 
 class Grid:
-    """All combinations of the varied numbers; the last name varies fastest. ``axes`` holds the values of each name."""
+    """All combinations of the varied numbers; those of the last name vary fastest. ``axes`` maps names to values."""
 
     def __init__(self, scene: Scene, vary: Any) -> None:
         if scene.steps is not None or scene.finite_field:

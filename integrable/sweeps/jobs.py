@@ -37,8 +37,9 @@ class Scenes(Starts[Motion, Any]):
 
 
 def done(many: Starts[Any, Any], times: np.ndarray) -> tuple[np.ndarray, Outcome]:
-    """The states of k members at N times, of shape (k, N, C), and their outcome, computed on one thread, since other
-    workers compute other chunks.
+    """The states of k members at N times, of shape (k, N, C), and their outcome.
+
+    They are computed on one thread, since other workers compute other chunks at the same time.
     """
     out = np.empty((len(many), len(times), many._columns))
     return out, many._computed(times[None], out, most=1)

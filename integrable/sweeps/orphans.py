@@ -47,7 +47,7 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor]:
 def end_with_parent() -> None:
     """Makes this process end as soon as its parent does, together with its process group if it leads one.
 
-    It has an effect in processes started by :mod:`multiprocessing`.
+    It has an effect only in processes started by :mod:`multiprocessing`.
     """
     parent = parent_process()
     if parent is not None:

@@ -1,7 +1,7 @@
 """The storage of a sweep. While it runs, a folder next to its file holds every finished chunk; at the end the file is
 made from them.
 
-Only the calling process writes; workers return their parts. A chunk is first written, then entered in the journal,
+Only the calling process writes; workers return states. A chunk is first written, then entered in the journal,
 which is replaced as a whole. So every chunk in the journal is complete, however the process ends.
 """
 
@@ -157,7 +157,7 @@ class Store:
             temporary.write_text(json.dumps(content), encoding="utf-8")
 
     def _begin(self) -> None:
-        """Start a folder without a journal: a new one, or one of a sweep that was killed before its first chunk."""
+        """Starts in a folder without a journal: a new folder, or that of a sweep killed before its first chunk."""
         for item in self.folder.iterdir():
             if item.name not in OWN and not item.name.startswith(f".{JOURNAL}."):
                 raise self._refusal(f"has no journal, but {item.name!r}")
@@ -211,7 +211,7 @@ def shapes(layout: Layout, count: int) -> dict[str, tuple[tuple[int, ...], type]
 
 
 class _Zarr:
-    """Storage as zarr: each part is a chunk of the arrays, and the store is moved into place when it is complete."""
+    """Storage as zarr: each chunk of members is a chunk of the arrays. The complete store is moved into place."""
 
     def __init__(self, folder: Path, layout: Layout) -> None:
         self._states, self._layout = folder / STATES, layout
@@ -315,7 +315,7 @@ class _Hdf5:
     def finish(self, path: Path, attributes: dict[str, Any], made: dict[str, Column]) -> None:
         import h5py
 
-        # the temporary file is in the folder, so what a killed process leaves is removed with it
+        # the temporary file is in the folder, so if the process is killed, the file is later removed with the folder
         with replacing(path, self._folder) as temporary:
             with Patient(temporary) as target:
                 try:

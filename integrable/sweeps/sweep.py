@@ -37,7 +37,8 @@ from jacobian.numbers.threads import threads
 __all__ = ["SweepStopped", "Swept", "sweep"]
 
 CHUNK, CHUNK_STATES = 1024, 1 << 18
-# the number of chunks in progress: per worker, and in total for an executor whose number of workers is not known
+# AHEAD is the number of chunks in progress per worker; an executor whose number of workers is not known counts as
+# UNKNOWN workers
 AHEAD, UNKNOWN = 3, 32
 KINDS = ("processes", "threads")
 
@@ -84,12 +85,13 @@ def sweep(
 
     The motions are those of a scene at its times, for all combinations of the numbers in ``vary``, or those of an
     ensemble at ``times``. ``vary`` maps each name ("d", "M.scale", "inertia.2", … in docs/many.md) to a list of numbers
-    or to "first:last:count". ``executor`` is "processes" or "threads", as many as
-    :func:`jacobian.numbers.threads.threads` returns, or any ``concurrent.futures.Executor``.
+    or to "first:last:count". ``executor`` is "processes" or "threads", whose number is that of
+    :func:`jacobian.numbers.threads.threads`, or any ``concurrent.futures.Executor``.
 
     Each finished chunk of ``chunk`` members is kept in a folder next to ``out``, so the same call resumes a sweep that
-    was killed. A refused member is a row with its reason. ``progress`` draws a bar on stderr. Raises ArgumentError for
-    wrong arguments, a full disk or an existing file, and SweepStopped where the executor dies.
+    was killed. The states of a refused member are NaN, and the file contains the reason. ``progress`` draws a bar on
+    stderr. Raises ArgumentError for wrong arguments, a full disk or another file at ``out``, and SweepStopped if the
+    executor dies.
     """
     source = _Source.of(what, vary, times)
     if not isinstance(executor, Executor):
