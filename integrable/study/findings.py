@@ -25,7 +25,7 @@ the motion.
 SCENE_FLOOR_FACTOR = 10.0
 """The error of the flow in floats should be within this factor of the floor."""
 WRONG, WRONG_FLOORS = 1e-6, 1000.0
-"""An error in floats above the first number, and above the second times the floor, should have raised an exception."""
+"""The flow in floats should raise an exception instead of an error above WRONG and above WRONG_FLOORS times the floor."""
 OFF_LEVEL = 0.1
 """An error is said to be off the level set if an integral drifts by more than this fraction of the error."""
 LOST = 10.0
@@ -33,7 +33,7 @@ LOST = 10.0
 motion.
 """
 PLATEAU = 30.0
-"""Errors within this factor of a method's least error are rounding, and do not enter its slope."""
+"""Errors within this factor of a method's least error are taken as rounding, and do not enter its slope."""
 COARSE = 0.1
 """Errors above this are not asymptotic, and do not enter the slope."""
 
@@ -69,9 +69,9 @@ class Standing:
     """The other method's "total" and "error_gamma", "method" and "setting"; None where no method was accurate enough.
     """
     tried: dict[str, dict[str, Any]]
-    """For each method that was tried: its accuracy, what it was slower than, or its error message."""
+    """For each method that was tried: its error, the run time that it exceeded, or its error message."""
     strong: Sequence[str]
-    """Methods of which at least one must have run before the outcome can be "none"."""
+    """Methods of which at least one must have run before :attr:`outcome` can be "none"."""
 
     @property
     def ratio(self) -> float:

@@ -29,7 +29,7 @@ from jacobian.numbers.compiler import NoCacheWarning
 __all__ = ["ONE_RUN", "run_tasks"]
 
 ONE_RUN = timedelta(days=1)
-"""Timed rows further apart than this are not of one run."""
+"""Timed rows that are further apart than this belong to different runs."""
 _POLL = 0.2
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
@@ -77,7 +77,7 @@ def run_tasks(
 
 
 def _kept(task: Task, store: Store) -> dict[str, Any] | None:
-    """The stored row of a task, or None. A timed row a day old does not count, since it is of another run."""
+    """The stored row of a task, or None. A timed row a day old does not count, since it belongs to another run."""
     content = store.read(task.key, task.stamp)
     if content is None or not task.timed:
         return content
