@@ -32,9 +32,9 @@ class Translation(Step):
     """The map that adds the divisor [multiple](Σ (x_k, y_k) − points at infinity) to a state's divisor.
 
     ``points`` are one or two abscissas, real or a complex-conjugate pair, or functions x'(h1, h2) of the integrals,
-    written with Python's operators. ``sheets`` are the signs of y_k = ±√f(x_k); ``signs`` are those of the roots √U'(a_i), which
-    decide the signs of γ. :meth:`System.translation` and :meth:`System.torsion` create translations. ``2 * step`` is
-    the double, ``-step`` the inverse, and ``@`` composes.
+    written with Python's operators. ``sheets`` are the signs of y_k = ±√f(x_k); ``signs`` are those of the roots
+    √U'(a_i), which decide the signs of γ. :meth:`System.translation` and :meth:`System.torsion` create translations.
+    ``2 * step`` is the double, ``-step`` the inverse, and ``@`` composes.
 
     H1 and H2 are always preserved. The bracket of :meth:`System.poisson` is preserved for points of fixed abscissa, the
     branch points a_i, 1/d and h1/h2 (:func:`moving_branch_point`), :func:`on_line`, and their sums. A generic

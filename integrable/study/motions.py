@@ -1,5 +1,5 @@
-"""The report of one motion: the tasks of the scene's ``[report]``, measured in this process; the first is the run's own
-result.
+"""The report of one motion: the tasks of the scene's ``[report]``, measured in this process. The first task computes
+the run's own result.
 
 The ball and the top move by the divisor flow, systems of any genus by additions. The deformations move by their
 elliptic curves or, where none are known, by Taylor series of their equations. SciPy's DOP853 is the comparison. Rows

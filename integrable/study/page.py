@@ -35,8 +35,8 @@ BUSY = 1.5
 """A load above this is not due to this study alone."""
 NO_OTHERS = "No row of another method was measured."
 ORDER_TOLERANCE = 0.5
-"""An observed order agrees with the order in theory if they differ by at most this. The tolerance is wide because few of
-the steps are in the asymptotic range.
+"""An observed order agrees with the order in theory if they differ by at most this. The tolerance is wide because few
+of the steps are in the asymptotic range.
 """
 
 

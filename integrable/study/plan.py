@@ -120,7 +120,9 @@ class Task:
 
     @property
     def limit(self) -> float:
-        """Seconds after which the task is stopped. A task that computes a truth and runs other methods has the time of both."""
+        """Seconds after which the task is stopped. A task that computes a truth and runs other methods has the time of
+        both.
+        """
         truth = self.limits.truth if self.kind in ("truth", "floor", "horizon") else 0.0
         return truth + (self.limits.task if self.kind not in ("truth", "floor") else 0.0)
 

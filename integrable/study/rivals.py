@@ -34,8 +34,8 @@ FIRST = 15.0
 NEAR = 30.0
 """A setting whose error exceeds this multiple of the allowed one did not fail by accumulated rounding alone."""
 MARGIN, CLOCK = 2.0, 0.01
-"""A run that takes more than MARGIN times as long as the fastest so far, and more than CLOCK seconds, is not timed again.
-The time of a single shorter run is too uncertain.
+"""A run that takes more than MARGIN times as long as the fastest so far, and more than CLOCK seconds, is not timed
+again. The time of a single shorter run is too uncertain.
 """
 
 Data = dict[str, Any]

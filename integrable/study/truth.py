@@ -153,7 +153,9 @@ def _check(scene: Scene, flow: Any, digits: int, patience: float = 0.0, time: Fr
 
 
 def moved_by(system: Any) -> str:
-    """The method that moves a system: divisors on one curve, on two elliptic curves, or its equations of motion."""
+    """The name of the method that computes a system's motion: divisors on one curve, additions, two elliptic curves, or
+    integration of the equations of motion.
+    """
     if is_body(system):
         return "divisor flow"
     if isinstance(system, ClassicalSystem):
@@ -162,8 +164,8 @@ def moved_by(system: Any) -> str:
 
 
 def _independent(by: str, scene: Scene, flow: Any, time: Any, digits: int) -> tuple[Any, Any]:
-    """γ and M at one time, shapes (1, 3), by the integrator ``by``; all integrators except the Taylor series carry ten
-    more digits.
+    """γ and M at one time, shapes (1, 3), by the integrator ``by``; all integrators except the Taylor series compute
+    with ten more digits.
     """
     from integrable.deformations.equations import right_hand_sides
     from integrable.deformations.integrated import IntegratedMotion

@@ -71,7 +71,9 @@ def single(kind: Any) -> Any:
 @dataclass(frozen=True)
 class ArrayKind:
     """A C-contiguous array. ``item`` is the kind of its items: floats, integers, longs, double-doubles or complex
-    numbers. An item takes ``parts`` words; an integer in fewer bytes has the NumPy type ``stored``."""
+    numbers. An item takes ``parts`` words; ``stored`` is the NumPy type of integers of fewer than
+    8 bytes.
+    """
 
     item: Kind
     ndim: int = 1
