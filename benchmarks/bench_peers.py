@@ -10,8 +10,8 @@ system and a tolerance, with the constants as parameters. Each run has 101 times
 compiled, whose error is at most ten times the flow's or 1e-15; a dash if there is none. Rows of set-up have the times
 spent once per system and once per start; ``machine s`` is the time of building heyoka's integrator in this process.
 
-It takes two minutes on an idle machine once everything is compiled. The first run compiles on all cores before it
-measures, and says so. heyoka is in the extra ``peers``.
+The benchmark takes two minutes on an idle machine once everything is compiled. The first run compiles on all cores
+before it measures, and says so. heyoka is in the extra ``peers``.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ def set_up(name: str, spent: dict[str, Spent]) -> Row:
 
 
 def ensembles(smoke: bool) -> Row:
-    """The row of an ensemble of a hundred random balls at 101 times up to 100, on one thread, in ms for a member."""
+    """The row of an ensemble of a hundred random balls at 101 times up to 100, on one thread, in ms per member."""
     many, times = bench_ensemble.members(4 if smoke else 100), bench_ensemble.np.linspace(0, 100.0, OUTPUTS)
     wanted = bench_ensemble.truth(many, times)
     bench_ensemble.warm(smoke)

@@ -25,7 +25,8 @@ the motion.
 SCENE_FLOOR_FACTOR = 10.0
 """The error of the flow in floats should be within this factor of the floor."""
 WRONG, WRONG_FLOORS = 1e-6, 1000.0
-"""The flow in floats should raise an exception instead of an error above WRONG and above WRONG_FLOORS times the floor.
+"""The flow in floats should raise an exception rather than return a result whose error is above WRONG and above
+WRONG_FLOORS times the floor.
 """
 OFF_LEVEL = 0.1
 """An error is said to be off the level set if an integral drifts by more than this fraction of the error."""

@@ -71,8 +71,7 @@ def single(kind: Any) -> Any:
 @dataclass(frozen=True)
 class ArrayKind:
     """A C-contiguous array. ``item`` is the kind of its items: floats, integers, longs, double-doubles or complex
-    numbers. An item takes ``parts`` words; ``stored`` is the NumPy type of integers of fewer than
-    8 bytes.
+    numbers. An item takes ``parts`` words; ``stored`` is the NumPy type of integers of fewer than 8 bytes.
     """
 
     item: Kind

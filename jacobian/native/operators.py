@@ -358,7 +358,7 @@ class Operators(Code):
         return Value(INT, (self.write(f"call {word} @{name}({double} {self.float_of(x)})"),))
 
     def frexp(self, x: Value) -> Value:
-        """The pair (mantissa, exponent) of x, as of ``math.frexp``."""
+        """The pair (mantissa, exponent) of x, as ``math.frexp`` returns it."""
         slot = self.slot("i32")
         mantissa = self.write(f"call double @frexp(double {self.float_of(x)}, ptr {slot})")
         exponent = self.write(f"load i32, ptr {slot}")

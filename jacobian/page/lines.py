@@ -262,7 +262,7 @@ def _endomorphisms(choose: Callable[[Seen], Algebra]) -> Ask:
 
 
 def _sato_tate(facts: Facts) -> Answer | None:
-    """The Sato–Tate groups with the endomorphisms found, sorted by how well they fit the L-polynomials."""
+    """The Sato–Tate groups that agree with the endomorphisms, sorted by how well they fit the L-polynomials."""
     genus, found = facts.curve.genus, facts.seen
     if genus > 2:
         return None
