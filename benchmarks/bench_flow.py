@@ -38,7 +38,8 @@ READABLE = ("S1", "S6", "1 : 10^4 : 10^8", "equal moments", "equal to 1e-12", "|
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """Rows: error at the reference's times; error at far times against other computations; cost; memory of a stream.
+    """Rows: error at the reference's times; error at distant times against other computations; cost; memory of a
+    stream.
 
     Seconds and microseconds are processor time, the best of several repeats; loading the compiled loops is a row of its
     own.
@@ -86,8 +87,8 @@ def _against_reference(name: str) -> list[dict[str, object]]:
 
 
 def _far(name: str, smoke: bool) -> list[dict[str, object]]:
-    """Errors from the same floats, taken as exact: at τ = T/|M| against 25 digits and the table of counts, at t = T/|M|
-    against the readable loops in 48 digits.
+    """Errors for the same floats, taken as exact. The reference is :class:`PreciseFlow` at 25 digits for τ = T/|M|, and
+    the kernel "python" for t = T/|M|.
     """
     system, state = system_of(name)
     times = np.array(FAR[:2] if smoke else FAR) / float(np.linalg.norm(state.M))

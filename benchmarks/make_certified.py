@@ -1,6 +1,6 @@
 """Make the data set of certified trajectories: ``python -m benchmarks.make_certified [NAME ...]``.
 
-Motions at 50 times each, in balls of radius 10⁻³⁰ or less that contain them (``enclosure`` of their flows). Each
+The data set has motions at 50 times each, as balls of radius at most 10⁻³⁰ that contain them (``enclosure``). Each
 finished motion is written to ``build/certified/NAME.json``. The data set is made once all of these exist; an
 interrupted run can be resumed. A motion takes some ten seconds, one of DEFORMED a minute or two.
 """
