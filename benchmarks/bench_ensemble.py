@@ -3,13 +3,14 @@
 The balls have different moments in 1 … 3 and different d in 0 … 1, and |M| = 2; states are computed at 101 times from 0
 to T. ``ms`` is the wall time per member, with the set-up of the members and without compilation; ``processor ms`` is
 the processor time of all threads. ``error`` is the largest difference of γ and M/|M| of the first 20 members from their
-motions by the compiled kernel. ``memory`` is the growth of the process in MB; chunks of 64 MB are requested.
-heyoka runs batches of the processor's SIMD width at tolerance 1e-15 on as many threads, compiled before (``pip install
+motions by the compiled kernel. ``memory`` is the growth of the process in MB; chunks of 64 MB are requested. heyoka
+runs batches of the processor's SIMD width at tolerance 1e-15 on as many threads, compiled before (``pip install
 'jacobian-integrable[peers]'``). The benchmark takes two minutes on an idle machine.
 
 The last rows are of systems of any genus: 1,000 starts of Neumann's point on S², and of three particles of Toda's
-lattice, at T = 100. Times are processor times on one thread. ``÷ one by one`` compares our default with heyoka, built
-once, at tolerance 1e-15. ``÷ batches`` compares our tolerance 1e-12 with heyoka's batch mode at the same tolerance.
+lattice, up to T = 100. Times are processor times on one thread. ``÷ one by one`` compares our default with heyoka,
+built once, at tolerance 1e-15. ``÷ batches`` compares our tolerance 1e-12 with heyoka's batch mode at the same
+tolerance.
 """
 
 from __future__ import annotations

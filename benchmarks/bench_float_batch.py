@@ -51,7 +51,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 
 def _states() -> DivisorArray:
-    """The divisor of a step, and states of one motion some steps apart."""
+    """The divisor of a step, and the divisors of states of one motion, three steps apart."""
     from integrable.moving_point.compiled import LIBRARY
 
     ball = ChaplyginBall((1, 2, 3), 0.7)

@@ -3,8 +3,8 @@
 "PARI, s" is PARI's ``ellap`` at all primes in genus 1, else its ``hyperellcharpoly`` at a prime of each bit length,
 times the number of such primes, for bounds up to PARI_TO (cypari, where it is installed); "growth" is the time for this
 bound over that for a quarter of it. "memory, MB" is the peak of this process so far. The last rows justify the
-arithmetic of trees. One compares a product of two matrices in FLINT with the 75 transforms alone that
-the product would need. The others compare one walk from 0 with the blocks of a forest.
+arithmetic of trees. One compares a product of two matrices in FLINT with the 75 transforms alone that the product would
+need. The others compare one walk from 0 with the blocks of a forest.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def _matrices(bits: int) -> dict[str, object]:
 
 
 def _blocks(exponent: int) -> list[dict[str, object]]:
-    """Rows with the times of the matrices of genus 2, by one walk and by forests."""
+    """Rows with the times of the Hasse–Witt matrices of genus 2, by one walk and by forests."""
     F, rows = CURVES[2], []
     primes = HyperellipticCurve(QQ, F).l_polynomials(1 << exponent).p
     primes = primes[residues.modulo(2 * residues.exceptions(F, 2), primes) != 0]

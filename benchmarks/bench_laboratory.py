@@ -29,7 +29,7 @@ SYMMETRIC = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """A row for each field and kind of body; RuntimeError for an error beyond what is promised."""
+    """A row for each field and kind of body; RuntimeError if an error exceeds the promised one."""
     if not installed("heyoka"):
         return []
     integrate, rows = _integrator(), []

@@ -1,4 +1,4 @@
-"""Motions on Jacobians of genus 1 to 8 by additions: set-up, a point near 1 and near 10⁶, and its error; then 50 or
+"""Motions on Jacobians of genus 1 to 8 by additions: set-up, points near t = 1 and 10⁶, the error at 10⁶; then 50 or
 1000 points up to 10⁶ by the method that the flow chooses.
 
 Neumann's system on S^n (genus n) with a = 1, 2, …, n + 1 and the Toda lattice of n + 1 particles, in floats. Errors at

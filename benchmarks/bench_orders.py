@@ -1,4 +1,4 @@
-"""Group orders over large primes: the Cartier–Manin matrix in Õ(√p), then baby steps; and the choice of its method.
+"""Group orders over large primes: the Cartier–Manin matrix in Õ(√p), then baby steps.
 
 The first rows compare the method that :mod:`jacobian.finite.hasse_witt` chooses for the matrix with the other one. The
 other rows have orders of random curves, each checked by 100 random classes of the curve and as many of its twist;

@@ -84,7 +84,7 @@ class _Lines:
             self.watch.line(row_line(self._report(), row))
 
     def finished(self) -> Report:
-        """The report, completed by the parts that need no truth."""
+        """The finished report, with the check of the truth, the growth of the residual and the floor."""
         found = self.run.rest()
         check = self.run.truth(self.run.own.scene)["check"]
         report = replace(
@@ -237,7 +237,7 @@ class _Run:
         return Truth(task.scene, self.truth(task.scene))
 
     def rival(self, task: Task) -> Row:
-        """The row of SciPy's integrator; without figures, but with the reason, where it failed."""
+        """The row of SciPy's integrator. If the integrator failed, the row has the reason and no figures."""
         row = Row(task.method, task.setting, tolerance=task.value)
         if not installed("scipy"):
             with _pieces(task, self.tick):

@@ -134,7 +134,7 @@ _ORACLES = {
 
 
 def _notes(report: Report) -> list[str]:
-    """The reasons for rows without figures, without repetition."""
+    """The reasons why rows have no figures, each only once."""
     settings: dict[tuple[str, str], list[str]] = {}
     for row in report.rows:
         if row.note:

@@ -117,7 +117,7 @@ def _collect(workers: Sequence[_Worker], store: Store, finished: dict[str, Any])
         content, task = worker.finished(), worker.task
         if content is not None and task is not None:
             content.setdefault("seconds", worker.elapsed)
-            content["commit"] = commit()  # found at this process's start: a worker may begin hours later
+            content["commit"] = commit()  # the commit at this process's start: a worker may begin hours later
             finished[task.key] = store.write(task.key, task.stamp, content)
             worker.let_go(store)
             done.append(task)

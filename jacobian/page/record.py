@@ -35,7 +35,7 @@ class Line(NamedTuple):
 
 @dataclass(frozen=True)
 class Page:
-    """What is known of ``curve``, line by line; ``page["torsion"]`` is one line. The page prints as text, and notebooks
+    """A page about ``curve``; ``page["torsion"]`` is one of its lines. The page prints as text, and notebooks
     show it as a table.
     """
 
