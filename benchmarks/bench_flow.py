@@ -33,7 +33,7 @@ HARD: dict[str, tuple[tuple[float, ...], float, Any, Any]] = {
     "|M| = 2e4": ((1, 2, 3), 0.7, START[0], (3840, 12800, -14880)),
 }
 
-# cases whose series on the torus has so few terms that the readable loops compute it in seconds
+# cases whose series on the torus has so few terms that the kernel "python" computes it in seconds
 READABLE = ("S1", "S6", "1 : 10^4 : 10^8", "equal moments", "equal to 1e-12", "|M| = 2e4")
 
 
@@ -151,7 +151,7 @@ def _stream(count: int) -> dict[str, object]:
         command = [sys.executable, "-c", _STREAM, str(path), str(count)]
         before, after, seconds = map(float, subprocess.run(command, check=True, capture_output=True).stdout.split())
         size = path.stat().st_size
-    # kilobytes, but bytes on macOS
+    # ru_maxrss is in kilobytes, on macOS in bytes
     unit = 1024.0 if sys.platform != "darwin" else 1024.0 * 1024
     return {
         "what": f"stream of {count} states",

@@ -120,7 +120,7 @@ class Translation(Step):
             found = float(min(1 / self.system.field.eps, LARGEST))
         except (OverflowError, ZeroDivisionError):
             found = inf
-        # partial multiples may come near special positions: at least a digit is lost at every doubling
+        # every doubling loses at least a digit, and partial multiples may come near special positions
         times = min(abs(self.multiple), LARGEST)
         return found if times <= 2 else max(found, 1.0) * MOST_CONDITION * times * times
 

@@ -204,7 +204,7 @@ class _Worker:
 
 def _end(process: Any) -> None:
     """Kill a worker and the processes that it has started, which would disturb the next tasks."""
-    if hasattr(os, "killpg"):  # Windows has no groups to kill
+    if hasattr(os, "killpg"):  # Windows has no process groups
         with suppress(ProcessLookupError, PermissionError):
             # a worker that leads no group belongs to the group of this process
             if os.getpgid(process.pid) == process.pid:
@@ -243,7 +243,7 @@ def _work(connection: Connection) -> None:
     end_with_parent()
     warnings.simplefilter("ignore", NoCacheWarning)  # the parent has printed this warning
     warnings.simplefilter("ignore", RuntimeWarning)  # a comparator's values may overflow; its row says so
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # on Windows nothing else keeps the interrupt from this process
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # on Windows only this keeps Ctrl-C from the process
     for name in _THREADS:
         os.environ.setdefault(name, "1")
     used: set[tuple[str, str]] = set()

@@ -244,7 +244,7 @@ class Operators(Code):
         """:meth:`binary` for integers; quotients are rounded down, as in Python."""
         word, bit = self.types.word, self.types.bit
         if name in ARITHMETIC:
-            # nsw: overflow never occurs in an index, and LLVM then vectorises loops over indices
+            # nsw (no signed wrap): indices never overflow, and LLVM can then vectorise loops over them
             return self.write(f"{ARITHMETIC[name]} nsw {word} {x}, {y}")
         if name in BITS:
             return self.write(f"{BITS[name]} {word} {x}, {y}")
