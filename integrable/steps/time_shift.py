@@ -22,7 +22,7 @@ from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, shown
 # digits in addition to those of the field, so that a w (:class:`Shift`) of moderate size needs no second set-up
 SPARE = 8
 FARTHEST = 1e100
-"""The largest |w|, in units of the flow's own time. A call then still takes milliseconds."""
+"""The largest |w|, in units of the flow's own time. Even then a call takes only milliseconds."""
 
 
 class Shift(Move):
@@ -141,5 +141,5 @@ def sum_of(setup: Setup, first: Any, second: Any) -> Row:
 
 
 def _top(setup: Setup) -> Any:
-    """The largest a_i, X, which is the unit of x."""
+    """X, the largest a_i, which is the unit of x."""
     return setup.problem.time_scale / (2 * setup.problem.momentum)

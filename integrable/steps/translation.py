@@ -104,8 +104,8 @@ class Translation(Step):
         return replaced(moved, _rounding=self._rounding, guarded=True)
 
     def condition(self, state: State) -> float:
-        """The amplification of rounding errors. Its causes are D' at a small distance δ from zero (1/δ), cancellation
-        in f(x') and between two points, and the multiple. The value is inf beyond the range of floats.
+        """The amplification of rounding errors. Its causes are a small distance δ of D' from zero (a factor of 1/δ),
+        cancellation in f(x') and between two points, and the multiple. The value is inf beyond the range of floats.
         """
         state = self.system._checked(state)
         if state.tilted:

@@ -47,11 +47,11 @@ class Behind:
     scene: str
     row: dict[str, Any]
     flow_error: float | None
-    """The least error of the flow in at most the row's run time; None where no row of the flow is so fast."""
+    """The least error of the flow in at most the row's run time; None where no row of the flow is as fast."""
     first: dict[str, Any] | None
     """The fastest row of the flow, None where it has none."""
     overtaken: float | None
-    """The least run time in which the flow is at least as accurate; None where no row of the flow is."""
+    """The least run time in which the flow is at least as accurate as the row; None if it never is."""
 
     @property
     def cheaper(self) -> bool:
@@ -90,7 +90,7 @@ class Standing:
     def outcome(self) -> str:
         """The outcome of the comparison: "met", "slower", "none" or "stopped".
 
-        "met" means that another method is as accurate. "slower" means that none was, but some exceeded their time.
+        "met" means that another method is accurate enough. "slower" means that none was, but some exceeded their time.
         "none" means that methods of :attr:`strong` ran and none was accurate enough, "stopped" that they could not run.
         """
         if self.peer is not None:

@@ -70,8 +70,8 @@ _KEPT: dict[tuple[str, str], tuple[float, float]] = {}
 def first_use(task: Task) -> tuple[float, float]:
     """The seconds that the flow in floats spends once per machine, and until its first answer, for a kind of system.
 
-    Both are measured at the flow's first use in this process, as for rivals. They include imports, and compiling or
-    loading compiled code.
+    Both are measured at the flow's first use in this process, as for the other methods. They include imports, and
+    compiling or loading compiled code.
     """
     begun = perf_counter()
     _compile_walks(task.scene)

@@ -38,7 +38,7 @@ DIGITS = (40, 60, 100)
 """Digits of the truth of a study: the first of these that resolves the motion."""
 CHECK_DIGITS = 30
 PART = 20
-"""States of the truth that are computed between two steps of the progress bar."""
+"""The number of states of the truth that are computed between two steps of the progress bar."""
 ADDITIONS = "additions"
 """The method of the systems of :mod:`integrable.classical`."""
 COLLOCATED, STEPS_OF_A_SCALE = "Gauss collocation", 4
@@ -190,7 +190,7 @@ def _states(found: Any) -> tuple[Any, Any]:
 
 
 class Judge:
-    """The reference for errors: states of a motion or orbit, in rows of γ and of M, and the exact start's integrals."""
+    """The reference for errors: states of a motion or orbit, in rows of γ and of M, and the integrals of the start."""
 
     def __init__(self, system: Any, state: State, gamma: Any, M: Any) -> None:
         self.system, self.state = system, state
