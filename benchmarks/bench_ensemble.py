@@ -146,7 +146,7 @@ def truth(many: Ensemble, times: np.ndarray) -> np.ndarray:
 
 
 def error(gamma: np.ndarray, M: np.ndarray, wanted: np.ndarray) -> float:
-    """The largest difference of γ and M/|M| from the wanted values."""
+    """The largest difference of γ and M/|M| from the reference values."""
     count = len(wanted)
     return float(abs(np.concatenate([gamma[:count], M[:count] / 2], axis=2) - wanted).max())
 

@@ -27,7 +27,7 @@ BOUNDS = {1: (12, 14, 16, 18, 20), 2: (12, 14, 16, 18, 20), 3: (12, 14, 16, 18)}
 PROMISED = {(1, 20): 60.0, (2, 14): 4.0, (2, 16): 12.0, (2, 20): 360.0, (3, 16): 90.0, (3, 18): 600.0}
 """The promised seconds on one processor, by genus and exponent of the bound."""
 PARI_TO = 1 << 12
-"""A prime of 16 bits takes PARI 5 s."""
+"""The largest bound for PARI in genus 2 and 3. At one prime of 16 bits PARI takes 5 s."""
 BITS = 640_000
 
 

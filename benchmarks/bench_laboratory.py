@@ -1,8 +1,8 @@
 """Bodies in the laboratory compared with Newton's and Euler's equations of the rotation matrix, at 160 bits.
 
-200 random balls and as many free bodies: inertia tensors of six random masses in arbitrary axes, random orientations, ω
-of 3 rad/s in each component. The equations (:mod:`tests.integrable.laboratory.newton_euler`) share no formula with the
-package; they are integrated by heyoka's Taylor series in reals of 160 bits (``pip install
+200 random balls and as many free bodies: inertia tensors of six random masses in arbitrary axes, random orientations,
+components of ω with a standard deviation of 3 rad/s. The equations (:mod:`tests.integrable.laboratory.newton_euler`)
+share no formula with the package; they are integrated by heyoka's Taylor series in reals of 160 bits (``pip install
 'jacobian-integrable[peers]'``), to 10⁻³⁶. Errors are the largest over all bodies: of the elements of the rotation, of ω
 relative to its size, of the contact in m.
 """

@@ -22,7 +22,7 @@ CHOICES = (10**5, 5 * 10**5, 2 * 10**6, 10**7)
 ORDERS = ((10**9, 2), (10**9, 3), (10**12, 2), (10**12, 3), (10**14, 2))
 WORSE = 2.0
 COMPILED = 1.0
-"""The seconds of compilation, once, for the products; the recurrence needs none."""
+"""The seconds to compile the method of products, spent once. The recurrence needs no compilation."""
 
 
 def run(smoke: bool) -> list[dict[str, object]]:

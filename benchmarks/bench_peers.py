@@ -5,7 +5,7 @@ digits.
 median of runs in turn in one process, with all code compiled before. heyoka's integrator is built once for a kind of
 system and a tolerance, with the constants as parameters. Each run has 101 times up to T, in the scene's unit of time.
 
-``error`` is the largest of γ and M/|M|, or of q and p, at T, against 30 digits from the same doubles. Where
+``error`` is the largest error of γ and M/|M|, or of q and p, at T, against 30 digits from the same doubles. Where
 ``heyoka/flow`` is above 1, the flow is faster. ``fastest`` is the fastest of heyoka, Gauss–Legendre 16 and Taylor,
 compiled, whose error is at most ten times the flow's or 1e-15; a dash if there is none. Rows of set-up have the times
 spent once per system and once per start; ``machine s`` is the time of building heyoka's integrator in this process.
@@ -111,7 +111,7 @@ def runs_of(scene: Scene) -> tuple[dict[str, Callable[[], Timed]], str]:
 
 
 def compared(scene: Scene, T: int) -> tuple[Row, dict[str, Spent]]:
-    """One row, 101 times up to T, and the costs of each side."""
+    """The row for 101 times up to T, and the costs of each method."""
     last = at_times(scene, [T])
     truth = Truth(last, compute(last, 0.0))
     runs, said = runs_of(at_times(scene, grid(T)))

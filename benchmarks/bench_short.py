@@ -4,7 +4,7 @@ The first rows are the constants of the cost model of :mod:`integrable.motion.sh
 as they are ``kept`` there, and as they are ``measured`` here on each scene.
 
 The next rows are for fresh flows with a number of times up to T. They have the milliseconds of a short run of any
-length (a dash where its checks fail) and of the torus, the choice of "auto", and ``lost``, the time of that choice
+length (a dash where its checks fail) and of the torus, and the choice of "auto". ``lost`` is the time of that choice
 relative to the cheaper of the two. A choice is good if it loses little, or if it is a torus that takes at most twice as
 long. The last row says in how many cases the slower one was chosen, and the most that was lost.
 """

@@ -33,7 +33,7 @@ K = MP(60)
 STEPS = {"S1": (0.3, 1e-4), "S2": (0.3, 1e-4)}
 MOST_RESIDUAL = 1e-13
 RETRACTED = 16
-"""Additions between two corrections."""
+"""The number of additions between two corrections."""
 
 
 @dataclass(frozen=True)

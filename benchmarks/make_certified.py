@@ -32,7 +32,7 @@ DEFORMED = {"tilde": 3.0, "tilde_potential": 3.0, "tilde_poles": 3.0, "check": 3
 """Scenes whose equations of motion are enclosed (:mod:`integrable.deformations.enclosed`), and their last times."""
 RANDOM = 24
 TURNS = {True: 3.0, False: 1.0}
-"""The length of scenes and random motions, in turns of the body at its initial angular velocity."""
+"""The length of scenes (True) and of random motions (False), in turns of the body at its initial angular velocity."""
 
 
 def motions() -> dict[str, tuple[Any, Any, str]]:

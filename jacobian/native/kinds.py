@@ -16,8 +16,7 @@ from jacobian.native.code import LANES, TWO
 
 
 class CompileError(TypeError):
-    """Raised if a loop contains something that cannot be compiled, or gets arguments of kinds that it does not accept.
-    """
+    """Raised if a loop contains something that cannot be compiled, or gets arguments of kinds that it does not take."""
 
 
 @dataclass(frozen=True)
